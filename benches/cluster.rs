@@ -1,4 +1,4 @@
-//! How long do pose groups take, how much memory, and how many are there beside exact complete linkage?
+//! Time and memory of pose grouping, and number of groups beside exact complete linkage.
 //! `cargo bench --bench cluster`; recordings are used where they are, as for tests.
 
 mod common;
@@ -17,7 +17,7 @@ use throng_precompute::retarget::{RetargetConfig, onto};
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::{BuildError, Clip, ClipSet, Warnings, memory, mirror};
 
-/// Frames of Lee, Choi and Lee (2006)'s playground.
+/// Number of frames of the playground of Lee, Choi and Lee (2006).
 const PLAYGROUND: usize = 51_169;
 
 fn main() -> Result<(), BuildError> {
@@ -32,7 +32,7 @@ fn main() -> Result<(), BuildError> {
     measure("walk, with mirrored copies", &part(&walk(139.5, true)?, 500_000), 0)
 }
 
-/// Prints the figures of a set, and beside them those of complete linkage of its first frames.
+/// Prints the figures of a set, beside those of complete linkage of its first frames.
 fn measure(name: &str, clips: &ClipSet, exact_frames: usize) -> Result<(), BuildError> {
     let whole = extract(clips, &FeaturesConfig::default())?;
     let first = part(clips, exact_frames);
@@ -78,7 +78,7 @@ fn walk(minutes: f64, mirrored: bool) -> Result<ClipSet, BuildError> {
     Ok(clips)
 }
 
-/// The recordings, where there are any, at 30 Hz.
+/// The recordings, if there are any, at 30 Hz.
 fn recorded() -> Result<Option<ClipSet>, BuildError> {
     let Some(root) = mocap::recording("") else { return Ok(None) };
     let folders = ["cmu-asfamc/01", "cmu-asfamc/02", "cmu-asfamc/03", "snu/single", "snu/session23", "snu/multi"];

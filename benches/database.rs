@@ -1,7 +1,7 @@
-//! What does a build cost as motion grows? `cargo bench --bench database -- 5 15 45 ../shared/mocap` bakes so many minutes
-//! of motion, repeated and perturbed from files and folders, or else from synthetic sets.
+//! Cost of a build for growing amounts of motion. `cargo bench --bench database -- 5 15 45 ../shared/mocap` bakes so many
+//! minutes of motion, repeated and perturbed from files and folders, or else from synthetic sets.
 //!
-//! Each size is baked by a process of its own, without a cache, so that its processor time and memory are its alone.
+//! Each size is baked by a separate process without a cache, so that processor time and memory are its own.
 
 mod common;
 
@@ -23,7 +23,7 @@ use throng_runtime::{Joint, NUM_JOINTS};
 
 type Failure = Box<dyn std::error::Error>;
 
-/// Names the folder of clips that a process is to bake.
+/// Environment variable with the folder of clips that a process is to bake.
 const BAKE: &str = "THRONG_BENCH_DATABASE";
 /// Stages of the table, in order.
 const STAGES: [&str; 7] = ["import", "retarget", "clips", "graph", "policy", "hash", "write"];
@@ -92,7 +92,7 @@ fn recorded(inputs: &[PathBuf]) -> Result<ClipSet, Failure> {
     Ok(onto(&raw.clips, &RetargetConfig::default(), &mut Warnings::default())?)
 }
 
-/// Writes files of so many minutes together: the clips as they are, then perturbed copies, again and again.
+/// Writes files of `minutes` in total: the clips as they are, then perturbed copies, again and again.
 fn write(base: &ClipSet, minutes: f64, folder: &Path) -> Result<(), Failure> {
     let mut seconds = 0.0;
     for (number, clip) in base.clips.iter().cycle().enumerate() {
@@ -109,8 +109,8 @@ fn write(base: &ClipSet, minutes: f64, folder: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A copy that differs from its original and from all others: played at a pace of its own that changes, turned, every
-/// other one mirrored, with joints that sway on their own.
+/// A copy that differs from its original and from all others: played at its own changing pace, turned, every other one
+/// mirrored, with joints that sway independently.
 fn perturbed(clip: &Clip, copy: usize, seed: u64) -> Clip {
     let mut rng = Pcg64::seed_from_u64(seed);
     let clip = if copy % 2 == 1 { mirror::mirror(clip) } else { clip.clone() };
@@ -140,7 +140,7 @@ fn perturbed(clip: &Clip, copy: usize, seed: u64) -> Clip {
     Clip::new(clip.name.clone(), clip.rate_hz, root_positions, rotations)
 }
 
-/// How far a joint sways: legs little, so that feet stay where they stand (rad).
+/// Amplitude of a joint's sway: small for legs, so that feet stay in place (rad).
 fn swing(joint: usize) -> f32 {
     match Joint::ALL[joint].name() {
         name if ["thigh", "shin", "foot", "toe"].iter().any(|part| name.ends_with(part)) => 0.004,

@@ -1,5 +1,5 @@
-//! What does it cost to open a bundle by reading it, and by mapping it? Tables of 11 MB, 100 MB and 1 GB, each opened in a
-//! process of its own. `cargo bench --bench open`
+//! Cost of opening a bundle by reading it, and by mapping it: tables of 11 MB, 100 MB and 1 GB, each opened in a separate
+//! process. `cargo bench --bench open`
 #![allow(unsafe_code)]
 
 use std::path::Path;
@@ -8,9 +8,9 @@ use std::time::Instant;
 use throng_runtime::Bundle;
 use throng_runtime::format::{ALIGN, Header, Section, Tag, crc32};
 
-/// Ways to open a file.
+/// Methods to open a file.
 const WAYS: [&str; 4] = ["open", "map", "open_unverified", "map_unverified"];
-/// Each is done so often; the fastest counts, as one that nothing else slowed down.
+/// Number of repetitions of each; the fastest counts, as the least disturbed one.
 const TIMES: usize = 5;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -55,7 +55,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn open(way: &str, file: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let before = memory();
     let begin = Instant::now();
-    // SAFETY: the file is the parent's, which leaves it as it is.
+    // SAFETY: the file belongs to the parent process, which does not change it.
     let tables = match way {
         "open" => Bundle::open(file),
         "map" => unsafe { Bundle::map(file) },
@@ -69,7 +69,7 @@ fn open(way: &str, file: &Path) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Memory of this process alone, and of files, where the system tells (MB).
+/// Memory of this process alone, and of files, where the system reports it (MB).
 fn memory() -> [f64; 2] {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let value = |key: &str| {
@@ -79,7 +79,7 @@ fn memory() -> [f64; 2] {
     [value("RssAnon:") + value("RssShmem:"), value("RssFile:")]
 }
 
-/// The golden tables, with a section that nobody reads: a file of about `size` bytes.
+/// The golden tables with an additional section that is not read: a file of about `size` bytes.
 fn padded(size: usize) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join(format!("data/golden/tables_v{}.throng", throng_runtime::format::VERSION));

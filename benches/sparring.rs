@@ -1,7 +1,7 @@
-//! What does sparring cost beside moving and posing the same characters? `cargo bench --bench sparring`.
+//! Cost of sparring beside moving and posing the same characters. `cargo bench --bench sparring`.
 //!
 //! Thirty boxers, as in Lee and Lee (2004), section 6, and a thousand: choice, poses, blows, landing, reactions and
-//! parting, beside a characters that only move and are posed, and a copy of its poses, all in the same run on one
+//! parting, beside characters that only move and are posed, and a copy of their poses, all in the same run on one
 //! thread.
 
 use std::hint::black_box;
@@ -17,7 +17,7 @@ use throng_runtime::characters::{
 use throng_runtime::sparring::{Sparring, SparringConfig};
 use throng_runtime::{Bundle, Cast, Inline, Planar};
 
-/// What is baked: the two behaviours of Lee and Lee (2004) on grids of their size, and evasion.
+/// Config of the bundle: the two behaviours of Lee and Lee (2004) on grids of their size, and evasion.
 const CONFIG: &str = r#"
 name = "bench"
 [synth]
@@ -37,7 +37,7 @@ name = "evade"
 kind = "evade"
 "#;
 
-/// A simulated step (s).
+/// Duration of a simulated step (s).
 const DT: f32 = 1.0 / 60.0;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -67,7 +67,7 @@ fn report(tables: &Bundle, characters: usize, steps: usize) -> Result<(), Box<dy
             sparring.order(id, all)?;
         }
     }
-    // Until everybody has come to blows.
+    // Until all pairs have begun to strike.
     for _ in 0..steps {
         sparring.step(DT, &Inline)?;
     }
@@ -78,7 +78,7 @@ fn report(tables: &Bundle, characters: usize, steps: usize) -> Result<(), Box<dy
     let orders: Vec<Order> = places.map(|(head, threat)| all.around(*head).threatened(*threat)).collect();
     let mut copy = sparring.characters().model_matrices().to_vec();
 
-    // Taking turns, so that whatever else the machine does meets all three alike.
+    // In turns, so that other load of the machine affects all three alike.
     let mut times = [Vec::new(), Vec::new(), Vec::new()];
     for _ in 0..steps {
         times[0].push(timed(|| sparring.step(DT, &Inline))?);
@@ -109,8 +109,8 @@ fn timed<E>(work: impl FnOnce() -> Result<(), E>) -> Result<f64, E> {
     Ok(begin.elapsed().as_secs_f64())
 }
 
-/// Mean of the quarter that was least disturbed by what else the machine does, in groups of steps that each hold their
-/// share of choices.
+/// Mean of the quarter of the steps that was least disturbed by other load, in groups of steps that each hold their share
+/// of choices.
 fn undisturbed_mean(times: Vec<f64>) -> f64 {
     let mut groups: Vec<f64> = times.chunks(10).map(|g| g.iter().sum::<f64>() / g.len() as f64).collect();
     groups.sort_by(f64::total_cmp);

@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     run(next("locomotion.throng").as_ref(), &next("ahead-neutral"))
 }
 
-/// Sends twelve people round a house; who is there leaves.
+/// Sends twelve people around a house; a person that has arrived leaves.
 pub fn run(bundle: &Path, space: &str) -> Result<(), Box<dyn std::error::Error>> {
     let house = Obstacle::Box { min: Vec3::new(-3.0, 0.0, -3.0), max: Vec3::new(3.0, 3.0, 3.0) };
     let setup = Setup { fields: vec![Field::COMMUTER], ..Setup::in_streets(&Streets::new(&[house], 0.4)?, 12) };
@@ -26,7 +26,7 @@ pub fn run(bundle: &Path, space: &str) -> Result<(), Box<dyn std::error::Error>>
     let mut people = Pedestrians::new(crowd, Bundle::open(bundle)?.blend(space)?, &[], WalkersConfig::default())?;
     for i in 0..12 {
         let id = people.spawn(Agent::at(Vec3::new(i as f32 - 6.0, 0.0, -6.0)))?;
-        // Finds its way round the corner, or says that there is none.
+        // Finds a path around the corner, or fails if there is none.
         people.order(id, Go::to(Vec3::new(0.0, 0.0, 8.0)).within(2.0).then(AtEnd::Leave))?;
     }
     let inside = people.order(people.bodies().ids[0], Go::to(Vec3::ZERO));
@@ -37,7 +37,7 @@ pub fn run(bundle: &Path, space: &str) -> Result<(), Box<dyn std::error::Error>>
             println!("{:4.1} s: {id}: {what:?}", f64::from(step) / 60.0);
         }
     }
-    // Who has left has no body any more.
+    // A person that has left has no body any more.
     for &id in people.bodies().ids {
         let head = people.bodies().get(id).ok_or("a body")?.position(Joint::Head);
         println!("{id} is still on its way: {:?}, its head at {head:.1}", people.status(id)?);

@@ -21,7 +21,7 @@ pub fn run(out: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
     synth::write(SynthSet::Walk, &SynthConfig { minutes: 2.0, ..SynthConfig::default() }, folder.path())?;
 
-    // What a config file says, field by field. A second behaviour looks further ahead.
+    // The settings of a config file, field by field. A second behaviour looks further ahead.
     let mut config = BuildConfig::new("walk", vec![folder.path().to_path_buf()]);
     config.behaviours.push(BehaviourConfig { name: "far".into(), discount: 0.99, ..BehaviourConfig::default() });
 

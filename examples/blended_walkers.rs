@@ -1,4 +1,4 @@
-//! Blended walkers: they enter, are told how to walk, report their steps, and leave.
+//! Blended walkers: they enter, get orders how to walk, report their steps, and leave.
 //!
 //! ```sh
 //! cargo run --release -- build data/locomotion.toml

@@ -1,4 +1,4 @@
-//! Errors: each says what, who, what was expected, what was found, and the way out.
+//! Errors: each names the item and the character, the expected and the found value, and a remedy.
 //!
 //! ```sh
 //! cargo run --release -- build data/locomotion.toml
@@ -22,19 +22,19 @@ pub fn run(bundle: &Path, space: &str) -> Result<(), Box<dyn std::error::Error>>
     let bundle = Bundle::open(bundle)?;
     println!("{}", Bundle::open("no-such.throng").expect_err("a file that is not there"));
 
-    // A wrong name: the error lists those that there are.
+    // A wrong name: the error lists the existing ones.
     let unknown = bundle.blend("wlaks").expect_err("a wrong name");
     assert!(matches!(&unknown, Error::Unknown { known, .. } if known.iter().any(|name| name == space)));
     println!("{unknown}");
 
-    // A bad number: the error names who it is about, and nothing changes.
+    // A bad number: the error names the walker, and nothing changes.
     let mut walkers = Walkers::with_capacity(bundle.blend(space)?, &[], WalkersConfig::default(), 1)?;
     let id = walkers.spawn(WalkerStart::default())?;
     let bad = walkers.order(id, Control::walk(Vec2::new(f32::NAN, 0.0))).expect_err("not a number");
     assert!(matches!(bad, Error::Value { who: Some(who), .. } if who == id));
     println!("{bad}");
 
-    // No more room, and an id that has left.
+    // No more room, and the id of a walker that has left.
     let full = walkers.spawn(WalkerStart::default()).expect_err("a full cast");
     walkers.despawn(id)?;
     let gone = walkers.status(id).expect_err("an id that has left");

@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     run(next("locomotion.throng").as_ref(), &next("ahead-neutral"))
 }
 
-/// Nothing here has a lifetime: bundles are shared, and casts own what they use.
+/// Nothing here has a lifetime: bundles are shared, and groups of walkers own the data that they use.
 struct Game {
     file: PathBuf,
     changed: SystemTime,
@@ -25,7 +25,7 @@ struct Game {
 }
 
 impl Game {
-    /// Takes the file if it changed. A bad one leaves everything as it was, and says why.
+    /// Adopts the file if it changed. A bad file leaves everything as it was, and returns the reason.
     fn poll(&mut self) -> Result<Option<Adopted>, Box<dyn std::error::Error>> {
         let changed = std::fs::metadata(&self.file)?.modified()?;
         if changed == self.changed {
@@ -48,7 +48,7 @@ pub fn run(bundle: &Path, space: &str) -> Result<(), Box<dyn std::error::Error>>
     game.people.order(id, Control::walk(Vec2::new(0.0, 1.0)))?;
     game.people.step(1.0 / 60.0, &Inline)?;
 
-    // A writer replaces a file by renaming: whoever has the old one mapped keeps it.
+    // A writer replaces a file by renaming: a process that has mapped the old one keeps it.
     let (damaged, new) = (folder.path().join("damaged"), folder.path().join("new"));
     std::fs::write(&damaged, &std::fs::read(bundle)?[..1000])?;
     std::fs::rename(&damaged, &game.file)?;

@@ -1,4 +1,4 @@
-//! A step on threads of one's own: results do not depend on who runs which part.
+//! A step on your own threads: results do not depend on which thread runs which part.
 //!
 //! ```sh
 //! cargo run --release -- build data/locomotion.toml
@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     run(next("locomotion.throng").as_ref(), &next("ahead-neutral"))
 }
 
-/// So many threads, which take one part after the other. An engine hands the parts to its job system here.
+/// A number of threads, each of which runs one part after the other. An engine passes the parts to its job system here.
 struct Threads(usize);
 
 impl Run for Threads {

@@ -23,12 +23,12 @@ pub fn run(bundle: &Path, world: &Path) -> Result<(), Box<dyn std::error::Error>
     // Path costs lie in the file, so that this takes milliseconds.
     let world = World::open(world, &bundle)?;
     let mut kids = Inhabitants::new(&world, 10, InhabitantsConfig::default())?;
-    // Places far from each other where somebody can stand; everybody roams until told otherwise.
+    // Distant places where a person can stand; all people roam until they get an order.
     for start in scatter(world.graph(), 10, 1) {
         kids.spawn(start)?;
     }
 
-    // Each takes the nearest place that nobody else has; who finds none waits.
+    // Each person takes the nearest free place; one that finds none waits.
     let place = world.near(Vec3::ZERO, 20.0)?.at;
     for id in kids.ids().to_vec() {
         kids.order(id, Wish::GoNear { place, within_m: 3.0 })?;
@@ -40,11 +40,11 @@ pub fn run(bundle: &Path, world: &Path) -> Result<(), Box<dyn std::error::Error>
         println!("{id}: {:?}", kids.status(id)?);
     }
 
-    // What cannot be is an error at once, and says who.
+    // An impossible order is an error at once, which names the person.
     let first = kids.ids()[0];
     let far = Wish::GoNear { place: Vec3::new(500.0, 0.0, 0.0), within_m: 3.0 };
     assert!(matches!(kids.order(first, far), Err(Error::Value { who, .. }) if who == Some(first)));
-    // One is put to the nearest free place beside another one, where there is any, and goes home.
+    // One person is moved to the nearest free place beside another one, if there is any, and goes home.
     let other = kids.bodies().roots[1];
     if let Err(e) = kids.place(first, Planar::new(other.x, other.z, 0.0)) {
         println!("{e}");

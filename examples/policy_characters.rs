@@ -1,4 +1,4 @@
-//! Policy characters: people enter, are told where to go one by one, and walk there.
+//! Policy characters: people enter, get their targets one by one, and walk there.
 //!
 //! ```sh
 //! cargo run --release -- demo
@@ -18,13 +18,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 pub fn run(bundle: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let bundle = Bundle::open(bundle)?;
     let approach = bundle.policy("approach")?;
-    // They make way: nobody ever walks through anybody.
+    // They avoid each other: no character ever walks through another.
     let config = CharactersConfig { avoid: Some(AvoidConfig::default()), ..CharactersConfig::default() };
     let mut people = PolicyCharacters::with_capacity(&bundle, 200, config)?;
     let places = (0..200).map(|i| Planar::new(2.0 * (i % 20) as f32, 2.0 * (i / 20) as f32, 0.0));
     let ids = places.map(|root| people.spawn(Spawn::standing(root))).collect::<Result<Vec<Id>, _>>()?;
 
-    // Only who changes is told. The order stays.
+    // Only changes need an order. An order stays.
     let click = Vec3::new(30.0, 0.0, 25.0);
     people.order(ids[17], approach.aim(click))?;
     for _ in 0..600 {

@@ -1,4 +1,4 @@
-//! Asks a policy for actions, without characters: the stored best one, and all of them weighed.
+//! Asks a policy for actions, without characters: the stored best action, and a ranking of all actions.
 //!
 //! ```sh
 //! cargo run --release -- demo
@@ -27,7 +27,7 @@ pub fn run(bundle: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let mut best = [0u8; 3];
     BestActionJob { policy, states: &states, targets: &targets, choice: 0, actions: &mut best }.run()?;
 
-    // Every action weighed by its reward and the value of where it leads; several behaviours could be summed.
+    // Every action, scored by its reward and the value of the state that it leads to; several behaviours could be summed.
     let mut ranked = [RankedActions::NONE; 3];
     let goals = [Goal { policy, weights: &[1.0; 3], targets: &targets }];
     LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked }.run()?;

@@ -1,5 +1,5 @@
-//! Saving and restoring a whole simulation: time, everybody, their bodies, and what they have heard of. What follows is the
-//! same, bit by bit.
+//! Saving and restoring a whole simulation: time, all characters, their bodies, and the events that they know of. Later
+//! steps are the same, bit by bit.
 //!
 //! ```sh
 //! cargo run --release -- build data/locomotion.toml
@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     run(next("locomotion.throng").as_ref(), &next("ahead-neutral"))
 }
 
-/// People cross a square. After half a second they hear that they have to turn back.
+/// People cross a square. After half a second a happening sends them back.
 const SCENE: &str = r#"
 bundle = "locomotion.throng"
 
@@ -59,7 +59,7 @@ pub fn run(bundle: &Path, space: &str) -> Result<(), Box<dyn std::error::Error>>
     Ok(())
 }
 
-/// A second goes by.
+/// Simulates one second.
 fn go_on(people: &mut Simulation) -> throng_runtime::Result<()> {
     (0..60).try_for_each(|_| people.step(1.0 / 60.0))
 }

@@ -1,4 +1,4 @@
-//! Sparring: pairs strike at each other's heads, and blows that land are told.
+//! Sparring: pairs strike at each other's heads, and blows that land are reported.
 //!
 //! ```sh
 //! cargo run --release -- build data/boxing.toml
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// Lets two boxers spar for half a minute.
 pub fn run(bundle: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let bundle = Bundle::open(bundle)?;
-    // Come near, strike, and be elsewhere when a blow lands; whom all that is about is found at every step.
+    // Policies to approach, strike and evade; their targets are updated at every step.
     let (punches, evade) = (bundle.policy("throw-punches")?, bundle.policy("evade")?);
     let fight = bundle.policy("approach")?.aim(Vec3::ZERO).and(punches.number(), 2.0).and(evade.number(), 1.0);
     let mut sparring = Sparring::with_capacity(&bundle, 1, SparringConfig::default())?;

@@ -1,4 +1,4 @@
-//! Counts how often memory is taken, for `throng bench scenario`.
+//! Counts memory allocations, for `throng bench scenario`.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -10,13 +10,13 @@ static COUNT: AtomicU64 = AtomicU64::new(0);
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// How often memory was taken so far.
+/// Number of memory allocations so far.
 pub fn count() -> u64 {
     COUNT.load(Relaxed)
 }
 
 #[allow(unsafe_code, reason = "an allocator cannot be written otherwise")]
-// SAFETY: all is passed on to the allocator of the system as it comes.
+// SAFETY: every call is passed on unchanged to the allocator of the system.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         COUNT.fetch_add(1, Relaxed);

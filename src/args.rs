@@ -13,7 +13,7 @@ use throng_runtime::crowd::Scheme;
 use throng_runtime::simulation::Scene;
 use throng_runtime::simulation::scene::engine;
 
-/// Printed where no command is given.
+/// Text that is printed if no command is given.
 pub const FIRST_STEPS: &str = "\
 Throng makes characters that walk where they are sent out of motion capture. Three commands matter:
 
@@ -24,14 +24,14 @@ Throng makes characters that walk where they are sent out of motion capture. Thr
 No motion at hand? `throng demo` makes some and does all of it. `throng help` lists every command.
 ";
 
-/// Below every `--help`.
+/// Text below every `--help`.
 pub const AFTER_HELP: &str = "Exit codes: 0 done, 1 failed (the message names file, line or joint and the way out), \
 2 wrong usage. With --json, a command prints one JSON object on standard output and everything else on standard error.";
 
-/// What a subcommand returns.
+/// Result of a subcommand.
 pub type Outcome = Result<(), Box<dyn std::error::Error>>;
 
-/// A message as an error.
+/// An error with a message.
 pub fn fail<T>(message: impl Into<String>) -> Result<T, Box<dyn std::error::Error>> {
     Err(message.into().into())
 }
@@ -49,7 +49,7 @@ pub fn open(path: &Path) -> Result<Bundle, Box<dyn std::error::Error>> {
     })
 }
 
-/// How motion files are read.
+/// Options for reading motion files.
 #[derive(clap::Args)]
 pub struct ReadArgs {
     /// Skeleton of an AMC file; found beside it by default.
@@ -64,7 +64,7 @@ pub struct ReadArgs {
 }
 
 impl ReadArgs {
-    /// The settings that the flags describe.
+    /// Build config of these options.
     pub fn config(&self) -> Result<BuildConfig, Box<dyn std::error::Error>> {
         let mut config = match &self.config {
             Some(path) => BuildConfig::load(path)?,
@@ -79,7 +79,7 @@ impl ReadArgs {
         Ok(config)
     }
 
-    /// Likewise, for these files; a skeleton that goes with none of them is an error.
+    /// Build config for some files; a skeleton that none of them can use is an error.
     pub fn config_for(&self, files: &[PathBuf]) -> Result<BuildConfig, Box<dyn std::error::Error>> {
         let is_amc = |p: &PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("amc"));
         let asf = self.asf.as_ref().filter(|_| import::expand(files).is_ok_and(|all| !all.iter().any(is_amc)));
@@ -107,13 +107,13 @@ pub fn is_toml(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
 }
 
-/// The cache of stage outputs.
+/// Options of the cache of stage outputs.
 #[derive(clap::Args)]
 pub struct CacheArgs {
     /// Folder that keeps the outputs of stages between builds, or s3://BUCKET/PREFIX in programs built for it.
     #[arg(long, value_name = "DIR", default_value = Cache::FOLDER)]
     cache: PathBuf,
-    /// Most that a folder may keep, in GB; what was not used for longest makes room.
+    /// Greatest size of the folder, in GB; the least recently used entries are removed first.
     #[arg(
         long,
         value_name = "GB",
@@ -128,12 +128,12 @@ pub struct CacheArgs {
 }
 
 impl CacheArgs {
-    /// The folder; none where nothing is kept.
+    /// Folder of the cache; none if nothing is kept.
     pub fn folder(&self) -> Option<PathBuf> {
         (!self.no_cache).then(|| self.cache.clone())
     }
 
-    /// The cache that the flags name.
+    /// Opens the cache of these options.
     pub fn cache(&self) -> Result<Cache, BuildError> {
         match self.no_cache {
             true => Ok(Cache::none()),
@@ -150,10 +150,10 @@ pub fn parse_point(text: &str) -> Result<[f32; 2], String> {
     both.ok_or_else(|| format!("expected X,Z in metres, such as 1.5,4; each is {}", limit.range))
 }
 
-/// Simulated time where nothing else is said (s).
+/// Default of the simulated time (s).
 const SECONDS: f32 = 20.0;
 
-/// Number of characters, time, seed and choice of a run.
+/// Options of a run: number of characters, time, seed and choice of actions.
 #[derive(clap::Args)]
 pub struct CrowdArgs {
     /// Number of characters; 1000, or what the scene says, where absent.
@@ -205,7 +205,7 @@ pub struct CrowdArgs {
 }
 
 impl CrowdArgs {
-    /// The trial that the flags describe.
+    /// Trial config of these options.
     pub fn trial(&self) -> TrialConfig {
         let mut trial = TrialConfig {
             seconds: self.seconds.unwrap_or(SECONDS),
@@ -228,12 +228,12 @@ impl CrowdArgs {
         f64::from(self.step_hz)
     }
 
-    /// How long to run, where that is given (s).
+    /// Simulated time, if it is given (s).
     pub fn seconds(&self) -> Option<f32> {
         self.seconds
     }
 
-    /// Overrides a scene with the flags given.
+    /// Overrides settings of a scene by the given options.
     pub fn change(&self, scene: &mut Scene) -> Outcome {
         if self.single_load || self.bend != 0.0 || self.follow != 0 {
             return fail("--single-load, --bend and --follow are for bundles, not for scenes");

@@ -1,4 +1,4 @@
-//! `throng bake`: one process' share of a build.
+//! `throng bake`: one shard of a build.
 
 use crate::args::{CacheArgs, Outcome, fail};
 use crate::build::{WhatArgs, plan};
@@ -10,9 +10,9 @@ use throng_precompute::pipeline::{self, Shard, ShardReport};
 
 /// Do one of N shares of a build's work on single files, into a cache that all share.
 ///
-/// Every file belongs to one shard, by a hash of what it holds. A shard reads its own; once the files of all shards are in
-/// the cache, it makes clips of its own, so that all shards are run, and then run again. They may run in any order, at once,
-/// and again after a failure. `throng build` with the same words and the same cache does the rest.
+/// Every file belongs to one shard, by a hash of its content. A shard reads its own files; once the files of all shards are
+/// in the cache, it makes the clips of its own, so run all shards, and then run them again. They may run in any order, at
+/// once, and again after a failure. `throng build` with the same arguments and the same cache does the rest.
 #[derive(clap::Args)]
 #[command(after_long_help = keys::of::<Report>())]
 pub struct Args {
@@ -28,12 +28,12 @@ pub struct Args {
     json: bool,
 }
 
-/// What is printed.
+/// Printed report.
 #[derive(Serialize, JsonSchema)]
 struct Report {
     #[serde(flatten)]
     shard: ShardReport,
-    /// Most memory that this process held (bytes); absent where the system does not tell.
+    /// Peak memory of this process (bytes); absent if the system does not report it.
     peak_bytes: Option<u64>,
 }
 

@@ -1,4 +1,4 @@
-//! `throng bench`: what does it cost on this machine?
+//! `throng bench`: costs on this machine.
 
 mod bundle;
 pub mod crowd;

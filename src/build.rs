@@ -21,8 +21,9 @@ use throng_precompute::verdict::{self, Verdict};
 
 /// Bake motion files into a bundle.
 ///
-/// Of motion alone, what it allows is made: policies where there is walking, blows where there are some, a blend space
-/// where there are steady gaits; what cannot be made is told. A config names what is to be made, and all of it must be.
+/// From motion alone, everything that it allows is made: policies if there is walking, blows if there are some, a blend
+/// space if there are steady gaits; parts that cannot be made are reported. A config names its parts, and all of them must
+/// be made.
 #[derive(clap::Args)]
 #[command(after_long_help = keys::of::<Report>())]
 pub struct Args {
@@ -41,15 +42,15 @@ pub struct Args {
     json: bool,
 }
 
-/// What is to be built, as the command line says it.
+/// Options that name what to build.
 #[derive(clap::Args)]
 pub struct WhatArgs {
     /// Motion: files, folders and `.zip` archives, searched to any depth, and patterns, in which `**` stands for any
-    /// number of folders; or one config (`.toml`), of which `throng schema` prints what it may hold.
+    /// number of folders; or one config (`.toml`), whose schema `throng schema` prints.
     #[arg(required = true, value_name = "MOTION_OR_CONFIG")]
     what: Vec<PathBuf>,
-    /// Motion instead of the config's: what it says of clips that are not there is left out, as is what the new ones do
-    /// not allow.
+    /// Motion in place of the config's: settings for clips that it lacks are left out, as are parts that it does not
+    /// allow.
     #[arg(long, value_name = "PATH", num_args = 1..)]
     input: Vec<PathBuf>,
     /// Stop at the first bad file instead of skipping it.
@@ -57,31 +58,31 @@ pub struct WhatArgs {
     strict: bool,
 }
 
-/// What is printed.
+/// Printed report.
 #[derive(Serialize, JsonSchema)]
 struct Report {
     #[serde(flatten)]
     build: BuildReport,
-    /// What the config says that does not hold for the motion in its place.
+    /// Settings of the config that do not apply to the motion given in place of its own.
     replaced: Vec<String>,
-    /// A short trial of the first behaviour, where it goes to a target.
+    /// A short trial of the first behaviour, if it goes to a target.
     trial: Option<TrialReport>,
-    /// What it shows.
+    /// Verdict on the trial.
     verdict: Option<Verdict>,
 }
 
-/// What is to be built.
+/// A build: its config, its parts, and messages on replaced motion.
 pub struct Plan<'a> {
     pub config: BuildConfig,
     pub parts: Parts,
-    /// The config's file, where there is one.
+    /// File of the config, if there is one.
     file: Option<&'a Path>,
-    /// What it says that does not hold.
+    /// Settings that do not apply to the motion.
     replaced: Vec<String>,
 }
 
 impl Plan<'_> {
-    /// An error of the build, with the file of the config that it is about.
+    /// Adds the file of the config to an error of the build.
     pub fn error(&self, e: BuildError) -> BuildError {
         match self.file {
             Some(file) => e.in_file(file),
@@ -90,7 +91,7 @@ impl Plan<'_> {
     }
 }
 
-/// What the arguments ask for; what a config says that does not hold is told.
+/// The build that the options name; settings that do not apply to replaced motion are reported.
 pub fn plan(args: &WhatArgs) -> Result<Plan<'_>, Box<dyn std::error::Error>> {
     let mut plan = match (args.what.as_slice(), args.input.as_slice()) {
         ([file], input) if is_toml(file) => {
@@ -151,7 +152,7 @@ pub fn run(args: &Args) -> Outcome {
     }
 }
 
-/// What was built, for people.
+/// Prints the report of a build as text.
 pub fn print(r: &BuildReport, out: &str) -> Outcome {
     let g = &r.graph;
     let stages: Vec<_> = r.stage_s.iter().map(|(name, s)| format!("{name} {s:.2}")).collect();
@@ -257,14 +258,14 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
     output::table(&rows)
 }
 
-/// The figures of Lee and Lee (2004) beside those of a build with hits.
+/// Prints the figures of Lee and Lee (2004) beside those of a build with hits.
 fn print_paper(r: &BuildReport) -> Outcome {
     output::text("\n")?;
     let lines = report::beside_paper(r);
     output::columns(["", "Lee and Lee 2004", "this build"], lines.iter().map(|l| [&*l.figure, l.paper, &*l.here]))
 }
 
-/// Rows of what bodies can be asked to do.
+/// Rows of the activities that bodies can be asked for.
 fn activities(all: &[ActivityReport]) -> Vec<(&'static str, String)> {
     let row = |same: &[ActivityReport]| {
         let longest = same.iter().map(|a| a.duration_s).fold(0.0, f64::max);
@@ -301,7 +302,7 @@ fn blend(b: &BlendReport) -> [(&'static str, String); 3] {
     [("blend space", examples), ("  weights", weights), ("  postures", postures)]
 }
 
-/// What an adaptive policy loses, one row for each way to store it.
+/// Rows of the loss of an adaptive policy, one for each method of storage.
 fn adaptive(r: &AdaptiveReport) -> Vec<(&'static str, String)> {
     let row = |name: &'static str, a: &Approximation| {
         let [rings, angles, heights] = a.counts;

@@ -1,4 +1,4 @@
-//! `throng cache`: what earlier builds left to be used again.
+//! `throng cache`: stage outputs of earlier builds, for reuse.
 
 use crate::args::Outcome;
 use crate::{keys, output};
@@ -29,29 +29,29 @@ enum What {
     Clear,
 }
 
-/// What is printed.
+/// Printed report.
 #[derive(Serialize, JsonSchema)]
 struct Report<'a> {
     /// The folder.
     folder: &'a Path,
-    /// Number of entries; with `clear`, of those that were removed.
+    /// Number of entries; with `clear`, of the removed ones.
     entries: usize,
-    /// Length of all of them.
+    /// Length of all entries (bytes).
     bytes: u64,
-    /// The same of each stage.
+    /// Entries of each stage.
     stages: BTreeMap<String, OfStage>,
-    /// True where they were removed.
+    /// True if they were removed.
     cleared: bool,
 }
 
 /// The entries of a stage.
 #[derive(Default, Serialize, JsonSchema)]
 struct OfStage {
-    /// Their number.
+    /// Number of entries.
     entries: usize,
-    /// Their length.
+    /// Length of the entries (bytes).
     bytes: u64,
-    /// Time since one of them was last used, or in a store of objects written, 0 where the clock was set back (s).
+    /// Time since an entry was last used, or in an object store written; 0 if the clock was set back (s).
     last_use_s: u64,
 }
 
@@ -59,7 +59,7 @@ pub fn run(args: &Args) -> Outcome {
     let (cache, now) = (Cache::at(&args.cache, Cache::LIMIT_BYTES)?, SystemTime::now());
     let listed = cache.entries()?;
     let mut stages = BTreeMap::<String, OfStage>::new();
-    // The one that was used last comes last.
+    // The most recently used entry comes last.
     for entry in &listed {
         let of = stages.entry(entry.stage.clone()).or_default();
         of.entries += 1;

@@ -1,4 +1,4 @@
-//! `throng check`: what a scene says, before it runs, and what is known of a task before any search.
+//! `throng check`: checks a scene before it runs, and a task before any search.
 
 mod task;
 
@@ -9,8 +9,8 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use throng_runtime::simulation::{Scene, Simulation};
 
-/// Check a scene: every name, number, rule and state; what its people do that their bundles have no motion for. Or a task of
-/// `throng plan`: what limbs reach, how long joints need at least, where clips collide, which meshes have holes.
+/// Check a scene: every name, number, rule and state, and actions that its bundles have no motion for. Or check a task of
+/// `throng plan`: which targets limbs reach, how long joints need at least, where clips collide, which meshes have holes.
 #[derive(clap::Args)]
 #[command(after_long_help = help())]
 pub struct Args {
@@ -24,28 +24,28 @@ pub struct Args {
     json: bool,
 }
 
-/// What was found. A scene with a fault is refused with file, line and column in place of this.
+/// Printed report. A faulty scene is refused with file, line and column instead.
 #[derive(Serialize, schemars::JsonSchema)]
 struct Checked {
     /// The scene's name.
     scene: String,
-    /// Characters and agents.
+    /// Number of characters and agents.
     characters: usize,
     /// Sizes of the tables that it is compiled to.
     tables: Vec<Table>,
-    /// Motion that actions ask for and that a bundle does not have: people stand meanwhile.
+    /// Motion that actions ask for and that a bundle lacks: people stand meanwhile.
     missing_motion: Vec<String>,
 }
 
 #[derive(Serialize, schemars::JsonSchema)]
 struct Table {
-    /// Its name.
+    /// Name of the table.
     name: String,
-    /// Its rows.
+    /// Number of rows.
     rows: usize,
 }
 
-/// What `--json` prints, by what is asked.
+/// Help on the JSON keys, for each kind of input.
 fn help() -> String {
     [keys::section::<Checked>("JSON keys (of a scene)"), keys::section::<task::Report>("JSON keys (of a task)")]
         .join("\n")
@@ -58,7 +58,7 @@ pub fn run(args: &Args) -> Outcome {
     let scene = Scene::load(&args.scene)?;
     crate::run::ensure(&scene, &args.cache)?;
     let compiled = scene.open()?;
-    // Starts and goals are checked as everybody is put there.
+    // Starts and goals are checked when the characters are placed.
     let sim = Simulation::new(&compiled)?;
     let sizes = compiled.scenario().map_or_else(Vec::new, |s| s.sizes().to_vec());
     let checked = Checked {

@@ -1,11 +1,10 @@
-//! Command lines that are hard to take, for the tests and for libFuzzer: each is parsed or refused, and nothing is run.
+//! Difficult command lines, for the tests and for libFuzzer: each is parsed or refused, and nothing is run.
 
 use crate::Cli;
 use clap::{Command, FromArgMatches};
 use std::ffi::OsString;
 
-/// Parses the words after the name of the program as the program does; true where they are accepted. What is refused is
-/// told with a message.
+/// Parses arguments as the program does; true if they are accepted. Refused ones need a message.
 fn try_words(parser: &mut Command, words: &[OsString]) -> bool {
     let name = OsString::from("throng");
     // As `Cli::try_parse_from`, which would make the parser anew for each line.
@@ -19,8 +18,8 @@ fn try_words(parser: &mut Command, words: &[OsString]) -> bool {
     }
 }
 
-/// A word a line. The bytes 1 and n stand for the subcommand n of what comes before, 2 and n for its flag n, with what
-/// follows as its value: subcommands and flags are found without a guess.
+/// Decodes arguments, one for each line. The bytes 1 and n stand for subcommand n of the preceding command, 2 and n for its
+/// flag n, with the rest of the line as its value, so that the fuzzer finds subcommands and flags without guessing.
 #[cfg(fuzzing)]
 fn words_of(root: &Command, data: &[u8]) -> Vec<OsString> {
     use std::os::unix::ffi::OsStringExt;

@@ -1,4 +1,4 @@
-//! `throng completions`: for the shell.
+//! `throng completions`: completions for a shell.
 
 use crate::args::Outcome;
 use clap::CommandFactory;

@@ -33,7 +33,7 @@ pub struct Args {
 struct Report {
     #[serde(flatten)]
     trial: TrialReport,
-    /// What the build did.
+    /// Report of the build.
     build: BuildReport,
 }
 
@@ -54,7 +54,7 @@ pub fn run(args: &Args) -> Outcome {
     let built = bake(&args.bundle)?;
     eprintln!("running the crowd ...");
     let tables = crate::args::open(&args.bundle)?;
-    // Farther than most targets of a run, so that many pass each other.
+    // Farther than most targets of a run, so that many characters pass each other.
     let trial_config = TrialConfig { streams: true, distances: [7.0, 8.0], ..args.crowd.trial() };
     let (report, record) = trial::run(&tables, &trial_config)?;
     run::draw(&tables, &trial_config, &report, &record, &args.out)?;

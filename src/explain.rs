@@ -1,4 +1,4 @@
-//! `throng explain`: why somebody did what it did, in a run that was recorded.
+//! `throng explain`: why an agent acted as it did, in a recorded run.
 
 use crate::args::{CacheArgs, Outcome, fail};
 use crate::{keys, output};
@@ -10,7 +10,8 @@ use throng_precompute::run::Recording;
 use throng_runtime::base::limits;
 use throng_runtime::simulation::scenario::{Explanation, Known, Minds};
 
-/// Replay a run that `throng run SCENE --record FILE` has kept, and tell what an agent did, why, and what it knew from whom.
+/// Replay a run that `throng run SCENE --record FILE` has recorded, and explain what an agent did, why, and from whom it
+/// learnt of events.
 #[derive(clap::Args)]
 #[command(after_long_help = keys::of::<Explanation>())]
 pub struct Args {
@@ -33,7 +34,7 @@ pub struct Args {
     json: bool,
 }
 
-/// Who told whom.
+/// Printed report: agents that learnt of an event, and from whom.
 #[derive(Serialize)]
 struct Message {
     event: String,
@@ -76,7 +77,7 @@ fn message(minds: &Minds, event: &str, json: bool) -> Outcome {
     let mut told: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();
     learnt.iter().enumerate().for_each(|(i, (_, known))| told.entry(known.from).or_default().push(i));
     let told_by = |from: Option<usize>| told.get(&from).into_iter().flatten().rev().copied();
-    // Depth first, from those who learnt it from nobody.
+    // Depth first, from the agents that learnt of it from no other agent.
     let mut open: Vec<(usize, usize)> = told_by(None).map(|i| (i, 0)).collect();
     while let Some((i, depth)) = open.pop() {
         let (agent, known) = &learnt[i];

@@ -1,4 +1,4 @@
-//! `throng export`: what runs, motion, graphs and policies for other programs.
+//! `throng export`: running characters, motion, graphs and policies for other programs.
 
 mod take;
 
@@ -9,22 +9,22 @@ use throng_precompute::annotate::hits::{self, HitPoint};
 use throng_precompute::import::{clip_in_file, is_motion, read_clip};
 use throng_precompute::{Warnings, export, files, graph, pipeline, policy};
 
-/// Write what runs, or motion, for other programs: a scene, a recording, a bundle or a motion file.
+/// Write running characters, or motion, for other programs, from a scene, a recording, a bundle or a motion file.
 ///
-/// What runs is written as glb, usda, bvh, npz, amass or csv. A scene is run as `throng run SCENE` does, a recording is
-/// replayed, and of a bundle characters run as in `throng run BUNDLE`, or its clips are written. Length costs no memory:
-/// frames are kept in a file beside the one that is written, which goes with the program.
+/// Characters are written as glb, usda, bvh, npz, amass or csv. A scene is run as by `throng run SCENE`, a recording is
+/// replayed, and characters run on a bundle as by `throng run BUNDLE`, or its clips are written. Memory does not grow with
+/// the length: frames are kept in a temporary file beside the output.
 #[derive(clap::Args)]
 pub struct Args {
     /// Scene (.toml), recording (of `throng run --record`), bundle (.throng) or motion file (.bvh, .amc, .npz, .glb,
     /// .gltf, .fbx; FILE/CLIP for one of several in a file).
     file: PathBuf,
-    /// What to write. Of anything: `glb` (skins and animation), `usda` (UsdSkel), `bvh` and `amass` (a file for each
-    /// character; SMPL order, axis-angle), `npz` (all in NumPy arrays) or `csv` (joints of all characters over time). Of
-    /// a motion file: `bvh` and `positions-csv` (frame,joint,x,y,z in metres, Y up), as it was read. Of a bundle:
+    /// Format to write. For any input: `glb` (skins and animation), `usda` (UsdSkel), `bvh` and `amass` (a file for each
+    /// character; SMPL order, axis-angle), `npz` (all in NumPy arrays) or `csv` (joints of all characters over time). For
+    /// a motion file: `bvh` and `positions-csv` (frame,joint,x,y,z in metres, Y up), as it was read. For a bundle:
     /// `instances` (which clips play on characters, as NumPy arrays, to be drawn with `glb` of its `--clips`),
-    /// `graph-json` (states and actions) or `policy-csv` (values with cell coordinates). Of either: `hits-csv`
-    /// (effective hits as seen from the planar root: +X left, Y up, +Z ahead, in metres).
+    /// `graph-json` (states and actions) or `policy-csv` (values with cell coordinates). For bundles and motion files:
+    /// `hits-csv` (effective hits as seen from the planar root: +X left, Y up, +Z ahead, in metres).
     #[arg(long)]
     format: Format,
     /// File to write; standard output by default.
@@ -124,7 +124,7 @@ fn clip(args: &Args) -> Outcome {
     })
 }
 
-/// Writes to the file, which appears when it is complete, or to standard output.
+/// Writes to a file, which appears when it is complete, or to standard output.
 fn write(out: Option<&Path>, body: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Outcome {
     match out {
         Some(path) => Ok(files::write_atomically(path, body)?),

@@ -1,4 +1,4 @@
-//! `throng inspect`: what is in a motion file or bundle?
+//! `throng inspect`: content of a motion file or bundle.
 
 mod environment;
 mod scene;
@@ -9,9 +9,9 @@ use std::path::PathBuf;
 use throng_precompute::inspect::{self, BundleReport, ClipReport, FolderReport, hit_picture};
 use throng_precompute::{files, import};
 
-/// Report what is in a motion file (format, units, axes, rest pose, roles, foot contacts, effective hits, and why), in
-/// many of them (one line each, and what they lack for which behaviour), or in a bundle; or infer from contacts what the
-/// clips were captured on.
+/// Report the content of a motion file (format, units, axes, rest pose, roles, foot contacts, effective hits, and why), of
+/// many files (one line each, and what they lack for which behaviour), or of a bundle; or infer the surroundings of the
+/// captured clips from contacts.
 #[derive(clap::Args)]
 #[command(after_long_help = help())]
 pub struct Args {
@@ -24,9 +24,9 @@ pub struct Args {
     /// Draw the effective hitting points from the front, from above and from the side (PNG).
     #[arg(long, value_name = "FILE")]
     hits_png: Option<PathBuf>,
-    /// Write the surroundings that contacts speak for (TOML): what feet, seats and hands of the clips, captured in one
-    /// session, were on. `-units` and `-world` are put to its name for its units and for a world that is stitched of
-    /// them. Heights are those of a build of the same files with default settings.
+    /// Write the surroundings inferred from contacts (TOML): the surfaces under feet, seats and hands of the clips of one
+    /// session. `-units` and `-world` are appended to the name for its units and for a world stitched of them. Heights
+    /// are those of a build of the same files with default settings.
     #[arg(long, value_name = "FILE")]
     environment_out: Option<PathBuf>,
     /// Draw the person at several moments in the inferred surroundings (PNG).
@@ -40,7 +40,7 @@ pub struct Args {
     json: bool,
 }
 
-/// What `--json` prints, by what is asked.
+/// Help on the JSON keys, for each kind of input.
 fn help() -> String {
     let clip = keys::section::<ClipReport>("JSON keys (of a motion file)");
     let bundle = keys::section::<BundleReport>("JSON keys (of a bundle)");
@@ -82,7 +82,7 @@ pub fn run(args: &Args) -> Outcome {
     print(args, &inspected.report)
 }
 
-/// Several files, or those of a folder.
+/// Inspects several files, or those of a folder.
 fn many(args: &Args) -> Outcome {
     if args.hits_png.is_some() {
         return fail("--hits-png is for one clip or bundle");

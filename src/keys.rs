@@ -4,14 +4,14 @@ use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value};
 
-/// Every key of a printed struct, one a line, with what it means; entries of lists and objects are indented.
+/// Help text with every key of a printed struct and its meaning, one a line; keys of lists and objects are indented.
 ///
 /// `name[]` is a list, `name{}` an object from names to values; `(optional)` keys are left out where they do not apply.
 pub fn of<T: JsonSchema>() -> String {
     section::<T>("JSON keys")
 }
 
-/// As [`of`], below another heading.
+/// Like [`of`], below another heading.
 pub fn section<T: JsonSchema>(heading: &str) -> String {
     let schema = SchemaSettings::draft2020_12().for_serialize().into_generator().into_root_schema_for::<T>();
     let root = schema.to_value();
@@ -20,7 +20,7 @@ pub fn section<T: JsonSchema>(heading: &str) -> String {
     lines
 }
 
-/// Writes the keys of an object, and below each of them those of what it holds.
+/// Writes the keys of an object, and below each key those of its value.
 fn write(out: &mut String, root: &Value, object: &Value, depth: usize) {
     let Some(properties) = object["properties"].as_object() else { return };
     let required: Vec<&str> = object["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
@@ -38,7 +38,7 @@ fn write(out: &mut String, root: &Value, object: &Value, depth: usize) {
     }
 }
 
-/// What a reference or an optional value stands for.
+/// Schema behind a reference or an optional value.
 fn resolve<'a>(root: &'a Value, value: &'a Value) -> &'a Value {
     if let Some(name) = value["$ref"].as_str().and_then(|r| r.strip_prefix("#/$defs/")) {
         return resolve(root, &root["$defs"][name]);

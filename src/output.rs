@@ -4,19 +4,19 @@ use serde::Serialize;
 use std::io::Write;
 use throng_runtime::base::text::{plain, plain_json};
 
-/// Prints one JSON object on standard output, in which nothing steers a terminal.
+/// Prints one JSON object on standard output, without control characters for a terminal.
 pub fn json(value: &impl Serialize) -> Result<(), Box<dyn std::error::Error>> {
     writeln!(std::io::stdout().lock(), "{}", plain_json(&serde_json::to_string_pretty(value)?))?;
     Ok(())
 }
 
-/// Prints text, in which nothing steers a terminal. Unlike `print!`, a reader that has gone is an error here, not a panic.
+/// Prints text, without control characters for a terminal. Unlike `print!`, a closed output is an error here, not a panic.
 pub fn text(text: impl std::fmt::Display) -> Result<(), Box<dyn std::error::Error>> {
     write!(std::io::stdout().lock(), "{}", plain(&text.to_string()))?;
     Ok(())
 }
 
-/// Prints a line on standard error, likewise.
+/// Prints a line on standard error, without control characters for a terminal.
 pub fn tell(line: impl std::fmt::Display) {
     eprintln!("{}", plain(&line.to_string()));
 }
@@ -47,7 +47,7 @@ pub fn columns<'a>(
     Ok(())
 }
 
-/// Warnings and skipped files, on standard error.
+/// Prints warnings and skipped files on standard error.
 pub fn warnings(skipped: &[String], warnings: &[String]) {
     for w in warnings {
         tell(format_args!("warning: {w}"));
@@ -60,7 +60,7 @@ pub fn warnings(skipped: &[String], warnings: &[String]) {
     }
 }
 
-/// A number of bytes for people.
+/// A number of bytes as text.
 pub fn bytes(n: u64) -> String {
     match n {
         0..10_000 => format!("{n} bytes"),
@@ -69,7 +69,7 @@ pub fn bytes(n: u64) -> String {
     }
 }
 
-/// True if standard output was closed early, which is no failure.
+/// True if standard output was closed early, which is not a failure.
 pub fn is_broken_pipe(e: &(dyn std::error::Error + 'static)) -> bool {
     e.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
 }

@@ -1,4 +1,4 @@
-//! `throng plan`: limbs of a clip that give way, reach, take and bring things.
+//! `throng plan`: limbs of a clip avoid obstacles, reach for, take and carry things.
 
 mod strip;
 
@@ -10,17 +10,17 @@ use throng_precompute::files;
 use throng_precompute::plans::{self, PlanReport};
 use throng_runtime::base::limits;
 
-/// Change a clip so that limbs do what a task says: give way to what is around, reach for things, take, carry and drop
-/// them, in time with everything that moves.
+/// Change a clip so that limbs perform a task: avoid obstacles, reach for things, take, carry and drop them, in time with
+/// everything that moves.
 ///
-/// The clip is written on the database skeleton at the database rate, as `throng export --retargeted` writes it; outside of
-/// what was planned it is the same. What was taken and carried stands beside it in CLIP.objects.json. Other characters that
-/// moved are written as CLIP.NAME.bvh. Nothing is written unless every task is done, or with --partial what was done, and
-/// a check by other means finds no fault.
+/// The clip is written on the database skeleton at the database rate, as by `throng export --retargeted`; outside of the
+/// planned parts it is unchanged. Taken and carried objects are written beside it to CLIP.objects.json, other characters that
+/// changed to CLIP.NAME.bvh. Nothing is written unless every task is solved, or --partial is given, and an independent check
+/// finds no fault.
 #[derive(clap::Args)]
 #[command(after_long_help = keys::of::<PlanReport>())]
 pub struct Args {
-    /// Task, see `throng schema --of task`.
+    /// Task file, see `throng schema --of task`.
     #[arg(value_name = "TASK")]
     task: PathBuf,
     /// Clip to write.
@@ -35,7 +35,7 @@ pub struct Args {
     /// Draw moments before and after, seen from two sides (PNG); of an unsolved task, too.
     #[arg(long, value_name = "FILE")]
     png: Option<PathBuf>,
-    /// Write what was done even where a task was not, or only in part: the exit code is 1 all the same.
+    /// Write the solved tasks even if others are unsolved, or solved only in part; the exit code is still 1.
     #[arg(long)]
     partial: bool,
     #[command(flatten)]

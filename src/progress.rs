@@ -1,4 +1,4 @@
-//! Progress of builds: a bar on a terminal, elsewhere a line every few seconds; and what is kept where one is interrupted.
+//! Progress of builds: a bar on a terminal, elsewhere a line every few seconds; and messages on interruption.
 
 use crate::output;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -10,15 +10,15 @@ use std::time::Duration;
 use tempfile::TempDir;
 use throng_precompute::progress::{Progress, Status};
 
-/// Time between lines where standard error is no terminal.
+/// Time between lines if standard error is no terminal.
 const EVERY: Duration = Duration::from_secs(5);
-/// What a shell says of a program that was interrupted.
+/// Exit code of a program that was interrupted, as shells have it.
 const INTERRUPTED: i32 = 130;
 
-/// Folders of [`Scratch`] that are there.
+/// Existing folders of [`Scratch`].
 static FOLDERS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// A folder for what is needed while a command runs; it goes when the command ends, also by Ctrl+C.
+/// A temporary folder that is removed when the command ends, also by Ctrl+C.
 pub struct Scratch(TempDir);
 
 impl Scratch {
@@ -44,29 +44,29 @@ impl Drop for Scratch {
     }
 }
 
-/// Set by Ctrl+C, where a run ends by itself then.
+/// Flag that Ctrl+C sets for runs that then end by themselves.
 static STOP: OnceLock<AtomicBool> = OnceLock::new();
 
-/// From now on, Ctrl+C does not end the program but sets this.
+/// From now on, Ctrl+C does not end the program but sets the returned flag.
 pub fn stop_on_interrupt() -> &'static AtomicBool {
     let stop = STOP.get_or_init(AtomicBool::default);
-    // Refused where a build has set its own, which knows of this.
+    // Refused if a build has set its own handler, which honours the flag.
     _ = ctrlc::set_handler(move || stop.store(true, Ordering::Relaxed));
     stop
 }
 
-/// Tells how far a build is, on standard error.
+/// Shows the progress of a build on standard error.
 pub struct Bar {
     bar: Mutex<Option<ProgressBar>>,
     now: Arc<Mutex<Now>>,
     is_terminal: bool,
 }
 
-/// Where a build is.
+/// State of a build.
 #[derive(Debug, Default)]
 struct Now {
     status: Status,
-    /// The build has ended.
+    /// True if the build has ended.
     is_over: bool,
 }
 
@@ -96,13 +96,13 @@ impl Default for Bar {
 }
 
 impl Bar {
-    /// Says on Ctrl+C what is kept and how to go on, and ends the program.
+    /// A bar that on Ctrl+C prints what is kept and how to go on, and ends the program.
     ///
-    /// - `cache`: the folder of the cache; none where nothing is kept.
+    /// - `cache`: folder of the cache; none if nothing is kept.
     pub fn on_interrupt(cache: Option<PathBuf>) -> Self {
         let bar = Self::default();
         let now = Arc::clone(&bar.now);
-        // Where it cannot be caught, the program ends without a word, as without this.
+        // If the signal cannot be caught, the program ends without a message.
         _ = ctrlc::set_handler(move || {
             if let Some(stop) = STOP.get() {
                 return stop.store(true, Ordering::Relaxed);

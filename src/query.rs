@@ -1,4 +1,4 @@
-//! `throng query`: what would a character do, and which way would it go?
+//! `throng query`: the action of a policy, and paths through a world.
 
 mod action;
 mod path;

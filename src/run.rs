@@ -19,7 +19,7 @@ use throng_runtime::Bundle;
 use throng_runtime::base::limits;
 use throng_runtime::simulation::{CompiledScene, Motion, Scene};
 
-/// Run a scene, or characters on a bundle that each chase a target of their own, and measure what they do.
+/// Run a scene, or characters on a bundle that each chase a target of their own, and measure them.
 #[derive(clap::Args)]
 #[command(after_long_help = help())]
 pub struct Args {
@@ -31,11 +31,11 @@ pub struct Args {
     /// each kind of motion.
     #[arg(long, value_name = "FILE")]
     png: Option<PathBuf>,
-    /// Table of where all agents of a scene are, ten times a simulated second, which PedPy reads: CSV with the columns
-    /// time_s, agent, x_m, z_m, vx_mps and vz_mps.
+    /// Trajectories of all agents of a scene, ten points a simulated second, as a table that PedPy reads: CSV with the
+    /// columns time_s, agent, x_m, z_m, vx_mps and vz_mps.
     #[arg(long, value_name = "FILE")]
     trajectories: Option<PathBuf>,
-    /// Recording of a scene to write: `throng explain` replays it, and tells why everybody did what they did.
+    /// Recording of a scene to write: `throng explain` replays it, and explains why agents acted as they did.
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
     /// Bundle in place of the scene's; the world of the scene is then beside it.
@@ -58,18 +58,18 @@ pub struct Args {
     json: bool,
 }
 
-/// A scene that is served to programs that show it.
+/// Options for serving a scene to programs that show it.
 #[derive(clap::Args)]
 struct LiveArgs {
-    /// Serve roots, poses and events of the running scene at ADDRESS (127.0.0.1:7468), to such as scripts/blender_live.py. It
-    /// waits for the first client, and runs in real time. Nothing is measured.
+    /// Serve roots, poses and events of the running scene at ADDRESS (127.0.0.1:7468) to programs such as
+    /// scripts/blender_live.py. The run waits for the first client, and goes on in real time. Nothing is measured.
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "127.0.0.1:7468",
         conflicts_with_all = ["png", "trajectories", "record", "json"])]
     serve: Option<SocketAddr>,
-    /// Of --serve, an address that others in the network can reach is meant.
+    /// With --serve, allow an address that others in the network can reach.
     #[arg(long, requires = "serve")]
     serve_anyone: bool,
-    /// Of --serve, simulated seconds a second; 0 is as fast as it goes.
+    /// With --serve, simulated seconds a second; 0 is as fast as possible.
     #[arg(
         long,
         value_name = "X",
@@ -81,19 +81,19 @@ struct LiveArgs {
     speed: f64,
 }
 
-/// What `--json` prints, by what is run.
+/// Help on the JSON keys, for each kind of input.
 fn help() -> String {
     let scene =
         "JSON keys (of a scene; those that do not apply are left out, and `groups[]` has the same of each group)";
     [keys::section::<Report>("JSON keys (of a bundle)"), keys::section::<SceneReport>(scene)].join("\n")
 }
 
-/// What is printed of a bundle.
+/// Printed report of a bundle.
 #[derive(Serialize, JsonSchema)]
 struct Report {
     #[serde(flatten)]
     trial: TrialReport,
-    /// What it shows.
+    /// Verdict on the trial.
     verdict: Verdict,
 }
 
@@ -123,7 +123,7 @@ pub fn run(args: &Args) -> Outcome {
         motion => motion_bundle(motion, &args.cache)?,
     };
     let mut config = args.crowd.trial();
-    // Poses are for the picture; a number that nobody has is refused all the same.
+    // Poses are for the picture; a number beyond the last character is refused all the same.
     config.recorded = config.recorded.filter(|&c| args.png.is_some() || c >= config.characters);
     let (report, record) = trial::run(&tables, &config)?;
     if let Some(png) = &args.png {
@@ -137,7 +137,7 @@ pub fn run(args: &Args) -> Outcome {
     output::text(format!("\n{}", words(&verdict)))
 }
 
-/// The bundle of some motion, which is built into the cache where it is not there yet.
+/// Opens the bundle of some motion, which is built into the cache if it is not there yet.
 pub fn motion_bundle(motion: &[PathBuf], cache: &CacheArgs) -> Result<Bundle, Box<dyn std::error::Error>> {
     let folder = progress::Scratch::new()?;
     let otherwise = folder.path().join("motion.throng");
@@ -146,7 +146,7 @@ pub fn motion_bundle(motion: &[PathBuf], cache: &CacheArgs) -> Result<Bundle, Bo
     crate::args::open(&bundle)
 }
 
-/// A verdict, for people.
+/// A verdict as text.
 pub fn words(verdict: &Verdict) -> String {
     let mut text = format!("verdict  {}.\n", verdict.sentences.join(";\n         "));
     for advice in &verdict.advice {
@@ -198,7 +198,7 @@ fn serve(scene: &CompiledScene, address: SocketAddr, args: &Args) -> Outcome {
     output::text(format!("{frames} frames for {clients} client(s), who missed {missed}\n"))
 }
 
-/// Writes where agents were as CSV.
+/// Writes trajectories of agents as CSV.
 fn write_trajectories(points: &[TrajectoryPoint], file: &Path) -> Outcome {
     if points.is_empty() {
         return fail("--trajectories is for scenes with agents");
@@ -211,7 +211,7 @@ fn write_trajectories(points: &[TrajectoryPoint], file: &Path) -> Outcome {
     Ok(files::write_atomically(file, |out| out.write_all(text.as_bytes()))?)
 }
 
-/// Puts what is given in place of what the scene says.
+/// Overrides settings of a scene by the given options.
 fn change(scene: &mut Scene, args: &Args) -> Outcome {
     args.crowd.change(scene)?;
     if let Some(name) = &args.engine {
@@ -242,18 +242,18 @@ pub fn ensure(scene: &Scene, cache: &CacheArgs) -> Outcome {
     Ok(with(cache, |with| run::ensure(scene, with))??)
 }
 
-/// Builds a bundle where it is missing.
+/// Builds a bundle if it is missing.
 pub fn make_bundle(bundle: &Path, config: Option<&Path>, cache: &CacheArgs) -> Outcome {
     Ok(with(cache, |with| run::ensure_bundle(bundle, config, with))??)
 }
 
-/// Lets something be made with the cache, a progress bar, and messages on standard error.
+/// Calls `make` with the cache, a progress bar, and messages on standard error.
 pub fn with<T>(cache: &CacheArgs, make: impl FnOnce(&Cached<'_>) -> T) -> Result<T, BuildError> {
     let (cache, progress) = (cache.cache()?, progress::Bar::on_interrupt(cache.folder()));
     Ok(make(&Cached { cache: &cache, progress: &progress, tell: &|news| output::tell(news) }))
 }
 
-/// What was measured of a scene, for people.
+/// Prints the report of a scene as text.
 fn print_scene(r: &SceneReport) -> Outcome {
     let who = r.total.characters.map(|n| format!("{n} character(s)"));
     let agents = r.total.agents.map(|n| format!("{n} agent(s)"));
@@ -276,7 +276,7 @@ pub fn draw(tables: &Bundle, config: &TrialConfig, report: &TrialReport, record:
     Ok(())
 }
 
-/// What was measured of a bundle, for people.
+/// Prints the report of a trial as text.
 pub fn print(r: &TrialReport) -> Outcome {
     output::table(&[
         ("crowd", format!("{} characters, {:.0} s", r.characters, r.simulated_s)),

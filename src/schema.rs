@@ -1,4 +1,4 @@
-//! `throng schema`: what files may hold.
+//! `throng schema`: schemas of input files.
 
 use crate::args::Outcome;
 use crate::output;
@@ -9,7 +9,7 @@ use throng_precompute::run::scene_schema;
 /// Print a JSON schema of config, scene or task files.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Of which files.
+    /// Kind of files.
     #[arg(long, value_enum, default_value_t = Of::Config)]
     of: Of,
 }

@@ -1,4 +1,4 @@
-//! `throng selftest`: a short proof on the machine at hand.
+//! `throng selftest`: a short self-test on this machine.
 
 use crate::args::{CacheArgs, Outcome, fail};
 use crate::{keys, output, progress};
@@ -12,7 +12,7 @@ pub struct Args {
     /// Mutants of good files for every reader.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
     mutants: u64,
-    /// Seed of all that is random.
+    /// Seed of everything random.
     #[arg(long, default_value_t = 1)]
     seed: u64,
     #[command(flatten)]

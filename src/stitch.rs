@@ -11,11 +11,11 @@ use throng_precompute::stitch::{self, Kit, StitchReport, WorldSource};
 use throng_runtime::Bundle;
 use throng_runtime::world::World;
 
-/// Stitch a world: lay the motion patches of a bundle over a target environment and join them.
+/// Stitch a world: place the motion patches of a bundle in a target environment and join them.
 #[derive(clap::Args)]
 #[command(after_long_help = keys::of::<Report<'static>>())]
 pub struct Args {
-    /// World file (TOML); data/worlds/ has examples. Its bundle is built from its config where it is not there.
+    /// World file (TOML); data/worlds/ has examples. Its bundle is built from its config if it is missing.
     #[arg(value_name = "WORLD")]
     file: PathBuf,
     /// File to write; the world's name with `.world`, beside the bundle, where absent. A world of that name that was
@@ -32,7 +32,7 @@ pub struct Args {
     json: bool,
 }
 
-/// What is printed.
+/// Printed report.
 #[derive(Serialize, JsonSchema)]
 struct Report<'a> {
     /// Name of the world.
@@ -61,7 +61,7 @@ pub fn run(args: &Args) -> Outcome {
     print(&source, &report, &out)
 }
 
-/// The bundle of a world; built first if it does not exist.
+/// Opens the bundle of a world, which is built first if it does not exist.
 pub fn bundle(source: &WorldSource, cache: &CacheArgs) -> Result<Bundle, Box<dyn std::error::Error>> {
     crate::run::make_bundle(&source.bundle, source.config.as_deref(), cache)?;
     crate::args::open(&source.bundle)
@@ -80,7 +80,7 @@ fn make(
     Ok(report)
 }
 
-/// The stitched world of a world file. Stitches it first if that has not been done, or if the bundle or the source changed.
+/// Opens the stitched world of a world file, which is stitched first if it is missing, or if the bundle or the source changed.
 pub fn open(source: &WorldSource, file: &Path, tables: &Bundle) -> Result<World, Box<dyn std::error::Error>> {
     let out = source.stitched_path();
     let progress = progress::Bar::default();

@@ -9,25 +9,25 @@ use throng_precompute::import;
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_runtime::base::{Hash128, limits};
 
-/// Write synthetic motion as BVH files, with what happens in it as tags in sidecars.
+/// Write synthetic motion as BVH files, with its events as tags in sidecars.
 #[derive(clap::Args)]
 #[command(after_long_help = keys::of::<Report>())]
 pub struct Args {
-    /// Which set: `walk` (wandering with turns, stops and starts), `boxing` (shadow-boxing with footwork, combinations
+    /// Name of the set: `walk` (wandering with turns, stops and starts), `boxing` (shadow-boxing with footwork, combinations
     /// and defences), `playground` (stairs, a ladder, slides), `office` (standing, talking, sitting, working), `people`
     /// (what people do when they stand: greet, shake hands, buy, chat, sit down, take things and put them down) or `locomotion` (steady gaits: walk, jog, run,
     /// turn, side and back steps, standing; each in three manners).
     #[arg(long, default_value = "walk")]
     set: String,
-    /// Folder to write to; made if it is not there.
+    /// Folder to write to; made if it is missing.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Length of the set in minutes; the default depends on the set. The locomotion set is a list of clips of 4 s: below
     /// 15 minutes it is cut short, above it holds further takes.
     #[arg(long, allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::SYNTH_MINUTES))]
     minutes: Option<f64>,
-    /// Hours of motion in place of `--minutes`, for large databases: a folder `hour_0001` for every hour, each with a seed
-    /// of its own, which follows from `--seed`. Memory is that of one hour.
+    /// Hours of motion in place of `--minutes`, for large databases: a folder such as `hour_0001` for every hour, each with
+    /// its own seed, derived from `--seed`. Memory is that of one hour.
     #[arg(long, conflicts_with = "minutes", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::SYNTH_HOURS))]
     hours: Option<f64>,
     /// Same seed, same motion.
@@ -51,7 +51,7 @@ struct Report {
     frames: usize,
     /// Length of all clips (s).
     seconds: f64,
-    /// Folder they were written to.
+    /// Folder that they were written to.
     out: PathBuf,
 }
 

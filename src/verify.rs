@@ -1,4 +1,4 @@
-//! `throng verify`: is a bundle whole?
+//! `throng verify`: checks that a bundle is intact.
 
 use crate::args::Outcome;
 use crate::{keys, output};

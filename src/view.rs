@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, ExitCode};
 
-/// Builds the viewer beside this executable, in the same profile.
+/// Command that builds the viewer beside this executable, in the same profile.
 const HOW_TO_BUILD: &str = if cfg!(debug_assertions) {
     "`cargo build -p throng-viewer` builds it"
 } else {
@@ -26,7 +26,7 @@ pub struct Args {
     rest: Vec<OsString>,
 }
 
-/// Returns the exit code of the viewer.
+/// Starts the viewer; returns its exit code.
 pub fn run(args: &Args) -> Result<ExitCode, Box<dyn Error>> {
     let viewer = std::env::current_exe()?.with_file_name(format!("throng-viewer{}", std::env::consts::EXE_SUFFIX));
     if viewer.is_file() {

@@ -1,7 +1,6 @@
-//! What the process has used of the machine.
+//! Resource usage of the process.
 
-/// Time that processors have spent on the process, where the system tells; less than it lasts on a busy machine.
-/// (s)
+/// Processor time of the process, where the system reports it; less than its wall time on a busy machine (s).
 pub fn processor_seconds() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     // Behind the name in brackets: user and system time are fields 14 and 15, in ticks of 10 ms.

@@ -10,12 +10,12 @@
 #include <stdlib.h>
 
 /**
- * Joints of every skeleton; parents come before their children.
+ * Number of joints of every skeleton; parents come before their children.
  */
 #define THRONG_NUM_JOINTS 22
 
 /**
- * What a call returns. `throng_last_error` has the reason in words.
+ * Status of a call. `throng_last_error` has the reason in words.
  */
 typedef enum ThrongStatus {
   /**
@@ -27,7 +27,7 @@ typedef enum ThrongStatus {
    */
   THRONG_STATUS_POINTER = 1,
   /**
-   * The handle was freed, or is none.
+   * The handle was freed, or never existed.
    */
   THRONG_STATUS_HANDLE = 2,
   /**
@@ -59,7 +59,7 @@ typedef enum ThrongStatus {
    */
   THRONG_STATUS_FULL = 9,
   /**
-   * The place is taken, or no way leads there.
+   * The place is taken, or no path leads there.
    */
   THRONG_STATUS_PLACE = 10,
   /**
@@ -73,11 +73,11 @@ typedef enum ThrongStatus {
 } ThrongStatus;
 
 /**
- * How far a character has come with its order.
+ * Progress of a character's order.
  */
 typedef enum ThrongProgress {
   /**
-   * It has none.
+   * No order.
    */
   THRONG_PROGRESS_IDLE = 0,
   /**
@@ -85,25 +85,25 @@ typedef enum ThrongProgress {
    */
   THRONG_PROGRESS_GOING = 1,
   /**
-   * It is where it was sent.
+   * Arrived at its target.
    */
   THRONG_PROGRESS_THERE = 2,
   /**
-   * It makes no progress.
+   * Blocked: no progress.
    */
   THRONG_PROGRESS_BLOCKED = 3,
   /**
-   * No way leads there.
+   * No path leads to its target.
    */
   THRONG_PROGRESS_NO_WAY = 4,
 } ThrongProgress;
 
 /**
- * What happened to a character.
+ * Kind of an event of a character.
  */
 typedef enum ThrongHappened {
   /**
-   * Its blow has landed, or, for characters of a bundle, has passed its place.
+   * Its blow has landed, or, for characters of a bundle, has reached its point.
    */
   THRONG_HAPPENED_HIT = 0,
   /**
@@ -111,19 +111,19 @@ typedef enum ThrongHappened {
    */
   THRONG_HAPPENED_STRUCK = 1,
   /**
-   * Its wish is fulfilled.
+   * Its goal is fulfilled.
    */
   THRONG_HAPPENED_FULFILLED = 2,
   /**
-   * It is at its goal.
+   * Arrival at its goal.
    */
   THRONG_HAPPENED_ARRIVED = 3,
   /**
-   * It has left at its goal.
+   * Departure at its goal.
    */
   THRONG_HAPPENED_LEFT = 4,
   /**
-   * It makes no progress.
+   * Stuck: no progress towards its goal.
    */
   THRONG_HAPPENED_STUCK = 5,
   /**
@@ -133,7 +133,7 @@ typedef enum ThrongHappened {
 } ThrongHappened;
 
 /**
- * How matrices lie in memory, and in which axes.
+ * Memory layout and axes of matrices.
  */
 typedef enum ThrongLayout {
   /**
@@ -145,18 +145,18 @@ typedef enum ThrongLayout {
    */
   THRONG_LAYOUT_UNITY = 1,
   /**
-   * Unreal's `FMatrix` of floats, rows that hold the axes and then the place; left-handed, X forward, Y right, Z up,
+   * Unreal's `FMatrix` of floats, rows that hold the axes and then the position; left-handed, X forward, Y right, Z up,
    * centimetres.
    */
   THRONG_LAYOUT_UNREAL = 2,
 } ThrongLayout;
 
 /**
- * A bundle of tables. Simulations made from it keep what they need when it is freed.
+ * A bundle of tables. Simulations made from it keep working when it is freed.
  */
 typedef struct ThrongBundle {
   /**
-   * Zero is none.
+   * Number of the handle; zero is none.
    */
   uint64_t handle;
 } ThrongBundle;
@@ -166,27 +166,27 @@ typedef struct ThrongBundle {
  */
 typedef struct ThrongJoint {
   /**
-   * Number of its parent; -1 for the first.
+   * Number of the parent joint; -1 for the first.
    */
   int32_t parent;
   /**
-   * From its parent (m; X left, Y up, Z forward).
+   * Offset from the parent (m; X left, Y up, Z forward).
    */
   float offset[3];
 } ThrongJoint;
 
 /**
- * Characters who move. One thread at a time may call with it; `throng_simulation_help` is for all.
+ * A simulation of characters. Only one thread at a time may call with it, except for `throng_simulation_help`.
  */
 typedef struct ThrongSimulation {
   /**
-   * Zero is none.
+   * Number of the handle; zero is none.
    */
   uint64_t handle;
 } ThrongSimulation;
 
 /**
- * How characters of a bundle move.
+ * Settings of characters of a bundle.
  */
 typedef struct ThrongCharactersConfig {
   /**
@@ -198,15 +198,15 @@ typedef struct ThrongCharactersConfig {
    */
   uint64_t seed;
   /**
-   * Most characters at a time.
+   * Greatest number of characters at a time.
    */
   uint32_t capacity;
   /**
-   * 1: they make way for each other. 0: they take no notice of anybody.
+   * 1: characters avoid each other. 0: they ignore each other.
    */
   uint32_t makes_way;
   /**
-   * 0 takes the best action; above, one of the best few at random.
+   * Randomness of choices: 0 takes the best action; above 0, one of the best few at random.
    */
   float temperature;
   /**
@@ -214,148 +214,148 @@ typedef struct ThrongCharactersConfig {
    */
   float half_life_s;
   /**
-   * 1: steps also leave a `ThrongInstance` of everybody.
+   * 1: steps also write a `ThrongInstance` of every character.
    */
   uint32_t instances;
   /**
-   * 0.
+   * Reserved; 0.
    */
   uint32_t reserved;
 } ThrongCharactersConfig;
 
 /**
- * Names a character. Nobody else of its simulation ever has the same one. In scenes the index is its number, and the
- * generation 0.
+ * Identifies a character; unique in its simulation for all time. In scenes the index is its number, and the generation
+ * is 0.
  */
 typedef struct ThrongId {
   /**
-   * Its place (< capacity).
+   * Place of the character (< capacity).
    */
   uint32_t index;
   /**
-   * How many had this place before.
+   * Number of previous characters at this place.
    */
   uint32_t generation;
 } ThrongId;
 
 /**
- * Where a character stands and looks.
+ * Position and heading of a character.
  */
 typedef struct ThrongRoot {
   /**
-   * Who.
+   * The character.
    */
   struct ThrongId id;
   /**
-   * 0 where it has left, else 1.
+   * 0 if it has left, else 1.
    */
   uint32_t is_there;
   /**
-   * Along X, to the left of heading 0 (m).
+   * Position along X, to the left of heading 0 (m).
    */
   float x;
   /**
-   * Along Z (m).
+   * Position along Z (m).
    */
   float z;
   /**
-   * About +Y from +Z (rad).
+   * Heading about +Y from +Z (rad).
    */
   float heading;
 } ThrongRoot;
 
 /**
- * Something that happened in the last step.
+ * Event of the last step.
  */
 typedef struct ThrongEvent {
   /**
-   * When (s).
+   * Time of the event (s).
    */
   double time_s;
   /**
-   * To whom, or by whom.
+   * The character that it happened to, or that caused it.
    */
   struct ThrongId id;
   /**
-   * What.
+   * Kind of the event.
    */
   enum ThrongHappened happened;
   /**
-   * See `ThrongHappened`; else 0.
+   * Number of the other character or obstacle, for the kinds that have one; else 0.
    */
   uint32_t other;
   /**
-   * Where, for blows; else zeros (m).
+   * Point of a blow; zeros for other events (m).
    */
   float at[3];
 } ThrongEvent;
 
 /**
- * Where characters are looked at from, and who is near enough for what. They go where they would go without it.
+ * Eye of the viewer, and distances up to which characters are detailed. Their paths do not depend on it.
  *
- * Eight characters whose rows are neighbours have one level: that of the nearest.
+ * Eight characters of neighbouring rows have one level: that of the nearest.
  */
 typedef struct ThrongDetail {
   /**
-   * The eye, along X (m).
+   * Position of the eye along X (m).
    */
   float eye_x;
   /**
-   * The eye, along Z (m).
+   * Position of the eye along Z (m).
    */
   float eye_z;
   /**
-   * Feet stay in place up to this distance; -1 for nobody (m).
+   * Distance up to which planted feet stay in place; -1 for no character (m).
    */
   float full_m;
   /**
-   * Poses are computed up to this distance, at least `full_m`; the matrices of others stay as they were (m).
+   * Distance up to which poses are computed, at least `full_m`; the matrices of others stay as they were (m).
    */
   float posed_m;
 } ThrongDetail;
 
 /**
- * What a GPU needs to pose a character from the frame rows of its bundle (32 bytes; `throng_bundle_write_rows`).
+ * Record from which a GPU poses a character with the frame rows of its bundle (32 bytes; `throng_bundle_write_rows`).
  *
- * The pose is `mix(mix(row_a, row_a + 1, frac), mix(row_b, row_b + 1, frac), blend)`: what is played, and what a
- * transition left and fades out. It stands at (x, y, z) and is turned by the heading, in Throng's axes: that is
+ * The pose is `mix(mix(row_a, row_a + 1, frac), mix(row_b, row_b + 1, frac), blend)`: the playing motion, and the motion
+ * that a transition fades out. It stands at (x, y, z) and is turned by the heading, in Throng's axes: that is
  * (-x, y, z) and -heading in Unity, (100 z, -100 x, 100 y) and a yaw of -heading in Unreal.
  */
 typedef struct ThrongInstance {
   /**
-   * Frame row; the one after it is of the same clip, or `frac` is 0.
+   * Frame row; the next row is of the same clip, or `frac` is 0.
    */
   uint32_t row_a;
   /**
-   * Frame row of what fades out; `row_a` where nothing does.
+   * Frame row of the motion that fades out; `row_a` without a transition.
    */
   uint32_t row_b;
   /**
-   * How far to the next rows (65535 is 1).
+   * Fraction of the way to the next rows (65535 is 1).
    */
   uint16_t frac;
   /**
-   * The weight of `row_b` (65535 is 1).
+   * Weight of `row_b` (65535 is 1).
    */
   uint16_t blend;
   /**
-   * Number of the character's place, for looks (< capacity).
+   * Number of the character's place, to vary its appearance (< capacity).
    */
   uint32_t variant;
   /**
-   * Along X, to the left of heading 0 (m).
+   * Position along X, to the left of heading 0 (m).
    */
   float x;
   /**
-   * Height of the ground there (m).
+   * Height of the ground (m).
    */
   float y;
   /**
-   * Along Z (m).
+   * Position along Z (m).
    */
   float z;
   /**
-   * About +Y from +Z (rad).
+   * Heading about +Y from +Z (rad).
    */
   float heading;
 } ThrongInstance;
@@ -365,7 +365,7 @@ extern "C" {
 #endif // __cplusplus
 
 /**
- * Copies why the last call failed on this thread, in UTF-8 and with a zero at its end; cut where it is too long.
+ * Copies the message of the last failed call of this thread, in UTF-8 and with a zero at its end; cut if it is too long.
  *
  * @param buffer memory for the text; may be null where `size` is 0.
  * @param size its length (bytes).
@@ -377,7 +377,7 @@ extern "C" {
 size_t throng_last_error(char *buffer, size_t size);
 
 /**
- * Opens a bundle file. What happens to the file afterwards does not matter.
+ * Opens a bundle file. Later changes to the file do not matter.
  *
  * @pre
  * `path` ends with a zero, `bundle` can be written.
@@ -398,7 +398,7 @@ enum ThrongStatus throng_bundle_from_memory(const uint8_t *bytes, size_t size, s
 enum ThrongStatus throng_bundle_free(struct ThrongBundle bundle);
 
 /**
- * The number of a behaviour's policy; the error lists the names that there are.
+ * Writes the number of a behaviour's policy; the error message lists the existing names.
  *
  * @pre
  * `behaviour` ends with a zero, `policy` can be written.
@@ -406,9 +406,9 @@ enum ThrongStatus throng_bundle_free(struct ThrongBundle bundle);
 enum ThrongStatus throng_bundle_policy(struct ThrongBundle bundle, const char *behaviour, uint32_t *policy);
 
 /**
- * The skeleton of a bundle.
+ * Writes the skeleton of a bundle.
  *
- * @param joints room for `THRONG_NUM_JOINTS`.
+ * @param joints room for `THRONG_NUM_JOINTS` joints.
  *
  * @pre
  * `joints` has that room.
@@ -426,31 +426,31 @@ enum ThrongStatus throng_bundle_skeleton(struct ThrongBundle bundle, struct Thro
 size_t throng_joint_name(uint32_t joint, char *buffer, size_t size);
 
 /**
- * Frees a simulation; a call that another thread is in ends first.
+ * Frees a simulation; a call of another thread ends first.
  */
 enum ThrongStatus throng_simulation_free(struct ThrongSimulation simulation);
 
 /**
- * Moves everybody on. Works on this thread, and on those that help where the step was announced.
+ * Steps a simulation, on this thread and, if the step was announced, on helper threads.
  *
- * @param dt_s 0 to 1 (s).
+ * @param dt_s duration of the step (s, 0 to 1).
  */
 enum ThrongStatus throng_simulation_step(struct ThrongSimulation simulation, double dt_s);
 
 /**
- * Lets threads that call `throng_simulation_help` wait for the next step and work in it. Call it before they start. The
- * result of the step does not depend on how many there are, nor on when they come.
+ * Announces the next step, so that threads that call `throng_simulation_help` wait for it and work in it. Call it before
+ * they start. The result of the step does not depend on their number, nor on when they call.
  */
 enum ThrongStatus throng_simulation_announce(struct ThrongSimulation simulation);
 
 /**
- * Works for a step that was announced, until it is over; returns at once where none is. For jobs of the application's
- * own threads, as many at a time as it likes.
+ * Helps with an announced step until it is over; returns at once if none is announced. Any number of the application's
+ * own threads may call it at a time.
  */
 enum ThrongStatus throng_simulation_help(struct ThrongSimulation simulation);
 
 /**
- * How many characters there are, those of a scene who have left included.
+ * Writes the number of characters, including those of a scene that have left.
  *
  * @pre
  * `count` can be written.
@@ -458,7 +458,7 @@ enum ThrongStatus throng_simulation_help(struct ThrongSimulation simulation);
 enum ThrongStatus throng_simulation_count(struct ThrongSimulation simulation, size_t *count);
 
 /**
- * Simulated time (s).
+ * Writes the simulated time (s).
  *
  * @pre
  * `time_s` can be written.
@@ -466,7 +466,7 @@ enum ThrongStatus throng_simulation_count(struct ThrongSimulation simulation, si
 enum ThrongStatus throng_simulation_time(struct ThrongSimulation simulation, double *time_s);
 
 /**
- * A hash of the state: the same for the same motion, on every machine and from every language.
+ * Writes a hash of the state: the same for the same motion, on every machine and from every language.
  *
  * @pre
  * `hash` can be written.
@@ -474,10 +474,10 @@ enum ThrongStatus throng_simulation_time(struct ThrongSimulation simulation, dou
 enum ThrongStatus throng_simulation_hash(struct ThrongSimulation simulation, uint64_t *hash);
 
 /**
- * Copies all that the next steps depend on, with a checksum.
+ * Copies the whole state that the next steps depend on, with a checksum.
  *
- * @param buffer room for `capacity` bytes; where it is null and `capacity` 0, only `size` is written.
- * @param size how many bytes there are. With less room nothing is copied, and `THRONG_STATUS_TOO_SMALL` returned.
+ * @param buffer room for `capacity` bytes; if it is null and `capacity` is 0, only `size` is written.
+ * @param size length of the state (bytes). With less room nothing is copied, and `THRONG_STATUS_TOO_SMALL` is returned.
  *
  * @pre
  * `buffer` has this room, `size` can be written.
@@ -488,7 +488,7 @@ enum ThrongStatus throng_simulation_save(struct ThrongSimulation simulation,
                                          size_t *size);
 
 /**
- * Goes back to what was saved from the same bundle or scene; what is refused changes nothing.
+ * Restores a state that was saved with the same bundle or scene; a refused state changes nothing.
  *
  * @pre
  * `bytes` points to `size` bytes.
@@ -496,7 +496,7 @@ enum ThrongStatus throng_simulation_save(struct ThrongSimulation simulation,
 enum ThrongStatus throng_simulation_restore(struct ThrongSimulation simulation, const uint8_t *bytes, size_t size);
 
 /**
- * Fills in the defaults: seed 1, 1000 characters who make way.
+ * Fills in the defaults: seed 1, 1000 characters that avoid each other.
  *
  * @param size `sizeof(ThrongCharactersConfig)`.
  *
@@ -506,7 +506,7 @@ enum ThrongStatus throng_simulation_restore(struct ThrongSimulation simulation, 
 enum ThrongStatus throng_characters_config_init(struct ThrongCharactersConfig *config, size_t size);
 
 /**
- * Room for characters that policies of a bundle move; nobody is there yet.
+ * Makes an empty simulation of characters that are moved by policies of a bundle.
  *
  * @pre
  * `config` points to as many bytes as its `struct_size` says, `simulation` can be written.
@@ -516,7 +516,7 @@ enum ThrongStatus throng_characters_new(struct ThrongBundle bundle,
                                         struct ThrongSimulation *simulation);
 
 /**
- * Opens a scene file with its bundles and worlds, and puts everybody in place.
+ * Opens a scene file with its bundles and worlds, and places all characters.
  *
  * @pre
  * `path` ends with a zero, `simulation` can be written.
@@ -524,7 +524,7 @@ enum ThrongStatus throng_characters_new(struct ThrongBundle bundle,
 enum ThrongStatus throng_simulation_open(const char *path, struct ThrongSimulation *simulation);
 
 /**
- * Lets an event of the scene happen now.
+ * Raises an event of the scene.
  *
  * @pre
  * `event` ends with a zero.
@@ -532,9 +532,9 @@ enum ThrongStatus throng_simulation_open(const char *path, struct ThrongSimulati
 enum ThrongStatus throng_simulation_raise(struct ThrongSimulation simulation, const char *event);
 
 /**
- * Lets a character enter; it stands at (x, z) and looks along the heading. Its pose is there after the next step.
+ * Adds a character that stands at (x, z) and faces along the heading. Its pose is available after the next step.
  *
- * @param heading about +Y from +Z (rad).
+ * @param heading heading about +Y from +Z (rad).
  *
  * @pre
  * `id` can be written.
@@ -546,12 +546,12 @@ enum ThrongStatus throng_characters_spawn(struct ThrongSimulation simulation,
                                           struct ThrongId *id);
 
 /**
- * Lets a character leave. The last one takes its row.
+ * Removes a character. The character of the last row takes its row.
  */
 enum ThrongStatus throng_characters_despawn(struct ThrongSimulation simulation, struct ThrongId id);
 
 /**
- * Puts a character elsewhere at once.
+ * Moves a character to another place at once.
  */
 enum ThrongStatus throng_characters_place(struct ThrongSimulation simulation,
                                           struct ThrongId id,
@@ -560,7 +560,7 @@ enum ThrongStatus throng_characters_place(struct ThrongSimulation simulation,
                                           float heading);
 
 /**
- * Tells a character what to do from now on: a policy of the bundle, and the target in the world that it is about.
+ * Orders a character to follow a policy of the bundle from now on, with a target in the world (m).
  *
  * @param policy see `throng_bundle_policy`.
  */
@@ -572,9 +572,9 @@ enum ThrongStatus throng_characters_order(struct ThrongSimulation simulation,
                                           float z);
 
 /**
- * How far a character has come with its order.
+ * Progress of a character's order.
  *
- * @param left_m what is left of its way where it is going, else 0 (m).
+ * @param left_m remaining length of its path while it is on its way, else 0 (m).
  *
  * @pre
  * `progress` and `left_m` can be written.
@@ -585,15 +585,15 @@ enum ThrongStatus throng_characters_progress(struct ThrongSimulation simulation,
                                              float *left_m);
 
 /**
- * Floats of one matrix: 12 or 16; 0 for a layout that does not exist.
+ * Number of floats of one matrix: 12 or 16; 0 for a layout that does not exist.
  */
 size_t throng_layout_floats(uint32_t layout);
 
 /**
- * Copies where everybody is, in the order of rows.
+ * Copies position and heading of all characters, in the order of rows.
  *
  * @param roots room for `capacity` records.
- * @param count how many there are; more than `capacity` are left out.
+ * @param count number of records; those beyond `capacity` are left out.
  *
  * @pre
  * `roots` has this room, `count` can be written.
@@ -604,10 +604,10 @@ enum ThrongStatus throng_simulation_roots(struct ThrongSimulation simulation,
                                           size_t *count);
 
 /**
- * Copies what happened in the last step.
+ * Copies the events of the last step.
  *
  * @param events room for `capacity` records.
- * @param count how many there are; more than `capacity` are left out.
+ * @param count number of records; those beyond `capacity` are left out.
  *
  * @pre
  * `events` has this room, `count` can be written.
@@ -618,12 +618,12 @@ enum ThrongStatus throng_simulation_events(struct ThrongSimulation simulation,
                                            size_t *count);
 
 /**
- * Writes the matrix from each joint to the world, for everybody, in one pass and in the axes of an engine. Who has left
- * or has no body gets zeros.
+ * Writes the matrix from each joint to the world, for all characters, in one pass and in the axes of an engine. Matrices
+ * of a character that has left or has no body are zero.
  *
- * @param matrices characters times `THRONG_NUM_JOINTS` matrices, a character's side by side.
+ * @param matrices room for characters times `THRONG_NUM_JOINTS` matrices, those of a character side by side.
  * @param size its length (bytes).
- * @param stride from one character's first matrix to the next one's (bytes, a multiple of 4).
+ * @param stride distance from one character's first matrix to the next one's (bytes, a multiple of 4).
  * @param layout a `ThrongLayout`.
  *
  * @pre
@@ -636,9 +636,9 @@ enum ThrongStatus throng_simulation_write_matrices(struct ThrongSimulation simul
                                                    uint32_t layout);
 
 /**
- * Says who is posed in the next steps.
+ * Sets which characters are posed in the next steps.
  *
- * @param detail null for everybody, as it is at first.
+ * @param detail null to pose all characters, which is the default.
  *
  * @pre
  * `detail` is null or can be read.
@@ -646,10 +646,10 @@ enum ThrongStatus throng_simulation_write_matrices(struct ThrongSimulation simul
 enum ThrongStatus throng_characters_set_detail(struct ThrongSimulation simulation, const struct ThrongDetail *detail);
 
 /**
- * Copies the records of everybody, in the order of rows. None are there unless `ThrongCharactersConfig.instances`.
+ * Copies the records of all characters, in the order of rows. There are none unless `ThrongCharactersConfig.instances`.
  *
  * @param instances room for `capacity` records.
- * @param count how many there are; more than `capacity` are left out.
+ * @param count number of records; those beyond `capacity` are left out.
  *
  * @pre
  * `instances` has this room, `count` can be written.
@@ -660,7 +660,7 @@ enum ThrongStatus throng_characters_instances(struct ThrongSimulation simulation
                                               size_t *count);
 
 /**
- * How many frame rows a bundle has.
+ * Writes the number of frame rows of a bundle.
  *
  * @pre
  * `count` can be written.
@@ -668,10 +668,10 @@ enum ThrongStatus throng_characters_instances(struct ThrongSimulation simulation
 enum ThrongStatus throng_bundle_num_rows(struct ThrongBundle bundle, size_t *count);
 
 /**
- * Writes the poses of all frame rows, once for a bundle: the matrix from each joint to the character's own frame. A body
- * is skinned by such a matrix after the inverse of the joint's one at rest, which does not turn.
+ * Writes the poses of all frame rows, once for a bundle: the matrix from each joint to the character's own frame. To skin
+ * a body, multiply such a matrix by the inverse of the joint's matrix at rest, which has no rotation.
  *
- * @param matrices rows times `THRONG_NUM_JOINTS` matrices, without gaps.
+ * @param matrices room for rows times `THRONG_NUM_JOINTS` matrices, without gaps.
  * @param size its length (bytes).
  * @param layout a `ThrongLayout`.
  *

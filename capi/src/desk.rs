@@ -1,10 +1,10 @@
-//! Steps on the caller's own threads, without callbacks: threads that help take parts until the step is over.
+//! Steps on the caller's own threads, without callbacks: helper threads run parts until the step is over.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use throng_base::Run;
 
-/// Where parts of a step wait for whoever helps.
+/// Work queue of the parts of a step, for helper threads.
 #[derive(Default)]
 pub struct Desk {
     work: Mutex<Work>,
@@ -13,24 +13,24 @@ pub struct Desk {
 
 #[derive(Default)]
 struct Work {
-    /// A step is announced or goes on.
+    /// True while a step is announced or running.
     is_open: bool,
-    /// Parts that are independent of each other, while there are any.
+    /// Function that runs a part, while there are independent parts.
     part: Option<Part>,
-    /// The next one that nobody has.
+    /// Number of the next free part.
     next: usize,
     num_parts: usize,
-    /// Threads with a part in hand.
+    /// Number of threads that run a part.
     num_busy: usize,
-    /// A part has panicked on a helper.
+    /// True if a part has panicked on a helper.
     has_panicked: bool,
 }
 
-/// What [`Desk::run`] was given. It is set for no longer than that call lasts.
+/// Pointer to the function of [`Desk::run`], which is only set while that call lasts.
 #[derive(Clone, Copy)]
 struct Part(*const (dyn Fn(usize) + Sync));
 
-// SAFETY: what it points to is `Sync`.
+// SAFETY: the function that it points to is `Sync`.
 unsafe impl Send for Part {}
 
 impl Desk {
@@ -42,7 +42,7 @@ impl Desk {
         self.changed.wait(work).unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Helpers wait for the next step from now on.
+    /// Lets helpers wait for the next step from now on.
     pub fn announce(&self) {
         self.lock().is_open = true;
     }
@@ -51,13 +51,13 @@ impl Desk {
         self.lock().is_open
     }
 
-    /// The step is over: helpers go.
+    /// Ends the step: helpers return.
     pub fn close(&self) {
         self.lock().is_open = false;
         self.changed.notify_all();
     }
 
-    /// Takes parts until the step is over; returns at once where none is announced.
+    /// Runs parts until the step is over; returns at once if no step is announced.
     pub fn help(&self) {
         let mut work = self.lock();
         while work.is_open {
@@ -68,14 +68,14 @@ impl Desk {
         }
     }
 
-    /// Does one part; an error where there is none to do.
+    /// Runs one part; an error if there is none to run.
     fn take_one<'a>(&'a self, mut work: MutexGuard<'a, Work>) -> Result<MutexGuard<'a, Work>, MutexGuard<'a, Work>> {
         let (Some(part), true) = (work.part, work.next < work.num_parts) else { return Err(work) };
         let k = work.next;
         work.next += 1;
         work.num_busy += 1;
         drop(work);
-        // SAFETY: `run` does not return, and so keeps it alive, until nobody is busy.
+        // SAFETY: `run` keeps it alive, as it does not return until no thread is busy.
         let part = unsafe { &*part.0 };
         let has_panicked = catch_unwind(AssertUnwindSafe(|| part(k))).is_err();
         let mut work = self.lock();
@@ -90,7 +90,7 @@ impl Desk {
 
 impl Run for Desk {
     fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
-        // SAFETY: the same pointer but for its lifetime; it is taken away before this call returns.
+        // SAFETY: only the lifetime of the pointer changes; it is removed before this call returns.
         let part = Part(unsafe {
             std::mem::transmute::<*const (dyn Fn(usize) + Sync + '_), *const (dyn Fn(usize) + Sync)>(part)
         });
@@ -111,7 +111,7 @@ impl Run for Desk {
 }
 
 impl Desk {
-    /// Takes the parts away once nobody has one.
+    /// Removes the parts once no thread runs one; resumes the panic of a part.
     fn end(&self, mut work: MutexGuard<'_, Work>) {
         work.part = None;
         let has_panicked = std::mem::take(&mut work.has_panicked);

@@ -1,4 +1,4 @@
-//! What calls return, and what the last one that failed on a thread had to say.
+//! Status of calls, and the message of the last failed call of a thread.
 
 use std::cell::RefCell;
 use std::ffi::{CStr, c_char};
@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use throng_base::Error;
 use throng_runtime::format::FormatError;
 
-/// What a call returns. `throng_last_error` has the reason in words.
+/// Status of a call. `throng_last_error` has the reason in words.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ThrongStatus {
@@ -14,7 +14,7 @@ pub enum ThrongStatus {
     Ok = 0,
     /// A pointer is null or not aligned, or a text is not UTF-8.
     Pointer = 1,
-    /// The handle was freed, or is none.
+    /// The handle was freed, or never existed.
     Handle = 2,
     /// Another thread is in a call with this handle.
     Busy = 3,
@@ -30,7 +30,7 @@ pub enum ThrongStatus {
     Gone = 8,
     /// All places are taken.
     Full = 9,
-    /// The place is taken, or no way leads there.
+    /// The place is taken, or no path leads there.
     Place = 10,
     /// This kind of simulation cannot do that.
     Unsupported = 11,
@@ -38,7 +38,7 @@ pub enum ThrongStatus {
     Panic = 12,
 }
 
-/// Why a call failed.
+/// Reason of a failed call.
 pub struct Fault {
     pub status: ThrongStatus,
     pub why: String,
@@ -49,7 +49,7 @@ impl Fault {
         Self { status, why: why.into() }
     }
 
-    /// Says which file, unless that is said.
+    /// Adds the path of the file to the reason, unless it is there.
     pub fn at(mut self, path: &str) -> Self {
         if !self.why.contains(path) {
             self.why = format!("{path}: {}", self.why);
@@ -85,7 +85,7 @@ thread_local! {
     static LAST: RefCell<String> = const { RefCell::new(String::new()) };
 }
 
-/// Runs a call: its fault is kept for this thread, and a panic ends here.
+/// Runs a call: stores its fault for this thread, and catches panics.
 pub fn call(work: impl FnOnce() -> Result<(), Fault>) -> ThrongStatus {
     let fault = match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(())) => return ThrongStatus::Ok,
@@ -100,7 +100,7 @@ pub fn call(work: impl FnOnce() -> Result<(), Fault>) -> ThrongStatus {
     fault.status
 }
 
-/// Copies why the last call failed on this thread, in UTF-8 and with a zero at its end; cut where it is too long.
+/// Copies the message of the last failed call of this thread, in UTF-8 and with a zero at its end; cut if it is too long.
 ///
 /// @param buffer memory for the text; may be null where `size` is 0.
 /// @param size its length (bytes).
@@ -116,7 +116,7 @@ pub unsafe extern "C" fn throng_last_error(buffer: *mut c_char, size: usize) -> 
     })
 }
 
-/// Copies a text with a zero at its end, cut at a character's border; its whole length.
+/// Copies a text with a zero at its end, cut at a character's border; returns its whole length (bytes).
 ///
 /// # Safety
 /// `buffer` must have room for `size` bytes.
@@ -132,7 +132,7 @@ pub unsafe fn copy_text(text: &str, buffer: *mut c_char, size: usize) -> usize {
     text.len()
 }
 
-/// A text of the caller.
+/// Reads a text of the caller.
 ///
 /// # Safety
 /// `text` must be null or end with a zero.
@@ -145,7 +145,7 @@ pub unsafe fn text<'a>(what: &str, text: *const c_char) -> Result<&'a str, Fault
     text.to_str().map_err(|_| Fault::new(ThrongStatus::Pointer, format!("`{what}` is not UTF-8")))
 }
 
-/// Where a result goes.
+/// Writes a result to memory of the caller.
 ///
 /// # Safety
 /// `to` must be null or point to a `T` that may be written.
@@ -156,7 +156,7 @@ pub unsafe fn write<T>(what: &str, to: *mut T, value: T) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Bytes or records of the caller, to read.
+/// Borrows bytes or records of the caller.
 ///
 /// # Safety
 /// `from` must be null or point to `len` records.
@@ -170,7 +170,7 @@ pub unsafe fn slice<'a, T>(what: &str, from: *const T, len: usize) -> Result<&'a
     Ok(unsafe { std::slice::from_raw_parts(from, len) })
 }
 
-/// Copies as many records as there is room for, and writes how many there are.
+/// Copies as many records as there is room for, and writes the number of all records.
 ///
 /// # Safety
 /// `to` must be null or have room for `capacity` records, `count` must be null or writable.

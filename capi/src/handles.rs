@@ -1,14 +1,14 @@
-//! What handles stand for. Numbers are never given again, so that a freed one is known as such.
+//! Tables of handles. Numbers are never reused, so that a freed handle is recognized.
 
 use crate::fault::{Fault, ThrongStatus};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{PoisonError, RwLock};
 
-/// All of a kind that there are, by their numbers.
+/// All objects of a kind, by the numbers of their handles.
 pub struct Handles<T>(RwLock<BTreeMap<u64, T>>);
 
-/// The next number; 0 is nobody's.
+/// The next number; 0 is no handle.
 static NEXT: AtomicU64 = AtomicU64::new(1);
 
 impl<T: Clone> Handles<T> {
@@ -29,7 +29,7 @@ impl<T: Clone> Handles<T> {
 
     pub fn remove(&self, what: &str, number: u64) -> Result<(), Fault> {
         let removed = self.0.write().unwrap_or_else(PoisonError::into_inner).remove(&number);
-        // Dropped here, after the lock: that may take a while.
+        // Dropped here, after the lock is released, as it may take a while.
         removed.map(drop).ok_or_else(|| gone(what, number))
     }
 }

@@ -1,4 +1,4 @@
-//! Level of detail: who is far away leaves a record of 32 bytes, from which a vertex shader makes the pose.
+//! Level of detail: a distant character is a record of 32 bytes, from which a vertex shader computes the pose.
 
 use crate::fault::{Fault, ThrongStatus, call, check_pointer, copy_records};
 use crate::layout::{floats, layout_of, write};
@@ -8,55 +8,55 @@ use glam::Vec2;
 use throng_runtime::characters::{Detail, Instance, MotionSet, SampleJob};
 use throng_runtime::{Mat3x4, NUM_JOINTS};
 
-/// What a GPU needs to pose a character from the frame rows of its bundle (32 bytes; `throng_bundle_write_rows`).
+/// Record from which a GPU poses a character with the frame rows of its bundle (32 bytes; `throng_bundle_write_rows`).
 ///
-/// The pose is `mix(mix(row_a, row_a + 1, frac), mix(row_b, row_b + 1, frac), blend)`: what is played, and what a
-/// transition left and fades out. It stands at (x, y, z) and is turned by the heading, in Throng's axes: that is
+/// The pose is `mix(mix(row_a, row_a + 1, frac), mix(row_b, row_b + 1, frac), blend)`: the playing motion, and the motion
+/// that a transition fades out. It stands at (x, y, z) and is turned by the heading, in Throng's axes: that is
 /// (-x, y, z) and -heading in Unity, (100 z, -100 x, 100 y) and a yaw of -heading in Unreal.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThrongInstance {
-    /// Frame row; the one after it is of the same clip, or `frac` is 0.
+    /// Frame row; the next row is of the same clip, or `frac` is 0.
     pub row_a: u32,
-    /// Frame row of what fades out; `row_a` where nothing does.
+    /// Frame row of the motion that fades out; `row_a` without a transition.
     pub row_b: u32,
-    /// How far to the next rows (65535 is 1).
+    /// Fraction of the way to the next rows (65535 is 1).
     pub frac: u16,
-    /// The weight of `row_b` (65535 is 1).
+    /// Weight of `row_b` (65535 is 1).
     pub blend: u16,
-    /// Number of the character's place, for looks (< capacity).
+    /// Number of the character's place, to vary its appearance (< capacity).
     pub variant: u32,
-    /// Along X, to the left of heading 0 (m).
+    /// Position along X, to the left of heading 0 (m).
     pub x: f32,
-    /// Height of the ground there (m).
+    /// Height of the ground (m).
     pub y: f32,
-    /// Along Z (m).
+    /// Position along Z (m).
     pub z: f32,
-    /// About +Y from +Z (rad).
+    /// Heading about +Y from +Z (rad).
     pub heading: f32,
 }
 
 const _: () = assert!(size_of::<ThrongInstance>() == 32 && size_of::<Instance>() == 32);
 
-/// Where characters are looked at from, and who is near enough for what. They go where they would go without it.
+/// Eye of the viewer, and distances up to which characters are detailed. Their paths do not depend on it.
 ///
-/// Eight characters whose rows are neighbours have one level: that of the nearest.
+/// Eight characters of neighbouring rows have one level: that of the nearest.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThrongDetail {
-    /// The eye, along X (m).
+    /// Position of the eye along X (m).
     pub eye_x: f32,
-    /// The eye, along Z (m).
+    /// Position of the eye along Z (m).
     pub eye_z: f32,
-    /// Feet stay in place up to this distance; -1 for nobody (m).
+    /// Distance up to which planted feet stay in place; -1 for no character (m).
     pub full_m: f32,
-    /// Poses are computed up to this distance, at least `full_m`; the matrices of others stay as they were (m).
+    /// Distance up to which poses are computed, at least `full_m`; the matrices of others stay as they were (m).
     pub posed_m: f32,
 }
 
-/// Says who is posed in the next steps.
+/// Sets which characters are posed in the next steps.
 ///
-/// @param detail null for everybody, as it is at first.
+/// @param detail null to pose all characters, which is the default.
 ///
 /// # Safety
 /// `detail` is null or can be read.
@@ -79,10 +79,10 @@ pub unsafe extern "C" fn throng_characters_set_detail(
     })
 }
 
-/// Copies the records of everybody, in the order of rows. None are there unless `ThrongCharactersConfig.instances`.
+/// Copies the records of all characters, in the order of rows. There are none unless `ThrongCharactersConfig.instances`.
 ///
 /// @param instances room for `capacity` records.
-/// @param count how many there are; more than `capacity` are left out.
+/// @param count number of records; those beyond `capacity` are left out.
 ///
 /// # Safety
 /// `instances` has this room, `count` can be written.
@@ -112,7 +112,7 @@ pub unsafe extern "C" fn throng_characters_instances(
     })
 }
 
-/// How many frame rows a bundle has.
+/// Writes the number of frame rows of a bundle.
 ///
 /// # Safety
 /// `count` can be written.
@@ -125,10 +125,10 @@ pub unsafe extern "C" fn throng_bundle_num_rows(bundle: ThrongBundle, count: *mu
     })
 }
 
-/// Writes the poses of all frame rows, once for a bundle: the matrix from each joint to the character's own frame. A body
-/// is skinned by such a matrix after the inverse of the joint's one at rest, which does not turn.
+/// Writes the poses of all frame rows, once for a bundle: the matrix from each joint to the character's own frame. To skin
+/// a body, multiply such a matrix by the inverse of the joint's matrix at rest, which has no rotation.
 ///
-/// @param matrices rows times `THRONG_NUM_JOINTS` matrices, without gaps.
+/// @param matrices room for rows times `THRONG_NUM_JOINTS` matrices, without gaps.
 /// @param size its length (bytes).
 /// @param layout a `ThrongLayout`.
 ///

@@ -1,9 +1,9 @@
-//! Axes and matrices of engines.
+//! Axes and matrix layouts of engines.
 
 use crate::fault::{Fault, ThrongStatus};
 use throng_runtime::{Mat3x4, Planar};
 
-/// How matrices lie in memory, and in which axes.
+/// Memory layout and axes of matrices.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ThrongLayout {
@@ -11,42 +11,42 @@ pub enum ThrongLayout {
     Throng = 0,
     /// Unity's `Matrix4x4`, four columns of four; left-handed, X right, Y up, Z forward, metres.
     Unity = 1,
-    /// Unreal's `FMatrix` of floats, rows that hold the axes and then the place; left-handed, X forward, Y right, Z up,
+    /// Unreal's `FMatrix` of floats, rows that hold the axes and then the position; left-handed, X forward, Y right, Z up,
     /// centimetres.
     Unreal = 2,
 }
 
-/// Floats of one matrix: 12 or 16; 0 for a layout that does not exist.
+/// Number of floats of one matrix: 12 or 16; 0 for a layout that does not exist.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_layout_floats(layout: u32) -> usize {
     named(layout).map_or(0, floats)
 }
 
-/// The layout of a number of C, where there is one.
+/// The layout with a number, if there is one.
 fn named(layout: u32) -> Option<ThrongLayout> {
     [ThrongLayout::Throng, ThrongLayout::Unity, ThrongLayout::Unreal].into_iter().find(|l| *l as u32 == layout)
 }
 
-/// The layout of a number of C.
+/// The layout with a number.
 ///
 /// # Errors
-/// [`ThrongStatus::Value`] where there is none.
+/// [`ThrongStatus::Value`] if there is none.
 pub fn layout_of(layout: u32) -> Result<ThrongLayout, Fault> {
     named(layout)
         .ok_or_else(|| Fault::new(ThrongStatus::Value, format!("there is no layout {layout}, expected 0 to 2")))
 }
 
-/// Floats of one matrix.
+/// Number of floats of one matrix.
 pub fn floats(layout: ThrongLayout) -> usize {
     if layout == ThrongLayout::Throng { 12 } else { 16 }
 }
 
-/// From a character's own frame to the world.
+/// Transform from a character's own frame to the world.
 pub fn place(root: Planar) -> Mat3x4 {
     Mat3x4::from_rotation_translation(root.rotation(), root.translation())
 }
 
-/// Which of our axes becomes each of theirs, with its sign, and how many of their units a metre has.
+/// Source axis and sign of each axis of a layout, and the layout's units per metre.
 fn axes(layout: ThrongLayout) -> ([(usize, f32); 3], f32) {
     match layout {
         ThrongLayout::Throng => ([(0, 1.0), (1, 1.0), (2, 1.0)], 1.0),
@@ -55,7 +55,7 @@ fn axes(layout: ThrongLayout) -> ([(usize, f32); 3], f32) {
     }
 }
 
-/// A vector in the layout's axes and units.
+/// Converts a vector to the layout's axes and units.
 #[cfg(test)]
 fn vector(layout: ThrongLayout, v: [f32; 3]) -> [f32; 3] {
     let (axes, scale) = axes(layout);

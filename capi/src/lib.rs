@@ -1,8 +1,7 @@
 //! The runtime for C and C++: `include/throng.h` is made from this crate.
 //!
-//! Handles are numbers that this library gives out and never gives again. One that was freed, that is another's or that
-//! another thread is using at the moment is refused with a status; nothing is read through it. No callback is ever
-//! called, and no panic leaves a call.
+//! Handles are numbers that this library never reuses. A handle that was freed, is of another kind, or is in use by another
+//! thread is refused with a status; nothing is read through it. No callback is ever called, and no panic leaves a call.
 
 mod desk;
 mod fault;

@@ -1,4 +1,4 @@
-//! Where characters are, how they stand, and what happened to them.
+//! Roots, poses and events of characters.
 
 use crate::fault::{Fault, ThrongStatus, call, check_pointer, copy_records};
 use crate::layout::{floats, layout_of, place, write};
@@ -8,62 +8,62 @@ use throng_base::Id;
 use throng_runtime::simulation::Happened;
 use throng_runtime::{Cast, Mat3x4, NUM_JOINTS, Planar};
 
-/// Where a character stands and looks.
+/// Position and heading of a character.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThrongRoot {
-    /// Who.
+    /// The character.
     pub id: ThrongId,
-    /// 0 where it has left, else 1.
+    /// 0 if it has left, else 1.
     pub is_there: u32,
-    /// Along X, to the left of heading 0 (m).
+    /// Position along X, to the left of heading 0 (m).
     pub x: f32,
-    /// Along Z (m).
+    /// Position along Z (m).
     pub z: f32,
-    /// About +Y from +Z (rad).
+    /// Heading about +Y from +Z (rad).
     pub heading: f32,
 }
 
-/// What happened to a character.
+/// Kind of an event of a character.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ThrongHappened {
-    /// Its blow has landed, or, for characters of a bundle, has passed its place.
+    /// Its blow has landed, or, for characters of a bundle, has reached its point.
     Hit = 0,
     /// Its blow met `other`, its opponent.
     Struck = 1,
-    /// Its wish is fulfilled.
+    /// Its goal is fulfilled.
     Fulfilled = 2,
-    /// It is at its goal.
+    /// Arrival at its goal.
     Arrived = 3,
-    /// It has left at its goal.
+    /// Departure at its goal.
     Left = 4,
-    /// It makes no progress.
+    /// Stuck: no progress towards its goal.
     Stuck = 5,
     /// The moving obstacle `other` ran into it.
     RunInto = 6,
 }
 
-/// Something that happened in the last step.
+/// Event of the last step.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThrongEvent {
-    /// When (s).
+    /// Time of the event (s).
     pub time_s: f64,
-    /// To whom, or by whom.
+    /// The character that it happened to, or that caused it.
     pub id: ThrongId,
-    /// What.
+    /// Kind of the event.
     pub happened: ThrongHappened,
-    /// See `ThrongHappened`; else 0.
+    /// Number of the other character or obstacle, for the kinds that have one; else 0.
     pub other: u32,
-    /// Where, for blows; else zeros (m).
+    /// Point of a blow; zeros for other events (m).
     pub at: [f32; 3],
 }
 
-/// Copies where everybody is, in the order of rows.
+/// Copies position and heading of all characters, in the order of rows.
 ///
 /// @param roots room for `capacity` records.
-/// @param count how many there are; more than `capacity` are left out.
+/// @param count number of records; those beyond `capacity` are left out.
 ///
 /// # Safety
 /// `roots` has this room, `count` can be written.
@@ -87,10 +87,10 @@ pub unsafe extern "C" fn throng_simulation_roots(
     })
 }
 
-/// Copies what happened in the last step.
+/// Copies the events of the last step.
 ///
 /// @param events room for `capacity` records.
-/// @param count how many there are; more than `capacity` are left out.
+/// @param count number of records; those beyond `capacity` are left out.
 ///
 /// # Safety
 /// `events` has this room, `count` can be written.
@@ -135,12 +135,12 @@ fn of_scene(event: &throng_runtime::simulation::Event) -> ThrongEvent {
     ThrongEvent { time_s: event.time_s, id: Id::first(event.who).into(), happened, other: other as u32, at }
 }
 
-/// Writes the matrix from each joint to the world, for everybody, in one pass and in the axes of an engine. Who has left
-/// or has no body gets zeros.
+/// Writes the matrix from each joint to the world, for all characters, in one pass and in the axes of an engine. Matrices
+/// of a character that has left or has no body are zero.
 ///
-/// @param matrices characters times `THRONG_NUM_JOINTS` matrices, a character's side by side.
+/// @param matrices room for characters times `THRONG_NUM_JOINTS` matrices, those of a character side by side.
 /// @param size its length (bytes).
-/// @param stride from one character's first matrix to the next one's (bytes, a multiple of 4).
+/// @param stride distance from one character's first matrix to the next one's (bytes, a multiple of 4).
 /// @param layout a `ThrongLayout`.
 ///
 /// # Safety
@@ -190,7 +190,7 @@ pub unsafe extern "C" fn throng_simulation_write_matrices(
 }
 
 impl Stage {
-    /// Who is in a row, and where it stands and looks (row < number of characters).
+    /// Id and root of the character in a row (row < number of characters).
     fn root(&self, row: usize) -> (Id, Option<Planar>) {
         match self {
             Self::Scene(scene) => (Id::first(row), scene.root(row)),
@@ -198,7 +198,7 @@ impl Stage {
         }
     }
 
-    /// Joints in model space, where there is a body (row < number of characters).
+    /// Joints in model space, if the character has a body (row < number of characters).
     fn pose(&self, row: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
         match self {
             Self::Scene(scene) => scene.pose(row),

@@ -1,4 +1,4 @@
-//! Simulations: a scene file, or characters of one bundle who come, go and are told what to do.
+//! Simulations: a scene file, or characters of one bundle that enter, leave and take orders.
 
 use crate::fault::{Fault, ThrongStatus, call, check_pointer, text, write};
 use crate::stage::{Stage, ThrongSimulation, keep, with};
@@ -9,18 +9,18 @@ use throng_runtime::characters::{AvoidConfig, CharactersConfig, Choice, Order, P
 use throng_runtime::simulation::{Scene, Simulation};
 use throng_runtime::{Cast, Planar, Status};
 
-/// Names a character. Nobody else of its simulation ever has the same one. In scenes the index is its number, and the
-/// generation 0.
+/// Identifies a character; unique in its simulation for all time. In scenes the index is its number, and the generation
+/// is 0.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ThrongId {
-    /// Its place (< capacity).
+    /// Place of the character (< capacity).
     pub index: u32,
-    /// How many had this place before.
+    /// Number of previous characters at this place.
     pub generation: u32,
 }
 
-/// How characters of a bundle move.
+/// Settings of characters of a bundle.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ThrongCharactersConfig {
@@ -28,17 +28,17 @@ pub struct ThrongCharactersConfig {
     pub struct_size: usize,
     /// Seed of random choices.
     pub seed: u64,
-    /// Most characters at a time.
+    /// Greatest number of characters at a time.
     pub capacity: u32,
-    /// 1: they make way for each other. 0: they take no notice of anybody.
+    /// 1: characters avoid each other. 0: they ignore each other.
     pub makes_way: u32,
-    /// 0 takes the best action; above, one of the best few at random.
+    /// Randomness of choices: 0 takes the best action; above 0, one of the best few at random.
     pub temperature: f32,
     /// Time in which the offset of a transition halves (s).
     pub half_life_s: f32,
-    /// 1: steps also leave a `ThrongInstance` of everybody.
+    /// 1: steps also write a `ThrongInstance` of every character.
     pub instances: u32,
-    /// 0.
+    /// Reserved; 0.
     pub reserved: u32,
 }
 
@@ -60,7 +60,7 @@ impl ThrongCharactersConfig {
     }
 }
 
-/// This version's size, so that a caller of another one is refused before anything of it is touched.
+/// Checks the size of the config, so that a caller of another version is refused before its memory is touched.
 fn check_size(what: &str, size: usize) -> Result<(), Fault> {
     let expected = size_of::<ThrongCharactersConfig>();
     if size == expected {
@@ -70,7 +70,7 @@ fn check_size(what: &str, size: usize) -> Result<(), Fault> {
     Err(Fault::new(ThrongStatus::Value, why))
 }
 
-/// Fills in the defaults: seed 1, 1000 characters who make way.
+/// Fills in the defaults: seed 1, 1000 characters that avoid each other.
 ///
 /// @param size `sizeof(ThrongCharactersConfig)`.
 ///
@@ -88,7 +88,7 @@ pub unsafe extern "C" fn throng_characters_config_init(
     })
 }
 
-/// Room for characters that policies of a bundle move; nobody is there yet.
+/// Makes an empty simulation of characters that are moved by policies of a bundle.
 ///
 /// # Safety
 /// `config` points to as many bytes as its `struct_size` says, `simulation` can be written.
@@ -120,7 +120,7 @@ pub unsafe extern "C" fn throng_characters_new(
     })
 }
 
-/// Opens a scene file with its bundles and worlds, and puts everybody in place.
+/// Opens a scene file with its bundles and worlds, and places all characters.
 ///
 /// # Safety
 /// `path` ends with a zero, `simulation` can be written.
@@ -139,7 +139,7 @@ pub unsafe extern "C" fn throng_simulation_open(
     })
 }
 
-/// Lets an event of the scene happen now.
+/// Raises an event of the scene.
 ///
 /// # Safety
 /// `event` ends with a zero.
@@ -152,9 +152,9 @@ pub unsafe extern "C" fn throng_simulation_raise(simulation: ThrongSimulation, e
     })
 }
 
-/// Lets a character enter; it stands at (x, z) and looks along the heading. Its pose is there after the next step.
+/// Adds a character that stands at (x, z) and faces along the heading. Its pose is available after the next step.
 ///
-/// @param heading about +Y from +Z (rad).
+/// @param heading heading about +Y from +Z (rad).
 ///
 /// # Safety
 /// `id` can be written.
@@ -175,13 +175,13 @@ pub unsafe extern "C" fn throng_characters_spawn(
     })
 }
 
-/// Lets a character leave. The last one takes its row.
+/// Removes a character. The character of the last row takes its row.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_characters_despawn(simulation: ThrongSimulation, id: ThrongId) -> ThrongStatus {
     call(|| with(simulation.handle, |stage, _| stage.cast()?.despawn(id.into()).map_err(Fault::from)))
 }
 
-/// Puts a character elsewhere at once.
+/// Moves a character to another place at once.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_characters_place(
     simulation: ThrongSimulation,
@@ -197,7 +197,7 @@ pub extern "C" fn throng_characters_place(
     })
 }
 
-/// Tells a character what to do from now on: a policy of the bundle, and the target in the world that it is about.
+/// Orders a character to follow a policy of the bundle from now on, with a target in the world (m).
 ///
 /// @param policy see `throng_bundle_policy`.
 #[unsafe(no_mangle)]
@@ -213,25 +213,25 @@ pub extern "C" fn throng_characters_order(
     call(|| with(simulation.handle, |stage, _| stage.cast()?.order(id.into(), order).map_err(Fault::from)))
 }
 
-/// How far a character has come with its order.
+/// Progress of a character's order.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ThrongProgress {
-    /// It has none.
+    /// No order.
     Idle = 0,
     /// On its way.
     Going = 1,
-    /// It is where it was sent.
+    /// Arrived at its target.
     There = 2,
-    /// It makes no progress.
+    /// Blocked: no progress.
     Blocked = 3,
-    /// No way leads there.
+    /// No path leads to its target.
     NoWay = 4,
 }
 
-/// How far a character has come with its order.
+/// Progress of a character's order.
 ///
-/// @param left_m what is left of its way where it is going, else 0 (m).
+/// @param left_m remaining length of its path while it is on its way, else 0 (m).
 ///
 /// # Safety
 /// `progress` and `left_m` can be written.

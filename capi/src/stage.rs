@@ -1,4 +1,4 @@
-//! Steps, states and snapshots of whatever moves.
+//! Steps, states and snapshots of simulations.
 
 use crate::desk::Desk;
 use crate::fault::{Fault, ThrongStatus, call, copy_records, slice, write};
@@ -9,15 +9,15 @@ use throng_runtime::Cast;
 use throng_runtime::characters::PolicyCharacters;
 use throng_runtime::simulation::Simulation;
 
-/// Characters who move. One thread at a time may call with it; `throng_simulation_help` is for all.
+/// A simulation of characters. Only one thread at a time may call with it, except for `throng_simulation_help`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ThrongSimulation {
-    /// Zero is none.
+    /// Number of the handle; zero is none.
     pub handle: u64,
 }
 
-/// A simulation, and where other threads help with its steps.
+/// A simulation, and the work queue of its steps.
 struct Entry {
     stage: Mutex<Stage>,
     desk: Desk,
@@ -25,7 +25,7 @@ struct Entry {
 
 static SIMULATIONS: Handles<Arc<Entry>> = Handles::new();
 
-/// What a simulation is made of.
+/// A simulation behind a handle: a scene, or characters of a bundle.
 pub enum Stage {
     Scene(Box<Simulation>),
     Characters {
@@ -78,7 +78,7 @@ pub unsafe fn keep(stage: Stage, to: *mut ThrongSimulation) -> Result<(), Fault>
     unsafe { write("simulation", to, ThrongSimulation { handle: SIMULATIONS.add(Arc::new(entry)) }) }
 }
 
-/// Works on a simulation that no other thread is using.
+/// Calls `work` with a simulation that no other thread is using.
 pub fn with<R>(number: u64, work: impl FnOnce(&mut Stage, &Desk) -> Result<R, Fault>) -> Result<R, Fault> {
     SIMULATIONS.get("simulation", number)?.with(work)
 }
@@ -97,7 +97,7 @@ impl Entry {
     }
 }
 
-/// Frees a simulation; a call that another thread is in ends first.
+/// Frees a simulation; a call of another thread ends first.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_simulation_free(simulation: ThrongSimulation) -> ThrongStatus {
     call(|| {
@@ -108,12 +108,12 @@ pub extern "C" fn throng_simulation_free(simulation: ThrongSimulation) -> Throng
     })
 }
 
-/// Moves everybody on. Works on this thread, and on those that help where the step was announced.
+/// Steps a simulation, on this thread and, if the step was announced, on helper threads.
 ///
-/// @param dt_s 0 to 1 (s).
+/// @param dt_s duration of the step (s, 0 to 1).
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_simulation_step(simulation: ThrongSimulation, dt_s: f64) -> ThrongStatus {
-    /// Helpers go, however the step ends.
+    /// Guard that releases the helpers, however the step ends.
     struct Close<'a>(&'a Desk);
     impl Drop for Close<'_> {
         fn drop(&mut self) {
@@ -130,8 +130,8 @@ pub extern "C" fn throng_simulation_step(simulation: ThrongSimulation, dt_s: f64
     })
 }
 
-/// Lets threads that call `throng_simulation_help` wait for the next step and work in it. Call it before they start. The
-/// result of the step does not depend on how many there are, nor on when they come.
+/// Announces the next step, so that threads that call `throng_simulation_help` wait for it and work in it. Call it before
+/// they start. The result of the step does not depend on their number, nor on when they call.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_simulation_announce(simulation: ThrongSimulation) -> ThrongStatus {
     call(|| {
@@ -142,8 +142,8 @@ pub extern "C" fn throng_simulation_announce(simulation: ThrongSimulation) -> Th
     })
 }
 
-/// Works for a step that was announced, until it is over; returns at once where none is. For jobs of the application's
-/// own threads, as many at a time as it likes.
+/// Helps with an announced step until it is over; returns at once if none is announced. Any number of the application's
+/// own threads may call it at a time.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_simulation_help(simulation: ThrongSimulation) -> ThrongStatus {
     call(|| {
@@ -152,7 +152,7 @@ pub extern "C" fn throng_simulation_help(simulation: ThrongSimulation) -> Throng
     })
 }
 
-/// How many characters there are, those of a scene who have left included.
+/// Writes the number of characters, including those of a scene that have left.
 ///
 /// # Safety
 /// `count` can be written.
@@ -165,7 +165,7 @@ pub unsafe extern "C" fn throng_simulation_count(simulation: ThrongSimulation, c
     })
 }
 
-/// Simulated time (s).
+/// Writes the simulated time (s).
 ///
 /// # Safety
 /// `time_s` can be written.
@@ -178,7 +178,7 @@ pub unsafe extern "C" fn throng_simulation_time(simulation: ThrongSimulation, ti
     })
 }
 
-/// A hash of the state: the same for the same motion, on every machine and from every language.
+/// Writes a hash of the state: the same for the same motion, on every machine and from every language.
 ///
 /// # Safety
 /// `hash` can be written.
@@ -191,10 +191,10 @@ pub unsafe extern "C" fn throng_simulation_hash(simulation: ThrongSimulation, ha
     })
 }
 
-/// Copies all that the next steps depend on, with a checksum.
+/// Copies the whole state that the next steps depend on, with a checksum.
 ///
-/// @param buffer room for `capacity` bytes; where it is null and `capacity` 0, only `size` is written.
-/// @param size how many bytes there are. With less room nothing is copied, and `THRONG_STATUS_TOO_SMALL` returned.
+/// @param buffer room for `capacity` bytes; if it is null and `capacity` is 0, only `size` is written.
+/// @param size length of the state (bytes). With less room nothing is copied, and `THRONG_STATUS_TOO_SMALL` is returned.
 ///
 /// # Safety
 /// `buffer` has this room, `size` can be written.
@@ -221,7 +221,7 @@ pub unsafe extern "C" fn throng_simulation_save(
     })
 }
 
-/// Goes back to what was saved from the same bundle or scene; what is refused changes nothing.
+/// Restores a state that was saved with the same bundle or scene; a refused state changes nothing.
 ///
 /// # Safety
 /// `bytes` points to `size` bytes.

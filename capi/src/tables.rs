@@ -1,4 +1,4 @@
-//! Bundles: opened, looked into, freed.
+//! Bundles: opening, reading, freeing.
 
 use crate::fault::{Fault, ThrongStatus, call, check_pointer, copy_text, slice, text, write};
 use crate::handles::Handles;
@@ -6,15 +6,15 @@ use std::ffi::c_char;
 use throng_runtime::format::AlignedBytes;
 use throng_runtime::{Bundle, Joint, NUM_JOINTS};
 
-/// Joints of every skeleton; parents come before their children.
+/// Number of joints of every skeleton; parents come before their children.
 pub const THRONG_NUM_JOINTS: usize = 22;
 const _: () = assert!(THRONG_NUM_JOINTS == NUM_JOINTS);
 
-/// A bundle of tables. Simulations made from it keep what they need when it is freed.
+/// A bundle of tables. Simulations made from it keep working when it is freed.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ThrongBundle {
-    /// Zero is none.
+    /// Number of the handle; zero is none.
     pub handle: u64,
 }
 
@@ -22,16 +22,16 @@ pub struct ThrongBundle {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ThrongJoint {
-    /// Number of its parent; -1 for the first.
+    /// Number of the parent joint; -1 for the first.
     pub parent: i32,
-    /// From its parent (m; X left, Y up, Z forward).
+    /// Offset from the parent (m; X left, Y up, Z forward).
     pub offset: [f32; 3],
 }
 
-/// Those that are open.
+/// All open bundles.
 pub static BUNDLES: Handles<Bundle> = Handles::new();
 
-/// Opens a bundle file. What happens to the file afterwards does not matter.
+/// Opens a bundle file. Later changes to the file do not matter.
 ///
 /// # Safety
 /// `path` ends with a zero, `bundle` can be written.
@@ -79,7 +79,7 @@ pub extern "C" fn throng_bundle_free(bundle: ThrongBundle) -> ThrongStatus {
     call(|| BUNDLES.remove("bundle", bundle.handle))
 }
 
-/// The number of a behaviour's policy; the error lists the names that there are.
+/// Writes the number of a behaviour's policy; the error message lists the existing names.
 ///
 /// # Safety
 /// `behaviour` ends with a zero, `policy` can be written.
@@ -98,9 +98,9 @@ pub unsafe extern "C" fn throng_bundle_policy(
     })
 }
 
-/// The skeleton of a bundle.
+/// Writes the skeleton of a bundle.
 ///
-/// @param joints room for `THRONG_NUM_JOINTS`.
+/// @param joints room for `THRONG_NUM_JOINTS` joints.
 ///
 /// # Safety
 /// `joints` has that room.

@@ -33,7 +33,7 @@ pub struct Args {
     /// Folder that keeps the outputs of stages, the same one for all processes, or s3://BUCKET/PREFIX in programs built for it.
     #[arg(long, value_name = "DIR", default_value = Cache::FOLDER)]
     cache: PathBuf,
-    /// Most that a folder may keep, in GB; what was not used for longest makes room.
+    /// Greatest size of the folder, in GB; the least recently used entries are removed first.
     #[arg(
         long,
         value_name = "GB",
@@ -50,7 +50,7 @@ pub struct Args {
     json: bool,
 }
 
-/// What is printed.
+/// Printed report.
 #[derive(Serialize)]
 struct Report {
     #[serde(flatten)]
@@ -61,12 +61,12 @@ struct Report {
     of_ranks: Vec<RankReport>,
 }
 
-/// What one process did.
+/// Cost of one process.
 #[derive(Serialize, Deserialize)]
 struct RankReport {
-    /// Time that it did not wait for others (s).
+    /// Time without waiting for others (s).
     busy_s: f64,
-    /// Time that processors ran it, waiting left out (s).
+    /// Processor time without waiting (s).
     ran_s: Option<f64>,
     bytes_moved: u64,
     peak_bytes: u64,

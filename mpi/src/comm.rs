@@ -15,20 +15,20 @@ use std::time::Instant;
 use throng_runtime::base::clock::{process_ran_s, thread_ran_s};
 use throng_runtime::base::{Comm, Error, Result, Traffic};
 
-/// All processes that `mpirun` has started. Where one of them ends, MPI ends all.
+/// Communication between all processes that `mpirun` has started. If one of them ends, MPI ends all.
 pub struct MpiComm {
     world: SimpleCommunicator,
     traffic: Cell<Traffic>,
-    /// Time that a processor ran this thread while it waited: MPI asks again and again (s).
+    /// Processor time of this thread while it waited, as MPI polls (s).
     waited_ran_s: Cell<f64>,
-    /// True where other threads may send messages, too.
+    /// True if other threads may send messages, too.
     may_tell: bool,
-    /// MPI ends with it.
+    /// The MPI environment, which ends when this is dropped.
     _universe: Universe,
 }
 
 impl MpiComm {
-    /// Starts MPI; `None` where it runs already.
+    /// Starts MPI; `None` if it runs already.
     pub fn new() -> Option<Self> {
         let (universe, threading) = mpi::initialize_with_threading(Threading::Multiple)?;
         let (traffic, waited_ran_s) = (Cell::default(), Cell::default());
@@ -41,12 +41,12 @@ impl MpiComm {
         self.world.abort(1)
     }
 
-    /// Where ranks note how far they are: that of the first one knows of all.
+    /// Status board of this rank; that of the first rank receives the statuses of all.
     pub fn board(&self) -> Arc<MpiBoard> {
         Arc::new(MpiBoard { may_tell: self.may_tell, sent: AtomicU64::new(0), heard: Mutex::default() })
     }
 
-    /// Waits until the first rank has heard all that was noted, as MPI must not end before.
+    /// Waits until the first rank has received all statuses, as MPI must not end before.
     ///
     /// # Errors
     /// As [`Comm::exchange`].
@@ -58,7 +58,7 @@ impl MpiComm {
         self.barrier()
     }
 
-    /// Counts what a call moves, and how long it takes.
+    /// Counts the bytes that a call moves, and its time.
     fn counted<T>(&self, bytes: usize, call: impl FnOnce() -> Result<T>) -> Result<T> {
         let (begin, ran) = (Instant::now(), thread_ran_s());
         let done = call();
@@ -70,7 +70,7 @@ impl MpiComm {
         done
     }
 
-    /// Lengths as MPI counts them, and where each part begins.
+    /// Lengths and offsets of parts, in the integers of MPI.
     fn counts(&self, lengths: impl Iterator<Item = usize>) -> Result<(Vec<i32>, Vec<i32>)> {
         let (mut counts, mut starts, mut all) = (Vec::new(), Vec::new(), 0usize);
         for length in lengths {
@@ -91,8 +91,8 @@ impl MpiComm {
 /// Most bytes that all ranks gather at once: MPI counts to 2^31.
 const MOST: usize = 1 << 30;
 
-/// Room for messages of some lengths, somewhere in memory even where there is nothing to hold: MPI takes the address of
-/// an empty `Vec` for a word of its own.
+/// Buffer for messages of some lengths, with an allocation even if it is empty, as MPI takes the address of an empty `Vec`
+/// for a special value.
 fn room(counts: &[i32]) -> Vec<u8> {
     let all = counts.iter().map(|&c| c as usize).sum();
     let mut bytes = Vec::with_capacity(all + 1);
@@ -100,7 +100,7 @@ fn room(counts: &[i32]) -> Vec<u8> {
     bytes
 }
 
-/// Parts of bytes that follow each other.
+/// Splits bytes into parts of some lengths.
 fn parts(bytes: &[u8], counts: &[i32]) -> Vec<Vec<u8>> {
     let mut rest = bytes;
     let part = |&count: &i32| {
@@ -111,20 +111,20 @@ fn parts(bytes: &[u8], counts: &[i32]) -> Vec<Vec<u8>> {
     counts.iter().map(part).collect()
 }
 
-/// Tag of messages that say how far a rank is.
+/// Tag of status messages.
 const NOTE: i32 = 1;
 
-/// Notes of ranks, sent to the first one beside what ranks tell each other in their work.
+/// Status board whose messages go to the first rank, apart from the messages of the ranks' work.
 pub struct MpiBoard {
     may_tell: bool,
-    /// Messages that this rank has sent.
+    /// Number of messages that this rank has sent.
     sent: AtomicU64,
-    /// Messages that this rank has got, and the last of each rank.
+    /// Number of messages that this rank has received, and the last status of each rank.
     heard: Mutex<(u64, LocalBoard)>,
 }
 
 impl MpiBoard {
-    /// Takes in what has come; returns how many messages have come so far.
+    /// Receives pending messages; returns the number of messages received so far.
     fn hear(&self) -> u64 {
         let mut heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
         while let Some(message) = SimpleCommunicator::world().any_process().immediate_matched_probe_with_tag(NOTE) {
@@ -193,7 +193,7 @@ impl Comm for MpiComm {
             let longest = lengths.iter().copied().max().unwrap_or(0) as usize;
             let part = (MOST / self.num_ranks()).max(1);
             let mut all: Vec<Vec<u8>> = vec![Vec::new(); self.num_ranks()];
-            // Once, where no message is long.
+            // A single round unless a message is long.
             for begin in (0..longest.max(1)).step_by(part) {
                 let of = |length: usize| begin.min(length)..begin.saturating_add(part).min(length);
                 let (got, starts) = self.counts(lengths.iter().map(|&n| of(n as usize).len()))?;

@@ -49,7 +49,7 @@ pub fn run(args: &Args, comm: &dyn Comm, board: &Arc<dyn Board>) -> Outcome {
     }
 }
 
-/// A built-in scene, or a file.
+/// Loads a built-in scene, or a file.
 fn load(name: &str) -> Result<Scene, Box<dyn std::error::Error>> {
     if let Some(own) = own_scene(name)? {
         return Ok(own);

@@ -16,7 +16,7 @@ use throng_runtime::base::{Comm, LocalComm, limit_threads, limits};
 
 /// Moves crowds in several processes: `mpirun -n RANKS throng-mpi ...`.
 ///
-/// Every process is started with the same words and sees the same files.
+/// Every process is started with the same arguments and sees the same files.
 #[derive(Parser)]
 #[command(
     name = "throng-mpi",
@@ -27,7 +27,7 @@ use throng_runtime::base::{Comm, LocalComm, limit_threads, limits};
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// Without MPI: so many threads of this process in place of processes.
+    /// Without MPI: number of threads of this process in place of processes.
     #[arg(long, global = true, value_name = "N", value_parser = limits::number::<usize>(&limits::THREADS))]
     local: Option<usize>,
 }
@@ -38,7 +38,7 @@ enum Command {
     Crowd(crowd::Args),
 }
 
-/// What a subcommand returns.
+/// Result of a subcommand.
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
 fn main() -> ExitCode {
@@ -48,7 +48,7 @@ fn main() -> ExitCode {
         let board: Arc<dyn Board> = Arc::new(LocalBoard::default());
         let done = LocalComm::run(ranks, |comm| run(&cli.command, comm, &board).map_err(|e| e.to_string()));
         let failed = done.into_iter().filter_map(Result::err);
-        // Those who waited for a rank that has failed fail too.
+        // Ranks that waited for a failed rank fail too.
         return match failed.min_by_key(|e| e.ends_with("has ended")) {
             Some(e) => {
                 eprintln!("error: {}", plain(&e));
@@ -66,7 +66,7 @@ fn main() -> ExitCode {
     let done = run(&cli.command, &comm, &told);
     let done = done.and_then(|()| Ok(comm.settle(&board)?));
     let Err(e) = done else { return ExitCode::SUCCESS };
-    // What goes wrong everywhere is told once: by the first, which ends the others.
+    // An error of all ranks is printed once: by the first, which ends the others.
     if comm.rank() > 0 {
         std::thread::sleep(Duration::from_millis(500));
     }
@@ -74,7 +74,7 @@ fn main() -> ExitCode {
     comm.abort()
 }
 
-/// Does what is asked for, as one of the ranks.
+/// Runs a command as one of the ranks.
 fn run(command: &Command, comm: &dyn Comm, board: &Arc<dyn Board>) -> Outcome {
     match command {
         Command::Build(a) => build::run(a, comm, board),

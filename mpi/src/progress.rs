@@ -1,4 +1,4 @@
-//! Progress of all processes, told by the first one on standard error.
+//! Progress of all processes, printed by the first one on standard error.
 
 use serde::{Deserialize, Serialize};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -7,31 +7,31 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 use throng_precompute::progress::{Progress, Status};
 
-/// Time between two looks at where a rank is.
+/// Time between two samples of a rank's status.
 const EVERY: Duration = Duration::from_secs(1);
-/// Looks between two lines.
+/// Number of samples between two lines.
 const LOOKS: u32 = 5;
 
-/// How far a rank is in its stage.
+/// Status of a rank within its stage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RankStatus {
     /// The stage.
     pub stage: String,
-    /// Share of the stage that it has done (0 to 1); none where that is not known.
+    /// Share of the stage that is done (0 to 1); none if it is not known.
     pub share: Option<f64>,
-    /// Time that the rest will take (s); none where that is not known.
+    /// Remaining time of the stage (s); none if it is not known.
     pub left_s: Option<f64>,
 }
 
-/// Where ranks note how far they are, outside of what they tell each other in their work.
+/// Board for the statuses of ranks, apart from the messages of their work.
 pub trait Board: Send + Sync {
-    /// Notes how far a rank is.
+    /// Posts the status of a rank.
     fn note(&self, rank: usize, of_rank: RankStatus);
-    /// The last statuses of all ranks that are known here, by rank.
+    /// Last known statuses of all ranks, by rank.
     fn statuses(&self) -> Vec<Option<RankStatus>>;
 }
 
-/// The board of ranks that are threads.
+/// Status board of ranks that are threads.
 #[derive(Default)]
 pub struct LocalBoard(Mutex<Vec<Option<RankStatus>>>);
 
@@ -49,18 +49,18 @@ impl Board for LocalBoard {
     }
 }
 
-/// Notes every second where its rank is. That of the first rank tells every few seconds where it is itself and which rank
-/// will be the last in its stage, as JSON lines also to what stages it comes.
+/// Posts the status of its rank every second. On the first rank it prints its own status and that of the slowest rank every
+/// few seconds; as JSON lines, also the stages that it enters.
 pub struct Lines {
     status: Arc<Mutex<Status>>,
     tells_json: bool,
-    /// Dropped, it ends the thread.
+    /// Ends the thread when it is dropped.
     ends: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Lines {
-    /// Begins to note and to tell; as JSON lines, if that is wanted.
+    /// Begins to post and print, as JSON lines if `json`.
     pub fn new(json: bool, rank: usize, board: &Arc<dyn Board>) -> Self {
         let status = Arc::<Mutex<Status>>::default();
         let (watched, board) = (status.clone(), board.clone());
@@ -87,7 +87,7 @@ impl Lines {
 impl Drop for Lines {
     fn drop(&mut self) {
         drop(self.ends.take());
-        // A thread that has failed told nothing more.
+        // A failed thread prints nothing more.
         _ = self.thread.take().map(JoinHandle::join);
     }
 }
@@ -110,7 +110,7 @@ fn tell(status: &Status, far: &str, statuses: &[Option<RankStatus>], json: bool)
     eprintln!("{}: {far}{}", status.stage(), slowest.unwrap_or_default());
 }
 
-/// The rank that will be in its stage for longest, of several.
+/// The rank with the most remaining time, if there are several.
 fn slowest(statuses: &[Option<RankStatus>]) -> Option<(usize, &RankStatus)> {
     let known = statuses.iter().enumerate().filter_map(|(rank, p)| Some((rank, p.as_ref()?)));
     let left = |p: &RankStatus| p.left_s.unwrap_or(0.0);

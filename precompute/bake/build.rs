@@ -5,9 +5,9 @@ use std::collections::BTreeSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
-/// What decides the versions of other crates, and how they are compiled.
+/// Files that decide the versions of other crates and how they are compiled.
 const CRATES: [&str; 2] = ["../../Cargo.lock", "../../Cargo.toml"];
-/// What stages are made of, seen from this crate's folder; what is not there in a packaged crate is passed over.
+/// Sources of the stages, relative to this crate's folder; files that a packaged crate lacks are skipped.
 const SOURCES: [&str; 7] = [
     "src",
     "../motion/src",

@@ -1,4 +1,4 @@
-//! Bundles: sections as arrays that share the file's memory, and what policies answer.
+//! Bundles: sections as arrays that share the file's memory, and policy queries.
 
 use crate::error;
 use numpy::ndarray::ArrayView1;
@@ -32,7 +32,7 @@ impl PyBundle {
         tags.collect()
     }
 
-    /// The bytes of a section, which the array shares with the bundle and keeps alive.
+    /// Bytes of a section, as an array that shares the bundle's memory and keeps it alive.
     fn _bytes<'py>(this: &Bound<'py, Self>, tag: &str) -> PyResult<Bound<'py, PyArray1<u8>>> {
         let found = <[u8; 4]>::try_from(tag.as_bytes()).ok().and_then(|t| this.get().0.section_bytes(Tag(t)));
         let Some((bytes, _)) = found else {
@@ -40,9 +40,9 @@ impl PyBundle {
             return Err(error::input(format!("there is no section \"{tag}\"; there is {}", known.join(", "))));
         };
         let view = ArrayView1::from(bytes);
-        // SAFETY: the bytes never change nor move while a clone of the bundle lives, and `this`, which owns one and never
-        // lets go of it, is the array's base. The array refuses to be written to from the next line on, and numpy lets
-        // nobody undo that where the base is not writable.
+        // SAFETY: the bytes never change nor move while a clone of the bundle lives, and `this`, which owns one for its whole
+        // life, is the array's base. The array is read-only from the next line on, and numpy does not allow to undo that if
+        // the base is not writable.
         #[allow(unsafe_code)]
         let array = unsafe { PyArray1::borrow_from_array(&view, this.clone().into_any()) };
         array.call_method1("setflags", (false,))?;
@@ -85,7 +85,7 @@ impl PyBundle {
         Joint::ALL.iter().map(|j| j.name()).collect()
     }
 
-    /// What a policy does in states, with targets in each one's own frame (X left, Y up, Z ahead; m).
+    /// Actions of a policy in states, with targets in each character's own frame (X left, Y up, Z ahead; m).
     #[pyo3(signature = (states, targets, behaviour=None))]
     fn _query<'py>(
         &self,
@@ -132,7 +132,7 @@ impl PyBundle {
     }
 }
 
-/// Rows of three numbers.
+/// Points from an array with rows of three numbers.
 pub fn points(array: &PyReadonlyArray2<'_, f32>) -> PyResult<Vec<Vec3>> {
     let array = array.as_array();
     if array.ncols() != 3 {

@@ -11,16 +11,16 @@ use throng_runtime::base::{Id, Inline};
 use throng_runtime::characters::{AvoidConfig, CharactersConfig, Detail, PolicyCharacters, Spawn};
 use throng_runtime::{Cast, NUM_JOINTS, Planar};
 
-/// Characters who follow one behaviour of a bundle to targets of their own.
+/// Characters that follow one behaviour of a bundle to targets of their own.
 ///
-/// - `roots`: where they start: x, z, heading (n x 3; m, radians).
-/// - `behaviour`: its name; the first one by default.
-/// - `makes_way`: they keep clear of each other, and start apart.
-/// - `instances`: steps also leave records for a GPU, see `instances`.
+/// - `roots`: start positions: x, z, heading (n x 3; m, radians).
+/// - `behaviour`: name of the behaviour; the first one by default.
+/// - `makes_way`: characters avoid each other, and start apart.
+/// - `instances`: steps also write records for a GPU, see `instances`.
 #[pyclass(name = "Characters", module = "throng", subclass)]
 pub struct PyCharacters {
     cast: PolicyCharacters,
-    /// Nobody leaves, so that these are the rows, too.
+    /// Ids of the characters, in the order of rows, as no character leaves.
     ids: Vec<Id>,
 }
 
@@ -45,7 +45,7 @@ impl PyCharacters {
         let avoid = makes_way.then(AvoidConfig::default);
         let config = CharactersConfig { seed, avoid, instances, ..CharactersConfig::default() };
         let mut cast = PolicyCharacters::with_capacity(bundle, roots.len(), config).map_err(error::of)?;
-        // In any order, though they stand close.
+        // Accepts any order of starts, though they stand close.
         cast.gather();
         let enter = |r: &Vec3| {
             let id = cast.spawn(Spawn::standing(Planar::new(r.x, r.y, r.z)))?;
@@ -57,13 +57,13 @@ impl PyCharacters {
         Ok(Self { cast, ids })
     }
 
-    /// Sends everybody to a target of its own, from now on (n x 3: x, y, z; m).
+    /// Sends every character to a target of its own, from now on (n x 3: x, y, z; m).
     fn aim(&mut self, targets: PyReadonlyArray2<'_, f32>) -> PyResult<()> {
         let targets = points(&targets)?;
         self.cast.aim_all(&targets, &targets).map_err(error::of)
     }
 
-    /// Puts one elsewhere at once (m, radians).
+    /// Moves a character to another place at once (m, radians).
     fn place(&mut self, who: usize, x: f32, z: f32, heading: f32) -> PyResult<()> {
         let Some(&id) = self.ids.get(who) else {
             let n = self.ids.len();
@@ -72,13 +72,13 @@ impl PyCharacters {
         self.cast.place(id, Planar::new(x, z, heading)).map_err(error::of)
     }
 
-    /// Moves time on (s).
+    /// Steps the simulation by a duration (s).
     #[pyo3(signature = (dt_s=1.0 / 60.0))]
     fn step(&mut self, py: Python<'_>, dt_s: f32) -> PyResult<()> {
         py.detach(|| self.cast.step(dt_s, &Inline)).map_err(error::of)
     }
 
-    /// Where everybody stands and looks: x, z, heading (n x 3; m, radians): a copy.
+    /// Positions and headings of all characters: x, z, heading (n x 3; m, radians); a copy.
     #[getter]
     fn roots<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let roots = self.cast.bodies().roots;
@@ -86,7 +86,7 @@ impl PyCharacters {
         PyArray1::from_vec(py, rows).reshape([roots.len(), 3])
     }
 
-    /// Joints to the character's own frame, row by row (n x 22 x 3 x 4; m): a copy.
+    /// Matrices from joints to the character's own frame, row by row (n x 22 x 3 x 4; m); a copy.
     #[getter]
     fn poses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray4<f32>>> {
         let model = self.cast.bodies().model;
@@ -97,33 +97,33 @@ impl PyCharacters {
         PyArray1::from_vec(py, rows).reshape([model.len(), NUM_JOINTS, 3, 4])
     }
 
-    /// The records as bytes, 32 each.
+    /// Bytes of the records, 32 each.
     fn _instances<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
         PyArray1::from_slice(py, bytemuck::cast_slice(self.cast.instances()))
     }
 
-    /// Says who is posed from now on, as seen from an eye (x, z): feet stay in place up to `full_m`, poses are computed up
-    /// to `posed_m`, those of others stay as they were (m). Without an eye, everybody is. They go where they would go
-    /// without it.
+    /// Sets which characters are posed from now on, by their distance from an eye (x, z): feet stay in place up to `full_m`,
+    /// poses are computed up to `posed_m`, those of others stay as they were (m). Without an eye, all characters are posed.
+    /// Their paths do not depend on it.
     #[pyo3(signature = (eye=None, full_m=20.0, posed_m=60.0))]
     fn set_detail(&mut self, eye: Option<[f32; 2]>, full_m: f32, posed_m: f32) -> PyResult<()> {
         let detail = eye.map(|eye| Detail { eye: Vec2::from_array(eye), full_m, posed_m });
         self.cast.set_detail(detail).map_err(error::of)
     }
 
-    /// The whole state, as bytes: what follows is the same, bit by bit, wherever it is restored.
+    /// The whole state, as bytes: after it is restored anywhere, later steps are the same bit by bit.
     fn snapshot<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         let mut out = Vec::new();
         self.cast.save(&mut out);
         PyBytes::new(py, &out)
     }
 
-    /// Goes back to a snapshot of as many characters of the same bundle.
+    /// Restores a snapshot of as many characters of the same bundle.
     fn restore(&mut self, snapshot: &[u8]) -> PyResult<()> {
         self.cast.load(snapshot).map_err(error::of)
     }
 
-    /// A hash of the state: equal for equal motion of all.
+    /// A hash of the state: equal for equal motion of all characters.
     fn hash(&self) -> u64 {
         self.cast.hash()
     }

@@ -1,4 +1,4 @@
-//! Errors of the library as exceptions: the same texts, in classes that Python's own handlers know.
+//! Errors of the library as exceptions: the same texts, in subclasses of Python's own exceptions.
 
 use pyo3::prelude::*;
 use std::fmt::Display;
@@ -15,17 +15,17 @@ fn raise(class: &str, why: impl Display) -> PyErr {
     })
 }
 
-/// Something that is wrong with what was given.
+/// An error of an input.
 pub fn input(why: impl Display) -> PyErr {
     raise("InputError", why)
 }
 
-/// A file that cannot be read or written.
+/// An error of reading or writing a file.
 pub fn file(why: impl Display) -> PyErr {
     raise("FileError", why)
 }
 
-/// What the runtime says.
+/// Converts an error of the runtime.
 pub fn of(e: Error) -> PyErr {
     match e {
         Error::Io { .. } => file(e),
@@ -33,7 +33,7 @@ pub fn of(e: Error) -> PyErr {
     }
 }
 
-/// What is said of a bundle's file.
+/// Converts an error of a bundle's file.
 pub fn of_format(path: &Path, e: FormatError) -> PyErr {
     match e {
         FormatError::Io { .. } => file(e),
@@ -41,7 +41,7 @@ pub fn of_format(path: &Path, e: FormatError) -> PyErr {
     }
 }
 
-/// What a build says.
+/// Converts an error of a build.
 pub fn of_build(e: BuildError) -> PyErr {
     match e {
         BuildError::File(e) => of(e),

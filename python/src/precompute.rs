@@ -1,4 +1,4 @@
-//! What is done before anything runs: builds, clips, and files for other programs.
+//! Work before anything runs: builds, clips, and files for other programs.
 
 use crate::error;
 use crate::work::{self, Signals};
@@ -22,7 +22,7 @@ fn is_of(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
-/// Bakes motion, or what one config says, into a bundle; the report as JSON.
+/// Bakes motion, or the motion of one config, into a bundle; returns the report as JSON.
 #[pyfunction]
 pub fn build(py: Python<'_>, what: Vec<PathBuf>, out: PathBuf, cache: Option<PathBuf>) -> PyResult<String> {
     let report = work::run(py, |signals| {
@@ -41,7 +41,7 @@ pub fn build(py: Python<'_>, what: Vec<PathBuf>, out: PathBuf, cache: Option<Pat
     serde_json::to_string(&report).map_err(error::input)
 }
 
-/// A motion file on the database skeleton, at the database rate.
+/// Loads a motion file on the database skeleton, at the database rate.
 #[pyfunction]
 pub fn load_clip(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let read = py.detach(|| {
@@ -68,11 +68,11 @@ pub fn load_clip(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     Ok(out)
 }
 
-/// Characters, first and last moment (s), frames a second, whether clips are meant in place of characters, and who wears
-/// the motion.
+/// Part to export: characters, first and last time (s), frames a second, true for clips in place of characters, and the
+/// file of the character that wears the motion.
 type Part = (Vec<usize>, Option<f64>, Option<f64>, Option<f64>, bool, Option<PathBuf>);
 
-/// Lets a scene, or characters of a bundle, run, and writes that in a format of other programs; the files.
+/// Runs a scene, or characters of a bundle, and writes them in a format of other programs; returns the files.
 #[pyfunction]
 pub fn export(
     py: Python<'_>,
@@ -91,7 +91,7 @@ pub fn export(
     if onto.is_some() && format != "glb" {
         return Err(error::input(format!("`onto` is for glb, which Blender and others turn into {format}")));
     }
-    // Before long work: it may not be a character.
+    // Read before long work, as it may not be a character.
     let wearer = onto.map(|file| Wearer::open(&file, &ImportConfig::default())).transpose().map_err(error::of_build)?;
     let characters = characters.into_iter().map(|c| c..=c).collect();
     let config = PerformConfig { characters, from_s, to_s, rate_hz };

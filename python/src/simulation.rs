@@ -1,4 +1,4 @@
-//! Scenes and what runs of them.
+//! Simulations of scenes.
 
 use crate::bundle::PyBundle;
 use crate::error;
@@ -11,23 +11,23 @@ use throng_runtime::base::{Inline, Rayon, Run};
 use throng_runtime::simulation::{Happened, Scene, Simulation};
 use throng_runtime::{Mat3x4, NUM_JOINTS};
 
-/// What runs, see `throng.Simulation`.
+/// A simulation of a scene, see `throng.Simulation`.
 #[pyclass(subclass, name = "Simulation", module = "throng._throng")]
 pub struct PySimulation {
     sim: Simulation,
-    /// Arrays of this moment that were asked for.
+    /// Requested arrays of the current step.
     roots: Option<Py<PyArray2<f32>>>,
     poses: Option<Py<PyArray4<f32>>>,
 }
 
-/// Threads of a step.
+/// Threads for a step.
 fn threads(parallel: bool) -> &'static dyn Run {
     if parallel { &Rayon } else { &Inline }
 }
 
 #[pymethods]
 impl PySimulation {
-    /// - `text`: a scene in place of the file's content; `cache`: a folder for what builds of missing bundles can use again.
+    /// - `text`: text of a scene in place of the file's content; `cache`: folder of stage outputs for builds of missing bundles.
     #[new]
     #[pyo3(signature = (scene, bundle=None, *, text=None, cache=None))]
     fn new(
@@ -52,21 +52,21 @@ impl PySimulation {
         Ok(Self { sim, roots: None, poses: None })
     }
 
-    /// Moves time on (s, at most 1), on all cores where `parallel`. Results do not depend on it.
+    /// Steps the simulation by a duration (s, at most 1), on all cores if `parallel`. Results do not depend on it.
     #[pyo3(signature = (dt_s=1.0 / 60.0, *, parallel=false))]
     fn step(&mut self, py: Python<'_>, dt_s: f64, parallel: bool) -> PyResult<()> {
         self.forget();
         py.detach(|| self.sim.step_on(dt_s, threads(parallel))).map_err(error::of)
     }
 
-    /// Moves time on to a moment (s), in steps that the simulation can take.
+    /// Steps the simulation to a time (s), in steps of allowed duration.
     #[pyo3(signature = (until_s, *, parallel=false))]
     fn step_to(&mut self, py: Python<'_>, until_s: f64, parallel: bool) -> PyResult<()> {
         self.forget();
         py.detach(|| self.sim.step_to(until_s, threads(parallel))).map_err(error::of)
     }
 
-    /// Where everybody stands and looks: x, z, heading (n x 3; m, radians), read-only; NaN for who has left.
+    /// Positions and headings of all characters: x, z, heading (n x 3; m, radians), read-only; NaN for those that have left.
     #[getter]
     fn roots<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         if let Some(roots) = &self.roots {
@@ -80,7 +80,7 @@ impl PySimulation {
         Ok(array)
     }
 
-    /// Joints to the character's own frame, row by row (n x 22 x 3 x 4; m), read-only; NaN for who has no body.
+    /// Matrices from joints to the character's own frame, row by row (n x 22 x 3 x 4; m), read-only; NaN without a body.
     #[getter]
     fn poses<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyArray4<f32>>> {
         if let Some(poses) = &self.poses {
@@ -114,19 +114,19 @@ impl PySimulation {
         self.sim.time_s()
     }
 
-    /// How long the scene runs (s).
+    /// Duration of the scene (s).
     #[getter]
     fn seconds(&self) -> f64 {
         self.sim.scene().seconds
     }
 
-    /// Number of characters, those who have left included.
+    /// Number of characters, including those that have left.
     #[getter]
     fn num_characters(&self) -> usize {
         self.sim.num_characters()
     }
 
-    /// True where the scene says that it is over.
+    /// True if the scene has ended by its own rules.
     #[getter]
     fn has_ended(&self) -> bool {
         self.sim.has_ended()
@@ -146,7 +146,7 @@ impl PySimulation {
         self.sim.groups().iter().map(group).collect()
     }
 
-    /// Events of the last step: time_s, who, what, and what else belongs to it.
+    /// Events of the last step: time_s, who, what, and further keys of the kind of event.
     #[getter]
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let event = |e: &throng_runtime::simulation::Event| {
@@ -178,25 +178,25 @@ impl PySimulation {
         self.sim.events().iter().map(event).collect()
     }
 
-    /// Lets an event of the scene happen now.
+    /// Raises an event of the scene.
     #[pyo3(name = "raise_event")]
     fn raise(&mut self, event: &str) -> PyResult<()> {
         self.sim.raise(event).map_err(error::of)
     }
 
-    /// The whole state, as bytes: what follows is the same, bit by bit, wherever it is restored.
+    /// The whole state, as bytes: after it is restored anywhere, later steps are the same bit by bit.
     fn snapshot<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, &self.sim.snapshot())
     }
 
-    /// Goes back to a snapshot of the same scene.
+    /// Restores a snapshot of the same scene.
     fn restore(&mut self, snapshot: &[u8]) -> PyResult<()> {
         self.sim.restore(snapshot).map_err(error::of)?;
         self.forget();
         Ok(())
     }
 
-    /// A hash of the state: equal for equal motion of all.
+    /// A hash of the state: equal for equal motion of all characters.
     fn hash(&self) -> u64 {
         self.sim.hash()
     }
@@ -206,11 +206,11 @@ impl PySimulation {
     }
 }
 
-/// Numbers of a pose.
+/// Number of floats of a pose.
 const POSE: usize = NUM_JOINTS * 12;
 
 impl PySimulation {
-    /// The arrays of the moment before belong to whoever still holds them.
+    /// Drops the arrays of the previous step; Python code that still holds them keeps them.
     fn forget(&mut self) {
         (self.roots, self.poses) = (None, None);
     }
@@ -231,14 +231,14 @@ impl PySimulation {
     }
 }
 
-/// A pose, joint by joint and row by row.
+/// Writes a pose, joint by joint and row by row.
 pub fn write_pose(pose: &[Mat3x4; NUM_JOINTS], out: &mut [f32; POSE]) {
     for (to, joint) in out.as_chunks_mut::<12>().0.iter_mut().zip(pose) {
         to.copy_from_slice(joint.rows.as_flattened());
     }
 }
 
-/// The numbers of an array that is to be written.
+/// The numbers of an output array, if it has the expected shape.
 fn room<'a>(shape: Vec<usize>, expected: &[usize], numbers: Option<&'a mut [f32]>) -> PyResult<&'a mut [f32]> {
     match numbers {
         Some(numbers) if shape == expected => Ok(numbers),

@@ -1,4 +1,4 @@
-//! Long work: without Python's lock, on a thread of its own, so that an interrupt ends it.
+//! Long work without Python's lock, on a separate thread, so that an interrupt ends it.
 
 use crate::error;
 use pyo3::prelude::*;
@@ -13,10 +13,10 @@ use throng_precompute::progress::Progress;
 use throng_precompute::run::{Cached, News, ensure};
 use throng_runtime::simulation::{CompiledScene, Scene};
 
-/// Time between two looks for an interrupt.
+/// Time between two checks for an interrupt.
 const EVERY: Duration = Duration::from_millis(50);
 
-/// Tells work to stop.
+/// Flag that tells work to stop.
 #[derive(Default)]
 pub struct Signals(AtomicBool);
 
@@ -29,7 +29,7 @@ impl Progress for Signals {
     }
 }
 
-/// Does work to its end, or until Python is interrupted.
+/// Runs work to its end, or until Python is interrupted.
 pub fn run<T: Send>(py: Python<'_>, work: impl FnOnce(&Signals) -> Result<T, BuildError> + Send) -> PyResult<T> {
     let (signals, (done, waiting)) = (Signals::default(), channel::<()>());
     let waiting = Mutex::new(waiting);
@@ -55,17 +55,17 @@ pub fn run<T: Send>(py: Python<'_>, work: impl FnOnce(&Signals) -> Result<T, Bui
     }
 }
 
-/// The cache in a folder; none where no folder is given.
+/// Opens the cache in a folder; none without a folder.
 pub fn cache(folder: Option<PathBuf>) -> Result<Cache, BuildError> {
     folder.map_or_else(|| Ok(Cache::none()), |folder| Cache::at(&folder, Cache::LIMIT_BYTES))
 }
 
-/// Opens a scene; what it names and is missing is made first, and told to Python's logger "throng".
+/// Opens a scene; its missing inputs are built first, with messages to Python's logger "throng".
 pub fn open(scene: &Scene, folder: Option<PathBuf>, signals: &Signals) -> Result<CompiledScene, BuildError> {
     let tell = |news: News| {
         Python::attach(|py| {
             let logger = py.import("logging").and_then(|l| l.call_method1("getLogger", ("throng",)));
-            // Who cannot be told goes without.
+            // A message that cannot be logged is dropped.
             _ = logger.and_then(|l| l.call_method1("info", (news.to_string(),)));
         });
     };

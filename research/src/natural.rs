@@ -1,4 +1,4 @@
-//! Reaches beside those of captured motion.
+//! Naturalness of reaches beside those of captured motion.
 
 use crate::reaches::{ReachFigures, captured_reaches};
 use schemars::JsonSchema;
@@ -17,26 +17,26 @@ pub struct Natural {
     reaches: usize,
     /// Share of them whose speed has one main peak.
     one_peak: f64,
-    /// Fastest of the hand (m/s).
+    /// Peak speed of the hand (m/s).
     peak_mps: [f64; 3],
-    /// How high the elbow is above the middle between shoulder and hand, at most (m).
+    /// Greatest height of the elbow above the middle between shoulder and hand (m).
     elbow_m: [f64; 3],
-    /// Root mean square of the hand's jerk, times the cube of the time, over the length of the way; 26.8 is the least.
+    /// Root mean square of the hand's jerk, times the cube of the time, over the length of the path; the minimum is 26.8.
     jerk: [f64; 3],
-    /// How high the hand is above the shoulder in the end (m).
+    /// Height of the hand above the shoulder at the end (m).
     hand_up_m: [f64; 3],
-    /// Shares of these reaches that are between the percentiles of captured ones: speed, elbow, jerk.
+    /// Shares of these reaches within the percentiles of captured ones: speed, elbow, jerk.
     within_captured: Option<[f64; 3]>,
-    /// Share of these reaches whose elbow is between the percentiles of those captured ones that end as high; none where
-    /// there are too few of them.
+    /// Share of these reaches whose elbow is within the percentiles of captured ones that end as high; none if there are too
+    /// few of them.
     elbow_within_alike: Option<f64>,
-    /// Captured reaches that end as high, on average.
+    /// Mean number of captured reaches that end as high.
     alike: Option<f64>,
     #[serde(skip)]
     all: Vec<ReachFigures>,
 }
 
-/// Reaches that end within this of one another are alike (m), and so many are enough.
+/// Largest height difference of ends of comparable reaches (m), and least number of them.
 const ALIKE_M: f64 = 0.1;
 const ENOUGH: usize = 8;
 
@@ -47,9 +47,9 @@ fn percentiles(mut all: Vec<f64>) -> Option<[f64; 3]> {
 }
 
 impl Natural {
-    /// None without reaches.
+    /// Figures of reaches; none without any.
     ///
-    /// - `captured`: what they are compared with.
+    /// - `captured`: captured reaches for comparison.
     pub fn of(reaches: &[ReachFigures], captured: Option<&Self>) -> Option<Self> {
         let n = reaches.len();
         let column = |of: &dyn Fn(&ReachFigures) -> f64| percentiles(reaches.iter().map(of).collect());
@@ -61,7 +61,7 @@ impl Natural {
                 reaches.iter().filter(|r| (low..=high).contains(&columns[k](r))).count() as f64 / n.max(1) as f64
             })
         });
-        // Who reaches high lifts the elbow: each is compared with those that end as high.
+        // High reaches lift the elbow: each is compared with captured ones that end as high.
         let alike: Vec<(f64, Vec<f64>)> = captured.map_or_else(Vec::new, |c| {
             let near = |r: &ReachFigures| {
                 let all = c.all.iter().filter(|k| (k.hand_up_m - r.hand_up_m).abs() <= ALIKE_M);
@@ -89,7 +89,7 @@ impl Natural {
         })
     }
 
-    /// For people.
+    /// The figures as text.
     pub fn text(&self) -> String {
         let three = |v: [f64; 3]| format!("{:.2} ({:.2} to {:.2})", v[1], v[0], v[2]);
         let within = self.within_captured.map_or_else(String::new, |w| {

@@ -1,4 +1,4 @@
-//! A problem as plain numbers, for planners that are not of this workspace: what stands still at its beginning.
+//! A problem as plain numbers, for planners outside of this workspace: everything stands still as at its beginning.
 
 use serde::Serialize;
 use throng_planner::collide::Checker;
@@ -11,17 +11,17 @@ use throng_planner::shape::{Segment, Shape};
 /// A problem at its beginning. Metres, radians; Y is up; quaternions are x, y, z, w.
 #[derive(Clone, Debug, Serialize)]
 pub struct Plain {
-    /// Place and rotation of what carries the first joint.
+    /// Position and rotation of the joint that carries the first one.
     pub base: ([f64; 3], [f64; 4]),
-    /// From the trunk outwards.
+    /// Joints, from the trunk outwards.
     pub joints: Vec<PlainJoint>,
     /// Capsules that move with the joints.
     pub parts: Vec<PlainPart>,
-    /// What they may not come near.
+    /// Obstacles that the parts may not come near.
     pub obstacles: Vec<PlainObstacle>,
     /// Part, obstacle, and least distance between their surfaces (m).
     pub pairs: Vec<(usize, usize, f64)>,
-    /// Of each joint, at the start and at the goal: swing about both axes, and twist (rad).
+    /// Coordinates of each joint at the start and at the goal: swing about both axes, and twist (rad).
     pub ends: [Vec<[f64; 3]>; 2],
     /// Poses within limits, and whether they are free.
     pub samples: Vec<(Vec<[f64; 3]>, bool)>,
@@ -30,62 +30,62 @@ pub struct Plain {
 /// A joint: its rotation is `centre * swing * twist`, in the mirror of x = 0 if it is mirrored; see [`JointLimits`].
 #[derive(Clone, Debug, Serialize)]
 pub struct PlainJoint {
-    /// From the joint before it (m).
+    /// Offset from the joint before (m).
     pub offset: [f64; 3],
-    /// The middle of its range.
+    /// Middle of the range.
     pub centre: [f64; 4],
-    /// What it twists about.
+    /// Twist axis.
     pub bone: [f64; 3],
-    /// What it swings about.
+    /// Swing axes.
     pub axes: [[f64; 3]; 2],
-    /// Least and greatest of each coordinate (rad).
+    /// Least and greatest value of each coordinate (rad).
     pub bounds: [[f64; 2]; 3],
-    /// Both swings together are within an ellipse.
+    /// True where both swings together are within an ellipse.
     pub is_ellipse: bool,
-    /// See above.
+    /// True for the mirror image.
     pub mirrored: bool,
 }
 
 /// A capsule that moves with a joint.
 #[derive(Clone, Debug, Serialize)]
 pub struct PlainPart {
-    /// Which joint.
+    /// Index of the joint.
     pub joint: usize,
     /// Ends of its core, in the joint's frame (m).
     pub core: [[f64; 3]; 2],
-    /// (m)
+    /// Radius (m).
     pub radius: f64,
 }
 
-/// Something in the way.
+/// An obstacle.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PlainObstacle {
-    /// In the world (m).
+    /// Capsule in the world (m).
     Capsule {
         /// Ends of its core.
         core: [[f64; 3]; 2],
-        /// (m)
+        /// Radius (m).
         radius: f64,
     },
-    /// A box around its place (m).
+    /// Box around its place (m).
     Box {
-        /// Half of its size.
+        /// Half size (m).
         half: [f64; 3],
-        /// Its place and rotation.
+        /// Position and rotation.
         at: ([f64; 3], [f64; 4]),
     },
     /// Triangles in the world (m).
     Mesh {
-        /// Corners of each.
+        /// Corners of each triangle.
         triangles: Vec<[[f64; 3]; 3]>,
     },
 }
 
 impl Plain {
-    /// A problem at its beginning.
+    /// Takes a problem at its beginning.
     ///
-    /// - `samples`: how many poses at random are looked at.
+    /// - `samples`: number of random poses that are checked.
     pub fn of(problem: &Problem, samples: u32) -> Self {
         let time_s = problem.init().time_s;
         let (chain, limits) = (problem.chain(), problem.limits());
@@ -163,7 +163,7 @@ mod tests {
     use throng_planner::rotation::{Rigid, about, exp, mirrored};
     use throng_planner::setup::ProblemSpec;
 
-    /// Where a joint's rotation is by its numbers alone.
+    /// Rotation of a joint, from its plain numbers alone.
     fn turn(j: &PlainJoint, [x, y, twist]: [f64; 3]) -> DQuat {
         let [bone, first, second] = [j.bone, j.axes[0], j.axes[1]].map(DVec3::from);
         let q = DQuat::from_array(j.centre) * exp(first * x + second * y) * about(bone, twist);

@@ -1,4 +1,4 @@
-//! How near a policy comes to the best that search finds.
+//! Quality of a policy relative to the best that search finds.
 
 use crate::search::{Bounds, Found, Search};
 use rand::{RngExt, SeedableRng};
@@ -13,16 +13,17 @@ use throng_motion::error::BuildError;
 use throng_runtime::Bundle;
 use throng_runtime::base::limits::PAIRS;
 
-/// How quality is measured.
+/// Settings of the measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct QualityConfig {
-    /// Random (state, target) pairs: states uniform, targets uniform over the grid's angles, distances and heights.
+    /// Number of random (state, target) pairs: states uniform, targets uniform over the grid's angles, distances and
+    /// heights.
     pub pairs: usize,
-    /// Actions in the sequences that are searched (1 to 8).
+    /// Length of the action sequences in the search (1 to 8).
     pub depth: usize,
-    /// Pairs whose best score is not above this say nothing about a ratio and are left out.
+    /// Best score up to which a pair is left out, as too small for a ratio.
     pub least_best: f64,
-    /// Rewards are collected until the discount is below this (> 0, < 1).
+    /// Discount below which further rewards are ignored (> 0, < 1).
     pub negligible: f64,
     /// Temperatures of the choice among the best few actions.
     pub temperatures: Vec<f32>,
@@ -37,22 +38,22 @@ impl Default for QualityConfig {
     }
 }
 
-/// The discounted reward that a policy collects, as a ratio of the best that search finds.
+/// Ratio of the discounted reward that a policy collects to the best that search finds.
 ///
-/// Collected: the policy is followed in the exact model, where targets have their true places. The best: the most of
-/// all sequences of a few actions, their rewards exact too, with the stored value of where they end. That value is
-/// interpolated between cells and may promise a little more or less than can be had, so ratios above 1 are possible;
-/// the ratio to the *realised* best, for which the search's actions are carried out and the policy followed from
-/// there, is at most 1. Where no pair counts, ratios are not numbers, null in JSON.
+/// Collected: by following the policy in the exact model, with targets at their true places. Best: the most of all
+/// sequences of a few actions, with exact rewards and the stored value of their end. That value is interpolated between
+/// cells and may be a little more or less than can be had, so ratios above 1 are possible. The *realised* best carries
+/// out the search's actions and then follows the policy; the ratio to it is at most 1. Without a pair that counts,
+/// ratios are not numbers, null in JSON.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Quality {
     /// Name of the behaviour.
     pub policy: String,
-    /// Pairs asked.
+    /// Number of pairs.
     pub asked: usize,
-    /// Pairs that count: the best is worth more than next to nothing.
+    /// Number of pairs that count: their best is not negligible.
     pub pairs: usize,
-    /// Mean ratio of what the policy collects.
+    /// Mean ratio of the collected reward.
     pub ratio_mean: f64,
     /// 5th percentile of that ratio.
     pub ratio_p05: f64,
@@ -60,30 +61,30 @@ pub struct Quality {
     pub near_best_fraction: f64,
     /// Mean ratio to the realised best.
     pub realised_ratio_mean: f64,
-    /// Mean of what the best is worth beyond what the policy collects, over all pairs that were asked.
+    /// Mean difference of the best and the collected reward, over all pairs.
     pub regret_mean: f64,
-    /// Mean ratio when the stored best action of the nearest cell is followed.
+    /// Mean ratio for following the stored best action of the nearest cell.
     pub single_load_ratio_mean: f64,
-    /// The same for choices among the best few at random.
+    /// Ratios for random choices among the best few actions.
     pub temperatures: Vec<TemperatureQuality>,
-    /// Look-aheads that the search made.
+    /// Number of look-aheads of the search.
     pub look_aheads: u64,
     /// Wall time of the search (s).
     pub search_s: f64,
-    /// Wall time of everything (s).
+    /// Total wall time (s).
     pub seconds: f64,
 }
 
-/// What choosing at random costs.
+/// Ratio for random choices at one temperature.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct TemperatureQuality {
     /// See [`throng_core::policy::RankedActions::choose`].
     pub temperature: f32,
-    /// Mean ratio of what is collected.
+    /// Mean ratio of the collected reward.
     pub ratio_mean: f64,
 }
 
-/// Bands of heights, each with bounds of its own: what is out of reach high up may be near further down.
+/// Number of bands of heights, each with its own bounds: a target out of reach high up may be near further down.
 const BANDS: usize = 4;
 
 /// Measures what the policies of a bundle collect against what search finds, on the current rayon pool.
@@ -150,7 +151,7 @@ pub fn measure_policy(table: &PolicyTable, name: &str, config: &QualityConfig) -
     }
 }
 
-/// The mean; not a number where there is nothing.
+/// Mean; NaN for an empty slice.
 fn mean(v: &[f64]) -> f64 {
     v.iter().sum::<f64>() / v.len() as f64
 }
@@ -162,15 +163,15 @@ fn random_pairs(table: &PolicyTable, count: usize, rng: &mut Pcg64) -> Vec<Situa
         .collect()
 }
 
-/// Look-aheads of a whole search from which on bounds, which take some seconds, save more than they cost.
+/// Number of look-aheads of a whole search above which bounds, which take some seconds, pay off.
 const WORTH_BOUNDS: f64 = 3e7;
 
-/// The best sequence of every pair.
+/// Best sequence of every pair.
 fn search_all(table: &PolicyTable, pairs: &[Situation], depth: usize) -> Vec<Found> {
     let actions = table.actions();
     let branching = actions.num_actions() as f64 / actions.num_states() as f64;
     let look_aheads = pairs.len() as f64 * branching.powi(depth as i32 - 1);
-    // What a space-time grid waits for happens after an action or two.
+    // Events of a space-time grid happen after an action or two.
     if look_aheads < WORTH_BOUNDS || table.grid().is_space_time() {
         let search = Search::new(table, depth, None);
         return pairs.par_iter().map(|&pair| search.best(pair)).collect();
@@ -178,7 +179,7 @@ fn search_all(table: &PolicyTable, pairs: &[Situation], depth: usize) -> Vec<Fou
     search_with_bounds(table, pairs, depth)
 }
 
-/// The same with bounds of every band of heights.
+/// Best sequence of every pair, found with bounds of every band of heights.
 fn search_with_bounds(table: &PolicyTable, pairs: &[Situation], depth: usize) -> Vec<Found> {
     let r = table.grid().record();
     let bands = if r.num_heights > 1 { BANDS } else { 1 };
@@ -187,7 +188,7 @@ fn search_with_bounds(table: &PolicyTable, pairs: &[Situation], depth: usize) ->
     let band_of = |s: &Situation| (((s.target.y - r.height_start) / height.max(1e-6)) as usize).min(bands - 1);
     let mut found: Vec<Option<Found>> = vec![None; pairs.len()];
     for band in 0..bands {
-        // A little wider than the band, so that rounding leaves no situation out.
+        // A margin around the band, so that rounding loses no situation.
         let bounds = Bounds::new(table, depth, [edge(band) - 1e-3, edge(band + 1) + 1e-3]);
         let search = Search::new(table, depth, Some(&bounds));
         let of_band = found.par_iter_mut().zip(pairs).filter(|(_, s)| bands == 1 || band_of(s) == band);
@@ -196,7 +197,7 @@ fn search_with_bounds(table: &PolicyTable, pairs: &[Situation], depth: usize) ->
     found.into_iter().flatten().collect()
 }
 
-/// What is collected when the search's actions are carried out, and the policy followed from there.
+/// Reward for carrying out the search's actions and then following the policy.
 fn realise(table: &PolicyTable, pairs: &[Situation], found: &[Found], config: &QualityConfig) -> Vec<f64> {
     let mut sums = vec![0.0; pairs.len()];
     let mut discounts = vec![1.0f64; pairs.len()];

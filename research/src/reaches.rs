@@ -1,4 +1,4 @@
-//! How much planned reaches look like people's: speed of the hand, height of the elbow, jerk; and reaches in captured motion.
+//! Measures of how natural planned reaches look: speed of the hand, height of the elbow, jerk; and reaches in captured motion.
 
 use glam::DVec3;
 use throng_core::{Joint, Skeleton};
@@ -6,39 +6,39 @@ use throng_motion::Clip;
 use throng_planner::driven::Driven;
 use throng_planner::linkage::Limb;
 
-/// Samples a second of everything that is compared: no more than clips have (Hz).
+/// Sampling rate of everything that is compared: no more than clips have (Hz).
 const RATE_HZ: f64 = 30.0;
-/// Half of the samples over which places are averaged: noise of captured motion is faster.
+/// Half window over which places are averaged (samples): noise of captured motion is faster.
 const SMOOTH: usize = 1;
 /// A dip to this share of the lower of its neighbours parts two peaks; lower peaks than this share do not count.
 const DIP: f64 = 0.75;
 const PEAK: f64 = 0.3;
-/// Captured reaches: least peak (m/s), where they begin and end (share of the peak), times (s), way and stretch (m).
+/// Captured reaches: least peak (m/s), begin and end (share of the peak), times (s), length of the path and stretch (m).
 const LEAST_MPS: f64 = 0.5;
 const REST: f64 = 0.12;
 const TIMES_S: [f64; 2] = [0.3, 2.0];
 const WAY_M: f64 = 0.2;
 const STRETCH_M: f64 = 0.08;
 
-/// Figures of a hand on its way from rest to rest, as seen from the upper chest.
+/// Figures of a hand's path from rest to rest, relative to the upper chest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReachFigures {
-    /// Fastest (m/s).
+    /// Greatest speed (m/s).
     pub peak_mps: f64,
-    /// Main peaks of its speed: people's have one.
+    /// Number of main peaks of its speed: people's have one.
     pub peaks: usize,
-    /// How high the elbow is above the middle between shoulder and hand, at most (m).
+    /// Largest height of the elbow above the middle between shoulder and hand (m).
     pub elbow_m: f64,
-    /// How high the hand is above the shoulder in the end (m).
+    /// Height of the hand above the shoulder at the end (m).
     pub hand_up_m: f64,
-    /// Root mean square of its jerk, times the cube of the time, over the length of the way: 26.8 is the least.
+    /// Root mean square of its jerk, times the cube of the time, over the length of the path: 26.8 is the least.
     ///
     /// # Source
     /// Flash and Hogan 1985, *The Coordination of Arm Movements*: the motion of least jerk.
     pub jerk: f64,
 }
 
-/// Places of shoulder, elbow and hand in the frame of the upper chest, and the elbow's height, sample by sample.
+/// Positions of shoulder, elbow and hand in the frame of the upper chest, and the elbow's height, sample by sample.
 struct Arm {
     hand: Vec<DVec3>,
     stretch_m: Vec<f64>,
@@ -104,7 +104,7 @@ pub fn reach_figures(clip: &Clip, skeleton: &Skeleton, limb: Limb, window_s: [f6
     arm.figures(0, arm.hand.len().checked_sub(1)?)
 }
 
-/// Reaches of both arms in captured motion: from rest to rest as seen from the chest, the arm longer at the end.
+/// Reaches of both arms in captured motion: from rest to rest relative to the chest, with the arm longer at the end.
 pub fn captured_reaches(clip: &Clip, skeleton: &Skeleton) -> Vec<ReachFigures> {
     let end_s = clip.num_frames().saturating_sub(1) as f64 / clip.rate_hz;
     let mut out = Vec::new();
@@ -113,7 +113,7 @@ pub fn captured_reaches(clip: &Clip, skeleton: &Skeleton) -> Vec<ReachFigures> {
         let speeds = arm.speeds();
         let mut next = 0;
         while let Some(start) = (next..speeds.len()).find(|i| speeds[*i] > LEAST_MPS) {
-            // The peak of this burst, and where it comes from and goes to rest.
+            // The peak of this burst, and the samples at rest before and after it.
             let mut peak = start;
             let mut end = start;
             while end + 1 < speeds.len() && speeds[end] > (REST * speeds[peak]).max(0.03) {
@@ -135,7 +135,7 @@ pub fn captured_reaches(clip: &Clip, skeleton: &Skeleton) -> Vec<ReachFigures> {
     out
 }
 
-/// Peaks that are high enough, and between which speed dips.
+/// Number of peaks that are high enough, with dips in speed between them.
 fn main_peaks(speeds: &[f64]) -> usize {
     let most = speeds.iter().copied().fold(0.0, f64::max);
     let (mut count, mut top, mut low) = (0, 0.0f64, 0.0f64);

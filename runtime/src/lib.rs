@@ -1,4 +1,4 @@
-//! What an application links: the crates of the runtime under one name.
+//! Facade for applications: re-exports the crates of the runtime under one name.
 //!
 //! A bundle (`*.throng`) is opened as [`Bundle`]; [`characters::PolicyCharacters`] and [`walkers::Walkers`] are
 //! [`Cast`]s that move and pose people. [`policy`] answers single queries without characters. Features add [`crowd`]

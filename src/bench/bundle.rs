@@ -1,4 +1,4 @@
-//! `throng bench bundle`: what queries, sampling and steps cost, and what policies are worth.
+//! `throng bench bundle`: cost of queries, sampling and steps, and quality of policies.
 
 use crate::args::{Outcome, fail};
 use crate::{keys, output};
@@ -32,7 +32,7 @@ pub struct Args {
     json: bool,
 }
 
-/// Everything that was measured.
+/// Printed report.
 #[derive(Serialize, JsonSchema)]
 struct Report {
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
@@ -56,7 +56,7 @@ pub fn run(args: &Args) -> Outcome {
     if args.json { output::json(&report) } else { print(&report) }
 }
 
-/// The figures for people.
+/// Prints the figures as text.
 fn print(report: &Report) -> Outcome {
     report.measured.iter().try_for_each(print_crowds)?;
     report.levels.iter().flatten().try_for_each(print_levels)

@@ -11,7 +11,7 @@ use throng_runtime::base::limits;
 use throng_runtime::crowd::Scheme;
 use throng_runtime::simulation::Scene;
 
-/// The word for all built-in scenes.
+/// Name that stands for all built-in scenes.
 const ALL: &str = "all";
 
 /// Measure crowds with one or several engines, sizes and scenes.
@@ -22,15 +22,15 @@ pub struct Args {
     /// scene files.
     #[arg(long, value_delimiter = ',', default_value = "corridor", value_name = "NAME_OR_FILE,...")]
     scene: Vec<String>,
-    /// Numbers of agents; that of the scene where absent. Of several scenes, those that do not grow leave out larger
-    /// numbers than their own.
+    /// Numbers of agents; that of the scene where absent. With several scenes, those of fixed size leave out numbers larger
+    /// than their own.
     #[arg(long, value_delimiter = ',', value_name = "N,...", allow_negative_numbers = true, value_parser = limits::number::<usize>(&limits::CHARACTERS))]
     agents: Vec<usize>,
     /// Engines: events, occupancy, fixed, pairs; that of the scene where absent.
     #[arg(long, value_delimiter = ',', value_name = "ENGINE,...")]
     engine: Vec<String>,
-    /// Number of runs of each; the fastest is told in full, as one that nothing else slowed down, and of its time for
-    /// an agent the least, the median and the largest.
+    /// Number of runs of each; the fastest is reported in full, as the least disturbed one, with the least, median and
+    /// largest time for an agent.
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = limits::number::<u32>(&limits::REPEATS))]
     repeats: u32,
     /// Number of threads.
@@ -50,13 +50,13 @@ pub struct Args {
     json: bool,
 }
 
-/// Several runs.
+/// Printed report of several runs.
 #[derive(Serialize)]
 struct Sweep {
     runs: Vec<Run>,
 }
 
-/// One run.
+/// Printed report of one run.
 #[derive(Serialize, schemars::JsonSchema)]
 struct Run {
     /// The scene's name.
@@ -83,7 +83,7 @@ impl Run {
     }
 }
 
-/// Measures every scene with every number of agents and every engine that was asked for.
+/// Measures every requested scene with every number of agents and every engine.
 pub fn run(args: &Args) -> Outcome {
     let trials = trials(args)?;
     let is_sweep = trials.len() > 1;
@@ -116,7 +116,7 @@ pub fn run(args: &Args) -> Outcome {
     }
 }
 
-/// The fastest of several runs, which differ in nothing but their time.
+/// Figures of the fastest of several runs, which only differ in their time.
 fn fastest(
     scene: &Scene,
     seconds: Option<f64>,
@@ -141,7 +141,7 @@ fn fastest(
     Ok(best)
 }
 
-/// All that is to be run.
+/// All scenes to run, one for each scene, number of agents and engine.
 fn trials(args: &Args) -> Result<Vec<Scene>, Box<dyn std::error::Error>> {
     let names = args.scene.iter().flat_map(|n| if n == ALL { OWN_SCENES.to_vec() } else { vec![n.as_str()] });
     let scenes = names.map(load).collect::<Result<Vec<_>, _>>()?;
@@ -150,7 +150,7 @@ fn trials(args: &Args) -> Result<Vec<Scene>, Box<dyn std::error::Error>> {
         let own = scene.num_characters();
         let agents = if args.agents.is_empty() { vec![own] } else { args.agents.clone() };
         for engine in engines(args, scene)? {
-            // A scene that does not grow gets too dense; it is tried only when it was asked for alone.
+            // A scene of fixed size gets too dense; it is only run if it is the only one requested.
             let fits = |n: &&usize| scenes.len() == 1 || scene.measure.grows || **n <= own;
             trials.extend(agents.iter().filter(fits).map(|&n| {
                 let mut trial = scene.resized(n);
@@ -163,7 +163,7 @@ fn trials(args: &Args) -> Result<Vec<Scene>, Box<dyn std::error::Error>> {
     Ok(trials)
 }
 
-/// A built-in scene, or a file.
+/// Loads a built-in scene, or a file.
 fn load(name: &str) -> Result<Scene, Box<dyn std::error::Error>> {
     if let Some(own) = own_scene(name)? {
         return Ok(own);
@@ -186,7 +186,7 @@ fn engines(args: &Args, scene: &Scene) -> Result<Vec<Scheme>, Box<dyn std::error
     args.engine.iter().map(|name| named_engine(name)).collect()
 }
 
-/// Time over agents, a line for each scene and engine: figure 6 of Kim, Kim and Shin 2003.
+/// Plots the time over the number of agents, a line for each scene and engine, as figure 6 of Kim, Kim and Shin 2003.
 fn plot(runs: &[Run]) -> picture::Picture {
     let scene = runs.first().map_or("", |r| &r.scene);
     let is_one = runs.iter().all(|r| r.scene == scene);
@@ -207,7 +207,7 @@ fn plot(runs: &[Run]) -> picture::Picture {
     })
 }
 
-/// How the slowest and the fastest engine compare at the largest number of agents; `None` for one engine.
+/// Text that compares the slowest and the fastest engine at the largest number of agents; `None` for one engine.
 fn compared(runs: &[Run]) -> Option<String> {
     let most = runs.iter().map(Run::agents).max()?;
     let wall = |r: &&Run| r.wall_s();

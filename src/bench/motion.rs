@@ -1,4 +1,4 @@
-//! `throng bench motion`: does motion at run time look like the clips that it comes from?
+//! `throng bench motion`: quality of motion at run time beside the clips that it comes from.
 
 use crate::args::{CacheArgs, Outcome, is_bundle};
 use crate::{keys, output, run};
@@ -10,7 +10,7 @@ use throng_precompute::trial::{self, TrialConfig};
 
 /// Compare motion at run time with its clips: low toes, knees, changes of segment, smoothness, life of the hands.
 ///
-/// 200 characters chase targets for 20 s; the first 50 are looked at in every frame.
+/// 200 characters chase targets for 20 s; the first 50 are measured in every frame.
 #[derive(clap::Args)]
 #[command(after_long_help = keys::section::<Figures>("JSON keys (of each of `results[]`)"))]
 pub struct Args {
@@ -24,10 +24,10 @@ pub struct Args {
     json: bool,
 }
 
-/// What was found of one bundle.
+/// Figures of one bundle.
 #[derive(Serialize, JsonSchema)]
 struct Figures {
-    /// What was looked at.
+    /// Name of the bundle or motion.
     name: String,
     #[serde(flatten)]
     quality: MotionQuality,

@@ -1,4 +1,4 @@
-//! `throng bench plan`: what plans of limbs cost, and how often they succeed.
+//! `throng bench plan`: cost and success rate of limb plans.
 
 mod ik;
 
@@ -47,38 +47,38 @@ pub struct Args {
 /// What is printed.
 #[derive(Serialize, JsonSchema)]
 struct Report {
-    /// Every scene.
+    /// Figures of every scene.
     results: Vec<Figures>,
 }
 
 /// Figures of a scene.
 #[derive(Serialize, JsonSchema)]
 struct Figures {
-    /// Its name.
+    /// Name of the scene.
     scene: String,
     /// Share of the seeds with a plan.
     success_rate: f64,
-    /// Until the first way, median of the seeds that have one (ms).
+    /// Time until the first path, median of the seeds that have one (ms).
     first_ms_median: Option<f64>,
-    /// The same, 95th percentile (ms).
+    /// Time until the first path, 95th percentile (ms).
     first_ms_p95: Option<f64>,
-    /// With smoothing, median (ms).
+    /// Time with smoothing, median (ms).
     total_ms_median: Option<f64>,
-    /// The same, 95th percentile (ms).
+    /// Time with smoothing, 95th percentile (ms).
     total_ms_p95: Option<f64>,
-    /// Looks a second within plans: one pose at one time against everything.
+    /// Collision samples a second within plans: one pose at one time against everything.
     checks_per_second: f64,
-    /// Time of a plan over its looks (ns).
+    /// Time of a plan over its number of collision samples (ns).
     ns_per_check: f64,
-    /// How far joints turn, median (rad).
+    /// Sum of joint rotations, median (rad).
     path_length_rad: Option<f64>,
     /// Jerk after smoothing over that before, median.
     jerk_ratio: Option<f64>,
-    /// What a check by other means found wrong in the plans that were checked.
+    /// Violations that an independent check found in the checked plans.
     recheck_violations: usize,
-    /// An inverse-kinematics solution of an arm from any pose, without collisions (ns).
+    /// Time of an inverse-kinematics solution of an arm from any pose, without collisions (ns).
     ik_ns: f64,
-    /// How far hands were from their targets at most (m).
+    /// Greatest distance of hands from their targets (m).
     ik_error_max_m: f64,
     /// Share of reachable targets that were reached.
     ik_solved_fraction: f64,
@@ -88,7 +88,7 @@ struct Figures {
     paper_s: Option<f64>,
 }
 
-/// One plan, or all of a task.
+/// Measurements of one plan, or of all plans of a task.
 struct Sample {
     first_s: f64,
     total_s: f64,
@@ -123,7 +123,7 @@ fn unknown(name: &str) -> String {
     format!("there is no scene `{name}`; there are {known}, and task files (.toml)")
 }
 
-/// Scenes, and in place of each folder the task files in it, by their names.
+/// Expands folders to the task files in them, sorted by name.
 fn in_folders(scenes: &[String]) -> Result<Vec<String>, Box<dyn Error>> {
     let mut out = Vec::new();
     for scene in scenes {
@@ -186,7 +186,7 @@ fn plans(scene: &Scene, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Err
     Ok((samples, violations))
 }
 
-/// Does a task with every seed.
+/// Solves a task with every seed.
 fn tasks(path: &Path, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Error>> {
     let task = Task::read(path)?;
     let config = BuildConfig::of_motion("", Vec::new())?;
@@ -243,7 +243,7 @@ fn figures(name: &str, samples: &[Sample], recheck_violations: usize, ik: &ik::F
     }
 }
 
-/// Mean angle between the joints of two clips where they differ; 0 where they are the same (rad).
+/// Mean angle between the joints of two clips where they differ; 0 for equal clips (rad).
 fn distance(a: &Clip, b: &Clip) -> Option<f64> {
     let differ = a.rotations.iter().zip(&b.rotations).filter(|(p, q)| p != q);
     let angles: Vec<f64> = differ.map(|(p, q)| f64::from(p.angle_between(*q))).collect();

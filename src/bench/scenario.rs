@@ -1,4 +1,4 @@
-//! `throng bench scenario`: how fast people live by rules, graphs and news.
+//! `throng bench scenario`: speed of scenes with rules, state graphs and news.
 
 use crate::args::{CacheArgs, Outcome};
 use crate::{keys, output};
@@ -31,7 +31,7 @@ pub struct Args {
     json: bool,
 }
 
-/// All scenes.
+/// Printed report of all scenes.
 #[derive(Serialize)]
 struct Results {
     results: Vec<ScenarioFigures>,

@@ -1,4 +1,4 @@
-//! What is known of a task of `throng plan` before any search.
+//! Checks a task of `throng plan` before any search.
 
 use crate::args::{Outcome, fail};
 use crate::output;
@@ -8,14 +8,14 @@ use throng_planner::task::{Ahead, MeshAhead, Task};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::plans;
 
-/// What is printed.
+/// Printed report.
 #[derive(Serialize, JsonSchema)]
 pub struct Report {
-    /// Every task, in the file's order.
+    /// Findings on every task, in the file's order.
     tasks: Vec<Ahead>,
-    /// Meshes of obstacles and objects.
+    /// Findings on the meshes of obstacles and objects.
     meshes: Vec<MeshAhead>,
-    /// Faults of all tasks; anything but 0 fails.
+    /// Number of faults of all tasks; the check fails unless it is 0.
     faults: usize,
 }
 

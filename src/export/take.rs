@@ -1,4 +1,4 @@
-//! What runs, to files: scenes, recordings, bundles and clips as takes, and takes in the formats of other programs.
+//! Takes of scenes, recordings, bundles and clips, written in the formats of other programs.
 
 use super::{Args, Format, holds_motion, write};
 use crate::args::{CacheArgs, Outcome, fail, is_bundle, is_toml};
@@ -16,11 +16,11 @@ use throng_precompute::{Warnings, files, pipeline};
 use throng_runtime::base::limits;
 use throng_runtime::simulation::Scene;
 
-/// What of a run is written.
+/// Options of takes.
 #[derive(clap::Args)]
 pub struct TakeArgs {
-    /// Characters, by their numbers: 7, 0..99 (both included), or a list such as 0,4,7..9; all with bodies by default. Of
-    /// --clips, which clips.
+    /// Numbers of characters, or of clips with --clips: 7, 0..99 (both included), or a list such as 0,4,7..9; all with
+    /// bodies by default.
     #[arg(long, value_name = "N..N", value_parser = parse_range, value_delimiter = ',')]
     characters: Vec<RangeInclusive<usize>>,
     /// First moment (s); the start by default.
@@ -32,16 +32,15 @@ pub struct TakeArgs {
     /// Frames a second, 1 to 1000; 30 by default.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::EXPORT_HZ))]
     fps: Option<f64>,
-    /// Of a bundle, write its clips instead of characters that run on it.
+    /// For a bundle, write its clips instead of characters that run on it.
     #[arg(long)]
     clips: bool,
-    /// Of `usda`, write characters as instances of one model, which renderers of crowds want; Blender shows these without
+    /// With `usda`, write characters as instances of one model, as crowd renderers prefer; Blender shows these without
     /// motion.
     #[arg(long)]
     usd_instances: bool,
-    /// Of `glb`, a character of yours that wears the motion (.glb with a skin): the roles of its joints are found as those
-    /// of motion files, twist joints take their share, all others stay at rest. It is made as tall as the motion's legs
-    /// are long.
+    /// With `glb`, your own character (.glb with a skin) to wear the motion: the roles of its joints are found as those of
+    /// motion files, twist joints take their share, all others stay at rest. Its size follows from the motion's legs.
     #[arg(long, value_name = "CHARACTER.glb")]
     onto: Option<PathBuf>,
     #[command(flatten)]
@@ -61,7 +60,7 @@ fn parse_range(text: &str) -> Result<RangeInclusive<usize>, String> {
 }
 
 impl TakeArgs {
-    /// The first flag that was given, which only takes know.
+    /// The first given flag that only applies to takes.
     pub fn given(&self) -> Option<&'static str> {
         let flags = [
             ("--characters", !self.characters.is_empty()),
@@ -104,10 +103,10 @@ pub fn run(args: &Args) -> Outcome {
             Some(out.as_path())
         }
     };
-    // Beside what is written: there is room, and it is no memory.
+    // Beside the output, where there is room and no memory file system.
     let temporary = std::env::temp_dir();
     let folder = out.map_or(temporary.as_path(), folder_of);
-    // Before long work: it may not be a character.
+    // Read before long work, as it may not be a character.
     let wearer = match &takes.onto {
         Some(character) => Some(Wearer::open(character, &args.read.config()?.import)?),
         None => None,
@@ -123,7 +122,7 @@ fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Lets happen what is exported.
+/// Runs the input and records the take.
 fn record(args: &Args, folder: &Path) -> Result<Take, Box<dyn Error>> {
     let (file, config, bar) = (&args.file, args.take.config(), progress::Bar::default());
     let show = |show: Show<'_>| perform(show, &config, folder, &bar).map_err(|e| format!("{}: {e}", file.display()));
@@ -148,7 +147,7 @@ fn record(args: &Args, folder: &Path) -> Result<Take, Box<dyn Error>> {
     Ok(show(Show::Recording(&recording, &scene.open()?))?)
 }
 
-/// Writes which clips play on characters of a bundle.
+/// Writes the clips that play on characters of a bundle.
 fn instances(args: &Args, folder: &Path, out: &Path) -> Outcome {
     let file = &args.file;
     if !is_bundle(file) || args.take.clips {
@@ -174,7 +173,7 @@ fn clip(args: &Args, folder: &Path) -> Result<Take, Box<dyn Error>> {
     Ok(Take::of_clips(folder, &clips.clips[..1], &clips.skeleton)?)
 }
 
-/// Writes a take in a format, and says what was written.
+/// Writes a take in a format, and prints the files.
 fn save(args: &Args, take: &Take, out: Option<&Path>, wearer: Option<&Wearer>, folder: &Path) -> Outcome {
     let mut written = Vec::new();
     match (args.format, out) {
@@ -207,7 +206,7 @@ fn save(args: &Args, take: &Take, out: Option<&Path>, wearer: Option<&Wearer>, f
     output::text(format!("{files}: {who} {what}, {frames} frames at {hz} Hz, {}\n", output::bytes(bytes)))
 }
 
-/// Says which joints of a character wear what.
+/// Prints which joints of a character wear the motion.
 fn worn(wearer: &Wearer) -> Outcome {
     let pairs: Vec<String> = wearer.pairs().map(|(role, joint)| format!("{}={joint}", role.name())).collect();
     let twists: Vec<&str> = wearer.twists().collect();

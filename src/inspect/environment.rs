@@ -13,20 +13,20 @@ use throng_precompute::stitch::SavedFiles;
 use throng_precompute::{BuildError, Clip, ClipSet, Warnings, files, pipeline};
 use throng_runtime::Joint;
 
-/// Smallest distance between bodies in a picture (m).
+/// Least distance between bodies in a picture (m).
 const APART: f32 = 0.5;
-/// Largest number of bodies in a picture.
+/// Greatest number of bodies in a picture.
 const MOST: usize = 14;
-/// One in this many frames may be drawn.
+/// Distance between candidate frames of a picture (frames).
 const EVERY: usize = 5;
-/// Largest number of clips that a title names.
+/// Greatest number of clips that a title names.
 const NAMED: usize = 4;
 /// Width and height of one view (px).
 const SIZE: (u32, u32) = (1600, 900);
-/// The picture looks along +Z and along +X, tilted down (rad).
+/// View directions of the picture, along +Z and along +X, tilted down: heading and elevation (rad).
 const LOOKS: [(f32, f32); 2] = [(0.0, 0.3), (std::f32::consts::FRAC_PI_2, 0.3)];
 
-/// What is printed.
+/// Printed report.
 #[derive(Serialize, JsonSchema)]
 pub struct Report<'a> {
     /// Names of the clips.
@@ -39,7 +39,7 @@ pub struct Report<'a> {
     saved: Option<SavedFiles>,
 }
 
-/// Infers what the people in the clips stand, sit and hang on; writes it, draws it and reports how well it fits.
+/// Infers the surroundings in which the people in the clips stand, sit and hang; writes, draws and reports them.
 pub fn run(args: &super::Args) -> Outcome {
     files::check_targets(args.environment_out.iter().chain(&args.environment_png), &args.files)?;
     if let Some(bundle) = args.files.iter().find(|f| crate::args::is_bundle(f)) {
@@ -66,7 +66,7 @@ pub fn run(args: &super::Args) -> Outcome {
     if args.json { output::json(&report) } else { print(&report) }
 }
 
-/// The clips as a build with default settings makes them, so that heights agree.
+/// Reads the clips as a build with default settings does, so that heights agree.
 fn read(args: &super::Args) -> Result<ClipSet, Box<dyn std::error::Error>> {
     let mut config = args.read.config_for(&args.files)?;
     config.import.strict = true;
@@ -80,7 +80,7 @@ fn read(args: &super::Args) -> Result<ClipSet, Box<dyn std::error::Error>> {
     Ok(clips)
 }
 
-/// The person at several moments in the inferred surroundings, from two sides.
+/// Draws the person at several moments in the inferred surroundings, from two sides.
 fn draw(set: &ClipSet, inferred: &Inferred) -> Result<Picture, BuildError> {
     let geometry = inferred.geometry()?;
     let units = picture::world_units(&geometry);
@@ -112,7 +112,7 @@ fn draw(set: &ClipSet, inferred: &Inferred) -> Result<Picture, BuildError> {
     Ok(picture::sheet(&[&front, &side]))
 }
 
-/// Bodies far from each other: the first one, then repeatedly the one farthest from all chosen ones.
+/// Selects bodies far from each other: the first one, then repeatedly the one farthest from all selected ones.
 fn apart(set: &ClipSet) -> Vec<Figure> {
     let figure =
         |clip: &Clip, f: usize| Figure::from_transforms(&set.skeleton, &clip.joint_transforms(&set.skeleton, f));

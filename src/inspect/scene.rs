@@ -1,4 +1,4 @@
-//! Where a clip collides with the scene of a task.
+//! Collisions of a clip with the scene of a task.
 
 use crate::args::{Outcome, fail};
 use crate::output;
@@ -12,10 +12,10 @@ use throng_precompute::plans;
 use throng_precompute::progress::Silent;
 use throng_precompute::run::{Cached, News};
 
-/// What is printed.
+/// Printed report.
 #[derive(Serialize, JsonSchema)]
 pub struct Report {
-    /// Stretches in which a limb is in something, limb by limb.
+    /// Time spans in which a limb collides with something, limb by limb.
     collisions: Vec<Collision>,
 }
 
@@ -27,7 +27,7 @@ struct Collision {
     span: Span,
 }
 
-/// Puts a clip in the place of a task's first one, and finds where its limbs collide.
+/// Replaces a task's first clip by another one, and finds the collisions of its limbs.
 pub fn run(args: &super::Args, task: &Path) -> Outcome {
     let [file] = &args.files[..] else { return fail("--scene is for one motion file") };
     if crate::args::is_bundle(file) {

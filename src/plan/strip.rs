@@ -9,19 +9,19 @@ use throng_precompute::environment::{Solid, Triangles};
 use throng_precompute::picture::{self, BodyColours, Colour, Figure, Picture, WorldFigure, WorldMoment, WorldStrip};
 use throng_runtime::Joint;
 
-/// Moments side by side.
+/// Number of moments side by side.
 const COLUMNS: usize = 10;
-/// Width that each shows (m).
+/// Width that each moment shows (m).
 const WIDTH_M: f32 = 2.0;
 /// Time that is shown before the first plan and after the last one (s).
 const AROUND_S: f64 = 0.15;
-/// Colours of things, by their number.
+/// Colours of objects, by their number.
 const TINTS: [u32; 6] = [0xb08a4a, 0x5f8f56, 0x87609c, 0xb5653f, 0x4a8f9f, 0x8a8578];
-/// Colour of what is looked at.
+/// Colour of gaze lines and targets.
 const GAZE: u32 = 0xc8102e;
-/// In front of the head's joint, where a line from the face begins (m).
+/// Begin of a gaze line relative to the head's joint (m).
 const EYES: Vec3 = Vec3::new(0.0, 0.07, 0.1);
-/// Colours of characters but the first.
+/// Colours of characters except the first.
 const OTHERS: [u32; 3] = [0x7d8aa0, 0x9a8fa0, 0x8fa08a];
 
 /// Draws the character of the first task.
@@ -51,7 +51,7 @@ pub fn draw(task: &Task, clips: &[ActorClip], outcome: &TaskOutcome, title: &str
     picture::sheet(&all.iter().collect::<Vec<_>>())
 }
 
-/// From the first to the last frame that differs, and a little more; all of the clip where none does (s).
+/// Time span from the first to the last changed frame, with a margin; the whole clip if none changed (s).
 fn changed(outcome: &TaskOutcome, who: usize) -> [f64; 2] {
     let [before, after] = &outcome.clips[who];
     let differs = |f: &usize| before.frame_rotations(*f) != after.frame_rotations(*f);
@@ -66,14 +66,14 @@ fn changed(outcome: &TaskOutcome, who: usize) -> [f64; 2] {
     }
 }
 
-/// Where the character faces in the middle of what is shown (rad).
+/// Heading of the character in the middle of the shown time span (rad).
 fn heading(outcome: &TaskOutcome, who: usize) -> f32 {
     let clip = &outcome.clips[who][0];
     let [from, to] = changed(outcome, who);
     clip.planar(((0.5 * (from + to) * clip.rate_hz) as usize).min(clip.num_frames() - 1)).heading
 }
 
-/// Everybody and everything at a time.
+/// All characters and objects at a time.
 fn moment(
     task: &Task,
     clips: &[ActorClip],
@@ -103,7 +103,7 @@ fn moment(
     WorldMoment { time_s: time_s as f32, figures, framed: 1, solids }
 }
 
-/// What a face turns to: a line ahead of the face, as long as to what is looked at, and a ball there.
+/// Solids of a gaze: a line ahead of the face, as long as the distance to its target, and a ball at the target.
 fn gaze(clips: &[ActorClip], outcome: &TaskOutcome, who: usize, time_s: f64) -> Vec<Solid> {
     let inside = |l: &&Looked| l.character == who && l.times_s[0] < time_s && time_s < l.times_s[2];
     let Some(look) = outcome.looks.iter().find(inside) else { return Vec::new() };

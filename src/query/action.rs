@@ -25,11 +25,11 @@ pub struct Args {
     /// Target in the frame of the character, in metres: X to its left, Z ahead.
     #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = parse_point)]
     target: [f32; 2],
-    /// Height of the target over the ground, in metres, where the policy asks for one, as blows do; the middle of what it
-    /// knows by default.
+    /// Height of the target over the ground, in metres, for policies that need one, as for blows; by default the middle of
+    /// the policy's range.
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = limits::number::<f32>(&limits::COORDINATE))]
     height: Option<f32>,
-    /// Time left until the blow lands, in seconds, where the policy asks for one, as evading does.
+    /// Time left until the blow lands, in seconds, for policies that need one, as for evading.
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number::<f32>(&limits::SECONDS))]
     time_left: Option<f32>,
     /// Print one JSON object.
@@ -41,7 +41,7 @@ pub struct Args {
 struct Ranked {
     /// Index within the state's actions.
     action: usize,
-    /// Its score.
+    /// Score of the action.
     score: f32,
 }
 
@@ -49,19 +49,19 @@ struct Ranked {
 struct Report {
     /// Name of the behaviour.
     behaviour: String,
-    /// State that was asked about.
+    /// State of the query.
     state: u32,
     /// Target in the frame of the character: X to its left, Z ahead (m).
     target_m: [f32; 2],
-    /// Its height over the ground, where the policy asks for one (m).
+    /// Height of the target over the ground, if the policy needs one (m).
     height_m: Option<f32>,
-    /// Time left until the blow lands, where the policy asks for one (s).
+    /// Time left until the blow lands, if the policy needs one (s).
     time_left_s: Option<f32>,
     /// Best action, as an index within the actions of the state.
     action: usize,
     /// Value of the state for this target.
     value: f32,
-    /// Score of the action: its reward, and the discounted value of where it leads.
+    /// Score of the action: its reward, and the discounted value of the state that it leads to.
     score: f32,
     /// Segment that the action plays.
     segment: u32,
@@ -73,7 +73,7 @@ struct Report {
     best: Vec<Ranked>,
 }
 
-/// What a policy asks for beside the place on the ground.
+/// Third coordinate of a policy's targets, beside the position on the ground.
 #[derive(Clone, Copy)]
 enum Third {
     Nothing,
@@ -95,7 +95,7 @@ impl Third {
     }
 }
 
-/// What is given of it, or why it does not fit.
+/// The third coordinate of the arguments, or the reason why it does not fit the policy.
 fn third(args: &Args, grid: &TargetGrid) -> Result<Third, String> {
     let record = grid.record();
     let [first, last] = [0.0, (record.num_heights - 1) as f32].map(|k| record.height_start + k * record.height_spacing);

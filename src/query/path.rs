@@ -10,23 +10,23 @@ use throng_precompute::stitch::WorldSource;
 use throng_runtime::world::plan::{Planner, Target};
 use throng_runtime::world::{Node, Step, WorldGraph};
 
-/// Steps of a path that are kept: half an hour of walking.
+/// Most steps of a path: half an hour of walking.
 const MAX_STEPS: usize = 4096;
 
-/// Points that are farther from where anybody can stay lie outside of the world (m).
+/// Greatest distance of a point from a place where a character can stay; farther ones lie outside of the world (m).
 const NEAR_M: f32 = 3.0;
 
 /// Plan a path through a world, between the places nearest to two points.
 #[derive(clap::Args)]
 #[command(after_long_help = keys::of::<Report<'static>>())]
 pub struct Args {
-    /// World file (`.toml`), which is stitched where that has not been done.
+    /// World file (`.toml`), which is stitched if that has not been done.
     #[arg(value_name = "WORLD")]
     file: PathBuf,
-    /// Where the path begins, in metres.
+    /// Start of the path, in metres.
     #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = parse_point)]
     from: [f32; 2],
-    /// Where the path ends, in metres.
+    /// End of the path, in metres.
     #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = parse_point)]
     to: [f32; 2],
     #[command(flatten)]
@@ -36,7 +36,7 @@ pub struct Args {
     json: bool,
 }
 
-/// What is printed.
+/// Printed report.
 #[derive(Serialize, JsonSchema)]
 struct Report<'a> {
     /// Name of the world.
@@ -108,7 +108,7 @@ pub fn run(args: &Args) -> Outcome {
     if args.json { output::json(&report) } else { print(&report) }
 }
 
-/// The place where one can stay that is nearest to a point of the ground plane, and how far it is (m).
+/// Nearest place to a point of the ground plane where a character can stay, and its distance (m).
 fn nearest(graph: &WorldGraph, [x, z]: [f32; 2]) -> Option<(Node, f32)> {
     let away = |n: Node| {
         let p = graph.place(n);

@@ -1,4 +1,4 @@
-//! The viewer but for its window: the same in a window, in a picture and in a test.
+//! The viewer without its window: the same code runs in a window, for a picture and in tests.
 
 use crate::command::{Command, SteerCommand, WorldCommand};
 use crate::document::Document;
@@ -27,22 +27,22 @@ pub const SETTINGS_KEY: &str = "settings";
 pub struct Viewer {
     /// All that it knows.
     pub model: Model,
-    /// How the panels look.
+    /// View states of the panels.
     pub states: PanelStates,
     renderer: Result<Arc<Mutex<SceneRenderer>>, String>,
-    /// How long encoding the last frame of the 3-D view took.
+    /// Time for encoding the last frame of the 3-D view.
     drawing: Arc<Mutex<Duration>>,
     layout: Layout,
-    /// What the panels asked for in the last frame.
+    /// Commands that panels asked for in the last frame.
     pending: Vec<Command>,
     dialog: Option<(Dialog, Receiver<Vec<PathBuf>>)>,
-    /// Scale of the window as it was last set.
+    /// Scale of the window as last set.
     zoom: Option<f32>,
     pads: Pads,
 }
 
 impl Viewer {
-    /// Nothing open. Without a graphics device, the 3-D view says so.
+    /// A viewer with nothing open. Without a graphics device, the 3-D view shows an error.
     pub fn new(settings: Settings, render_state: Option<&RenderState>) -> Self {
         let renderer = match render_state {
             None => Err("There is no graphics device to draw with.".to_owned()),
@@ -63,8 +63,8 @@ impl Viewer {
         }
     }
 
-    /// Carries out what was asked for in the last frame, and moves time on. No user interface is shown in here, and
-    /// nothing is simulated elsewhere.
+    /// Carries out the commands of the last frame and advances time. No user interface is shown here, and nothing is
+    /// simulated anywhere else.
     pub fn logic(&mut self, ctx: &egui::Context, wall_s: f32) {
         if wall_s > 0.0 {
             self.model.times.frame_s = f64::from(wall_s);
@@ -93,7 +93,7 @@ impl Viewer {
         }
     }
 
-    /// Shows everything, and keeps what is asked for until [`Viewer::logic`] carries it out.
+    /// Shows everything, and keeps the commands of panels until [`Viewer::logic`] carries them out.
     pub fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         self.appearance(&ctx);
@@ -291,7 +291,7 @@ impl Viewer {
     }
 }
 
-/// What is shown where nothing is open.
+/// Start page, shown while no document is open.
 fn start_page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
     if !states.bare {
         Panel::top("top bar").show(ui, |ui| top_bar::show(ui, model, states, commands));

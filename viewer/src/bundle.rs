@@ -26,7 +26,7 @@ impl fmt::Debug for OpenBundle {
 impl OpenBundle {
     /// Reads and checks a bundle.
     ///
-    /// It is read, not mapped: whatever is written over the file while it is shown cannot reach what is shown.
+    /// The file is read, not mapped: overwriting it while it is open does not change what is shown.
     ///
     /// # Errors
     /// A message that names the file, what is wrong with it and the way out.
@@ -57,7 +57,7 @@ impl OpenBundle {
         &self.tables
     }
 
-    /// What a step reads of them.
+    /// Views of the tables that a step of the simulation reads.
     pub fn motion_set(&self) -> &MotionSet {
         &self.motion_set
     }
@@ -108,7 +108,7 @@ impl OpenBundle {
         self.tables().clips().partition_point(|c| c.first_frame <= row).saturating_sub(1)
     }
 
-    /// Name of a clip; empty where there is no such clip.
+    /// Name of a clip; empty if there is no such clip.
     pub fn clip_name(&self, clip: usize) -> &str {
         self.tables().meta().clips.get(clip).map_or("", |c| &c.name)
     }
@@ -119,7 +119,7 @@ impl OpenBundle {
         Planar::new(x, z, heading)
     }
 
-    /// What a segment plays, for people: clip and frames within it (segment < number of segments).
+    /// Clip and frames that a segment plays, as text (segment < number of segments).
     pub fn describe_segment(&self, segment: u32) -> String {
         let s = &self.tables().graph().segments[segment as usize];
         let first = self.tables().clips()[s.clip as usize].first_frame;

@@ -16,7 +16,7 @@ use crate::settings::PanelKind;
 use crate::settings::Settings;
 use std::path::PathBuf;
 
-/// What the 3-D view shows of a bundle.
+/// Stage of a bundle: which of its contents the 3-D view shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Stage {
     /// The run of a crowd.
@@ -34,20 +34,20 @@ pub enum Command {
     /// Open a bundle, a scene, a world or a motion file; of a folder, an archive and several files of motion, build a
     /// bundle first.
     Open(Vec<PathBuf>),
-    /// Read what is open again.
+    /// Read the open files again.
     Reload,
-    /// Close what is open, and show the start page.
+    /// Close the open document, and show the start page.
     Close,
-    /// Stop what is being made or read.
+    /// Stop the build or the reading under way.
     Stop,
-    /// Take away what is said of the last build.
+    /// Remove the report of the last build.
     DismissBuild,
-    /// Take something off the list of what was opened last.
+    /// Remove an entry from the list of recently opened files.
     Forget(Vec<PathBuf>),
     /// Take a message away.
     Dismiss(u64),
 
-    /// Let time move on, or stop it.
+    /// Start or stop time.
     Play(bool),
     /// Move by steps of the run, or frames of the clip.
     Step(i32),
@@ -72,7 +72,7 @@ pub enum Command {
     /// Steer the selected character.
     Steer(SteerCommand),
 
-    /// Let everybody wear the mesh of a file.
+    /// Let all characters wear the mesh of a file.
     Wear(PathBuf),
 
     /// Select a character, or none.
@@ -84,21 +84,21 @@ pub enum Command {
         /// Frame within it.
         frame: u32,
     },
-    /// Look at a state of the motion graph; none follows the selected character.
+    /// Inspect a state of the motion graph; none follows the selected character.
     SelectState(Option<u32>),
-    /// Look at a behaviour in the policy panel.
+    /// Inspect a behaviour in the policy panel.
     SelectPolicy(usize),
-    /// Look at a height, or moment, of its grid.
+    /// Inspect one height, or time, of the grid of that behaviour.
     SelectSlice(u32),
 
     /// Show the crowd or a clip.
     Stage(Stage),
-    /// Open a panel, or close it where it is open.
+    /// Open a panel, or close it if it is open.
     TogglePanel(PanelKind),
-    /// Look from somewhere else.
+    /// Set the camera.
     Camera(Camera),
-    /// Look at all that there is.
+    /// Move the camera so that everything is in view.
     FrameAll,
-    /// Other settings; run and panels apart, which have commands of their own.
+    /// Change settings, except those of the run and the panels, which have their own commands.
     Settings(Box<Settings>),
 }

@@ -34,7 +34,7 @@ pub(crate) fn golden() -> OpenBundle {
     OpenBundle::open(&golden_path()).unwrap()
 }
 
-/// Lets something be opened without a word.
+/// Runs an opening function without any report.
 pub(crate) fn quietly<T>(open: impl FnOnce(&Cached<'_>) -> T) -> T {
     Building::default().with(open)
 }

@@ -1,9 +1,9 @@
 //! The viewer: everything that is baked, seen and tried.
 //!
-//! [`app::Viewer`] is the whole program but for its [`window`], or its picture where there is none ([`headless`]). In
-//! reading order of a frame: [`model::Model::apply`] carries out what the panels asked for, [`model::Model::advance`]
-//! moves time on, [`stage`] lays out what is to be drawn, [`render`] draws it, [`panels`] show the model and ask for
-//! more.
+//! [`app::Viewer`] is the whole program without its [`window`], or its picture on a machine without a screen
+//! ([`headless`]). In reading order of a frame: [`model::Model::apply`] carries out the commands of the panels,
+//! [`model::Model::advance`] advances time, [`stage`] lays out the 3-D scene, [`render`] draws it, [`panels`] show the
+//! model and give new commands.
 
 // In this order: none uses one that comes after it.
 pub mod render;

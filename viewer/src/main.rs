@@ -1,4 +1,4 @@
-//! `throng-viewer`: a window, a picture or a measurement, as the arguments say.
+//! `throng-viewer`: a window, a picture or a measurement, depending on the arguments.
 
 use clap::Parser;
 use serde::Serialize;

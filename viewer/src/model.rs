@@ -1,4 +1,4 @@
-//! All that the viewer knows: what is open, what is shown of it, what was said of it.
+//! State of the viewer: the open document, the selection, and messages to the user.
 
 mod commands;
 mod documents;
@@ -21,10 +21,10 @@ use eframe::egui;
 use glam::Vec3;
 use std::path::PathBuf;
 
-/// Time that news stay on the screen; errors stay until they are taken away (s).
+/// Time for which messages stay on the screen; errors stay until they are dismissed (s).
 const NEWS_S: f64 = 6.0;
 
-/// What is selected.
+/// Selection of the user.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Selection {
     /// Character of the run.
@@ -33,15 +33,15 @@ pub struct Selection {
     pub state: Option<u32>,
     /// Behaviour.
     pub policy: usize,
-    /// Height, or moment, of its grid; the last one where it has not so many.
+    /// Height, or time, in the grid of that behaviour; clamped to the last one.
     pub slice: u32,
     /// Clip of the database.
     pub clip: usize,
-    /// What is selected in a world.
+    /// Selection in a world.
     pub world: WorldLook,
-    /// What is drawn of a scene.
+    /// View options of a scene.
     pub scene: SceneLook,
-    /// What is drawn of a task.
+    /// View options of a task.
     pub plan: PlanLook,
 }
 
@@ -62,17 +62,17 @@ impl Default for ClipPlayer {
     }
 }
 
-/// What the camera follows: stage, character, clip.
+/// Subject of the camera: stage, character, clip.
 type Who = (Stage, Option<usize>, usize);
-/// Whom the camera followed, and its place (m).
+/// Subject of the camera, and its position (m).
 type Followed = (Who, Vec3);
 
-/// Something said to the user.
+/// A message to the user.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Message {
-    /// Number by which it is taken away.
+    /// Number by which the message is dismissed.
     pub id: u64,
-    /// What is said.
+    /// Text of the message.
     pub text: String,
     /// Something went wrong.
     pub is_error: bool,
@@ -80,12 +80,12 @@ pub struct Message {
     pub until: f64,
 }
 
-/// Where the time of the last frame went, as far as this thread is concerned (s).
+/// Times of the parts of the last frame on this thread (s).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTimes {
     /// Steps of the crowd.
     pub simulation_s: f64,
-    /// Laying out what is drawn.
+    /// Laying out the frame (s).
     pub layout_s: f64,
     /// Handing poses to the graphics device.
     pub upload_s: f64,
@@ -100,44 +100,45 @@ pub struct FrameTimes {
 /// All that the viewer knows. Panels borrow it.
 #[derive(Debug, Default)]
 pub struct Model {
-    /// What is open.
+    /// The open document.
     pub document: Document,
-    /// What is remembered from run to run.
+    /// Settings stored between runs.
     pub settings: Settings,
-    /// What is selected.
+    /// Selection of the user.
     pub selection: Selection,
-    /// What the 3-D view shows of a bundle.
+    /// Stage of the 3-D view.
     pub stage: Stage,
     /// The play head of the clip shown.
     pub player: ClipPlayer,
-    /// What was said.
+    /// Messages to the user.
     pub messages: Vec<Message>,
-    /// Where the time goes.
+    /// Times of the last frame.
     pub times: FrameTimes,
-    /// Width of the 3-D view over its height; 0 before it was first shown.
+    /// Aspect ratio of the 3-D view, width over height; 0 before it was first shown.
     pub aspect: f32,
-    /// What is simulated takes as long as it takes: for pictures and measurements, which are to be the same however
-    /// fast the machine is.
+    /// Simulates every step in full, however long it takes: for pictures and measurements, which must not depend on
+    /// the speed of the machine.
     pub is_unhurried: bool,
-    /// Grows with every file that is shown, so that what was worked out of an older version is known for what it is.
+    /// Number of the shown version; grows with every file that is shown, so that results computed from an older
+    /// version are discarded.
     pub generation: u64,
-    /// The build under way, or the last one until it is taken away.
+    /// The build under way, or the last one until it is dismissed.
     pub build: Option<Build>,
     /// A character of the user's own.
     pub outfit: Option<Outfit>,
     dressing: Option<Dressing>,
     steering: Option<Steering>,
     weights: Vec<f32>,
-    /// What is open, as it was asked for.
+    /// Files of the open document, as requested.
     asked: Vec<PathBuf>,
     loader: Loader,
     watch: Option<Watch>,
     num_messages: u64,
     /// Side panel that was open before a motion file was.
     panel_of_bundles: Option<PanelKind>,
-    /// Whom the camera followed in the last frame, and its place.
+    /// Subject of the camera in the last frame, and its position.
     followed: Option<Followed>,
-    /// Cameras of the stages shown before, and what they followed.
+    /// Cameras of the other stages, and their subjects.
     views: Vec<(Stage, Camera, Option<Followed>)>,
     now_s: f64,
 }
@@ -148,12 +149,12 @@ impl Model {
         Self { settings, ..Self::default() }
     }
 
-    /// What is being read.
+    /// Files being read.
     pub fn loading(&self) -> Option<&[PathBuf]> {
         self.loader.paths()
     }
 
-    /// What is made for what is being read; none while files are only read.
+    /// The build for the files being read; none while files are only read.
     pub fn building(&self) -> Option<&Building> {
         match &self.build {
             Some(Build::UnderWay { building, .. }) if building.has_begun() => Some(building),
@@ -161,7 +162,7 @@ impl Model {
         }
     }
 
-    /// What is open, as it was asked for.
+    /// Files of the open document, as requested.
     pub fn asked(&self) -> &[PathBuf] {
         &self.asked
     }
@@ -184,7 +185,7 @@ impl Model {
         Some(clip.first_frame + (self.player.frame as u32).min(clip.num_frames - 1))
     }
 
-    /// The state that panels look at: the selected one, or that in which the selected character last chose.
+    /// State inspected by panels: the selected one, or the one of the selected character's last choice.
     pub fn looked_at_state(&self) -> Option<u32> {
         let followed = || {
             let c = self.document.chooser(self.selection.character?)?;
@@ -215,12 +216,12 @@ impl Model {
         }
     }
 
-    /// The mesh that everybody wears.
+    /// The mesh that all characters wear.
     pub fn worn_outfit(&self) -> Option<&Outfit> {
         self.outfit.as_ref().filter(|_| self.settings.body == Body::Own)
     }
 
-    /// The bodies that there are, with what they are called.
+    /// Available bodies with their names.
     pub fn bodies(&self) -> Vec<(Body, String)> {
         let made = BODIES.into_iter().map(|(body, name)| (body, name.to_owned()));
         made.chain(self.outfit.as_ref().map(|o| (Body::Own, o.name()))).collect()
@@ -233,7 +234,7 @@ impl Model {
         all[(at + 1) % all.len()].0
     }
 
-    /// Lets everybody wear a mesh.
+    /// Lets all characters wear a mesh.
     pub fn wear(&mut self, outfit: Outfit) {
         self.outfit = Some(outfit);
         self.settings.body = Body::Own;
@@ -251,12 +252,12 @@ impl Model {
         }
     }
 
-    /// Says something.
+    /// Adds a message.
     pub fn say(&mut self, text: impl Into<String>) {
         self.push_message(text.into(), false);
     }
 
-    /// Says that something went wrong.
+    /// Adds an error message.
     pub fn complain(&mut self, text: impl Into<String>) {
         self.push_message(text.into(), true);
     }
@@ -268,7 +269,7 @@ impl Model {
         self.messages.push(Message { id: self.num_messages, text, is_error, until });
     }
 
-    /// Moves time on and takes in what has been read meanwhile.
+    /// Advances time and adopts what other threads have read meanwhile.
     pub fn advance(&mut self, ctx: &egui::Context, wall_s: f32) {
         self.now_s = ctx.input(|i| i.time);
         let now = self.now_s;
@@ -308,7 +309,7 @@ impl Model {
         }
     }
 
-    /// What the camera follows.
+    /// Subject of the camera.
     fn who_is_followed(&self) -> Who {
         (self.shown_stage(), self.selection.character, self.selection.clip)
     }

@@ -1,4 +1,4 @@
-//! What the viewer remembers from run to run.
+//! Settings that the viewer stores between runs.
 
 use crate::render::{Body, Camera};
 use crate::run::RunConfig;
@@ -9,19 +9,19 @@ use std::path::PathBuf;
 /// Entries remembered.
 const MAX_RECENT: usize = 8;
 
-/// Bodies that the viewer makes, with what they are called.
+/// Built-in bodies with their names.
 pub const BODIES: [(Body, &str); 2] = [(Body::Capsules, "capsules"), (Body::Mannequin, "mannequin")];
 
 /// Which panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PanelKind {
-    /// How the crowd is driven.
+    /// Control of the crowd.
     Control,
-    /// What was measured.
+    /// Measurements.
     Statistics,
     /// Clips, and a timeline of one of them.
     Database,
-    /// What import found in a motion file, and what a bundle was made of.
+    /// Import report of a motion file, or the sources of a bundle.
     Report,
     /// States and actions.
     Graph,
@@ -39,7 +39,7 @@ pub enum PanelKind {
     Plan,
 }
 
-/// Where a panel lies.
+/// Dock of a panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dock {
     /// Right of the 3-D view.
@@ -49,7 +49,7 @@ pub enum Dock {
 }
 
 impl PanelKind {
-    /// Where it lies.
+    /// Dock of the panel.
     pub fn dock(self) -> Dock {
         match self {
             Self::Graph | Self::Database | Self::Hits => Dock::Bottom,
@@ -66,9 +66,9 @@ pub struct Overlays {
     pub joint_axes: bool,
     /// Planted heels and toes.
     pub contacts: bool,
-    /// Where characters have been.
+    /// Past positions of characters.
     pub trails: bool,
-    /// Where the action that is played leads.
+    /// Path of the action that is played.
     pub trajectory: bool,
     /// Targets.
     pub targets: bool,
@@ -95,7 +95,7 @@ impl Default for Overlays {
     }
 }
 
-/// What the colours of characters tell.
+/// Meaning of the colours of characters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Colouring {
     /// Whether the target is reached.
@@ -103,19 +103,19 @@ pub enum Colouring {
     Target,
     /// Which clip is played.
     Clip,
-    /// How fast the character moves.
+    /// Speed of the character.
     Speed,
     /// Nothing: all alike.
     Plain,
 }
 
 impl Colouring {
-    /// All of them, with what they are called.
+    /// All colourings with their names.
     pub const ALL: [(Self, &'static str); 4] =
         [(Self::Target, "target reached"), (Self::Clip, "clip"), (Self::Speed, "speed"), (Self::Plain, "plain")];
 }
 
-/// What of a motion file is shown.
+/// Shown parts of a motion file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RawView {
     /// The source's joints and, beside them, the body that a build would use.
@@ -128,12 +128,12 @@ pub enum RawView {
 }
 
 impl RawView {
-    /// All of them, with what they are called.
+    /// All views with their names.
     pub const ALL: [(Self, &'static str); 3] =
         [(Self::Both, "both"), (Self::Source, "source joints"), (Self::Retargeted, "retargeted")];
 }
 
-/// What the viewer remembers from run to run.
+/// Settings that the viewer stores between runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
@@ -147,7 +147,7 @@ pub struct Settings {
     pub varied: bool,
     /// Colours of the characters.
     pub colouring: Colouring,
-    /// What of a motion file is shown.
+    /// Shown parts of a motion file.
     pub raw_view: RawView,
     /// Cues.
     pub overlays: Overlays,
@@ -159,9 +159,9 @@ pub struct Settings {
     pub camera: Camera,
     /// The camera goes with the selected character.
     pub follow: bool,
-    /// What runs are made of.
+    /// Config of runs.
     pub run: RunConfig,
-    /// What was opened last, the latest first; several files of motion together are one entry.
+    /// Recently opened files, the latest first; several files of motion together are one entry.
     pub opened: Vec<Vec<PathBuf>>,
 }
 
@@ -186,13 +186,13 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// The nearest settings that can be shown: what was kept may have been made by another version, or by hand.
+    /// The nearest valid settings: stored ones may come from another version, or may have been edited by hand.
     pub fn limited(mut self) -> Self {
         self.zoom = if self.zoom.is_finite() { self.zoom.clamp(0.5, 3.0) } else { 1.0 };
         self.camera.limit();
         self.run = self.run.limited();
         if self.body == Body::Own {
-            // Its file is named anew each time.
+            // The file of a user's body has to be named in every run.
             self.body = Body::Mannequin;
         }
         self
@@ -206,7 +206,7 @@ impl Settings {
         }
     }
 
-    /// The same, to be changed.
+    /// The panel that is open in a dock, mutable.
     pub fn panel_mut(&mut self, dock: Dock) -> &mut Option<PanelKind> {
         match dock {
             Dock::Side => &mut self.side_panel,
@@ -214,7 +214,7 @@ impl Settings {
         }
     }
 
-    /// Puts something at the head of what was opened last.
+    /// Adds an entry at the head of the recently opened files.
     pub fn remember(&mut self, paths: &[PathBuf]) {
         let paths: Vec<PathBuf> = paths.iter().map(|p| std::path::absolute(p).unwrap_or_else(|_| p.clone())).collect();
         self.forget(&paths);
@@ -222,7 +222,7 @@ impl Settings {
         self.opened.truncate(MAX_RECENT);
     }
 
-    /// Takes something off the list of what was opened last.
+    /// Removes an entry from the recently opened files.
     pub fn forget(&mut self, paths: &[PathBuf]) {
         self.opened.retain(|p| p != paths);
     }

@@ -1,4 +1,4 @@
-//! Colours in both themes: of text, for that of the toolkit is too faint, of what panels paint, and of numbers.
+//! Colours in both themes: of text (the toolkit's is too faint), of the drawings of panels, and of numbers.
 
 mod palette;
 pub mod viridis;
@@ -7,7 +7,7 @@ pub use palette::Palette;
 
 use eframe::egui::{Color32, Context, Theme};
 
-/// Of each theme: grey of text and of weak text, and what tells of faults.
+/// Theme, grey of text, grey of weak text, and colour of errors.
 const COLOURS: [(Theme, u8, u8, Color32); 2] = [
     (Theme::Dark, 185, 140, Color32::from_rgb(0xff, 0x7b, 0x72)),
     (Theme::Light, 50, 105, Color32::from_rgb(0xb3, 0x26, 0x1e)),

@@ -1,4 +1,4 @@
-//! The volume of a behaviour around a character: where it is active, or what its cells cover.
+//! The volume of a behaviour around a character: its active region, or the extent of its cells.
 
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
@@ -23,15 +23,15 @@ pub struct Volume {
 }
 
 impl Volume {
-    /// Where a behaviour is active; none if it has no bounds over ground. One without bounds of height reaches from
-    /// the ground to above the head.
+    /// The active region of a behaviour; none if it has no bounds over ground. Without bounds of height, it reaches
+    /// from the ground to above the head.
     pub fn of_region(region: &RegionRecord) -> Option<Self> {
         let bounded = region.distance[1] < NO_BOUND;
         let height = [region.height[0].max(0.0), region.height[1].min(2.0)];
         bounded.then_some(Self { centre: Vec3::ZERO, distance: region.distance, angle: region.angle, height })
     }
 
-    /// What the cells of a grid with heights cover, from centre to centre.
+    /// The extent of the cells of a grid with heights, from centre to centre.
     pub fn of_grid(policy: &PolicyTable) -> Self {
         let grid: &TargetGrid = policy.grid();
         let (first, last) = (grid.cell_coordinates(0), grid.cell_coordinates(grid.num_cells() - 1));
@@ -39,7 +39,7 @@ impl Volume {
         Self { centre: policy.centre(), distance: [first.y, last.y], angle, height: [first.z, last.z] }
     }
 
-    /// Its outline over ground: to the left and ahead. A full turn is a circle (m).
+    /// Outline over ground: to the left and ahead. A full turn is a circle (m).
     pub fn over_ground(&self) -> Vec<Vec2> {
         let [near, far] = self.distance;
         if self.angle[1] - self.angle[0] > TAU - 0.01 {

@@ -16,7 +16,7 @@ use throng_runtime::base::file::{MAX_BUNDLE_BYTES, open_file};
 const APP_ID: &str = "throng-viewer";
 /// The window is at least as large (points).
 const MIN_SIZE: [f32; 2] = [640.0, 400.0];
-/// Below every message that says why there is no window.
+/// Second sentence of every message about a missing window.
 const WAY_OUT: &str = "`throng-viewer FILE --png OUT` draws a picture without one";
 
 /// Opens the window, and returns when it is closed.
@@ -80,12 +80,12 @@ fn options(size: Option<Size>) -> eframe::NativeOptions {
     }
 }
 
-/// The viewer with what only a window has: settings that are kept, and an end.
+/// The viewer with the parts that only a window has: stored settings, and an end.
 struct Window {
     viewer: Viewer,
-    /// To be shown of what is being made, when it is there.
+    /// Arguments to apply when the document under construction is ready.
     waiting: Option<Args>,
-    /// The window closes after so many frames.
+    /// Frames after which the window closes.
     frames_left: Option<u32>,
 }
 
@@ -106,7 +106,7 @@ impl Window {
         Ok(Self { viewer, waiting: made.map(|_| args.clone()), frames_left: args.frames })
     }
 
-    /// Shows what the arguments say of what has been made.
+    /// Applies the arguments to the document that was built.
     fn show_waiting(&mut self, ctx: &egui::Context) {
         let model = &mut self.viewer.model;
         if model.loading().is_none()

@@ -1,6 +1,6 @@
 //! The runtime for browsers. A page calls these functions, and reads records and poses straight from memory.
 //!
-//! Calls return 0, or 1 where they failed; the reason is the text at [`throng_text`]. Pointers hold until the next call.
+//! Calls return 0, or 1 if they failed; the reason is the text at [`throng_text`]. Pointers are valid until the next call.
 
 mod page;
 mod stage;

@@ -1,21 +1,21 @@
-//! What a page calls. One page, one thread, one stage.
+//! Functions that a page calls. There is one page, one thread and one stage.
 
 use crate::stage::Stage;
 use glam::Vec2;
 use std::cell::RefCell;
 
-/// All that there is.
+/// State of the page.
 #[derive(Default)]
 struct Page {
     stage: Option<Stage>,
-    /// Bytes that the page wrote.
+    /// Memory for bytes that the page writes.
     input: Vec<u8>,
-    /// Why the last call failed.
+    /// Reason why the last call failed.
     text: String,
-    /// Numbers that were asked for.
+    /// Numbers of the last request.
     numbers: Vec<f32>,
     parents: Vec<i32>,
-    /// How many elements the last pointer has.
+    /// Number of elements at the last returned pointer.
     size: usize,
 }
 
@@ -24,7 +24,7 @@ thread_local! {
 }
 
 impl Page {
-    /// Notes why a call failed.
+    /// Stores the reason of a failed call; returns the status.
     fn said(&mut self, result: Result<(), String>) -> u32 {
         match result {
             Ok(()) => 0,
@@ -43,7 +43,7 @@ impl Page {
         self.said(result)
     }
 
-    /// Where a slice lies; its length is kept for [`throng_size`].
+    /// Pointer to a slice; its length is stored for [`throng_size`].
     fn slice<T>(&mut self, of: impl FnOnce(&mut Self) -> &[T]) -> *const T {
         let slice = of(self);
         let (at, size) = (slice.as_ptr(), slice.len());
@@ -56,7 +56,7 @@ fn on<R>(work: impl FnOnce(&mut Page) -> R) -> R {
     PAGE.with(|page| work(&mut page.borrow_mut()))
 }
 
-/// Room for so many bytes, for [`throng_open`].
+/// Allocates memory for the bytes of a bundle, for [`throng_open`].
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_input(bytes: usize) -> *mut u8 {
     on(|page| {
@@ -65,7 +65,7 @@ pub extern "C" fn throng_input(bytes: usize) -> *mut u8 {
     })
 }
 
-/// Opens the bundle that was written to [`throng_input`]; nobody is there yet. Where it fails, what was open stays.
+/// Opens the bundle that was written to [`throng_input`], without characters. If it fails, the previous bundle stays open.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_open() -> u32 {
     on(|page| {
@@ -75,31 +75,31 @@ pub extern "C" fn throng_open() -> u32 {
     })
 }
 
-/// Lets so many people walk to targets.
+/// Places a number of people that walk to targets.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_people(count: u32, seed: u32) -> u32 {
     on(|page| page.with_stage(|s| s.people(count as usize, seed.into()).map_err(|e| e.to_string())))
 }
 
-/// Lets so many agents cross a square.
+/// Places a number of agents that cross a square.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_agents(count: u32, seed: u32) -> u32 {
     on(|page| page.with_stage(|s| s.agents(count as usize, seed.into()).map_err(|e| e.to_string())))
 }
 
-/// Moves everybody on (s).
+/// Steps the simulation by a duration (s).
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_step(dt_s: f32) -> u32 {
     on(|page| page.with_stage(|s| s.step(dt_s)))
 }
 
-/// Moves a target (m); without a number that there is, nothing.
+/// Moves a target (m); nothing happens for an unknown number.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_target(number: u32, x: f32, z: f32) -> u32 {
     on(|page| page.with_stage(|s| s.move_target(number as usize, Vec2::new(x, z)).map_err(|e| e.to_string())))
 }
 
-/// Places of targets, x and z (m); see [`throng_size`] for how many numbers.
+/// Positions of targets, x and z (m); [`throng_size`] is the count of numbers.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_targets() -> *const f32 {
     on(|page| {
@@ -108,7 +108,7 @@ pub extern "C" fn throng_targets() -> *const f32 {
     })
 }
 
-/// The records, 32 bytes each; [`throng_size`] is their number.
+/// Records of all characters, 32 bytes each; [`throng_size`] is their number.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_records() -> *const u8 {
     on(|page| page.slice(|page| page.stage.as_ref().map_or(&[], |s| &s.records[..]))).cast()
@@ -120,7 +120,7 @@ pub extern "C" fn throng_rows() -> *const f32 {
     on(|page| page.slice(|page| page.stage.as_ref().map_or(&[], |s| bytemuck::cast_slice(&s.rows))))
 }
 
-/// Joints at rest, three numbers each (m).
+/// Positions of joints at rest, three numbers each (m).
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_rest() -> *const f32 {
     on(|page| {
@@ -129,7 +129,7 @@ pub extern "C" fn throng_rest() -> *const f32 {
     })
 }
 
-/// Numbers of joints' parents.
+/// Number of each joint's parent.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_parents() -> *const i32 {
     on(|page| {
@@ -138,13 +138,13 @@ pub extern "C" fn throng_parents() -> *const i32 {
     })
 }
 
-/// Why the last call failed, UTF-8.
+/// Reason why the last call failed, in UTF-8.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_text() -> *const u8 {
     on(|page| page.slice(|page| page.text.as_bytes()))
 }
 
-/// How many elements lie at the pointer that was returned last.
+/// Number of elements at the pointer that was returned last.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_size() -> usize {
     on(|page| page.size)

@@ -1,4 +1,4 @@
-//! What a page shows: people who walk to targets, or agents who cross a square.
+//! The stage of a page: people that walk to targets, or agents that cross a square.
 
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
@@ -10,36 +10,36 @@ use throng_core::characters::{
 use throng_core::{Bundle, Cast, Joint, Mat3x4, NUM_JOINTS, Planar};
 use throng_crowd::{Agent, AtEnd, Crowd, CrowdError, Route, Setup};
 
-/// Places at which people gather.
+/// Number of targets at which people gather.
 const NUM_TARGETS: usize = 6;
-/// Who gathers at one place stands about so far apart (m).
+/// Approximate distance between people at one target (m).
 const APART_M: f32 = 0.9;
-/// Each agent's place when the square is full (m).
+/// Side of each agent's square of ground (m).
 const SPACING_M: f32 = 2.2;
 
-/// An open bundle, and whoever moves.
+/// An open bundle, and the people or agents that move.
 #[derive(Debug)]
 pub struct Stage {
     bundle: Bundle,
     /// Joints in model space of every frame row (rows * NUM_JOINTS).
     pub rows: Vec<Mat3x4>,
     walk: Walk,
-    /// One of everybody.
+    /// Record of each character.
     pub records: Vec<Instance>,
 }
 
-/// Whoever moves.
+/// People or agents that move.
 #[derive(Debug)]
 pub enum Walk {
-    /// Nobody.
+    /// No characters.
     Nobody,
-    /// People of a policy, each beside one of a few targets.
+    /// People of a policy, each sent beside one of a few targets.
     People {
-        /// Who.
+        /// The characters.
         cast: Box<PolicyCharacters>,
-        /// Where they gather (m).
+        /// Targets at which they gather (m).
         targets: [Vec2; NUM_TARGETS],
-        /// The number of the policy.
+        /// Number of the policy.
         policy: usize,
     },
     /// Agents without bodies.
@@ -50,7 +50,7 @@ impl Stage {
     /// Opens a bundle that lies in memory.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// The fault of the bundle.
     pub fn open(bytes: &[u8]) -> std::result::Result<Self, String> {
         let bytes = throng_core::format::AlignedBytes::from_slice(bytes);
         let bundle = Bundle::from_bytes(bytes).map_err(|e| e.to_string())?;
@@ -62,7 +62,7 @@ impl Stage {
         Ok(Self { bundle, rows, walk: Walk::Nobody, records: Vec::new() })
     }
 
-    /// Joints at rest, in model space (m).
+    /// Positions of joints at rest, in model space (m).
     pub fn rest(&self) -> [Vec3; NUM_JOINTS] {
         self.bundle.skeleton().rest_positions()
     }
@@ -72,10 +72,10 @@ impl Stage {
         Joint::ALL.map(|j| j.parent().map_or(-1, |p| p.index() as i32))
     }
 
-    /// Lets so many people stand on a square, who walk to targets and make way for each other.
+    /// Places a number of people on a square that walk to targets and avoid each other.
     ///
     /// # Errors
-    /// Where the bundle has no policy, or a number is out of its range.
+    /// If the bundle has no policy, or a number is out of its range.
     pub fn people(&mut self, count: usize, seed: u64) -> Result<()> {
         let policy = self.bundle.find_policy("approach")?;
         let avoid = Some(AvoidConfig::default());
@@ -102,7 +102,7 @@ impl Stage {
         self.step(0.0).map_err(|why| throng_base::Error::Unknown { what: "step", name: why, known: Vec::new() })
     }
 
-    /// Lets so many agents cross a square in two streams, again and again.
+    /// Places a number of agents that cross a square in two streams, again and again.
     ///
     /// # Errors
     /// [`CrowdError`] for numbers out of range.
@@ -134,7 +134,7 @@ impl Stage {
         Ok(())
     }
 
-    /// Where people gather (m).
+    /// Targets at which people gather (m).
     pub fn targets(&self) -> &[Vec2] {
         match &self.walk {
             Walk::People { targets, .. } => targets,
@@ -145,7 +145,7 @@ impl Stage {
     /// Moves a target.
     ///
     /// # Errors
-    /// For a place that is not finite, or far away.
+    /// If the place is not finite, or far away.
     pub fn move_target(&mut self, number: usize, to: Vec2) -> Result<()> {
         to.to_array().iter().try_for_each(|&v| COORDINATE.check("target", None, v))?;
         if let Walk::People { targets, .. } = &mut self.walk
@@ -157,7 +157,7 @@ impl Stage {
         Ok(())
     }
 
-    /// Everybody has a place of its own near a target: they lie on a spiral of the golden angle.
+    /// Sends each of the people to its own place near a target, on a spiral of the golden angle.
     fn aim(&mut self) -> Result<()> {
         let Walk::People { cast, targets, policy } = &mut self.walk else { return Ok(()) };
         for (k, id) in cast.ids().to_vec().into_iter().enumerate() {
@@ -170,10 +170,10 @@ impl Stage {
         Ok(())
     }
 
-    /// Moves everybody on (s).
+    /// Steps the simulation by a duration (s).
     ///
     /// # Errors
-    /// What the runtime says.
+    /// The message of the runtime.
     pub fn step(&mut self, dt_s: f32) -> std::result::Result<(), String> {
         match &mut self.walk {
             Walk::Nobody => self.records.clear(),
@@ -192,7 +192,7 @@ impl Stage {
         Ok(())
     }
 
-    /// Places and headings of agents; who stands keeps its heading.
+    /// Writes positions and headings of agents to the records; a standing agent keeps its heading.
     fn show_agents(&mut self) {
         let Walk::Agents(crowd) = &self.walk else { return };
         let now = crowd.now();

@@ -1,4 +1,4 @@
-//! A short proof on the machine at hand: equal bytes, damage that does no harm, a short soak, equal hashes.
+//! A short self-test on this machine: equal bytes, harmless damage, a short soak, equal hashes.
 
 use crate::damage::{READERS, said};
 use crate::soak::{self, SoakConfig};
@@ -13,15 +13,15 @@ use throng_lab::run::Cached;
 use throng_motion::error::BuildError;
 use throng_motion::progress::Silent;
 
-/// Threads whose results are compared.
+/// Numbers of threads whose results are compared.
 const THREADS: [usize; 3] = [1, 2, 8];
 
-/// A build that takes a second.
+/// Config of a build that takes a second.
 const SMALL: &str = "name = \"small\"\nsynth = { set = \"walk\", minutes = 0.5 }\n[resample]\nmirror = true\n[policy]\n\
                      compare_samples = 100\n[[behaviours]]\nname = \"approach\"\ngrid = { rings = 6, angles = 8, \
                      radius = 6.0, inner_spacing = 0.5 }\n";
 
-/// How much is tried.
+/// Extent of the self-test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SelftestConfig {
     /// Mutants for every reader.
@@ -30,7 +30,7 @@ pub struct SelftestConfig {
     pub soak_s: f64,
     /// Simulated time of each run (s).
     pub run_s: f64,
-    /// Of all that is random.
+    /// Seed of everything random.
     pub seed: u64,
 }
 
@@ -40,33 +40,33 @@ impl Default for SelftestConfig {
     }
 }
 
-/// What was checked.
+/// Results of the self-test.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct SelftestReport {
     /// Number of checks.
     pub checked: usize,
-    /// Those that failed.
+    /// Number of failed checks.
     pub failed: usize,
     /// Wall time (s).
     pub seconds: f64,
-    /// Each of them.
+    /// All checks.
     pub checks: Vec<Check>,
 }
 
 /// One check.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Check {
-    /// What was tried.
+    /// Description of the check.
     pub name: String,
-    /// Everything was as it should be.
+    /// True if it passed.
     pub ok: bool,
-    /// What was found.
+    /// Findings, in words.
     pub found: String,
     /// Wall time (s).
     pub seconds: f64,
 }
 
-/// What a check found: right or wrong, and how.
+/// Result of a check: passed or not, and the findings in words.
 type Found = Result<(bool, String), BuildError>;
 
 impl SelftestReport {
@@ -87,7 +87,7 @@ impl SelftestReport {
 
 /// Runs all checks.
 ///
-/// - `folder`: takes small bundles and a world.
+/// - `folder`: folder for small bundles and a world.
 pub fn selftest(config: &SelftestConfig, folder: &Path, with: &Cached<'_>) -> SelftestReport {
     let begin = Instant::now();
     let mut report = SelftestReport::default();

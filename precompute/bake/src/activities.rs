@@ -1,4 +1,4 @@
-//! Activities: frames of clips that begin and end standing, which bodies perform when they are asked for their tag.
+//! Activities: frames of clips that begin and end standing, performed by a character that is asked for their tag.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,22 +9,22 @@ use throng_motion::clip::{Clip, ClipSet, FrameRange};
 use throng_motion::error::BuildError;
 use throng_motion::import::matches;
 
-/// Hips that move faster do not stand (m/s).
+/// Fastest hips of a standing body (m/s).
 const STANDING_MPS: f32 = 0.35;
-/// Hips lower than this share of where they were at the beginning are those of somebody who sits or kneels.
+/// Hips lower than this share of their height at the beginning show a body that sits or kneels.
 const SEATED: f32 = 0.8;
 
-/// Where the activities of one tag come from.
+/// Source of the activities of one tag.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ActivityConfig {
-    /// Clips that show it from their first frame to their last, as patterns with `*`. Where there are none, the ranges of
-    /// clips that carry the tag show it.
+    /// Clips that show the activity from first to last frame, as patterns with `*`. If empty, the ranges of clips that
+    /// carry the tag show it.
     pub clips: Vec<String>,
-    /// Tag of the range within it that goes on until the activity is to end.
+    /// Tag of the inner range that loops until the activity is to end.
     pub looped: String,
-    /// Tags of the ranges in which the left hand and the right hand hold a thing. A range that lasts to the end leaves it in
-    /// the hand.
+    /// Tags of the ranges in which the left hand and the right hand hold a thing. After a range that lasts to the end,
+    /// the thing stays in the hand.
     pub held: [String; 2],
 }
 
@@ -34,25 +34,25 @@ impl Default for ActivityConfig {
     }
 }
 
-/// What was made of one activity.
+/// Summary of one activity.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct ActivityReport {
-    /// Its name: the clip's, and frames where the clip gave several.
+    /// Name: the clip's, with frames if the clip gave several.
     pub name: String,
-    /// What it is asked for by.
+    /// Tag by which the activity is requested.
     pub tag: String,
-    /// Its length (s).
+    /// Duration (s).
     pub duration_s: f64,
-    /// Length of the part that goes on until it is to end (s).
+    /// Duration of the part that loops until the activity is to end (s).
     pub looped_s: Option<f64>,
-    /// From when to when the left and the right hand hold a thing (s).
+    /// Begin and end of the time in which the left and the right hand hold a thing (s).
     pub held_s: [Option<[f64; 2]>; 2],
-    /// The body sits or kneels in the middle of it.
+    /// True if the body sits or kneels in the middle.
     pub is_seated: bool,
 }
 
 impl ActivityReport {
-    /// Of an activity as a bundle stores it.
+    /// Summary of an activity as a bundle stores it.
     pub fn of(activity: &ActivityMeta, rate_hz: f64) -> Self {
         let seconds = |frames: u32| f64::from(frames) / rate_hz;
         Self {
@@ -111,7 +111,7 @@ fn ranges(clip: &Clip, tag: &str, config: &ActivityConfig) -> Vec<FrameRange> {
     whole.into_iter().chain(tagged).collect()
 }
 
-/// That a body stands at both ends of a range, and that all of it may be used.
+/// Checks that a body stands at both ends of a range, and that all its frames may be used.
 fn check(clip: &Clip, range: &FrameRange) -> Result<(), String> {
     const HELP: &str = "Move the ends of the tag to where the person stands, or leave the clip out";
     if range.len() < 4 {
@@ -161,7 +161,7 @@ fn activity(
     }
 }
 
-/// Why a tag has no activity.
+/// Explains why a tag has no activity.
 fn nothing(clips: &ClipSet, tag: &str, config: &ActivityConfig) -> String {
     if !config.clips.is_empty() {
         return format!("expected clips named {}, found none among {}", config.clips.join(" or "), clips.clips.len());

@@ -13,15 +13,15 @@ use std::time::SystemTime;
 use throng_motion::error::{BuildError, Warnings};
 use xxhash_rust::xxh3::Xxh3;
 
-/// Part of every key: the version and a hash of the sources (`build.rs`), as other code may make something else of the
+/// Part of every key: the version and a hash of the sources (`build.rs`), as other code may make other outputs of the
 /// same input.
 const EPOCH: &str = concat!("throng ", env!("CARGO_PKG_VERSION"), " ", env!("THRONG_SOURCES"));
-/// Most bytes of a cached output, and most that it may ask for while it is decoded.
+/// Largest cached output, and most memory that decoding one may take (bytes).
 const LIMIT: usize = 8 << 30;
 
-/// What addresses of object stores begin with.
+/// Prefix of the addresses of object stores.
 const STORE: &str = "s3://";
-/// What names of bundles end with, in the cache as elsewhere.
+/// Suffix of the names of bundles, in the cache as elsewhere.
 const BUNDLE: &str = ".throng";
 
 /// Hash of everything an output depends on.
@@ -29,7 +29,7 @@ const BUNDLE: &str = ".throng";
 pub struct Key(u128);
 
 impl Key {
-    /// The key of a stage's output: its name, its config and the keys of all else it is made of.
+    /// Key of a stage's output: its name, its config and the keys of all its inputs.
     ///
     /// # Errors
     /// [`BuildError::Format`] for a config that cannot be encoded.
@@ -60,40 +60,41 @@ pub fn content_hash(bytes: &[u8]) -> u128 {
     xxhash_rust::xxh3::xxh3_128(bytes)
 }
 
-/// Where entries are kept: bytes under names. What is there is whole, or was damaged since; [`Cache`] looks.
+/// Storage of entries: bytes under names. An entry is complete unless it was damaged later, which [`Cache`] checks.
 trait Storage: Debug + Send + Sync {
-    /// The bytes of an entry; none where there is none.
+    /// Reads the bytes of an entry; `None` if there is no such entry.
     fn read(&self, name: &str) -> Result<Option<Vec<u8>>, BuildError>;
-    /// True where there is an entry.
+    /// True if there is such an entry.
     fn has(&self, name: &str) -> Result<bool, BuildError>;
-    /// Keeps an entry: others see all of it, or what was there before.
+    /// Stores an entry atomically: other processes see all of it, or the previous one.
     fn write(&self, name: &str, bytes: Vec<u8>) -> Result<(), BuildError>;
-    /// Removes an entry, which another process may have done before.
+    /// Removes an entry; another process may already have removed it.
     fn remove(&self, name: &str) -> Result<(), BuildError>;
-    /// All files that may be entries: name, length (bytes), time of their last use.
+    /// Lists all files that may be entries: name, length (bytes), time of last use.
     fn list(&self) -> Result<Vec<(String, u64, SystemTime)>, BuildError>;
-    /// Notes that an entry was used: now, or just after `last` where the clock was set back since.
+    /// Notes that an entry was used: now, or just after `last` if the clock has been set back since.
     fn touch(&self, name: &str, last: Option<SystemTime>);
-    /// Removes what killed processes left of entries; false where the storage itself sees to room.
+    /// Removes partial entries left by killed processes; returns false if the storage itself frees space.
     fn tidy(&self) -> bool;
-    /// Where an entry is, for messages; a file where [`Storage::is_folder`].
+    /// Address of an entry, for messages; a file path if [`Storage::is_folder`].
     fn address(&self, name: &str) -> PathBuf;
-    /// True where entries are files.
+    /// True if entries are files.
     fn is_folder(&self) -> bool;
 }
 
-/// Outputs in a folder or in a store of objects, or none.
+/// Cache of outputs in a folder or in an object store; may be disabled.
 ///
-/// Several builds may use one at once: entries come to be as a whole, and whoever finds one gone makes it anew.
+/// Several builds may use one cache at once: entries appear complete, and a build that finds an entry removed makes its
+/// output again.
 #[derive(Clone, Debug)]
 pub struct Cache {
     storage: Option<Arc<dyn Storage>>,
     limit_bytes: u64,
-    /// The first thing that went wrong since it was last asked.
+    /// First fault since faults were last taken.
     fault: Arc<Mutex<Option<BuildError>>>,
 }
 
-/// An output that a cache keeps.
+/// A cached output.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
     /// Its name in the folder, or in the store.
@@ -102,13 +103,13 @@ pub struct Entry {
     pub stage: String,
     /// Its length (bytes).
     pub bytes: u64,
-    /// When it was last read or written. Never before an entry that was used earlier, even where the clock was set back. In a
-    /// store of objects, when it was written.
+    /// Time of last use. Never before that of an entry that was used earlier, even if the clock was set back. In an
+    /// object store, the time of writing.
     pub used: SystemTime,
 }
 
 impl Entry {
-    /// What a name says of an entry; none for files that are none.
+    /// Parses the name of an entry; `None` for a file that is no entry.
     fn new(name: String, bytes: u64, used: SystemTime) -> Option<Self> {
         let (stage, key) = name.strip_suffix(BUNDLE).unwrap_or(&name).rsplit_once('-')?;
         let ours = key.len() == 32 && key.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
@@ -121,9 +122,9 @@ impl Entry {
 }
 
 impl Cache {
-    /// The folder that keeps the outputs of stages where nothing else is said.
+    /// Default folder of a cache.
     pub const FOLDER: &str = ".throng-cache";
-    /// Bytes that a cache keeps at most unless something else is said.
+    /// Default limit of a cache (bytes).
     pub const LIMIT_BYTES: u64 = 5_000_000_000;
 
     fn new(storage: Option<Arc<dyn Storage>>, limit_bytes: u64) -> Self {
@@ -132,7 +133,7 @@ impl Cache {
 
     /// Keeps outputs at an address: `s3://BUCKET/PREFIX`, or a folder.
     ///
-    /// - `limit_bytes`: most that a folder keeps; what a bucket keeps, and how long, is the bucket's own affair.
+    /// - `limit_bytes`: most that a folder keeps; the limits of a bucket are set in the bucket itself.
     ///
     /// # Errors
     /// [`BuildError::Store`] where a store does not answer or refuses, or where this program is built without the feature
@@ -156,22 +157,23 @@ impl Cache {
         Err(BuildError::Store { address: address.into(), why: why.into() })
     }
 
-    /// Keeps outputs in a folder, which is made when it is first needed, up to [`Cache::LIMIT_BYTES`].
+    /// Keeps outputs in a folder, which is created when first needed, up to [`Cache::LIMIT_BYTES`].
     pub fn in_folder(folder: impl Into<PathBuf>) -> Self {
         Self::new(Some(Arc::new(Folder::new(folder.into()))), Self::LIMIT_BYTES)
     }
 
-    /// Keeps nothing.
+    /// A disabled cache, which keeps nothing.
     pub fn none() -> Self {
         Self::new(None, 0)
     }
 
-    /// The same with another limit: what was not used for longest makes room.
+    /// This cache with another limit, for which the least recently used entries are removed.
     pub fn limited(self, limit_bytes: u64) -> Self {
         Self { limit_bytes, ..self }
     }
 
-    /// Where a bundle is kept that was made to be run or seen; none where nothing is kept, or not in files. Asking is using it.
+    /// Path at which a bundle made to be run or viewed is kept; `None` if nothing is kept, or not in files. Counts as a
+    /// use.
     pub fn bundle(&self, key: Key) -> Option<PathBuf> {
         let storage = self.storage.as_ref().filter(|p| p.is_folder())?;
         let name = format!("{}{BUNDLE}", name("bundle", key));
@@ -182,7 +184,7 @@ impl Cache {
         Some(path)
     }
 
-    /// All entries, those first that were not used for longest. A folder that is not there has none.
+    /// All entries, least recently used first; none if the folder does not exist.
     ///
     /// # Errors
     /// [`BuildError::Io`] where the folder cannot be listed; [`BuildError::Store`].
@@ -194,7 +196,7 @@ impl Cache {
         Ok(entries)
     }
 
-    /// Removes every entry, and nothing else; returns how many, and their length (bytes).
+    /// Removes all entries, and no other files; returns their number and total length (bytes).
     ///
     /// # Errors
     /// [`BuildError::Io`] or [`BuildError::Store`] names the first that cannot be removed.
@@ -206,12 +208,12 @@ impl Cache {
         Ok((entries.len(), entries.iter().map(|e| e.bytes).sum()))
     }
 
-    /// True where anything is kept at all.
+    /// True if the cache is enabled.
     pub(crate) fn is_on(&self) -> bool {
         self.storage.is_some()
     }
 
-    /// True where something is kept under a key; whether it is whole is not looked at.
+    /// True if there is an entry under a key, which is not checked for damage.
     pub(crate) fn has(&self, stage: &str, key: Key) -> bool {
         self.storage.as_ref().is_some_and(|storage| self.noted(storage.has(&name(stage, key))).unwrap_or(false))
     }
@@ -243,13 +245,13 @@ impl Cache {
         }
     }
 
-    /// What is kept of one of many files, or what `make` makes of it, which is then kept. [`Cache::settle`] is to follow
-    /// when all of them were asked for.
+    /// Loads the output of one of many files, or makes and stores it. Call [`Cache::settle`] after the last of the
+    /// files.
     ///
-    /// - returns whether it was kept before, too.
+    /// - returns also whether it was loaded.
     ///
     /// # Errors
-    /// Those of `make`. A cache that cannot be written is none: [`Cache::fault`] tells it.
+    /// Errors of `make`. A cache that cannot be written is not an error: see [`Cache::fault`].
     pub fn each<T: Serialize + DeserializeOwned, E>(
         &self,
         stage: &str,
@@ -267,22 +269,22 @@ impl Cache {
         Ok((value, false))
     }
 
-    /// Makes room after [`Cache::each`] was asked for many files.
+    /// Frees space after a series of calls of [`Cache::each`].
     pub fn settle(&self) {
         self.noted(self.make_room(None));
     }
 
-    /// The first thing that went wrong since this was last asked: what was not kept is made again next time.
+    /// Takes the first fault since the last call. Outputs that could not be stored are made again by the next build.
     pub fn fault(&self) -> Option<BuildError> {
         self.fault.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
-    /// What came out, or nothing and a fault that is told later.
+    /// Value of a result; `None` for an error, which is noted for [`Cache::fault`].
     fn noted<T>(&self, outcome: Result<T, BuildError>) -> Option<T> {
         outcome.map_err(|e| _ = self.fault.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(e)).ok()
     }
 
-    /// The output in an entry, where it is whole.
+    /// Decodes the output in an entry; `None` if it is damaged.
     fn read<T: DeserializeOwned>(&self, storage: &dyn Storage, name: &str) -> Option<T> {
         let bytes = self.noted(storage.read(name))??;
         let (body, sum) = bytes.split_last_chunk::<16>()?;
@@ -306,8 +308,8 @@ impl Cache {
         storage.write(name, bytes)
     }
 
-    /// Removes what killed processes left, and what was not used for longest until all fits, but not the entry that was just
-    /// written.
+    /// Removes partial entries of killed processes, then the least recently used entries until the rest fits, sparing
+    /// the one just written.
     fn make_room(&self, written: Option<&str>) -> Result<(), BuildError> {
         let Some(storage) = self.storage.as_ref().filter(|p| p.tidy()) else { return Ok(()) };
         let entries = self.entries()?;
@@ -322,7 +324,7 @@ impl Cache {
         Ok(())
     }
 
-    /// Notes that an entry was used: now, or just after the one used last where the clock was set back since.
+    /// Notes that an entry was used: now, or just after the entry used last if the clock has been set back since.
     fn touch(&self, name: &str) {
         let Some(storage) = self.storage.as_ref().filter(|p| p.is_folder()) else { return };
         let others = self.entries().unwrap_or_default();
@@ -330,7 +332,7 @@ impl Cache {
     }
 }
 
-/// Checksum of an entry: one that lies under another's name is none.
+/// Checksum of an entry and its name, so that an entry stored under another name is invalid.
 fn sum_of(name: &str, body: &[u8]) -> u128 {
     let mut hash = Xxh3::new();
     hash.update(name.as_bytes());

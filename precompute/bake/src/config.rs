@@ -1,4 +1,4 @@
-//! What a build is told: one TOML file, each stage's settings in a table of its own.
+//! Config of a build: one TOML file, with a table of settings for each stage.
 
 use crate::activities::ActivityConfig;
 use crate::cluster::ClusterConfig;
@@ -19,7 +19,7 @@ use throng_motion::resample::ResampleConfig;
 use throng_motion::retarget::RetargetConfig;
 use throng_synth::SynthInput;
 
-/// A build. Every table but `inputs` or `synth` may be left out.
+/// Config of a build. Every table but `inputs` or `synth` may be left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct BuildConfig {
@@ -28,9 +28,9 @@ pub struct BuildConfig {
     /// Motion files, folders and `.zip` archives, searched to any depth, or patterns with `*` in names and `**` for any
     /// folders, relative to the config file's folder.
     pub inputs: Vec<PathBuf>,
-    /// Motion that the project makes itself, in place of files.
+    /// Synthetic motion in place of files.
     pub synth: Option<SynthInput>,
-    /// Seed of everything random in a build: the samples in its reports.
+    /// Seed of all random numbers in a build: the samples in its reports.
     pub seed: u64,
     /// Reading of files.
     pub import: ImportConfig,
@@ -40,7 +40,7 @@ pub struct BuildConfig {
     pub resample: ResampleConfig,
     /// Contacts, T-poses, still ends.
     pub annotate: AnnotateConfig,
-    /// Ranges to leave out and names of ranges by clip, as a sidecar file beside the clip has them.
+    /// Ranges to leave out and names of ranges by clip, as in a sidecar file beside the clip.
     pub clips: BTreeMap<String, Sidecar>,
     /// How frames are compared.
     pub features: FeaturesConfig,
@@ -52,12 +52,12 @@ pub struct BuildConfig {
     pub patches: PatchConfig,
     /// Blend spaces, by name.
     pub blend: BTreeMap<String, BlendConfig>,
-    /// What bodies can be asked to do when they stand, by tag: greeting, sitting down. Those of blend spaces perform it.
+    /// Activities by tag, such as greeting or sitting down, which standing bodies of blend spaces perform on request.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub activities: BTreeMap<String, ActivityConfig>,
     /// How policies are solved.
     pub policy: PolicyConfig,
-    /// What characters can be asked to do.
+    /// Behaviours of characters.
     pub behaviours: Vec<BehaviourConfig>,
 }
 
@@ -86,13 +86,13 @@ impl Default for BuildConfig {
 }
 
 impl BuildConfig {
-    /// A build of some files with everything else as it comes.
+    /// Config of some files with all other settings at their defaults.
     pub fn new(name: impl Into<String>, inputs: Vec<PathBuf>) -> Self {
         Self { name: name.into(), inputs, ..Self::default() }
     }
 
-    /// A build of any motion: the settings of `data/walk.toml`, blows where there are some, and a blend space where steady
-    /// gaits are found. It is meant for [`crate::pipeline::build_possible`].
+    /// Config for any motion: the settings of `data/walk.toml`, blows if there are some, and a blend space if steady
+    /// gaits are found. For [`crate::pipeline::build_possible`].
     ///
     /// # Errors
     /// Never in practice: the text is part of the program.
@@ -104,7 +104,7 @@ impl BuildConfig {
         Ok(config)
     }
 
-    /// Reads a config file; paths in it are taken from its folder.
+    /// Reads a config file; paths in it are relative to its folder.
     ///
     /// # Errors
     /// [`BuildError::File`] with file, line and column, and for an unknown key the nearest known one.
@@ -118,21 +118,21 @@ impl BuildConfig {
         Ok(config)
     }
 
-    /// All files and folders that are named.
+    /// All files and folders that the config names.
     pub(crate) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
         let (import, patches) = (&self.import, &self.patches);
         let motion = self.inputs.iter().chain(&import.asf).chain(&import.profiles);
         motion.chain(&patches.units).chain(patches.environments.iter().map(|e| &e.file))
     }
 
-    /// As [`Self::paths`].
+    /// Mutable form of [`Self::paths`].
     pub(crate) fn paths_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
         let (import, patches) = (&mut self.import, &mut self.patches);
         let motion = self.inputs.iter_mut().chain(&mut import.asf).chain(&mut import.profiles);
         motion.chain(&mut patches.units).chain(patches.environments.iter_mut().map(|e| &mut e.file))
     }
 
-    /// Reads a config's text; `path` is for messages alone.
+    /// Parses a config; `path` is used in messages only.
     ///
     /// # Errors
     /// As [`BuildConfig::load`].
@@ -146,7 +146,7 @@ impl BuildConfig {
         Ok(config)
     }
 
-    /// Checks every number against its range, and that what is asked for goes together.
+    /// Checks every number against its range, and settings against each other.
     ///
     /// # Errors
     /// [`BuildError::Key`] for the first fault.
@@ -187,11 +187,11 @@ impl BuildConfig {
         self.behaviours.iter().enumerate().try_for_each(behaviour)
     }
 
-    /// All that the stages from files to annotated clips take, for their key.
+    /// All settings of the stages from files to annotated clips, for their key.
     pub(crate) fn motion(&self) -> impl Serialize {
         let patches = &self.patches;
         let surroundings = (&patches.environments, &patches.touch);
-        // Names of clips depend on the folder that was given, and a path may name one clip of a file.
+        // Names of clips depend on the given folder, and a path may name one clip of a file.
         let given = (&self.inputs, import::READS_FBX);
         (given, &self.import, &self.clips, &self.retarget, &self.resample, &self.annotate, surroundings)
     }

@@ -1,4 +1,4 @@
-//! Files, or motion made by rule, to annotated clips of one skeleton: file by file, but for what they settle together.
+//! From files, or synthetic motion, to annotated clips of one skeleton: file by file, except for what files share.
 
 mod lent;
 mod shard;
@@ -26,7 +26,7 @@ use throng_motion::progress::Progress;
 use throng_motion::{mirror, resample, retarget};
 use throng_synth as synth;
 
-/// The clips of a build, their surroundings included.
+/// Clips of a build, with their surroundings.
 ///
 /// # Errors
 /// As the stages from import to annotate; of several bad clips, the first is named.
@@ -47,32 +47,32 @@ pub(crate) fn collect(
     Ok(Motion { clips, skipped, performers, files_kept, clips_kept, warnings })
 }
 
-/// True where several processes have the motion of files in the cache, so that none of them needs room for all of it.
+/// True if several processes stream the motion of files from the cache, so that none needs memory for all of it.
 fn lends(cfg: &BuildConfig, s: &Stages<'_>) -> bool {
     s.comm().num_ranks() > 1 && s.cache().is_on() && cfg.synth.is_none()
 }
 
-/// True where each of several processes keeps the poses of its share of the clips alone. Blend spaces, activities and patches
-/// look at the poses of all.
+/// True if each of several processes keeps only the poses of its share of the clips. Blend spaces, activities and
+/// patches need the poses of all.
 pub(crate) fn shares_poses(cfg: &BuildConfig, s: &Stages<'_>) -> bool {
     lends(cfg, s) && cfg.patches.units.is_none() && cfg.blend.is_empty() && cfg.activities.is_empty()
 }
 
-/// All that was read, and what files settle together.
+/// Imported files, with measurements that they share.
 struct Read<'a> {
-    /// Without their motion where it is lent.
+    /// Imported clips, without motion if it is streamed.
     raw: Vec<Imported>,
     maker: Maker<'a>,
-    /// As in [`Motion`], as are the following.
+    /// Files that were skipped; this and the following fields are those of [`Motion`].
     skipped: Vec<String>,
     performers: Vec<Performer>,
     files_kept: usize,
     warnings: Warnings,
 }
 
-/// Reads all files, and settles what they share.
+/// Reads all files, and measures what they share.
 ///
-/// - `lends`: whether the motion of a file is kept in the cache alone, which lends it when it is asked for.
+/// - `lends`: true if the motion of a file stays in the cache and is streamed.
 fn begin<'a>(
     cfg: &'a BuildConfig,
     parts: Parts,
@@ -114,10 +114,10 @@ fn begin<'a>(
     Ok(Read { raw: raw.clips, maker, skipped, performers, files_kept, warnings })
 }
 
-/// Reads files, or finds what an earlier build has read, file by file.
+/// Reads files, or loads them from the cache, file by file.
 ///
-/// - `lent`: where motion goes back to once it was read; none where it is to stay.
-/// - returns how many were found, too.
+/// - `lent`: receives the motion of each file after reading; `None` to keep it in memory.
+/// - returns also the number of files loaded from the cache.
 fn read(
     cfg: &BuildConfig,
     keys: &FileKeys<'_>,
@@ -138,7 +138,7 @@ fn read(
     Ok((set, kept.into_inner()))
 }
 
-/// Says which clips hold the motion of others; where only what is possible is made, they are left out.
+/// Reports clips that repeat the motion of others; if only possible parts are made, they are dropped.
 fn tell_repeated(raw: &mut ImportedSet, lent: Option<&Lent<'_>>, parts: Parts) -> Result<Vec<String>, BuildError> {
     let repeated = lent.map_or_else(|| Ok(raw.repeated()), |lent| lent.repeated(&raw.clips))?;
     let path = |i: usize| raw.clips[i].clip.path.display();
@@ -182,25 +182,26 @@ fn settle(
     Ok(plan)
 }
 
-/// What makes clips of files.
+/// Converter of files to clips.
 struct Maker<'a> {
     cfg: &'a BuildConfig,
     plan: retarget::Plan,
     marks: Sidecars,
-    /// Of every file; none where motion is made by rule.
+    /// Keys of all files; `None` for synthetic motion.
     keys: Vec<Option<Key>>,
     /// Path of every file, as the bundle keeps it.
     sources: Vec<String>,
     cache: &'a Cache,
-    /// What has the motion of files that were read without.
+    /// Source of streamed motion, for files imported without it.
     lent: Option<Lent<'a>>,
 }
 
 impl Maker<'_> {
-    /// The clips of all files, mirrored copies after their originals; a file's motion is given up when its clips are made.
+    /// Clips of all files, mirrored copies after their originals; the motion of a file is dropped once its clips are
+    /// made.
     ///
-    /// - `comm`: processes each of which keeps the poses of its share alone; none where all are to be here.
-    /// - returns how many files' clips were kept, too.
+    /// - `comm`: processes each of which keeps the poses of its share only; `None` to keep all here.
+    /// - returns also the number of files with cached clips.
     fn clips(
         &self,
         raw: Vec<Imported>,
@@ -208,7 +209,7 @@ impl Maker<'_> {
         p: &dyn Progress,
     ) -> Result<(ClipSet, usize), BuildError> {
         p.begin("clips", raw.len() as u64, "files");
-        // As `owners` has them.
+        // The distribution of `owners`.
         let own = comm.map(|comm| comm.share(raw.len()));
         let of_file = |(i, raw): (usize, Imported)| {
             p.check()?;
@@ -232,7 +233,7 @@ impl Maker<'_> {
         Ok((ClipSet { skeleton: self.plan.skeleton.clone(), clips }, num_kept))
     }
 
-    /// The clips of one file, and whether they were kept. How hard blows are is seen beside those of other files only.
+    /// Clips of one file, and whether they were cached. The force of blows is relative to that of other files.
     fn of_file(&self, i: usize, raw: &Imported) -> Result<(Vec<Clip>, bool), BuildError> {
         let (cfg, name) = (self.cfg, &self.plan.names[i]);
         let marks = self.marks.of(name);
@@ -247,7 +248,7 @@ impl Maker<'_> {
         let settings = (self.plan.basis(i), &cfg.resample, &cfg.annotate, &marks);
         let (mut clips, kept) = self.cache.each("clips", Key::of("clips", &[key], &settings)?, make)?;
         for clip in &mut clips {
-            // Other files may have changed what it takes to tell names apart.
+            // Other files may have changed how many folders make names unique.
             clip.source.clone_from(&self.sources[i]);
             clip.name = if clip.mirrored { format!("{name}{}", mirror::SUFFIX) } else { name.clone() };
         }

@@ -1,28 +1,28 @@
-//! Parts of a bundle that the motion may not allow: told and left out, or refused.
+//! Parts of a bundle that the motion may not allow: reported and left out, or refused.
 
 use schemars::JsonSchema;
 use serde::Serialize;
 use throng_motion::error::BuildError;
 
-/// Which parts of a config a build must make.
+/// Parts of a config that a build must make.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parts {
-    /// All: one that cannot be made ends the build.
+    /// All parts: a failure ends the build.
     All,
-    /// Those that the motion allows, each by itself: one that cannot be made is told.
+    /// Parts that the motion allows, each by itself: a failure is reported.
     Possible,
 }
 
 /// A part that a build could not make.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct NotMade {
-    /// What it would have been, such as `policy throw-punches` or `blend space ahead`.
+    /// Name of the part, such as `policy throw-punches` or `blend space ahead`.
     pub part: String,
-    /// Why there is none, and the way out.
+    /// Reason, and the way out.
     pub why: String,
 }
 
-/// Collects what could not be made.
+/// Collects parts that could not be made.
 pub(crate) struct Attempts {
     pub parts: Parts,
     pub not_made: Vec<NotMade>,
@@ -33,7 +33,7 @@ impl Attempts {
         Self { parts, not_made: Vec::new() }
     }
 
-    /// The pieces of a list that are made together: all of them, or each by itself.
+    /// Parts of a list that are made together: all of them, or each by itself.
     pub fn pieces<'a, T>(&self, list: &'a [T]) -> impl Iterator<Item = &'a [T]> + use<'a, T> {
         let together = match self.parts {
             Parts::All => list.len(),
@@ -42,10 +42,10 @@ impl Attempts {
         list.chunks(together.max(1))
     }
 
-    /// A part that was made; nothing where the motion did not allow it and it may be missing.
+    /// A finished part; `None` if the motion did not allow it and it may be missing.
     ///
     /// # Errors
-    /// What went wrong, where the part must be made or where it is not for the motion's sake.
+    /// The fault, if the part must be made or if the motion is not the cause.
     pub fn made<T>(&mut self, part: impl Into<String>, made: Result<T, BuildError>) -> Result<Option<T>, BuildError> {
         let why = match made {
             Ok(made) => return Ok(Some(made)),

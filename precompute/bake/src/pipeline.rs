@@ -29,21 +29,21 @@ use throng_motion::{annotate, files, resample, retarget};
 
 /// Bakes the files of a config into a bundle.
 ///
-/// A stage whose config and inputs are those of an earlier build is read from the cache; pose groups are found only
-/// where there are patches, whose cells name them. The bundle takes its place only when it is whole. The same files,
-/// config and version give the same bytes at any number of threads.
+/// A stage with the config and inputs of an earlier build is read from the cache; pose groups are computed only for
+/// patches, whose cells name them. The bundle replaces an older one only when complete. Equal files, config and version
+/// give equal bytes at any number of threads.
 ///
 /// # Errors
-/// What the first failing stage says; nothing is written then.
+/// Error of the first failing stage; nothing is written then.
 pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progress) -> Result<BuildReport, BuildError> {
     build_shared(cfg, Parts::All, out, cache, progress, &Alone)
 }
 
-/// As [`build`], but a part that the motion does not allow is left out and told ([`BuildReport::not_made`]): policies,
-/// blend spaces and patches, each by itself. Motion that is there twice is left out, too.
+/// Builds as [`build`] does, but leaves out and reports parts that the motion does not allow
+/// ([`BuildReport::not_made`]): policies, blend spaces and patches, each by itself. Repeated motion is left out, too.
 ///
 /// # Errors
-/// Where there is no motion at all, or files cannot be read or written.
+/// If there is no motion at all, or files cannot be read or written.
 pub fn build_possible(
     cfg: &BuildConfig,
     out: &Path,
@@ -53,11 +53,11 @@ pub fn build_possible(
     build_shared(cfg, Parts::Possible, out, cache, progress, &Alone)
 }
 
-/// Does the share of one of several processes in a build: reads its files into the cache and, once the cache has those of all
-/// others, makes its clips. Run with the parts of the build that is to find them.
+/// Does the share of one of several processes in a build: reads its files into the cache and, once the cache has those
+/// of all others, makes its clips. `parts` must be that of the build that will use them.
 ///
 /// # Errors
-/// As the stages from import to annotate; motion that is made by rule.
+/// Errors of the stages from import to annotate; [`BuildError::Config`] for synthetic motion.
 pub fn bake_shard(
     cfg: &BuildConfig,
     parts: Parts,
@@ -69,7 +69,8 @@ pub fn bake_shard(
     motion::bake(cfg, parts, shard, cache, progress)
 }
 
-/// Where a cache keeps the bundle of [`build_possible`] that is made to be run or seen; none where nothing is kept.
+/// Path at which a cache keeps a bundle of [`build_possible`] that is made to be run or viewed; `None` if nothing is
+/// kept.
 ///
 /// # Errors
 /// As [`provenance::collect`].
@@ -79,14 +80,14 @@ pub fn kept_bundle(cfg: &BuildConfig, cache: &Cache) -> Result<Option<PathBuf>, 
     Ok(cache.bundle(key))
 }
 
-/// As [`build`], by several processes, each of which calls this with the same words and sees the same files. They share the
-/// work on single files, where there is a cache, the search for frames that are alike, pose groups and policies; the rest
-/// each of them does for itself. The first one writes the bundle, which is that of [`build`], byte by byte.
+/// Builds with several processes, each of which calls this with equal arguments and sees the same files. They share the
+/// work on single files, if there is a cache, the search for similar frames, pose groups and policies; each does the
+/// rest for itself. The first one writes the bundle, which equals that of [`build`] byte by byte.
 ///
-/// - returns the report of this process; only that of the first one knows of the bundle.
+/// - returns the report of this process; only that of the first one describes the bundle.
 ///
 /// # Errors
-/// As [`build`]; [`throng_base::Error::Rank`] where another process has ended.
+/// As [`build`]; [`throng_base::Error::Rank`] if another process has ended.
 pub fn build_shared(
     cfg: &BuildConfig,
     parts: Parts,
@@ -104,7 +105,7 @@ pub fn build_shared(
     let motion_cfg = (cfg.motion(), parts == Parts::Possible);
     let collect = || motion::collect(cfg, parts, units.as_ref(), &from, &s);
     let motion = match motion::shares_poses(cfg, &s) {
-        // No process has all of it.
+        // No process has all the motion.
         true => s.unkept("motion", &[from.key()?], &motion_cfg, collect)?,
         false => s.several("motion", &[from.key()?], &motion_cfg, collect)?,
     };
@@ -162,7 +163,7 @@ pub fn build_shared(
     Ok(BuildReport { not_made: attempts.not_made, ..report::of_build(cfg, &built, timing, warnings) })
 }
 
-/// The fault of a build that has nothing to play.
+/// Error of a build that has nothing to play.
 fn nothing(attempts: &Attempts, motion: &Motion) -> BuildError {
     let parts: Vec<String> = attempts.not_made.iter().map(|n| format!("no {}: {}", n.part, n.why)).collect();
     let (message, help) = match parts.is_empty() {
@@ -172,7 +173,7 @@ fn nothing(attempts: &Attempts, motion: &Motion) -> BuildError {
             "Name `behaviours`, `[blend.NAME]` or `[patches]` in the config, or build the motion without a config",
         ),
         false => {
-            // The report, which has them, is not made.
+            // The report with these warnings is not made.
             let told = motion.warnings.messages.iter().take(1).map(|w| format!("; {}", w.trim_end_matches('.')));
             let there_is = there_is(&motion.clips) + &told.collect::<String>();
             let parts = parts.join("; ");
@@ -182,7 +183,7 @@ fn nothing(attempts: &Attempts, motion: &Motion) -> BuildError {
     BuildError::Stage { stage: "build", message, help: help.into() }
 }
 
-/// What some motion shows, where that is too little: how much of it there is, what is left out, and whether anybody walks.
+/// Describes insufficient motion: how much there is, what is left out, and whether it shows walking.
 fn there_is(clips: &ClipSet) -> String {
     let (mut all_s, mut usable_s) = (0.0, 0.0);
     let mut left_out = BTreeMap::<String, f64>::new();
@@ -203,11 +204,11 @@ fn there_is(clips: &ClipSet) -> String {
     format!("it has {all_s:.1} s, of which {usable_s:.1} s can be used{left_out}, and {what}")
 }
 
-/// True where somebody goes somewhere.
+/// True if the motion shows walking.
 fn walks(clips: &ClipSet) -> bool {
-    /// Slower than this over a second, nobody walks (m/s).
+    /// Least mean speed of walking over a second (m/s).
     const WALKING_MPS: f32 = 0.3;
-    /// Less motion shows no walk (s).
+    /// Shortest motion that shows walking (s).
     const SHORTEST_S: f32 = 0.2;
     clips.clips.iter().filter(|c| !c.mirrored).any(|clip| {
         let second = clip.rate_hz.round().max(1.0) as usize;
@@ -215,13 +216,13 @@ fn walks(clips: &ClipSet) -> bool {
             let seconds = (w.len() - 1) as f32 / clip.rate_hz as f32;
             seconds > SHORTEST_S && (w[w.len() - 1] - w[0]).with_y(0.0).length() > WALKING_MPS * seconds
         };
-        // Of a shorter clip, all of it.
+        // A shorter clip is taken as a whole.
         let window = |r: &FrameRange| r.len().min(second + 1).max(1);
         clip.usable_ranges().into_iter().any(|r| clip.root_positions[r.clone()].windows(window(&r)).any(goes))
     })
 }
 
-/// The motion patches of a config; tiles that cannot be made are left out where they may be missing.
+/// Motion patches of a config; tiles that cannot be made are left out if they may be missing.
 fn patched(
     cfg: &BuildConfig,
     clips: &ClipSet,
@@ -283,7 +284,7 @@ fn activities(cfg: &BuildConfig, clips: &ClipSet, attempts: &mut Attempts) -> Re
     Ok(all)
 }
 
-/// The policies of a config, over a motion graph and the key of what it is made of.
+/// Policies of a config, over a motion graph and its key.
 fn policies(
     cfg: &BuildConfig,
     clips: &ClipSet,
@@ -326,7 +327,7 @@ fn patches(
     patch::build(clips, groups, &settings, &cfg.patches, units, progress)
 }
 
-/// What a build makes of one clip before the motion graph: the same stages with default settings, no mirrored copy.
+/// Processes one clip as a build does before the motion graph: with default settings, without mirrored copy.
 ///
 /// # Errors
 /// As the retarget, resample and annotate stages.
@@ -334,7 +335,7 @@ pub fn single(raw: &Imported, warnings: &mut Warnings) -> Result<ClipSet, BuildE
     clips_of(std::slice::from_ref(raw), &BuildConfig::default(), warnings)
 }
 
-/// What a build makes of clips before the motion graph, without mirrored copies, sidecars and surroundings.
+/// Processes clips as a build does before the motion graph, without mirrored copies, sidecars and surroundings.
 ///
 /// # Errors
 /// As the retarget, resample and annotate stages.

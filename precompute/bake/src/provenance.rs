@@ -1,4 +1,4 @@
-//! Which files a build depends on, and what they hold.
+//! Files that a build depends on, with their hashes.
 
 use crate::cache::{Key, content_hash};
 use crate::config::BuildConfig;
@@ -14,19 +14,19 @@ use throng_motion::import::{self, Clips, ImportConfig, archive};
 use throng_synth::SynthInput;
 use xxhash_rust::xxh3::Xxh3;
 
-/// The files of a build: motion, skeletons, sidecars, profiles.
+/// Files of a build: motion, skeletons, sidecars, profiles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Provenance {
-    /// Sorted by path.
+    /// Files, sorted by path.
     pub sources: Vec<SourceMeta>,
-    /// Which of them are read along with which motion file.
+    /// Files that are read along with each motion file.
     along: BTreeMap<PathBuf, Vec<PathBuf>>,
-    /// Folder of all that the config names: a bundle keeps paths as they are seen from there, so that it is the same
-    /// wherever it was made.
+    /// Common folder of all files that the config names: a bundle stores paths relative to it, so that it does not
+    /// depend on where it was made.
     base: PathBuf,
 }
 
-/// What the keys of single motion files are made of.
+/// Inputs of the keys of single motion files.
 pub struct FileKeys<'a> {
     pub(crate) config: &'a ImportConfig,
     /// Skeleton and profiles that the config names.
@@ -36,7 +36,7 @@ pub struct FileKeys<'a> {
 }
 
 impl FileKeys<'_> {
-    /// The key of what one motion file is read as: of the file, of what is read along with it and of the profiles.
+    /// Key of an imported motion file: of the file, the files read along with it, and the profiles.
     ///
     /// # Errors
     /// Never in practice, as [`Provenance::key`].
@@ -46,17 +46,17 @@ impl FileKeys<'_> {
         Key::of("file", &[], &(name, read, &self.given, self.config, import::READS_FBX))
     }
 
-    /// A file, and what is read along with it.
+    /// A file, and the files read along with it.
     fn read_with(&self, file: &Path) -> impl Iterator<Item = PathBuf> {
         let whole = import::clip_in_file(file).map_or(file.to_path_buf(), |(whole, _)| whole);
         let along = self.along.get(&whole).into_iter().flatten().cloned();
         std::iter::once(whole.clone()).chain(along)
     }
 
-    /// Reads a motion file, of which the key has to be true.
+    /// Reads a motion file, checking that it still matches its key.
     ///
     /// # Errors
-    /// Those of `import`; [`ImportError::Changed`] where a file is not what was hashed.
+    /// Errors of `import`; [`ImportError::Changed`] for a file that differs from its hash.
     pub fn read(&self, file: &Path, import: impl FnOnce() -> Clips) -> Clips {
         let clips = import();
         let given = self.given.iter().map(|s| PathBuf::from(&s.path));
@@ -71,10 +71,10 @@ impl FileKeys<'_> {
     }
 }
 
-/// Checks that files still are what they were: all, as some stages read them again.
+/// Checks that no file has changed, as some stages read files again.
 ///
 /// # Errors
-/// As [`collect`]; [`ImportError::Changed`] names the first file that is another one.
+/// As [`collect`]; [`ImportError::Changed`] names the first changed file.
 pub fn check_unchanged(from: &Provenance, config: &BuildConfig) -> Result<(), BuildError> {
     let now = collect(config)?;
     let both = from.sources.iter().map(Some).chain([None]).zip(now.sources.iter().map(Some).chain([None]));
@@ -87,7 +87,7 @@ pub fn check_unchanged(from: &Provenance, config: &BuildConfig) -> Result<(), Bu
     }
 }
 
-/// Finds and hashes every file that the motion stages read; synthetic motion is named by what it is made by.
+/// Finds and hashes every file that the motion stages read; synthetic motion is identified by its settings.
 ///
 /// # Errors
 /// [`BuildError::Import`] for a path that yields no file, [`BuildError::Io`] for a file that cannot be read.
@@ -112,19 +112,19 @@ pub fn collect(config: &BuildConfig) -> Result<Provenance, BuildError> {
     Ok(Provenance { sources, along, base })
 }
 
-/// The folder of a path, or that of the first name with a star in it.
+/// Folder of a path, or of the first component with a star.
 fn folder_of(path: &Path) -> PathBuf {
     let is_plain = |c: &Component<'_>| !c.as_os_str().to_string_lossy().contains('*');
     let plain: PathBuf = path.components().take_while(is_plain).collect();
     if plain == path { path.parent().unwrap_or(Path::new("")).to_path_buf() } else { plain }
 }
 
-/// The folder that two folders have in common.
+/// Common folder of two folders.
 fn shared(a: &Path, b: &Path) -> PathBuf {
     a.components().zip(b.components()).take_while(|(a, b)| a == b).map(|(a, _)| a).collect()
 }
 
-/// Unit objects, what they are drawn with, and the environments of clips.
+/// Files of unit objects, with their meshes, and of the environments of clips.
 fn surroundings(config: &BuildConfig) -> Result<Vec<PathBuf>, BuildError> {
     let Some(path) = &config.patches.units else {
         return Ok(Vec::new());
@@ -143,7 +143,7 @@ fn surroundings(config: &BuildConfig) -> Result<Vec<PathBuf>, BuildError> {
     Ok(all)
 }
 
-/// Synthetic motion: what it is made by stands for its content.
+/// Source entry of synthetic motion, whose settings stand for its content.
 fn made(synth: &SynthInput, rate_hz: f64) -> SourceMeta {
     let (name, how) = (synth.set.name(), synth.config(rate_hz));
     let path = format!("synthetic {name}, {} min, seed {}", how.minutes, how.seed);
@@ -156,7 +156,7 @@ fn hash(path: &Path) -> Result<SourceMeta, BuildError> {
     Ok(SourceMeta { path: path.display().to_string(), bytes: counted.bytes, hash: counted.hash.digest128() })
 }
 
-/// Hashes what is written to it, as [`content_hash`] does.
+/// Writer that hashes its input, as [`content_hash`] does.
 struct Counted {
     hash: Xxh3,
     bytes: u64,
@@ -175,7 +175,7 @@ impl Write for Counted {
 }
 
 impl Provenance {
-    /// The key of the files and of what they hold.
+    /// Key of the files and their contents.
     ///
     /// # Errors
     /// Never in practice: paths and numbers can be encoded.
@@ -183,7 +183,7 @@ impl Provenance {
         Key::of("sources", &[], &self.sources)
     }
 
-    /// The keys of what single files are read as.
+    /// Keys of single imported files.
     pub fn file_keys<'a>(&'a self, config: &'a ImportConfig) -> FileKeys<'a> {
         let is_given = |path: &Path| config.asf.iter().chain(&config.profiles).any(|p| p == path);
         let files: BTreeMap<_, _> = self.sources.iter().map(|s| (Path::new(&s.path), s)).collect();
@@ -191,15 +191,15 @@ impl Provenance {
         FileKeys { config, given, files, along: &self.along }
     }
 
-    /// A path as the bundle keeps it.
+    /// A path as stored in the bundle.
     pub fn seen_from_base(&self, path: &Path) -> PathBuf {
         path.strip_prefix(&self.base).ok().filter(|p| !p.as_os_str().is_empty()).unwrap_or(path).to_path_buf()
     }
 
-    /// What the bundle says of itself; clips and behaviours are filled in when it is written.
+    /// Metadata of the bundle; clips and behaviours are added when it is written.
     ///
     /// # Errors
-    /// [`BuildError::Config`] where the config cannot be written as TOML.
+    /// [`BuildError::Config`] if the config cannot be written as TOML.
     pub fn meta(&self, cfg: &BuildConfig, graph: &GraphReport) -> Result<Meta, BuildError> {
         let mut cfg = cfg.clone();
         cfg.paths_mut().for_each(|path| *path = self.seen_from_base(path));

@@ -1,4 +1,4 @@
-//! A config whose motion is replaced by other files: what it says of its own clips does not hold for them.
+//! A config with its motion replaced by other files: settings of its own clips do not apply to them.
 
 use crate::config::BuildConfig;
 use crate::examples::{AxisKind, BlendConfig, FindConfig};
@@ -8,9 +8,9 @@ use throng_motion::error::BuildError;
 use throng_motion::import::{self, matches};
 
 impl BuildConfig {
-    /// Puts other motion in place of the config's, and leaves out what it says of clips that are not there any more.
+    /// Replaces the config's motion, and drops settings of clips that are no longer there.
     ///
-    /// - returns what was left out, and what stands in for it, one sentence each.
+    /// - returns what was dropped, and its substitutes, one sentence each.
     ///
     /// # Errors
     /// As [`import::find`].
@@ -19,7 +19,7 @@ impl BuildConfig {
         let mut told = Vec::new();
         self.inputs = inputs;
         self.synth = None;
-        // Which clips a file of several holds is not known before it is read.
+        // The clips of a file with several are unknown before it is read.
         let may_hold = |file: &str, clip: &str| clip.strip_prefix(file).is_some_and(|rest| rest.starts_with('/'));
         let there = |pattern: &str| names.iter().any(|n| matches(pattern, n) || may_hold(n, pattern));
         let before = self.clips.len();
@@ -59,10 +59,10 @@ impl BuildConfig {
     }
 }
 
-/// Keeps the examples that are there. Where none is, steady stretches of all clips stand in for them, if the axes of
-/// the space can be measured.
+/// Keeps the existing examples. If there are none, steady stretches of all clips are used instead, provided that the
+/// axes of the space can be measured.
 ///
-/// - returns false for a space that cannot be, and what was done.
+/// - returns false for an impossible space, and a description of the change.
 fn replace_examples(space: &mut BlendConfig, there: &impl Fn(&str) -> bool) -> (bool, Option<String>) {
     let words = match space.for_each.is_empty() {
         true => vec![String::new()],

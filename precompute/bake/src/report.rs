@@ -1,4 +1,4 @@
-//! What a build did, for people and for machines.
+//! Report of a build, for people and for machines.
 
 mod paper;
 
@@ -23,14 +23,14 @@ use throng_motion::annotate::ContactSanity;
 use throng_motion::annotate::hits::{HitPoint, HitReport};
 use throng_motion::error::Warnings;
 
-/// What `throng build --json` prints.
+/// Report printed by `throng build --json`.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BuildReport {
     /// The database's name.
     pub name: String,
     /// Clips, mirrored copies included.
     pub clips: usize,
-    /// Frames a second of the database (Hz).
+    /// Frame rate of the database (Hz).
     pub rate_hz: f64,
     /// Usable motion, mirrored copies not counted (min).
     pub minutes_in: f64,
@@ -46,24 +46,24 @@ pub struct BuildReport {
     pub seconds_total: f64,
     /// Time of each stage that ran (s).
     pub stage_s: BTreeMap<&'static str, f64>,
-    /// What each of these stages took in this process.
+    /// Cost of each of these stages in this process.
     #[serde(skip)]
     pub spent: BTreeMap<&'static str, Spent>,
     /// Outputs that were read from the cache: `motion` stands for import to clips.
     pub cached: Vec<&'static str>,
-    /// Pose groups of the frames; 0 in a build without patches, which alone need them.
+    /// Pose groups of the frames; 0 in a build without patches, which are their only use.
     pub pose_groups: usize,
     /// Largest distance between two frames of one group (rad).
     pub max_group_diameter: f64,
-    /// Every group's diameter stays below this (rad).
+    /// Upper bound of every group's diameter (rad).
     pub group_threshold: f64,
-    /// Frames of a group, on average and at most.
+    /// Mean and extremes of the frames of a group.
     pub group_frames: Spread,
-    /// What was made of each motion patch.
+    /// Reports of the motion patches.
     pub patches: Vec<PatchReport>,
-    /// What was made of each blend space.
+    /// Reports of the blend spaces.
     pub blend_spaces: Vec<BlendReport>,
-    /// What bodies can be asked to do when they stand.
+    /// Activities of standing bodies.
     pub activities: Vec<ActivityReport>,
     /// Examples of all blend spaces.
     pub blend_examples: usize,
@@ -71,20 +71,20 @@ pub struct BuildReport {
     pub weight_table_bytes: u64,
     /// Largest error of a tabulated weight against the exact one, over all blend spaces.
     pub weight_table_max_error: f64,
-    /// One entry per behaviour.
+    /// Reports of the policies.
     pub policies: Vec<PolicyReport>,
     /// Length of the bundle (bytes).
     pub bundle_bytes: u64,
     /// Bytes of a frame's pose.
     pub frame_bytes: usize,
-    /// How far the joint of a frame that is farthest off is from where it was, since rotations are packed: 95th percentile
-    /// of all frames (mm).
+    /// Error of joint positions by packed rotations, for the worst joint of each frame: 95th percentile of all frames
+    /// (mm).
     pub joint_error_p95_mm: f32,
-    /// The worst of all frames (mm).
+    /// Largest error of all frames (mm).
     pub joint_error_worst_mm: f32,
     /// The motion graph's figures.
     pub graph: GraphReport,
-    /// How soon characters can stand; all 0 where there is no motion graph.
+    /// Times in which characters can stop; all 0 without a motion graph.
     pub stops: StopsReport,
     /// Foot contacts over all clips: shares and speeds, weighted by frames.
     pub contacts: ContactSanity,
@@ -92,21 +92,21 @@ pub struct BuildReport {
     pub hits: HitReport,
     /// Frames left out, by reason.
     pub excluded_frames: BTreeMap<String, usize>,
-    /// Parts of the config that the motion does not allow, where these may be left out.
+    /// Parts of the config that the motion does not allow, in a build that may leave them out.
     pub not_made: Vec<NotMade>,
-    /// Whose motion it is: files of one source skeleton together.
+    /// Performers: files grouped by source skeleton.
     pub performers: Vec<Performer>,
-    /// Files that an earlier build had read, where the stage `import` ran.
+    /// Files imported by an earlier build, if the stage `import` ran.
     pub files_kept: usize,
-    /// Files whose clips an earlier build had made, where the stage `clips` ran.
+    /// Files with clips made by an earlier build, if the stage `clips` ran.
     pub clips_kept: usize,
-    /// Files that were skipped, and why.
+    /// Skipped files, with the reason.
     pub skipped: Vec<String>,
-    /// What is odd but tolerable.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 
-/// Everything that a build made.
+/// All outputs of a build.
 pub(crate) struct Built<'a> {
     pub motion: &'a Motion,
     pub baked: Baked<'a>,
@@ -114,16 +114,16 @@ pub(crate) struct Built<'a> {
     pub graph: &'a GraphReport,
     pub stops: StopsReport,
     pub written: Written,
-    /// Of each clip, as the rank says that has its poses.
+    /// Contact sanity of each clip, from the rank with its poses.
     pub sanity: Vec<ContactSanity>,
 }
 
-/// Everything together; `odd` is what is odd about the build itself.
+/// Assembles the report; `odd` holds warnings about the build itself.
 pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd: Warnings) -> BuildReport {
     let Built { motion, baked, blends, graph, stops, written, ref sanity } = *built;
     let (blends, blend_warnings) = (&blends.report, &blends.warnings);
     let mut warnings = [&motion.warnings, blend_warnings, &odd].map(|w| w.messages.clone()).concat();
-    // Who keeps heights as they were captured has terrain.
+    // A config that keeps captured heights has terrain.
     warnings.extend(far_from_ground(motion, sanity).filter(|_| cfg.retarget.align_ground));
     warnings.extend(baked.policies.iter().filter_map(|p| p.report.promise.warning.clone()));
     let groups = baked.groups.cloned().unwrap_or_default();
@@ -185,7 +185,7 @@ pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd
 }
 
 impl BuildReport {
-    /// What was made, in a few words, such as `policies approach; blend spaces ahead`.
+    /// Summary of the outputs, such as `policies approach; blend spaces ahead`.
     pub fn made(&self) -> String {
         let policies: Vec<&str> = self.policies.iter().map(|p| &*p.name).collect();
         let spaces: Vec<&str> = self.blend_spaces.iter().map(|b| &*b.name).collect();
@@ -204,14 +204,14 @@ impl BuildReport {
     }
 }
 
-/// How many frames the groups have.
+/// Mean and extremes of the number of frames of the groups.
 fn group_frames(groups: &PoseGroups) -> Spread {
     let mut frames = vec![0u32; groups.num_groups()];
     groups.groups.iter().filter(|g| **g != PoseGroups::NO_GROUP).for_each(|&g| frames[g as usize] += 1);
     Spread::of(frames.into_iter().map(f64::from))
 }
 
-/// The clip whose standing feet are farthest from the ground, and how many others are as odd.
+/// Warning about the clip whose standing feet are farthest from the ground, with the number of other such clips.
 fn far_from_ground(motion: &Motion, of_clips: &[ContactSanity]) -> Option<String> {
     let originals = motion.clips.clips.iter().zip(of_clips).filter(|(c, _)| !c.mirrored);
     let far: Vec<_> = originals.filter_map(|(c, s)| Some((c, s.stance.p95_cm, s.stance.advice()?))).collect();
@@ -224,7 +224,8 @@ fn far_from_ground(motion: &Motion, of_clips: &[ContactSanity]) -> Option<String
     Some(format!("{}{more}: {advice}. `throng inspect` has all of them.", clip.name))
 }
 
-/// Sanity of all originals, weighted by their frames; 95th percentiles and distances are the largest of any clip.
+/// Mean contact sanity of all originals, weighted by frames; 95th percentiles and distances are the largest of any
+/// clip.
 fn contacts(motion: &Motion, of_clips: &[ContactSanity]) -> ContactSanity {
     let (mut sum, mut frames) = (ContactSanity::default(), 0.0f32);
     for (c, s) in motion.clips.clips.iter().zip(of_clips).filter(|(c, _)| !c.mirrored) {

@@ -1,4 +1,4 @@
-//! Work that several processes share: each does a part, and all have the whole.
+//! Work shared by several processes: each does a part, and all get the whole.
 
 use bytemuck::Pod;
 use rayon::prelude::*;
@@ -7,13 +7,13 @@ use throng_base::{Comm, out_of_step, share};
 use throng_motion::clip::{Clip, ClipSet};
 use throng_motion::error::BuildError;
 
-/// What is made of each of `count` things, in their order. Of N ranks each makes every N-th thing, as those that cost much
-/// often lie together.
+/// Results for each of `count` items, in order. Of N ranks each handles every N-th item, as expensive ones are often
+/// adjacent.
 ///
-/// - `work`: makes what it is given the numbers of.
+/// - `work`: makes the results of the items with given indices.
 ///
 /// # Errors
-/// Those of `work`; [`throng_base::Error::Rank`].
+/// Errors of `work`; [`throng_base::Error::Rank`].
 pub(crate) fn dealt<T: Serialize + DeserializeOwned>(
     comm: &dyn Comm,
     count: usize,
@@ -29,17 +29,17 @@ pub(crate) fn dealt<T: Serialize + DeserializeOwned>(
     if all.len() == count { Ok(all) } else { Err(out_of_step(rank).into()) }
 }
 
-/// The numbers of the things that are this rank's, of so many that are dealt out (see [`dealt`]).
+/// Indices of this rank's items, of so many that are dealt out (see [`dealt`]).
 pub(crate) fn own(comm: &dyn Comm, count: usize) -> Vec<usize> {
     (comm.rank()..count).step_by(comm.num_ranks()).collect()
 }
 
-/// Whether a thing that is dealt out is this rank's.
+/// True if a dealt item belongs to this rank.
 pub(crate) fn is_own(comm: &dyn Comm, number: usize) -> bool {
     number % comm.num_ranks() == comm.rank()
 }
 
-/// Rows of all things that are dealt out, of each rank's own; see [`own`].
+/// Gathers rows of all dealt items, from each rank's own; see [`own`].
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
@@ -63,7 +63,7 @@ pub(crate) fn rows_of_all<T: Pod>(comm: &dyn Comm, count: usize, own: Vec<Vec<T>
     if all.len() == count { Ok(all) } else { Err(out_of_step(comm.rank()).into()) }
 }
 
-/// One thing of each of `count` that are dealt out; see [`own`].
+/// Gathers one value for each of `count` dealt items; see [`own`].
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
@@ -79,7 +79,7 @@ pub(crate) fn one_of_all<T: Pod>(comm: &dyn Comm, count: usize, own: Vec<T>) -> 
     Ok((0..count).map(|n| all[firsts[n % num_ranks] + n / num_ranks]).collect())
 }
 
-/// What each rank has, in the order of ranks.
+/// Gathers the values of all ranks, in the order of ranks.
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
@@ -90,9 +90,9 @@ pub(crate) fn told<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<T>, Build
     }
 }
 
-/// What each rank has for this one, in the order of ranks.
+/// Exchanges values: returns those that each rank has for this one, in the order of ranks.
 ///
-/// - `to`: for each rank.
+/// - `to`: values for each rank.
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
@@ -104,7 +104,7 @@ pub(crate) fn sent<T: Pod>(comm: &dyn Comm, mut to: Vec<Vec<T>>) -> Result<Vec<T
     Ok(read(comm.exchange(messages)?)?.concat())
 }
 
-/// What the messages of all ranks hold.
+/// Decodes the messages of all ranks.
 fn read<T: Pod>(messages: Vec<Vec<u8>>) -> Result<Vec<Vec<T>>, BuildError> {
     let read = |(rank, bytes): (usize, Vec<u8>)| match bytes.len() % size_of::<T>() {
         0 => Ok(bytemuck::pod_collect_to_vec(&bytes)),
@@ -113,8 +113,8 @@ fn read<T: Pod>(messages: Vec<Vec<u8>>) -> Result<Vec<Vec<T>>, BuildError> {
     messages.into_iter().enumerate().map(read).collect()
 }
 
-/// Which rank has the poses of each clip (clips.len()): that which has its original's. Ranks have about as many originals
-/// each, in their order.
+/// Rank with the poses of each clip (clips.len()), which is that of its original. Ranks have about equally many
+/// originals, in order.
 pub(crate) fn owners(clips: &ClipSet, num_ranks: usize) -> Vec<usize> {
     let count = clips.clips.iter().filter(|c| !c.mirrored).count();
     let (mut originals, mut rank) = (0, 0);
@@ -128,9 +128,9 @@ pub(crate) fn owners(clips: &ClipSet, num_ranks: usize) -> Vec<usize> {
     clips.clips.iter().map(of_clip).collect()
 }
 
-/// What is made of each of some things, in their order, by the rank that owns it. All have all.
+/// Results for each of some items, in order, made by their owners and shared with all.
 ///
-/// - `owners`: rank of each thing.
+/// - `owners`: rank of each item.
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
@@ -149,7 +149,7 @@ pub(crate) fn by_owners<T: Send + Serialize + DeserializeOwned>(
     if all.len() == owners.len() { Ok(all) } else { Err(out_of_step(comm.rank()).into()) }
 }
 
-/// What each rank has, in the order of ranks.
+/// Gathers serialized values of all ranks, in the order of ranks.
 fn gathered<T: Serialize + DeserializeOwned>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<Vec<T>>, BuildError> {
     let config = bincode::config::standard().with_fixed_int_encoding();
     let message = bincode::serde::encode_to_vec(&own, config).map_err(|e| BuildError::Format(e.to_string()))?;
@@ -161,10 +161,10 @@ fn gathered<T: Serialize + DeserializeOwned>(comm: &dyn Comm, own: Vec<T>) -> Re
     comm.all_gather(&message)?.into_iter().enumerate().map(read).collect()
 }
 
-/// Most bytes that the first rank takes at once of what it gathers.
+/// Most bytes that the first rank receives at once.
 const MOST: usize = 256 << 20;
 
-/// Puts what each rank has after each other, in the order of ranks, for the first one; others get nothing.
+/// Concatenates the values of all ranks, in the order of ranks, on the first one; others get nothing.
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
@@ -193,9 +193,9 @@ pub(crate) fn gathered_first<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec
     Ok(all)
 }
 
-/// Makes what each rank has of the next numbers the numbers of all.
+/// Exchanges the rows of all ranks, so that each has all of them.
 ///
-/// - `own`: rows of this rank: those of its [`Comm::share`] of all rows. What they were before is lost.
+/// - `own`: rows of this rank: those of its [`Comm::share`] of all rows. Their previous values are lost.
 /// - `row`: numbers of a row.
 ///
 /// # Errors
@@ -222,7 +222,7 @@ pub(crate) fn joined<T: Pod>(
     Ok(())
 }
 
-/// True where something holds in all ranks.
+/// True if a condition holds in all ranks.
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].

@@ -1,4 +1,4 @@
-//! Runs stages: times them, tells their progress, keeps and finds their outputs.
+//! Runs stages: measures their time, reports progress, stores and loads their outputs.
 
 use crate::cache::{Cache, Key};
 use crate::share::is_so_for_all;
@@ -12,7 +12,7 @@ use throng_motion::error::{BuildError, Warnings};
 use throng_motion::memory;
 use throng_motion::progress::Progress;
 
-/// Files of one performer: of one source skeleton.
+/// Files of one performer: those of one source skeleton.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Performer {
     /// Height of the body, estimated from the lengths of its segments (m).
@@ -21,43 +21,43 @@ pub struct Performer {
     pub clips: Vec<String>,
 }
 
-/// Everything the motion stages leave behind.
+/// Output of the motion stages.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
     /// The clips, annotated.
     pub clips: ClipSet,
-    /// Files that were skipped, and why.
+    /// Skipped files, with the reason.
     pub skipped: Vec<String>,
-    /// Whose motion it is.
+    /// Performers: files grouped by source skeleton.
     pub performers: Vec<Performer>,
-    /// Files that an earlier build had read. Of this build, as is the next: what is cached does not depend on it.
+    /// Files imported by an earlier build. Not part of the cached value, like the next field.
     #[serde(skip)]
     pub files_kept: usize,
-    /// Files whose clips an earlier build had made.
+    /// Files with clips made by an earlier build.
     #[serde(skip)]
     pub clips_kept: usize,
-    /// What is odd but tolerable.
+    /// Warnings.
     pub warnings: Warnings,
 }
 
-/// What a stage took in one process.
+/// Cost of a stage in one process.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Spent {
     /// Time (s).
     pub wall_s: f64,
-    /// Of this, time in which it waited for others, moving messages included (s).
+    /// Part of this time spent waiting for other processes, including messages (s).
     pub waited_s: f64,
-    /// Time that processors ran its threads, waiting left out (s); none where the system does not tell, or where ranks are
+    /// Processor time of its threads, without waiting (s); `None` if the system does not report it, or if ranks are
     /// threads of one process.
     pub ran_s: Option<f64>,
-    /// Bytes that it sent to others.
+    /// Bytes sent to other processes.
     pub bytes_moved: u64,
-    /// Most memory that the process had held when the stage ended; 0 where the system does not tell (bytes).
+    /// Peak memory of the process up to the end of the stage; 0 if the system does not report it (bytes).
     pub peak_bytes: u64,
 }
 
 impl Spent {
-    /// What was spent beyond `before`.
+    /// Cost beyond `before`.
     fn since(self, before: Self) -> Self {
         Self {
             wall_s: self.wall_s - before.wall_s,
@@ -68,7 +68,7 @@ impl Spent {
         }
     }
 
-    /// Both together.
+    /// Sum of two costs.
     pub fn plus(self, other: Self) -> Self {
         Self {
             wall_s: self.wall_s + other.wall_s,
@@ -80,10 +80,10 @@ impl Spent {
     }
 }
 
-/// What stages took and which came from the cache.
+/// Costs of stages, and names of those read from the cache.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Timing {
-    /// Stages that ran, in order, and what they took.
+    /// Stages that ran, in order, with their costs.
     pub stages: Vec<(&'static str, Spent)>,
     /// Outputs that were read from the cache.
     pub cached: Vec<&'static str>,
@@ -91,12 +91,12 @@ pub struct Timing {
     pub seconds_total: f64,
 }
 
-/// What a stage made, and the key of everything it depends on.
+/// Output of a stage, with its key.
 #[derive(Clone, Debug)]
 pub struct Output<T> {
-    /// Of the stage's config and its inputs.
+    /// Key of the stage's config and its inputs.
     pub key: Key,
-    /// What it made.
+    /// Value of the output.
     pub value: T,
 }
 
@@ -108,7 +108,7 @@ impl<T> Deref for Output<T> {
     }
 }
 
-/// A build under way.
+/// A running build.
 pub struct Stages<'a> {
     cache: &'a Cache,
     progress: &'a dyn Progress,
@@ -121,12 +121,13 @@ pub struct Stages<'a> {
 impl<'a> Stages<'a> {
     /// Begins a build.
     ///
-    /// - `comm`: processes that build together. They have one cache, into which the first one writes the outputs of stages.
+    /// - `comm`: processes that build together. They share one cache, into which the first one writes the outputs of
+    ///   stages.
     pub fn new(cache: &'a Cache, progress: &'a dyn Progress, comm: &'a dyn Comm) -> Self {
         Self { cache, progress, comm, begin: Instant::now(), timing: RefCell::default(), warnings: RefCell::default() }
     }
 
-    /// What the build took so far.
+    /// Cost of the build so far.
     fn spent(&self) -> Spent {
         let (wall_s, traffic) = (self.begin.elapsed().as_secs_f64(), self.comm.traffic());
         Spent {
@@ -138,16 +139,16 @@ impl<'a> Stages<'a> {
         }
     }
 
-    /// What the stages took that have ended.
+    /// Cost of the stages that have ended.
     fn spent_in_stages(&self) -> Spent {
         let none = Spent { ran_s: Some(0.0), ..Spent::default() };
         self.timing.borrow().stages.iter().fold(none, |all, (_, spent)| all.plus(*spent))
     }
 
-    /// Runs a stage; what it took is what the stages that run within it leave of it.
+    /// Runs a stage; its cost excludes that of stages that run within it.
     ///
     /// # Errors
-    /// The stage's own; [`BuildError::Stopped`].
+    /// Errors of the stage; [`BuildError::Stopped`].
     pub fn run<T>(
         &self,
         stage: &'static str,
@@ -162,12 +163,12 @@ impl<'a> Stages<'a> {
         out
     }
 
-    /// The output of a stage, from the cache if the same config and inputs have made it before.
+    /// Output of a stage, from the cache if it was made before from equal config and inputs.
     ///
-    /// - `inputs`: keys of all that it is made of, besides `config`.
+    /// - `inputs`: keys of all its inputs besides `config`.
     ///
     /// # Errors
-    /// The stage's own.
+    /// Errors of the stage.
     pub fn stage<T: Serialize + DeserializeOwned>(
         &self,
         name: &'static str,
@@ -178,10 +179,10 @@ impl<'a> Stages<'a> {
         self.several(name, inputs, config, || self.run(name, work))
     }
 
-    /// As [`Stages::stage`], for the output of several stages, which `work` runs.
+    /// Output of several stages, which `work` runs; see [`Stages::stage`].
     ///
     /// # Errors
-    /// Those of `work`.
+    /// Errors of `work`.
     pub fn several<T: Serialize + DeserializeOwned>(
         &self,
         name: &'static str,
@@ -203,10 +204,10 @@ impl<'a> Stages<'a> {
         Ok(Output { key, value })
     }
 
-    /// As [`Stages::several`], for an output that is not kept as a whole.
+    /// Output of several stages that is not cached as a whole; see [`Stages::several`].
     ///
     /// # Errors
-    /// Those of `work`.
+    /// Errors of `work`.
     pub fn unkept<T>(
         &self,
         name: &'static str,
@@ -217,7 +218,7 @@ impl<'a> Stages<'a> {
         Ok(Output { key: Key::of(name, inputs, config)?, value: work()? })
     }
 
-    /// A stage that runs when its output is first asked for, and whose output is made faster than a cache reads it.
+    /// A stage that runs when its output is first requested, and is faster than reading a cache.
     ///
     /// # Errors
     /// [`BuildError::Format`] for a config that cannot be encoded.
@@ -236,12 +237,12 @@ impl<'a> Stages<'a> {
         self.comm
     }
 
-    /// The cache, for what is kept file by file.
+    /// The cache, for outputs stored file by file.
     pub fn cache(&self) -> &'a Cache {
         self.cache
     }
 
-    /// Ends the build: its times, and what is odd about the build itself.
+    /// Ends the build: returns its costs, and warnings about the build itself.
     pub fn finish(self) -> (Timing, Warnings) {
         if let Some(fault) = self.cache.fault() {
             self.warnings.borrow_mut().push(format!("not all is cached, and more will be made again: {fault}"));
@@ -251,9 +252,9 @@ impl<'a> Stages<'a> {
     }
 }
 
-/// An output that is made once, when it is first asked for.
+/// An output that is made once, when first requested.
 pub struct OnDemand<'a, T, W> {
-    /// Of the stage's config and its inputs.
+    /// Key of the stage's config and its inputs.
     pub key: Key,
     stages: &'a Stages<'a>,
     name: &'static str,
@@ -265,7 +266,7 @@ impl<T, W: Fn() -> Result<T, BuildError>> OnDemand<'_, T, W> {
     /// The output.
     ///
     /// # Errors
-    /// The stage's own.
+    /// Errors of the stage.
     pub fn get(&self) -> Result<&T, BuildError> {
         match self.made.get() {
             Some(made) => Ok(made),

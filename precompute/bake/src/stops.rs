@@ -1,4 +1,4 @@
-//! Stop tables: the area that each segment sweeps, and the cheapest way to a stand from every state.
+//! Stop tables: the area that each segment sweeps, and the cheapest path to a stand from every state.
 
 use crate::graph::{MotionGraph, SegmentId, StateId};
 use crate::share::{by_owners, owners};
@@ -15,51 +15,51 @@ use throng_core::{Contacts, Joint};
 use throng_motion::clip::{Clip, ClipSet, FrameId};
 use throng_motion::error::BuildError;
 
-/// Furthest that one who rests may move from its place and back (m).
+/// Largest motion of a resting character from its place and back (m).
 const REST_WAY_M: f32 = 0.1;
-/// What a metre on the way to a stand costs (s).
+/// Cost of a metre on the way to a stand (s).
 const METRE_S: f64 = 0.5;
-/// What a metre costs by which the body reaches out of an upright one's disc, such as in a bow (s).
+/// Cost of a metre by which the body extends beyond the disc of an upright one, as in a bow (s).
 const LEAN_S: f64 = 4.0;
-/// Nobody rests who reaches out farther, unless all do (m).
+/// Largest radius of a resting body, unless all are larger (m).
 const REST_RADIUS_M: f32 = 0.4;
-/// What it costs to slow down in the middle of a motion, in which nobody stands (s).
+/// Cost of slowing down in the middle of a motion, without standing (s).
 const SLOWING_S: f64 = 2.0;
-/// The same where not both feet are on the ground (s).
+/// Cost of slowing down without both feet on the ground (s).
 const LIFTED_S: f64 = 10.0;
 
 /// The rows of the stop tables.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stops {
-    /// Of each segment.
+    /// Sweep of each segment.
     pub sweeps: Vec<SweepRecord>,
-    /// Of all sweeps.
+    /// Nodes of all sweeps.
     pub nodes: Vec<SweepNode>,
-    /// Of each state.
+    /// Stop of each state.
     pub stops: Vec<StopRecord>,
 }
 
-/// How soon characters can stand.
+/// Times in which characters can stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct StopsReport {
-    /// States in which a character can stand for as long as it likes.
+    /// Number of states in which a character can stand for any time.
     pub resting_states: usize,
-    /// States from which one slows down in the middle of a motion, since nobody stands soon after it.
+    /// Number of states from which a character slows down in the middle of a motion, as no stand is near.
     pub slowing_states: usize,
     /// Time to come to a stand, 95th percentile of the other states (s).
     pub stop_p95_s: f64,
-    /// The longest (s).
+    /// Longest time to come to a stand (s).
     pub stop_worst_s: f64,
-    /// How far one goes until then, 95th percentile (m).
+    /// Distance to a stand, 95th percentile (m).
     pub stop_way_p95_m: f64,
 }
 
-/// The stop tables of a graph.
+/// Computes the stop tables of a graph.
 ///
-/// - `comm`: who else has poses.
+/// - `comm`: processes that hold the other poses.
 ///
 /// # Errors
-/// [`BuildError::File`] where another process has ended.
+/// [`BuildError::File`] if another process has ended.
 pub fn find(clips: &ClipSet, graph: &MotionGraph, comm: &dyn Comm) -> Result<(Stops, StopsReport), BuildError> {
     let starts = clips.frame_starts();
     let clip_of = |frame: FrameId| starts.partition_point(|&f| f <= frame.0) - 1;
@@ -89,7 +89,7 @@ pub fn find(clips: &ClipSet, graph: &MotionGraph, comm: &dyn Comm) -> Result<(St
     let rests =
         [REST_RADIUS_M, f32::INFINITY].map(|most| rests(graph, &ways, |s| out.sweeps[s.0 as usize].radius <= most));
     let rests = rests.into_iter().find(|r| r.iter().any(Option::is_some)).unwrap_or(vec![None; graph.states.len()]);
-    // One who rests is taken back to its place evenly: the disc holds how far it is from there.
+    // A resting character is moved back to its place evenly: the disc includes that distance.
     for &segment in rests.iter().flatten() {
         let (way, sweep) = (&ways[segment.0 as usize], &mut out.sweeps[segment.0 as usize]);
         sweep.radius = sweep.radius.max(BODY_RADIUS_M + SWEEP_TOLERANCE_M + wobble(way));
@@ -103,7 +103,7 @@ pub fn find(clips: &ClipSet, graph: &MotionGraph, comm: &dyn Comm) -> Result<(St
     Ok((out, report))
 }
 
-/// Where the root is in each frame of a segment, as seen from the first (num_frames + 1).
+/// Path of the root over a segment, relative to its first frame (num_frames + 1).
 fn way_of(clip: &Clip, first: usize, num_frames: usize) -> Vec<Vec2> {
     let origin = clip.planar(first);
     (first..=first + num_frames)
@@ -112,7 +112,7 @@ fn way_of(clip: &Clip, first: usize, num_frames: usize) -> Vec<Vec2> {
         .collect()
 }
 
-/// Nodes of which the way is nowhere farther away than [`SWEEP_TOLERANCE_M`]: each as far from the one before as possible.
+/// Simplifies a path to nodes, each as far from the previous one as [`SWEEP_TOLERANCE_M`] allows.
 fn simplify(way: &[Vec2], out: &mut Vec<SweepNode>) {
     let node = |f: usize| SweepNode { frame: f as u32, x: way[f].x, z: way[f].y };
     let is_near = |from: usize, to: usize| {
@@ -148,15 +148,16 @@ fn radius(clips: &ClipSet, clip: usize, first: usize, num_frames: usize) -> f32 
     (first..=first + num_frames).map(of_frame).fold(BODY_RADIUS_M, f32::max)
 }
 
-/// Farthest that the way is from the straight one between its ends (m).
+/// Largest distance of a path from the straight line between its ends (m).
 fn wobble(way: &[Vec2]) -> f32 {
     let (last, end) = (way.len() - 1, way[way.len() - 1]);
     way.iter().enumerate().map(|(f, p)| p.distance(end * (f as f32 / last as f32))).fold(0.0, f32::max)
 }
 
-/// Of each state in which one may stand for good, the segment to play: it ends in such a state again, and hardly moves.
+/// For each state in which a character may stand for long, the segment to play: it ends in such a state again, and
+/// hardly moves.
 ///
-/// That is the greatest set of standing states each of which has an action into the set.
+/// The result is the greatest set of standing states each of which has an action into the set.
 fn rests(graph: &MotionGraph, ways: &[Vec<Vec2>], is_slim: impl Fn(SegmentId) -> bool) -> Vec<Option<SegmentId>> {
     let stays = |s: SegmentId| {
         let way = &ways[s.0 as usize];
@@ -164,7 +165,7 @@ fn rests(graph: &MotionGraph, ways: &[Vec<Vec2>], is_slim: impl Fn(SegmentId) ->
     };
     let mut is_rest = graph.standing.clone();
     let leads = |state: usize, is_rest: &[bool]| {
-        // The clip itself goes on where it can; else the nearest pose.
+        // The clip's own continuation if possible; else the nearest pose.
         let fits = |a: &&crate::graph::Action| {
             is_rest[graph.segments[a.segment.0 as usize].end.0 as usize] && stays(a.segment)
         };
@@ -184,7 +185,7 @@ fn rests(graph: &MotionGraph, ways: &[Vec<Vec2>], is_slim: impl Fn(SegmentId) ->
     }
 }
 
-/// True of states with both feet on the ground.
+/// True for states with both feet on the ground.
 fn on_both(clips: &ClipSet, starts: &[u32], graph: &MotionGraph) -> Vec<bool> {
     let contacts = |f: &FrameId| {
         let c = starts.partition_point(|&s| s <= f.0) - 1;
@@ -193,7 +194,7 @@ fn on_both(clips: &ClipSet, starts: &[u32], graph: &MotionGraph) -> Vec<bool> {
     graph.states.iter().map(contacts).map(|c| c.any(Contacts::LEFT) && c.any(Contacts::RIGHT)).collect()
 }
 
-/// What the search for the cheapest way knows.
+/// Inputs of the search for the cheapest path.
 struct Found<'a> {
     graph: &'a MotionGraph,
     rate: f64,
@@ -203,7 +204,7 @@ struct Found<'a> {
 }
 
 impl Found<'_> {
-    /// What a segment costs on the way to a stand (s).
+    /// Cost of a segment on the way to a stand (s).
     fn cost(&self, segment: SegmentId) -> f64 {
         let s = &self.graph.segments[segment.0 as usize];
         let lean = f64::from(self.sweeps[segment.0 as usize].radius - BODY_RADIUS_M);
@@ -211,7 +212,7 @@ impl Found<'_> {
         f64::from(s.num_frames) / self.rate + METRE_S * way + LEAN_S * lean
     }
 
-    /// The cheapest action of each state on the way to a stand (Dijkstra 1959, from all places to stand at once).
+    /// Cheapest action of each state on the way to a stand (Dijkstra 1959, from all resting places at once).
     fn cheapest(&self) -> Vec<StopRecord> {
         let graph = self.graph;
         let n = graph.states.len();
@@ -259,7 +260,7 @@ impl Found<'_> {
     }
 }
 
-/// The largest radius from each state on: that of its pose, its segment and all that follow.
+/// Largest radius from each state on: that of its pose, its segment and all that follow.
 fn spread_radii(graph: &MotionGraph, sweeps: &[SweepRecord], stops: &mut [StopRecord]) {
     let mut changed = true;
     while changed {

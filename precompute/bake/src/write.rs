@@ -1,4 +1,4 @@
-//! The last stage: everything that was baked, as one bundle.
+//! Last stage: writes everything that was baked as one bundle.
 
 use crate::cluster::PoseGroups;
 use crate::examples::BlendSpace;
@@ -26,18 +26,18 @@ use throng_motion::clip::{Clip, ClipSet, Hit, joint_transforms};
 use throng_motion::error::BuildError;
 use throng_motion::files::write_atomically;
 
-/// What a bundle is made of.
+/// Contents of a bundle.
 #[derive(Clone, Copy, Debug)]
 pub struct Baked<'a> {
     /// Motion, annotated.
     pub clips: &'a ClipSet,
-    /// Which frame may follow which.
+    /// Motion graph.
     pub graph: &'a MotionGraph,
-    /// How characters come to a stand.
+    /// Stop tables.
     pub stops: &'a Stops,
-    /// One per behaviour.
+    /// Policies, one per behaviour.
     pub policies: &'a [Policy],
-    /// Pose groups of the frames, where they were grouped.
+    /// Pose groups of the frames, if they were computed.
     pub groups: Option<&'a PoseGroups>,
     /// Motion patches; their cells name pose groups.
     pub patches: Option<&'a Patches>,
@@ -45,26 +45,26 @@ pub struct Baked<'a> {
     pub blends: &'a [BlendSpace],
     /// Activities of bodies.
     pub activities: &'a [ActivityMeta],
-    /// Name, provenance and figures; clips and behaviours are filled in here.
+    /// Name, provenance and figures; clips and behaviours are added here.
     pub meta: &'a Meta,
 }
 
-/// What was written.
+/// Summary of a written bundle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Written {
     /// Length of the bundle (bytes).
     pub bytes: u64,
-    /// How far the joint of a frame that is farthest off is from where it was, since rotations are packed: 95th percentile
-    /// of all frames, and the worst (mm).
+    /// Error of joint positions by packed rotations, for the worst joint of each frame: 95th percentile of all frames,
+    /// and the largest (mm).
     pub joint_error_mm: [f32; 2],
 }
 
-/// Writes everything as one bundle, which takes its place only when it is whole, and opens it again to check it.
+/// Writes everything as one bundle, which replaces an older one only when complete, and opens it again to check it.
 ///
-/// - `comm`: who else has poses. The first one writes; others learn nothing of what was written.
+/// - `comm`: processes that hold the other poses. The first one writes; others get an empty summary.
 ///
 /// # Errors
-/// [`BuildError::Io`] where it cannot be written, [`BuildError::Format`] where it would be refused.
+/// [`BuildError::Io`] if it cannot be written, [`BuildError::Format`] if it would be refused.
 pub fn bundle(baked: &Baked<'_>, out: &Path, comm: &dyn Comm) -> Result<Written, BuildError> {
     let format = |e: FormatError| BuildError::Format(e.to_string());
     let (rows, code, off) = frame_rows(baked.clips, comm)?;
@@ -86,14 +86,14 @@ pub fn bundle(baked: &Baked<'_>, out: &Path, comm: &dyn Comm) -> Result<Written,
 /// Lays everything out as sections.
 ///
 /// # Errors
-/// [`FormatError`] where META cannot be encoded, or blend spaces have more rows than 32 bits count.
+/// [`FormatError`] if META cannot be encoded, or blend spaces have more rows than 32 bits can count.
 pub fn lay_out<'a>(baked: &Baked<'a>) -> Result<BundleWriter<'a>, FormatError> {
     let message = |e: BuildError| FormatError::Layout { message: e.to_string() };
     let (rows, code, _) = frame_rows(baked.clips, &Alone).map_err(message)?;
     sections(baked, rows, &code)
 }
 
-/// As [`lay_out`], of frames that are packed.
+/// Lays out sections with packed frames; see [`lay_out`].
 fn sections<'a>(baked: &Baked<'a>, rows: Vec<u8>, code: &RotationCode) -> Result<BundleWriter<'a>, FormatError> {
     let mut meta = baked.meta.clone();
     meta.clips = baked.clips.clips.iter().map(clip_meta).collect();
@@ -214,7 +214,7 @@ fn motion(set: &ClipSet, rows: Vec<u8>, code: &RotationCode, out: &mut BundleWri
     out.section(tags::HITS, &hit_records(set));
 }
 
-/// All hits as they are stored, ascending by frame.
+/// All hits as stored, ascending by frame.
 pub fn hit_records(set: &ClipSet) -> Vec<HitRecord> {
     let kinds = set.hit_kinds();
     let record = |(h, first): (&Hit, u32)| HitRecord {
@@ -235,9 +235,9 @@ pub fn hit_records(set: &ClipSet) -> Vec<HitRecord> {
         .collect()
 }
 
-/// All frames as they are stored ([`FrameRow`], num_frames), how their rotations are packed, and how far the joint of each
-/// frame that is farthest off is from where it was (mm, ascending). Each rank packs the clips whose poses it has; the first
-/// one has all of them in the end, others nothing.
+/// All frames as stored ([`FrameRow`], num_frames), the code of their rotations, and the error of the worst joint of
+/// each frame (mm, ascending). Each rank packs the clips whose poses it holds; the first one ends up with all of them,
+/// others with nothing.
 fn frame_rows(set: &ClipSet, comm: &dyn Comm) -> Result<(Vec<u8>, RotationCode, Vec<f32>), BuildError> {
     let owners = owners(set, comm.num_ranks());
     let own: Vec<&Clip> = set.clips.iter().zip(&owners).filter(|(_, o)| **o == comm.rank()).map(|(c, _)| c).collect();
@@ -250,7 +250,7 @@ fn frame_rows(set: &ClipSet, comm: &dyn Comm) -> Result<(Vec<u8>, RotationCode, 
         gathered_first(comm, own.par_iter().flat_map_iter(of_clip).collect())
     };
     let code = RotationCode::fit_joints(&set.skeleton, of_joint)?;
-    // What others made of nothing is not the code.
+    // The code of ranks without frames is ignored.
     let code = comm.all_gather(bytemuck::bytes_of(&code))?.swap_remove(0);
     let code: RotationCode = bytemuck::try_pod_read_unaligned(&code).map_err(|_| out_of_step(0))?;
     let of_clip = |clip: &&Clip| {
@@ -266,7 +266,7 @@ fn frame_rows(set: &ClipSet, comm: &dyn Comm) -> Result<(Vec<u8>, RotationCode, 
     Ok((gathered_first(comm, bytes)?, code, off))
 }
 
-/// How far the joint of a frame that is farthest off is from where it was, since rotations are packed (mm).
+/// Error of the worst joint of a frame by packed rotations (mm).
 fn off_mm(set: &ClipSet, clip: &Clip, frame: usize, row: &FrameRow, code: &RotationCode) -> f32 {
     let local = clip.frame_rotations(frame);
     let (_, root) = Planar::split(clip.root_positions[frame], local[0]);
@@ -275,7 +275,7 @@ fn off_mm(set: &ClipSet, clip: &Clip, frame: usize, row: &FrameRow, code: &Rotat
     wanted.iter().zip(&shown).map(|(a, b)| a.0.distance(b.0)).fold(0.0, f32::max) * 1e3
 }
 
-/// A clip's frames: headings unwrapped, rotations that store all of a quaternion on the side of the frame before.
+/// Rows of a clip's frames: headings unwrapped, unpacked quaternions on the side of the previous frame.
 fn clip_rows(clip: &Clip, code: &RotationCode) -> Vec<FrameRow> {
     let mut rows: Vec<FrameRow> = Vec::with_capacity(clip.num_frames());
     for frame in 0..clip.num_frames() {
@@ -314,7 +314,7 @@ fn graph(baked: &Baked<'_>, out: &mut BundleWriter<'_>) {
         .collect();
     out.section(tags::STATES, &states);
     out.section(tags::SEGMENTS, &segments);
-    // A graph without states still says where its no actions end.
+    // A graph without states still stores the end of its empty actions.
     out.section(tags::ACTION_OFFSETS, if g.action_offsets.is_empty() { &[0] } else { g.action_offsets.as_slice() });
     out.section(tags::ACTION_SEGMENTS, &g.actions.iter().map(|a| a.segment.0).collect::<Vec<_>>());
     out.section(tags::ACTION_ERRORS, &g.actions.iter().map(|a| a.error).collect::<Vec<_>>());

@@ -1,4 +1,4 @@
-//! What motion shows that characters need to go where they are sent: walking, stopping, turning to both sides.
+//! Locomotion abilities that motion contains: walking, stopping, turning to both sides.
 
 use crate::frames::runs;
 use std::f64::consts::PI;
@@ -6,9 +6,9 @@ use throng_motion::clip::{ClipSet, runs as runs_where};
 use throng_runtime::format::ClipRecord;
 use throng_runtime::{Bundle, Planar};
 
-/// Slower than this, nobody walks (m/s).
+/// Least speed over ground that counts as walking (m/s).
 const WALKING_MPS: f64 = 0.5;
-/// Slower than this, somebody stands (m/s).
+/// Greatest speed over ground that counts as standing (m/s).
 const STANDING_MPS: f64 = 0.15;
 /// Shortest time that counts as standing (s).
 const STANDING_S: f64 = 0.3;
@@ -16,33 +16,33 @@ const STANDING_S: f64 = 0.3;
 const SPEED_S: f64 = 0.4;
 /// Time over which a turn is measured: about two steps, so that the hips' swing does not count (s).
 const TURN_S: f64 = 1.0;
-/// A stop comes to stand within this time after walking (s).
+/// Longest time from walking to standing that counts as a stop (s).
 const STOP_S: f64 = 2.5;
 /// Turns below this are slow (deg/s).
 const SLOW_TURN: f64 = 45.0;
-/// Who goes more than 135 degrees away from where they face goes backwards: cosine of that angle.
+/// Walking counts as backwards if its direction is more than 135 degrees off the heading: cosine of that angle.
 const BACKWARDS: f64 = -0.7;
-/// Above this share, walking is mostly backwards.
+/// Share of backwards walking above which a set walks mostly backwards.
 pub(crate) const MOSTLY_BACKWARDS: f64 = 0.5;
-/// Less walking than this is little (s).
+/// Duration of walking below which a set has little of it (s).
 pub(crate) const LITTLE_WALKING_S: f64 = 30.0;
 
-/// What some motion shows, mirrored copies not counted.
+/// Abilities that some motion contains, mirrored copies not counted.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Abilities {
     /// Usable motion (s).
     pub usable_s: f64,
-    /// Of the usable motion, going over ground at half a metre a second or more (s).
+    /// Usable motion that moves over ground at half a metre a second or more (s).
     pub walking_s: f64,
-    /// Of the walking, backwards (s).
+    /// Part of the walking that goes backwards (s).
     pub backwards_s: f64,
-    /// Of the usable motion, standing (s).
+    /// Usable motion that stands (s).
     pub standing_s: f64,
     /// Fastest speed over ground (m/s).
     pub fastest_mps: f64,
-    /// Times that somebody begins to walk from standing.
+    /// Number of starts from standing to walking.
     pub starts: usize,
-    /// Times that somebody comes from walking to stand.
+    /// Number of stops from walking to standing.
     pub stops: usize,
     /// Fastest turn to the left while walking, over a second (deg/s).
     pub turn_left_deg_per_s: f64,
@@ -53,7 +53,7 @@ pub struct Abilities {
 }
 
 impl Abilities {
-    /// Of annotated clips.
+    /// Abilities in annotated clips.
     pub fn of_clips(set: &ClipSet) -> Self {
         let mut out = Self::default();
         for clip in set.clips.iter().filter(|c| !c.mirrored) {
@@ -65,12 +65,12 @@ impl Abilities {
         out
     }
 
-    /// Of the clips of a bundle.
+    /// Abilities in the clips of a bundle.
     pub fn of_bundle(tables: &Bundle) -> Self {
         Self::of_frames(tables, |_| true)
     }
 
-    /// Of what the actions of a bundle's motion graph play.
+    /// Abilities in the frames that the actions of a bundle's motion graph play.
     pub fn of_played(tables: &Bundle) -> Self {
         let played = played_frames(tables);
         Self::of_frames(tables, |f| played[f])
@@ -131,12 +131,12 @@ impl Abilities {
         }
     }
 
-    /// The share of the walking that is backwards (0 to 1).
+    /// Share of the walking that goes backwards (0 to 1).
     pub(crate) fn backwards(&self) -> f64 {
         self.backwards_s / self.walking_s.max(1.0)
     }
 
-    /// What is missing for which behaviour, and the clips that would mend it.
+    /// Abilities that a behaviour needs and this motion lacks, each with the clips that would add it.
     ///
     /// - `mirrored`: mirrored copies are made, so that a turn to one side is one to the other side too.
     pub fn missing(&self, mirrored: bool) -> Vec<String> {
@@ -177,7 +177,7 @@ impl Abilities {
     }
 }
 
-/// True for every frame that some action of a bundle plays.
+/// Flags the frames of a bundle that some action plays.
 fn played_frames(tables: &Bundle) -> Vec<bool> {
     let mut played = vec![false; tables.frames().len()];
     for s in tables.graph().segments.iter() {
@@ -187,7 +187,7 @@ fn played_frames(tables: &Bundle) -> Vec<bool> {
     played
 }
 
-/// Names of the clips of which no action plays a frame, mirrored copies not counted.
+/// Names of the clips that no action plays, mirrored copies not counted.
 pub fn unused_clips(tables: &Bundle) -> Vec<&str> {
     let played = played_frames(tables);
     let unused = |c: &ClipRecord| {
@@ -198,7 +198,7 @@ pub fn unused_clips(tables: &Bundle) -> Vec<&str> {
     all.filter(|(c, _)| unused(c)).map(|(_, meta)| meta.name.as_str()).collect()
 }
 
-/// Velocity over ground at every frame, over so many frames before and after: along X and Z (m/s).
+/// Velocity over ground at every frame, along X and Z, as the mean over `half` frames before and after (m/s).
 fn velocities(roots: &[Planar], half: usize, rate_hz: f64) -> Vec<[f64; 2]> {
     let velocity = |f: usize| {
         let (from, to) = (f.saturating_sub(half), (f + half).min(roots.len() - 1));

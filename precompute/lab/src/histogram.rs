@@ -1,6 +1,6 @@
-//! Counts of values by size.
+//! A histogram of non-negative values.
 
-/// How often values came that are not negative, in bins of which so many make a unit; those beyond the last bin count in it.
+/// Counts of non-negative values in bins, `PER_UNIT` to a unit; values beyond the last bin count in the last.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Histogram<const PER_UNIT: u32, const BINS: usize> {
     counts: Vec<u64>,
@@ -19,7 +19,7 @@ impl<const PER_UNIT: u32, const BINS: usize> Histogram<PER_UNIT, BINS> {
         (self.sum, self.num, self.max) = (self.sum + f64::from(value), self.num + 1, self.max.max(f64::from(value)));
     }
 
-    /// How many values there were.
+    /// Number of values.
     pub fn num(&self) -> u64 {
         self.num
     }
@@ -32,12 +32,12 @@ impl<const PER_UNIT: u32, const BINS: usize> Histogram<PER_UNIT, BINS> {
         self.max
     }
 
-    /// The value that a share of them does not pass, as the end of its bin; 0 of none.
+    /// Quantile of the values, as the upper end of its bin; 0 without values.
     pub fn quantile(&self, share: f64) -> f64 {
         self.bin(share).map_or(0.0, |bin| (bin + 1) as f64 / f64::from(PER_UNIT)).min(self.max)
     }
 
-    /// The value that a share of them does not pass, as the middle of its bin; 0 of none.
+    /// Quantile of the values, as the middle of its bin; 0 without values.
     pub fn middle_quantile(&self, share: f64) -> f64 {
         self.bin(share).map_or(0.0, |bin| (bin as f64 + 0.5) / f64::from(PER_UNIT))
     }

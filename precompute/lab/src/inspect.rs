@@ -1,4 +1,4 @@
-//! Says what was found in a clip or bundle, for people and for programs.
+//! Reports on the content of a clip or bundle, for people and for programs.
 
 mod bundle;
 mod folder;
@@ -19,7 +19,7 @@ use throng_motion::import::{self, ImportConfig, Imported};
 use throng_motion::raw::{RawClip, SourceFormat};
 use throng_runtime::Skeleton;
 
-/// What import found in a clip. The names of the fields are keys of the JSON report.
+/// Findings of import in a clip. The names of the fields are keys of the JSON report.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ClipReport {
     /// The file.
@@ -48,7 +48,7 @@ pub struct ClipReport {
     pub profile: String,
     /// Source joint of each role.
     pub roles: BTreeMap<&'static str, String>,
-    /// What was detected and why.
+    /// Properties that were detected, each with the reason.
     pub findings: Vec<String>,
     /// How the feet behave once contacts are known, at the default database rate.
     pub contact: ContactSanity,
@@ -56,22 +56,22 @@ pub struct ClipReport {
     pub hits: HitReport,
     /// Frames of the file that a build would leave out: reason, first frame, frame after the last.
     pub excluded: Vec<(String, usize, usize)>,
-    /// What is odd but tolerable.
+    /// Oddities that import tolerates.
     pub warnings: Vec<String>,
 }
 
-/// A clip as the file holds it, as a build would use it, and what was found.
+/// A clip as the file holds it and as a build would use it, with its report.
 #[derive(Clone, Debug)]
 pub struct Inspected {
     /// The source's own joints.
     pub imported: Imported,
     /// The clip on the database skeleton, at the default database rate, annotated.
     pub clips: ClipSet,
-    /// What was found.
+    /// The findings.
     pub report: ClipReport,
 }
 
-/// Reads a clip and finds out what a build would make of it.
+/// Reads a clip and reports what a build would make of it.
 ///
 /// # Errors
 /// As [`inspect_clip`].
@@ -79,7 +79,7 @@ pub fn inspect(path: &Path, config: &ImportConfig) -> Result<ClipReport, BuildEr
     Ok(inspect_clip(path, &BuildConfig { import: config.clone(), ..BuildConfig::default() })?.report)
 }
 
-/// As [`inspect`] with all that a config says of reading, retargeting, resampling and annotating; keeps the motion.
+/// Like [`inspect`], with all settings of a config for reading, retargeting, resampling and annotating; keeps the motion.
 ///
 /// # Errors
 /// As the import and retarget stages; [`BuildError::Stage`] for a folder or pattern of several clips.
@@ -95,7 +95,7 @@ pub fn inspect_clip(path: &Path, config: &BuildConfig) -> Result<Inspected, Buil
     };
     let imported = import::read_clip(file, &config.import)?;
     let mut warnings = Warnings::default();
-    // At the rate of a build, so that the speeds are those that a build finds.
+    // At the rate of a build, so that it finds the same speeds.
     let clips = pipeline::clips_of(std::slice::from_ref(&imported), config, &mut warnings)?;
     let mut report = match clips.clips.first() {
         Some(clip) => ClipReport::of(&imported, clip, &clips.skeleton, config),
@@ -105,7 +105,7 @@ pub fn inspect_clip(path: &Path, config: &BuildConfig) -> Result<Inspected, Buil
     Ok(Inspected { imported, clips, report })
 }
 
-/// An excluded range in frames of the file: reason, first frame, frame after the last.
+/// Converts an excluded range to frames of the file: reason, first frame, frame after the last.
 fn excluded_in_source(e: &Exclusion, clip: &Clip, source: &RawClip) -> (String, usize, usize) {
     let step = source.rate_hz / clip.rate_hz;
     let at = |frame: usize| ((frame as f64 * step).round() as usize).min(source.num_frames);
@@ -114,7 +114,7 @@ fn excluded_in_source(e: &Exclusion, clip: &Clip, source: &RawClip) -> (String, 
 }
 
 impl ClipReport {
-    /// What import knows of a clip, and what the stages of a build made of it.
+    /// Combines the findings of import with those of the later stages of a build.
     fn of(imported: &Imported, clip: &Clip, skeleton: &Skeleton, config: &BuildConfig) -> Self {
         let mut report = Self {
             contact: annotate::sanity(clip, skeleton),
@@ -122,13 +122,13 @@ impl ClipReport {
             excluded: clip.excluded.iter().map(|e| excluded_in_source(e, clip, &imported.clip)).collect(),
             ..Self::new(imported)
         };
-        // Who keeps heights as they were captured has terrain.
+        // A config that keeps heights as captured implies terrain.
         let advice = report.contact.stance.advice().filter(|_| config.retarget.align_ground);
         report.warnings.extend(advice.map(|advice| format!("{}: {advice}.", report.file)));
         report
     }
 
-    /// Collects what import knows of a clip.
+    /// Collects the findings of import.
     fn new(imported: &Imported) -> Self {
         let clip = &imported.clip;
         let roles = imported.roles.pairs(&clip.joints).map(|(role, joint)| (role.name(), joint.to_owned()));

@@ -1,4 +1,4 @@
-//! Overlaps: who is in whom, and how deep.
+//! Overlaps between characters, and their depths.
 
 use glam::{Vec2, Vec3};
 use std::collections::{HashMap, HashSet};
@@ -7,24 +7,24 @@ use throng_runtime::sparring::nearest_points;
 use throng_runtime::stops::{BODY_RADIUS_M, HEAD_RADIUS_M, TRUNK_RADIUS_M};
 use throng_runtime::{Body, Joint, Planar};
 
-/// Side of a cell of the grid in which neighbours are found: nobody reaches farther (m).
+/// Side of a cell of the neighbour grid, which no character exceeds (m).
 const CELL_M: f32 = 2.0;
 
-/// One who is there.
+/// A character in the scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Present {
     /// Number of the character.
     pub number: usize,
-    /// Where it stands (m).
+    /// Position on the ground (m).
     pub place: Vec2,
-    /// Of the disc that it takes on the ground; 0 for one who may be above or below others (m).
+    /// Radius of its disc on the ground; 0 for a character that may be above or below others (m).
     pub radius_m: f32,
-    /// Hips, neck and middle of the head, for one with a body (m).
+    /// Hips, neck and middle of the head, if it has a body (m).
     pub trunk: Option<[Vec3; 3]>,
 }
 
 impl Present {
-    /// One with a body.
+    /// A character with a body.
     pub fn with_body(number: usize, body: &Body<'_>, skeleton: &Skeleton) -> Self {
         let Planar { x, z, .. } = body.root;
         let head = body.world(Joint::Head).transform_point3(skeleton.tips[0] * 0.5);
@@ -33,9 +33,9 @@ impl Present {
     }
 }
 
-/// Looks for overlaps from step to step.
+/// Measures overlaps from step to step.
 ///
-/// Two overlap where the discs about their roots do, or the capsules of trunk and head.
+/// Two characters overlap if the discs around their roots do, or the capsules of trunk and head.
 #[derive(Clone, Debug, Default)]
 pub struct OverlapMeter {
     pairs: HashSet<(usize, usize)>,
@@ -43,12 +43,12 @@ pub struct OverlapMeter {
 }
 
 impl OverlapMeter {
-    /// Looks at all who are there at one time.
+    /// Measures all characters at one time.
     pub fn observe(&mut self, all: &[Present]) {
         self.observe_but(all, |_, _| false);
     }
 
-    /// As [`Self::observe`], but for pairs of numbers that may be near each other.
+    /// Like [`Self::observe`], except for pairs of characters that `may_meet` allows to be near each other.
     pub fn observe_but(&mut self, all: &[Present], may_meet: impl Fn(usize, usize) -> bool) {
         let cell = |p: Vec2| (p / CELL_M).floor().to_array().map(|v| v as i32);
         let mut cells: HashMap<[i32; 2], Vec<usize>> = HashMap::new();
@@ -72,13 +72,13 @@ impl OverlapMeter {
         self.pairs.len()
     }
 
-    /// How deep the two who overlapped most were in each other; 0 where nobody did (m).
+    /// Deepest overlap of any pair; 0 without overlaps (m).
     pub fn deepest_m(&self) -> f32 {
         self.deepest_m
     }
 }
 
-/// How deep two are in each other; negative where they are apart (m).
+/// Overlap depth of two characters; negative if they are apart (m).
 pub fn depth(a: &Present, b: &Present) -> f32 {
     let on_ground = a.radius_m > 0.0 && b.radius_m > 0.0;
     let discs = if on_ground { a.radius_m + b.radius_m - a.place.distance(b.place) } else { f32::NEG_INFINITY };

@@ -7,7 +7,7 @@ use throng_runtime::characters::{Characters, Level};
 use throng_runtime::simulation::Simulation;
 use throng_runtime::{Contacts, Joint};
 
-/// How often planted feet moved at each speed up to 4 m/s, to a millimetre a second.
+/// Histogram of the speeds of planted feet, up to 4 m/s, in bins of 1 mm/s.
 type Speeds = Histogram<1000, 4000>;
 
 /// The bottom of the heel and the ball of the left and of the right foot, in the world (m).
@@ -16,14 +16,16 @@ pub type Soles = [[Vec3; 2]; 2];
 /// Feet of one character, in the world (m).
 #[derive(Clone, Copy, Debug)]
 pub enum Feet {
-    /// Joints: left foot and toe, right foot and toe. Each counts by itself.
+    /// Joints: left foot and toe, right foot and toe; each counts on its own.
     Joints([Vec3; 4]),
-    /// Soles that roll: heel and ball each count over the ground, while they are planted.
+    /// Rolling soles: heel and ball each count over the ground while they are planted.
     Soles(Soles),
 }
 
 impl Feet {
-    /// - `at`: where a joint is in the world (m).
+    /// Feet from their joints.
+    ///
+    /// - `at`: position of a joint in the world (m).
     pub fn joints(at: impl Fn(Joint) -> Vec3) -> Self {
         Self::Joints(PARTS.map(|(joint, _)| at(joint)))
     }
@@ -38,12 +40,12 @@ pub struct SlipMeter {
 }
 
 impl SlipMeter {
-    /// For so many characters.
+    /// A meter for a number of characters.
     pub fn new(num_characters: usize) -> Self {
         Self { before: vec![None; num_characters], speeds: Speeds::default() }
     }
 
-    /// Looks at one character after a step of `dt_s`; feet that were planted before and are now count.
+    /// Observes one character after a step of `dt_s`; feet count that were planted before and still are.
     pub fn observe(&mut self, character: usize, dt_s: f32, contacts: Contacts, feet: Feet) {
         let Some((before, were)) = self.before[character].replace((feet, contacts)) else { return };
         let is_planted = |part: Contacts| dt_s > 0.0 && contacts.any(part) && were.any(part);
@@ -63,8 +65,7 @@ impl SlipMeter {
         }
     }
 
-    /// Looks at all characters of policies after a step; those whose feet are not locked at their level of detail are
-    /// passed over.
+    /// Observes all characters with policies after a step, except those whose feet are not locked at their level of detail.
     pub fn observe_characters(&mut self, characters: &Characters, dt_s: f32) {
         for c in 0..self.before.len() {
             if characters.level(c) != Level::Full {
@@ -78,7 +79,7 @@ impl SlipMeter {
         }
     }
 
-    /// Looks at characters of a simulation after a step; those without bodies have no feet.
+    /// Observes characters of a simulation after a step, except those without bodies.
     pub fn observe_simulation(&mut self, sim: &Simulation, characters: impl Iterator<Item = usize>, dt_s: f32) {
         for c in characters {
             let (Some(root), Some(pose)) = (sim.root(c), sim.pose(c)) else { continue };
@@ -88,32 +89,32 @@ impl SlipMeter {
         }
     }
 
-    /// Forgets the last step: the next one is not its neighbour.
+    /// Forgets the last step, as the next one does not follow it.
     pub fn forget_step(&mut self) {
         self.before.fill(None);
     }
 
-    /// Forgets what was measured, not the last step.
+    /// Clears the measurements, but keeps the last step.
     pub fn clear(&mut self) {
         self.speeds = Speeds::default();
     }
 
-    /// True where the last step had feet.
+    /// True if the last step had feet.
     pub fn has_seen_feet(&self) -> bool {
         self.before.iter().any(Option::is_some)
     }
 
-    /// Planted parts that were measured.
+    /// Number of measured planted parts.
     pub fn samples(&self) -> u64 {
         self.speeds.num()
     }
 
-    /// (m/s)
+    /// Mean speed (m/s).
     pub fn mean_mps(&self) -> f64 {
         self.speeds.mean()
     }
 
-    /// 95th percentile (m/s).
+    /// 95th percentile of the speed (m/s).
     pub fn p95_mps(&self) -> f64 {
         self.speeds.middle_quantile(0.95)
     }

@@ -1,4 +1,4 @@
-//! How opponents touch: arms and legs in bodies, arms in heads, heads too near each other, how fast elbows turn.
+//! Contact of opponents: arms and legs in bodies, arms in heads, heads too near each other, rates of elbows.
 
 use crate::frames::runs;
 use crate::histogram::Histogram;
@@ -9,7 +9,7 @@ use serde::Serialize;
 use throng_runtime::sparring::{Part, Sparring};
 use throng_runtime::{Bundle, Cast, Joint, NUM_JOINTS};
 
-/// What was measured of opponents: whether their limbs stop at each other.
+/// Figures of opponents: whether their limbs stop at each other.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct TouchFigures {
     /// Times that a forearm came within 10 cm of the opponent's spine, a minute and boxer.
@@ -18,32 +18,32 @@ pub struct TouchFigures {
     pub legs_in_bodies_per_minute: f64,
     /// Times that a shin or a foot came within 8 cm of a shin or a foot of the opponent, a minute and boxer.
     pub legs_in_legs_per_minute: f64,
-    /// Share of the time that they were.
+    /// Share of the time in which legs were that near each other.
     pub legs_in_legs_fraction: f64,
     /// Times that a wrist came within 8 cm of the middle of the opponent's head, a minute and boxer; not within 0.1 s after
     /// its blow landed there.
     pub wrists_in_heads_per_minute: f64,
-    /// Share of the time that heads of opponents were less than 0.45 m apart.
+    /// Share of the time in which heads of opponents were less than 0.45 m apart.
     pub heads_close_fraction: f64,
     /// Distance between heads of opponents, mean over time and pairs (m).
     pub head_distance_mean_m: f64,
-    /// Fastest turn of an elbow over that of the clips.
+    /// Largest angular rate of an elbow over that of the clips.
     pub elbow_rate_max_ratio: f64,
-    /// 99.9th percentile of the turn of elbows over that of the clips.
+    /// 99.9th percentile of the angular rate of elbows over that of the clips.
     pub elbow_rate_p999_ratio: f64,
 }
 
-/// Forearms, shins and feet nearer to a spine than this are in the body (m).
+/// Distance from a spine below which forearms, shins and feet are in the body (m).
 const IN_BODY_M: f32 = 0.1;
-/// Wrists nearer to the middle of a head than this are in it (m).
+/// Distance from the middle of a head below which wrists are in it (m).
 const IN_HEAD_M: f32 = 0.08;
-/// Shins and feet nearer to the other's than this are in them (m).
+/// Distance from the opponent's shins and feet below which shins and feet are in them (m).
 const IN_LEG_M: f32 = 0.08;
-/// Heads nearer to each other than this are too near to strike (m).
+/// Distance of heads below which opponents are too near to strike (m).
 const CLOSE_M: f32 = 0.45;
-/// A wrist may be in a head this long after its blow landed there (s).
+/// Time after its blow has landed in which a wrist may be in the head (s).
 const LANDING_S: f32 = 0.1;
-/// How often elbows turned at each rate up to 80 rad/s.
+/// Histogram of angular rates of elbows up to 80 rad/s.
 type Rates = Histogram<50, 4000>;
 
 const SPINE: [Joint; 5] = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest, Joint::Neck];
@@ -56,10 +56,10 @@ const ARMS: [[Joint; 3]; 2] = [
 const LEGS: [[Joint; 3]; 2] =
     [[Joint::LeftShin, Joint::LeftFoot, Joint::LeftToe], [Joint::RightShin, Joint::RightFoot, Joint::RightToe]];
 
-/// Measures from step to step how opponents touch.
+/// Measures the contact of opponents from step to step.
 #[derive(Default)]
 pub struct TouchMeter {
-    /// By number.
+    /// States by the character's number.
     boxers: Vec<Option<Boxer>>,
     arms_in_bodies: u64,
     legs_in_bodies: u64,
@@ -74,12 +74,12 @@ pub struct TouchMeter {
     elbows: Rates,
 }
 
-/// What is remembered of one from step to step.
+/// State of one boxer that is kept from step to step.
 #[derive(Clone, Copy, Default)]
 struct Boxer {
     in_body: [bool; 2],
     legs_in_body: [bool; 2],
-    /// Each leg in either of the other's.
+    /// Flags of the legs that are in a leg of the opponent.
     in_legs: [bool; 2],
     in_head: [bool; 2],
     /// Time since a blow of each hand landed on the other's head (s).
@@ -88,9 +88,9 @@ struct Boxer {
 }
 
 impl TouchMeter {
-    /// Looks at all pairs after a step.
+    /// Observes all pairs after a step.
     ///
-    /// - `first_number`: of the first of them, where more than these are looked at.
+    /// - `first_number`: number of the first boxer, if several sparring groups are measured.
     pub fn observe(&mut self, sparring: &Sparring, first_number: usize, dt_s: f32) {
         let num = 2 * sparring.num_pairs();
         self.boxers.resize(self.boxers.len().max(first_number + num), None);
@@ -149,9 +149,9 @@ impl TouchMeter {
         }
     }
 
-    /// What was measured; nothing where nobody spars.
+    /// The figures; none without sparring.
     ///
-    /// - `bundle`: with the clips that they spar by.
+    /// - `bundle`: bundle with the clips of the boxers.
     pub fn figures(&self, bundle: &Bundle) -> Option<TouchFigures> {
         let boxer_minutes = 2.0 * self.pair_s / 60.0;
         let source = source_elbows(bundle);
@@ -170,7 +170,7 @@ impl TouchMeter {
     }
 }
 
-/// How fast the elbows of a bundle's clips turn.
+/// Angular rates of the elbows in a bundle's clips.
 fn source_elbows(bundle: &Bundle) -> Rates {
     let (mut rates, rate_hz) = (Rates::default(), bundle.meta().rate_hz as f32);
     for run in runs(bundle) {

@@ -1,4 +1,4 @@
-//! A trial of a bundle: characters chase targets of their own, and what they do is measured.
+//! Trial of a bundle: characters chase targets of their own and are measured.
 
 mod watch;
 
@@ -17,7 +17,7 @@ use throng_runtime::stops::REST;
 use throng_runtime::{Bundle, Cast, Contacts, Error, Inline, NUM_JOINTS, Planar};
 use watch::Watch;
 
-/// What is tried.
+/// Settings of a trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrialConfig {
     /// Number of characters.
@@ -28,18 +28,17 @@ pub struct TrialConfig {
     pub step_hz: f32,
     /// Seed of places, targets and choices.
     pub seed: u64,
-    /// Nearest and farthest a target stands at the start (m).
+    /// Least and greatest distance of a target at the start (m).
     pub distances: [f32; 2],
-    /// Targets stand to the left and to the right by turns, so that two streams walk through each other; otherwise in any
-    /// direction.
+    /// True for targets to the left and right in turn, so that two streams walk through each other; false for any direction.
     pub streams: bool,
-    /// A target counts as reached within this distance (m).
+    /// Distance within which a target counts as reached (m).
     pub reach_m: f32,
-    /// When the crowd is drawn: while many are still on their way (s).
+    /// Time at which the crowd is drawn, while many are still on their way (s).
     pub snapshot_s: f32,
     /// Character whose poses are recorded, if any (< characters).
     pub recorded: Option<usize>,
-    /// How characters move.
+    /// Settings of the characters' motion.
     pub motion: CharactersConfig,
 }
 
@@ -60,14 +59,14 @@ impl Default for TrialConfig {
     }
 }
 
-/// What a trial measured.
+/// Results of a trial.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct TrialReport {
     /// Number of characters.
     pub characters: usize,
     /// Simulated time (s).
     pub simulated_s: f32,
-    /// Characters make way for each other; otherwise each is as good as alone.
+    /// True if characters avoid each other.
     pub making_way: bool,
     /// Share of the characters that came within reach of their target.
     pub reached_fraction: f64,
@@ -77,25 +76,25 @@ pub struct TrialReport {
     pub mean_arrival_s: Option<f64>,
     /// Distance to the target at the end, mean over all characters (m).
     pub mean_final_distance_m: f64,
-    /// The same share by how far the target stood at the start.
+    /// Share that came within reach, by the distance of the target at the start.
     pub reached_by_distance: Vec<Share>,
-    /// The same share by where the target stood at the start, as the character saw it.
+    /// Share that came within reach, by the direction of the target at the start in the character's frame.
     pub reached_by_direction: Vec<Share>,
-    /// Longest time from one choice of a character to its next: so long it heeds nothing (s).
+    /// Longest time from one choice of a character to its next, in which it does not react (s).
     pub longest_wait_s: f64,
-    /// Share of the characters near their targets at the end that stand still there.
+    /// Share that stands still, of the characters near their targets at the end.
     pub standing_fraction: f64,
-    /// Pairs of characters that were in each other at any time: discs of 0.25 m about their roots, or trunks and heads.
+    /// Pairs of characters that overlapped at any time: discs of 0.25 m around their roots, or trunks and heads.
     pub character_overlaps: usize,
-    /// How deep the two who were most in each other were (m).
+    /// Deepest overlap of any pair (m).
     pub deepest_overlap_m: f64,
-    /// Share of the time on the way that characters stood.
+    /// Share of the time on the way in which characters stood.
     pub stopped_share: f64,
     /// Mean speed of planted heels and toes (m/s).
     pub foot_slip_mean_mps: f64,
     /// 95th percentile of the speed of planted heels and toes (m/s).
     pub foot_slip_p95_mps: f64,
-    /// The motion beside that of the clips, of the first 10 000 steps of 50 characters.
+    /// Quality of the motion beside that of the clips, over the first 10 000 steps of 50 characters.
     #[serde(flatten)]
     pub quality: MotionQuality,
     /// Steps of all characters a second of wall time, control and poses included, on one thread.
@@ -106,10 +105,10 @@ pub struct TrialReport {
     pub choices_per_second: f64,
 }
 
-/// How many of some characters reached their targets.
+/// Share of a group of characters that reached their targets.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Share {
-    /// What their targets have in common, such as `2 to 3 m` or `behind`.
+    /// Common property of their targets, such as `2 to 3 m` or `behind`.
     pub targets: String,
     /// Number of the characters.
     pub characters: usize,
@@ -117,22 +116,22 @@ pub struct Share {
     pub reached_fraction: f64,
 }
 
-/// What a trial leaves to be drawn.
+/// Record of a trial, for pictures.
 #[derive(Clone, Debug, Default)]
 pub struct TrialRecord {
     /// Time at which the crowd was recorded (s).
     pub snapshot_s: f32,
-    /// Planar roots then.
+    /// Planar roots at that time.
     pub roots: Vec<Planar>,
-    /// Where each character had been by then, five times a second (m).
+    /// Trail of each character until then, five positions a second (m).
     pub trails: Vec<Vec<Vec2>>,
     /// Targets (m).
     pub targets: Vec<Vec3>,
-    /// When each target was reached; infinite where it was not (s).
+    /// Time at which each target was reached; infinite if it was not (s).
     pub arrivals_s: Vec<f32>,
-    /// World positions of all joints of each character then (m).
+    /// World positions of all joints of each character at that time (m).
     pub poses: Vec<[Vec3; NUM_JOINTS]>,
-    /// The recorded character, every step; the first 10 000.
+    /// Frames of the recorded character, one for each of the first 10 000 steps.
     pub frames: Vec<TrialFrame>,
 }
 
@@ -147,7 +146,7 @@ pub struct TrialFrame {
     pub positions: [Vec3; NUM_JOINTS],
     /// Planted parts of the feet.
     pub contacts: Contacts,
-    /// Segment that is played.
+    /// Playing segment.
     pub segment: u32,
 }
 
@@ -169,17 +168,17 @@ pub fn run(tables: &Bundle, config: &TrialConfig) -> Result<(TrialReport, TrialR
     Ok(watch.finish(characters, config, num_steps(config), busy_s))
 }
 
-/// Steps of a trial.
+/// Number of steps of a trial.
 pub(crate) fn num_steps(config: &TrialConfig) -> usize {
     (config.seconds * config.step_hz).round().max(1.0) as usize
 }
 
-/// Steps characters through a trial, and shows them after the first choice and after every step.
+/// Steps characters through a trial; calls `look` after the first choice and after every step.
 ///
-/// - returns the time that steps took (s).
+/// - returns the wall time of the steps (s).
 ///
 /// # Errors
-/// As [`run`], and what `look` fails with.
+/// As [`run`], and errors of `look`.
 pub(crate) fn play(
     cast: &mut PolicyCharacters,
     config: &TrialConfig,
@@ -188,7 +187,7 @@ pub(crate) fn play(
     let mut busy_s = 0.0;
     for step in 0..=num_steps(config) {
         let begin = Instant::now();
-        // The first step only takes the first choice.
+        // The first step only makes the first choice.
         let dt = if step == 0 { 0.0 } else { 1.0 / config.step_hz };
         cast.step(dt, &Inline).map_err(|e| stage_error(e.to_string()))?;
         busy_s += begin.elapsed().as_secs_f64();
@@ -197,7 +196,7 @@ pub(crate) fn play(
     Ok(busy_s)
 }
 
-/// Checks that a bundle can be tried this way.
+/// Checks that a bundle and a config allow a trial.
 ///
 /// # Errors
 /// As [`run`].
@@ -224,13 +223,13 @@ fn stage_error(message: String) -> BuildError {
     BuildError::Stage { stage: "trial", message, help: "`throng run --help` lists what may be given".into() }
 }
 
-/// Characters on a loose grid, each with a target in some direction; targets are apart where there is room. Those who make
-/// way start where somebody stands, if anybody does.
+/// Places characters on a loose grid, each with a target in some direction; targets are apart if there is room. Characters
+/// that avoid each other start in a standing state, if there is one.
 pub(crate) fn scatter(tables: &Bundle, config: &TrialConfig) -> Result<(PolicyCharacters, Vec<Vec3>), Error> {
     scatter_from(tables, config, SPACING_M)
 }
 
-/// Likewise, with so much between neighbours at first (m).
+/// Like [`scatter`], with an initial distance between neighbours (m), which grows as necessary.
 fn scatter_from(
     tables: &Bundle,
     config: &TrialConfig,
@@ -238,7 +237,7 @@ fn scatter_from(
 ) -> Result<(PolicyCharacters, Vec<Vec3>), Error> {
     loop {
         match scatter_apart(tables, config, spacing_m) {
-            // Motion that does not stop soon takes more room.
+            // Motion that takes long to stop needs more room.
             Err(Error::Occupied { .. }) if spacing_m < MOST_SPACING_M => {
                 spacing_m = (1.5 * spacing_m).min(MOST_SPACING_M);
             }
@@ -247,7 +246,7 @@ fn scatter_from(
     }
 }
 
-/// Likewise, with so much between neighbours and no more (m).
+/// Like [`scatter`], with a fixed distance between neighbours (m).
 fn scatter_apart(
     tables: &Bundle,
     config: &TrialConfig,
@@ -286,7 +285,7 @@ fn scatter_apart(
     Ok((cast, targets))
 }
 
-/// States to start in: of those who make way, the ones in which somebody stands upright, where there are any.
+/// Start states: for characters that avoid each other, the upright standing ones, if there are any.
 pub fn starts(tables: &Bundle, motion: &CharactersConfig) -> Vec<u32> {
     let all = 0..tables.graph().states.len() as u32;
     let radius = |s: u32| tables.stops().stops[s as usize].radius;
@@ -298,21 +297,21 @@ pub fn starts(tables: &Bundle, motion: &CharactersConfig) -> Vec<u32> {
     }
 }
 
-/// Distance of neighbours on the grid of starts at first and at most, and how far each is from its place along an axis (m).
+/// Initial and greatest distance of neighbours on the grid of starts, and largest offset from the grid along an axis (m).
 const SPACING_M: f32 = 2.0;
 const MOST_SPACING_M: f32 = 20.0;
 const JITTER_M: f32 = 0.6;
-/// Targets are this far apart (m).
+/// Least distance between targets (m).
 const APART_M: f32 = 0.8;
-/// Targets that are drawn before one is taken as it is.
+/// Number of draws before a target is accepted as it is.
 const TRIES: usize = 20;
 
-/// Cells that hold one target at most.
+/// Cell of a grid whose cells hold one target at most.
 fn cell(p: Vec2) -> [i32; 2] {
     (p * (std::f32::consts::SQRT_2 / APART_M)).floor().to_array().map(|v| v as i32)
 }
 
-/// Cells in which a target is that is too near to a place.
+/// Cells whose targets may be too near to a place.
 fn around(p: Vec2) -> impl Iterator<Item = [i32; 2]> {
     let [x, z] = cell(p);
     (-2..=2).flat_map(move |dx| (-2..=2).map(move |dz| [x + dx, z + dz]))
@@ -332,7 +331,7 @@ mod tests {
         assert!(matches!(refused, Err(Error::Occupied { .. })), "{refused:?}");
         let (cast, targets) = scatter_from(&tables, &config, 0.4).expect("room");
         assert_eq!((cast.ids().len(), targets.len()), (60, 60));
-        // What is wrong for another reason is told.
+        // Other errors are reported.
         let wrong = TrialConfig { distances: [f32::NAN; 2], ..config };
         assert!(!matches!(scatter_from(&tables, &wrong, 0.4), Ok(_) | Err(Error::Occupied { .. })));
     }

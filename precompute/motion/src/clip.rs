@@ -8,16 +8,16 @@ use throng_core::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
 /// A run of frames `[start, end)`.
 pub type FrameRange = std::ops::Range<usize>;
 
-/// Frames that are not motion to be used, and why.
+/// Frames that may not be used as motion, and the reason.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Exclusion {
     /// The frames.
     pub range: FrameRange,
-    /// Why, as the reports print it.
+    /// Reason, as reports print it.
     pub reason: ExclusionReason,
 }
 
-/// Why frames are left out.
+/// Reason why frames are left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum ExclusionReason {
     /// The calibration pose at a clip's end.
@@ -55,28 +55,28 @@ pub struct Tag {
 pub struct Hit {
     /// The frame.
     pub frame: usize,
-    /// What kind of blow.
+    /// Kind of blow.
     pub kind: HitKind,
     /// The joint that strikes.
     pub joint: Joint,
-    /// Effective hitting point, as seen from the frame's planar root (m).
+    /// Effective hitting point, relative to the frame's planar root (m).
     pub position: Vec3,
-    /// Direction in which it moves, likewise, of unit length.
+    /// Direction of its motion, relative to the planar root (unit).
     pub direction: Vec3,
-    /// How fast it moves (m/s).
+    /// Speed (m/s).
     pub speed_mps: f32,
     /// Speed over that of the fastest hit of its kind in the set (> 0, <= 1).
     pub force: f32,
 }
 
-/// What kind of blow a hit is.
+/// Kind of blow.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 pub enum HitKind {
     /// With a fist, found by its speed.
     Punch,
     /// With a foot, found by its speed.
     Kick,
-    /// What a sidecar file says, by its name.
+    /// Given by a sidecar file, with its name.
     Tag(String),
 }
 
@@ -97,7 +97,7 @@ pub struct Clip {
     /// Unique in its set: the file as seen from the folder that was given, without extension, with folders in front where
     /// needed; a mirrored copy ends in `~mirror`.
     pub name: String,
-    /// Where the motion came from, as the user wrote it.
+    /// Path of the motion's file, as the user wrote it.
     pub source: String,
     /// True for a copy with left and right exchanged.
     pub mirrored: bool,
@@ -119,8 +119,8 @@ pub struct Clip {
     pub tags: Vec<Tag>,
     /// Effective hits, ascending by frame; empty before the annotate stage.
     pub hits: Vec<Hit>,
-    /// Height of what holds the character up: the lowest thing that a planted part touches, between contacts that of
-    /// the last one. Empty where all of it is the ground at y = 0 (m, num_frames or 0).
+    /// Height of the support under the character: the lowest thing that a planted part touches, between contacts that of the
+    /// last one. Empty where all of it is the ground at y = 0 (m, num_frames or 0).
     #[serde(with = "crate::pod")]
     pub support: Vec<f32>,
 }
@@ -129,7 +129,7 @@ impl Clip {
     /// Motion alone, not annotated: no source, contacts, exclusions, tags, hits or supports.
     ///
     /// - `rate_hz`: frames a second (Hz, > 0).
-    /// - `root_positions`, `rotations`: as the fields have them.
+    /// - `root_positions`, `rotations`: as in the fields.
     pub fn new(name: impl Into<String>, rate_hz: f64, root_positions: Vec<Vec3>, rotations: Vec<Quat>) -> Self {
         Self {
             name: name.into(),
@@ -151,14 +151,14 @@ impl Clip {
         self.root_positions.len()
     }
 
-    /// Forgets the poses: what is left is where the root is, contacts, hits and names.
+    /// Drops the poses: root, contacts, hits and names remain.
     pub fn forget_poses(&mut self) {
         if self.has_poses() {
             self.rotations = self.rotations.iter().step_by(NUM_JOINTS).copied().collect();
         }
     }
 
-    /// False where another process has the poses.
+    /// False where the poses were dropped, as another process has them.
     pub fn has_poses(&self) -> bool {
         self.rotations.len() == self.num_frames() * NUM_JOINTS
     }

@@ -1,4 +1,4 @@
-//! What can go wrong between files and tables, in words that name the place and the way out.
+//! Errors between files and tables, in words that name the place and the way out.
 
 use crate::progress::Stopped;
 use std::path::{Path, PathBuf};
@@ -13,13 +13,13 @@ pub enum ImportError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// A file of settings that cannot be read, or says something wrong.
+    /// A file of settings cannot be read, or has a fault.
     #[error(transparent)]
     Settings(#[from] throng_base::Error),
-    /// The text is not what the format asks for.
+    /// The text does not follow the format.
     #[error("{}:{line}:{column}: expected {expected}, found {found}. {help}", path.display())]
     Syntax {
         /// The file.
@@ -28,9 +28,9 @@ pub enum ImportError {
         line: usize,
         /// Column in characters, from 1.
         column: usize,
-        /// What should stand there.
+        /// Expected text.
         expected: String,
-        /// What stands there.
+        /// Text that was found.
         found: String,
         /// The way out.
         help: String,
@@ -40,7 +40,7 @@ pub enum ImportError {
     Content {
         /// The file.
         path: PathBuf,
-        /// What is wrong, naming the joint where there is one.
+        /// The fault, naming the joint where there is one.
         message: String,
         /// The way out.
         help: String,
@@ -51,15 +51,15 @@ pub enum ImportError {
         /// The file.
         path: PathBuf,
     },
-    /// Reading was told to stop.
+    /// Reading was stopped.
     #[error(transparent)]
     Stopped(#[from] Stopped),
 }
 
 impl ImportError {
-    /// True where the same file may be read at another time: what it holds is not at fault.
+    /// True where the same file may be readable at another time: its contents are not at fault.
     pub fn is_passing(&self) -> bool {
-        // As POSIX numbers them: a fault of the disk, and too many open files.
+        // POSIX numbers of a fault of the disk, and of too many open files.
         const NUMBERS: [i32; 3] = [5, 23, 24];
         use std::io::ErrorKind::{Interrupted, OutOfMemory, StaleNetworkFileHandle, TimedOut};
         match self {
@@ -84,28 +84,28 @@ impl ImportError {
     }
 }
 
-/// A build that cannot go on.
+/// Reason why a build cannot go on.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum BuildError {
-    /// A file of the input.
+    /// An input file has a fault.
     #[error(transparent)]
     Import(#[from] ImportError),
-    /// A file that cannot be read, or says something wrong.
+    /// A file cannot be read, or has a fault.
     #[error(transparent)]
     File(#[from] throng_base::Error),
-    /// The configuration.
+    /// The configuration has a fault.
     #[error("{message}")]
     Config {
         /// File, line and key, what was expected, the way out.
         message: String,
     },
-    /// A key of a text that people write.
+    /// A key of a text that people write has a fault.
     #[error("{key}: {why}")]
     Key {
-        /// Where it stands, from the outermost table on, such as `behaviours[2].grid.height`.
+        /// Path of the key, from the outermost table on, such as `behaviours[2].grid.height`.
         key: String,
-        /// What was expected, what was found, the way out.
+        /// Expected and found value, and the way out.
         why: String,
     },
     /// A stage cannot do its work with this input.
@@ -113,7 +113,7 @@ pub enum BuildError {
     Stage {
         /// The stage's name.
         stage: &'static str,
-        /// What is wrong.
+        /// The fault.
         message: String,
         /// The way out.
         help: String,
@@ -123,21 +123,21 @@ pub enum BuildError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// A store of objects, such as a cache on a network.
+    /// A store of objects failed, such as a cache on a network.
     #[error("{address}: {why}")]
     Store {
-        /// Where it is.
+        /// Address of the store.
         address: String,
-        /// What is wrong, and the way out.
+        /// The fault, and the way out.
         why: String,
     },
     /// The tables could not be opened again.
     #[error("{0}")]
     Format(String),
-    /// The build was told to stop.
+    /// The build was stopped.
     #[error(transparent)]
     Stopped(#[from] Stopped),
 }
@@ -148,7 +148,7 @@ impl BuildError {
         Self::Key { key: key.into(), why: why.to_string() }
     }
 
-    /// The same as seen from the table or list entry that holds the key, such as `behaviours[2]`.
+    /// This error relative to the table or list entry that holds the key, such as `behaviours[2]`.
     #[must_use]
     pub fn within(self, outer: &str) -> Self {
         match self {
@@ -158,7 +158,7 @@ impl BuildError {
         }
     }
 
-    /// The same with line and column of the key in a text.
+    /// This error with line and column of the key in a text.
     #[must_use]
     pub fn at(self, source: &Source) -> Self {
         match self {
@@ -167,7 +167,7 @@ impl BuildError {
         }
     }
 
-    /// The same with the place in a file, which is read again for it.
+    /// This error with the place in a file, which is read again for it.
     #[must_use]
     pub fn in_file(self, path: &Path) -> Self {
         match (self, Source::read(path, "a text")) {
@@ -193,7 +193,7 @@ pub fn check_ranges<'a>(ranges: impl IntoIterator<Item = (&'a str, f64, f64, f64
     Err(BuildError::key(key, format!("expected {low} to {high}, found {found}. Correct it or leave it out.")))
 }
 
-/// What to do about what the system says.
+/// Advice for an error of the system.
 fn way_out(source: &std::io::Error) -> &'static str {
     use std::io::ErrorKind::{OutOfMemory, PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
     match source.kind() {

@@ -1,4 +1,4 @@
-//! Writing files so that half of one is never seen.
+//! Writes files so that a half-written one is never visible.
 //!
 //! A file is written under a temporary name in its folder, and renamed when it is whole. While it is written it is
 //! locked: the system takes the lock from a process that ends, however it ends. So the next one that writes in that
@@ -14,7 +14,7 @@ use tempfile::NamedTempFile;
 const PREFIX: &str = ".throng-";
 /// And end with this.
 const SUFFIX: &str = ".tmp";
-/// Letters between the two.
+/// Number of random letters between the two.
 const RANDOM: usize = 8;
 /// Most links that lead from one to another before the file.
 const MAX_LINKS: usize = 40;
@@ -43,16 +43,16 @@ pub fn write_atomically(
     }
 }
 
-/// As [`write_atomically`], without waiting for the disk and without a look for what killed processes left: for many files
-/// that are checked when they are read, and can be made again.
+/// Writes as [`write_atomically`] does, without waiting for the disk and without a search for the remains of killed processes:
+/// for many files that are checked when they are read, and can be made again.
 ///
 /// # Errors
-/// As [`write_atomically`].
+/// Errors of [`write_atomically`].
 pub fn write_quickly(path: &Path, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<(), BuildError> {
     replace(path, write, |_| Ok(())).map(|_| ())
 }
 
-/// - returns the file that was written: where links lead to.
+/// - returns the file that was written: the target of links.
 fn replace(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
@@ -77,7 +77,7 @@ fn replace(
     Ok(real)
 }
 
-/// What the system says, without the temporary name.
+/// The system's message, without the temporary name.
 fn plain(e: &std::io::Error) -> String {
     e.raw_os_error().map_or_else(|| e.kind().to_string(), |code| std::io::Error::from_raw_os_error(code).to_string())
 }
@@ -87,10 +87,10 @@ fn temporary(folder: &Path) -> std::io::Result<NamedTempFile> {
     loop {
         let file = new_file(folder)?;
         match file.as_file().try_lock() {
-            // Another process may have taken it for one that was left, before it was locked.
+            // Another process may have taken it for a leftover, before it was locked.
             Ok(()) if !file.path().exists() => {}
             Err(TryLockError::WouldBlock) => {}
-            // Not every file system has locks; there, nothing is removed either.
+            // Some file systems have no locks; there, nothing is removed either.
             Ok(()) | Err(TryLockError::Error(_)) => return Ok(file),
         }
     }
@@ -104,7 +104,7 @@ fn new_file(folder: &Path) -> std::io::Result<NamedTempFile> {
     builder.tempfile_in(folder)
 }
 
-/// Removes temporary files that nobody writes any more.
+/// Removes temporary files that no process writes any more.
 pub fn remove_left(folder: &Path) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for entry in entries.flatten().filter(|e| is_temporary(&e.file_name().to_string_lossy())) {
@@ -125,7 +125,7 @@ fn is_temporary(name: &str) -> bool {
     random.is_some_and(|r| r.len() == RANDOM && r.bytes().all(|b| b.is_ascii_alphanumeric()))
 }
 
-/// Where symbolic links lead to; the file need not be there.
+/// The target of symbolic links; it need not exist.
 fn follow(path: &Path) -> std::io::Result<PathBuf> {
     let mut path = path.to_path_buf();
     for _ in 0..MAX_LINKS {
@@ -185,7 +185,7 @@ pub fn check_target(path: &Path) -> Result<(), BuildError> {
     }
 }
 
-/// As [`check_target`] for each of several files to write; none may be one that is read, or another one of them.
+/// Checks as [`check_target`] does each of several files to write; none may be a file that is read, or another one of them.
 ///
 /// # Errors
 /// As [`check_target`]; [`BuildError::Config`] naming a file that is meant twice.
@@ -207,13 +207,13 @@ pub fn check_targets<'a>(
     Ok(())
 }
 
-/// As [`check_target`], and a file that stands at the path has to be of the same kind, or empty, so that no config and no motion file
-/// is overwritten.
+/// Checks as [`check_target`] does; a file at the path has to be of the same kind, too, or empty, so that no config and no
+/// motion file is overwritten.
 ///
 /// - `magic`: first bytes of files of the kind; `what`: the kind, with its article.
 ///
 /// # Errors
-/// As [`check_target`]; [`BuildError::Config`] where a file of another kind stands there.
+/// Errors of [`check_target`]; [`BuildError::Config`] where a file of another kind is at the path.
 pub fn check_replaced(path: &Path, magic: &[u8], what: &str) -> Result<(), BuildError> {
     check_target(path)?;
     let mut found = Vec::new();

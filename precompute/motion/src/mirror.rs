@@ -4,7 +4,7 @@ use crate::clip::{Clip, Hit, Tag};
 use glam::{Quat, Vec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS};
 
-/// What the name of a mirrored copy ends in.
+/// Suffix of the name of a mirrored copy.
 pub const SUFFIX: &str = "~mirror";
 
 /// The clip as seen in a mirror: x becomes -x, left joints play the right ones' part, contacts included.
@@ -36,13 +36,13 @@ pub fn mirror(clip: &Clip) -> Clip {
     }
 }
 
-/// The hit as seen in the mirror.
+/// The hit of the mirrored clip.
 pub fn mirror_hit(hit: &Hit) -> Hit {
     let flip = Vec3::new(-1.0, 1.0, 1.0);
     Hit { joint: hit.joint.mirrored(), position: hit.position * flip, direction: hit.direction * flip, ..hit.clone() }
 }
 
-/// The tags of a clip as seen in the mirror: the words `left` and `right` in their names change places.
+/// The tags of the mirrored clip: the words `left` and `right` in their names change places.
 pub fn tags(of: &[Tag]) -> Vec<Tag> {
     of.iter().map(|t| Tag { name: mirrored_name(&t.name), range: t.range.clone() }).collect()
 }
@@ -56,7 +56,8 @@ fn mirrored_name(name: &str) -> String {
     name.split('_').map(other).collect::<Vec<_>>().join("_")
 }
 
-/// The rotation seen in the mirror x = 0, of the joint on the other side: its axis is a pseudovector, so y and z of it change sign.
+/// The mirror image at x = 0 of a rotation, for the joint on the other side: its axis is a pseudovector, so y and z of it
+/// change sign.
 pub fn mirror_rotation(q: Quat) -> Quat {
     Quat::from_xyzw(q.x, -q.y, -q.z, q.w)
 }

@@ -17,7 +17,7 @@ pub fn deserialize<'de, T: Pod, D: Deserializer<'de>>(from: D) -> Result<Vec<T>,
     Ok(bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect())
 }
 
-/// The same for a single record.
+/// Serialisation of a single record.
 pub mod one {
     use super::*;
 

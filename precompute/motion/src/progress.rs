@@ -1,31 +1,31 @@
-//! How long work tells how far it is, and is told to stop.
+//! Reports of the progress of long work, and requests to stop it.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// The work was told to stop.
+/// Error: the work was stopped by request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("stopped before it was done")]
 pub struct Stopped;
 
 /// Receives the progress of the stages. Calls may come from any thread.
 pub trait Progress: Sync {
-    /// A stage begins that has `total` units of work (0 where that is unknown), counted in `unit`.
+    /// A stage with `total` units of work begins (0 where that is unknown), counted in `unit`.
     fn begin(&self, stage: &'static str, total: u64, unit: &'static str);
     /// `done` more units are finished.
     fn advance(&self, done: u64);
     /// The stage is finished.
     fn end(&self);
-    /// A build comes to a stage, which may say more of itself.
+    /// A build reaches a stage, which may report more of itself.
     fn comes_to(&self, _stage: &'static str) {}
-    /// The output of a stage is kept: a build that is begun again goes on behind it.
+    /// The output of a stage is stored: a build that is started again continues behind it.
     fn kept(&self, _stage: &'static str) {}
-    /// True where the work is to stop.
+    /// True where the work is asked to stop.
     fn is_stopped(&self) -> bool {
         false
     }
 
-    /// Asked between two pieces of work.
+    /// Fails if the work is asked to stop; called between two pieces of work.
     ///
     /// # Errors
     /// [`Stopped`] where the work is to stop.
@@ -34,43 +34,43 @@ pub trait Progress: Sync {
     }
 }
 
-/// Where a build is: what its [`Progress`] was told last.
+/// Progress of a build: the last reports to its [`Progress`].
 #[derive(Clone, Debug, Default)]
 pub struct Status {
     stage: &'static str,
     unit: &'static str,
     done: u64,
-    /// 0 where it is not known.
+    /// Total; 0 where it is not known.
     total: u64,
-    /// When the stage began; none between two stages.
+    /// Time at which the stage began; `None` between two stages.
     since: Option<Instant>,
-    /// Stages whose outputs are kept.
+    /// Stages whose outputs are stored.
     kept: Vec<&'static str>,
 }
 
 impl Status {
-    /// As [`Progress::begin`].
+    /// Receives [`Progress::begin`].
     pub fn begin(&mut self, stage: &'static str, total: u64, unit: &'static str) {
         let kept = std::mem::take(&mut self.kept);
         *self = Self { stage, unit, total, since: Some(Instant::now()), kept, done: 0 };
     }
 
-    /// As [`Progress::advance`].
+    /// Receives [`Progress::advance`].
     pub fn advance(&mut self, done: u64) {
         self.done += done;
     }
 
-    /// As [`Progress::end`].
+    /// Receives [`Progress::end`].
     pub fn end(&mut self) {
         self.since = None;
     }
 
-    /// As [`Progress::comes_to`].
+    /// Receives [`Progress::comes_to`].
     pub fn comes_to(&mut self, stage: &'static str) {
         self.begin(stage, 0, "");
     }
 
-    /// As [`Progress::kept`].
+    /// Receives [`Progress::kept`].
     pub fn keep(&mut self, stage: &'static str) {
         self.kept.push(stage);
     }
@@ -80,29 +80,29 @@ impl Status {
         self.stage
     }
 
-    /// Stages whose outputs are kept, in the order in which they were made or found.
+    /// Stages whose outputs are stored, in the order in which they were made or found.
     pub fn stages_kept(&self) -> &[&'static str] {
         &self.kept
     }
 
-    /// Share of the stage that is done (0 to 1); none where its length is not known.
+    /// Share of the stage that is done (0 to 1); `None` where its length is not known.
     pub fn share(&self) -> Option<f64> {
         (self.total > 0).then(|| self.done.min(self.total) as f64 / self.total as f64)
     }
 
-    /// Time that the rest of the stage will take, if it goes on as it did; none where that is not known (s).
+    /// Time that the rest of the stage will take, if it goes on as it did; `None` where that is not known (s).
     pub fn left_s(&self) -> Option<f64> {
         let (share, spent) = (self.share().filter(|&s| s > 0.0)?, self.since?.elapsed());
         Some(left_s(spent, share))
     }
 
-    /// What of the stage is done, and how long the rest will take, such as `43 % of 3584 frames, about 12 s left`; none
-    /// between two stages.
+    /// Text about the part of the stage that is done and the time for the rest, such as `43 % of 3584 frames, about 12 s left`;
+    /// `None` between two stages.
     pub fn far(&self) -> Option<String> {
         Some(self.after(self.since?.elapsed()))
     }
 
-    /// Where the build is, such as `graph: 43 % of 3584 frames, about 12 s left`; none between two stages.
+    /// Text about the progress of the build, such as `graph: 43 % of 3584 frames, about 12 s left`; `None` between two stages.
     pub fn line(&self) -> Option<String> {
         Some(format!("{}: {}", self.stage, self.far()?))
     }
@@ -120,10 +120,10 @@ impl Status {
         }
     }
 
-    /// Says of a build that was interrupted what is kept.
+    /// Text about the stored outputs of a build that was interrupted.
     ///
-    /// - `cache`: the folder of the cache; none where nothing is kept.
-    /// - `again`: what makes it go on, such as `the same command`.
+    /// - `cache`: the folder of the cache; `None` where nothing is stored.
+    /// - `again`: the command that continues the build, such as `the same command`.
     pub fn farewell(&self, cache: Option<&Path>, again: &str) -> String {
         let stage = if self.stage.is_empty() { String::new() } else { format!(" in stage {}", self.stage) };
         let kept = match cache {
@@ -144,7 +144,7 @@ fn left_s(spent: Duration, share: f64) -> f64 {
     spent.as_secs_f64() * (1.0 - share) / share
 }
 
-/// Reports nothing.
+/// Progress that is not reported.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 

@@ -9,14 +9,14 @@ use throng_base::maths;
 /// One joint of a source skeleton.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RawJoint {
-    /// Name as written in the file. End sites are joints too and are called `PARENT_end`.
+    /// Name as written in the file. End sites are joints too and are named `PARENT_end`.
     pub name: String,
     /// Index of the parent, always smaller than the joint's own; `None` for roots.
     pub parent: Option<usize>,
     /// Rest offset from the parent, in the parent's rest axes (m).
     pub offset: Vec3,
-    /// Rest rotation relative to the parent (identity for BVH; for ASF the bones' rest axes are folded
-    /// in such a way that rest rotations are the identity too).
+    /// Rest rotation relative to the parent (identity for BVH; for ASF the segments' rest axes are folded in such a way that
+    /// rest rotations are the identity too).
     pub rest_rotation: Quat,
     /// True for the end of a chain, which has no rotation of its own.
     pub is_end: bool,
@@ -42,7 +42,7 @@ pub enum SourceFormat {
 pub struct RawClip {
     /// File stem; `/` and the name within the file follow where it holds several clips.
     pub name: String,
-    /// The file the motion was read from; a clip of several is named as if the file were a folder.
+    /// The file the motion was read from; a clip of several has a path as if the file were a folder.
     pub path: PathBuf,
     /// Its format.
     pub format: SourceFormat,
@@ -62,7 +62,7 @@ pub struct RawClip {
 }
 
 impl RawClip {
-    /// A hash of the motion, whatever its file and its joints are called.
+    /// A hash of the motion, whatever the names of its file and its joints.
     pub fn motion_hash(&self) -> u64 {
         let mut hasher = DefaultHasher::new();
         hasher.write_usize(self.num_frames);
@@ -71,7 +71,7 @@ impl RawClip {
         hasher.finish()
     }
 
-    /// The same without its motion, for those that ask what it is of alone.
+    /// Drops the motion, for uses that only need the description of the clip.
     pub fn forget_motion(&mut self) {
         (self.translations, self.rotations) = (Vec::new(), Vec::new());
     }
@@ -98,7 +98,7 @@ impl RawClip {
         out
     }
 
-    /// Model-to-world position and rotation of one joint at one frame, as [`RawClip::world`] has them.
+    /// Model-to-world position and rotation of one joint at one frame, as in [`RawClip::world`].
     pub fn world_of(&self, joint: usize, frame: usize) -> (Vec3, Quat) {
         let at = |j: usize| frame * self.joints.len() + j;
         let local = |j: usize| (self.translations[at(j)], self.rotations[at(j)]);

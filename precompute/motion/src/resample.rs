@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use throng_base::maths;
 use throng_core::NUM_JOINTS;
 
-/// Rate of the database and whether each clip gets a mirrored copy.
+/// Frame rate of the database, and whether each clip gets a mirrored copy.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ResampleConfig {
@@ -41,7 +41,7 @@ impl ResampleConfig {
 
 /// Refuses more frames than a database may have.
 ///
-/// - `seconds`: lengths of the clips.
+/// - `seconds`: lengths of the clips (s).
 ///
 /// # Errors
 /// [`BuildError::Key`] with the number of frames that they would have.

@@ -1,4 +1,4 @@
-//! The joints of SMPL bodies, as files have them.
+//! The joints of SMPL bodies in the order of the files.
 
 use glam::DQuat;
 use throng_core::{Joint, NUM_JOINTS};
@@ -31,6 +31,6 @@ pub const JOINTS: [(&str, Joint); NUM_JOINTS] = {
         ("R_Wrist", RightHand),
     ]
 };
-/// From a world with Z up to one with Y up.
+/// Rotation from a world with Z up to one with Y up.
 pub const UPRIGHT: DQuat =
     DQuat::from_xyzw(-std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f64::consts::FRAC_1_SQRT_2);

@@ -1,4 +1,4 @@
-//! Feet that stand: where the lowest part of them hardly moves, and how far from the ground that is.
+//! Standing feet: frames in which their lowest part hardly moves, and its distance from the ground.
 
 use glam::Vec3;
 use schemars::JsonSchema;
@@ -9,25 +9,25 @@ use throng_core::{Joint, Skeleton};
 /// The joints of the feet.
 pub const FEET: [Joint; 4] = [Joint::LeftFoot, Joint::LeftToe, Joint::RightFoot, Joint::RightToe];
 
-/// The lowest part of the feet may be standing where it is slower than this (m/s).
+/// Speed below which the lowest part of the feet may be standing (m/s).
 const STANDING_SPEED: f32 = 0.4;
-/// Who jumps hardly moves at the top, for a shorter time than this (s).
+/// Least time of standing; a jumping body hardly moves at the top, for a shorter time (s).
 const SHORTEST: f64 = 0.12;
 
 /// The lowest part of the feet at one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stand {
-    /// Which frame.
+    /// Index of the frame.
     pub frame: usize,
-    /// Where it is, and as y its height above where that joint is when the foot stands flat (m).
+    /// Position; y is the height above that of the joint when the foot stands flat (m).
     pub at: Vec3,
-    /// Whether it hardly moves.
+    /// True where it hardly moves.
     pub stands: bool,
 }
 
 /// The lowest part of the feet at every frame.
 ///
-/// - `feet`: where [`FEET`] are, frame by frame.
+/// - `feet`: positions of [`FEET`], frame by frame.
 pub fn lowest(feet: impl Iterator<Item = [Vec3; 4]>, skeleton: &Skeleton, rate_hz: f64) -> Vec<Stand> {
     let rest = skeleton.rest_positions();
     let mut before: Option<[Vec3; 4]> = None;
@@ -41,35 +41,35 @@ pub fn lowest(feet: impl Iterator<Item = [Vec3; 4]>, skeleton: &Skeleton, rate_h
     feet.enumerate().map(stand).collect()
 }
 
-/// How far standing feet are from the ground.
+/// Distance of standing feet from the ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Stance {
     /// 95th percentile (cm).
     pub p95_cm: f32,
-    /// The farthest (cm).
+    /// Largest distance (cm).
     pub worst_cm: f32,
-    /// What to think of the 95th percentile.
+    /// Grade of the 95th percentile.
     pub grade: Grade,
 }
 
-/// How well feet stand on the ground.
+/// Grade of the stance of feet on the ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Grade {
-    /// Nobody sees that they do not.
+    /// Residual error, too small to be visible.
     #[default]
     Good,
-    /// It shows from near by.
+    /// Visible from near by.
     Fair,
-    /// People float or are sunk, or step onto things.
+    /// Characters float or are sunk, or step onto things.
     Poor,
 }
 
-/// Where good ends, and where fair ends (cm).
+/// Limits of good and of fair (cm).
 pub const FAR_CM: [f32; 2] = [3.0, 6.0];
 
 impl Stance {
-    /// Of so many distances (m).
+    /// The stance of a list of distances (m).
     pub fn of(mut far: Vec<f32>) -> Self {
         far.sort_by(f32::total_cmp);
         let cm = |i: usize| far.get(i).copied().unwrap_or(0.0) * 100.0;
@@ -83,7 +83,7 @@ impl Stance {
         Self { p95_cm, worst_cm: cm(last), grade }
     }
 
-    /// The farther of each.
+    /// The larger value of each.
     pub fn or_worse(self, other: Self) -> Self {
         Self {
             p95_cm: self.p95_cm.max(other.p95_cm),
@@ -92,7 +92,7 @@ impl Stance {
         }
     }
 
-    /// What to do where it is not good.
+    /// Advice where the grade is not good.
     pub fn advice(&self) -> Option<String> {
         (self.grade != Grade::Good).then(|| {
             format!(
@@ -116,7 +116,7 @@ impl fmt::Display for Stance {
     }
 }
 
-/// How far the feet are from the ground, frame by frame, where they stand for a moment (m).
+/// Distances of the feet from the ground, frame by frame, where they stand for a moment (m).
 pub fn distances(stands: &[Stand], rate_hz: f64) -> Vec<f32> {
     let long = (SHORTEST * rate_hz).ceil() as usize;
     let all = stands.chunk_by(|a, b| a.stands && b.stands).filter(|run| run[0].stands && run.len() >= long);

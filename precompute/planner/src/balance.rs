@@ -1,10 +1,10 @@
-//! Where the weight of a body is, and whether it is over its feet.
+//! Centre of mass of a body, and its distance from the ground that the planted feet span.
 
 use crate::rotation::Rigid;
 use glam::{DVec2, DVec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 
-/// Share of the body's mass in the segment from a joint to another one, and how far along it that mass is.
+/// Segment from one joint to another: its share of the body's mass, and where along it the mass is.
 ///
 /// # Source
 /// Winter 2009, *Biomechanics and Motor Control of Human Movement*, table 4.1; the trunk is halved, hands and feet are at
@@ -25,9 +25,9 @@ const SEGMENTS: [(Joint, Joint, f64, f64); 14] = [
     (Joint::LeftFoot, Joint::LeftToe, 0.0145, 0.5),
     (Joint::RightFoot, Joint::RightToe, 0.0145, 0.5),
 ];
-/// How far a foot reaches behind its ankle, as a share of the way from the ankle to the toe's joint.
+/// Length of a foot behind its ankle, as a share of the way from the ankle to the toe's joint.
 const HEEL: f64 = 0.4;
-/// Half the width of a foot (m).
+/// Half width of a foot (m).
 const HALF_WIDTH_M: f64 = 0.04;
 
 /// Centre of mass of a body (m).
@@ -39,8 +39,8 @@ pub fn centre_of_mass(places: &[Rigid; NUM_JOINTS]) -> DVec3 {
     sum / mass
 }
 
-/// How far the centre of mass is outside of what the planted feet span, seen from above; 0 where it is over them, none where no
-/// foot is planted (m).
+/// Distance of the centre of mass from the convex hull of the planted feet, seen from above; 0 inside it, `None` where no foot
+/// is planted (m).
 pub fn off_feet(skeleton: &Skeleton, places: &[Rigid; NUM_JOINTS], contacts: Contacts) -> Option<f64> {
     let feet = [
         (Contacts::LEFT, Joint::LeftFoot, Joint::LeftToe, skeleton.tips[1]),
@@ -58,7 +58,7 @@ pub fn off_feet(skeleton: &Skeleton, places: &[Rigid; NUM_JOINTS], contacts: Con
     (!corners.is_empty()).then(|| outside(&hull(corners), DVec2::new(com.x, com.z)))
 }
 
-/// The convex polygon around points, counter-clockwise.
+/// Convex hull of points, counter-clockwise.
 fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let mut out: Vec<DVec2> = Vec::new();

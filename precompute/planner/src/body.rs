@@ -9,16 +9,16 @@ use throng_core::{Joint, Skeleton};
 pub struct BodyCapsule {
     /// The joint it is fixed to.
     pub joint: Joint,
-    /// In the joint's frame (m).
+    /// Core segment in the joint's frame (m).
     pub core: Segment,
-    /// (m, > 0)
+    /// Radius (m, > 0).
     pub radius: f64,
 }
 
 /// The capsules of a body; change them at will where a character is thinner or thicker.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyShape {
-    /// Joints may have none, one or several.
+    /// Capsules; a joint may have none, one or several.
     pub capsules: Vec<BodyCapsule>,
 }
 
@@ -26,7 +26,7 @@ pub struct BodyShape {
 const REFERENCE_LEG: f64 = 0.83;
 
 impl BodyShape {
-    /// Capsules along a skeleton's segments, as thick as people of its leg length are.
+    /// Fits capsules along a skeleton's segments, as thick as those of people with its leg length.
     pub fn fitted(skeleton: &Skeleton) -> Self {
         let scale = f64::from(skeleton.leg_length()) / REFERENCE_LEG;
         let mut capsules = Vec::new();

@@ -1,4 +1,4 @@
-//! Planned motion back into clips.
+//! Writing planned motion back into clips.
 
 use crate::linkage::Linkage;
 use crate::planner::LimbMotion;
@@ -6,10 +6,10 @@ use crate::rotation::angle;
 use throng_core::NUM_JOINTS;
 use throng_motion::Clip;
 
-/// Rotations that differ by less stay what they are, to the bit (rad).
+/// Difference below which rotations stay as they are, to the bit (rad).
 const SAME: f64 = 1e-6;
 
-/// Why a motion does not fit a clip.
+/// Error: a motion does not fit a clip.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("expected motion on frames of `{clip}` ({rate_hz} Hz, {num_frames} frames), found {found}")]
 pub struct Misfit {
@@ -19,7 +19,7 @@ pub struct Misfit {
     found: String,
 }
 
-/// The clip with a limb's rotations replaced from the first to the last frame of a motion; all else stays, to the bit.
+/// Replaces a limb's rotations of a clip from the first to the last frame of a motion; all else stays, to the bit.
 ///
 /// - `start_s`: time of the clip's frame 0 in the motion's time (s).
 ///
@@ -47,7 +47,7 @@ pub fn with_motion(clip: &Clip, start_s: f64, linkage: Linkage, motion: &LimbMot
             }
         }
     }
-    // Neighbouring frames keep a positive dot product, behind the motion's end, too.
+    // Neighbouring frames keep a positive dot product, also behind the motion's end.
     for joint in &joints[..linkage.len()] {
         for frame in 1..out.num_frames() {
             let at = frame * NUM_JOINTS + joint.index();

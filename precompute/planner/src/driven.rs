@@ -1,4 +1,4 @@
-//! Bodies that an external motion drives: where every joint is at every time (c^M(t) in the paper).
+//! Bodies that an external motion drives: transforms of all joints over time (c^M(t) in the paper).
 
 use crate::linkage::{LimbPose, Linkage};
 use crate::rotation::Rigid;
@@ -11,7 +11,7 @@ use throng_motion::Clip;
 /// World transforms of all joints.
 pub type JointPlaces = [Rigid; NUM_JOINTS];
 
-/// Samples a second at least: between them joints are taken to move in straight lines.
+/// Least sampling rate: between samples, joints are taken to move in straight lines (Hz).
 const RATE_HZ: f64 = 120.0;
 
 /// A body's motion, sampled finely enough that straight lines between samples will do.
@@ -22,32 +22,33 @@ pub struct Driven {
     places: Vec<JointPlaces>,
     /// Rotations relative to the parents.
     turns: Vec<[DQuat; NUM_JOINTS]>,
-    /// How far each joint is at most from the straight line between samples (m).
+    /// Largest distance of each joint from the straight line between samples (m).
     bend: [f64; NUM_JOINTS],
 }
 
 impl Driven {
-    /// The motion of a clip from `from_s` to `to_s`, clip time: between frames, the hips go straight and joints turn evenly.
+    /// Samples the motion of a clip from `from_s` to `to_s`, clip time: between frames, the hips go straight and joints turn
+    /// evenly.
     ///
     /// A time outside of the clip has its first or last pose.
     pub fn of_clip(clip: &Clip, skeleton: &Skeleton, from_s: f64, to_s: f64) -> Self {
         let parts = (RATE_HZ / clip.rate_hz).ceil().max(1.0);
         let step_s = 1.0 / (clip.rate_hz * parts);
-        // On the clip's frames, so that these are exact.
+        // Sample times are the clip's frames, so that these are exact.
         let first = (from_s / step_s).floor();
         let count = ((to_s / step_s).ceil() - first).max(0.0) as usize + 1;
         Self::sampled(first * step_s, step_s, count, skeleton, |t| frame_between(clip, t))
     }
 
-    /// A body that keeps a pose.
+    /// A body that keeps one pose.
     ///
-    /// - `root`: of the hips (m).
-    /// - `turns`: relative to the parents, the hips' to the world.
+    /// - `root`: position of the hips (m).
+    /// - `turns`: rotations relative to the parents, the hips' to the world.
     pub fn still(skeleton: &Skeleton, root: DVec3, turns: [DQuat; NUM_JOINTS]) -> Self {
         Self::sampled(0.0, 1.0, 1, skeleton, |_| (root, turns))
     }
 
-    /// The motion of a function: position of the hips and rotations relative to the parents, the hips' to the world.
+    /// Samples a function: position of the hips and rotations relative to the parents, the hips' to the world.
     ///
     /// - `step_s`: between samples (s, > 0); 1/120 s is fine enough for people.
     pub fn sampled(
@@ -70,11 +71,11 @@ impl Driven {
                 bend[j] = bend[j].max((middle[j].position - straight.position).length());
             }
         }
-        // An arc is farthest from its chord in the middle, but for what its speed changes on the way.
+        // An arc is farthest from its chord in the middle, apart from changes of speed on the way.
         Self { start_s, step_s, places, turns, bend: bend.map(|b| 1.5 * b) }
     }
 
-    /// From the first to the last sample (s).
+    /// Times of the first and the last sample (s).
     pub fn window_s(&self) -> [f64; 2] {
         [self.start_s, self.start_s + self.step_s * (self.places.len() - 1) as f64]
     }
@@ -89,12 +90,12 @@ impl Driven {
         &self.places
     }
 
-    /// How far joints are at most from where straight lines between samples have them, of those that count (m).
+    /// Largest distance of the joints that count from the straight lines between samples (m).
     pub fn bend_m(&self, counts: impl Fn(Joint) -> bool) -> f64 {
         Joint::ALL.into_iter().filter(|j| counts(*j)).map(|j| self.bend[j.index()]).fold(0.0, f64::max)
     }
 
-    /// Places of one joint, sample by sample.
+    /// World transforms of one joint, sample by sample.
     pub fn of_joint(&self, joint: Joint) -> Vec<Rigid> {
         self.places.iter().map(|p| p[joint.index()]).collect()
     }
@@ -126,7 +127,7 @@ pub fn placed(skeleton: &Skeleton, root: DVec3, turns: &[DQuat; NUM_JOINTS]) -> 
 fn frame_between(clip: &Clip, t: f64) -> (DVec3, [DQuat; NUM_JOINTS]) {
     let last = clip.num_frames().saturating_sub(1);
     let at = (t * clip.rate_hz).clamp(0.0, last as f64);
-    // Times on frames are these frames, whatever the rounding.
+    // A time on a frame gives this frame exactly, whatever the rounding.
     let at = if (at - at.round()).abs() < 1e-6 { at.round() } else { at };
     let (i, share) = (at as usize, at.fract());
     let next = (i + 1).min(last);

@@ -1,8 +1,8 @@
-//! Plans motion of limbs in time with everything that moves.
+//! Planning of limb motion in time with everything that moves.
 //!
-//! A [`problem::Problem`] is made of what an application says ([`setup::ProblemSpec`]); a [`planner::Planner`] searches joints
-//! and time for a way and smooths it. [`correct::correct`] and [`manipulate::reach`] do so for clips, [`recheck::Recheck`]
-//! checks what came of it.
+//! A [`problem::Problem`] is built from an application's specification ([`setup::ProblemSpec`]); a [`planner::Planner`]
+//! searches joint angles and time for a path and smooths it. [`correct::correct`] and [`manipulate::reach`] apply this to
+//! clips, [`recheck::Recheck`] verifies the result.
 //!
 //! # Source
 //! Shapiro, Kallmann and Faloutsos 2007, *Interactive Motion Correction and Object Manipulation*.

@@ -1,4 +1,4 @@
-//! Linkages: the joints of a limb that are planned, and where they are for a pose.
+//! Linkages: the planned joints of a limb, and their places in a pose.
 
 use crate::rotation::Rigid;
 use glam::{DQuat, DVec3};
@@ -42,7 +42,7 @@ impl Limb {
         matches!(self, Self::LeftArm | Self::RightArm)
     }
 
-    /// True for joints that move with it: its own, and fingers and toes behind them.
+    /// True for joints that move with the limb: its own, and fingers and toes behind them.
     pub fn moves(self, joint: Joint) -> bool {
         std::iter::successors(Some(joint), |j| j.parent()).any(|j| self.joints().contains(&j))
     }
@@ -61,9 +61,9 @@ impl Limb {
 /// The joints that are planned (c^P in the paper): a limb, an arm's clavicle too if wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Linkage {
-    /// Which limb.
+    /// The limb.
     pub limb: Limb,
-    /// The clavicle moves along; arms only.
+    /// True where the clavicle moves along; arms only.
     pub with_clavicle: bool,
 }
 
@@ -87,7 +87,7 @@ impl Linkage {
         self.with_clavicle && self.limb.is_arm()
     }
 
-    /// The joints, from the trunk outwards; behind the last one it is repeated.
+    /// The joints, from the trunk outwards; the last one is repeated to fill the array.
     pub fn joints(self) -> [Joint; MAX_JOINTS] {
         let [a, b, c] = self.limb.joints();
         match a.parent() {
@@ -96,12 +96,12 @@ impl Linkage {
         }
     }
 
-    /// Where a joint stands in the linkage.
+    /// Index of a joint in the linkage.
     pub fn position_of(self, joint: Joint) -> Option<usize> {
         self.joints()[..self.len()].iter().position(|j| *j == joint)
     }
 
-    /// The joint that carries it, which an external motion drives.
+    /// The joint that carries the linkage, which an external motion drives.
     pub fn base(self) -> Joint {
         self.joints()[0].parent().unwrap_or(Joint::Hips)
     }
@@ -119,7 +119,7 @@ impl LimbPose {
 /// A linkage with lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chain {
-    /// Which joints.
+    /// The joints.
     pub linkage: Linkage,
     /// Offset of each joint from its parent, the first one's from the base (m).
     pub offsets: [DVec3; MAX_JOINTS],
@@ -127,7 +127,7 @@ pub struct Chain {
     pub tip: DVec3,
 }
 
-/// How far the end of a hand is from the wrist, as a share of the forearm.
+/// Distance from the wrist to the end of the hand, as a share of the forearm.
 const HAND: f64 = 0.4;
 
 impl Chain {
@@ -153,7 +153,7 @@ impl Chain {
         false
     }
 
-    /// Places and world rotations of the joints (len); the base's behind them.
+    /// World transforms of the joints (len), followed by that of the base.
     pub fn place(&self, base: &Rigid, pose: &LimbPose) -> [Rigid; MAX_JOINTS] {
         let mut out = [*base; MAX_JOINTS];
         let mut at = *base;
@@ -164,7 +164,7 @@ impl Chain {
         out
     }
 
-    /// Where the ends of the joints' segments are: what each rotation moves (len) (m).
+    /// Ends of the joints' segments: the points that each rotation moves (len) (m).
     pub fn ends(&self, placed: &[Rigid; MAX_JOINTS]) -> [DVec3; MAX_JOINTS] {
         let last = self.len() - 1;
         std::array::from_fn(|i| match i.cmp(&last) {
@@ -174,7 +174,7 @@ impl Chain {
         })
     }
 
-    /// From joint `from` to the origin of joint `to`, at its farthest, whatever the pose between them (m).
+    /// Longest distance from joint `from` to the origin of joint `to`, over all poses between them (m).
     pub fn span(&self, from: usize, to: usize) -> f64 {
         self.offsets[from + 1..=to].iter().map(|o| o.length()).sum()
     }

@@ -1,4 +1,4 @@
-//! What is planned: a linkage from one pose to another, in time with everything that moves.
+//! Planning problems: a linkage from one pose to another, in time with everything that moves.
 
 use crate::limits::JointLimits;
 use crate::linkage::{Chain, LimbPose, MAX_JOINTS};
@@ -11,20 +11,20 @@ use throng_core::Joint;
 /// A point of the search space c^P x [t_init, t_goal].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
-    /// The planned joints.
+    /// Pose of the planned joints.
     pub pose: LimbPose,
-    /// (s)
+    /// Time (s).
     pub time_s: f64,
 }
 
 /// Something in the world that limbs may not touch.
 #[derive(Clone, Debug)]
 pub struct Solid {
-    /// How messages and allowances call it.
+    /// Name in messages and allowances.
     pub name: String,
-    /// In its own frame.
+    /// Shape in its own frame.
     pub shape: Shape,
-    /// Where it is.
+    /// Place over time.
     pub path: Path,
 }
 
@@ -34,7 +34,7 @@ pub struct Solid {
 /// Shapiro, Kallmann and Faloutsos 2007, section 3: configuration (m^M(t), c^P), world w(t).
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// No two that were prepared have the same one, so that what is kept of looks is of one problem.
+    /// Unique number of a prepared problem, so that cached collision samples belong to one problem.
     pub(crate) number: u64,
     pub(crate) chain: Chain,
     pub(crate) limits: [JointLimits; MAX_JOINTS],
@@ -45,15 +45,15 @@ pub struct Problem {
     pub(crate) bodies: Vec<BodyPart>,
     pub(crate) tether: Option<TetherTrack>,
     pub(crate) level: Option<Level>,
-    /// What may not come near each other, those with the same target side by side.
+    /// Pairs that may not come near each other; those with the same target are adjacent.
     pub(crate) pairs: Vec<Pair>,
-    /// Poses that the external motion would give the linkage, every [`PRESENT_STEP_S`] from `init` on.
+    /// Poses of the linkage in the external motion, every [`PRESENT_STEP_S`] from `init` on.
     pub(crate) present: Vec<LimbPose>,
     pub(crate) init: State,
     pub(crate) goal: State,
 }
 
-/// Step of what is kept of the motion that a plan replaces (s).
+/// Time step of the external motion's poses (s).
 pub(crate) const PRESENT_STEP_S: f64 = 1.0 / 120.0;
 
 /// A capsule that moves with the linkage.
@@ -61,17 +61,17 @@ pub(crate) const PRESENT_STEP_S: f64 = 1.0 / 120.0;
 pub struct Part {
     /// Its name, for messages.
     pub name: String,
-    /// Which joint of the chain.
+    /// Index of the joint of the chain.
     pub link: usize,
-    /// In its frame (m).
+    /// Core in the joint's frame (m).
     pub core: Segment,
     /// Half of the core's length (m).
     pub half_length: f64,
     /// Of the capsule (m).
     pub radius: f64,
-    /// From each joint of the chain to the farther end of the core, at its farthest (m).
+    /// Longest distance from each joint of the chain to the farther end of the core (m).
     pub reach: [f64; MAX_JOINTS],
-    /// From the base, likewise (m).
+    /// Longest distance from the base to the farther end of the core (m).
     pub base_reach: f64,
 }
 
@@ -84,48 +84,48 @@ pub struct PlacedSolid {
     pub middle: DVec3,
     /// Radius of the ball (m).
     pub radius: f64,
-    /// From its origin to its farthest point (m).
+    /// Distance from its origin to its farthest point (m).
     pub reach: f64,
 }
 
 /// A capsule of a body that an external motion drives.
 #[derive(Clone, Debug)]
 pub struct BodyPart {
-    /// Of the other character; `None` for the own body.
+    /// Name of the other character; `None` for the own body.
     pub of: Option<String>,
     /// The joint that carries it.
     pub joint: Joint,
     /// Its core over time (m).
     pub track: Track<Segment>,
-    /// At its longest (m).
+    /// Half of its greatest length (m).
     pub half_length: f64,
     /// Of the capsule (m).
     pub radius: f64,
 }
 
-/// What a part of the linkage may collide with.
+/// Things that a part of the linkage may collide with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Target {
     /// A solid, by its number.
     Solid(usize),
     /// A capsule of a body, by its number.
     Body(usize),
-    /// The reach of the other hand; the part is a point of it.
+    /// Reach of the other hand; the part is a point of it.
     Tether,
     /// The vertical; the part is a direction, a metre long, so that metres are radians.
     Level,
 }
 
-/// What is held stays upright: a direction of the hand or foot that stays near the vertical.
+/// Constraint that keeps a held object upright: a direction of the hand or foot stays near the vertical.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
-    /// In the frame of the linkage's last joint (unit).
+    /// Direction in the frame of the linkage's last joint (unit).
     pub up: DVec3,
-    /// How far from the vertical it may be (rad, > 0, < pi).
+    /// Largest angle from the vertical (rad, > 0, < pi).
     pub within_rad: f64,
 }
 
-/// Where the other hand is reached from.
+/// Joint from which the other hand is reached, over time.
 #[derive(Clone, Debug)]
 pub(crate) struct TetherTrack {
     pub name: String,
@@ -134,7 +134,7 @@ pub(crate) struct TetherTrack {
     pub distances_m: [f64; 2],
 }
 
-/// A part of the linkage, what it may not come near, and how near it may come.
+/// A part of the linkage, a target that it may not come near, and the least distance between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
     /// The part, by its number.
@@ -143,7 +143,7 @@ pub struct Pair {
     pub target: Target,
     /// Least distance between surfaces (m).
     pub gap: f64,
-    /// When they may touch (s).
+    /// Time in which they may touch (s).
     pub allowed: Option<[f64; 2]>,
 }
 
@@ -151,17 +151,17 @@ pub struct Pair {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     pub(crate) pair: usize,
-    /// By how much (m, > 0).
+    /// Depth by which they are too near (m, > 0).
     pub depth_m: f64,
 }
 
 impl Problem {
-    /// Where the plan begins.
+    /// Start of the plan.
     pub fn init(&self) -> &State {
         &self.init
     }
 
-    /// Where it ends.
+    /// Goal of the plan.
     pub fn goal(&self) -> &State {
         &self.goal
     }
@@ -201,12 +201,12 @@ impl Problem {
         self.base.at(time_s)
     }
 
-    /// Places of the planned joints (chain.len()).
+    /// World transforms of the planned joints (chain.len()).
     pub fn place(&self, state: &State) -> [Rigid; MAX_JOINTS] {
         self.chain.place(&self.base.at(state.time_s), &state.pose)
     }
 
-    /// The pose that the external motion would give the linkage.
+    /// Pose of the linkage in the external motion.
     pub fn present_at(&self, time_s: f64) -> LimbPose {
         let at = ((time_s - self.init.time_s) / PRESENT_STEP_S).clamp(0.0, (self.present.len() - 1) as f64);
         let i = (at as usize).min(self.present.len().saturating_sub(2));
@@ -218,7 +218,7 @@ impl Problem {
         pose
     }
 
-    /// Names of the two things of a hit.
+    /// Names of the two things that are too near each other.
     pub fn names(&self, hit: &Hit) -> [String; 2] {
         let pair = &self.pairs[hit.pair];
         [self.parts[pair.part].name.clone(), self.target_name(pair.target)]
@@ -233,7 +233,7 @@ impl Problem {
         }
     }
 
-    /// How long the joints need at least from one pose to another (s), and the joint that needs it.
+    /// Least time that the joints need from one pose to another (s), and the joint that needs it.
     pub fn least_time(&self, from: &LimbPose, to: &LimbPose) -> (f64, Joint) {
         let joints = self.chain.linkage.joints();
         let need = |i: usize| crate::rotation::angle(from.0[i], to.0[i]) / self.limits[i].speed;

@@ -1,4 +1,4 @@
-//! Poses that reach a target where everything else is: limits and collisions in one go.
+//! Poses that reach a target among everything around: limits and collisions at once.
 
 use crate::collide::Checker;
 use crate::ik::{LimbIk, Swivel, Unreached};
@@ -8,11 +8,11 @@ use crate::rotation::Rigid;
 use glam::DVec3;
 
 impl Problem {
-    /// The pose at a time that brings hand or foot to a target, within limits and free. Knees are as near as can be to where a present
-    /// pose has them, elbows half way from there down.
+    /// Solves for the pose at a time that brings hand or foot to a target, within limits and free. Knees stay as near as
+    /// possible to the present pose's, elbows halfway from there down.
     ///
     /// # Errors
-    /// [`Unreached`], with the name of what is in the way.
+    /// [`Unreached`], with the name of the obstacle.
     ///
     /// # Source
     /// Shapiro, Kallmann and Faloutsos 2007, sections 5 and 6.2.
@@ -32,7 +32,7 @@ impl Problem {
         self.reach_from(checker, target, time_s, present, from)
     }
 
-    /// The same, with the swivel as near as can be to where it is said.
+    /// Solves as [`Problem::reach`] does, with the swivel as near as possible to `from`.
     pub(crate) fn reach_from(
         &self,
         checker: &mut Checker,

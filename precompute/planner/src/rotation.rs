@@ -11,7 +11,7 @@ pub fn about(axis: DVec3, angle: f64) -> DQuat {
     DQuat::from_xyzw(v.x, v.y, v.z, cos)
 }
 
-/// The same angle in [-pi, pi) (rad).
+/// Angle wrapped to [-pi, pi) (rad).
 pub fn wrap(angle: f64) -> f64 {
     (angle + PI).rem_euclid(TAU) - PI
 }
@@ -37,11 +37,11 @@ pub fn log(q: DQuat) -> DVec3 {
 /// Angle between two rotations, in [0, pi] (rad).
 pub fn angle(a: DQuat, b: DQuat) -> f64 {
     let b = towards(a, b);
-    // Of half the difference and half the sum: as exact for small angles as for large ones.
+    // Arctangent of half the difference and half the sum: as exact for small angles as for large ones.
     4.0 * maths::atan2((a - b).length(), (a + b).length())
 }
 
-/// The middle of the shortest way from `a` to `b`: [`maths::slerp`] at one half, without trigonometry.
+/// The middle of the shortest path from `a` to `b`: [`maths::slerp`] at one half, without trigonometry.
 pub fn middle(a: DQuat, b: DQuat) -> DQuat {
     (a + towards(a, b)).normalize()
 }
@@ -90,40 +90,40 @@ pub fn mirrored(q: DQuat) -> DQuat {
     DQuat::from_xyzw(q.x, -q.y, -q.z, q.w)
 }
 
-/// Place and rotation of something stiff.
+/// Position and rotation of a rigid body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rigid {
-    /// (m)
+    /// Position (m).
     pub position: DVec3,
-    /// Unit.
+    /// Rotation (unit).
     pub rotation: DQuat,
 }
 
 impl Rigid {
-    /// At the origin, not turned.
+    /// The origin, without rotation.
     pub const IDENTITY: Self = Self { position: DVec3::ZERO, rotation: DQuat::IDENTITY };
 
-    /// Not turned.
+    /// A position without rotation.
     pub const fn at(position: DVec3) -> Self {
         Self { position, rotation: DQuat::IDENTITY }
     }
 
-    /// A point of its frame, outside (m).
+    /// A point of its frame, in the outer frame (m).
     pub fn point(&self, p: DVec3) -> DVec3 {
         self.position + self.rotation * p
     }
 
-    /// A point from outside, in its frame (m).
+    /// A point of the outer frame, in its frame (m).
     pub fn local_point(&self, p: DVec3) -> DVec3 {
         self.rotation.inverse() * (p - self.position)
     }
 
-    /// Something placed in its frame, outside.
+    /// A transform in its frame, expressed in the outer frame.
     pub fn then(&self, inner: Self) -> Self {
         Self { position: self.point(inner.position), rotation: self.rotation * inner.rotation }
     }
 
-    /// Something placed outside, in its frame.
+    /// A transform in the outer frame, expressed in its frame.
     pub fn local(&self, outer: Self) -> Self {
         Self { position: self.local_point(outer.position), rotation: self.rotation.inverse() * outer.rotation }
     }
@@ -133,7 +133,7 @@ impl Rigid {
         self.position.is_finite() && self.rotation.is_finite() && (self.rotation.length() - 1.0).abs() < 1e-3
     }
 
-    /// In between, in a straight line and by the normalised sum of the quaternions.
+    /// Interpolates the position linearly, the rotation by the normalised sum of the quaternions.
     pub fn lerp(&self, to: &Self, share: f64) -> Self {
         let b = towards(self.rotation, to.rotation);
         Self {
@@ -142,10 +142,10 @@ impl Rigid {
         }
     }
 
-    /// Most that a point within `reach` of the origin travels on the way of [`Rigid::lerp`], were it always as fast as at
-    /// its fastest (m).
+    /// Bound on the travel of a point within `reach` of the origin along [`Rigid::lerp`]: as if it always had its greatest
+    /// speed (m).
     pub fn travel(&self, to: &Self, reach: f64) -> f64 {
-        // The normalised sum turns fastest in its middle: there by 4 tan(angle / 4) for the whole way.
+        // The normalised sum turns fastest in its middle: there by 4 tan(angle / 4) for the whole path.
         let b = towards(self.rotation, to.rotation);
         let quarter = maths::atan2((self.rotation - b).length(), (self.rotation + b).length());
         (to.position - self.position).length() + 4.0 * maths::sin(quarter) / maths::cos(quarter) * reach

@@ -1,4 +1,4 @@
-//! What the tests of several modules need: somebody who stands, and things around.
+//! Fixtures of tests: a standing character, and solids around it.
 
 use crate::body::BodyShape;
 use crate::driven::Driven;
@@ -13,7 +13,7 @@ use glam::{DQuat, DVec3};
 use rand_pcg::Pcg64Mcg;
 use throng_core::{NUM_JOINTS, Skeleton};
 
-/// Somebody who stands at the origin and looks along +Z.
+/// A character that stands at the origin and looks along +Z.
 pub struct Somebody {
     pub skeleton: Skeleton,
     pub limits: BodyLimits,
@@ -35,7 +35,7 @@ impl Somebody {
         }
     }
 
-    /// Shoulder by its swing, elbow by its flexion (rad).
+    /// Arm pose: shoulder by its swing, elbow by its flexion (rad).
     pub fn pose(&self, across: f64, up: f64, flexion: f64) -> LimbPose {
         let limits = self.limits.of_linkage(self.linkage).expect("limits");
         let mut pose = LimbPose::REST;
@@ -63,7 +63,7 @@ pub fn solid(name: &str, shape: Shape, at: DVec3) -> Solid {
     Solid { name: name.into(), shape, path: Path::Still(Rigid::at(at)) }
 }
 
-/// An arm that hangs through a hole in a floor of plates, and shall come above it: it cannot.
+/// Problem without a solution: an arm that hangs through a hole in a floor of plates is to come above it.
 pub fn stuck(s: &Somebody) -> Problem {
     let mut hanging = LimbPose::REST;
     hanging.0[0] = crate::rotation::about(DVec3::Z, -1.5);

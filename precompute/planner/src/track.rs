@@ -1,4 +1,4 @@
-//! What moves, as a function of time, and how fast it is at most over any stretch of it.
+//! Motion as a function of time, with bounds on its speed over any stretch.
 
 use crate::rotation::Rigid;
 use crate::shape::Segment;
@@ -14,12 +14,13 @@ pub enum Clock {
         /// (s, > 0)
         step_s: f64,
     },
-    /// Ascending (s).
+    /// Times of all samples, ascending (s).
     At(Vec<f64>),
 }
 
 impl Clock {
-    /// Interval of a time, and how much of it has passed: the first one before it all, the last one's end behind it.
+    /// Interval of a time, and the share of it that has passed: the start of the first one before all times, the end of the
+    /// last one behind them.
     fn find(&self, len: usize, t: f64) -> (usize, f64) {
         let last = len.saturating_sub(2);
         match self {
@@ -44,10 +45,10 @@ impl Clock {
     }
 }
 
-/// The largest of any run of numbers, in two looks.
+/// Largest of any run of numbers, in two lookups.
 #[derive(Clone, Debug, PartialEq)]
 struct Peaks {
-    /// Largest of 2^k numbers from each one on.
+    /// Largest of the 2^k numbers from each one on.
     levels: Vec<Vec<f64>>,
 }
 
@@ -63,7 +64,7 @@ impl Peaks {
         Self { levels }
     }
 
-    /// Of numbers `first` to `last`, both included.
+    /// Largest of numbers `first` to `last`, both included.
     fn of(&self, first: usize, last: usize) -> f64 {
         let level = (last + 1 - first).ilog2() as usize;
         let row = &self.levels[level];
@@ -71,12 +72,12 @@ impl Peaks {
     }
 }
 
-/// Samples of something, and how fast it is between them.
+/// Samples of a motion, with the speeds between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track<T> {
     clock: Clock,
     samples: Vec<T>,
-    /// Of its origin, and of turns, in each interval (m/s, rad/s); of both ends for segments.
+    /// Speeds of its origin, and of turns, in each interval (m/s, rad/s); of both ends for segments.
     speeds: Peaks,
     turns: Peaks,
 }
@@ -106,7 +107,7 @@ impl<T: Copy> Track<T> {
 }
 
 impl Track<Rigid> {
-    /// Something stiff; it stands still before the first and after the last sample.
+    /// Track of a rigid body; it stands still before the first and after the last sample.
     ///
     /// - `samples`: at least one, valid; of [`Clock::At`] as many as times.
     pub fn rigid(clock: Clock, samples: Vec<Rigid>) -> Self {
@@ -116,12 +117,12 @@ impl Track<Rigid> {
         })
     }
 
-    /// Where it is (m).
+    /// Transform at a time.
     pub fn at(&self, t: f64) -> Rigid {
         self.between(t, Rigid::lerp)
     }
 
-    /// Most that a point within `reach` of its origin does in a second, at any time of a stretch (m/s).
+    /// Bound on the speed of a point within `reach` of its origin over a stretch of time (m/s).
     pub fn speed(&self, from_s: f64, to_s: f64, reach: f64) -> f64 {
         let [speed, turn] = self.peaks(from_s, to_s);
         speed + turn * reach
@@ -129,36 +130,36 @@ impl Track<Rigid> {
 }
 
 impl Track<Segment> {
-    /// A segment whose ends move in straight lines between samples.
+    /// Track of a segment whose ends move in straight lines between samples.
     ///
     /// - `samples`: at least one; of [`Clock::At`] as many as times.
     pub fn segment(clock: Clock, samples: Vec<Segment>) -> Self {
         Self::made(clock, samples, |p, q| [(q.a - p.a).length().max((q.b - p.b).length()), 0.0])
     }
 
-    /// Where it is (m).
+    /// Segment at a time (m).
     pub fn at(&self, t: f64) -> Segment {
         self.between(t, Segment::lerp)
     }
 
-    /// Most that any point of it does in a second, at any time of a stretch (m/s).
+    /// Bound on the speed of any of its points over a stretch of time (m/s).
     pub fn speed(&self, from_s: f64, to_s: f64) -> f64 {
         self.peaks(from_s, to_s)[0]
     }
 }
 
-/// How something stiff moves in the world.
+/// Motion of a rigid body in the world.
 #[derive(Clone)]
 pub enum Path {
-    /// It stands.
+    /// Stands still.
     Still(Rigid),
     /// Through keys, or with a joint of a body.
     Track(Arc<Track<Rigid>>),
-    /// As a function says.
+    /// Given by a function.
     Function {
-        /// Where it is at a time (s).
+        /// Transform at a time (s).
         at: Arc<dyn Fn(f64) -> Rigid + Send + Sync>,
-        /// No point of it is ever faster (m/s).
+        /// Bound on the speed of all of its points (m/s).
         speed_mps: f64,
     },
 }
@@ -174,9 +175,9 @@ impl std::fmt::Debug for Path {
 }
 
 impl Path {
-    /// Through keys: in straight lines at even speed from one to the next, still before and after.
+    /// Motion through keys: in straight lines at even speed from one to the next, still before and after.
     ///
-    /// - `keys`: times (s), ascending, and places; none are nowhere, which no problem takes.
+    /// - `keys`: times (s), ascending, and places; an empty list has no place, and no problem accepts it.
     pub fn keys(keys: &[(f64, Rigid)]) -> Self {
         if keys.is_empty() {
             return Self::Still(Rigid::at(glam::DVec3::NAN));
@@ -185,7 +186,7 @@ impl Path {
         Self::Track(Arc::new(Track::rigid(clock, keys.iter().map(|k| k.1).collect())))
     }
 
-    /// The same, moved by some way (m).
+    /// This path, moved by an offset (m).
     #[must_use]
     pub fn moved(&self, by: glam::DVec3) -> Self {
         let moved = move |at: Rigid| Rigid { position: at.position + by, ..at };
@@ -202,7 +203,7 @@ impl Path {
         }
     }
 
-    /// Where it is (m).
+    /// Transform at a time.
     pub fn at(&self, t: f64) -> Rigid {
         match self {
             Self::Still(at) => *at,
@@ -211,7 +212,7 @@ impl Path {
         }
     }
 
-    /// Most that a point within `reach` of its origin does in a second (m/s).
+    /// Bound on the speed of a point within `reach` of its origin over a stretch of time (m/s).
     pub fn speed(&self, from_s: f64, to_s: f64, reach: f64) -> f64 {
         match self {
             Self::Still(_) => 0.0,
@@ -220,7 +221,7 @@ impl Path {
         }
     }
 
-    /// True where times ascend, numbers are finite and rotations unit; a function is looked at on its ends.
+    /// True where times ascend, numbers are finite and rotations unit; a function is checked at its ends.
     pub fn is_valid(&self, from_s: f64, to_s: f64) -> bool {
         match self {
             Self::Still(at) => at.is_valid(),

@@ -1,4 +1,4 @@
-//! The mesh that a character wears, in stiff pieces: each triangle goes with the joint that carries most of it.
+//! The mesh that a character wears, in rigid pieces: each triangle goes with the joint that carries most of it.
 
 use crate::body::{BodyCapsule, BodyShape};
 use crate::shape::{Mesh, MeshError, Segment};
@@ -7,27 +7,27 @@ use std::sync::Arc;
 use throng_core::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
 use throng_motion::onto::Figure;
 
-/// Share of a piece's corners that a capsule is thick enough for, and the shares between which it is as long.
+/// Share of a piece's corners that a capsule holds across, and the shares between which it lies along.
 const THICK: f64 = 0.95;
 const ENDS: [f64; 2] = [0.02, 0.98];
-/// Capsules are no thinner (m).
+/// Least radius of a capsule (m).
 const THINNEST_M: f64 = 0.01;
 
 /// A worn mesh, on the skeleton that wears it.
 #[derive(Clone, Debug)]
 pub struct Worn {
-    /// Joints, and what they carry, in their frames (m).
+    /// Joints, and the pieces that they carry, in the joints' frames (m).
     pub pieces: Vec<(Joint, Arc<Mesh>)>,
 }
 
 impl Worn {
-    /// Puts a figure onto a skeleton, and cuts it at its joints.
+    /// Fits a figure onto a skeleton, and cuts it at its joints.
     ///
-    /// Skins that bend are stiff here: a triangle at an elbow goes with the upper arm or with the forearm, and what is between
-    /// both where the arm bends is nobody's.
+    /// Skins that bend are rigid here: a triangle at an elbow goes with the upper arm or with the forearm, and nothing fills
+    /// the gap between both where the arm bends.
     ///
     /// # Errors
-    /// [`MeshError`]: no triangles, corners that are no places.
+    /// [`MeshError`]: no triangles, invalid positions of corners.
     pub fn of(figure: &Figure, skeleton: &Skeleton) -> Result<Self, MeshError> {
         let rest = skeleton.rest_positions();
         let pose: [(Vec3, Quat); NUM_JOINTS] = std::array::from_fn(|j| (rest[j], Quat::IDENTITY));
@@ -46,7 +46,7 @@ impl Worn {
                     sum + matrices[frame].transform_point3(c.position) * weight
                 })
             });
-            // The first of equal ones.
+            // The first of equal carriers.
             let most = (0..NUM_JOINTS).rev().max_by(|a, b| shares[*a].total_cmp(&shares[*b])).unwrap_or(0);
             pieces[most].push(places.map(|p| p - rest[most]));
         }
@@ -55,7 +55,7 @@ impl Worn {
         if pieces.is_empty() { Err(MeshError::Empty) } else { Ok(Self { pieces }) }
     }
 
-    /// Capsules as thick and as long as the pieces are, along the usual ones; those of joints that carry nothing stay as they are.
+    /// Capsules as thick and as long as the pieces are, along the usual ones; those of joints without a piece stay as they are.
     ///
     /// A capsule holds all but the outermost twentieth of a piece's corners across, and fiftieth along: hair and
     /// finger tips stick out.

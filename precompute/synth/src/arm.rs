@@ -1,9 +1,9 @@
-//! Analytic arm IK: upper arm and forearm that put a wrist where it has to be, with the elbow towards a pole.
+//! Analytic arm IK: upper arm and forearm that bring a wrist to a position, with the elbow towards a pole.
 
 use super::side::Side;
 use glam::{DMat3, DQuat, DVec3};
 
-/// World rotation of the upper arm, and the elbow's flexion.
+/// Result of arm IK: rotation of the upper arm, and flexion of the elbow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmReach {
     /// World rotation of the upper arm.
@@ -15,16 +15,16 @@ pub struct ArmReach {
 /// Lengths of upper arm and forearm (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmShape {
-    /// Shoulder to elbow.
+    /// Distance from shoulder to elbow.
     pub upper_arm: f64,
-    /// Elbow to wrist.
+    /// Distance from elbow to wrist.
     pub forearm: f64,
 }
 
-/// How far an arm stretches and how near a wrist comes to its shoulder, as shares of the arm's length.
+/// Largest and least distance of a wrist from its shoulder, as shares of the arm's length.
 const STRETCHED: f64 = 0.985;
 const FOLDED: f64 = 0.3;
-/// Where the approach to either limit is rounded off, so that no elbow snaps (share of the length).
+/// Width of the rounding near either limit, so that no elbow snaps (share of the length).
 const ROUNDING: f64 = 0.06;
 
 impl ArmShape {
@@ -35,7 +35,7 @@ impl ArmShape {
 
     /// Bends the arm so that it reaches from `shoulder` to `wrist`, the elbow towards `pole`.
     ///
-    /// A wrist out of reach, or inside the shoulder, is approached as far as the elbow goes.
+    /// A wrist out of reach, or inside the shoulder, is approached as far as the elbow allows.
     ///
     /// - `pole`: direction, not along the arm.
     pub fn solve(&self, side: Side, shoulder: DVec3, wrist: DVec3, pole: DVec3) -> ArmReach {
@@ -60,7 +60,7 @@ impl ArmShape {
     }
 }
 
-/// A distance between the limits of the arm, smoothly.
+/// Clamps a distance smoothly to the limits of the arm.
 fn within(distance: f64) -> f64 {
     let rounded = |over: f64| if over > -ROUNDING { 0.25 * (over + ROUNDING).powi(2) / ROUNDING } else { 0.0 };
     let soft = |over: f64| if over > ROUNDING { over } else { rounded(over) };

@@ -1,4 +1,4 @@
-//! Which way a segment of the trunk is turned and leaned.
+//! Orientation of a segment of the trunk.
 
 use glam::DQuat;
 
@@ -14,7 +14,7 @@ pub struct Attitude {
 }
 
 impl Attitude {
-    /// Between this attitude and another one.
+    /// Mix of this attitude and another one.
     pub fn mix(self, other: Self, share: f64) -> Self {
         let mix = |a: f64, b: f64| a + (b - a) * share;
         Self { yaw: mix(self.yaw, other.yaw), pitch: mix(self.pitch, other.pitch), list: mix(self.list, other.list) }

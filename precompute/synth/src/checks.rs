@@ -1,4 +1,4 @@
-//! What the tests of all sets check alike, and the files of the project that the rigs must agree with.
+//! Assertions shared by the tests of all sets, and data files that the rigs must agree with.
 
 use glam::{Quat, Vec3};
 use serde::Deserialize;
@@ -6,7 +6,7 @@ use std::ops::Range;
 use throng_core::{Contacts, Joint, NUM_JOINTS};
 use throng_motion::clip::{Clip, ClipSet};
 
-/// Of each leg: shin, foot and toe, and the contacts of heel and toe.
+/// Shin, foot and toe of each leg, and the contacts of heel and toe.
 pub const FEET: [(Joint, Joint, Joint, Contacts, Contacts); 2] = [
     (Joint::LeftShin, Joint::LeftFoot, Joint::LeftToe, Contacts::LEFT_HEEL, Contacts::LEFT_TOE),
     (Joint::RightShin, Joint::RightFoot, Joint::RightToe, Contacts::RIGHT_HEEL, Contacts::RIGHT_TOE),
@@ -17,7 +17,7 @@ pub fn positions(set: &ClipSet, clip: &Clip) -> Vec<[Vec3; NUM_JOINTS]> {
     (0..clip.num_frames()).map(|f| clip.joint_positions(&set.skeleton, f)).collect()
 }
 
-/// Heels and toes that stay planted move slower than `most` (m/s).
+/// Asserts that planted heels and toes move slower than `most` (m/s).
 pub fn assert_planted_feet_stand_still(set: &ClipSet, most: f32) {
     for clip in &set.clips {
         let (at, rate) = (positions(set, clip), clip.rate_hz as f32);
@@ -34,7 +34,7 @@ pub fn assert_planted_feet_stand_still(set: &ClipSet, most: f32) {
     }
 }
 
-/// Knees only bend, and within a range (deg).
+/// Asserts that knees only bend, and within a range (deg).
 pub fn assert_knees_bend(clip: &Clip, range: &Range<f32>) {
     for f in 0..clip.num_frames() {
         for (shin, ..) in FEET {
@@ -46,7 +46,7 @@ pub fn assert_knees_bend(clip: &Clip, range: &Range<f32>) {
     }
 }
 
-/// Elbows bend within a range (deg), and their forearms stay so near to the plane of the bend (m of 1 m).
+/// Asserts that elbows bend within a range (deg), with forearms near the plane of the bend (m of 1 m).
 pub fn assert_elbows_bend(clip: &Clip, range: &Range<f32>, most_aside: f32) {
     for f in 0..clip.num_frames() {
         for (forearm, along) in [(Joint::LeftForearm, Vec3::X), (Joint::RightForearm, Vec3::NEG_X)] {
@@ -58,7 +58,7 @@ pub fn assert_elbows_bend(clip: &Clip, range: &Range<f32>, most_aside: f32) {
     }
 }
 
-/// Heels and tips of the feet are nowhere lower than `least` (m).
+/// Asserts that heels and tips of the feet are nowhere lower than `least` (m).
 pub fn assert_soles_stay_above(set: &ClipSet, least: f32) {
     let rest = set.skeleton.rest_positions();
     for clip in &set.clips {
@@ -76,7 +76,7 @@ pub fn assert_soles_stay_above(set: &ClipSet, least: f32) {
     }
 }
 
-/// No joint accelerates, relative to its parent, by as much as `most` allows it (rad/s^2).
+/// Asserts that no joint accelerates, relative to its parent, by `most` or more (rad/s^2).
 pub fn assert_nothing_pops(clip: &Clip, most: impl Fn(Joint) -> f32) {
     let rate = clip.rate_hz as f32;
     let velocity = |from: Quat, to: Quat| (from.inverse() * to).to_scaled_axis() * rate;
@@ -141,7 +141,7 @@ fn once() -> [u32; 3] {
     [1; 3]
 }
 
-/// A file of the project's data folder.
+/// Reads a file of the project's data folder.
 pub fn data<T: serde::de::DeserializeOwned>(file: &str) -> T {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(file);
     let text = std::fs::read_to_string(&path).expect("a file of the project");

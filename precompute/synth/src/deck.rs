@@ -1,23 +1,23 @@
-//! A shuffled pile that is dealt to its end before it is shuffled again.
+//! A shuffled deck, dealt to its end before it is shuffled again.
 
 use rand::{Rng, RngExt};
 
-/// Deals its cards in random order, every card equally often.
+/// Deck that deals its cards in random order, every card equally often.
 pub struct Deck<T> {
     cards: Vec<T>,
     next: usize,
 }
 
 impl<T: Copy> Deck<T> {
-    /// A pile of `cards`, shuffled at the first deal.
+    /// A deck of `cards`, shuffled at the first deal.
     pub fn new(cards: &[T]) -> Self {
         Self { cards: cards.to_vec(), next: cards.len() }
     }
 
-    /// The next card.
+    /// Deals the next card.
     ///
     /// # Panics
-    /// Where the pile was made without cards.
+    /// If the deck was made without cards.
     pub fn deal(&mut self, rng: &mut impl Rng) -> T {
         if self.next >= self.cards.len() {
             for i in (1..self.cards.len()).rev() {

@@ -9,8 +9,8 @@ use throng_motion::error::BuildError;
 use throng_motion::export::{self, to_raw};
 use throng_motion::files::{remove, write_atomically};
 
-/// Writes every clip as `NAME.bvh` into `folder`, which is made if it is not there, and its tags, where it has any, as
-/// the sidecar `NAME.toml`.
+/// Writes every clip as `NAME.bvh` into `folder`, which is created if missing, and its tags, if any, as the sidecar
+/// `NAME.toml`.
 ///
 /// - returns the BVH files, in the order of the clips.
 ///
@@ -30,7 +30,7 @@ pub fn save(set: &ClipSet, folder: &Path) -> Result<Vec<PathBuf>, BuildError> {
 
 /// Writes the tags of a clip as a sidecar.
 fn save_tags(clip: &Clip, path: &Path) -> Result<(), BuildError> {
-    // That of an earlier clip of this name is not of this one.
+    // Removes an outdated sidecar of an earlier clip of this name.
     let Some(sidecar) = sidecar(clip) else { return remove(path) };
     write_atomically(path, |out| {
         let text = toml::to_string(&sidecar).map_err(Error::other)?;
@@ -38,7 +38,7 @@ fn save_tags(clip: &Clip, path: &Path) -> Result<(), BuildError> {
     })
 }
 
-/// The sidecar that says what a clip's tags say; none for a clip without.
+/// Sidecar with a clip's tags; `None` for a clip without tags.
 pub(super) fn sidecar(clip: &Clip) -> Option<Sidecar> {
     let tag = |t: &Tag| SidecarTag { name: t.name.clone(), start: t.range.start as f64, end: t.range.end as f64 };
     let tags: Vec<_> = clip.tags.iter().map(tag).collect();

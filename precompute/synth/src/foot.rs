@@ -1,10 +1,10 @@
-//! A foot: how long its parts are, and where they are.
+//! Dimensions and poses of a foot.
 
 use super::side::{Side, forward};
 use glam::{DQuat, DVec2, DVec3};
 use throng_core::{Contacts, Joint, Skeleton};
 
-/// Lengths of a foot that stands flat (m).
+/// Dimensions of a flat foot (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FootShape {
     /// Height of the ankle.
@@ -20,7 +20,7 @@ pub struct FootShape {
 }
 
 impl FootShape {
-    /// The left foot of a skeleton; the heel stands out by a third of the distance to the ball.
+    /// Dimensions of a skeleton's left foot; the heel extends behind the ankle by a third of the distance to the ball.
     pub fn of(skeleton: &Skeleton) -> Self {
         let rest = skeleton.rest_positions();
         let toe = skeleton.offsets[Joint::LeftToe.index()];
@@ -34,7 +34,7 @@ impl FootShape {
         }
     }
 
-    /// The foot over a ball and the directions of its parts; neither part carries yet.
+    /// Pose of the foot with a given ball and directions of its parts; no part carries weight yet.
     pub fn posed(&self, ball: DVec3, yaw: f64, heading: f64, pitch: f64, toe_pitch: f64) -> FootPose {
         let rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
         let ankle = ball + rotation * DVec3::new(0.0, self.ankle_height - self.ball_height, -self.ball);
@@ -53,12 +53,12 @@ impl FootShape {
     }
 }
 
-/// Where a foot is.
+/// Pose of a foot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FootPose {
-    /// Ankle (m).
+    /// Position of the ankle (m).
     pub ankle: DVec3,
-    /// Ball (m).
+    /// Position of the ball (m).
     pub ball: DVec3,
     /// Heading of the foot (rad).
     pub yaw: f64,
@@ -68,11 +68,11 @@ pub struct FootPose {
     pub pitch: f64,
     /// Pitch of the toes against the ground, positive down (rad).
     pub toe_pitch: f64,
-    /// Height of the ground that it stands on, or between the grounds that it flies from and to (m).
+    /// Height of the ground under the foot, or between those of lift and landing (m).
     pub ground: f64,
-    /// The heel carries (the foot is flat).
+    /// True if the heel carries weight (the foot is flat).
     pub heel_down: bool,
-    /// The ball carries.
+    /// True if the ball carries weight.
     pub toe_down: bool,
 }
 

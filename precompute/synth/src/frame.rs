@@ -1,4 +1,4 @@
-//! A whole body at one instant, and how it becomes a frame of a clip.
+//! Pose of the whole body at an instant, and its conversion to a frame of a clip.
 
 use super::SynthConfig;
 use super::foot::FootPose;
@@ -8,21 +8,21 @@ use glam::{DQuat, DVec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 use throng_motion::clip::{Clip, Tag};
 
-/// The rigs work at least this often, so that their filters do not depend on the clip's rate (Hz).
+/// Least sample rate of the rigs, so that their filters do not depend on the clip's rate (Hz).
 const WORKING_RATE: f64 = 120.0;
 
-/// The samples that a rig works on: whole multiples of the clip's frames.
+/// Samples of a rig: whole multiples of the clip's frames.
 pub struct Samples {
     /// Times of the samples (s).
     pub times: Vec<f64>,
     /// Time between samples (s).
     pub dt: f64,
-    /// Samples from one frame to the next.
+    /// Number of samples from one frame to the next.
     pub per_frame: usize,
 }
 
 impl Samples {
-    /// The samples of a clip.
+    /// Samples of a clip.
     pub fn of(duration: f64, rate_hz: f64) -> Self {
         let per_frame = (WORKING_RATE / rate_hz).ceil() as usize;
         let dt = 1.0 / (rate_hz * per_frame as f64);
@@ -31,12 +31,12 @@ impl Samples {
         Self { times, dt, per_frame }
     }
 
-    /// Whole samples in a time.
+    /// Number of whole samples in a time.
     pub fn within(&self, seconds: f64) -> usize {
         (seconds / self.dt).round() as usize
     }
 
-    /// The sample of every frame, in order.
+    /// Sample index of every frame, in order.
     pub fn frames(&self) -> impl Iterator<Item = usize> + use<> {
         (0..self.times.len()).step_by(self.per_frame)
     }
@@ -55,7 +55,7 @@ pub struct ArmPose {
     pub hand: DQuat,
 }
 
-/// A whole body at one instant.
+/// Pose of the whole body at one instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyPose {
     /// Hips joint in the world (m).
@@ -82,7 +82,7 @@ pub fn empty_clip(name: String, set: &str, cfg: &SynthConfig) -> Clip {
 
 /// Adds tags to a clip, in order.
 ///
-/// - `spans`: what each is called, and when it begins and ends (s).
+/// - `spans`: name, begin and end of each (s).
 pub fn add_tags<'a>(clip: &mut Clip, spans: impl IntoIterator<Item = (&'a str, f64, f64)>) {
     let (rate_hz, num_frames) = (clip.rate_hz, clip.num_frames());
     let at = |t: f64| ((t * rate_hz).round().max(0.0) as usize).min(num_frames);
@@ -90,7 +90,7 @@ pub fn add_tags<'a>(clip: &mut Clip, spans: impl IntoIterator<Item = (&'a str, f
     clip.tags.sort_by(|a, b| (a.range.start, a.range.end, &a.name).cmp(&(b.range.start, b.range.end, &b.name)));
 }
 
-/// Adds a pose on both feet to a clip.
+/// Adds a pose standing on both feet to a clip.
 pub fn push(clip: &mut Clip, pose: &BodyPose, skeleton: &Skeleton) {
     let knees = pose.knees.map(|heading| {
         let f = forward(heading);
@@ -101,8 +101,8 @@ pub fn push(clip: &mut Clip, pose: &BodyPose, skeleton: &Skeleton) {
 
 /// Adds a pose to a clip.
 ///
-/// - `knees`: where the knees point, left and right, in place of the headings of the pose (direction).
-/// - `held`: what touches beside the feet.
+/// - `knees`: directions of the knees, left and right, in place of the headings of the pose.
+/// - `held`: contacts other than those of the feet.
 pub fn push_held(clip: &mut Clip, pose: &BodyPose, knees: [DVec3; 2], held: Contacts, skeleton: &Skeleton) {
     let mut local = [DQuat::IDENTITY; NUM_JOINTS];
     local[Joint::Hips.index()] = pose.hips;

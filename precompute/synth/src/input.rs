@@ -9,25 +9,25 @@ use throng_motion::annotate::Sidecar;
 use throng_motion::error::{BuildError, check_ranges};
 use throng_motion::import::{self, ImportConfig, ImportedSet};
 
-/// Motion that the project makes itself.
+/// Synthetic motion as input.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SynthInput {
-    /// Which set.
+    /// Set of motion.
     pub set: SynthSet,
-    /// Length; that of `throng synth` where absent (min, 0.05 to 240).
+    /// Length; the default of `throng synth` if absent (min, 0.05 to 240).
     #[serde(default)]
     pub minutes: Option<f64>,
-    /// Same seed, same motion; that of `throng synth` where absent.
+    /// Seed, which determines the motion; the default of `throng synth` if absent.
     #[serde(default)]
     pub seed: Option<u64>,
-    /// Other sets that are made as well.
+    /// Further sets.
     #[serde(default)]
     pub also: Vec<SynthInput>,
 }
 
 impl SynthInput {
-    /// How it is made, at a rate (Hz).
+    /// Settings at a rate (Hz).
     pub fn config(&self, rate_hz: f64) -> SynthConfig {
         let usual = SynthConfig::for_set(self.set);
         let (minutes, seed) = (self.minutes.unwrap_or(usual.minutes), self.seed.unwrap_or(usual.seed));
@@ -37,19 +37,19 @@ impl SynthInput {
     /// Checks every number against its range.
     ///
     /// # Errors
-    /// [`BuildError::Key`] names the first one out of it.
+    /// [`BuildError::Key`] names the first one out of its range.
     pub fn check(&self) -> Result<(), BuildError> {
         check_ranges([("minutes", self.minutes.unwrap_or(1.0), 0.05, 240.0)])?;
         self.also.iter().enumerate().try_for_each(|(i, s)| s.check().map_err(|e| e.within(&format!("also[{i}]"))))
     }
 
-    /// This set and those that are made as well.
+    /// This set and the further ones.
     pub fn all(&self) -> Vec<&SynthInput> {
         std::iter::once(self).chain(self.also.iter().flat_map(SynthInput::all)).collect()
     }
 }
 
-/// Makes the clips, as if they had been written as files and read again; and what sidecars beside the files would say.
+/// Makes the clips, as if they had been written as files and read again, and the contents of their sidecars.
 ///
 /// - `rate_hz`: of the clips (Hz).
 ///

@@ -1,9 +1,9 @@
-//! Analytic leg IK: thigh and shin that put an ankle where it has to be, with the knee bending forward.
+//! Analytic leg IK: thigh and shin that bring an ankle to a position, with the knee bending forward.
 
 use glam::{DMat3, DQuat, DVec3};
 use throng_core::{Joint, Skeleton};
 
-/// World rotation of the thigh, and the knee's flexion.
+/// Result of leg IK: rotation of the thigh, and flexion of the knee.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LegPose {
     /// World rotation of the thigh.
@@ -15,14 +15,14 @@ pub struct LegPose {
 /// Lengths of thigh and shin (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LegShape {
-    /// Hip to knee.
+    /// Distance from hip to knee.
     pub thigh: f64,
-    /// Knee to ankle.
+    /// Distance from knee to ankle.
     pub shin: f64,
 }
 
 impl LegShape {
-    /// The left leg of a skeleton.
+    /// Dimensions of a skeleton's left leg.
     pub fn of(skeleton: &Skeleton) -> Self {
         let length = |j: Joint| f64::from(skeleton.offsets[j.index()].length());
         Self { thigh: length(Joint::LeftShin), shin: length(Joint::LeftFoot) }
@@ -34,7 +34,7 @@ impl LegShape {
         (a * a + b * b + 2.0 * a * b * flexion.cos()).sqrt()
     }
 
-    /// Flexion of the knee at a distance from hip to ankle, a straight leg's where that is out of reach (rad).
+    /// Flexion of the knee at a distance from hip to ankle; that of a straight leg for distances out of reach (rad).
     pub fn flexion(&self, distance: f64) -> f64 {
         let (a, b) = (self.thigh, self.shin);
         ((distance * distance - a * a - b * b) / (2.0 * a * b)).clamp(-1.0, 1.0).acos()
@@ -44,7 +44,7 @@ impl LegShape {
     ///
     /// An ankle out of reach is pointed at with a straight leg.
     ///
-    /// - `facing`: where the knee points (direction, not along the leg).
+    /// - `facing`: direction of the knee, not along the leg.
     pub fn solve(&self, hip: DVec3, ankle: DVec3, facing: DVec3) -> LegPose {
         let (a, b) = (self.thigh, self.shin);
         let d = ankle - hip;

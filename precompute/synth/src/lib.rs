@@ -1,8 +1,8 @@
 //! Synthetic motion, so that a fresh machine needs no captured motion: rigs that walk, box and play by rule and chance.
 //!
-//! A rig goes from intention to pose. Feet come first: what stands on the ground never slides, and the rest of the
-//! body follows from it. Each rig has a folder; what they share is here: the feet's and limbs' geometry (`foot`,
-//! `leg`, `arm`), balance (`pendulum`), smooth signals (`signal`), chance (`deck`), and the way into a clip (`frame`).
+//! A rig goes from intention to pose. Feet come first: a planted foot never slides, and the rest of the body follows
+//! from the feet. Each rig has a folder; shared parts are here: the geometry of feet and limbs (`foot`, `leg`, `arm`),
+//! balance (`pendulum`), smooth signals (`signal`), chance (`deck`), and the conversion to clips (`frame`).
 
 mod arm;
 mod attitude;
@@ -35,20 +35,20 @@ use serde::{Deserialize, Serialize};
 use throng_base::limits::{RATE_HZ, SYNTH_MINUTES};
 use throng_motion::error::{BuildError, check_ranges};
 
-/// How much motion to make, and how varied.
+/// Settings of synthetic motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SynthConfig {
-    /// Same seed, same motion, to the bit.
+    /// Seed: equal seeds give equal motion, to the bit.
     pub seed: u64,
-    /// Length of the whole set; clips end standing, so it comes out a little longer. The locomotion set is a list: a
-    /// shorter length has the first clips of it, a longer one further takes (min, 0.05 to 240).
+    /// Length of the whole set; clips end standing, so the result is a little longer. The locomotion set is a list: a
+    /// shorter length gives its first clips, a longer one further takes (min, 0.05 to 240).
     pub minutes: f64,
-    /// Length of one clip, about; of the locomotion set, exactly (s, 3 to 600).
+    /// Approximate length of one clip; exact for the locomotion set (s, 3 to 600).
     pub clip_seconds: f64,
-    /// Frames a second (Hz, 20 to 240).
+    /// Frame rate (Hz, 20 to 240).
     pub rate_hz: f64,
-    /// How much steps, arms and gaze vary; 0 repeats every step exactly (0 to 2).
+    /// Amount of variation of steps, arms and gaze; 0 repeats every step exactly (0 to 2).
     pub variation: f64,
 }
 
@@ -59,7 +59,7 @@ impl Default for SynthConfig {
 }
 
 impl SynthConfig {
-    /// The settings of a set as `throng synth` makes it: its own length, the defaults otherwise.
+    /// Default settings of a set in `throng synth`: its own length, and defaults otherwise.
     pub fn for_set(set: SynthSet) -> Self {
         match set {
             SynthSet::Walk => Self::default(),

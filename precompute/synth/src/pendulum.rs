@@ -1,4 +1,4 @@
-//! The linear inverted pendulum: where the centre of mass is, given what the feet push on.
+//! Linear inverted pendulum: the centre of mass for a given centre of pressure.
 
 use glam::DVec2;
 
@@ -6,7 +6,7 @@ use glam::DVec2;
 /// with ankles and arms at work, fit a stiffer one (rad/s).
 pub const FREQUENCY: f64 = 3.9;
 
-/// The centre of mass over a centre of pressure: solves `x - x''/w^2 = p` with `x' = 0` at both ends (Thomas algorithm).
+/// Centre of mass over a centre of pressure: solves `x - x''/w^2 = p` with `x' = 0` at both ends (Thomas algorithm).
 ///
 /// # Source
 /// Kajita et al. 2001, *The 3D linear inverted pendulum mode*: `x'' = w^2 (x - p)`. Instead of stepping it forward

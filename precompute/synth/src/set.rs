@@ -7,7 +7,7 @@ use std::path::Path;
 use throng_motion::clip::ClipSet;
 use throng_motion::error::BuildError;
 
-/// A set of motion that the project makes.
+/// A set of synthetic motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SynthSet {
@@ -27,11 +27,11 @@ pub enum SynthSet {
 }
 
 impl SynthSet {
-    /// Every set.
+    /// All sets.
     pub const ALL: [Self; 6] =
         [Self::Walk, Self::Boxing, Self::Office, Self::Playground, Self::Locomotion, Self::People];
 
-    /// The name, as the command line, configs and clips write it.
+    /// Name on the command line, in configs and in clips.
     pub fn name(self) -> &'static str {
         match self {
             Self::Walk => "walk",
@@ -43,10 +43,10 @@ impl SynthSet {
         }
     }
 
-    /// The set of that name.
+    /// Set with a given name.
     ///
     /// # Errors
-    /// [`BuildError::Config`] with the names that there are.
+    /// [`BuildError::Config`] with the existing names.
     pub fn from_name(name: &str) -> Result<Self, BuildError> {
         Self::ALL.into_iter().find(|s| s.name() == name).ok_or_else(|| {
             let names = Self::ALL.map(|s| format!("`{}`", s.name())).join(" or ");
@@ -58,7 +58,7 @@ impl SynthSet {
 /// Makes a set, on the default skeleton, with the true foot contacts.
 ///
 /// - returns clips `SET_00`, `SET_01`, ... that begin and end at rest: standing, or on guard; those of the locomotion
-///   set have names that say what they show, such as `walk_neutral_v110_gl08`, and go on throughout.
+///   set have descriptive names, such as `walk_neutral_v110_gl08`, and move throughout.
 ///
 /// # Errors
 /// [`BuildError::Config`] for a value outside its limits.
@@ -74,10 +74,10 @@ pub fn make(set: SynthSet, cfg: &SynthConfig) -> Result<ClipSet, BuildError> {
     })
 }
 
-/// Makes a set and writes each clip as `NAME.bvh`, and its tags as `NAME.toml`, into a folder, which is made if it is
-/// not there.
+/// Makes a set and writes each clip as `NAME.bvh`, and its tags as `NAME.toml`, into a folder, which is created if
+/// missing.
 ///
-/// - returns what was written.
+/// - returns the set.
 ///
 /// # Errors
 /// As [`make`] and [`files::save`].

@@ -13,15 +13,15 @@ pub enum Side {
 }
 
 impl Side {
-    /// Both, left first.
+    /// Both sides, left first.
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
-    /// 0 for left, 1 for right.
+    /// Index: 0 for left, 1 for right.
     pub fn index(self) -> usize {
         self as usize
     }
 
-    /// +1 for left, -1 for right: the sign of X.
+    /// Sign of X: +1 for left, -1 for right.
     pub fn sign(self) -> f64 {
         match self {
             Self::Left => 1.0,
@@ -37,12 +37,12 @@ impl Side {
         }
     }
 
-    /// Thigh joint.
+    /// Thigh joint of the side.
     pub fn thigh(self) -> Joint {
         self.leg()[0]
     }
 
-    /// Thigh, shin, foot and toe joints.
+    /// Thigh, shin, foot and toe joints of the side.
     pub fn leg(self) -> [Joint; 4] {
         use Joint::*;
         match self {
@@ -51,7 +51,7 @@ impl Side {
         }
     }
 
-    /// Clavicle, upper arm, forearm and hand joints.
+    /// Clavicle, upper arm, forearm and hand joints of the side.
     pub fn arm(self) -> [Joint; 4] {
         use Joint::*;
         match self {
@@ -60,7 +60,7 @@ impl Side {
         }
     }
 
-    /// The inner side of a turn by a positive (left) or negative (right) angle.
+    /// Inner side of a turn by a positive (left) or negative (right) angle.
     pub fn inside(turn: f64) -> Self {
         if turn >= 0.0 { Self::Left } else { Self::Right }
     }

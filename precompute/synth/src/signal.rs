@@ -12,17 +12,17 @@ pub struct End {
 }
 
 impl End {
-    /// At rest at `value`.
+    /// An end at rest at `value`.
     pub fn still(value: f64) -> Self {
         Self { value, ..Self::default() }
     }
 
-    /// Passing `value` at a constant `rate`.
+    /// An end that passes `value` at a constant `rate`.
     pub fn moving(value: f64, rate: f64) -> Self {
         Self { value, rate, acceleration: 0.0 }
     }
 
-    /// The end of a smooth function of time at `t`, by central differences.
+    /// An end taken from a smooth function of time at `t`, by central differences.
     pub fn of(f: impl Fn(f64) -> f64, t: f64) -> Self {
         const H: f64 = 1e-4;
         let (a, b, c) = (f(t - H), f(t), f(t + H));
@@ -55,7 +55,7 @@ pub fn early_bump(u: f64) -> f64 {
     u.powi(3) * (1.0 - u).powi(5) / top
 }
 
-/// From 0 to 1 over `u` in `[0, 1]`: speeds up over the first `ramp`, goes on evenly, slows down over the last.
+/// Rises from 0 to 1 over `u` in `[0, 1]`: speeds up over the first `ramp`, is even, and slows down over the last.
 ///
 /// Rate and acceleration are zero at both ends and continuous between them. The top rate is `1 / (1 - ramp)`,
 /// lower than that of a quintic (1.875).
@@ -91,7 +91,7 @@ pub fn interpolate(knots: &[(f64, f64)], t: f64) -> f64 {
     }
 }
 
-/// Three passes of a running mean: nearly a Gaussian, support of `3 * radius` samples to each side.
+/// Three passes of a running mean: nearly a Gaussian, with a support of `3 * radius` samples to each side.
 ///
 /// The ends are continued with their last value.
 pub fn smooth(x: &[f64], radius: usize) -> Vec<f64> {
@@ -109,8 +109,8 @@ fn running_mean(x: &[f64], radius: usize) -> Vec<f64> {
 
 /// A smooth signal that stays below `limit` and bends upwards by no more than `acceleration`.
 ///
-/// The lower envelope of parabolas over every sample is the largest signal of that curvature below the limit;
-/// smoothing raises such a signal by at most its curvature times half the variance of the filter, which is taken off.
+/// The lower envelope of parabolas over every sample is the largest signal of that curvature below the limit; smoothing
+/// raises such a signal by at most its curvature times half the variance of the filter, which is subtracted.
 ///
 /// - `radius`: of the smoothing, as in [`smooth`].
 /// - `acceleration`: (1/s^2, > 0)
@@ -140,7 +140,7 @@ pub fn acceleration(x: &[f64], dt: f64) -> Vec<f64> {
     out
 }
 
-/// The signal `seconds` later (earlier where negative), constant beyond its ends.
+/// The signal delayed by `seconds` (advanced if negative), constant beyond its ends.
 pub fn shifted(x: &[f64], seconds: f64, dt: f64) -> Vec<f64> {
     let shift = (seconds / dt).round() as isize;
     (0..x.len() as isize).map(|i| x[(i + shift).clamp(0, x.len() as isize - 1) as usize]).collect()

@@ -2,7 +2,7 @@
 
 use super::signal::smooth;
 
-/// Keys closer together than this are one intention: the later one wins (s).
+/// Time between keys below which they count as one intention: the later one wins (s).
 const APART: f64 = 0.045;
 
 /// Keys of `N` channels, ascending in time.
@@ -17,7 +17,7 @@ impl<const N: usize> Track<N> {
         Self { keys: vec![(0.0, value)] }
     }
 
-    /// Adds a key. Keys at that time and later are given up for it.
+    /// Adds a key, replacing keys at that time and later.
     pub fn push(&mut self, t: f64, value: [f64; N]) {
         while self.keys.len() > 1 && self.keys.last().is_some_and(|k| k.0 > t - APART) {
             self.keys.pop();
@@ -25,7 +25,7 @@ impl<const N: usize> Track<N> {
         self.keys.push((t, value));
     }
 
-    /// Repeats the last value at `t`, so that what follows begins there; nothing where the last key is later.
+    /// Repeats the last value at `t`, so that the next motion begins there; no effect if the last key is later.
     pub fn hold(&mut self, t: f64) {
         let (last, value) = self.last();
         if t > last + APART {
@@ -38,10 +38,10 @@ impl<const N: usize> Track<N> {
         self.keys.last().copied().unwrap_or((0.0, [0.0; N]))
     }
 
-    /// The signals at `times`, which are `dt` apart: a monotone cubic through the keys, which neither swings beyond
-    /// them nor stops at keys passed on the way, smoothed over `radius` seconds.
+    /// Samples the signals at `times`, spaced `dt` apart: a monotone cubic through the keys, which neither overshoots
+    /// them nor stops at intermediate keys, smoothed over `radius` seconds.
     ///
-    /// - `ahead`: how much earlier each channel gets to its keys (s).
+    /// - `ahead`: time by which each channel precedes its keys (s).
     pub fn sample(&self, times: &[f64], ahead: &[f64; N], radius: f64, dt: f64) -> Vec<[f64; N]> {
         let mut out = vec![[0.0; N]; times.len()];
         for (c, ahead) in ahead.iter().enumerate() {

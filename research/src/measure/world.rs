@@ -1,4 +1,4 @@
-//! What a world costs: stitching it, changing it, planning in it, living in it.
+//! Cost of a world: stitching, editing, path planning, and inhabitants.
 
 mod paths;
 
@@ -15,13 +15,13 @@ use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, scatter
 use throng_runtime::world::{PathCosts, World, WorldData, WorldGraph};
 use throng_runtime::{Bundle, Cast, Error, Inline};
 
-/// Moves of a unit that are timed, and how far each goes on from the one before (m).
+/// Number of timed moves of a unit, and distance of each from the one before (m).
 const EDITS: usize = 7;
 const EDIT_M: f32 = 0.03;
-/// Units that are tried where the middle one cannot be moved so little, and places for each.
+/// Number of units to try if the middle one cannot be moved so little, and of places for each.
 const UNITS: usize = 8;
 const PLACES: usize = 20;
-/// Characters that walk about, where there is room, and for how long (s).
+/// Number of inhabitants if there is room, and for how long they walk about (s).
 const CHARACTERS: usize = 1000;
 const LIFE_S: f32 = 4.0;
 const STEP_HZ: f32 = 60.0;
@@ -33,45 +33,45 @@ pub struct WorldFigures {
     pub world: String,
     /// Patches that were fitted.
     pub instances: usize,
-    /// Cells that are left.
+    /// Cells that remain after stitching.
     pub cells: u64,
-    /// Transitions that are left.
+    /// Transitions that remain after stitching.
     pub transitions: u64,
-    /// Stitching it, on all threads (s).
+    /// Time to stitch it, on all threads (s).
     pub stitch_seconds: f64,
-    /// Working out its path costs and writing the file, on all threads (s).
+    /// Time to compute its path costs and write the file, on all threads (s).
     pub bake_seconds: f64,
-    /// Most memory until then, where the system tells (bytes).
+    /// Peak memory until then, where the system reports it (bytes).
     pub peak_bytes: u64,
-    /// Moving a unit of every kind that is placed, in the order of the bundle's.
+    /// Figures of moving a unit of every kind that is placed, in the order of the bundle's.
     pub edits: Vec<EditFigures>,
     /// Paths between places drawn at random.
     pub paths: PathFigures,
-    /// The same paths, planned for a quick answer.
+    /// Figures of the same paths, planned for a quick answer.
     pub paths_soon: PathFigures,
-    /// Characters that walked about, as many as there was room for up to a thousand.
+    /// Number of inhabitants: as many as there was room for, up to a thousand.
     pub characters: usize,
     /// Steps of all of them a second on one thread: control and poses.
     pub steps_per_second: f64,
 }
 
-/// Figures of moving a unit a few centimetres, and a few more, as in dragging. What only fits a raster, as tiles do,
-/// is moved by its own length, from the rim of what is placed to free places beside others of its kind.
+/// Figures of moving a unit by a few centimetres at a time, as in dragging. Units that only fit a raster, such as tiles,
+/// are moved by their own length, from the rim of the placed ones to free places beside others of their kind.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct EditFigures {
     /// Name of the unit.
     pub unit: String,
-    /// How many are placed.
+    /// Number of placed units of this kind.
     pub placed: usize,
-    /// The place that was moved: of all of that kind the middle one, or the first that there is a free place for.
+    /// Place that was moved: the middle one of that kind, or the first that has a free place.
     pub place: usize,
-    /// How far each move went (m).
+    /// Distance of each move (m).
     pub step_m: f64,
-    /// Moves that were done; others were refused: the unit does not fit there, or it or others could not be reached.
+    /// Moves that were accepted; others were refused, as the unit does not fit there or a unit could not be reached any more.
     pub done: usize,
-    /// Time for one, on all threads, the median; none where every move was refused (s).
+    /// Median time of a move, on all threads; none where every move was refused (s).
     pub seconds: Option<f64>,
-    /// That time over stitching anew.
+    /// That time over the time to stitch anew.
     pub over_stitch: Option<f64>,
 }
 
@@ -128,7 +128,7 @@ fn fail(message: String) -> BuildError {
     BuildError::Stage { stage: "bench", message, help: "Stitch the world with `throng stitch` first".into() }
 }
 
-/// Moves one of all units of a kind, and back again; none where there is none.
+/// Moves one unit of a kind, and back again; none without units of that kind.
 fn edit(
     editor: &mut Editor<'_>,
     kit: &Kit,
@@ -145,7 +145,7 @@ fn edit(
         let extent = kit.geometries[kind].bounds.max - kit.geometries[kind].bounds.min;
         let length = extent.x.max(extent.z);
         let free = free_places(editor, &places, length);
-        // What stands in the middle of others is missed there: those on the rim are placed first or last.
+        // Removing a unit from the middle cuts its neighbours off; units on the rim are first or last in the list.
         for &place in places.iter().step_by(places.len().div_ceil(UNITS)) {
             if moved.2.is_empty() {
                 moved = (place, length, timed(editor, place, free.iter().copied())?);
@@ -166,7 +166,7 @@ fn edit(
     }))
 }
 
-/// The times of moves that were not refused, at most [`EDITS`]; then the unit is where it was (s).
+/// Times of accepted moves, at most [`EDITS`]; the unit ends where it began (s).
 fn timed(editor: &mut Editor<'_>, place: usize, ways: impl Iterator<Item = Placement>) -> Result<Vec<f64>, BuildError> {
     let home = editor.environment().units[place].placement;
     let mut seconds = Vec::new();
@@ -185,7 +185,7 @@ fn timed(editor: &mut Editor<'_>, place: usize, ways: impl Iterator<Item = Place
     Ok(seconds)
 }
 
-/// Where nothing of a kind stands, but something a length away: those beside the last of the kind first.
+/// Free places one length away from a unit of a kind, beginning beside the last of the kind.
 fn free_places(editor: &Editor<'_>, places: &[usize], length: f32) -> Vec<Placement> {
     let at = |&p: &usize| editor.environment().units[p].placement;
     let sides = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
@@ -201,7 +201,7 @@ fn free_places(editor: &Editor<'_>, places: &[usize], length: f32) -> Vec<Placem
     beside.filter(is_free).take(PLACES).collect()
 }
 
-/// How fast people walk about.
+/// Number of inhabitants, and their steps a second.
 fn life(world: &World) -> Result<(usize, f64), BuildError> {
     let starts = scatter(world.graph(), CHARACTERS, 1);
     let wrong = |e: Error| fail(e.to_string());

@@ -1,4 +1,4 @@
-//! What can be gained at most in a few actions: bounds that let a search leave out what cannot be the best.
+//! Upper bounds of the gain of a few actions, which let a search skip hopeless branches.
 
 use super::squares::{Candidates, Squares, distances};
 use glam::{Vec2, Vec3};
@@ -6,33 +6,32 @@ use rayon::prelude::*;
 use throng_bake::policy::Situation;
 use throng_core::policy::{COMBINE_SUM, PolicyTable, Reward, SegmentRecord};
 
-/// What rounding may take off a bound, as a share of it and at least.
+/// Tolerance of bounds against rounding: relative and absolute.
 const SLACK: (f32, f32) = (1e-5, 1e-6);
-/// Squares of all states that bounds may hold a level (squares).
+/// Most squares of all states per level of bounds.
 const MAX_SQUARES: usize = 1 << 23;
-/// Squares along a side, at most and at least.
+/// Most and fewest squares along a side.
 const SIDES: (usize, usize) = (128, 16);
 
-/// Upper bounds of what a search finds, for every state and square of ground that the target may stand in. Not for
-/// space-time grids.
+/// Upper bounds of search results, for every state and square of ground with the target. Not for space-time grids.
 ///
-/// Level 0 is the greatest value within the square. Level k is the greatest reward of an action anywhere in the
-/// square, and the discounted bound of level k - 1 of all squares that the action may lead to from it. Every step takes
-/// the most that is possible, so that no sequence of k actions from anywhere in the square can be worth more.
+/// Level 0 is the greatest value within the square. Level k is the greatest reward of an action anywhere in the square,
+/// plus the discounted bound of level k - 1 over all squares that the action may lead to. Every step takes the greatest
+/// possible, so that no sequence of k actions from anywhere in the square can be worth more.
 #[derive(Clone, Debug)]
 pub struct Bounds {
     squares: Squares,
-    /// What the grid is around (m).
+    /// Centre of the grid (m).
     centre: Vec2,
     num_states: usize,
-    /// Of sequences of 1, 2 and so on actions: [row][state][column].
+    /// Bounds for sequences of 1, 2, ... actions: [row][state][column].
     levels: Vec<Vec<f32>>,
 }
 
 impl Bounds {
     /// Bounds for searches of a depth from targets within the grid.
     ///
-    /// - `heights`: lowest and highest of the targets; does not matter in a polar grid (m).
+    /// - `heights`: lowest and highest of the targets; unused in a polar grid (m).
     pub fn new(table: &PolicyTable, depth: usize, heights: [f32; 2]) -> Self {
         let step = |s: &SegmentRecord| Vec2::new(s.displacement[2], s.displacement[3]).length();
         let longest = table.segments().iter().map(step).fold(0.0, f32::max);
@@ -51,7 +50,7 @@ impl Bounds {
         bounds
     }
 
-    /// The most that `left` actions can be worth; infinite where that is not known (state exists, left > 0).
+    /// Upper bound of the worth of `left` actions; infinite if unknown (state exists, left > 0).
     #[inline]
     pub fn most(&self, left: usize, at: Situation) -> f32 {
         match (self.levels.get(left - 1), self.squares.find(Vec2::new(at.target.x, at.target.z) - self.centre)) {
@@ -60,18 +59,18 @@ impl Bounds {
         }
     }
 
-    /// True where what is worth at most `bound` cannot be worth more than `floor`, rounding included.
+    /// True if a worth of at most `bound` cannot exceed `floor`, including rounding.
     #[inline]
     pub fn is_hopeless(&self, bound: f32, floor: f32) -> bool {
         bound + (bound.abs() * SLACK.0 + SLACK.1) <= floor
     }
 
-    /// First column of a state in a row of squares.
+    /// Index of a state's first column in a row of squares.
     fn index(&self, row: usize, state: usize) -> usize {
         (row * self.num_states + state) * self.squares.side
     }
 
-    /// Level 0.
+    /// Computes level 0.
     fn of_values(&self, table: &PolicyTable, heights: [f32; 2]) -> Vec<f32> {
         let s = &self.squares;
         let mut out = vec![0.0; s.side * s.side * self.num_states];
@@ -86,7 +85,7 @@ impl Bounds {
         out
     }
 
-    /// The greatest of every square and its eight neighbours, so that one look covers a square moved anywhere.
+    /// Maximum of every square and its eight neighbours, so that one access covers a displaced square.
     fn widened(&self, level: &[f32]) -> Vec<f32> {
         let (side, width) = (self.squares.side, self.num_states * self.squares.side);
         let mut out = vec![0.0; level.len()];
@@ -103,9 +102,9 @@ impl Bounds {
         out
     }
 
-    /// The next level.
+    /// Computes the next level.
     ///
-    /// - `then`: the level before, widened.
+    /// - `then`: the previous level, widened.
     fn of_actions(&self, table: &PolicyTable, heights: [f32; 2], then: &[f32]) -> Vec<f32> {
         let (side, width) = (self.squares.side, self.num_states * self.squares.side);
         let heights = (!table.grid().is_polar()).then_some(heights);
@@ -128,7 +127,7 @@ impl Bounds {
         out
     }
 
-    /// The most that a segment is worth for the squares of a row.
+    /// Upper bound of the worth of a segment for the squares of a row.
     fn of_segment(
         &self,
         reward: &Reward,
@@ -143,7 +142,7 @@ impl Bounds {
             let [x, z, _] = segment.target_after(Vec3::new(centre.x, 0.0, centre.y));
             let value = match self.squares.find(Vec2::new(x, z)) {
                 Some([column, row]) => then[self.index(row, segment.end as usize) + column],
-                // Targets do not get there in as many actions as are looked at.
+                // Targets do not get there within the searched number of actions.
                 None => f32::INFINITY,
             };
             *out = most_reward(reward, segment, centre, self.squares.radius(), heights) + segment.discount * value;
@@ -151,7 +150,7 @@ impl Bounds {
     }
 }
 
-/// The greatest reward of a segment for any target within a disc.
+/// Greatest reward of a segment for any target within a disc.
 fn most_reward(reward: &Reward, segment: &SegmentRecord, centre: Vec2, radius: f32, heights: Option<[f32; 2]>) -> f32 {
     let [_, _, end_x, end_z] = segment.displacement;
     let [ax, az, bx, bz] = segment.inner;
@@ -164,7 +163,7 @@ fn most_reward(reward: &Reward, segment: &SegmentRecord, centre: Vec2, radius: f
         let farthest = if r.offset - near > far - r.offset { near } else { far };
         segment.weights[k] * reward.kernel(if r.gain > 0.0 { nearest } else { farthest })
     };
-    // Where heights count, the outer samples do not.
+    // With heights, the outer samples do not count.
     let counted = if heights.is_some() { 1..3 } else { 0..4 };
     let all = counted.map(most);
     r.gain * if r.combine == COMBINE_SUM { all.sum::<f32>() } else { all.fold(f32::NEG_INFINITY, f32::max) }

@@ -1,8 +1,8 @@
-//! Exhaustive search: the best that can be done in a few actions, which a policy is measured against.
+//! Exhaustive search: the best result of a few actions, as a reference for policies.
 //!
-//! A sequence of actions is worth the discounted rewards it collects at the target's exact place, and the discounted
-//! value of where it leads. A look-ahead is a search of depth 1; every further action leaves less to the values that
-//! are interpolated between cells.
+//! A sequence of actions is worth the discounted rewards that it collects at the target's exact place, plus the
+//! discounted value at its end. A look-ahead is a search of depth 1; every further action leaves less to the values
+//! that are interpolated between cells.
 
 mod bound;
 mod squares;

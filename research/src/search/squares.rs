@@ -1,15 +1,15 @@
-//! Squares of ground around a character, and what values can be at most anywhere in one of them.
+//! Squares of ground around a character, with upper bounds of values in each of them.
 
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 use throng_core::policy::{PolicyTable, Stencil};
 
-/// Squares side by side, what a policy's grid is around in the middle.
+/// A grid of squares centred on the middle of a policy's grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Squares {
     /// Squares along a side.
     pub side: usize,
-    /// Half the side of all together (m).
+    /// Extent from the centre to each side (m).
     pub reach: f32,
 }
 
@@ -19,12 +19,12 @@ impl Squares {
         2.0 * self.reach / self.side as f32
     }
 
-    /// Distance of a square's corners from its centre, and a little more for rounding (m).
+    /// Distance of a square's corners from its centre, plus a margin for rounding (m).
     pub fn radius(&self) -> f32 {
         self.size() * std::f32::consts::FRAC_1_SQRT_2 * 1.001
     }
 
-    /// Column and row of the square that holds a place, if there is one.
+    /// Column and row of the square with a place, if any.
     pub fn find(&self, place: Vec2) -> Option<[usize; 2]> {
         let at = (place + self.reach) / self.size();
         let limit = self.side as f32;
@@ -38,15 +38,15 @@ impl Squares {
     }
 }
 
-/// Where values of a policy are greatest within a disc: at its rim, or where cells meet.
+/// Candidate positions of the greatest value of a policy within a disc: its rim, and cell centres.
 ///
-/// Values are linear along every axis of a cell, so that the greatest one of a range of distances, angles and heights
+/// Values are linear along every axis of a cell, so that the greatest one in a range of distances, angles and heights
 /// is at the ends of the ranges or at the centres of cells between them.
 pub(super) struct Candidates {
     stencils: Vec<Stencil>,
-    /// Lower height and ratio to the next one.
+    /// Index of the lower height, and ratio to the next one.
     heights: Vec<(usize, f32)>,
-    /// What a positive value is multiplied by at most, as the disc lies beyond the grid.
+    /// Largest factor on a positive value for a disc beyond the grid.
     scale: f32,
 }
 
@@ -58,7 +58,7 @@ impl Candidates {
         let [near, far] = [(centre.length() - radius).max(0.0), centre.length() + radius];
         let rings = (0..r.num_rings as usize).map(|k| grid.cell_coordinates(k * r.num_angles as usize).y);
         let distances = knots([near, far].map(|d| d.clamp(r.ring_start, grid.radius())), rings);
-        // Angles from that of the disc's centre, so that a range never crosses the seam.
+        // Angles relative to that of the disc's centre, so that a range never crosses the seam.
         let ahead = centre.x.atan2(centre.y);
         let half = if centre.length() > radius { (radius / centre.length()).asin() + 1e-4 } else { PI };
         let turn = |a: f32| throng_core::planar::wrap_angle(a - ahead);
@@ -84,7 +84,7 @@ impl Candidates {
         Self { stencils, heights, scale: (1.0 + u + 0.5 * u * u).recip() }
     }
 
-    /// The greatest value of a state (state exists).
+    /// Greatest value of a state (state exists).
     pub fn most(&self, table: &PolicyTable, state: u32) -> f32 {
         let (plane, angles) = (table.grid().num_plane_cells(), table.grid().record().num_angles);
         let values = table.values_of(state);
@@ -100,19 +100,19 @@ impl Candidates {
                 most = most.max(if ratio > 0.0 { low + (at(height + 1) - low) * ratio } else { low });
             }
         }
-        // What is negative shrinks beyond the grid too.
+        // Negative values shrink beyond the grid too.
         most.max(0.0) * self.scale
     }
 }
 
-/// The ends of a range, and the numbers within it.
+/// Ends of a range, and the numbers within it.
 fn knots(range: [f32; 2], all: impl Iterator<Item = f32>) -> Vec<f32> {
     range.into_iter().chain(all.filter(|v| (range[0]..=range[1]).contains(v))).collect()
 }
 
-/// Least and greatest distance of a sample from anywhere in a disc, heights included (m).
+/// Least and greatest distance of a sample from any point of a disc, including heights (m).
 ///
-/// - `heights`: of the target, lowest and highest; none where they do not count (m).
+/// - `heights`: of the target, lowest and highest; `None` if they do not count (m).
 pub(super) fn distances(centre: Vec2, radius: f32, heights: Option<[f32; 2]>, sample: Vec3) -> [f32; 2] {
     let away = centre.distance(Vec2::new(sample.x, sample.z));
     let [near, far] = [(away - radius).max(0.0), away + radius];

@@ -32,12 +32,12 @@ pub fn crc32(bytes: &[u8]) -> u32 {
     crc32_of([bytes])
 }
 
-/// As [`crc32`], of bytes in several pieces.
+/// CRC-32 of bytes in several pieces, equal to [`crc32`] of the joined bytes.
 pub fn crc32_of<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> u32 {
     !pieces.into_iter().fold(!0, followed_by)
 }
 
-/// The register after more bytes.
+/// CRC register after `bytes` are added to register `c`.
 fn followed_by(mut c: u32, bytes: &[u8]) -> u32 {
     let mut chunks = bytes.chunks_exact(8);
     for b in &mut chunks {

@@ -1,13 +1,13 @@
-//! How long processors ran threads, where the system tells (Linux). Times of a run, never part of its outcome.
+//! CPU times of threads, where the system reports them (Linux). They measure a run and never change its results.
 
 use std::fs::{read_dir, read_to_string};
 
-/// Time that this thread was running so far (s).
+/// CPU time of this thread so far (s).
 pub fn thread_ran_s() -> Option<f64> {
     ran_s(&read_to_string("/proc/thread-self/schedstat").ok()?)
 }
 
-/// Time that the threads of this process were running so far, those left out that have ended (s).
+/// CPU time so far of all threads of this process that have not ended (s).
 pub fn process_ran_s() -> Option<f64> {
     let threads = read_dir("/proc/self/task").ok()?.flatten();
     // A thread may end meanwhile.
@@ -15,7 +15,7 @@ pub fn process_ran_s() -> Option<f64> {
     Some(ran.sum())
 }
 
-/// Nanoseconds on a processor come first.
+/// CPU time of a `schedstat` file, whose first number is in nanoseconds (s).
 fn ran_s(schedstat: &str) -> Option<f64> {
     Some(schedstat.split(' ').next()?.parse::<f64>().ok()? * 1e-9)
 }

@@ -1,4 +1,4 @@
-//! Several processes, or threads that stand for them, that work on one thing.
+//! Communication between several processes, or between threads in their place, that work on one task.
 
 use crate::clock::process_ran_s;
 use crate::{Error, Result};
@@ -6,14 +6,14 @@ use std::cell::Cell;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Instant;
 
-/// What one of several processes, a rank, has of the others: messages, whatever carries them.
+/// Link of one of several processes, a rank, to the others: it exchanges messages, by any transport.
 ///
-/// Every call is made by all ranks, in the same order. Nothing depends on how fast they are.
+/// All ranks make the same calls in the same order. Results never depend on their speed.
 pub trait Comm {
     /// Number of this rank (< [`Comm::num_ranks`]).
     fn rank(&self) -> usize;
 
-    /// How many ranks there are (> 0).
+    /// Number of ranks (> 0).
     fn num_ranks(&self) -> usize;
 
     /// Sends a message to each rank, and returns what each sent to this one.
@@ -32,11 +32,11 @@ pub trait Comm {
         self.exchange(vec![message.to_vec(); self.num_ranks()])
     }
 
-    /// What this rank has sent to others so far, and how long it waited for them.
+    /// Bytes that this rank has sent to others so far, and the time for which it waited for them.
     fn traffic(&self) -> Traffic;
 
-    /// Time that processors ran this rank so far, waiting for others left out (s); none where it cannot be told from that of
-    /// other ranks, or where the system does not tell.
+    /// CPU time of this rank so far, without waiting for others (s); `None` where it cannot be separated from that of other ranks,
+    /// or where the system does not report it.
     fn ran_s(&self) -> Option<f64> {
         None
     }
@@ -78,7 +78,7 @@ pub trait Comm {
         Ok(self.all_numbers(count as f64)?.into_iter().map(|c| c as u64).sum())
     }
 
-    /// Waits until all ranks have come here.
+    /// Waits until all ranks have called this.
     ///
     /// # Errors
     /// As [`Comm::exchange`].
@@ -86,28 +86,28 @@ pub trait Comm {
         self.all_gather(&[]).map(drop)
     }
 
-    /// The part of `count` things that is this rank's: parts of all ranks follow each other and differ by one at most.
+    /// Range of this rank among `count` items: ranges of all ranks follow each other, and their lengths differ by at most one.
     fn share(&self, count: usize) -> std::ops::Range<usize> {
         share(count, self.rank(), self.num_ranks())
     }
 }
 
-/// What a rank has sent, and how long it waited.
+/// Bytes that a rank has sent, and the time for which it waited.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Traffic {
     /// Bytes of messages to others; what a rank sends to itself is not moved.
     pub bytes_moved: u64,
-    /// Time in calls of [`Comm`], of which moving messages is a part (s).
+    /// Time spent in calls of [`Comm`], including that of moving messages (s).
     pub waited_s: f64,
 }
 
-/// See [`Comm::share`].
+/// Range of one rank among `count` items, see [`Comm::share`].
 pub fn share(count: usize, rank: usize, num_ranks: usize) -> std::ops::Range<usize> {
     let begin = |rank: usize| (count as u128 * rank as u128 / num_ranks as u128) as usize;
     begin(rank)..begin(rank + 1)
 }
 
-/// A message of a rank that is not the one that was expected.
+/// Error for a message of another kind than this rank expected.
 pub fn out_of_step(rank: usize) -> Error {
     Error::Rank {
         rank,
@@ -115,7 +115,7 @@ pub fn out_of_step(rank: usize) -> Error {
     }
 }
 
-/// Ranks that are threads of one process: algorithms are tested with them, and run without messages between processes.
+/// Ranks that are threads of one process, for tests of distributed algorithms and for runs without other processes.
 #[derive(Debug)]
 pub struct LocalComm {
     rank: usize,
@@ -125,7 +125,7 @@ pub struct LocalComm {
 }
 
 impl LocalComm {
-    /// The ends of so many ranks (> 0), in their order.
+    /// Connected ends of `num_ranks` ranks (> 0), in their order.
     pub fn all(num_ranks: usize) -> Vec<Self> {
         let mut ends: Vec<Self> = (0..num_ranks)
             .map(|rank| Self { rank, to: Vec::new(), from: Vec::new(), traffic: Cell::default() })
@@ -140,14 +140,14 @@ impl LocalComm {
         ends
     }
 
-    /// Runs `work` as each of so many ranks, on a thread each; returns what they return, in the order of ranks.
+    /// Runs `work` as each of `num_ranks` ranks, each on a thread of its own; returns their results in the order of ranks.
     ///
     /// # Panics
     /// Where `work` does.
     pub fn run<T: Send>(num_ranks: usize, work: impl Fn(&Self) -> T + Sync) -> Vec<T> {
         std::thread::scope(|scope| {
             let work = &work;
-            // An end is dropped with its thread, so that nobody waits for a rank that has ended.
+            // An end is dropped with its thread, so that no rank waits for one that has ended.
             let threads: Vec<_> = Self::all(num_ranks).into_iter().map(|end| scope.spawn(move || work(&end))).collect();
             let joined = |thread: std::thread::ScopedJoinHandle<'_, T>| {
                 thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
@@ -186,7 +186,7 @@ impl Comm for LocalComm {
     }
 }
 
-/// The only rank there is: nothing is sent.
+/// Single rank of a run without others: nothing is sent.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Alone;
 

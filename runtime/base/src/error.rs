@@ -1,10 +1,10 @@
-//! What can be wrong with what the runtime is given.
+//! Errors of what the runtime is given.
 
 use crate::Id;
 use glam::Vec3;
 use std::path::PathBuf;
 
-/// Something that cannot be done: who it concerns, what was expected, and the way out.
+/// Error of a call: whom it concerns, what was expected, and how to correct it.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -13,7 +13,7 @@ pub enum Error {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Message of the system.
         source: std::io::Error,
     },
     /// A file that is not what it should be.
@@ -21,7 +21,7 @@ pub enum Error {
     Format {
         /// The file.
         path: PathBuf,
-        /// What is wrong, where, and what to do.
+        /// Description of the fault: its place, and how to correct it.
         why: String,
     },
     /// A text file that says something wrong.
@@ -33,51 +33,51 @@ pub enum Error {
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// What is wrong, and what to do.
+        /// Description of the fault, and how to correct it.
         why: String,
     },
     /// A number out of its range.
     #[error("{}{what} is {got}, expected {expected}", of(.who))]
     Value {
-        /// Which number.
+        /// Name of the number.
         what: &'static str,
-        /// Whose.
+        /// Agent or character that the number belongs to.
         who: Option<Id>,
-        /// What it is.
+        /// Value that was given.
         got: f64,
-        /// What it may be.
+        /// Values that are allowed, in words.
         expected: &'static str,
     },
     /// A number of something that does not exist.
     #[error("{}{what} {got} does not exist, there are {limit}", of(.who))]
     Index {
-        /// What was named.
+        /// Kind of the item that was named.
         what: &'static str,
-        /// Who named it.
+        /// Agent or character that named it.
         who: Option<Id>,
-        /// Its number.
+        /// Number that was given.
         got: usize,
-        /// How many there are.
+        /// Number of such items.
         limit: usize,
     },
     /// A slice of the wrong length.
     #[error("`{what}` has {got} elements, expected {expected}")]
     Length {
-        /// Which slice.
+        /// Name of the slice.
         what: &'static str,
         /// Its length.
         got: usize,
-        /// What it may be, in words.
+        /// Lengths that are allowed, in words.
         expected: String,
     },
     /// A name of something that does not exist.
     #[error("there is no {what} \"{name}\"; {}", there_is(.known))]
     Unknown {
-        /// What was named.
+        /// Kind of the item that was named.
         what: &'static str,
-        /// Its name.
+        /// Name that was given.
         name: String,
-        /// The names that there are.
+        /// Names that exist.
         known: Vec<String>,
     },
     /// An agent or character that has left.
@@ -86,28 +86,28 @@ pub enum Error {
     /// No room for another one.
     #[error("all {capacity} places are taken; make it with a larger capacity")]
     Full {
-        /// How many it was made for.
+        /// Number of places that it was made for.
         capacity: usize,
     },
-    /// No way leads there.
+    /// No path leads to a place.
     #[error("{}no way leads from {from} to {to}; name a place that can be reached", of(.who))]
     NoWay {
-        /// Who was to go there.
+        /// Agent or character that should go there.
         who: Option<Id>,
-        /// Where it begins (m).
+        /// Start of the path (m).
         from: Vec3,
-        /// Where it should end (m).
+        /// End of the path (m).
         to: Vec3,
     },
     /// A place that is taken.
     #[error("{who} cannot be there: {by} is in the way; choose another place")]
     Occupied {
-        /// Who was to be there.
+        /// Agent or character that should be there.
         who: Id,
         /// Agent, character or obstacle that is in the way, in words.
         by: String,
     },
-    /// Made with another bundle.
+    /// Data that was made with another bundle.
     #[error(
         "this was made with another bundle ({expected:032x}, not {got:032x}); make it anew (stitch a world again), or `adopt` the bundle"
     )]
@@ -120,17 +120,17 @@ pub enum Error {
     /// Bytes that are no snapshot of this.
     #[error("this is no snapshot of this {what}: {why}")]
     Snapshot {
-        /// What should be restored.
+        /// Kind of state that should be restored.
         what: &'static str,
-        /// What is wrong, and what to do.
+        /// Description of the fault, and how to correct it.
         why: String,
     },
     /// One of several processes that work together, and why the others cannot go on.
     #[error("rank {rank} {why}")]
     Rank {
-        /// Which one.
+        /// Number of the process.
         rank: usize,
-        /// What it did, and what to do.
+        /// Description of the fault, and how to correct it.
         why: String,
     },
 }
@@ -140,15 +140,15 @@ fn of(who: &Option<Id>) -> String {
     who.map_or(String::new(), |id| format!("{id}: "))
 }
 
-/// The names that may be given.
+/// Sentence that lists the names that may be given.
 fn there_is(known: &[String]) -> String {
     if known.is_empty() { "there is none".into() } else { format!("there is {}", known.join(", ")) }
 }
 
-/// What the calls of the runtime return.
+/// Result of the calls of the runtime.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// [`Error::Value`] unless `good`.
+/// Fails with [`Error::Value`] unless `good`.
 ///
 /// # Errors
 /// As said.
@@ -162,7 +162,7 @@ pub fn check(
     if good { Ok(()) } else { Err(Error::Value { what, who, got: got.into(), expected }) }
 }
 
-/// [`Error::Length`] unless `got` is as long as `expected`.
+/// Fails with [`Error::Length`] unless `got` equals `expected`.
 ///
 /// # Errors
 /// As said.
@@ -170,7 +170,7 @@ pub fn check_length(what: &'static str, got: usize, expected: usize) -> Result<(
     if got == expected { Ok(()) } else { Err(Error::Length { what, got, expected: expected.to_string() }) }
 }
 
-/// [`Error::Index`] unless `got < limit`.
+/// Fails with [`Error::Index`] unless `got < limit`.
 ///
 /// # Errors
 /// As said.

@@ -1,4 +1,4 @@
-//! The one way in which files are read.
+//! Reading of files, with limits on their size and kind.
 
 use crate::{Error, Result};
 use std::fs::{File, Metadata};
@@ -33,7 +33,7 @@ pub fn open_file(path: &Path, what: &str, max_bytes: u64) -> Result<(File, u64)>
             })
         }
     };
-    // Opening a pipe waits for its writer: look before.
+    // Opening a pipe would wait for its writer, so its kind is checked before.
     regular(&std::fs::metadata(path).map_err(io)?)?;
     let file = File::open(path).map_err(io)?;
     let metadata = file.metadata().map_err(io)?;

@@ -1,4 +1,4 @@
-//! Places on the ground: boxes in a grid, and what characters of one kind see of those whom others move.
+//! Regions on the ground: boxes in a grid, and the obstacles and reserved regions that one group of characters gets from others.
 
 use glam::Vec2;
 
@@ -16,67 +16,67 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Of no place.
+    /// Empty box, which holds no point.
     pub const EMPTY: Self = Self { min: Vec2::INFINITY, max: Vec2::NEG_INFINITY };
 
-    /// Of one disc.
+    /// Bounding box of a disc.
     pub fn about(centre: Vec2, radius_m: f32) -> Self {
         Self { min: centre, max: centre }.grown(radius_m)
     }
 
-    /// Larger by so much on every side.
+    /// Box expanded by `by_m` on every side.
     pub fn grown(self, by_m: f32) -> Self {
         Self { min: self.min - by_m, max: self.max + by_m }
     }
 
-    /// Of both.
+    /// Smallest box around both.
     pub fn with(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// True where the two have a place in common.
+    /// True where the two boxes share a point.
     pub fn meets(&self, other: &Self) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 }
 
-/// All that is within a radius of a line; a disc where both ends are one place.
+/// 2-D capsule: all points within a radius of a line segment; a disc where both ends are equal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rod {
     /// One end (m).
     pub from: Vec2,
-    /// The other (m).
+    /// Other end (m).
     pub to: Vec2,
-    /// (m, >= 0)
+    /// Radius (m, >= 0).
     pub radius_m: f32,
 }
 
 impl Rod {
-    /// A box around it.
+    /// Bounding box.
     pub fn bounds(&self) -> Bounds {
         Bounds { min: self.from.min(self.to), max: self.from.max(self.to) }.grown(self.radius_m)
     }
 
-    /// How far a place is from it: below zero inside (m).
+    /// Signed distance of a point from its surface, negative inside (m).
     pub fn distance(&self, place: Vec2) -> f32 {
         nearest_squared(self.from - place, self.to - place).sqrt() - self.radius_m
     }
 
-    /// True where two have a place in common.
+    /// True where the two capsules overlap.
     pub fn meets(&self, other: &Self) -> bool {
         let reach = self.radius_m + other.radius_m;
         lines_squared([self.from, self.to], [other.from, other.to]) < reach * reach
     }
 }
 
-/// Square of the least distance of a line from the origin.
+/// Squared distance of a line segment from the origin (m2).
 pub fn nearest_squared(from: Vec2, to: Vec2) -> f32 {
     let way = to - from;
     let share = (-from.dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
     (from + way * share).length_squared()
 }
 
-/// Square of the least distance between two lines.
+/// Squared distance between two line segments (m2).
 fn lines_squared(a: [Vec2; 2], b: [Vec2; 2]) -> f32 {
     let side = |l: [Vec2; 2], p: Vec2| (l[1] - l[0]).perp_dot(p - l[0]);
     if side(a, b[0]) * side(a, b[1]) < 0.0 && side(b, a[0]) * side(b, a[1]) < 0.0 {
@@ -86,21 +86,21 @@ fn lines_squared(a: [Vec2; 2], b: [Vec2; 2]) -> f32 {
     to_line(a[0], b).min(to_line(a[1], b)).min(to_line(b[0], a)).min(to_line(b[1], a))
 }
 
-/// Boxes by number, in a grid of cells that share buckets.
+/// Numbered boxes in a hash grid, found by region.
 #[derive(Clone, Debug)]
 pub struct BoxGrid {
     slots: Vec<Slot>,
     /// First box of each bucket (a power of two).
     buckets: Vec<u32>,
-    /// No box reaches farther than this from its middle along an axis (m).
+    /// Largest half extent of any box along an axis (m).
     most_half_m: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Slot {
-    /// Empty where there is no box.
+    /// Bounds of the box; empty where there is none.
     bounds: Bounds,
-    /// The boxes after and before it in its bucket.
+    /// Next and previous boxes in its bucket.
     next: u32,
     before: u32,
 }
@@ -108,20 +108,20 @@ struct Slot {
 const FREE: Slot = Slot { bounds: Bounds::EMPTY, next: NONE, before: NONE };
 
 impl BoxGrid {
-    /// Room for so many boxes; more take memory.
+    /// Empty grid with room for `capacity` boxes; more boxes allocate memory.
     pub fn with_capacity(capacity: usize) -> Self {
         let buckets = (2 * capacity).next_power_of_two().max(16);
         Self { slots: Vec::with_capacity(capacity), buckets: vec![NONE; buckets], most_half_m: 0.0 }
     }
 
-    /// There are no boxes any more.
+    /// Removes all boxes.
     pub fn clear(&mut self) {
         self.slots.clear();
         self.buckets.fill(NONE);
         self.most_half_m = 0.0;
     }
 
-    /// Puts a box in, in place of the one of that number.
+    /// Inserts a box, or replaces the one of that number.
     pub fn set(&mut self, number: usize, bounds: Bounds) {
         self.remove(number);
         if number >= self.slots.len() {
@@ -134,7 +134,7 @@ impl BoxGrid {
         self.link(number);
     }
 
-    /// Takes a box out, if it is there.
+    /// Removes a box, if it is there.
     pub fn remove(&mut self, number: usize) {
         let Some(&Slot { bounds, next, before }) = self.slots.get(number) else { return };
         if bounds == Bounds::EMPTY {
@@ -153,12 +153,12 @@ impl BoxGrid {
         self.slots[number] = FREE;
     }
 
-    /// The box of a number, [`Bounds::EMPTY`] where there is none.
+    /// Box of a number; [`Bounds::EMPTY`] where there is none.
     pub fn bounds(&self, number: usize) -> Bounds {
         self.slots.get(number).map_or(Bounds::EMPTY, |s| s.bounds)
     }
 
-    /// Calls `found` for every box that has a place in another one, in no order, until it returns false.
+    /// Calls `found` for every box that intersects `bounds`, in no particular order, until it returns false.
     #[inline]
     pub fn near(&self, bounds: &Bounds, mut found: impl FnMut(usize) -> bool) {
         let wide = bounds.grown(self.most_half_m);
@@ -219,43 +219,43 @@ fn middle(bounds: &Bounds) -> Vec2 {
     0.5 * (bounds.min + bounds.max)
 }
 
-/// The cell of a place; those of whole negative numbers are one lower than one might think, which is as good.
+/// Cell of a place. Whole negative numbers get a cell one lower than rounding down gives, which does no harm.
 fn cell(place: Vec2) -> [i32; 2] {
     (place * (1.0 / CELL_M)).to_array().map(|v| (v as i32).saturating_sub(i32::from(v < 0.0)))
 }
 
-/// A body that somebody else moves.
+/// External obstacle: a body that another group moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outsider {
-    /// Where it is (m).
+    /// Position of its centre (m).
     pub place: Vec2,
-    /// Where it goes on the whole (m/s).
+    /// Mean velocity (m/s).
     pub velocity: Vec2,
-    /// Of its disc (m).
+    /// Radius of its disc (m).
     pub radius_m: f32,
 }
 
-/// What one kind of characters shows and holds.
+/// Bodies of one group of characters, and the regions that it reserves.
 #[derive(Clone, Debug, Default)]
 pub struct Held {
-    /// Their bodies.
+    /// Bodies of the group.
     pub bodies: Vec<Outsider>,
-    /// Ground that nobody else may enter.
+    /// Reserved regions, which no other group may enter.
     pub ground: Vec<Rod>,
 }
 
 impl Held {
-    /// Holds what a body may reach within a second whom nothing stops.
+    /// Adds a body that stops for nobody, and reserves the ground that it may reach within a second.
     pub fn ahead(&mut self, body: Outsider) {
         self.bodies.push(body);
         self.ground.push(Rod { from: body.place, to: body.place + body.velocity, radius_m: body.radius_m });
     }
 }
 
-/// Whom others move: their bodies, to steer around, and the ground that they hold, to keep clear of.
+/// External obstacles of one group: bodies of all other groups, to steer around, and their reserved regions, to keep out of.
 ///
-/// Whoever keeps clear of ground that is held, and holds all that they may need for what they do and for the stop after
-/// it, overlaps nobody who does the same.
+/// Groups that keep out of the regions of others, and reserve all that they may need for their actions and for the stop after
+/// them, never overlap each other.
 #[derive(Clone, Debug)]
 pub struct Outsiders {
     bodies: Vec<Outsider>,
@@ -272,7 +272,7 @@ impl Default for Outsiders {
 }
 
 impl Outsiders {
-    /// Replaces all by what these show and hold.
+    /// Replaces all obstacles by the bodies and reserved regions of `others`.
     pub fn set<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
         if !self.is_empty() {
             self.bodies.clear();
@@ -292,19 +292,19 @@ impl Outsiders {
         }
     }
 
-    /// True where there is nobody and nothing is held.
+    /// True where there are neither bodies nor reserved regions.
     pub fn is_empty(&self) -> bool {
         self.bodies.is_empty() && self.held.is_empty()
     }
 
-    /// Calls `found` for every body with a place in the box, in no order, until it returns false.
+    /// Calls `found` for every body whose disc's box intersects `bounds`, in no particular order, until it returns false.
     pub fn bodies_near(&self, bounds: &Bounds, mut found: impl FnMut(usize, &Outsider) -> bool) {
         if !self.bodies.is_empty() {
             self.body_grid.near(bounds, |n| found(n, &self.bodies[n]));
         }
     }
 
-    /// Calls `found` for all ground held with a place in the box, in no order, until it returns false.
+    /// Calls `found` for every reserved region whose box intersects `bounds`, in no particular order, until it returns false.
     pub fn held_near(&self, bounds: &Bounds, mut found: impl FnMut(&Rod) -> bool) {
         if !self.held.is_empty() {
             self.held_grid.near(bounds, |n| found(&self.held[n]));

@@ -2,22 +2,22 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Names one agent or character. Nobody else of the same cast ever has the same id; a snapshot keeps it.
+/// Id of one agent or character: unique in its group for all time, and kept by snapshots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Id {
-    /// Place in the tables (< capacity). Free again once its owner has left.
+    /// Row in the tables (< capacity); free again once its owner has left.
     pub index: u32,
-    /// How many had this place before.
+    /// Number of earlier owners of this row.
     pub generation: u32,
 }
 
 impl Id {
-    /// The first one to have a place.
+    /// Id of the first owner of a row.
     pub fn first(index: usize) -> Self {
         Self { index: index as u32, generation: 0 }
     }
 
-    /// Place in the tables (< capacity).
+    /// Row in the tables (< capacity).
     pub fn index(self) -> usize {
         self.index as usize
     }

@@ -1,4 +1,4 @@
-//! What every crate of the runtime shares: ids, errors, limits, files, snapshots, hashes, threads, vectors of eight floats.
+//! Foundation of all crates of the runtime: ids, errors, limits, files, snapshots, hashes, threads, vectors of eight floats.
 
 mod checksum;
 pub mod clock;

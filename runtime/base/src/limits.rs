@@ -7,13 +7,13 @@ use std::str::FromStr;
 /// Range of a quantity, its ends included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
-    /// What is counted or measured, in words.
+    /// Counted or measured quantity, in words.
     pub quantity: &'static str,
     /// Least value.
     pub least: f64,
     /// Greatest value.
     pub most: f64,
-    /// Both in words, with their unit.
+    /// Both limits in words, with their unit.
     pub range: &'static str,
 }
 
@@ -23,7 +23,7 @@ impl Limit {
         (self.least..=self.most).contains(&value)
     }
 
-    /// [`crate::Error::Value`] unless the value is in the range.
+    /// Fails with [`crate::Error::Value`] unless the value is in the range.
     ///
     /// - `what`: name of the parameter, for the message.
     ///
@@ -34,7 +34,7 @@ impl Limit {
         check(what, who, value, self.holds(value), self.range)
     }
 
-    /// As [`Limit::check`], of a number of things.
+    /// Fails as [`Limit::check`] unless a count is in the range.
     ///
     /// # Errors
     /// As said.
@@ -90,9 +90,9 @@ limits! {
     THREADS = "number of threads": 1 to 1024 "";
 }
 
-/// A number as people write it.
+/// Number types that people may write in files and commands.
 pub trait Number: FromStr + Clone + Send + Sync + 'static {
-    /// The number, for its limit.
+    /// Value that is compared with a limit.
     fn value(&self) -> f64;
 }
 
@@ -108,7 +108,7 @@ macro_rules! numbers {
 
 numbers!(usize, u32, u64, f32, f64);
 
-/// Reads a number within its limit; what else is given is refused with the range.
+/// Parser of a number within its limit; other texts are refused with a message that names the range.
 pub fn number<T: Number>(limit: &'static Limit) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static {
     move |text| {
         let number = text.trim().parse::<T>().ok().filter(|n| limit.holds(n.value()));

@@ -1,11 +1,11 @@
 //! Sines, exponentials and their like, with the same bits on every machine.
 //!
-//! Those of `std` and of glam come from the platform's library, or from the compiler, and differ in their last bits; motion
+//! The functions of `std` and of glam come from the platform's library, or from the compiler, and differ in their last bits; motion
 //! drifts apart from there. The runtime uses these alone; square roots and roundings are exact everywhere.
 
 use glam::{DQuat, Quat, Vec2, Vec3};
 
-/// Floats that these functions are made for.
+/// Float types with these functions.
 pub trait Real: Copy {
     /// Sine (rad).
     fn sin(x: Self) -> Self;
@@ -173,7 +173,7 @@ pub fn rotate(q: Quat, v: Vec3) -> Vec3 {
     v * (q.w * q.w - axis.dot(axis)) + axis * (2.0 * axis.dot(v)) + axis.cross(v) * (2.0 * q.w)
 }
 
-/// A rotation after another one: `a` after `b`. That of glam fuses products and sums where the processor can.
+/// Product of two rotations, `a` after `b`. The product of glam fuses multiply and add where the processor can.
 ///
 /// Terms are added in pairs, so that the difference of equal rotations has no axis, and that of two the same but its sign,
 /// whichever is taken from the other.
@@ -187,16 +187,16 @@ pub fn compose(a: Quat, b: Quat) -> Quat {
     )
 }
 
-/// The same rotation, of unit length; the identity for none.
+/// Rotation scaled to unit length; the identity where all components are 0.
 #[inline]
 pub fn unit(q: Quat) -> Quat {
     let length = (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w).sqrt();
     if length > 0.0 { Quat::from_xyzw(q.x / length, q.y / length, q.z / length, q.w / length) } else { Quat::IDENTITY }
 }
 
-/// Between two rotations, the shorter way; unit length.
+/// Normalized linear interpolation of two rotations along the shorter arc; unit length.
 ///
-/// - `share`: of `b` (0 to 1).
+/// - `share`: weight of `b` (0 to 1).
 #[inline]
 pub fn between(a: Quat, b: Quat, share: f32) -> Quat {
     let dot = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
@@ -204,9 +204,9 @@ pub fn between(a: Quat, b: Quat, share: f32) -> Quat {
     unit(Quat::from_xyzw(a.x * s + b.x * t, a.y * s + b.y * t, a.z * s + b.z * t, a.w * s + b.w * t))
 }
 
-/// The shortest way from one rotation to another at constant speed, at a share of it; unit length.
+/// Spherical linear interpolation of two rotations along the shorter arc; unit length.
 ///
-/// - `share`: of `b` (0 to 1).
+/// - `share`: weight of `b` (0 to 1).
 ///
 /// # Source
 /// Shoemake 1985, *Animating Rotation with Quaternion Curves*.

@@ -4,7 +4,7 @@
 const LINE: usize = 64;
 
 /// Asks the processor to fetch a value from memory while it goes on with something else. Changes nothing but the time that
-/// the first look at the value takes, and does nothing at all where it cannot be asked for.
+/// the first access to the value takes, and does nothing on processors without such an instruction.
 #[inline(always)]
 pub fn prefetch<T>(value: &T) {
     #[cfg(target_arch = "x86_64")]

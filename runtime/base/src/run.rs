@@ -1,21 +1,21 @@
-//! Whose threads work.
+//! Threads on which the parts of a step run.
 
 use std::sync::{Mutex, PoisonError};
 
-/// Runs the parts of a step, which do not depend on each other, on whatever threads there are.
+/// Runs independent parts of a step, on one or several threads.
 ///
-/// Results do not depend on who runs which part, nor on the order.
+/// Results depend neither on the thread that runs a part nor on the order of parts.
 pub trait Run: Sync {
     /// Calls `part` once with every number below `num_parts`, and returns when all calls have.
     fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync));
 
-    /// False where parts run one after the other: what takes work to be split is not split then.
+    /// False where parts run one after the other, so that splitting work would gain nothing.
     fn is_parallel(&self) -> bool {
         true
     }
 }
 
-/// Parts that one call of [`Run::run`] gets at most.
+/// Most parts of one call of [`Run::run`].
 const MAX_PARTS: usize = 64;
 
 /// Calls `work` once with each of some parts, on the threads of `run`. Allocates nothing.
@@ -34,7 +34,7 @@ pub fn run_each<T: Send>(run: &dyn Run, mut parts: impl Iterator<Item = T>, work
     }
 }
 
-/// One part after the other, on the caller's thread.
+/// Runs parts one after the other, on the caller's thread.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Inline;
 
@@ -48,7 +48,7 @@ impl Run for Inline {
     }
 }
 
-/// On rayon's current pool.
+/// Runs parts on rayon's current pool.
 #[cfg(feature = "rayon")]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Rayon;
@@ -65,24 +65,24 @@ impl Run for Rayon {
     }
 }
 
-/// Threads of a pool at most, for each that the machine runs at a time. What a build of a minute of motion takes on two cores: at 64
-/// threads what it takes at two, at 512 seven times that, at 1000 forty times, as threads without work look for some.
+/// Most threads of a pool per hardware thread. On two cores, a build of a minute of motion takes as long with 64 threads as with
+/// two, with 512 seven times as long, with 1000 forty times, since idle threads search for work.
 #[cfg(feature = "rayon")]
 const MOST_A_CORE: usize = 32;
 
-/// Gives rayon's global pool fewer threads than `RAYON_NUM_THREADS` asks for, where that is too many to be of use. For the
-/// beginning of a program: a pool that has begun stays as it is.
+/// Gives rayon's global pool fewer threads than `RAYON_NUM_THREADS` asks for, where that number is uselessly large. Must be called
+/// at the beginning of a program: a pool that has started stays as it is.
 #[cfg(feature = "rayon")]
 pub fn limit_threads() {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let asked = std::env::var("RAYON_NUM_THREADS").ok();
     if let Some(num) = too_many(asked.as_deref(), cores) {
-        // A pool that is there already has been asked for by the caller.
+        // An existing pool was made by the caller, and stays.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(num).build_global();
     }
 }
 
-/// The number of threads to have in place of more that were asked for.
+/// Number of threads in place of one that is too large; `None` where the one asked for is fine.
 #[cfg(feature = "rayon")]
 fn too_many(asked: Option<&str>, cores: usize) -> Option<usize> {
     let most = MOST_A_CORE * cores;

@@ -1,4 +1,4 @@
-//! The one frame of all snapshots: what is kept, of which version and setup, and a checksum.
+//! Common header of all snapshots: kind, version and setup of the state, and a checksum.
 
 use crate::{Error, Result, crc32};
 use serde::de::{DeserializeOwned, Visitor};
@@ -10,16 +10,16 @@ const HEADER: usize = 8 + 4 + 4 + 16 + 8 + 4;
 /// Largest snapshot (bytes).
 const LARGEST: usize = u32::MAX as usize;
 
-/// What a snapshot is of. Bytes of another kind, version or setup are refused.
+/// Kind of state that a snapshot holds. Bytes of another kind, version or setup are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SnapshotKind {
-    /// What is kept, in the words of messages.
+    /// Name of the state in messages.
     pub what: &'static str,
-    /// Tells kinds apart.
+    /// Tag that differs for each kind.
     pub tag: [u8; 4],
-    /// Grows by one with every change of what is kept.
+    /// Version of the layout, which grows by one with every change.
     pub version: u32,
-    /// Content hash of all that the state is meaningless without: bundle, config, world.
+    /// Content hash of everything that the state depends on: bundle, config, world.
     pub setup: u128,
 }
 
@@ -28,7 +28,7 @@ impl SnapshotKind {
     pub fn write(&self, state: &impl Serialize, out: &mut Vec<u8>) {
         let begin = out.len();
         out.resize(begin + HEADER, 0);
-        // Writing to memory what can be written cannot fail.
+        // Writing a valid state to memory cannot fail.
         let _ = bincode::serde::encode_into_std_write(state, out, config());
         let body = &out[begin + HEADER..];
         let (length, sum) = (body.len() as u64, crc32(body));
@@ -75,7 +75,7 @@ impl SnapshotKind {
         }
     }
 
-    /// As [`SnapshotKind::read`], where nothing may follow.
+    /// Reads a state that fills all of `bytes`.
     ///
     /// # Errors
     /// As [`SnapshotKind::read`], and for bytes that follow.
@@ -87,7 +87,7 @@ impl SnapshotKind {
     }
 }
 
-/// What is said of bytes that do not belong there.
+/// Message about bytes after the end of a state.
 fn follow(num_bytes: usize) -> String {
     format!("{num_bytes} bytes follow its end, expected none; take a new one")
 }

@@ -11,11 +11,11 @@ use throng_base::{Error, Hash128, Id, Result, Run, maths};
 ///
 /// Orders stay until they are changed. Each is named by its [`Id`].
 pub trait Cast {
-    /// Where and how a character enters.
+    /// Start of a character: place and manner of its entry.
     type Start;
-    /// What a character is told to do.
+    /// Order for a character.
     type Order;
-    /// What a character may report.
+    /// Event of a character.
     type Event;
 
     /// Lets a character enter; allocates nothing within the capacity.
@@ -30,13 +30,13 @@ pub trait Cast {
     /// [`Error::Gone`].
     fn despawn(&mut self, id: Id) -> Result<()>;
 
-    /// Puts a character elsewhere at once; feet let go.
+    /// Moves a character to another place at once; its feet are unlocked.
     ///
     /// # Errors
     /// [`Error::Gone`], [`Error::Occupied`], [`Error::Value`].
     fn place(&mut self, id: Id, root: Planar) -> Result<()>;
 
-    /// Tells a character what to do from now on.
+    /// Gives a character a new order.
     ///
     /// # Errors
     /// [`Error::Gone`], or why the order is impossible: [`Error::NoWay`], [`Error::Value`], [`Error::Index`].
@@ -48,7 +48,7 @@ pub trait Cast {
     /// [`Error::Value`] for a time out of range; nothing has changed then.
     fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()>;
 
-    /// How far one has come with its order.
+    /// Progress of a character with its order.
     ///
     /// # Errors
     /// [`Error::Gone`].
@@ -63,7 +63,7 @@ pub trait Cast {
     /// Appends all that the next steps depend on: versioned, with a checksum and a hash of bundle and setup.
     fn save(&self, out: &mut Vec<u8>);
 
-    /// Goes back to what was saved.
+    /// Restores a saved state.
     ///
     /// # Errors
     /// [`Error::Snapshot`]; nothing has changed then.
@@ -83,51 +83,51 @@ pub trait Cast {
     fn adopt(&mut self, new: &Bundle) -> Result<Adopted>;
 }
 
-/// How far one has come with an order.
+/// Progress with an order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Status {
-    /// It has none.
+    /// No order.
     Idle,
-    /// On its way.
+    /// Moving towards the goal.
     Going {
-        /// What is left of the way, as the crow flies where no route is known (m).
+        /// Remaining distance, along a straight line where no route is known (m).
         left_m: f32,
     },
-    /// It is where it was sent, or does what it was told.
+    /// At the goal, or performing the ordered action.
     There,
-    /// It makes no progress.
+    /// No progress.
     Blocked {
-        /// Who is in the way, where that is known.
+        /// Character in front that blocks it, if it is known.
         by: Option<Id>,
     },
-    /// No way leads there.
+    /// No path leads to the goal.
     NoWay,
 }
 
-/// What a change of the bundle did.
+/// Result of a change of the bundle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Adopted {
-    /// How many were moved over.
+    /// Number of characters that took a state of the new bundle.
     pub num_characters: usize,
-    /// Largest distance of a joint between the old pose and the one taken (m).
+    /// Largest distance of a joint between the old pose and the new one (m).
     pub farthest_m: f32,
 }
 
-/// Where people are and how they stand. Slices have one element each, in the same order.
+/// Positions and poses of characters. Slices have one element each, in the same order.
 #[derive(Clone, Copy, Debug)]
 pub struct Bodies<'a> {
-    /// Who they are.
+    /// Ids of the characters.
     pub ids: &'a [Id],
-    /// Where they stand and look.
+    /// Planar roots in the world.
     pub roots: &'a [Planar],
     /// Joint to the character's own frame (num_bodies * [`NUM_JOINTS`], row by row).
     pub model: &'a [[Mat3x4; NUM_JOINTS]],
 }
 
-/// One body.
+/// Position and pose of one character.
 #[derive(Clone, Copy, Debug)]
 pub struct Body<'a> {
-    /// Where it stands and looks.
+    /// Planar root in the world.
     pub root: Planar,
     /// Joint to the body's own frame.
     pub model: &'a [Mat3x4; NUM_JOINTS],
@@ -169,13 +169,13 @@ impl<'a> Bodies<'a> {
 }
 
 impl Body<'_> {
-    /// From a joint's frame to the world.
+    /// Transform from a joint's frame to the world.
     pub fn world(&self, joint: Joint) -> Mat4 {
         Mat4::from_rotation_translation(self.root.rotation(), self.root.translation())
             * self.model[joint.index()].to_mat4()
     }
 
-    /// Where a joint is in the world (m).
+    /// Position of a joint in the world (m).
     pub fn position(&self, joint: Joint) -> Vec3 {
         maths::rotate(self.root.rotation(), self.model[joint.index()].translation()) + self.root.translation()
     }

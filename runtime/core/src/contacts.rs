@@ -1,4 +1,4 @@
-//! Which parts of the body are planted, a bit each.
+//! Contacts: the planted parts of the body, a bit each.
 
 /// Contact of heels and toes (balls of the feet), hands and seat with the ground or an object at one frame.
 #[derive(
@@ -44,7 +44,7 @@ impl Contacts {
         self.0 |= parts.0;
     }
 
-    /// The same with left and right exchanged.
+    /// Contacts with left and right exchanged.
     pub fn mirrored(self) -> Self {
         let b = self.0;
         Self((b & 3) << 2 | (b >> 2) & 3 | (b & 16) << 1 | (b & 32) >> 1 | b & 64)

@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct StateRecord {
-    /// Its frame row.
+    /// Frame row of the state.
     pub frame: u32,
     /// 1 where the character stands still, else 0.
     pub standing: u32,
@@ -53,7 +53,7 @@ pub struct MotionGraph {
     pub action_offsets: Table<u32>,
     /// Segment of each action.
     pub action_segments: Table<u32>,
-    /// How much the state's frame and the segment's first frame differ; 0 where a clip simply goes on.
+    /// Difference between the state's frame and the segment's first frame; 0 where a clip simply continues.
     pub action_errors: Table<f32>,
 }
 

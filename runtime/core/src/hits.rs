@@ -15,11 +15,11 @@ pub const KIND_NAMES: [&str; 2] = ["punch", "kick"];
 /// Distance from the wrist to the tip of the fist, as a share of the forearm's length.
 pub const FIST_PER_FOREARM: f32 = 0.35;
 
-/// One effective hit. Places are as seen from the planar root of its frame: +X left, Y above the ground, +Z ahead.
+/// Effective hit. Positions are relative to the planar root of its frame: +X left, Y above the ground, +Z ahead.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct HitRecord {
-    /// Its frame row.
+    /// Frame row of the hit.
     pub frame: u32,
     /// [`KIND_PUNCH`], [`KIND_KICK`], or a tag: the number in [`crate::format::Meta::hit_kinds`].
     pub kind: u32,

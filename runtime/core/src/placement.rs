@@ -1,4 +1,4 @@
-//! Where something stands in a world that has more than one level: a planar transform and a height.
+//! Placement in a world with more than one level: a planar transform and a height.
 
 use crate::planar::{Planar, wrap_angle};
 use bytemuck::{Pod, Zeroable};
@@ -71,7 +71,7 @@ impl Placement {
         Vec3::new(on_ground.x, p.y - self.y, on_ground.y)
     }
 
-    /// The same with the heading in (-pi, pi].
+    /// Placement with the heading in (-pi, pi].
     pub fn wrapped(self) -> Self {
         Self { heading: wrap_angle(self.heading), ..self }
     }

@@ -12,13 +12,13 @@ pub struct PlainBody {
     pub positions: Vec<Vec3>,
     /// Unit (positions.len()).
     pub normals: Vec<Vec3>,
-    /// The one joint that carries each point (positions.len()).
+    /// Joint that carries each point (positions.len()).
     pub joints: Vec<u8>,
     /// Corners of triangles, counter-clockwise as seen from outside.
     pub triangles: Vec<[u16; 3]>,
 }
 
-/// How round capsules are.
+/// Tessellation of capsules.
 #[derive(Clone, Copy)]
 struct Roundness {
     /// Points of a ring.
@@ -28,12 +28,12 @@ struct Roundness {
 }
 
 impl PlainBody {
-    /// Of a skeleton in its rest pose: 1664 triangles.
+    /// Body of a skeleton in its rest pose: 1664 triangles.
     pub fn of(skeleton: &Skeleton) -> Self {
         Self::round(skeleton, Roundness { sides: 8, rings: 2 })
     }
 
-    /// For who is far away: 416 triangles.
+    /// Coarse body for distant characters: 416 triangles.
     pub fn coarse(skeleton: &Skeleton) -> Self {
         Self::round(skeleton, Roundness { sides: 4, rings: 1 })
     }
@@ -97,7 +97,7 @@ impl PlainBody {
     }
 }
 
-/// How thick the limb is that ends in a joint (m).
+/// Radius of the limb that ends in a joint (m).
 fn radius(joint: Joint) -> f32 {
     use Joint::*;
     match joint {

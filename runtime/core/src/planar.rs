@@ -1,4 +1,4 @@
-//! The planar transform: position on the ground and heading, the part of a root that can be laid anywhere.
+//! The planar transform: position on the ground and heading, the part of a root that can be placed anywhere.
 
 use glam::{Quat, Vec2, Vec3};
 use throng_base::maths;
@@ -79,7 +79,7 @@ pub fn twist_about_y(q: Quat) -> f32 {
     if q.y.abs() + q.w.abs() < 1e-6 { 0.0 } else { wrap_angle(2.0 * maths::atan2(q.y, q.w)) }
 }
 
-/// The same angle in (-pi, pi] (rad).
+/// Angle wrapped to (-pi, pi] (rad).
 pub fn wrap_angle(a: f32) -> f32 {
     let two_pi = std::f32::consts::TAU;
     let r = a - two_pi * (a / two_pi).round();

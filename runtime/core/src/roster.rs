@@ -6,7 +6,7 @@ use throng_base::{Error, Id, Result};
 /// Marks an index that is free.
 const FREE: u32 = u32::MAX;
 
-/// Which id is in which row. Rows have no gaps: the last one moves to where one becomes free.
+/// Map from ids to rows. Rows have no gaps: the last one moves to a row that becomes free.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Roster {
     /// Id in each row.
@@ -87,7 +87,7 @@ impl Roster {
         Ok((row, self.ids.len()))
     }
 
-    /// Takes over what a snapshot kept, or changes nothing and returns false where that is not sound or of another
+    /// Restores the content of a snapshot, or changes nothing and returns false where it is not sound or of another
     /// capacity.
     pub fn restore(&mut self, kept: &Self) -> bool {
         let capacity = self.slots.len();

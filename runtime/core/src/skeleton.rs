@@ -129,7 +129,7 @@ impl Joint {
         })
     }
 
-    /// The same joint on the other side; joints of the middle are their own.
+    /// Joint of the other side; joints of the middle are their own.
     pub const fn mirrored(self) -> Self {
         let i = self as usize;
         Self::ALL[match i {
@@ -161,8 +161,8 @@ impl Skeleton {
         [LeftShin, LeftFoot, RightShin, RightFoot].iter().map(|j| self.offsets[j.index()].length()).sum::<f32>() * 0.5
     }
 
-    /// How the hips of motion of a database are put on this body: their height is scaled, then something is added, so that both
-    /// stand on the ground (factor, m).
+    /// Factor and offset that put the hips of a database's motion on this body: their height is scaled, then the offset
+    /// is added, so that both stand on the ground (factor, m).
     pub fn hips_over(&self, database: &Self) -> [f32; 2] {
         let scale = self.leg_length() / database.leg_length();
         let rise = |s: &Self| {
@@ -187,7 +187,7 @@ impl Skeleton {
     /// Bottoms of the left and the right heel, from the ankle in the foot's frame: as far behind the ankle as feet are
     /// for their length (m).
     pub fn heels(&self) -> [Vec3; 2] {
-        /// As a share of how far the ball lies before the ankle.
+        /// Distance of the heel behind the ankle, over that of the ball before it.
         const BEHIND: f32 = 0.3;
         let rest = self.rest_positions();
         let feet = [(Joint::LeftFoot, Joint::LeftToe), (Joint::RightFoot, Joint::RightToe)];

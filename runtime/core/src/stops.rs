@@ -1,7 +1,7 @@
-//! Stop tables: where a character goes while it plays a segment, and how it comes to a stand from every state.
+//! Stop tables: the ground that a character covers while it plays a segment, and its path to a stand from every state.
 //!
-//! With them a character can reserve the ground that it needs for an action and for the stop that may have to follow it,
-//! as the agents of event-driven crowds do (Kim, Kim and Shin 2003, section 2).
+//! With them a character can reserve the ground that it needs for an action and for the stop that may have to follow
+//! it, as the agents of event-driven crowds do (Kim, Kim and Shin 2003, section 2).
 
 use crate::format::Table;
 use crate::graph::MotionSegment;
@@ -18,11 +18,11 @@ pub const HEAD_RADIUS_M: f32 = 0.11;
 /// Furthest that the root is from the line between two nodes of a sweep; radii contain it (m).
 pub const SWEEP_TOLERANCE_M: f32 = 0.01;
 
-/// The area that a segment sweeps: a disc whose centre moves from node to node, evenly in time.
+/// Area that a segment sweeps: a disc whose centre moves from node to node, evenly in time.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct SweepRecord {
-    /// Its first [`SweepNode`].
+    /// First [`SweepNode`] of the sweep.
     pub first_node: u32,
     /// Number of nodes: one at its first frame, one at its last, and others between (> 1).
     pub num_nodes: u32,
@@ -36,13 +36,13 @@ pub struct SweepRecord {
 pub struct SweepNode {
     /// Frames after the segment's first one.
     pub frame: u32,
-    /// Where the root is, as seen from the first frame (m).
+    /// Position of the root relative to the first frame (m).
     pub x: f32,
     /// See `x` (m).
     pub z: f32,
 }
 
-/// How one comes to a stand from a state.
+/// Next action on the way from a state to a stand.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct StopRecord {
@@ -50,30 +50,30 @@ pub struct StopRecord {
     pub segment: u32,
     /// [`REST`], [`WALK_ON`] or [`SLOW_DOWN`].
     pub kind: u32,
-    /// Until one stands (frames).
+    /// Time until the character stands (frames).
     pub frames: u32,
     /// Largest radius of the disc that holds trunk and head, from here on (m).
     pub radius: f32,
-    /// That of the state's own pose, from which one goes over into an action's (m, at most `radius`).
+    /// Radius for the state's own pose, from which a transition leads into an action's (m, at most `radius`).
     pub pose_radius: f32,
 }
 
-/// One stands here: the segment is played in place and ends in a state of the same kind, for as long as one likes.
+/// Kind of a stand: the segment is played in place and ends in a state of the same kind, for any length of time.
 pub const REST: u32 = 0;
 /// The segment leads to the next state on the way to a stand.
 pub const WALK_ON: u32 = 1;
-/// The segment is played ever more slowly, in twice its time, and one is held in the state at its end: for data in which
-/// nobody stands, or not soon.
+/// Kind of a stop by slowing down: the segment is played ever more slowly, in twice its time, and the character is held
+/// in the state at its end; for data without stands, or with few.
 pub const SLOW_DOWN: u32 = 2;
 
 /// The stop tables of a motion graph. Clones share the rows.
 #[derive(Clone, Debug)]
 pub struct StopTables {
-    /// Of each segment (num_segments).
+    /// Sweep of each segment (num_segments).
     pub sweeps: Table<SweepRecord>,
-    /// Of all sweeps.
+    /// Nodes of all sweeps.
     pub nodes: Table<SweepNode>,
-    /// Of each state (num_states).
+    /// Stop of each state (num_states).
     pub stops: Table<StopRecord>,
 }
 

@@ -1,23 +1,23 @@
-//! Who is in the crowd.
+//! Agents of a crowd.
 
 use glam::Vec3;
 
-/// How one enters the crowd.
+/// Agent as it enters the crowd.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Agent<V = Vec3> {
     /// Centre (m).
     pub position: V,
-    /// At the start (m/s, no longer than the largest speed).
+    /// Velocity at the start (m/s, no longer than the largest speed).
     pub velocity: V,
-    /// Of the disc or ball that no other agent enters (m, > 0).
+    /// Radius of the disc or ball that no other agent enters (m, > 0).
     pub radius: f32,
     /// Largest acceleration, A in Kim, Kim and Shin (2003b), eq. 1: how fast it can speed up, turn and brake (m/s2, > 0).
     pub acceleration: f32,
     /// Desired speed, v_des in Kim, Kim and Shin (2003b), eq. 17 (m/s, >= 0).
     pub speed: f32,
-    /// Where it goes: number in [`crate::Setup::routes`]. Without one it stays where it is until it has an order.
+    /// Number of its route in [`crate::Setup::routes`]. Without one it stays where it is until it has an order.
     pub route: Option<usize>,
-    /// Its force field: number in [`crate::Setup::fields`].
+    /// Number of its force field in [`crate::Setup::fields`].
     pub field: usize,
 }
 
@@ -36,7 +36,7 @@ impl<V: Default> Agent<V> {
 }
 
 impl<V> Agent<V> {
-    /// The same in another space.
+    /// Converts it to another space.
     pub fn map<W>(self, f: impl Fn(V) -> W) -> Agent<W> {
         let Self { position, velocity, radius, acceleration, speed, route, field } = self;
         Agent { position: f(position), velocity: f(velocity), radius, acceleration, speed, route, field }

@@ -1,4 +1,4 @@
-//! What a crowd is made of.
+//! Settings and setup of a crowd.
 
 use crate::routes::streets::Streets;
 use crate::{Agent, Field, Interest, Obstacle, Route, Senses, SteeringConfig};
@@ -8,7 +8,7 @@ use throng_base::Result;
 use throng_base::error::check;
 use throng_base::limits::CAPACITY;
 
-/// How the crowd finds out when an agent has to act.
+/// Scheme by which the crowd schedules its agents' events.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Scheme {
@@ -25,7 +25,8 @@ pub enum Scheme {
     /// tried (Kim, Kim and Shin 2003b, section 4). Nothing but the forces keeps agents apart.
     #[cfg(feature = "baselines")]
     Fixed,
-    /// For comparison: as [`Scheme::Fixed`], and every agent looks at every other one (Kim, Kim and Shin 2003a, section 5).
+    /// For comparison: [`Scheme::Fixed`] in which every agent looks at every other one (Kim, Kim and Shin 2003a,
+    /// section 5).
     #[cfg(feature = "baselines")]
     Pairs,
 }
@@ -42,11 +43,11 @@ impl Scheme {
     }
 }
 
-/// How a crowd is run.
+/// Settings of a crowd.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CrowdConfig {
-    /// How it finds out when an agent has to act.
+    /// Scheme by which events are scheduled.
     pub scheme: Scheme,
     /// Smallest time between two events of one agent, and so of a pair (s, 0.001 to 1).
     pub smallest_interval_s: f32,
@@ -56,8 +57,8 @@ pub struct CrowdConfig {
     /// Step of `Scheme::Fixed` (s, 0.001 to 1).
     #[cfg(feature = "baselines")]
     pub step_s: f32,
-    /// How often a step of `Scheme::Fixed` is halved. At the end of the shortest step, agents that overlap lose the
-    /// velocity toward each other; overlaps that remain are counted (0 to 16).
+    /// Number of times that a step of `Scheme::Fixed` is halved. At the end of the shortest step, agents that overlap
+    /// lose the velocity toward each other; overlaps that remain are counted (0 to 16).
     #[cfg(feature = "baselines")]
     pub halvings: u32,
     /// Most agents at a time; memory for them is taken at once. 0 stands for those at the start (0 to 1000000).
@@ -71,7 +72,8 @@ pub struct CrowdConfig {
 }
 
 impl CrowdConfig {
-    /// What a state depends on: the same whether or not the build has engines to compare with, unless one of them runs.
+    /// Settings on which a state depends: the same whether or not the build has engines to compare with, unless one of
+    /// them runs.
     pub(crate) fn hashed(&self) -> impl Serialize + use<> {
         #[cfg(feature = "baselines")]
         let fixed = (self.scheme != Scheme::Registration).then_some((self.step_s, self.halvings));
@@ -118,31 +120,31 @@ impl CrowdConfig {
     }
 }
 
-/// What a crowd starts with, at time 0.
+/// Setup of a crowd at time 0.
 #[derive(Clone, Debug)]
 pub struct Setup<V = Vec3> {
-    /// Who is there.
+    /// Agents at the start.
     pub agents: Vec<Agent<V>>,
     /// Routes of agents that start or enter on one; those with an order have a route of their own.
     pub routes: Vec<Route<V>>,
     /// Force fields of agents (>= 1 where there are agents).
     pub fields: Vec<Field>,
-    /// What is in their way.
+    /// Obstacles.
     pub obstacles: Vec<Obstacle<V>>,
     /// Obstacles that are doors, by number: open at the start. See [`crate::Crowd::set_open`].
     pub doors: Vec<usize>,
-    /// What attracts or repels them.
+    /// Interests that attract or repel agents.
     pub interests: Vec<Interest<V>>,
-    /// What agents may sense beside each other's bounds.
+    /// Zones and cells that agents may sense.
     pub senses: Senses<V>,
-    /// Finds the ways of orders round obstacles; without, agents go straight to where they are sent.
+    /// Finds the paths of orders round obstacles; without it, agents go straight to their goals.
     pub streets: Option<Streets>,
-    /// How the crowd is run.
+    /// Settings of the crowd.
     pub config: CrowdConfig,
 }
 
 impl<V> Default for Setup<V> {
-    /// Nobody, nowhere, with the default field.
+    /// No agents and no obstacles, with the default field.
     fn default() -> Self {
         Self {
             agents: Vec::new(),
@@ -173,7 +175,7 @@ impl Setup {
 }
 
 impl<V> Setup<V> {
-    /// The same in another space.
+    /// Converts it to another space.
     pub fn map<W>(self, f: impl Fn(V) -> W) -> Setup<W> {
         Setup {
             agents: self.agents.into_iter().map(|a| a.map(&f)).collect(),

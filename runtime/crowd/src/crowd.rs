@@ -14,15 +14,16 @@ use throng_base::ground::{Held, Outsider, Rod};
 
 /// Agents that act at their own events and never overlap.
 ///
-/// Everybody has one next event. Between two of them an agent keeps its acceleration, so that its position at any time
-/// is known exactly. At an event it looks at its neighbours, asks the force field for the desired motion, and takes the
-/// nearest plan it can find for which the safety rule holds. Its next event is when its new bound touches another bound,
-/// an obstacle or the side of its region (Kim, Kim and Shin 2003b, section 2.1), though not before the smallest interval
-/// is over. The proof that no two agents ever overlap is in `safety/rule.rs`; it asks nothing of forces or intervals.
+/// Every agent has one next event. Between two events it keeps its acceleration, so that its position at any time is
+/// known exactly. At an event it looks at its neighbours, asks the force field for the desired motion, and takes the
+/// nearest plan it can find for which the safety rule holds. Its next event is when its new bound touches another
+/// bound, an obstacle or the side of its region (Kim, Kim and Shin 2003b, section 2.1), though not before the smallest
+/// interval is over. The proof that no two agents ever overlap is in `safety/rule.rs`; it requires nothing of forces or
+/// intervals.
 ///
-/// Places are those of the world (m, Y up). On the ground, agents are discs in x and z; heights that are given are left
-/// out, and those that come back are 0. Within [`CrowdConfig::capacity`](crate::CrowdConfig), nothing here allocates but
-/// orders, placed agents that find their way, and what returns or takes a `Vec`.
+/// Positions are in the world (m, Y up). On the ground, agents are discs in x and z; given heights are ignored, and
+/// returned ones are 0. Within [`CrowdConfig::capacity`](crate::CrowdConfig), nothing here allocates except orders,
+/// moved agents that find their path, and functions that return or take a `Vec`.
 ///
 /// ```
 /// # fn main() -> throng_base::Result<()> {
@@ -51,7 +52,7 @@ pub(crate) enum Either<G = Engine<Vec2>, A = Engine<Vec3>> {
     Air(A),
 }
 
-/// Does the same with the engine of either space.
+/// Evaluates an expression with the engine of either space.
 macro_rules! each {
     ($either:expr, $engine:ident => $answer:expr) => {
         match $either {
@@ -82,7 +83,7 @@ impl Crowd {
         Ok(Self { engine: Either::Air(Engine::new(setup)?) })
     }
 
-    /// Lets time pass until `until_s`; reports all events in order. Allocates nothing.
+    /// Advances time to `until_s`; reports all events in order. Allocates nothing.
     ///
     /// # Errors
     /// [`CrowdError::Other`] for a time in the past, and [`CrowdError::Stalled`].
@@ -90,20 +91,21 @@ impl Crowd {
         self.advance_with(on_event, |crowd| crowd.run(until_s))
     }
 
-    /// As [`Crowd::advance`], in parts that `run` runs; the result is the same, bit by bit. Pays from some thousand
-    /// agents on. Takes memory for the parts when it is called first.
+    /// Advances time in parts that `run` runs; the result equals that of [`Crowd::advance`] bit by bit. Pays from some
+    /// thousand agents on. Takes memory for the parts when it is called first.
     ///
     /// # Errors
     /// As [`Crowd::advance`]. Some agents that act a little after those of a [`CrowdError::Stalled`] may have acted
-    /// before it was seen.
+    /// before it was detected.
     pub fn par_advance(&mut self, until_s: f64, run: &dyn Run, on_event: &mut impl FnMut(&Event)) -> Result<()> {
         self.advance_with(on_event, |crowd| crowd.run_parallel(until_s, run))
     }
 
-    /// As [`Crowd::advance`], up to the first signal if there is one: what an agent senses, a timer, or an arrival, leaving or
-    /// being stuck of one that senses these. It is also told to `on_event`. The present is then its time, so that orders, senses
-    /// and timers can be changed before time goes on. Several signals of one time come one by one, in the order (time, kind,
-    /// agent): events of the engine, then what is sensed, then timers.
+    /// Advances time to `until_s`, see [`Crowd::advance`], or to the first signal: an event of [`Crowd::sense`], a
+    /// timer, or an arrival, a departure or being stuck of an agent that senses these. The signal is also reported to
+    /// `on_event`. The present is then its time, so that orders, senses and timers can be changed before time goes on.
+    /// Several signals of one time are returned one by one, in the order (time, kind, agent): events of the engine,
+    /// then sensed events, then timers.
     ///
     /// # Errors
     /// As [`Crowd::advance`].
@@ -124,7 +126,7 @@ impl Crowd {
         }
     }
 
-    /// What an agent senses from now on, of what the crowd was made for ([`Setup::senses`]).
+    /// Sets the senses of an agent, among those of the crowd ([`Setup::senses`]).
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
@@ -159,10 +161,10 @@ impl Crowd {
         each!(&mut self.engine, e => e.set_interest(id, n, interest.map(|i| i.map(Space::from_world))))
     }
 
-    /// Lets two to four agents walk together, in place of the groups they were in; one alone walks alone again. They need orders
-    /// of their own, which lead the same way. From their next events on they go abreast where there is room, three and four
-    /// bent to a V in a crowd, and one after the other in narrow ways and where others come; whoever is ahead waits. In the
-    /// air, nothing of this happens. Allocates nothing.
+    /// Lets two to four agents walk together, in place of the groups they were in; a single one walks alone again. They
+    /// need orders of their own, which lead the same way. From their next events on they go abreast where there is
+    /// room, three and four bent to a V in a crowd, and one after the other in narrow passages and where others come;
+    /// members that are ahead wait. In the air, nothing of this happens. Allocates nothing.
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`], and [`throng_base::Error::Value`] for another number of them, or one twice.
@@ -170,15 +172,15 @@ impl Crowd {
         each!(&mut self.engine, e => e.set_companions(ids))
     }
 
-    /// Who walks together with an agent: up to three others.
+    /// Companions of an agent: up to three others.
     pub fn companions(&self, id: Id) -> impl Iterator<Item = Id> + '_ {
         let companions = each!(&self.engine, e => e.companions(id));
         companions.into_iter().flatten()
     }
 
-    /// Opens an obstacle of the setup, as if it were not there, or closes it again. Where the crowd knows its streets, ways lead
-    /// through open ones and round closed ones; where all ways lead through closed ones, agents go there and wait. Those on
-    /// their way look for it again at their next event. Goals are refused in open ones too. Takes memory, and the first
+    /// Opens an obstacle of the setup, as if it were not there, or closes it again. Where the crowd knows its streets, paths lead
+    /// through open ones and round closed ones; where all paths lead through closed ones, agents go there and wait. Those on
+    /// their way plan again at their next event. Goals are refused in open ones too. Takes memory, and the first
     /// time that one is opened the time to make the streets.
     ///
     /// # Errors
@@ -193,10 +195,10 @@ impl Crowd {
         each!(&self.engine, e => obstacle < e.scenery.obstacles.len() && e.scenery.is_open(obstacle))
     }
 
-    /// Lets an agent act as soon as it may, and not only at the end of its plan: at once, or when the smallest interval
-    /// since its last event is over; at the end where that comes within an interval after. Others rely on its plan: where
-    /// it finds no other that is safe, it keeps that to its end, however often it is woken. Engines to compare with take
-    /// no notice.
+    /// Lets an agent act as soon as possible, and not only at the end of its plan: at once, or when the smallest
+    /// interval since its last event is over; at the end where that comes within an interval after. Others rely on its
+    /// plan: without another safe one, it keeps its plan to the end, however often it is woken. Engines to compare with
+    /// ignore this.
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
@@ -204,8 +206,8 @@ impl Crowd {
         each!(&mut self.engine, e => e.wake(id))
     }
 
-    /// Runs the engine in stretches, and tells the events of each after it: the engine knows nothing of the caller's
-    /// types, and need not be compiled anew for them.
+    /// Runs the engine in stretches, and reports the events of each after it: the engine does not depend on the
+    /// caller's types, and need not be compiled anew for them.
     #[inline]
     fn advance_with(
         &mut self,
@@ -230,7 +232,7 @@ impl Crowd {
         each!(&mut self.engine, e => e.run(until_s))
     }
 
-    /// As [`Crowd::run`].
+    /// Runs the engine in parallel parts, see [`Crowd::run`].
     #[inline(never)]
     fn run_parallel(&mut self, until_s: f64, run: &dyn Run) -> Result<bool> {
         each!(&mut self.engine, e => e.run_parallel(until_s, run))
@@ -240,7 +242,7 @@ impl Crowd {
         each!(&self.engine, e => &e.events)
     }
 
-    /// Lets an agent enter, now.
+    /// Spawns an agent, now.
     ///
     /// # Errors
     /// [`CrowdError`] for a place that is taken, a full crowd, or a setting out of its range; nothing has changed then.
@@ -248,7 +250,7 @@ impl Crowd {
         each!(&mut self.engine, e => e.spawn(agent.map(Space::from_world)))
     }
 
-    /// Takes an agent out, now.
+    /// Removes an agent, now.
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
@@ -256,27 +258,27 @@ impl Crowd {
         each!(&mut self.engine, e => e.despawn(id))
     }
 
-    /// Puts an agent elsewhere, at rest. It goes on with its order from there, or stays without one.
+    /// Moves an agent elsewhere, at rest. It goes on with its order from there, or stays without one.
     ///
     /// # Errors
-    /// [`CrowdError`] for a place that is taken or out of range, or from which no way leads to its goal; nothing has
+    /// [`CrowdError`] for a place that is taken or out of range, or from which no path leads to its goal; nothing has
     /// changed then.
     pub fn place(&mut self, id: Id, position: Vec3) -> Result<()> {
         each!(&mut self.engine, e => e.place(id, Space::from_world(position)))
     }
 
-    /// Gives an agent an order, from its next event on; it holds until the next order. Along a route of the crowd, it takes no
-    /// memory; to a goal, none after the first such order of the agent; through subgoals, it always does. Where the crowd
-    /// knows its streets, a goal that somebody goes to already, or went to lately, costs no search.
+    /// Gives an agent an order, from its next event on; it holds until the next order. Along a route of the crowd, it
+    /// takes no memory; to a goal, none after the first such order of the agent; through subgoals, it always does.
+    /// Where the crowd knows its streets, a goal of any agent's present or recent order costs no search.
     ///
     /// # Errors
-    /// [`throng_base::Error::NoWay`] where no way leads to the goal, and [`CrowdError`] for a goal in an obstacle or a
+    /// [`throng_base::Error::NoWay`] where no path leads to the goal, and [`CrowdError`] for a goal in an obstacle or a
     /// setting out of its range; nothing has changed then.
     pub fn order(&mut self, id: Id, order: Go) -> Result<()> {
         each!(&mut self.engine, e => e.order(id, &order.map(Space::from_world)))
     }
 
-    /// How far an agent has come with its order.
+    /// Progress of an agent with its order.
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
@@ -298,7 +300,8 @@ impl Crowd {
         each!(&self.engine, e => e.save(out))
     }
 
-    /// Goes back to a state of a crowd that was made with the same setup. What follows is what followed then, bit by bit.
+    /// Restores a state of a crowd that was made with the same setup. It continues from there as it did then, bit by
+    /// bit.
     ///
     /// # Errors
     /// [`throng_base::Error::Snapshot`]; nothing has changed then.
@@ -316,7 +319,7 @@ impl Crowd {
         each!(&self.engine, e => e.now)
     }
 
-    /// Everybody in the crowd, in the order of their places.
+    /// Ids of all agents, in the order of their places.
     pub fn ids(&self) -> impl Iterator<Item = Id> + '_ {
         let (ground, air) = match &self.engine {
             Either::Ground(e) => (Some(e.ids()), None),
@@ -340,49 +343,49 @@ impl Crowd {
         each!(&self.engine, e => e.num_agents())
     }
 
-    /// What an agent is; position and velocity are those of now, the route that of its order.
+    /// Settings of an agent; position and velocity are those of now, the route that of its order.
     pub fn agent(&self, id: Id) -> Option<Agent> {
         each!(&self.engine, e => e.agent(id).map(|a| a.map(Space::to_world)))
     }
 
-    /// Where an agent is at `time_s`: exact from its last event to its next one, and a guess before and after (m).
+    /// Position of an agent at `time_s`: exact from its last event to its next one, and a guess before and after (m).
     pub fn position(&self, id: Id, time_s: f64) -> Option<Vec3> {
         each!(&self.engine, e => e.plan(id).map(|p| p.at(time_s).0.to_world()))
     }
 
-    /// How it moves at `time_s` (m/s).
+    /// Velocity at `time_s` (m/s).
     pub fn velocity(&self, id: Id, time_s: f64) -> Option<Vec3> {
         each!(&self.engine, e => e.plan(id).map(|p| p.at(time_s).1.to_world()))
     }
 
-    /// Its velocity as a Kalman filter saw it at its last event, without abrupt changes: what a body is to follow (Kim,
+    /// Velocity as a Kalman filter estimates it at its last event, without abrupt changes, for a body to follow (Kim,
     /// Kim and Shin 2003b, section 2.1) (m/s).
     pub fn smooth_velocity(&self, id: Id) -> Option<Vec3> {
         each!(&self.engine, e => e.smooth_velocity(id).map(Space::to_world))
     }
 
-    /// Its acceleration at `time_s` (m/s2).
+    /// Acceleration at `time_s` (m/s2).
     pub fn acceleration(&self, id: Id, time_s: f64) -> Option<Vec3> {
         each!(&self.engine, e => e.acceleration(id, time_s).map(Space::to_world))
     }
 
-    /// Its time-varying bound at `time_s`: centre and radius (Kim, Kim and Shin 2003b, eq. 3 and 4) (m, from its last
-    /// event on).
+    /// Time-varying bound at `time_s`: centre and radius (Kim, Kim and Shin 2003b, eq. 3 and 4) (m, from its last event
+    /// on).
     pub fn bound(&self, id: Id, time_s: f64) -> Option<(Vec3, f32)> {
         each!(&self.engine, e => e.bound(id, time_s).map(|(centre, radius)| (centre.to_world(), radius)))
     }
 
-    /// When it acts next, unless another agent makes it act before (s).
+    /// Time of its next event, unless another agent makes it act before (s).
     pub fn next_event(&self, id: Id) -> Option<f64> {
         each!(&self.engine, e => e.plan(id).map(|p| e.due(&p)))
     }
 
-    /// When it acted last (s).
+    /// Time of its last event (s).
     pub fn last_event(&self, id: Id) -> Option<f64> {
         each!(&self.engine, e => e.plan(id).map(|p| p.start))
     }
 
-    /// Both ends of the way of its centre if it brakes now with all its force (m).
+    /// Both ends of the path of its centre if it brakes now with all its force (m).
     pub fn stop_region(&self, id: Id) -> Option<(Vec3, Vec3)> {
         each!(&self.engine, e => {
             let (from, to) = e.plan(id).map(|p| p.stop_region((e.now - p.start) as f32))?;
@@ -390,8 +393,8 @@ impl Crowd {
         })
     }
 
-    /// Whom others move: agents steer around their bodies, and keep clear of the ground that they hold. A crowd in the
-    /// air minds nobody.
+    /// Sets the external obstacles: agents steer around their bodies, and keep out of the regions that they reserve. A
+    /// crowd in the air ignores them.
     pub fn mind<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
         if let Either::Ground(engine) = &mut self.engine {
             engine.outsiders.set(others);
@@ -410,7 +413,7 @@ impl Crowd {
         })
     }
 
-    /// Way along its route that is left (m).
+    /// Remaining distance along its route (m).
     pub fn way_left(&self, id: Id) -> Option<f32> {
         each!(&self.engine, e => e.way_left(id))
     }
@@ -420,7 +423,7 @@ impl Crowd {
         each!(&self.engine, e => e.desired_direction(id).map(Space::to_world))
     }
 
-    /// What moves it now, term by term. Computed anew, and allocates: for one agent that is looked at.
+    /// Forces on it now, term by term. Computed anew, and allocates: for inspection of single agents.
     pub fn forces(&self, id: Id) -> Option<Forces> {
         each!(&self.engine, e => e.forces(id).map(|f| f.map(Space::to_world)))
     }
@@ -430,7 +433,7 @@ impl Crowd {
         each!(&self.engine, e => e.bytes_per_agent())
     }
 
-    /// How many events there were.
+    /// Numbers of events.
     pub fn counts(&self) -> Counts {
         each!(&self.engine, e => e.counts)
     }
@@ -440,7 +443,7 @@ impl Crowd {
         each!(&self.engine, e => e.cells.side())
     }
 
-    /// What agents on a route do at its end.
+    /// Action of agents at the end of a route.
     pub fn at_end(&self, route: usize) -> Option<AtEnd> {
         each!(&self.engine, e => e.at_end(route))
     }

@@ -1,9 +1,9 @@
-//! Why a crowd cannot be, or cannot go on.
+//! Errors of setups and of runs.
 
 use throng_base::error::Error;
 use throng_base::{Id, Result};
 
-/// What is wrong with what a crowd is given. Converts into [`Error`], for callers that need not tell the kinds apart.
+/// Error of a crowd. Converts into [`Error`], for callers that need not tell the kinds apart.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum CrowdError {
@@ -13,11 +13,11 @@ pub enum CrowdError {
          them, or let it start slower"
     )]
     Overlap {
-        /// One of them.
+        /// First of the two.
         first: Id,
-        /// The other one; the id that it would have.
+        /// Second of the two; for a newcomer, the id that it would have.
         second: Id,
-        /// How far their discs, or the distances they need to stop, reach into each other (m).
+        /// Depth to which their discs, or their stopping distances, overlap (m).
         overlap_m: f32,
     },
     /// An agent in an obstacle.
@@ -45,24 +45,24 @@ pub enum CrowdError {
         subject(.first, .second)
     )]
     Stalled {
-        /// The one that acts too often.
+        /// Agent that acts too often.
         first: Id,
         /// The partner of its last meeting, if any.
         second: Option<Id>,
         /// Events of the first.
         events: u64,
-        /// How many are possible.
+        /// Largest possible number of events.
         most: u64,
-        /// In which time (s).
+        /// Time in which they happened (s).
         seconds: f64,
     },
-    /// What can be wrong with any crowd of characters: a value out of range, a full crowd, an agent that left, a goal
-    /// without a way, a snapshot of something else.
+    /// Error of any group of characters: a value out of range, a full crowd, an agent that left, a goal without a path,
+    /// a snapshot of something else.
     #[error(transparent)]
     Other(#[from] Error),
 }
 
-/// How the message of a crowd that is stalled begins.
+/// Beginning of the message of a stalled crowd.
 fn subject(first: &Id, second: &Option<Id>) -> String {
     match second {
         Some(second) => format!("agents {first} and {second} block time: the first had"),

@@ -5,12 +5,12 @@
 //! takes a plan that cannot end in an overlap. See [`Crowd`].
 //!
 //! - `space`: vectors in two and three dimensions, plans, cells, obstacles.
-//! - `routes`: where agents go.
-//! - `steering`: the force field, which says what an agent would do if it were safe.
+//! - `routes`: orders, routes, and paths round obstacles.
+//! - `steering`: the force field, which gives the desired motion of an agent, whether or not it is safe.
 //! - `safety`: the rule by which no two agents ever overlap, and the pairs that are checked.
-//! - `senses`: whom agents meet, and the places and cells that they come to.
-//! - `scenery`: all that does not change while time passes.
-//! - `events`: the queue of events, and what an event does. The crowd itself is here.
+//! - `senses`: meetings of agents, and the zones and cells that they enter.
+//! - `scenery`: data that does not change with time.
+//! - `events`: the queue of events, and their processing. The crowd itself is here.
 
 mod agent;
 mod config;

@@ -1,4 +1,4 @@
-//! What surrounds the agents: obstacles by cell, routes, fields and limits.
+//! Surroundings of the agents: obstacles by cell, routes, fields and limits.
 
 #[cfg(feature = "baselines")]
 use crate::Scheme;
@@ -19,40 +19,40 @@ use serde::{Deserialize, Serialize};
 use throng_base::error::check_index;
 use throng_base::prefetch;
 
-/// Side of cells of which each has everybody next to it (m).
+/// Side of cells so large that all agents are in neighbouring ones (m).
 #[cfg(feature = "baselines")]
 const ALL_M: f32 = 9e4;
 
-/// All that does not change while time passes.
+/// Data that does not change with time.
 #[derive(Clone, Debug)]
 pub(crate) struct Scenery<V> {
     pub fields: Vec<Field>,
     pub paths: Vec<Path<V>>,
     /// Routes of the setup, the first ones.
     pub num_routes: usize,
-    /// Finds ways round obstacles.
+    /// Finds paths round obstacles.
     pub streets: Option<Streets>,
     /// Subgoals of all routes, where there are streets.
     pub goals: Goals,
-    /// Of each obstacle of the streets: its number here, if it is one of these.
+    /// Number here of each obstacle of the streets, if it is one of these.
     of_streets: Vec<Option<usize>>,
-    /// What stands or moves, as it was given.
+    /// Obstacles as they were given.
     pub obstacles: Vec<Obstacle<V>>,
-    /// Which of the solids are whose (obstacles.len()).
+    /// Range of each obstacle's solids (obstacles.len()).
     ranges: Vec<std::ops::Range<usize>>,
     pub solids: Vec<Solid<V>>,
-    /// Which obstacles are doors, and which of these are open, as if they were not there (obstacles.len()).
+    /// State of each obstacle as a door; open doors count as absent (obstacles.len()).
     pub doors: Vec<Door>,
     /// Obstacle that each solid is a part of.
     pub owners: Vec<u32>,
     pub movers: Vec<Mover<V>>,
     pub interests: Vec<Interest<V>>,
-    /// Where the lists of each cell begin in `near` and `walls`: those of cell c end where those of c + 1 begin. Empty
+    /// Start of the lists of each cell in `near` and `walls`: those of cell c end where those of c + 1 begin. Empty
     /// where there are no solids.
     first: Vec<[u32; 2]>,
     /// Solids that reach into the region of each cell.
     near: Vec<u32>,
-    /// The same for walls within the region, see [`is_wall_within`].
+    /// Walls within the region of each cell, see [`is_wall_within`].
     walls: Vec<u32>,
     /// Smallest time between two events of an agent (s).
     pub interval: f32,
@@ -67,10 +67,10 @@ pub(crate) struct Scenery<V> {
     pub steering: SteeringConfig,
 }
 
-/// What an obstacle is beside something solid.
+/// State of an obstacle as a door.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Door {
-    /// It was never opened.
+    /// The obstacle was never opened.
     #[default]
     Never,
     Closed,
@@ -86,7 +86,7 @@ pub(crate) struct Mover<V> {
 }
 
 impl<V: Space> Mover<V> {
-    /// Its motion from a time on: straight until `end`, which is not after the next point of its way.
+    /// Motion from a time on: straight until `end`, which is not after the next point of its path.
     pub fn plan(&self, time: f64, within: f32) -> Plan<V> {
         let next = self.way.partition_point(|(t, _)| *t <= time);
         let end = time + f64::from(within);
@@ -197,7 +197,7 @@ impl<V: Space> Scenery<V> {
         let shortest = 1.5 * self.interval;
         #[cfg(feature = "baselines")]
         if config.scheme == Scheme::Pairs {
-            // All of a crowd is in cells next to each other.
+            // The whole crowd is in neighbouring cells.
             return Ok(ALL_M);
         }
         #[cfg(feature = "baselines")]
@@ -234,10 +234,10 @@ impl<V: Space> Scenery<V> {
         Ok(())
     }
 
-    /// Makes a route ready.
+    /// Prepares a route.
     ///
     /// # Errors
-    /// [`CrowdError`] for a route that cannot be.
+    /// [`CrowdError`] for an impossible route.
     pub fn path(&mut self, number: usize, route: &Route<V>) -> Result<Path<V>, CrowdError> {
         let mut goals = std::mem::take(&mut self.goals);
         let path = self.path_with(number, route, &mut goals);
@@ -245,7 +245,7 @@ impl<V: Space> Scenery<V> {
         path
     }
 
-    /// The same, with other goals than those of this crowd.
+    /// Prepares a route with other goals than those of this crowd.
     pub fn path_with(&self, number: usize, route: &Route<V>, goals: &mut Goals) -> Result<Path<V>, CrowdError> {
         let mut path = Path::new(number, route, &self.solids)?;
         let mut subgoals = route.subgoals.iter().enumerate();
@@ -270,7 +270,7 @@ impl<V: Space> Scenery<V> {
         self.doors[obstacle] == Door::Open
     }
 
-    /// Opens and closes obstacles; ways lead accordingly. Takes memory.
+    /// Opens and closes obstacles; paths lead accordingly. Takes memory.
     ///
     /// # Errors
     /// [`throng_base::Error::Value`] where streets know too many doors; nothing has changed then.
@@ -325,8 +325,8 @@ impl<V: Space> Scenery<V> {
         &all[first[kind] as usize..next[kind] as usize]
     }
 
-    /// Lists solids by the cells whose regions they touch, or are within a distance of, if they are to be listed: where
-    /// those of each cell begin, and all of them.
+    /// Lists solids by the cells whose regions they touch, or are within a distance of: returns the start of each
+    /// cell's list, and all lists.
     fn list(&self, cells: &Cells<V>, within: impl Fn(&Solid<V>) -> Option<f32>) -> (Vec<u32>, Vec<u32>) {
         let mut pairs = Vec::new();
         for (number, solid) in (0u32..).zip(&self.solids) {
@@ -360,7 +360,7 @@ impl<V: Space> Scenery<V> {
     }
 }
 
-/// Of each obstacle of the streets: its number in the setup, if it is one of these.
+/// Number in the setup of each obstacle of the streets, if it is one of these.
 fn of_streets<V: Space>(setup: &Setup<V>) -> Vec<Option<usize>> {
     let number = |(n, known): (usize, &Obstacle)| {
         let known = known.clone().map(V::from_world);

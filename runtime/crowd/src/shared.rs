@@ -55,7 +55,7 @@ impl Crowd {
 }
 
 impl SharedCrowd {
-    /// Lets time pass until `until_s`, the same one in all processes.
+    /// Advances time to `until_s`, the same one in all processes.
     ///
     /// # Errors
     /// As [`Crowd::advance`], and [`throng_base::Error::Rank`] where another process has ended.
@@ -68,13 +68,13 @@ impl SharedCrowd {
         each!(&self.engine, e => e.num_own())
     }
 
-    /// How often this process moved an agent over a border, to another one's region or to its own.
+    /// Number of times that this process moved an agent over a border, to another one's region or to its own.
     pub fn num_handed_over(&self) -> u64 {
         each!(&self.engine, e => e.handed_over)
     }
 
-    /// How many agents of this process overlap any other one now. It looks at where they are, and knows nothing of how
-    /// that is prevented.
+    /// Number of agents of this process that overlap any other one now. Tests positions alone, independently of how
+    /// overlaps are prevented.
     pub fn num_overlapping(&self) -> u64 {
         each!(&self.engine, e => e.overlaps())
     }

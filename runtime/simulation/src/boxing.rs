@@ -1,4 +1,4 @@
-//! Characters with policies: each with a target of its own, or in pairs who strike at each other.
+//! Characters with policies: each with a target of its own, or in pairs that strike at each other.
 
 use crate::compile::CompiledScene;
 use crate::kind::{Kind, Tick, load_same, refused};
@@ -17,31 +17,31 @@ use throng_core::characters::{AvoidConfig, CharactersConfig, Choice, Order, Spaw
 use throng_core::policy::{KIND_CYLINDER, KIND_SPACE_TIME, RegionRecord};
 use throng_core::{Bundle, Cast, Contacts, Mat3x4, NUM_JOINTS, Planar};
 
-/// A group of pairs who spar.
+/// Group of sparring pairs.
 #[derive(Clone, Debug)]
 pub struct Bouts {
     setup: Setup,
     sparring: Sparring,
 }
 
-/// A group of characters who strike at targets of their own.
+/// Group of characters that strike at targets of their own.
 #[derive(Clone, Debug)]
 pub struct Practice {
     setup: Setup,
     practice: TargetPractice,
-    /// Where targets hang when nobody drags them (m).
+    /// Positions at which targets hang while no hand drags them (m).
     homes: Vec<Vec3>,
-    /// They are dragged as the scene says.
+    /// Whether targets are dragged as the scene says.
     is_dragged: bool,
 }
 
-/// Where a group of either kind is in the scene.
+/// Scene and group of characters of either kind.
 #[derive(Clone, Debug)]
 struct Setup {
     scene: Arc<Scene>,
-    /// Its number in the scene.
+    /// Number of the group in the scene.
     group: usize,
-    /// What messages call it.
+    /// Key of the group in the scene file, for messages.
     key: String,
 }
 
@@ -68,7 +68,7 @@ impl Setup {
     }
 }
 
-/// What a group's characters weigh, and the numbers of those policies.
+/// Order with the weighted behaviours of a group, and the numbers of their policies.
 fn behaviours(compiled: &CompiledScene, group: usize) -> Result<(Order, Vec<usize>)> {
     let (bundle, behaviours) = (compiled.bundle(group)?, &compiled.scene().groups[group].behaviours);
     let numbers: Vec<usize> = behaviours.iter().map(|b| bundle.find_policy(&b.name)).collect::<Result<_>>()?;
@@ -86,15 +86,15 @@ fn characters(compiled: &CompiledScene, group: usize) -> CharactersConfig {
     CharactersConfig { seed, first_number, choice, avoid, ..CharactersConfig::default() }
 }
 
-/// How far opponents may come into each other's discs: these hold the head on all sides of the root, and would keep heads
-/// farther apart than blows reach (m).
+/// Depth to which opponents may enter each other's discs. A disc covers the head on all sides of the root, and would keep
+/// heads farther apart than blows reach (m).
 const PAIR_DEPTH_M: f32 = 0.07;
 
 impl Bouts {
-    /// Puts everybody in place.
+    /// Creates the group with all characters in place.
     ///
     /// # Errors
-    /// [`Error::Text`] for heads that nobody can reach.
+    /// [`Error::Text`] for heads that no blow can reach.
     pub(crate) fn new(compiled: &CompiledScene, group: usize) -> Result<Self> {
         let (setup, bundle) = (Setup::new(compiled, group), compiled.bundle(group)?);
         let (order, numbers) = behaviours(compiled, group)?;
@@ -128,10 +128,10 @@ impl Bouts {
 }
 
 impl Practice {
-    /// Puts everybody in place.
+    /// Creates the group with all characters in place.
     ///
     /// # Errors
-    /// [`Error::Text`] for a behaviour that targets give no reason for, or a target nobody can reach.
+    /// [`Error::Text`] for a behaviour that needs an opponent, or a target that no blow can reach.
     pub(crate) fn new(compiled: &CompiledScene, group: usize) -> Result<Self> {
         let (setup, bundle) = (Setup::new(compiled, group), compiled.bundle(group)?);
         let own = setup.config();
@@ -169,14 +169,14 @@ impl Practice {
         &self.practice
     }
 
-    /// Moves the place where a character's target hangs, as a hand does: from now on the scene's own drags it no more.
+    /// Moves the place where a character's target hangs; from now on the scene drags no target any more.
     ///
     /// # Errors
     /// [`Error::Text`] for a character that does not exist, or a place that is not finite; nothing has changed then.
     pub fn set_home(&mut self, character: usize, home: Vec3) -> Result<()> {
         self.hang(character, home)?;
         if std::mem::take(&mut self.is_dragged) {
-            // Everybody's target stays where it has been dragged to.
+            // All targets stay where they have been dragged to.
             self.homes = self.practice.targets().iter().map(|t| t.home).collect();
         }
         self.homes[character] = home;
@@ -190,7 +190,7 @@ impl Practice {
     }
 }
 
-/// The id of a character of a scene, where nobody leaves.
+/// Id of a character of a group that no character leaves.
 ///
 /// # Errors
 /// [`Error::Index`].
@@ -200,10 +200,10 @@ fn id_of(cast: &impl Cast, character: usize) -> Result<Id> {
     Ok(ids[character])
 }
 
-/// Where characters start, and where their targets hang: pairs, or characters with targets, on a square grid, each
-/// turned its own way.
+/// Starts of characters and places of their targets: pairs, or characters with targets, on a square grid, each with a random
+/// heading.
 ///
-/// Those of earlier groups of the same kind are drawn first, so that everybody is turned as in one group of all.
+/// Starts of earlier groups of the same kind are drawn first, so that headings are as in one group of all.
 fn places(compiled: &CompiledScene, number: usize) -> Result<(Vec<Spawn>, Vec<Vec3>)> {
     let (scene, group) = (compiled.scene(), &compiled.scene().groups[number]);
     let (about, spacing, distance) = match group.place {
@@ -242,33 +242,33 @@ fn out_of_reach(regions: &[RegionRecord], what: &str, height: f32, help: &str) -
     format!("nobody can reach a {what} {height:.2} m high: blows land {low:.2} to {high:.2} m high; {help}")
 }
 
-/// A blow this far above or below a head's centre meets it (m).
+/// Largest height of a blow above or below the centre of a head that it meets (m).
 const HALF_HEAD_M: f32 = 0.12;
 
-/// Where the blows of behaviours that strike land.
+/// Regions in which blows of the striking behaviours land.
 fn hit_regions(bundle: &Bundle, policies: &[usize]) -> Vec<RegionRecord> {
     let records = policies.iter().map(|&p| &bundle.policy_records()[p]);
     records.filter(|r| r.grid.kind == KIND_CYLINDER).map(|r| r.region).collect()
 }
 
-/// Whether blows land at a height, give or take `margin`; so where nobody wants to strike (m).
+/// True where blows land within `margin` of a height, or where there are no striking behaviours (m).
 fn is_reached(regions: &[RegionRecord], height: f32, margin: f32) -> bool {
     let holds = |r: &RegionRecord| height >= r.height[0] - margin && height <= r.height[1] + margin;
     regions.is_empty() || regions.iter().any(holds)
 }
 
-/// States in which characters stand; all where nobody does.
+/// States in which characters stand; all states where there are none.
 fn resting_states(bundle: &Bundle) -> Vec<u32> {
     let all = &bundle.graph().states;
     let standing: Vec<u32> = (0..all.len() as u32).filter(|&s| all[s as usize].standing == 1).collect();
     if standing.is_empty() { (0..all.len() as u32).collect() } else { standing }
 }
 
-/// What can be told both kinds.
+/// Orders that both kinds of groups take.
 macro_rules! told {
     ($kind:ident, $cast:ident) => {
         impl $kind {
-            /// Sets what each behaviour of the group counts from the next step on; 0 switches it off.
+            /// Sets the weights of the group's behaviours from the next step on; 0 switches a behaviour off.
             ///
             /// # Errors
             /// [`Error::Text`] where there are not as many weights as behaviours, or one is not finite or too large;
@@ -281,7 +281,7 @@ macro_rules! told {
                 Ok(())
             }
 
-            /// Lets a character play a segment at once, see [`throng_core::characters::PolicyCharacters::play`].
+            /// Makes a character play a segment at once, see [`throng_core::characters::PolicyCharacters::play`].
             ///
             /// # Errors
             /// [`Error::Text`] for a character or segment that does not exist.
@@ -296,7 +296,7 @@ macro_rules! told {
 told!(Bouts, sparring);
 told!(Practice, practice);
 
-/// What both kinds answer alike.
+/// Methods of [`Kind`] that are alike for both kinds of groups.
 macro_rules! of_cast {
     ($cast:ident) => {
         fn hold(&mut self, out: &mut Held) {
@@ -351,7 +351,7 @@ impl Kind for Bouts {
     }
 }
 
-/// Targets that are dragged, around a snapshot of [`TargetPractice`].
+/// Snapshot of dragged targets, around one of [`TargetPractice`].
 const DRAGGED: SnapshotKind = SnapshotKind { what: "practice", tag: *b"DRAG", version: 2, setup: 0 };
 
 impl Kind for Practice {
@@ -391,7 +391,7 @@ impl Kind for Practice {
     }
 }
 
-/// Where a hand has dragged a target at a time, on a way that begins anew when it is over (m).
+/// Displacement of a dragged target at a time, on a path that begins anew after its last point (m).
 fn dragged(drag: &[DragPoint], time_s: f64) -> Vec3 {
     let Some(last) = drag.last() else { return Vec3::ZERO };
     let place = |p: &DragPoint| Vec3::new(p.x_m as f32, p.y_m as f32, p.z_m as f32);

@@ -1,4 +1,4 @@
-//! The one list of all kinds of motion: a new kind gets a line at the end.
+//! List of all kinds of motion: a new kind gets a line at the end.
 
 use crate::Event;
 use crate::agents::Agents;
@@ -11,10 +11,10 @@ use throng_base::Result;
 use throng_base::ground::Held;
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 
-/// Makes the enum of all kinds of motion, without dynamic calls.
+/// Defines the enum of all kinds of motion, without dynamic dispatch.
 macro_rules! kinds {
     ($($(#[$doc:meta])* $name:ident($kind:ty)),* $(,)?) => {
-        /// Characters of a simulation who are moved together, by what moves them.
+        /// Characters of a simulation that are moved together, by their kind of motion.
         #[derive(Clone, Debug)]
         pub enum GroupCast { $($(#[$doc])* $name($kind)),* }
 
@@ -62,7 +62,7 @@ macro_rules! kinds {
 kinds! {
     /// Characters with policies, each with a target of its own.
     Policy(Practice),
-    /// Pairs with policies who strike at each other.
+    /// Pairs with policies that strike at each other.
     Sparring(Bouts),
     /// Blended bodies on random paths.
     Paths(Wanderers),

@@ -1,4 +1,4 @@
-//! A scene with everything that it names, opened and checked.
+//! Compiled scenes: all that a scene file names is opened and checked.
 
 use crate::scenario::{Primitives, Scenario};
 use crate::scene::{ANY_PARTNER, GroupConfig, Motion, Scene, WishConfig};
@@ -14,20 +14,20 @@ use throng_world::World;
 #[derive(Clone, Debug)]
 pub struct CompiledScene {
     scene: Arc<Scene>,
-    /// Of each group that has one.
+    /// Bundle of each group; `None` for a group without one.
     bundles: Vec<Option<Bundle>>,
-    /// What agents live by, where it says more than goals.
+    /// Rules, events and graphs of agents, where the scene has any.
     scenario: Option<Arc<Scenario>>,
     /// Stitched worlds, each once.
     worlds: Vec<OpenWorld>,
-    /// Of each group that has one: number of its world.
+    /// World of each group, by its number; `None` for a group without one.
     world_of: Vec<Option<usize>>,
 }
 
 /// A stitched world of a scene.
 #[derive(Clone, Debug)]
 pub struct OpenWorld {
-    /// Where it was read from.
+    /// Path of its file.
     pub path: PathBuf,
     /// The world: file, graph and path costs.
     pub world: World,
@@ -43,7 +43,7 @@ impl Scene {
         self.compile_with(None, &Primitives::default())
     }
 
-    /// As [`Scene::open`], with primitive behaviours of the application's own.
+    /// Opens the scene as [`Scene::open`] does, with primitive behaviours of the application.
     ///
     /// # Errors
     /// As [`Scene::open`].
@@ -51,7 +51,7 @@ impl Scene {
         self.compile_with(None, primitives)
     }
 
-    /// As [`Scene::open`], with a bundle in place of the scene's own; groups with bundles of their own keep theirs.
+    /// Opens the scene as [`Scene::open`] does, with a bundle in place of its own; groups with bundles of their own keep them.
     ///
     /// # Errors
     /// As [`Scene::open`].
@@ -59,7 +59,7 @@ impl Scene {
         self.compile_with(Some(bundle), &Primitives::default())
     }
 
-    /// Compiles what agents live by, and forgets it: to check it, or to measure how long that takes.
+    /// Compiles rules, graphs, events and places without keeping them: to check them, or to measure the time that this takes.
     ///
     /// # Errors
     /// As [`Scene::open`], of rules, graphs, events and places.
@@ -68,7 +68,7 @@ impl Scene {
     }
 
     fn compile_with(&self, own: Option<&Bundle>, primitives: &Primitives) -> Result<CompiledScene> {
-        // Whoever has changed it since it was read may have given numbers that were never checked.
+        // The application may have changed the scene since it was read and checked.
         self.check()?;
         let mut opened: Vec<(PathBuf, Bundle)> = Vec::new();
         let mut out = CompiledScene {
@@ -105,7 +105,7 @@ impl Scene {
     }
 }
 
-/// A bundle, which is opened once.
+/// Opens a bundle, or returns it where it is open already.
 fn open(scene: &Scene, g: usize, path: &Path, opened: &mut Vec<(PathBuf, Bundle)>) -> Result<Bundle> {
     if let Some((_, bundle)) = opened.iter().find(|o| o.0 == path) {
         return Ok(bundle.clone());
@@ -123,12 +123,12 @@ impl CompiledScene {
         &self.scene
     }
 
-    /// What agents live by, where the scene says more than goals.
+    /// Rules, events and graphs of agents; `None` where the scene has only goals.
     pub fn scenario(&self) -> Option<&Arc<Scenario>> {
         self.scenario.as_ref()
     }
 
-    /// Motion that actions ask for by tag and that no bundle of a group of agents with bodies has, in words.
+    /// Motion tags of actions that some bundle of agents with bodies lacks, in words.
     pub fn missing_motion(&self) -> Vec<String> {
         let motions = self.scenario.as_ref().map_or(&[] as &[String], |s| s.motions());
         let groups = self.scene.groups.iter().enumerate().filter(|(_, g)| g.is_of_agents());
@@ -138,7 +138,7 @@ impl CompiledScene {
         motions.iter().filter(is_missing).map(|tag| format!("`{tag}`: those who do it stand meanwhile")).collect()
     }
 
-    /// The scene, for those who keep it.
+    /// Scene, to be shared.
     pub(crate) fn shared(&self) -> &Arc<Scene> {
         &self.scene
     }
@@ -177,8 +177,8 @@ impl CompiledScene {
         self.world_of.get(group).copied().flatten()
     }
 
-    /// Number of a group's first character, counted over all groups with the same kind of motion: what random choices
-    /// depend on, beside the seed.
+    /// Number of a group's first character, counted over all groups with the same kind of motion; random choices depend on
+    /// it and on the seed.
     pub(crate) fn first_number(&self, group: usize) -> usize {
         let groups = &self.scene.groups;
         let is_alike =
@@ -251,7 +251,7 @@ impl CompiledScene {
         Ok(())
     }
 
-    /// What a group's motion is tagged with: what one does alone, and what two do together.
+    /// Tags of a group's motion: those for one character alone, and those for two together.
     fn performed(&self, g: usize) -> Result<[Vec<&str>; 2]> {
         let bundle = self.bundle(g)?;
         let mut are_shown = [vec![false; bundle.meta().link_tags.len()], vec![false; bundle.meta().link_tags.len()]];

@@ -1,4 +1,4 @@
-//! People who live in a stitched world and wish one thing after another.
+//! Characters that live in a stitched world and pursue one goal after another.
 
 use crate::compile::CompiledScene;
 use crate::kind::{Kind, Tick, joints, load_same, refused};
@@ -18,71 +18,71 @@ use throng_world::inhabitants::{
 };
 use throng_world::{Node, WorldGraph};
 
-/// Longest that somebody looks for another one who wishes the same (s).
+/// Longest time for which a character looks for a partner with the same goal (s).
 const LOOKS_S: f64 = 30.0;
-/// Others are asked who are no farther away (m), and heights count so many times.
+/// Largest distance of a partner (m), and factor by which differences in height count more.
 const NEAR_M: f32 = 15.0;
 const FLOOR: f32 = 5.0;
-/// Who finds nobody looks again so much later (s).
+/// Time until a character that finds no partner looks again (s).
 const AGAIN_S: f64 = 1.0;
-/// Longest that somebody looks for what cannot be reached before it wishes something else (s).
+/// Longest time for which a character pursues a goal that cannot be reached, before it takes another one (s).
 const GIVE_UP_S: f64 = 2.0;
 
-/// Wishes, around a snapshot of [`Inhabitants`].
+/// Snapshot of goals, around one of [`Inhabitants`].
 const WISHES: SnapshotKind = SnapshotKind { what: "inhabitants", tag: *b"WISH", version: 3, setup: 0 };
 
-/// A wish as it is drawn: a kind, and what it needs.
+/// Kind of a goal that can be drawn, with its parameters.
 #[derive(Clone, Debug)]
 enum Choice {
     Roam([f64; 2]),
     Visit(Vec<Node>),
     Perform(u16, [f64; 2]),
-    /// With anybody, or with somebody of a range of characters.
+    /// Does something with any partner, or with one of a range of characters.
     Meet(u16, [f64; 2], Option<Range<usize>>),
 }
 
-/// Somebody wishes to do something with another one, and roams until there is one.
+/// Search for a partner: the character roams until it has found one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Want {
     tag: u16,
     seconds: f32,
     with: Option<Range<usize>>,
-    /// When it looks again (s).
+    /// Time of the next search (s).
     look_s: f64,
 }
 
-/// What a snapshot has of all: of [`Inhabited`] the fields that are not of the scene.
+/// State of [`Inhabited`] that a snapshot holds: all fields that do not come from the scene.
 type Minds = (Vec<Pcg64Mcg>, Vec<f64>, Vec<bool>, Vec<Option<Want>>, Vec<Option<usize>>);
 
-/// What can be wished for, and how often beside the others.
+/// Choices of goals with their weights.
 type Shares = Vec<(f64, Choice)>;
 
-/// The characters of one world, who get a new wish whenever the last one is fulfilled.
+/// Characters of one world, which get a new goal whenever the last one is reached.
 #[derive(Clone, Debug)]
 pub struct Inhabited {
     scene: Arc<Scene>,
-    /// What messages call them.
+    /// Key of their first group in the scene file, for messages.
     key: String,
     inhabitants: Inhabitants,
-    /// What the characters of each group draw, by their shares.
+    /// Weighted choices of goals of each group's characters.
     choices: Vec<(Range<usize>, Shares)>,
-    /// What each character draws its wishes from.
+    /// Random numbers of each character, from which its goals are drawn.
     rngs: Vec<Pcg64Mcg>,
-    /// When each character wishes something else, whatever has become of its wish (s).
+    /// Time at which each character takes another goal, whether it has reached the last one or not (s).
     until_s: Vec<f64>,
-    /// Who was told what to do, and wishes nothing of its own.
+    /// Whether each character was ordered what to do, and draws no goal of its own.
     told: Vec<bool>,
-    /// Who wishes to do something with another one.
+    /// Search for a partner of each character.
     wants: Vec<Option<Want>>,
-    /// With whom each did something last; somebody else is asked first.
+    /// Last partner of each character; others are asked first.
     partners: Vec<Option<usize>>,
 }
 
 impl Inhabited {
-    /// Puts the characters of the groups of one world in place.
+    /// Creates the characters of the groups of one world.
     ///
     /// # Errors
-    /// [`throng_base::Error::Text`] where the world has room for fewer, or for a box in which nobody can stay.
+    /// [`throng_base::Error::Text`] where the world has room for fewer, or for a box without a place to stay.
     pub(crate) fn new(compiled: &CompiledScene, groups: &[usize]) -> Result<Self> {
         let (scene, first) = (compiled.shared(), groups[0]);
         let key = format!("groups[{first}]");
@@ -141,7 +141,7 @@ impl Inhabited {
         Ok(life)
     }
 
-    /// The characters: what they do, hold and plan.
+    /// Characters: their actions, reservations and plans.
     pub fn inhabitants(&self) -> &Inhabitants {
         &self.inhabitants
     }
@@ -151,36 +151,36 @@ impl Inhabited {
         self.inhabitants.world().graph()
     }
 
-    /// Tells a character what to do, until it is told something else; none lets it wish by itself again.
+    /// Orders a goal of a character until the next order; `None` lets it draw its own goals again.
     ///
     /// # Errors
-    /// What the character cannot do; nothing has changed then.
+    /// A goal that the character cannot pursue; nothing has changed then.
     pub fn tell(&mut self, character: usize, wish: Option<Wish>) -> Result<()> {
         let told = self.inhabitants.order(self.id(character), wish.unwrap_or_default());
         told.map_err(|e| self.scene.fault(&self.key, e))?;
         self.told[character] = wish.is_some();
         self.wants[character] = None;
-        // Its next own wish comes with the next step.
+        // Its next own goal is drawn in the next step.
         self.until_s[character] = 0.0;
         Ok(())
     }
 
-    /// What a character does, and where (character < number of characters).
+    /// Activity of a character, and its place (character < number of characters).
     pub fn state(&self, character: usize) -> InhabitantState {
         self.inhabitants.state(self.id(character)).unwrap_or_else(|e| unreachable!("nobody leaves: {e}"))
     }
 
-    /// The inhabitant of a number (character < number of characters); nobody leaves.
+    /// Id of an inhabitant (character < number of characters); inhabitants never leave.
     fn id(&self, character: usize) -> Id {
         self.inhabitants.ids()[character]
     }
 
-    /// True for who was told what to do (character < number of characters).
+    /// True for a character that follows an order (character < number of characters).
     pub fn is_told(&self, character: usize) -> bool {
         self.told[character]
     }
 
-    /// Gives a new wish to all whose time has come or who have what they wished for.
+    /// Draws a new goal for all characters that have reached theirs or whose time is over.
     fn wish(&mut self, now_s: f64) -> Result<()> {
         for c in 0..self.num_characters() {
             if self.told[c] {
@@ -194,7 +194,7 @@ impl Inhabited {
                 let (wish, want, until_s) = self.draw(c, now_s);
                 (self.until_s[c], self.wants[c]) = (until_s, want);
                 match self.inhabitants.order(self.id(c), wish) {
-                    // It draws again at the next step.
+                    // The character draws again at the next step.
                     Err(Error::NoWay { .. }) => self.until_s[c] = now_s,
                     told => told?,
                 }
@@ -203,12 +203,12 @@ impl Inhabited {
         Ok(())
     }
 
-    /// Brings those together who wish to do the same with each other, or who roam and sometimes wish it.
+    /// Matches characters that look for a partner with others that look for the same, or that roam and may draw the same goal.
     fn match_partners(&mut self, now_s: f64) -> Result<()> {
         for c in 0..self.num_characters() {
             let Some(want) = self.wants[c].as_ref().filter(|w| now_s >= w.look_s) else { continue };
             let place = |c: usize| self.graph().place(self.state(c).node).translation();
-            // Stairs between floors are a long way.
+            // Paths by stairs between floors are long.
             let away = |o: usize| ((place(o) - place(c)) * Vec3::new(1.0, FLOOR, 1.0)).length();
             let others = (0..self.num_characters()).filter(|&o| o != c && self.accepts(o, c, want) && away(o) < NEAR_M);
             let last = |o: usize| self.partners[c] == Some(o);
@@ -232,7 +232,7 @@ impl Inhabited {
         Ok(())
     }
 
-    /// True where a character does with another one what that one wants, if that one wants it with such a character.
+    /// True where a character accepts the request of another one.
     fn accepts(&self, character: usize, other: usize, want: &Want) -> bool {
         if self.told[character] || want.with.as_ref().is_some_and(|range| !range.contains(&character)) {
             return false;
@@ -246,7 +246,7 @@ impl Inhabited {
         self.state(character).wish == Wish::Roam && own.is_some_and(|(_, choices)| choices.iter().any(would))
     }
 
-    /// Something to wish, alone or with another one, and when it is over at the latest (s).
+    /// Draws a goal, with a search for a partner where it needs one, and the time when it ends at the latest (s).
     fn draw(&mut self, character: usize, now_s: f64) -> (Wish, Option<Want>, f64) {
         let own = self.choices.iter().find(|c| c.0.contains(&character));
         let Some((_, choices)) = own else { return (Wish::Roam, None, f64::INFINITY) };
@@ -276,7 +276,7 @@ impl Inhabited {
     }
 }
 
-/// What the characters of a group draw.
+/// Weighted choices of goals of a group's characters.
 ///
 /// - `ranges`: the characters of each group of the world.
 fn choices_of(
@@ -324,7 +324,7 @@ fn choices_of(
     wishes.iter().enumerate().map(choice).collect()
 }
 
-/// A time between two.
+/// Random duration in a range (s).
 fn within([low, high]: [f64; 2], rng: &mut impl Rng) -> f64 {
     low + (high - low) * rng.random_range(0.0..1.0)
 }

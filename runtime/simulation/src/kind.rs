@@ -1,4 +1,4 @@
-//! What a simulation asks of each kind of motion. A new kind implements [`Kind`], and gets one line in `casts.rs`.
+//! Interface of all kinds of motion. A new kind implements [`Kind`], and gets one line in `casts.rs`.
 
 use crate::Event;
 use glam::Vec3;
@@ -6,15 +6,15 @@ use throng_base::ground::Held;
 use throng_base::{Error, Hash128, Result, Run};
 use throng_core::{Cast, Contacts, Mat3x4, NUM_JOINTS, Planar};
 
-/// One step of time.
+/// Inputs of one step of a group.
 pub struct Tick<'a> {
-    /// How far time goes on (s, 0 to 1).
+    /// Duration of the step (s, 0 to 1).
     pub dt_s: f32,
-    /// The time at its end (s).
+    /// Time at the end of the step (s).
     pub until_s: f64,
     /// Number of the first character in the simulation, for events.
     pub first: usize,
-    /// Whose threads work.
+    /// Threads that run the parts of the step.
     pub run: &'a dyn Run,
 }
 
@@ -23,44 +23,44 @@ pub trait Kind {
     /// Number of characters at the start.
     fn num_characters(&self) -> usize;
 
-    /// Moves everybody on, and adds what happened.
+    /// Advances all characters, and adds their events.
     ///
     /// # Errors
-    /// What could not be done, with the group in the scene file.
+    /// An action that cannot be done, with the group in the scene file.
     fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()>;
 
-    /// Adds their bodies on the ground, and the ground that they hold now for what they do and for the stop after it.
+    /// Adds their bodies on the ground, and the regions that they reserve for their actions and for the stop after them.
     fn hold(&mut self, out: &mut Held);
 
-    /// What all others hold: before the next step, nobody else moves. Kinds that give way to nobody take no notice.
+    /// Sets the bodies and reserved regions of all other groups, valid until the next step. Kinds that give way to nobody ignore them.
     fn mind<'a>(&mut self, _others: impl Iterator<Item = &'a Held>) {}
 
-    /// Begins anew, before the first step, on ground that nobody else holds, as far as that can be.
+    /// Restarts all characters, before the first step, on ground that no other group has reserved, as far as possible.
     fn settle(&mut self) {}
 
-    /// Appends all that the next steps depend on: versioned, with a checksum.
+    /// Appends a snapshot of all that the next steps depend on, with version and checksum.
     fn save(&self, out: &mut Vec<u8>);
 
-    /// Goes back to what characters of the same scene have saved. What follows is the same, bit by bit; poses are there at
+    /// Restores a snapshot of characters of the same scene. All later steps are equal, bit by bit; poses are valid at
     /// once, though a leg may be a centimetre off until the next step.
     ///
-    /// - `time_s`: the time then (s).
+    /// - `time_s`: time of the snapshot (s).
     ///
     /// # Errors
     /// [`throng_base::Error::Snapshot`]. A part may have been loaded then: [`crate::Simulation::restore`] undoes that.
     fn load(&mut self, bytes: &[u8], time_s: f64) -> Result<()>;
 
-    /// A hash of the state: differs, but for one chance in 2^64, where the motion of anybody differs.
+    /// Hash of the state: differs, but for one chance in 2^64, where the motion of any character differs.
     fn hash(&self) -> u64 {
         let mut bytes = Vec::new();
         self.save(&mut bytes);
         Hash128::of(&bytes) as u64
     }
 
-    /// Where a character stands and looks; `None` where it has left.
+    /// Position and heading of a character; `None` where it has left.
     fn root(&self, number: usize) -> Option<Planar>;
 
-    /// Joints in model space, which the root places in the world; `None` for one without a body, or who has left.
+    /// Joints in model space, which the root places in the world; `None` for a character without a body, or one that has left.
     fn pose(&self, number: usize) -> Option<&[Mat3x4; NUM_JOINTS]>;
 
     /// Planted parts of a character's feet.
@@ -77,14 +77,14 @@ pub(crate) fn joints(pose: &[Mat3x4]) -> &[Mat3x4; NUM_JOINTS] {
     &pose.as_chunks().0[0]
 }
 
-/// Goes back to what a cast has saved, in which nobody has entered or left since.
+/// Restores a snapshot of a group into which no character has entered, and that none has left, since.
 pub(crate) fn load_same(cast: &mut impl Cast, bytes: &[u8]) -> Result<()> {
     let ids = cast.bodies().ids.to_vec();
     cast.load(bytes)?;
     if cast.bodies().ids == ids { Ok(()) } else { Err(refused("characters", "they are others")) }
 }
 
-/// Bytes that are no snapshot.
+/// Error for bytes that are no snapshot.
 pub(crate) fn refused(what: &'static str, why: &str) -> Error {
     Error::Snapshot { what, why: format!("{why}; it is damaged") }
 }

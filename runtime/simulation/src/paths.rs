@@ -10,26 +10,26 @@ use throng_base::maths;
 use throng_core::planar::wrap_angle;
 use throng_core::walkers::Control;
 
-/// How fast a turning rate changes at most (rad/s^2).
+/// Largest angular acceleration (rad/s^2).
 const TURNING_ACCELERATION: f32 = 4.0;
 
 /// A random path: speed and turning rate are drawn anew from time to time and approached at bounded rates.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Wander {
     rng: Pcg64Mcg,
-    /// From the middle of the square (m).
+    /// Position relative to the centre of the square (m).
     position: Vec2,
     heading: f32,
     speed: f32,
     gyration: f32,
     /// Speed and turning rate that are approached.
     aim: [f32; 2],
-    /// When they are drawn anew (s).
+    /// Time until they are drawn anew (s).
     left_s: f32,
 }
 
 impl Wander {
-    /// Standing somewhere on the square.
+    /// Path that begins with a stand at a random place of the square.
     pub fn new(config: &PathsConfig, seed: u64, who: u64) -> Self {
         let mut rng = Pcg64Mcg::seed_from_u64(seed ^ who.wrapping_mul(0x9E37_79B9_7F4A_7C15));
         let half = 0.5 * config.area_m;
@@ -38,7 +38,7 @@ impl Wander {
         Self { rng, position, heading, speed: 0.0, gyration: 0.0, aim: [0.0; 2], left_s: 0.0 }
     }
 
-    /// Goes on by `dt_s`. The style is left at 0.
+    /// Advances the path by `dt_s`. The style is left at 0.
     pub fn step(&mut self, config: &PathsConfig, dt_s: f32) -> Control {
         self.left_s -= dt_s;
         if self.left_s <= 0.0 {
@@ -68,14 +68,14 @@ impl Wander {
         }
     }
 
-    /// False for numbers that no path has.
+    /// False for a state that no path can have.
     pub fn may_be(&self) -> bool {
         let Self { rng: _, position, heading, speed, gyration, aim, left_s } = self;
         let all = [position.x, position.y, *heading, *speed, *gyration, aim[0], aim[1], *left_s];
         all.iter().all(|v| v.abs() < 1e5)
     }
 
-    /// Speed that it moves at (m/s).
+    /// Current speed (m/s).
     pub fn speed(&self) -> f32 {
         self.speed
     }

@@ -1,4 +1,4 @@
-//! Agents with bodies as a cast: they enter and leave, find their way, keep clear of each other, are saved and loaded.
+//! Agents with bodies as a character group: they enter and leave, find their paths, avoid each other, are saved and loaded.
 
 use crate::Happened;
 use crate::agents::troop::{SavedTroop, Troop};
@@ -14,24 +14,24 @@ use throng_core::walkers::{Walkers, WalkersConfig};
 use throng_core::{Adopted, Bodies, Bundle, Cast, Planar, Skeleton, Status};
 use throng_crowd::{Agent, Crowd, CrowdError, Go, Id};
 
-/// Events of each agent in a step for which there is room from the start.
+/// Events of each agent in a step for which memory is allocated at the start.
 const EVENTS: usize = 4;
 
-/// Both parts have a hash of their setup.
+/// Kind of the snapshot; both parts have a hash of their setup.
 const KIND: SnapshotKind = SnapshotKind { what: "pedestrians", tag: *b"PEDS", version: 2, setup: 0 };
 
-/// All that time changes.
+/// State that changes with time.
 #[derive(Serialize, Deserialize)]
 struct Saved {
     crowd: Bytes,
-    /// Whose bodies they are, row by row.
+    /// Agent of each body, row by row.
     agents: Vec<Id>,
     troop: SavedTroop,
 }
 
 /// Agents of a crowd on the ground, each with a blended body that follows its disc.
 ///
-/// All memory is taken in [`Pedestrians::new`], but for orders, for loading and adopting, and for the parts of large
+/// All memory is allocated in [`Pedestrians::new`], except for orders, for loading and adopting, and for the parts of large
 /// crowds that several threads run (from the first step). Ids are those of the crowd.
 ///
 /// ```no_run
@@ -54,13 +54,13 @@ struct Saved {
 pub struct Pedestrians {
     crowd: Crowd,
     troop: Troop,
-    /// Bodies that agents take in turn.
+    /// Number of different bodies, which agents take in turn.
     num_bodies: usize,
     events: Vec<(Id, Happened)>,
 }
 
 impl Pedestrians {
-    /// Gives bodies to a crowd: to all who are there, and to those who will enter.
+    /// Gives bodies to a crowd: to all agents that are there, and to those that will enter.
     ///
     /// - `bodies`: skeletons that agents take in turn, by their places in the crowd, as in
     ///   [`Walkers::with_capacity`]; none stands for the skeleton of the examples.
@@ -82,7 +82,7 @@ impl Pedestrians {
         Ok(people)
     }
 
-    /// The crowd: where agents are at any time, how they move, and why.
+    /// The crowd: positions of agents at any time, their velocities and decisions.
     pub fn crowd(&self) -> &Crowd {
         &self.crowd
     }
@@ -92,7 +92,7 @@ impl Pedestrians {
         self.troop.walkers()
     }
 
-    /// Facing the way that the agent moves or is to go.
+    /// Gives an agent a body that faces the direction in which the agent moves or is to go.
     fn give_body(&mut self, id: Id) -> Result<()> {
         let ahead = self.crowd.desired_direction(id).map_or(Vec2::ZERO, |ahead| ahead.xz());
         self.troop.enter(&self.crowd, id, ahead, self.num_bodies)
@@ -102,7 +102,7 @@ impl Pedestrians {
         self.troop.bodies().row(id).ok_or(Error::Gone(id))
     }
 
-    /// Goes back to what was saved; a part may have been loaded where that is refused.
+    /// Restores a saved state; a part may have been loaded where it is refused.
     fn read(&mut self, saved: &Saved) -> Result<()> {
         self.crowd.load(&saved.crowd.0)?;
         let mut agents = saved.agents.clone();
@@ -124,8 +124,8 @@ impl Cast for Pedestrians {
     type Event = Happened;
 
     /// # Errors
-    /// [`Error::Full`], [`Error::Occupied`] for a place that somebody or an obstacle takes, [`Error::Value`] or
-    /// [`Error::Index`] for what is wrong with the agent.
+    /// [`Error::Full`], [`Error::Occupied`] for a place that another agent or an obstacle takes, [`Error::Value`] or
+    /// [`Error::Index`] for a faulty agent.
     fn spawn(&mut self, start: Agent) -> Result<Id> {
         let id = self.crowd.spawn(start)?;
         if let Err(e) = self.give_body(id) {
@@ -135,17 +135,17 @@ impl Cast for Pedestrians {
         Ok(id)
     }
 
-    /// The last one takes its place in [`Cast::bodies`].
+    /// Removes an agent. The last one takes its row in [`Cast::bodies`].
     fn despawn(&mut self, id: Id) -> Result<()> {
         let row = self.row(id)?;
         self.crowd.despawn(id)?;
         self.troop.leave(row)
     }
 
-    /// At rest. It goes on with its order from there; who has none, or was where it was sent, stays there.
+    /// Moves an agent, at rest. It goes on with its order from there; an agent without an order, or at its goal, stays there.
     ///
     /// # Errors
-    /// [`Error::Gone`], [`Error::Occupied`] for a place that somebody or an obstacle takes, [`Error::NoWay`] where its
+    /// [`Error::Gone`], [`Error::Occupied`] for a place that another agent or an obstacle takes, [`Error::NoWay`] where its
     /// order cannot be followed from there, [`Error::Value`].
     fn place(&mut self, id: Id, root: Planar) -> Result<()> {
         let row = self.row(id)?;
@@ -154,7 +154,7 @@ impl Cast for Pedestrians {
         self.troop.place(row, root)
     }
 
-    /// From the agent's next event on.
+    /// Gives an order, which counts from the agent's next event on.
     ///
     /// # Errors
     /// [`Error::Gone`], [`Error::NoWay`], [`Error::Occupied`] for subgoals in an obstacle, [`Error::Value`] for a speed or
@@ -179,7 +179,7 @@ impl Cast for Pedestrians {
         let done = advance(&mut self.crowd, until_s, run, &mut |e| {
             events.extend(happened(e.kind).map(|happened| (e.agent, happened)));
         });
-        // Who left by itself takes its body along, even where time did not get to its end.
+        // Bodies of agents that have left are removed, even where the step failed.
         for &(id, happened) in &self.events {
             if let (Happened::Left, Some(row)) = (happened, self.troop.bodies().row(id)) {
                 self.troop.leave(row)?;
@@ -189,8 +189,8 @@ impl Cast for Pedestrians {
         self.troop.step(&self.crowd, dt_s, run)
     }
 
-    /// Never [`Status::Idle`] nor [`Status::NoWay`]: who has no order is where it should be, and an order without a way
-    /// is refused.
+    /// Status of an agent, never [`Status::Idle`] nor [`Status::NoWay`]: an agent without an order is where it should be, and
+    /// an order without a path is refused.
     fn status(&self, id: Id) -> Result<Status> {
         Ok(match self.crowd.status(id)? {
             throng_crowd::Status::Going { left_m } => Status::Going { left_m },
@@ -199,7 +199,7 @@ impl Cast for Pedestrians {
         })
     }
 
-    /// In the order of their times.
+    /// Events of the last step, in the order of their times.
     fn events(&self) -> &[(Id, Happened)] {
         &self.events
     }
@@ -221,7 +221,7 @@ impl Cast for Pedestrians {
         self.read(&saved)
     }
 
-    /// Takes the blend space of the same name, see [`Walkers`]; ways and places stay.
+    /// Takes the blend space of the same name, see [`Walkers`]; paths and positions stay.
     fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
         self.troop.walkers_mut().adopt(new)
     }

@@ -22,91 +22,91 @@ use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 /// Events of one character in one step for which there is memory from the start.
 const EVENTS_EACH: usize = 4;
 
-/// A scene that runs.
+/// Simulation of a scene.
 ///
-/// Characters are numbered from 0, group by group of [`Simulation::groups`]; a number is never given to another one.
+/// Characters are numbered from 0, group by group of [`Simulation::groups`]; a number is never used again.
 #[derive(Clone, Debug)]
 pub struct Simulation {
     scene: CompiledScene,
     casts: Vec<GroupCast>,
-    /// Number of the first character of each cast, and of all characters.
+    /// Number of the first character of each cast, and at the end the number of all characters.
     firsts: Vec<usize>,
     groups: Vec<Group>,
     events: Vec<Event>,
-    /// What each cast shows and holds, and what moves by itself; empty where nobody has to mind anybody.
+    /// Bodies and reserved regions of each cast, and at the end those of moving obstacles; empty where no cast has to avoid others.
     held: Vec<Held>,
-    /// The cast that was told last what is held now: nothing else has changed since.
+    /// Cast that was last informed of the current reserved regions; nothing has changed since.
     reminded: Option<usize>,
     time_s: f64,
-    /// Time that each cast took so far, where it is measured (s).
+    /// Computing time of each cast so far, where it is measured (s).
     busy_s: Option<Vec<f64>>,
 }
 
-/// A group of a simulation.
+/// Group of a simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// Its name; "group" and its number where the file gives none.
+    /// Name; "group" and its number where the file gives none.
     pub name: String,
-    /// What moves it.
+    /// Source of the group's motion.
     pub motion: Motion,
-    /// Its number in the scene file.
+    /// Number in the scene file.
     pub number: usize,
-    /// Its characters.
+    /// Numbers of its characters.
     pub characters: Range<usize>,
-    /// Number of the cast that it is part of.
+    /// Number of the cast that it belongs to.
     pub cast: usize,
 }
 
-/// Something that happened.
+/// Event of a simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
-    /// When (s).
+    /// Time (s).
     pub time_s: f64,
-    /// To whom, or by whom: number of a character.
+    /// Number of the character that it concerns.
     pub who: usize,
-    /// What.
+    /// Kind of the event.
     pub happened: Happened,
 }
 
-/// A thing of a scene, which hands take and put down.
+/// Thing of a scene, which hands take and put down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thing<'a> {
-    /// Its name.
+    /// Name of the thing.
     pub name: &'a str,
-    /// Its lengths along x, y and z (m).
+    /// Size along x, y and z (m).
     pub size: Vec3,
-    /// Where its middle is (m).
+    /// Position of the centre (m).
     pub at: Vec3,
-    /// How it is turned.
+    /// Orientation.
     pub turn: Quat,
-    /// The character that has it in hand.
+    /// Number of the character that has it in hand.
     pub keeper: Option<usize>,
 }
 
-/// What happened to a character.
+/// Kind of an event of a character.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Happened {
     /// Its blow hit its target.
     Hit {
-        /// Where (m).
+        /// Position (m).
         at: Vec3,
     },
     /// Its blow met its opponent.
     Struck {
-        /// The opponent.
+        /// Number of the opponent.
         opponent: usize,
-        /// What of it; an arm has blocked the blow.
+        /// Struck part of the opponent; an arm has blocked the blow.
         part: Part,
-        /// Where (m).
+        /// Position (m).
         at: Vec3,
     },
-    /// Its wish is fulfilled.
+    /// Its goal in a world is reached.
     Fulfilled,
-    /// It is at its goal.
+    /// The character is at its goal.
     Arrived,
-    /// It has left at its goal.
+    /// The character has left at its goal.
     Left,
-    /// It makes no progress.
+    /// The character makes no progress.
     Stuck,
     /// A moving obstacle ran into it.
     RunInto {
@@ -116,7 +116,7 @@ pub enum Happened {
 }
 
 impl Happened {
-    /// Order of what happens to one character at one time.
+    /// Rank of events of one character at one time.
     fn rank(&self) -> u8 {
         match self {
             Self::Hit { .. } | Self::Struck { .. } => 0,
@@ -130,7 +130,7 @@ impl Happened {
 }
 
 impl Simulation {
-    /// Puts everybody in place; poses are there at once.
+    /// Creates all characters of a scene; poses are valid at once.
     ///
     /// # Errors
     /// [`throng_base::Error::Text`] for starts and goals that are impossible, with their keys in the scene file.
@@ -180,16 +180,16 @@ impl Simulation {
         Ok(sim)
     }
 
-    /// Moves everybody on by `dt_s` on this thread (s, 0 to 1). Allocates nothing, but for new routes of agents who hear of a
-    /// happening.
+    /// Advances the simulation by `dt_s` on this thread (s, 0 to 1). Allocates nothing, except for new routes of agents that
+    /// learn of a happening.
     ///
     /// # Errors
-    /// [`throng_base::Error::Value`] for a time out of range, and [`throng_base::Error::Text`] for agents who cannot do what a happening asks.
+    /// [`throng_base::Error::Value`] for a time out of range, and [`throng_base::Error::Text`] for agents that cannot follow a happening.
     pub fn step(&mut self, dt_s: f64) -> Result<()> {
         self.step_to(self.time_s + dt_s, &Inline)
     }
 
-    /// As [`Simulation::step`], on threads of the caller's choice. The result is the same, bit by bit.
+    /// Advances the simulation as [`Simulation::step`] does, on threads of the caller's choice. The result is equal, bit by bit.
     ///
     /// # Errors
     /// As [`Simulation::step`].
@@ -197,10 +197,10 @@ impl Simulation {
         self.step_to(self.time_s + dt_s, run)
     }
 
-    /// Moves everybody on to a time: clocks that count steps stay exact this way (s).
+    /// Advances the simulation to a time, so that clocks that count steps stay exact (s).
     ///
     /// # Errors
-    /// As [`Simulation::step`]. But for a time out of range some have moved then: go on from a snapshot.
+    /// As [`Simulation::step`]. Except for a time out of range, some characters have moved then: go on from a snapshot.
     pub fn step_to(&mut self, until_s: f64, run: &dyn Run) -> Result<()> {
         let dt_s = until_s - self.time_s;
         STEP_S.check("dt_s", None, dt_s)?;
@@ -213,7 +213,7 @@ impl Simulation {
             remind(c, cast, &self.held);
             cast.step(&tick, &mut self.events)?;
             if let Some(held) = self.held.get_mut(c) {
-                // Beside what it held before the step, which others may still count on.
+                // The regions from before the step stay, since other casts may still rely on them.
                 held.bodies.clear();
                 cast.hold(held);
             }
@@ -221,14 +221,14 @@ impl Simulation {
                 busy[c] += begin.elapsed().as_secs_f64();
             }
         }
-        // What happens to one at one time stays in the order in which it comes.
+        // Events of one character at one time are ordered by their rank.
         let key = |e: &Event| (e.who, e.happened.rank());
         self.events.sort_unstable_by(|a, b| a.time_s.total_cmp(&b.time_s).then(key(a).cmp(&key(b))));
         self.time_s = until_s;
         Ok(())
     }
 
-    /// Asks every cast what it holds, as it is now.
+    /// Collects the current bodies and reserved regions of all casts and moving obstacles.
     fn hold_all(&mut self) {
         let Some((itself, held)) = self.held.split_last_mut() else { return };
         for (held, cast) in held.iter_mut().zip(&mut self.casts) {
@@ -241,7 +241,7 @@ impl Simulation {
         self.scene.scene().environment.movers(self.time_s, itself);
     }
 
-    /// Lets casts begin one after the other on ground that none before it holds. Those who give way to nobody have no say.
+    /// Restarts casts one after the other on ground that no cast before has reserved, without those that give way to nobody.
     fn settle(&mut self) -> Result<()> {
         if self.held.is_empty() {
             return Ok(());
@@ -281,8 +281,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// All that the next steps depend on, of everybody, with their bodies, happenings and the time: versioned, with a
-    /// checksum and the content hash of the scene, its bundles and its worlds.
+    /// Snapshot of all that the next steps depend on: all characters with their bodies, happenings and the time, with version,
+    /// checksum, and content hash of the scene, its bundles and its worlds.
     pub fn snapshot(&self) -> Vec<u8> {
         let saved = |cast: &GroupCast| {
             let mut bytes = Bytes::default();
@@ -294,8 +294,8 @@ impl Simulation {
         out
     }
 
-    /// Goes back to a snapshot of this scene. What follows is what followed then, bit by bit. Poses are there at once,
-    /// though a leg may be a centimetre off until the next step; events come with that.
+    /// Restores a snapshot of this scene. All later steps are equal, bit by bit. Poses are valid at once,
+    /// though a leg may be a centimetre off until the next step; events come with that step.
     ///
     /// # Errors
     /// [`throng_base::Error::Snapshot`] for bytes that are damaged, or of another scene, bundle or world; nothing has
@@ -318,7 +318,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// A hash of the state: differs, but for one chance in 2^64, where the motion of anybody differs.
+    /// Hash of the state: differs, but for one chance in 2^64, where the motion of any character differs.
     pub fn hash(&self) -> u64 {
         let mut hash = StateHash::new(self.time_s.to_bits());
         self.casts.iter().for_each(|cast| hash.add(cast.hash()));
@@ -329,12 +329,12 @@ impl Simulation {
         SnapshotKind { what: "simulation", tag: *b"SIMU", version: 1, setup: self.scene.hash() }
     }
 
-    /// The scene that runs.
+    /// Scene of the simulation.
     pub fn scene(&self) -> &Scene {
         self.scene.scene()
     }
 
-    /// The scene that runs, with its bundles and worlds.
+    /// Scene of the simulation, with its bundles and worlds.
     pub fn compiled(&self) -> &CompiledScene {
         &self.scene
     }
@@ -344,7 +344,7 @@ impl Simulation {
         self.time_s
     }
 
-    /// Its groups, in the order of their characters' numbers.
+    /// Groups, in the order of their characters' numbers.
     pub fn groups(&self) -> &[Group] {
         &self.groups
     }
@@ -354,23 +354,23 @@ impl Simulation {
         self.groups.last().map_or(0, |g| g.characters.end)
     }
 
-    /// Where everybody stands and looks; `None` for those who have left (num_characters).
+    /// Position and heading of each character; `None` for one that has left (num_characters).
     pub fn roots(&self) -> impl ExactSizeIterator<Item = Option<Planar>> + '_ {
         (0..self.num_characters()).map(|who| self.root(who))
     }
 
-    /// Joints of everybody in model space, which the roots place in the world; `None` for those who have left or have no
+    /// Joints of each character in model space, which the roots place in the world; `None` for one that has left or has no
     /// body (num_characters).
     pub fn poses(&self) -> impl ExactSizeIterator<Item = Option<&[Mat3x4; NUM_JOINTS]>> + '_ {
         (0..self.num_characters()).map(|who| self.pose(who))
     }
 
-    /// What happened in the last step, in the order of time and of characters.
+    /// Events of the last step, in the order of time and of characters.
     pub fn events(&self) -> &[Event] {
         &self.events
     }
 
-    /// Where a character stands and looks; `None` where it has left (who < num_characters).
+    /// Position and heading of a character; `None` where it has left (who < num_characters).
     pub fn root(&self, who: usize) -> Option<Planar> {
         let (cast, number) = self.locate(who);
         cast.root(number)
@@ -401,7 +401,7 @@ impl Simulation {
         cast.soles(number)
     }
 
-    /// The disc or ball of an agent; `None` for other characters and those who have left (who < num_characters).
+    /// Disc or ball of an agent; `None` for other characters and agents that have left (who < num_characters).
     pub fn disc(&self, who: usize) -> Option<Disc> {
         match self.locate(who) {
             (GroupCast::Ground(agents), number) => agents.disc(number),
@@ -410,7 +410,7 @@ impl Simulation {
         }
     }
 
-    /// What a character is after: its target, or where its opponent's head will be when a blow lands (m, who < num_characters).
+    /// Target of a character, or the expected place of its opponent's head when a blow lands (m, who < num_characters).
     pub fn target(&self, who: usize) -> Option<Vec3> {
         match self.locate(who) {
             (GroupCast::Policy(p), number) => Some(p.practice().targets()[number].position()),
@@ -419,13 +419,13 @@ impl Simulation {
         }
     }
 
-    /// All casts: groups of agents share one, and groups in the same world.
+    /// All casts: groups of agents share one, and so do groups in the same world.
     pub fn casts(&self) -> &[GroupCast] {
         &self.casts
     }
 
-    /// A cast, to tell its characters what to do (number < number of casts). What they do at once minds what all others
-    /// hold now.
+    /// Mutable cast, to give orders to its characters (number < number of casts). It is informed of all current reserved
+    /// regions, which actions that begin at once avoid.
     pub fn cast_mut(&mut self, number: usize) -> &mut GroupCast {
         if self.reminded.replace(number) != Some(number) {
             self.hold_all();
@@ -434,13 +434,13 @@ impl Simulation {
         &mut self.casts[number]
     }
 
-    /// The cast of a character, and its number there (who < num_characters).
+    /// Cast of a character, and its number in the cast (who < num_characters).
     pub fn locate(&self, who: usize) -> (&GroupCast, usize) {
         let cast = self.firsts.partition_point(|&f| f <= who) - 1;
         (&self.casts[cast], who - self.firsts[cast])
     }
 
-    /// What agents of the scene live by; `None` where it says no more than goals.
+    /// Brains of the scene's agents; `None` in a scene that has only goals.
     pub fn minds(&self) -> Option<&Minds> {
         self.casts.iter().find_map(|cast| match cast {
             GroupCast::Ground(agents) => agents.minds(),
@@ -449,7 +449,7 @@ impl Simulation {
         })
     }
 
-    /// Things of the scene, in its order, where they are now.
+    /// Things of the scene, in its order, with their current positions.
     pub fn things(&self) -> impl Iterator<Item = Thing<'_>> + '_ {
         let agents = self.casts.iter().zip(&self.firsts).find_map(|(cast, first)| match cast {
             GroupCast::Ground(agents) => Some((agents, *first)),
@@ -465,16 +465,16 @@ impl Simulation {
         })
     }
 
-    /// What hands have done with things so far.
+    /// Counts of what hands have done with things so far.
     pub fn handled(&self) -> Handled {
         let of = |cast: &GroupCast| if let GroupCast::Ground(agents) = cast { Some(agents.handled()) } else { None };
         self.casts.iter().find_map(of).unwrap_or_default()
     }
 
-    /// Lets an event of the scene happen now.
+    /// Raises an event of the scene now.
     ///
     /// # Errors
-    /// [`throng_base::Error::Unknown`] with the events that there are.
+    /// [`throng_base::Error::Unknown`] with the names of all events.
     pub fn raise(&mut self, event: &str) -> Result<()> {
         for cast in &mut self.casts {
             match cast {
@@ -486,12 +486,12 @@ impl Simulation {
         Err(throng_base::Error::Unknown { what: "event", name: event.into(), known: Vec::new() })
     }
 
-    /// True once the end that the scene names has come.
+    /// True once the scene has ended.
     pub fn has_ended(&self) -> bool {
         self.minds().is_some_and(Minds::has_ended)
     }
 
-    /// Measures from now on how long casts take.
+    /// Starts to measure the computing times of casts.
     pub fn set_timed(&mut self) {
         self.busy_s = Some(vec![0.0; self.casts.len()]);
         for cast in &mut self.casts {
@@ -503,15 +503,15 @@ impl Simulation {
         }
     }
 
-    /// Time that each cast took since [`Simulation::set_timed`]; empty before (s).
+    /// Computing time of each cast since [`Simulation::set_timed`]; empty before (s).
     pub fn busy_s(&self) -> &[f64] {
         self.busy_s.as_deref().unwrap_or_default()
     }
 }
 
-/// Tells a cast what all others hold, if anybody looks.
+/// Informs a cast of the bodies and reserved regions of all others, where there are any.
 fn remind(number: usize, cast: &mut GroupCast, held: &[Held]) {
-    // Agents know of what moves by itself, the last one, as of obstacles.
+    // Agents know moving obstacles, the last element, from their crowd.
     let knows = matches!(cast, GroupCast::Ground(_) | GroupCast::Air(_));
     let others = &held[..held.len().saturating_sub(usize::from(knows))];
     if !held.is_empty() {
@@ -519,7 +519,7 @@ fn remind(number: usize, cast: &mut GroupCast, held: &[Held]) {
     }
 }
 
-/// The characters of groups that are moved together.
+/// Creates the cast of groups that are moved together.
 fn cast(scene: &CompiledScene, groups: &[usize]) -> Result<GroupCast> {
     let group = &scene.scene().groups[groups[0]];
     Ok(match group.motion {

@@ -20,35 +20,35 @@ use throng_core::{Cast, Contacts, Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 /// Length of a hill (m).
 const HILL_M: f32 = 24.0;
 
-/// The walkers of one blend space.
+/// Walkers of one blend space on their paths.
 #[derive(Clone, Debug)]
 struct PathWalkers {
     walkers: Walkers,
     ids: Vec<Id>,
     paths: Vec<Wander>,
-    /// Speeds of bodies that move alike, over those of the database skeleton.
+    /// Speed of each body relative to that of the database skeleton in the same motion (1).
     paces: Vec<f32>,
-    /// Where paths lead at the end of the step.
+    /// Controls at the end of the step, from the paths.
     controls: Vec<Control>,
 }
 
-/// Paths and the walkers on them, troop by troop.
+/// Snapshot of paths and of the walkers on them, troop by troop.
 const PATHS: SnapshotKind = SnapshotKind { what: "wanderers", tag: *b"WAND", version: 1, setup: 0 };
 
-/// A group on random paths, who mind nobody.
+/// Group on random paths, which avoids nobody.
 #[derive(Clone, Debug)]
 pub struct Wanderers {
     scene: Arc<Scene>,
     group: usize,
-    /// Characters take them in turn, by their numbers among all groups on paths.
+    /// Troops; characters take them in turn, by their numbers among all groups on paths.
     troops: Vec<PathWalkers>,
-    /// Number of the first character among those.
+    /// Number of the first character among all groups on paths.
     first: usize,
     ground: HeightField,
 }
 
 impl Wanderers {
-    /// Puts everybody in place.
+    /// Creates the group with all characters in place.
     ///
     /// # Errors
     /// [`throng_base::Error::Text`] for a blend space that the bundle does not have.
@@ -88,18 +88,18 @@ impl Wanderers {
         Ok(Self { scene: Arc::clone(scene), group, troops, first, ground })
     }
 
-    /// The ground that they walk on.
+    /// Ground that they walk on.
     pub fn ground(&self) -> &HeightField {
         &self.ground
     }
 
-    /// Speed at which a character's path leads on (m/s, number < num_characters).
+    /// Speed of a character's path (m/s, number < num_characters).
     pub fn speed(&self, number: usize) -> f32 {
         let (troop, w) = self.troop_of(number);
         troop.paths[w].speed()
     }
 
-    /// The walkers among which a character is, and its number there (number < num_characters).
+    /// Walkers of a character's troop, and its number among them (number < num_characters).
     pub fn walkers_of(&self, number: usize) -> (&Walkers, usize) {
         let (troop, w) = self.troop_of(number);
         (&troop.walkers, w)
@@ -135,7 +135,7 @@ impl Kind for Wanderers {
         Ok(())
     }
 
-    /// They walk on whoever is in their way, so that they hold what they may reach within a second.
+    /// Reserves the ground that they may reach within a second, since they stop for nobody.
     fn hold(&mut self, out: &mut Held) {
         for number in 0..self.num_characters() {
             let Some(root) = self.root(number) else { continue };
@@ -189,13 +189,13 @@ impl Kind for Wanderers {
     }
 }
 
-/// Where a control is.
+/// Root of a control.
 fn root_of(control: &Control) -> Planar {
     let at = control.position.unwrap_or_default();
     Planar { x: at.x, z: at.y, heading: control.heading.unwrap_or(0.0) }
 }
 
-/// Hills under a square of paths; level ground where they have no height.
+/// Hills under a square of paths; level ground where `hills_m` is 0.
 fn ground(hills_m: f32, paths: &crate::scene::PathsConfig) -> Result<HeightField> {
     if hills_m == 0.0 {
         return Ok(HeightField::flat());
@@ -215,10 +215,10 @@ pub fn skeletons(bodies: &BodiesConfig, database: &Skeleton, seed: u64) -> Vec<S
     (0..bodies.kinds).map(|_| body_of(database, draw(bodies.sizes), draw(bodies.legs))).collect()
 }
 
-/// A skeleton of another size whose legs are longer or shorter than that.
+/// Skeleton of another size and with other proportions of legs.
 ///
-/// - `size`: of everything (size of the database skeleton).
-/// - `legs`: length of thighs and shins over that.
+/// - `size`: factor of all lengths (1).
+/// - `legs`: further factor of the lengths of thighs and shins (1).
 pub fn body_of(database: &Skeleton, size: f32, legs: f32) -> Skeleton {
     let mut out = database.clone();
     let is_leg = |j: Joint| matches!(j, Joint::LeftShin | Joint::LeftFoot | Joint::RightShin | Joint::RightFoot);
@@ -226,7 +226,7 @@ pub fn body_of(database: &Skeleton, size: f32, legs: f32) -> Skeleton {
         out.offsets[j.index()] *= if is_leg(j) { size * legs } else { size };
     }
     out.tips.iter_mut().for_each(|t| *t *= size);
-    // The hips are as high as the legs leave them.
+    // The hips are as high as the legs are long.
     let leg = database.offsets[Joint::LeftShin.index()].length() + database.offsets[Joint::LeftFoot.index()].length();
     let hips = database.offsets[Joint::Hips.index()];
     out.offsets[Joint::Hips.index()] = size * (hips + Vec3::Y * (legs - 1.0) * leg);

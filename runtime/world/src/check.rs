@@ -179,7 +179,7 @@ fn resources(w: &WorldView) -> Result<(), FormatError> {
     Ok(())
 }
 
-/// What stands across an edge is of the same patch and has the tile across the opposite edge.
+/// The instance across an edge is of the same patch, and its neighbour across the opposite edge is the tile.
 fn neighbours(w: &WorldView, patches: &Patches) -> Result<(), FormatError> {
     for (i, r) in w.instances.iter().enumerate() {
         for (e, edge) in patches.edges_of(r.patch as usize).iter().enumerate() {
@@ -244,7 +244,7 @@ mod tests {
     use crate::WorldData;
     use crate::made_up_floor::{tables, world};
 
-    /// What is wrong with a made-up world that was changed.
+    /// Error message of a made-up world that has been changed.
     fn wrong(change: impl FnOnce(&mut WorldData)) -> String {
         let tables = tables();
         let mut data = world(&tables, &["###", "bb#", "###"]);

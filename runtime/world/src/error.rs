@@ -1,15 +1,15 @@
-//! Why a file is not a world this code can use.
+//! Errors of files that are no worlds this code can use.
 
 use throng_core::format::FormatError;
 
-/// Why a world was refused. Every message ends with the way out.
+/// Reason why a world was refused. Every message ends with a remedy.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum WorldError {
     /// The file cannot be opened, is damaged or of another version, or its parts do not fit together.
     #[error(transparent)]
     Format(#[from] FormatError),
-    /// It was stitched with another bundle.
+    /// The world was stitched with another bundle.
     #[error(
         "the world `{world}` was stitched with another build of the bundle `{bundle}`, this one is `{given}`: patches, cells and links do not fit. Stitch the world again with `throng stitch`, or give the bundle it was stitched with."
     )]

@@ -23,7 +23,7 @@ pub const WORLD_MAGIC: [u8; 8] = *b"\x89THWRLD\n";
 /// The version of world files that this code writes and reads.
 pub const WORLD_VERSION: u32 = 3;
 
-/// What the files hold, for messages.
+/// Description of the files' content, for messages.
 const WHAT: &str = "a world";
 
 const KIND: Kind = Kind { what: "world", magic: WORLD_MAGIC, version: WORLD_VERSION };
@@ -57,7 +57,7 @@ impl World {
         Self::of_file(Storage::read(path.as_ref(), WHAT), path.as_ref(), bundle)
     }
 
-    /// As [`World::open`], but mapped: several processes share its pages.
+    /// Maps and checks a file, see [`World::open`]: several processes share its pages.
     ///
     /// # Errors
     /// As [`World::open`].
@@ -79,7 +79,7 @@ impl World {
         })
     }
 
-    /// As [`World::open`], of bytes in memory.
+    /// Checks and opens a world in memory, see [`World::open`].
     ///
     /// # Errors
     /// [`WorldError`] says what is wrong, or that the world belongs to another bundle, and what to do.
@@ -87,7 +87,7 @@ impl World {
         Self::new(Storage::Memory(bytes), bundle)
     }
 
-    /// What a file says of itself, whatever bundle it was stitched with.
+    /// Reads the metadata of a file, for any bundle that it was stitched with.
     ///
     /// # Errors
     /// [`WorldError`] for a file that is no world of this version.
@@ -138,7 +138,7 @@ impl World {
         Ok(Self::opened(data.meta.clone(), WorldGraph::new(bundle.patches(), &data.view())?, None, bundle, 0))
     }
 
-    /// What the world says of itself.
+    /// Metadata of the world.
     pub fn meta(&self) -> &WorldMeta {
         &self.0.meta
     }
@@ -215,7 +215,7 @@ impl World {
 pub struct Place {
     /// The node of the world's graph.
     pub node: Node,
-    /// Where that is: the hips (m).
+    /// Position of the hips at the node (m).
     pub at: Vec3,
 }
 
@@ -273,7 +273,7 @@ mod tests {
             World::from_bytes(AlignedBytes::from_slice(&bytes), &tables).unwrap().hash()
         };
         assert_eq!(hash(&costs), memory.hash(), "of a file and in memory");
-        // What it costs to come to the last landmark from the last state.
+        // Changes the cost from the last state to the last landmark.
         *costs.0.last_mut().unwrap() ^= 1;
         assert_ne!(hash(&costs), memory.hash());
     }

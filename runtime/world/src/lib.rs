@@ -24,14 +24,14 @@ pub use records::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord
 use serde::{Deserialize, Serialize};
 use throng_core::format::Table;
 
-/// What a world says of itself.
+/// Metadata of a world.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct WorldMeta {
-    /// Its name.
+    /// Name of the world.
     pub name: String,
     /// Program and version that wrote it.
     pub generator: String,
-    /// Name of the bundle whose patches it consists of.
+    /// Name of the bundle with the patches of the world.
     pub bundle: String,
     /// Content hash of that bundle.
     pub bundle_hash: u128,
@@ -54,17 +54,17 @@ pub struct WorldMeta {
 /// The rows of a world, of a file or in memory. Clones share them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorldView {
-    /// What stands where; a unit's number is a resource that characters hold.
+    /// Placed units; a unit's number is a resource that characters hold.
     pub units: Table<UnitRecord>,
     /// The patches.
     pub instances: Table<InstanceRecord>,
     /// Instance across each edge of each tile, [`throng_core::patch::NONE`] where there is none.
     pub neighbours: Table<u32>,
-    /// Which cells are enabled.
+    /// Bits of enabled cells.
     pub cell_words: Table<u64>,
-    /// Which links are enabled.
+    /// Bits of enabled links.
     pub link_words: Table<u64>,
-    /// Where instances overlap.
+    /// Overlaps of instances.
     pub adjacencies: Table<AdjacencyRecord>,
     /// Joints of pairs of patches.
     pub tables: Table<JointTableRecord>,
@@ -72,7 +72,7 @@ pub struct WorldView {
     pub joints: Table<JointRecord>,
     /// For each table, the numbers of its joints within it, sorted by (b, a, a_offset) (joints.len()).
     pub joints_by_b: Table<u32>,
-    /// Which joints may be taken, two bits each.
+    /// Bits of joints that may be taken, two each.
     pub joint_words: Table<u64>,
     /// Units that are held in each instance.
     pub resources: Table<u32>,
@@ -87,11 +87,11 @@ pub struct WorldData {
     pub instances: Vec<InstanceRecord>,
     /// Instance across each edge of each tile.
     pub neighbours: Vec<u32>,
-    /// Which cells are enabled.
+    /// Bits of enabled cells.
     pub cell_words: Vec<u64>,
-    /// Which links are enabled.
+    /// Bits of enabled links.
     pub link_words: Vec<u64>,
-    /// Where instances overlap.
+    /// Overlaps of instances.
     pub adjacencies: Vec<AdjacencyRecord>,
     /// Joints of pairs of patches.
     pub tables: Vec<JointTableRecord>,
@@ -99,7 +99,7 @@ pub struct WorldData {
     pub joints: Vec<JointRecord>,
     /// Order of joints by their side b.
     pub joints_by_b: Vec<u32>,
-    /// Which joints may be taken.
+    /// Bits of joints that may be taken.
     pub joint_words: Vec<u64>,
     /// Units that are held in each instance.
     pub resources: Vec<u32>,

@@ -150,7 +150,7 @@ pub(crate) fn places(depths: [i32; 3]) -> BTreeSet<[i32; 2]> {
     rectangle([0, 0], [8, 2]).chain(side_rooms.flat_map(|(at, depth)| rectangle(at, [2, depth]))).collect()
 }
 
-/// Least frames to a node from all others from which a way leads there.
+/// Least frames to a node from all others from which a path leads there.
 pub(crate) fn costs_to(graph: &WorldGraph, target: Node) -> BTreeMap<Node, u32> {
     let mut back: BTreeMap<Node, Vec<(Node, u32)>> = BTreeMap::new();
     for from in nodes(graph) {

@@ -33,21 +33,21 @@ pub const GIVE: u16 = 3;
 /// Edges: +x, -x, +z, -z.
 const HEADINGS: [f32; 4] = [std::f32::consts::FRAC_PI_2, -std::f32::consts::FRAC_PI_2, 0.0, std::f32::consts::PI];
 const OPPOSITE: [u32; 4] = [1, 0, 3, 2];
-/// How far right of the middle of an edge people walk (m).
+/// Distance of walking people from the middle of an edge, to its right (m).
 const RIGHT: f32 = 0.3;
 const WALK: u32 = 0;
 const STAND: u32 = 1;
 const SEATED: u32 = 2;
 /// Frame of a straight crossing at which a bench may be turned to, or be left for it.
 const AT_BENCH: u32 = 25;
-/// Kinds of motion of the one who gives and the one who takes.
+/// Kinds of motion of the person that gives and the one that takes.
 const GIVING: [usize; 2] = [9, 10];
 
-/// One kind of motion: from `begin` to `end` as seen from there, over a number of frames.
+/// Kind of motion: from `begin` to `end` relative to it, over a number of frames.
 struct Kind {
     name: &'static str,
     begin: Planar,
-    /// How far it goes forward and back on the way (m).
+    /// Amplitude of a sway forward and back on the way (m).
     sway: f32,
     end: Planar,
     frames: u32,
@@ -124,7 +124,7 @@ pub fn tables() -> Bundle {
     named("made up")
 }
 
-/// The same under another name, so that it is another bundle.
+/// Made-up bundle under another name, so that it is another bundle.
 pub fn named(name: &str) -> Bundle {
     Bundle::from_bytes(AlignedBytes::from_slice(&bundle(name))).expect("the made-up bundle opens")
 }
@@ -227,7 +227,7 @@ struct Patch {
     links: Vec<LinkRecord>,
 }
 
-/// Sorts links by where they begin, and tells cells which are theirs.
+/// Sorts links by their first cell, and assigns each cell its links.
 fn patch(kind: u32, edges: Vec<EdgeRecord>, mut cells: Vec<CellRecord>, mut links: Vec<LinkRecord>) -> Patch {
     links.sort_by_key(|l| l.from);
     for (i, c) in cells.iter_mut().enumerate() {
@@ -302,7 +302,7 @@ fn floor() -> Patch {
     patch(KIND_TILE, edges, cells, links)
 }
 
-/// What two do across each edge: the first one in the tile, the other one beyond the edge, facing back.
+/// Action of two across each edge: the first person in the tile, the second one beyond the edge, facing back.
 fn pairs(floor: &Patch) -> Vec<PairRecord> {
     let kinds = kinds();
     let plays = |l: &LinkRecord, cell: u32, kind: usize| l.from == cell && l.frame == record(&kinds, kind).first_frame;
@@ -450,7 +450,7 @@ pub const JOINTS: usize = NUM_JOINTS;
 mod tests {
     use super::*;
 
-    /// Why a bundle is refused whose floor was changed.
+    /// Error message of a bundle whose floor has been changed.
     fn refused(change: impl FnOnce(&mut Patch)) -> String {
         let mut patches = [floor(), bench()];
         change(&mut patches[0]);

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use throng_core::patch::Placement;
 
-/// One patch of the world, where it stands. Beside its records an instance has bits only.
+/// Patch of the world, with its placement. Beside its records an instance has bits only.
 ///
 /// Bits are in words of 64, lowest first; every instance begins with a word of its own. A set bit means enabled.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -84,6 +84,6 @@ pub struct JointRecord {
 pub struct UnitRecord {
     /// Number in the bundle's list of unit objects.
     pub unit: u32,
-    /// Its frame in the world.
+    /// Placement of the unit in the world.
     pub placement: Placement,
 }

@@ -1,4 +1,4 @@
-//! Inverse kinematics of an arm on poses at random.
+//! Inverse kinematics of an arm on random poses.
 
 use glam::DVec3;
 use std::time::Instant;
@@ -8,14 +8,14 @@ use throng_planner::linkage::{Chain, Limb, LimbPose, Linkage};
 use throng_planner::rotation::{Rigid, exp};
 use throng_runtime::Skeleton;
 
-/// What was found.
+/// Figures of inverse kinematics.
 pub struct Figures {
     pub ns: f64,
     pub error_max_m: f64,
     pub solved_fraction: f64,
 }
 
-/// Solves for hands that poses within limits have, from other poses.
+/// Solves for hand targets taken from random poses within limits, beginning at other poses.
 pub fn measure(poses: u32) -> Figures {
     let (skeleton, linkage) = (Skeleton::default(), Linkage::limb(Limb::LeftArm));
     let chain = Chain::new(linkage, &skeleton);
@@ -25,7 +25,7 @@ pub fn measure(poses: u32) -> Figures {
     let ik = LimbIk::new(&chain, &limits);
     let sampler = Sampler::new(linkage, limits, &LimbPose::REST, Style::default(), 1);
     let mut rng = throng_planner::planner::seeded(1);
-    // Made before the clock runs.
+    // Prepared before timing begins.
     let cases: Vec<(Rigid, Rigid, LimbPose)> = (0..poses.min(10_000))
         .map(|i| {
             let v = DVec3::new(0.7, 1.3, -0.4) * f64::from(i % 97) * 0.02;

@@ -88,7 +88,7 @@ pub enum PanelChoice {
 pub enum BodyChoice {
     /// One that the viewer makes.
     Made(Body),
-    /// A file whose mesh everybody wears.
+    /// A file with a mesh that all characters wear.
     File(PathBuf),
 }
 

@@ -1,4 +1,4 @@
-//! What the arguments make of settings and model.
+//! Applies command-line arguments to settings and model.
 
 use super::{Args, BodyChoice, PanelChoice};
 use crate::command::{Command, SceneCommand, SceneLook, Stage, WorldCommand};
@@ -29,7 +29,7 @@ impl Progress for StageNames {
 const MAX_NAMES: usize = 8;
 
 impl Args {
-    /// Settings with what the arguments say put over them.
+    /// Settings with the values of the arguments in place of the stored ones.
     pub fn settings(&self, base: Settings) -> Settings {
         let mut s = base;
         if let Some(theme) = self.theme {
@@ -57,7 +57,7 @@ impl Args {
         s
     }
 
-    /// Lets everybody wear the file that the arguments name.
+    /// Lets all characters wear the file named by the arguments.
     ///
     /// # Errors
     /// A message that names the file, what is wrong with it and the way out.
@@ -68,7 +68,8 @@ impl Args {
         Ok(())
     }
 
-    /// Opens the file at once and shows of it what the arguments say. What has to be made first is told on standard error.
+    /// Opens the file at once and shows the part of it that the arguments name. Reports on standard error what has to
+    /// be built first.
     ///
     /// # Errors
     /// A message that names what is wrong and the way out.
@@ -80,7 +81,7 @@ impl Args {
         self.show(ctx, model)
     }
 
-    /// Shows of what is open what the arguments say.
+    /// Shows the part of the open document that the arguments name.
     ///
     /// # Errors
     /// A message that names what is wrong and the way out.
@@ -180,7 +181,7 @@ fn find_message(model: &Model, wanted: &str) -> Result<usize, String> {
     found.ok_or_else(|| format!("--message {wanted}: no event has that name; there are {}", some_of(&names)))
 }
 
-/// Number of the clip of this name, or of the only one whose name has it as a part.
+/// Number of the clip of this name, or of the only clip whose name contains it.
 fn find_clip(model: &Model, wanted: &str) -> Result<usize, String> {
     let Some(bundle) = model.document.bundle() else {
         return Err(format!("--clip {wanted}: a motion file is one clip; open a bundle, or leave out --clip"));

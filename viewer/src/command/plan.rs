@@ -1,23 +1,23 @@
-//! What is drawn of a task of limbs, and what panels may ask of it.
+//! View options of a task of limbs, and the commands that panels may give about it.
 
 use glam::Vec3;
 use std::path::PathBuf;
 use throng_planner::task::Handle;
 
-/// What is drawn of a task, and how it is planned.
+/// View options of a task, and how it is planned.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanLook {
-    /// What is selected to be put elsewhere.
+    /// Selected thing or place, which can be moved.
     pub handle: Option<Handle>,
-    /// The thing to do that is looked at; none looks at all.
+    /// Inspected step of the task; none inspects all steps.
     pub step: Option<usize>,
     /// The trees of the searches.
     pub trees: bool,
-    /// Other motions, and the clip as it was.
+    /// Draws the other motions, and the clip before planning.
     pub ghosts: bool,
-    /// It is planned as soon as something was dragged.
+    /// Plans again as soon as something was dragged.
     pub replans: bool,
-    /// So many motions are planned.
+    /// Number of motions that are planned.
     pub number: u64,
     /// Seed in place of the task's.
     pub seed: Option<u64>,
@@ -32,17 +32,17 @@ impl Default for PlanLook {
 /// A request of a panel about a task.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlanCommand {
-    /// Draw more or less, or plan in another way.
+    /// Change view options, or how motions are planned.
     Look(PlanLook),
     /// Plan motions.
     Plan,
-    /// Stop planning; the motions stay as they are.
+    /// Stop planning; the motions stay unchanged.
     Cancel,
-    /// Show a motion, or the clip as it was.
+    /// Show a motion, or the clip before planning.
     Show(Option<usize>),
-    /// Put something elsewhere, by some way (m).
+    /// Move a thing or place by an offset (m).
     Move(Handle, Vec3),
-    /// Something was put where it shall stay.
+    /// End of a move: the thing or place was released.
     Settle,
     /// Write the motion that is shown.
     Save(PathBuf),

@@ -1,4 +1,4 @@
-//! What is drawn of a scene, and what panels may ask of it.
+//! View options of a scene, and the commands that panels may give about it.
 
 use crate::document::SceneChoice;
 use crate::run::agents::What;
@@ -10,7 +10,7 @@ use throng_runtime::simulation::scenario::Cell;
 pub enum Whose {
     /// For none.
     Nobody,
-    /// That of the selected agent.
+    /// For the selected agent.
     #[default]
     Selected,
     /// For all.
@@ -18,7 +18,7 @@ pub enum Whose {
 }
 
 impl Whose {
-    /// All of them, with what they are called.
+    /// All scopes with their names.
     pub const ALL: [(Self, &'static str); 3] =
         [(Self::Nobody, "none"), (Self::Selected, "selected"), (Self::All, "all")];
 }
@@ -28,10 +28,10 @@ impl Whose {
 pub enum Boards {
     /// None.
     Nothing,
-    /// Those of all levels.
+    /// Cells of all levels.
     #[default]
     All,
-    /// Those of the cells of one level, 0 for the smallest.
+    /// Cells of one level, 0 for the smallest cells.
     Level(u32),
 }
 
@@ -45,18 +45,18 @@ pub struct BoardCell {
 }
 
 impl BoardCell {
-    /// That of a cell.
+    /// The key of a cell.
     pub fn of(cell: &Cell) -> Self {
         Self { level: cell.level, at: cell.middle.map(|m| (m / cell.side_m).floor() as i32) }
     }
 }
 
-/// What is drawn of the agents of a scene.
+/// View options for the agents of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SceneLook {
     /// Time-varying bounds.
     pub bounds: Whose,
-    /// Ways to goals.
+    /// Routes to goals.
     pub paths: Whose,
     /// Cell, region and neighbour cells of the selected agent.
     pub cells: bool,
@@ -68,11 +68,11 @@ pub struct SceneLook {
     pub bodies: bool,
     /// Kinds of events that are listed and marked.
     pub kinds: [bool; What::COUNT],
-    /// Number of the message whose spread is shown.
+    /// Number of the message that is shown spreading.
     pub message: Option<usize>,
     /// Billboards of cells.
     pub boards: Boards,
-    /// The cell whose billboard is read.
+    /// Cell with the blackboard that is read.
     pub cell: Option<BoardCell>,
 }
 
@@ -98,7 +98,7 @@ impl Default for SceneLook {
 pub enum SceneCommand {
     /// Draw more or less.
     Look(SceneLook),
-    /// Restart, perhaps with other numbers.
+    /// Restart, with other numbers if they differ.
     Restart(SceneChoice),
     /// Write the state.
     Save(PathBuf),

@@ -1,6 +1,6 @@
-//! What is asked for by who steers a character.
+//! Requests of a user who steers a character.
 
-/// What is held down: each from -1 to 1.
+/// Steering input held down: each axis from -1 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Held {
     /// Away from the camera.
@@ -12,7 +12,7 @@ pub struct Held {
 }
 
 impl Held {
-    /// True where a way is held down.
+    /// True if a direction is held down.
     pub fn moves(&self) -> bool {
         self.ahead != 0.0 || self.aside != 0.0
     }
@@ -21,9 +21,9 @@ impl Held {
 /// Steering of the selected character.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SteerCommand {
-    /// Take it over, or let it go.
+    /// Take over the selected character, or release it.
     Toggle,
-    /// Other keys are held down.
+    /// Change the input that is held down.
     Hold(Held),
     /// Strike.
     Strike,

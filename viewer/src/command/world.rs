@@ -1,37 +1,37 @@
-//! What is selected in a world, what the mouse does there, and what panels may ask of it.
+//! Selection in a world, tools of the mouse, and the commands that panels may give about a world.
 
 use crate::document::world::Change;
 use std::path::PathBuf;
 use throng_runtime::patch::Placement;
 use throng_runtime::world::inhabitants::Wish;
 
-/// What a click does in a world.
+/// Tool: the effect of a click in a world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tool {
-    /// It selects a character, or a unit.
+    /// Selects a character or a unit.
     #[default]
     Look,
-    /// It sends the selected character there.
+    /// Sends the selected character to the place that was clicked.
     Send,
     /// Units are dragged over the ground.
     Move,
-    /// It places a unit of the bundle.
+    /// Places a unit of the bundle.
     Create(usize),
 }
 
 /// A unit that is about to be placed or moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Draft {
-    /// Its number in the bundle's set.
+    /// Number of the unit in the bundle's set.
     pub unit: usize,
-    /// Where it would stand.
+    /// Placement that the unit would have.
     pub at: Placement,
 }
 
-/// What is selected in a world.
+/// Selection and tool in a world.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WorldLook {
-    /// What a click does.
+    /// Effect of a click.
     pub tool: Tool,
     /// Placed unit that is selected.
     pub place: Option<usize>,
@@ -48,7 +48,7 @@ pub struct WorldLook {
 /// A request of a panel about a world.
 #[derive(Clone, Debug, PartialEq)]
 pub enum WorldCommand {
-    /// Let a click do something else.
+    /// Select another tool.
     Tool(Tool),
     /// Select a placed unit, or none.
     SelectPlace(Option<usize>),
@@ -60,7 +60,7 @@ pub enum WorldCommand {
     ShowLinks(bool),
     /// Show a unit where it would stand.
     Draft(Option<Draft>),
-    /// Change what stands where.
+    /// Add, remove or move a unit.
     Edit(Change),
     /// Undo the last change.
     Undo,
@@ -72,16 +72,16 @@ pub enum WorldCommand {
     Tell {
         /// Which character.
         character: usize,
-        /// What it is to do.
+        /// Goal of the order.
         wish: Option<Wish>,
     },
-    /// Restart with that many characters, as far as there is room.
+    /// Restart with this number of characters, as far as there is room.
     Populate {
-        /// How many.
+        /// Number of characters.
         characters: usize,
         /// Seed of places and choices.
         seed: u64,
     },
-    /// Write the world as it is.
+    /// Write the present world.
     Save(PathBuf),
 }

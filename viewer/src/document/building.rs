@@ -1,4 +1,4 @@
-//! A build under way: its thread tells of it, the window shows it and may stop it.
+//! A build under way: its thread reports to it, the window shows it and may stop it.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,54 +8,54 @@ use throng_precompute::progress::{Progress, Status};
 use throng_precompute::run::{Cached, News};
 use throng_precompute::verdict::Verdict;
 
-/// What was told of a build.
+/// Log of a build.
 #[derive(Clone, Debug, Default)]
 pub struct Told {
-    /// Where it is, or was when it ended.
+    /// Present stage and progress; the last ones after the end.
     pub status: Status,
-    /// What is made, what could not be, and what is odd.
+    /// Reports: what was built, what could not be, and warnings.
     pub news: Vec<News>,
-    /// What characters do with what was made; none where they go to no target.
+    /// Trial of the built bundle by some characters; none if no behaviour has a target.
     pub verdict: Option<Verdict>,
 }
 
-/// How a build ended.
+/// End of a build.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum End {
-    /// What was asked for is open.
+    /// The requested document is open.
     Done,
-    /// It was stopped: what is kept, and how to go on.
+    /// The user stopped the build: a message that says what is kept, and how to continue.
     Stopped(String),
-    /// Why it could not be made, and the way out.
+    /// The build failed: a message with the reason and the way out.
     Failed(String),
 }
 
 /// A build that has ended.
 #[derive(Clone, Debug)]
 pub struct Built {
-    /// What was asked for.
+    /// Files that were requested.
     pub paths: Vec<PathBuf>,
-    /// What was told of it.
+    /// Log of the build.
     pub told: Told,
-    /// How it ended.
+    /// End of the build.
     pub end: End,
 }
 
 /// A build that is shown.
 #[derive(Clone, Debug)]
 pub enum Build {
-    /// It is under way, if anything has to be made at all.
+    /// The build is under way; there may be nothing to build at all.
     UnderWay {
-        /// What was asked for.
+        /// Files that were requested.
         paths: Vec<PathBuf>,
-        /// What is told of it.
+        /// The build with its log.
         building: Building,
     },
-    /// It has ended.
+    /// The build has ended.
     Ended(Box<Built>),
 }
 
-/// A build under way. A clone is the same one.
+/// A build under way. Clones share one state.
 #[derive(Clone, Debug, Default)]
 pub struct Building(Arc<Shared>);
 
@@ -66,12 +66,12 @@ struct Shared {
 }
 
 impl Building {
-    /// What was told so far.
+    /// Log so far.
     pub fn told(&self) -> MutexGuard<'_, Told> {
         self.0.told.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Lets it end at its next piece of work.
+    /// Lets the build end before its next piece of work.
     pub fn stop(&self) {
         self.0.is_stopped.store(true, Ordering::Relaxed);
     }
@@ -82,7 +82,7 @@ impl Building {
         !told.status.stage().is_empty() || !told.news.is_empty()
     }
 
-    /// Works with the cache in the current folder, told here.
+    /// Runs work with the cache in the current folder, and reports to this build.
     pub fn with<T>(&self, work: impl FnOnce(&Cached<'_>) -> T) -> T {
         let cache = Cache::in_folder(Cache::FOLDER);
         work(&Cached { cache: &cache, progress: self, tell: &|news| self.told().news.push(news) })

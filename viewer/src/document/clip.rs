@@ -1,4 +1,4 @@
-//! A raw motion file: the source's own joints, and what a build would make of it.
+//! A raw motion file: the joints of the source, and the clip that a build would make of them.
 
 use glam::Vec3;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ pub struct RawMotion {
     pub imported: Imported,
     /// The clip on the database skeleton, as a build would use it.
     pub clips: ClipSet,
-    /// What import found.
+    /// Report of the import.
     pub report: ClipReport,
 }
 
@@ -42,7 +42,7 @@ impl RawMotion {
         ((seconds * clip.rate_hz).round() as usize).min(clip.num_frames().saturating_sub(1))
     }
 
-    /// Where the body of a build stands at a frame of the source (m).
+    /// Position on the ground of the built body at a frame of the source (m).
     pub fn place(&self, source_frame: f32) -> Option<Vec3> {
         let clip = self.clips.clips.first()?;
         Some(clip.root_positions[self.clip_frame(source_frame)].with_y(0.0))

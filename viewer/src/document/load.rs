@@ -1,4 +1,4 @@
-//! Opens files away from the window's thread, and makes what is missing first.
+//! Opens files on another thread, and builds missing bundles first.
 
 use super::{Building, BundleDocument, Document, RawMotion, SceneDocument, Shown, Stamp, TaskDocument, WorldDocument};
 use crate::bundle::OpenBundle;
@@ -14,17 +14,17 @@ fn extension(path: &Path) -> String {
     path.extension().map_or_else(String::new, |e| e.to_string_lossy().to_lowercase())
 }
 
-/// True for what may have to be made before it can be shown: motion, scenes and worlds.
+/// True for files that may need a build before they can be shown: motion, scenes and worlds.
 pub fn may_be_made(path: &Path) -> bool {
     is_motion(path) || extension(path) == "toml"
 }
 
 impl Document {
-    /// Reads a file: motion by its extension (`.bvh` and others), `.toml` as a scene, a world or a task, anything else as a bundle.
-    /// Of a folder, an archive and several files of motion, the bundle that `throng build` makes of them is made first, in
-    /// the cache.
+    /// Reads a file: motion by its extension (`.bvh` and others), `.toml` as a scene, a world or a task, anything else
+    /// as a bundle. For a folder, an archive or several files of motion, first builds the bundle in the cache, as
+    /// `throng build` does.
     ///
-    /// - `with`: how what is missing is made.
+    /// - `with`: cache and progress for missing bundles.
     ///
     /// # Errors
     /// A message that names the file, what is wrong with it and the way out.
@@ -52,20 +52,20 @@ impl Document {
     }
 }
 
-/// What has been read, or why it could not be.
+/// Result of reading: a document, or why it could not be read.
 #[derive(Debug)]
 pub struct Loaded {
-    /// What was asked for.
+    /// Files that were requested.
     pub paths: Vec<PathBuf>,
     /// The version that was read.
     pub stamp: Option<Stamp>,
-    /// What it holds.
+    /// The document, or a message.
     pub result: Result<Document, String>,
-    /// How what was missing was made.
+    /// The build of missing bundles.
     pub building: Building,
 }
 
-/// What is being read.
+/// Reading under way.
 #[derive(Debug)]
 struct Running {
     paths: Vec<PathBuf>,
@@ -73,7 +73,7 @@ struct Running {
     building: Building,
 }
 
-/// Reads on a thread of its own what is asked for; a new request stops and replaces an old one.
+/// Reads requested files on its own thread; a new request stops and replaces the old one.
 #[derive(Debug, Default)]
 pub struct Loader {
     running: Option<Running>,
@@ -82,8 +82,8 @@ pub struct Loader {
 impl Loader {
     /// Starts to read. `wake` is called when it is done.
     ///
-    /// - `from`: where the scene was, if it is one that is read again.
-    /// - returns what is told of what is made for it.
+    /// - `from`: state of the scene to resume, if the same scene is read again.
+    /// - returns the build, with its log.
     pub fn start(&mut self, paths: &[PathBuf], from: Option<Shown>, wake: impl FnOnce() + Send + 'static) -> Building {
         self.stop();
         let (send, loaded) = channel();
@@ -105,7 +105,7 @@ impl Loader {
                 judge(opened, &building);
             }
             let stamp = result.as_ref().ok().and_then(|opened| {
-                // A bundle that was made of motion is as it is now.
+                // A bundle built from motion is newer than its sources: its stamp is read now.
                 let path = opened.path()?;
                 let own = if paths[..] == [path] { before } else { Stamp::of(path) };
                 Stamp::with(own, &opened.more_files())
@@ -118,17 +118,17 @@ impl Loader {
         told
     }
 
-    /// Lets what is made for it end, which [`Loader::poll`] then says.
+    /// Stops the build of the requested files; [`Loader::poll`] then reports that.
     pub fn stop(&self) {
         self.running.iter().for_each(|r| r.building.stop());
     }
 
-    /// What is being read.
+    /// Files being read.
     pub fn paths(&self) -> Option<&[PathBuf]> {
         self.running.as_ref().map(|r| &*r.paths)
     }
 
-    /// What has been read since the last call.
+    /// Document read since the last call.
     pub fn poll(&mut self) -> Option<Loaded> {
         let running = self.running.as_ref()?;
         let loaded = match running.loaded.try_recv() {
@@ -146,7 +146,7 @@ impl Loader {
     }
 }
 
-/// Lets some characters try what was made, as `throng build` does.
+/// Tries the built bundle with some characters, as `throng build` does.
 fn judge(opened: &Document, building: &Building) {
     let Some(bundle) = opened.bundle() else { return };
     building.comes_to("trial");

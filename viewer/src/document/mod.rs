@@ -1,4 +1,4 @@
-//! What is open: nothing, a bundle, a scene, a world of motion patches, a task of limbs, or a raw motion file.
+//! The open document: nothing, a bundle, a scene, a world of motion patches, a task of limbs, or a raw motion file.
 
 mod building;
 mod clip;
@@ -23,7 +23,7 @@ use crate::bundle::OpenBundle;
 use crate::run::{BlendRun, Chooser, Head, Run};
 use std::path::{Path, PathBuf};
 
-/// What is open.
+/// The open document.
 #[derive(Debug, Default)]
 pub enum Document {
     /// Nothing yet.
@@ -31,11 +31,11 @@ pub enum Document {
     Nothing,
     /// A bundle, and the crowd that runs on it.
     Bundle(Box<BundleDocument>),
-    /// A motion file as it is, and as a build would use it.
+    /// A motion file, and the clip that a build would make of it.
     Clip(Box<RawMotion>),
     /// A world of motion patches, and its inhabitants.
     World(Box<WorldDocument>),
-    /// A scene: groups, whatever moves them.
+    /// A scene: groups of characters with any source of motion.
     Scene(Box<SceneDocument>),
     /// A task of limbs, and the motions planned for it.
     Task(Box<TaskDocument>),
@@ -53,7 +53,7 @@ pub struct BundleDocument {
 }
 
 impl BundleDocument {
-    /// Nobody moves yet.
+    /// A document without a run: no character moves yet.
     pub fn at_rest(bundle: OpenBundle) -> Self {
         Self { bundle, run: Err(String::new()), blend: None }
     }
@@ -72,7 +72,7 @@ impl Document {
         }
     }
 
-    /// Play head of its run, where something runs; that of a blend is [`BlendRun`]'s own.
+    /// Play head of the run, if there is one; that of a blend belongs to [`BlendRun`].
     pub fn head(&self) -> Option<&Head> {
         match self {
             Self::Nothing | Self::Clip(_) | Self::Task(_) => None,
@@ -82,7 +82,7 @@ impl Document {
         }
     }
 
-    /// The same, to be changed.
+    /// Play head of the run, mutable.
     pub fn head_mut(&mut self) -> Option<&mut Head> {
         match self {
             Self::Nothing | Self::Clip(_) | Self::Task(_) => None,
@@ -92,7 +92,7 @@ impl Document {
         }
     }
 
-    /// Files that it is made of, beside the one that was opened.
+    /// Further files that the document depends on.
     pub fn more_files(&self) -> Vec<PathBuf> {
         match self {
             Self::World(w) => vec![w.bundle().path().to_path_buf()],
@@ -112,7 +112,7 @@ impl Document {
         }
     }
 
-    /// The bundle and its run, where there is one.
+    /// The bundle and its run, if there is one.
     pub fn crowd(&self) -> Option<(&OpenBundle, &Run)> {
         match self {
             Self::Bundle(b) => Some((&b.bundle, b.run.as_ref().ok()?)),
@@ -120,7 +120,7 @@ impl Document {
         }
     }
 
-    /// The same, to be changed.
+    /// The bundle and its run, mutable.
     pub fn crowd_mut(&mut self) -> Option<(&OpenBundle, &mut Run)> {
         match self {
             Self::Bundle(b) => Some((&b.bundle, b.run.as_mut().ok()?)),
@@ -169,7 +169,7 @@ impl Document {
         }
     }
 
-    /// The same, to be changed.
+    /// The bundle and the character in its blend space, mutable.
     pub fn blend_mut(&mut self) -> Option<(&OpenBundle, &mut BlendRun)> {
         match self {
             Self::Bundle(b) => Some((&b.bundle, b.blend.as_mut()?)),

@@ -1,4 +1,4 @@
-//! Meshes of what stands in a crowd's way.
+//! Meshes of the obstacles of a crowd.
 
 use crate::render::SolidMesh;
 use glam::{Quat, Vec2, Vec3};
@@ -7,12 +7,12 @@ use throng_runtime::crowd::Obstacle;
 
 /// Height of doors (m).
 pub const DOOR_M: f32 = 0.35;
-/// Half the thickness of walls without any (m).
+/// Radius of walls without thickness (m).
 const THIN_M: f32 = 0.04;
 /// Corners of a round.
 const AROUND: usize = 40;
 
-/// One mesh of all that stands and hides what is behind it, each with its height on the ground (m).
+/// One mesh of all static obstacles; each obstacle comes with its height (m).
 pub fn mesh_of<'a>(obstacles: impl IntoIterator<Item = (&'a Obstacle, f32)>, in_the_air: bool) -> SolidMesh {
     let mut mesh = SolidMesh::default();
     for (obstacle, height) in obstacles {
@@ -28,7 +28,8 @@ pub fn mesh_of<'a>(obstacles: impl IntoIterator<Item = (&'a Obstacle, f32)>, in_
                 let top = Vec3::new(high.x, low.y + height, high.z);
                 mesh.add_box(0.5 * (*low + top), Quat::IDENTITY, 0.5 * (top - *low));
             }
-            // Boxes in the air may surround all agents: only their edges are drawn. What moves is drawn where it is.
+            // Boxes in the air may surround all agents: only their edges are drawn. Moving obstacles are drawn each
+            // frame.
             _ => {}
         }
     }
@@ -43,7 +44,7 @@ fn round(centre: Vec3, radius: f32) -> Vec<Vec3> {
     (0..AROUND).map(corner).collect()
 }
 
-/// A wall along a line, with square ends that reach as far as its round ones.
+/// A wall along a line, with square ends that reach as far as the round ends of its capsule.
 fn wall(mesh: &mut SolidMesh, [from, to]: [Vec3; 2], radius: f32, height: f32) {
     let along = to - from;
     let turn = Quat::from_rotation_y(along.x.atan2(along.z));
@@ -51,7 +52,7 @@ fn wall(mesh: &mut SolidMesh, [from, to]: [Vec3; 2], radius: f32, height: f32) {
     mesh.add_box(0.5 * (from + to) + Vec3::Y * half.y, turn, half);
 }
 
-/// What stands on a polygon.
+/// Adds a prism on a polygon.
 fn prism(mesh: &mut SolidMesh, corners: &[Vec3], height: f32) {
     let up = Vec3::Y * height;
     for (i, &a) in corners.iter().enumerate() {
@@ -81,7 +82,7 @@ fn ears(corners: &[Vec2]) -> Vec<[usize; 3]> {
             let holds = |&k: &usize| side(a, b, k) > 0.0 && side(b, c, k) > 0.0 && side(c, a, k) > 0.0;
             side(a, b, c) > 0.0 && !left.iter().any(|k| ![a, b, c].contains(k) && holds(k))
         };
-        // A polygon that crosses itself has none: something is cut off all the same.
+        // A polygon that crosses itself may have no ear: the first corner is cut off then.
         let i = (0..n).find(is_ear).unwrap_or(0);
         out.push([left[(i + n - 1) % n], left[i], left[(i + 1) % n]]);
         left.remove(i);

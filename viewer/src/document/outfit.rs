@@ -1,4 +1,4 @@
-//! A character of the user's own, whose mesh everybody wears.
+//! A character of the user, with a mesh that all characters wear.
 
 use crate::render::WornMesh;
 use std::path::{Path, PathBuf};
@@ -9,11 +9,11 @@ use throng_precompute::onto::Figure;
 
 /// A character of the user's own.
 pub struct Outfit {
-    /// Its file.
+    /// File of the character.
     pub path: PathBuf,
-    /// What wears poses.
+    /// Figure that converts poses to matrices of the mesh.
     pub figure: Figure,
-    /// What is drawn.
+    /// Triangles and textures that are drawn.
     pub mesh: Arc<WornMesh>,
 }
 
@@ -34,13 +34,13 @@ impl Outfit {
         Ok(Self { path: path.to_path_buf(), figure, mesh: Arc::new(mesh) })
     }
 
-    /// Its file's name.
+    /// Name of the file.
     pub fn name(&self) -> String {
         self.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 }
 
-/// Reads a character on a thread of its own.
+/// Reads a character on its own thread.
 #[derive(Debug)]
 pub struct Dressing {
     path: PathBuf,
@@ -60,7 +60,7 @@ impl Dressing {
         Self { path: path.to_path_buf(), read }
     }
 
-    /// What was read, as soon as it is there.
+    /// The character, once it was read.
     pub fn poll(&self) -> Option<Result<Outfit, String>> {
         match self.read.try_recv() {
             Ok(read) => Some(read),

@@ -28,34 +28,34 @@ pub const MAX_SCENE_CHARACTERS: usize = 100_000;
 const MAGIC: &str = "throng-viewer scene 1";
 /// Distance of the corners of hills as they are drawn (m).
 const HILL_STEP_M: f32 = 1.0;
-/// Hills are drawn so far beyond the square that characters keep to (m).
+/// Margin of drawn hills beyond the square that characters keep to (m).
 const BEYOND_M: f32 = 6.0;
 
-/// What of a scene can be chosen.
+/// Settings of a scene that the viewer can change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SceneChoice {
     /// Number of characters and agents of all groups.
     pub characters: usize,
     /// Seed of places, paths and choices.
     pub seed: u64,
-    /// What finds out when an agent has to act.
+    /// Engine that finds the events of agents.
     #[serde(with = "engine")]
     pub engine: Scheme,
 }
 
-/// Where a scene was that is read again.
+/// Resume point of a scene whose file is read again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shown {
-    /// What its file said.
+    /// Settings in the file.
     said: SceneChoice,
-    /// What ran.
+    /// Settings of the run.
     choice: SceneChoice,
     /// The step that was shown.
     step: u32,
 }
 
 impl Shown {
-    /// What runs of a new version of the file: what was chosen in the viewer, unless the file says something new of it.
+    /// Settings for a new version of the file: those chosen in the viewer, unless the file has changed them.
     fn chosen(&self, says: SceneChoice) -> SceneChoice {
         let (said, choice) = (self.said, self.choice);
         SceneChoice {
@@ -66,7 +66,7 @@ impl Shown {
     }
 }
 
-/// What stands around the characters.
+/// Surroundings of the characters: obstacles, hills, units, doors and things.
 #[derive(Clone, Debug, Default)]
 pub struct Standing {
     /// A mesh of all obstacles that stand, the light and the dark fields of hills, then every unit of each world.
@@ -75,7 +75,7 @@ pub struct Standing {
     pub has_hills: bool,
     /// Units of worlds: number of the mesh, and the unit.
     pub units: Vec<StandingUnit>,
-    /// Obstacles, also those that move.
+    /// Obstacles, including moving ones.
     pub obstacles: Vec<Obstacle>,
     /// Agents move in the air.
     pub in_the_air: bool,
@@ -85,29 +85,29 @@ pub struct Standing {
     pub things: Vec<u32>,
 }
 
-/// A door, which is in the way while it is closed.
+/// A door, which is an obstacle while closed.
 #[derive(Clone, Debug)]
 pub struct StandingDoor {
-    /// Number of its mesh.
+    /// Number of the mesh.
     pub mesh: u32,
-    /// Its ends (m).
+    /// Ends of the door (m).
     pub ends: [Vec3; 2],
 }
 
 /// A unit of a world where it stands.
 #[derive(Clone, Debug)]
 pub struct StandingUnit {
-    /// Number of its mesh.
+    /// Number of the mesh.
     pub mesh: u32,
-    /// Its name.
+    /// Name of the unit.
     pub name: String,
-    /// It is walked on.
+    /// True for a unit that is walked on.
     pub is_floor: bool,
-    /// Where it stands.
+    /// Placement in the world.
     pub placement: Placement,
 }
 
-/// A run that is made on a thread of its own.
+/// A new run that is prepared on its own thread.
 #[derive(Debug)]
 struct Restart {
     choice: SceneChoice,
@@ -122,15 +122,15 @@ pub struct SceneDocument {
     choice: SceneChoice,
     run: SceneRun,
     standing: Standing,
-    /// That of the first group that has one.
+    /// Bundle of the first group that has one.
     bundle: Option<OpenBundle>,
     restart: Option<Restart>,
-    /// How often it was restarted.
+    /// Number of restarts.
     num_runs: u32,
 }
 
 impl Standing {
-    /// Where a ray first meets the unit of a world (m).
+    /// Nearest point at which a ray hits a unit of a world (m).
     pub fn meets(&self, ray: &Ray) -> Option<Vec3> {
         let met = self.units.iter().filter_map(|u| self.meshes.get(u.mesh as usize)?.meets(ray, upright(u.placement)));
         met.min_by(f32::total_cmp).map(|distance| ray.at(distance))
@@ -160,12 +160,12 @@ impl SceneDocument {
         Ok(Self { path: path.to_path_buf(), scene, choice, run, standing, bundle, restart: None, num_runs: 0 })
     }
 
-    /// Where it is now, for a version of it that is read later.
+    /// Present point of the run, to resume it with a later version of the file.
     pub fn shown(&self) -> Shown {
         Shown { said: SceneChoice::of(&self.scene), choice: self.choice, step: self.run.head.now() }
     }
 
-    /// Goes on where an older version of the same file was: with its choice, at its time.
+    /// Resumes at the point of an older version of the same file: with its settings, at its time.
     ///
     /// - `is_stopped`: asked before every step.
     ///
@@ -193,17 +193,17 @@ impl SceneDocument {
         &self.path
     }
 
-    /// What it says.
+    /// The scene as read from the file.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// What runs now.
+    /// Settings of the present run.
     pub fn choice(&self) -> SceneChoice {
         self.choice
     }
 
-    /// What is being made, and will run then.
+    /// Settings of the run in preparation.
     pub fn restarting(&self) -> Option<SceneChoice> {
         self.restart.as_ref().map(|r| r.choice)
     }
@@ -213,7 +213,7 @@ impl SceneDocument {
         self.bundle.as_ref()
     }
 
-    /// Bundles, worlds and world files that it is made of and that are there, each once.
+    /// Bundles, worlds and world files of the scene that exist, each once.
     pub fn more_files(&self) -> Vec<PathBuf> {
         let mut files = Vec::new();
         for (g, group) in self.scene.groups.iter().enumerate().filter(|(_, g)| g.motion != Motion::None) {
@@ -232,22 +232,22 @@ impl SceneDocument {
         &self.run
     }
 
-    /// The same, to be played, stopped and rewound.
+    /// The run, mutable: to be played, stopped and rewound.
     pub fn run_mut(&mut self) -> &mut SceneRun {
         &mut self.run
     }
 
-    /// What stands around the characters.
+    /// Surroundings of the characters.
     pub fn standing(&self) -> &Standing {
         &self.standing
     }
 
-    /// How often it was restarted.
+    /// Number of restarts.
     pub fn num_runs(&self) -> u32 {
         self.num_runs
     }
 
-    /// A character that chooses by policies of the bundle, and all that bears on its choices; none for any other.
+    /// A character that chooses by policies of the bundle, with all data of its choices; none for any other.
     pub fn chooser(&self, who: usize) -> Option<Chooser<'_>> {
         let simulation = self.run.simulation();
         let group = simulation.groups().iter().find(|g| g.characters.contains(&who))?;
@@ -275,7 +275,7 @@ impl SceneDocument {
         })
     }
 
-    /// What every behaviour of a character's group is called and counts; none for a character that does not choose.
+    /// Names and weights of the behaviours of a character's group; none for a character that does not choose.
     pub fn weights(&self, who: usize) -> Option<(Vec<&str>, &[f32])> {
         let (_, weights, _, _) = self.run.choosing(who)?;
         let group = self.run.simulation().groups().iter().find(|g| g.characters.contains(&who))?;
@@ -283,11 +283,11 @@ impl SceneDocument {
         Some((behaviours.iter().map(|b| b.name.as_str()).collect(), weights))
     }
 
-    /// Restarts on a thread of its own; [`SceneDocument::take_in`] takes the run in when it is made. A new request replaces
-    /// an old one.
+    /// Restarts on its own thread; [`SceneDocument::take_in`] adopts the finished run. A new request replaces the old
+    /// one.
     ///
     /// - `kept`: the state to begin with, which [`SceneRun::snapshot`] gave.
-    /// - `wake`: called when it is made.
+    /// - `wake`: called when the run is ready.
     ///
     /// # Errors
     /// A message where numbers are out of range; nothing has changed then.
@@ -312,7 +312,7 @@ impl SceneDocument {
 
     /// Takes in a run that has been made since the last call; true where one has.
     ///
-    /// - `waits`: until it is made, where one is being made.
+    /// - `waits`: blocks until the run in preparation is ready.
     ///
     /// # Errors
     /// A message where it could not be made; the old one continues.
@@ -370,13 +370,13 @@ impl SceneDocument {
 }
 
 impl SceneChoice {
-    /// What a scene says.
+    /// Settings in the file of a scene.
     fn of(scene: &Scene) -> Self {
         Self { characters: scene.num_characters(), seed: scene.seed, engine: scene.agents.engine }
     }
 }
 
-/// A scene with what was chosen.
+/// A scene with other settings.
 fn chosen(scene: &Scene, choice: SceneChoice) -> Result<Scene, String> {
     if !(1..=MAX_SCENE_CHARACTERS).contains(&choice.characters) {
         return Err(format!("expected 1 to {MAX_SCENE_CHARACTERS} characters, found {}", choice.characters));
@@ -424,7 +424,7 @@ fn standing(compiled: &CompiledScene, run: &SceneRun) -> Result<Standing, String
             add_fields(&mut hills, wanderers.ground(), paths.centre.into(), 0.5 * paths.area_m + BEYOND_M);
         }
     }
-    // Those in the air have none.
+    // Obstacles in the air have no heights.
     let heights = compiled.scene().environment.heights_m().chain(std::iter::repeat(DOOR_M));
     let mut meshes = vec![mesh_of(out.obstacles.iter().zip(heights), out.in_the_air)];
     meshes.extend(hills);
@@ -469,7 +469,7 @@ fn standing(compiled: &CompiledScene, run: &SceneRun) -> Result<Standing, String
     Ok(out)
 }
 
-/// Triangles of the ground, the light and the dark fields of a chequered board, by which slopes are seen.
+/// Triangles of the ground, as the light and the dark fields of a chequered pattern that shows slopes.
 ///
 /// - `centre`, `half`: of the square that is drawn, and half its side (m).
 fn add_fields(fields: &mut [SolidMesh; 2], ground: &HeightField, centre: Vec2, half: f32) {

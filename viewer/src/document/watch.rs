@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
-/// Interval between two looks at a file.
+/// Interval between two checks of a file.
 const EVERY: Duration = Duration::from_millis(500);
 
-/// What tells one version of a file from another.
+/// Stamp of a version of a file: modification time and length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stamp {
     modified: SystemTime,
@@ -14,13 +14,13 @@ pub struct Stamp {
 }
 
 impl Stamp {
-    /// Of the file as it is now; none if there is none.
+    /// Stamp of the present file; none if there is no file.
     pub fn of(path: &Path) -> Option<Self> {
         let meta = std::fs::metadata(path).ok()?;
         Some(Self { modified: meta.modified().ok()?, len: meta.len() })
     }
 
-    /// Of files that belong together: changed where any of them is.
+    /// Combined stamp of several files: differs if any of them has changed.
     pub fn with(first: Option<Self>, more: &[PathBuf]) -> Option<Self> {
         more.iter().try_fold(first?, |a, path| {
             let b = Self::of(path)?;
@@ -29,10 +29,10 @@ impl Stamp {
     }
 }
 
-/// Looks at a file now and then.
+/// Checks a file at intervals.
 ///
-/// A version is reported once, when two looks in a row have seen it, so that a file that is being written is left
-/// alone until it is whole.
+/// A version is reported once, after two checks in a row have seen it, so that a file that is still being written is
+/// not read.
 #[derive(Debug)]
 pub struct Watch {
     reported: Option<Stamp>,
@@ -46,7 +46,7 @@ impl Watch {
         Self { reported: stamp, seen: stamp, looked: Instant::now() }
     }
 
-    /// True once for every new version of a file, or of those that belong to it.
+    /// True once for every new version of a file, or of the files that belong to it.
     pub fn has_changed(&mut self, path: &Path, more: &[PathBuf]) -> bool {
         if self.looked.elapsed() < EVERY {
             return false;

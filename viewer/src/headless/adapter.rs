@@ -1,4 +1,4 @@
-//! Finds what draws.
+//! Finds a graphics adapter.
 
 use super::HeadlessError;
 use crate::args::Adapter;
@@ -39,7 +39,7 @@ fn rank(choice: Adapter, info: &wgpu::AdapterInfo) -> (u8, u8) {
         Backend::Gl => 1,
         Backend::BrowserWebGpu | Backend::Noop => 2,
     };
-    // An interface that draws nothing is the last resort whatever lies behind it.
+    // A backend that draws nothing is the last resort, whatever its device.
     if backend == 2 { (5, backend) } else { (kind, backend) }
 }
 

@@ -13,27 +13,27 @@ pub struct FrameFigures {
     pub frames: usize,
     /// Steps of the crowd.
     pub simulation_ms: f64,
-    /// Its 95th percentile.
+    /// 95th percentile of `simulation_ms`.
     pub simulation_p95_ms: f64,
-    /// Laying out what is drawn.
+    /// Laying out the frame (ms).
     pub layout_ms: f64,
-    /// Its 95th percentile.
+    /// 95th percentile of `layout_ms`.
     pub layout_p95_ms: f64,
     /// Handing poses to the graphics device.
     pub upload_ms: f64,
-    /// Its 95th percentile.
+    /// 95th percentile of `upload_ms`.
     pub upload_p95_ms: f64,
     /// From encoding until all is drawn.
     pub drawing_ms: f64,
-    /// Its 95th percentile.
+    /// 95th percentile of `drawing_ms`.
     pub drawing_p95_ms: f64,
-    /// What is left: panels and text.
+    /// Remaining time: panels and text (ms).
     pub interface_ms: f64,
-    /// Its 95th percentile.
+    /// 95th percentile of `interface_ms`.
     pub interface_p95_ms: f64,
     /// All of it.
     pub frame_ms: f64,
-    /// Its 95th percentile.
+    /// 95th percentile of `frame_ms`.
     pub frame_p95_ms: f64,
 }
 

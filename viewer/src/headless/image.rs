@@ -14,12 +14,12 @@ pub struct Image {
 }
 
 impl Image {
-    /// Of rows from the top, each pixel red, green and blue (3 * width * height).
+    /// An image from rows, top row first, each pixel red, green and blue (3 * width * height).
     pub(super) fn new(size: Size, rgb: Vec<u8>) -> Self {
         Self { size, rgb }
     }
 
-    /// Its size.
+    /// Size of the picture.
     pub fn size(&self) -> Size {
         self.size
     }

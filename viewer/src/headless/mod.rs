@@ -1,7 +1,7 @@
 //! The viewer without a window: pictures and frame times.
 //!
-//! The same [`Viewer`] as in the window runs on an own egui context; time is counted in frames, and frames are drawn
-//! into a texture. On a software adapter the same arguments give the same picture, to the last bit.
+//! The [`Viewer`] of the window runs here in its own egui context; time is counted in frames, and frames are drawn
+//! into a texture. On a software adapter the same arguments give the same picture, bit for bit.
 
 mod adapter;
 mod bench;
@@ -23,10 +23,10 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Frames at the end during which time stands still, so that what is laid out in two goes comes to rest.
+/// Final frames during which time stands still, so that layouts that need two passes settle.
 const SETTLING_FRAMES: u32 = 3;
 
-/// Why there is no picture.
+/// Reason why there is no picture.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum HeadlessError {
@@ -36,17 +36,17 @@ pub enum HeadlessError {
          mesa-vulkan-drivers` on Debian and Ubuntu, the package vulkan-swrast or mesa-vulkan-drivers elsewhere"
     )]
     NoAdapter {
-        /// What the graphics library said.
+        /// Message of the graphics library.
         reason: String,
     },
-    /// The adapter does not draw so large a picture.
+    /// The picture is too large for the adapter.
     #[error("--size {}x{}: {adapter} draws pictures of at most {limit} pixels a side", size.width, size.height)]
     Size {
-        /// What was asked for.
+        /// Requested size.
         size: Size,
         /// Name of the adapter.
         adapter: String,
-        /// What it can draw (pixels).
+        /// Largest side that the adapter can draw (pixels).
         limit: u32,
     },
     /// The adapter failed.
@@ -54,10 +54,10 @@ pub enum HeadlessError {
     Drawing {
         /// Name of the adapter.
         adapter: String,
-        /// What the graphics library said.
+        /// Message of the graphics library.
         reason: String,
     },
-    /// What the arguments ask to be shown is not there.
+    /// The content named by the arguments does not exist.
     #[error("{0}")]
     Scene(String),
     /// The picture cannot be written.
@@ -65,7 +65,7 @@ pub enum HeadlessError {
     Write(#[from] throng_precompute::BuildError),
 }
 
-/// What was drawn, and how long it took.
+/// Report on a picture and its times.
 #[derive(Debug, Serialize)]
 pub struct PictureReport {
     /// The picture.
@@ -90,7 +90,7 @@ pub struct Headless {
 }
 
 impl Headless {
-    /// Opens what the arguments name.
+    /// Opens the document named by the arguments.
     ///
     /// # Errors
     /// [`HeadlessError`] where nothing can draw, or what is asked for is not there.
@@ -121,7 +121,7 @@ impl Headless {
         self.viewer.model.apply(&self.ctx, command);
     }
 
-    /// One frame of 1/60 s; where it is not to be seen, it need not be drawn.
+    /// Advances by one frame of 1/60 s; without `draws`, skips drawing it.
     ///
     /// # Errors
     /// [`HeadlessError::Drawing`]
@@ -130,7 +130,7 @@ impl Headless {
         self.run_frame(1.0 / STEP_HZ, draws)
     }
 
-    /// The picture, as soon as what is shown has come to rest. No time passes.
+    /// The picture, after the layout has settled. No time passes.
     ///
     /// # Errors
     /// [`HeadlessError::Drawing`]

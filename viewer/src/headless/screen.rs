@@ -47,7 +47,7 @@ impl Screen {
         Ok(Self { state, texture, size, scale, complaint })
     }
 
-    /// What egui and the 3-D view draw with.
+    /// Device and renderer of egui and the 3-D view.
     pub fn render_state(&self) -> &RenderState {
         &self.state
     }
@@ -57,7 +57,7 @@ impl Screen {
         self.state.adapter.get_info().name
     }
 
-    /// What a window of this size would tell egui.
+    /// Input that a window of this size would pass to egui.
     pub(super) fn input(&self, time_s: f64) -> egui::RawInput {
         let size = egui::vec2(self.size.width as f32, self.size.height as f32) / self.scale;
         let mut input = egui::RawInput {
@@ -70,8 +70,8 @@ impl Screen {
         input
     }
 
-    /// Takes what egui put out, and draws it if it is to be seen; returns the time from encoding until all is drawn.
-    /// (s)
+    /// Applies the output of egui, and draws it if `draws` is set; returns the time from encoding until drawing has
+    /// ended (s).
     pub(super) fn take(
         &self,
         ctx: &egui::Context,
@@ -137,7 +137,7 @@ impl Screen {
         wait(device).map_err(|e| self.failed(&e))
     }
 
-    /// What the graphics library complained about since the last call.
+    /// Error that the graphics library reported since the last call.
     fn complaint(&self) -> Result<(), HeadlessError> {
         let complaint = self.complaint.lock().unwrap_or_else(PoisonError::into_inner).take();
         complaint.map_or(Ok(()), |c| Err(self.failed(&c)))
@@ -147,7 +147,7 @@ impl Screen {
         HeadlessError::Drawing { adapter: self.adapter_name(), reason: reason.to_string() }
     }
 
-    /// What was drawn last.
+    /// The picture that was drawn last.
     ///
     /// # Errors
     /// [`HeadlessError::Drawing`]

@@ -1,4 +1,4 @@
-//! What commands do.
+//! Carries out commands.
 
 use super::Model;
 use crate::command::{Command, SceneCommand, Stage, WorldCommand};
@@ -117,7 +117,7 @@ impl Model {
         }
     }
 
-    /// Restarts a scene, and waits until it is ready.
+    /// Restarts a scene, and blocks until it is ready.
     ///
     /// # Errors
     /// A message where that cannot be; the scene is unchanged then.
@@ -181,7 +181,7 @@ impl Model {
         let left = self.shown_stage();
         let old = std::mem::replace(&mut self.stage, stage);
         if self.shown_stage() != stage {
-            // There is nothing of the kind.
+            // The document does not have this stage.
             self.stage = old;
         }
         if self.shown_stage() == left {

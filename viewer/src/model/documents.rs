@@ -1,4 +1,4 @@
-//! What is opened, read again and put in the place of what was shown.
+//! Opens documents, reads them again, and replaces the shown one.
 
 use super::{ClipPlayer, Model, Selection};
 use crate::bundle::OpenBundle;
@@ -11,10 +11,10 @@ use std::f32::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
 use throng_precompute::run::{Cached, is_motion, motion_name};
 
-/// Said where a file could not be read, and the old one goes on.
+/// End of a message about a file that could not be read, while the old one stays open.
 const STAYS_OPEN: &str = "The open file stays open.";
 
-/// What something that was asked for is called: a file by its name, motion as the bundle that is made of it.
+/// Name of requested files: a file by its name, motion by the bundle that is built from it.
 pub fn name_of(paths: &[PathBuf]) -> String {
     match paths {
         [path] if !is_motion(path) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
@@ -37,30 +37,30 @@ impl Model {
                 self.adopt(loaded.paths, opened, is_reload);
                 match (is_reload, is_told) {
                     (true, _) => {
-                        // What was said of an older version is over.
+                        // Errors about an older version no longer apply.
                         self.messages.retain(|m| !m.is_error || !m.text.ends_with(STAYS_OPEN));
                         self.say(format!("{name} has changed and was reloaded"));
                     }
                     (false, false) => self.say(format!("Opened {name}")),
-                    // The record of the build says it.
+                    // The report of the build has the message.
                     (false, true) => {}
                 }
             }
-            // The record of the build says it.
+            // The report of the build has the message.
             Err(_) if is_told => {}
             Err(why) if matches!(self.document, Document::Nothing) => self.complain(why),
             Err(why) => self.complain(format!("{why}\n{STAYS_OPEN}")),
         }
     }
 
-    /// Shows what was read for what was asked for.
+    /// Shows the document that was read for a request.
     fn adopt(&mut self, paths: Vec<PathBuf>, opened: Document, is_reload: bool) {
         self.settings.remember(&paths);
         self.asked = paths;
         self.show(opened, is_reload);
     }
 
-    /// Closes what is open.
+    /// Closes the open document.
     pub(super) fn close(&mut self) {
         self.generation += 1;
         (self.document, self.watch, self.selection) = (Document::Nothing, None, Selection::default());
@@ -104,7 +104,7 @@ impl Model {
         let n = self.num_characters();
         self.selection.character = self.selection.character.filter(|&c| c < n);
         self.watch_selected();
-        // What is open is planned at once, as it was asked for before where it is read again.
+        // A newly opened task is planned at once; a task that is read again with its former options.
         self.plan(false);
         self.take_in_task(self.is_unhurried);
     }
@@ -143,8 +143,7 @@ impl Model {
         Some(run)
     }
 
-    /// Panels about crowds have nothing to say of a motion file: it is shown with its report instead, until a bundle is
-    /// open again.
+    /// Panels about crowds are empty for a motion file: the import report is shown instead, until a bundle is opened.
     fn change_side_panel(&mut self) {
         let side = &mut self.settings.side_panel;
         let is_clip = matches!(self.document, Document::Clip(_));
@@ -167,7 +166,7 @@ impl Model {
         }
     }
 
-    /// The files of what is shown are as they are by now.
+    /// Takes the present files of the shown document as known, so that only later changes count.
     pub(super) fn watch_anew(&mut self) {
         if let Some(path) = self.document.path() {
             self.watch = Some(Watch::from(Stamp::with(Stamp::of(path), &self.document.more_files())));
@@ -182,8 +181,7 @@ impl Model {
         }
     }
 
-    /// Starts to read what is asked for, and to make what of it is missing; [`Model::advance`] takes it in when it is
-    /// there.
+    /// Starts to read the requested files, and to build missing bundles; [`Model::advance`] adopts the result.
     pub fn start_reading(&mut self, ctx: &egui::Context, paths: &[PathBuf]) {
         let ctx = ctx.clone();
         let from = self.document.scene().filter(|_| self.asked == paths).map(SceneDocument::shown);
@@ -193,7 +191,7 @@ impl Model {
 
     /// Shows a file at once.
     ///
-    /// - `with`: how what is missing is made.
+    /// - `with`: cache and progress for missing bundles.
     ///
     /// # Errors
     /// A message that names the file, what is wrong with it and the way out.

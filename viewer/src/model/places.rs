@@ -1,4 +1,4 @@
-//! Where what the 3-D view shows is: what the camera frames and follows.
+//! Positions of what the 3-D view shows: for framing and following by the camera.
 
 use super::Model;
 use crate::document::{Document, SceneDocument, TaskDocument, WorldDocument};
@@ -56,7 +56,7 @@ impl Model {
     }
 }
 
-/// Where everybody is while something is done, and what can be put elsewhere (m).
+/// Positions of all characters during the steps of a task, and of movable things and places (m).
 fn of_task(task: &TaskDocument) -> impl Iterator<Item = Vec3> {
     let windows: Vec<[f64; 3]> = task.task().windows_s().into_iter().flatten().collect();
     let is_during = move |t: f64| windows.is_empty() || windows.iter().any(|w| w[0] <= t && t <= w[2]);
@@ -78,8 +78,8 @@ fn of_world(world: &WorldDocument) -> impl Iterator<Item = Vec3> {
     of_units.filter(|p| p.is_finite()).chain((0..world.run().num_characters()).map(|c| world.run().hips(c)))
 }
 
-/// Where the characters of a scene are, what they are after, and both ends of the routes of agents; where people live by
-/// rules, also places, doors and what stands there, to which they may be sent (m).
+/// Positions of the characters of a scene, their targets, and both ends of the agents' routes; for agents with rules,
+/// also places, doors and surroundings, since they may be sent there (m).
 fn of_scene(scene: &SceneDocument) -> impl Iterator<Item = Vec3> {
     let (run, all) = (scene.run(), 0..scene.run().simulation().num_characters());
     let points = all.flat_map(|who| {

@@ -1,4 +1,4 @@
-//! What commands do to a task of limbs.
+//! Carries out the commands about a task of limbs.
 
 use super::Model;
 use crate::command::PlanCommand;
@@ -37,7 +37,7 @@ impl Model {
             },
             PlanCommand::SaveTask(path) => match task.save_task(&path) {
                 Ok(()) => {
-                    // What was written is what is shown.
+                    // The written file has the shown state: its change is not a new version.
                     if path == task.path() {
                         self.watch_anew();
                     }
@@ -49,7 +49,7 @@ impl Model {
         self.take_in_task(waits);
     }
 
-    /// Plans as it is said, beside the window.
+    /// Plans with the present options, in the background.
     ///
     /// - `goes_on`: from where the last plans ended.
     pub(super) fn plan(&mut self, goes_on: bool) {

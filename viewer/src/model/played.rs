@@ -1,4 +1,4 @@
-//! Moves time on, and through what is recorded.
+//! Advances time, and moves the play head through recordings.
 
 use super::Model;
 use crate::command::Command;
@@ -8,7 +8,7 @@ use glam::Vec2;
 use std::time::Instant;
 
 impl Model {
-    /// Play head of what the 3-D view shows; none for a clip, which has [`Model::player`].
+    /// Play head of the 3-D view; none for a clip, which has [`Model::player`].
     pub fn head(&self) -> Option<&Head> {
         match self.document.blend().filter(|_| self.shows_blend()) {
             Some((_, blend)) => Some(&blend.reel.head),
@@ -65,7 +65,7 @@ impl Model {
         self.document.world().is_some_and(|w| w.working().is_some())
     }
 
-    /// Moves time on by wall time; returns the steps taken.
+    /// Advances by wall time; returns the number of steps taken.
     pub(super) fn advance_run(&mut self, wall_s: f32) -> u32 {
         let (begin, mut taken) = (Instant::now(), 0);
         if self.waits_for_edit() {
@@ -84,7 +84,7 @@ impl Model {
         taken
     }
 
-    /// Plays, stops, and moves through what is recorded.
+    /// Plays, stops, and moves the play head.
     pub(super) fn move_time(&mut self, command: &Command) {
         if self.shows_clip() {
             return self.move_clip(command);

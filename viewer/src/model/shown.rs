@@ -1,4 +1,4 @@
-//! What the 3-D view shows of what is open.
+//! Which part of the open document the 3-D view shows.
 
 use super::Model;
 use crate::bundle::OpenBundle;
@@ -31,12 +31,12 @@ impl Model {
         self.document.scene().filter(|_| !self.shows_clip())
     }
 
-    /// True where a crowd was asked for and there is none.
+    /// True if a crowd was requested and there is none.
     fn has_no_crowd(&self) -> bool {
         self.stage == Stage::Crowd && self.document.crowd().is_none()
     }
 
-    /// The stage that the 3-D view shows, whichever was asked for.
+    /// Stage of the 3-D view, whichever was requested.
     pub fn shown_stage(&self) -> Stage {
         match () {
             () if self.shows_clip() => Stage::Clip,
@@ -45,7 +45,7 @@ impl Model {
         }
     }
 
-    /// The stages that there are, in their order.
+    /// The available stages, in their order.
     pub fn stages(&self) -> Vec<Stage> {
         let d = &self.document;
         let lives = d.scene().is_some() || d.world().is_some();

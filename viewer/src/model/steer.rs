@@ -1,4 +1,4 @@
-//! Somebody who is steered with keys: by a policy, in a blend space, or on motion patches.
+//! Steering of a character with keys: by a policy, in a blend space, or on motion patches.
 
 mod lag;
 
@@ -15,30 +15,31 @@ use throng_runtime::planar::wrap_angle;
 use throng_runtime::world::inhabitants::Wish;
 use throng_runtime::{Mat3x4, NUM_JOINTS, Planar};
 
-/// The target of a policy stands so far ahead of who walks and of who runs (m).
+/// Distance of a policy's target ahead of the steered character, when walking and when running (m).
 const AHEAD_M: [f32; 2] = [1.6, 4.5];
 /// On patches, and how far from there one may stop (m).
 const PATCH_AHEAD_M: [f32; 2] = [2.5, 5.0];
 const PATCH_WITHIN_M: f32 = 5.0;
-/// On patches a new place is asked for after so many frames.
+/// Interval between two orders on patches (frames).
 const PATCH_EVERY: u32 = 30;
-/// Targets that move by less stay (m).
+/// Threshold below which a target is not moved (m).
 const SAME_M: f32 = 0.02;
-/// Speeds of who walks and of who runs, as far as a space has them (m/s), and how fast they turn (rad/s).
+/// Speeds for walking and running, limited by the blend space (m/s), and turning rate (rad/s).
 const BLEND_MPS: [f32; 2] = [1.3, 3.5];
 const BLEND_TURN: f32 = 1.2;
-/// The camera comes behind with this half-life (s), from so far (m), and looks at this height (m).
+/// Camera behind the steered character: half-life of its approach (s), its distance (m), the height that it looks at (m),
+/// and its pitch (rad).
 const BEHIND_HALF_LIFE_S: f32 = 0.5;
 const BEHIND_M: f32 = 4.5;
 const LOOK_AT_M: f32 = 1.1;
 const PITCH: f32 = 0.24;
 
-/// Somebody who is steered.
+/// State of steering by the user.
 #[derive(Clone, Debug, Default)]
 pub struct Steering {
-    /// What is held down.
+    /// Input that is held down.
     pub held: Held,
-    /// Frames from keys to what is seen.
+    /// Delays from key presses to visible changes (frames).
     pub lags: Lags,
     twin: Option<Twin>,
     /// Frames since a place on patches was asked for.
@@ -46,12 +47,12 @@ pub struct Steering {
 }
 
 impl Model {
-    /// Somebody who is steered.
+    /// State of steering, while a character is steered.
     pub fn steering(&self) -> Option<&Steering> {
         self.steering.as_ref()
     }
 
-    /// Why nobody can be steered in what is shown; none where somebody can.
+    /// Why no character can be steered in the present view; none if one can.
     pub fn why_not_steered(&self) -> Option<&'static str> {
         match &self.document {
             _ if self.shows_clip() => Some("A clip is played as it is; show the crowd to steer somebody."),
@@ -62,7 +63,7 @@ impl Model {
         }
     }
 
-    /// Carries out what who steers asks for.
+    /// Carries out a steering command.
     pub(super) fn apply_to_steering(&mut self, command: SteerCommand) {
         match command {
             SteerCommand::Toggle if self.steering.is_some() => self.steering = None,
@@ -94,7 +95,7 @@ impl Model {
         }
     }
 
-    /// Place and heading of who is steered (m, rad).
+    /// Position and heading of the steered character (m, rad).
     fn steered(&self) -> Option<(Vec3, f32)> {
         let root = match &self.document {
             Document::World(w) => *w.run().moment().roots.get(self.selection.character?)?,
@@ -115,7 +116,7 @@ impl Model {
             _ => None,
         };
         if let Some(s) = &mut self.steering {
-            // What is being measured is measured to its end.
+            // A measurement under way is finished before a new one starts.
             s.twin = s.twin.take().or(twin);
             (s.held, s.waited) = (held, PATCH_EVERY);
         }
@@ -126,7 +127,7 @@ impl Model {
         }
     }
 
-    /// Sends who is steered on its way, before the steps of a frame.
+    /// Sends the steered character on its way, before the steps of a frame.
     pub(super) fn steer(&mut self) {
         let Some(held) = self.steering.as_ref().map(|s| s.held) else { return };
         if self.steered().is_none() || self.why_not_steered().is_some() {
@@ -136,7 +137,7 @@ impl Model {
         }
     }
 
-    /// Sends who is steered where keys lead, or lets it stay where it is where none is held down.
+    /// Sends the steered character in the direction of the keys, or lets it stay if no direction is held down.
     fn send(&mut self, held: Held) {
         let Some((at, _)) = self.steered().filter(|_| !self.shows_blend()) else { return };
         let (way, Some(character)) = (self.way(held).unwrap_or_default(), self.selection.character) else { return };
@@ -159,7 +160,7 @@ impl Model {
         }
     }
 
-    /// The way that is held down, in the world. Unit.
+    /// Direction that is held down, in the world. Unit.
     fn way(&self, held: Held) -> Option<Vec3> {
         let [right, _, back] = self.settings.camera.axes();
         let ahead = -back.with_y(0.0).normalize_or_zero();
@@ -185,7 +186,7 @@ impl Model {
         self.blend(wanted);
     }
 
-    /// Lets who is steered play the blow that is nearest to its pose.
+    /// Lets the steered character play the blow nearest to its pose.
     fn strike(&mut self) -> Result<(), String> {
         let none = "No blow is there to strike with: build the bundle with `hits`, from clips with blows.";
         let Some(character) = self.selection.character.filter(|_| self.steering.is_some()) else { return Ok(()) };
@@ -228,7 +229,7 @@ impl Model {
         self.steering = Some(s);
     }
 
-    /// Root and joints of who is steered, of a crowd or a blend.
+    /// Root and joints of the steered character, of a crowd or a blend.
     fn steered_pose(&self) -> Option<(Planar, &[Mat3x4])> {
         if let Some((_, blend)) = self.document.blend().filter(|_| self.shows_blend()) {
             let moment = blend.moment();

@@ -1,4 +1,4 @@
-//! What commands do to a world.
+//! Carries out the commands about a world.
 
 use super::Model;
 use crate::command::WorldCommand;
@@ -8,13 +8,12 @@ use throng_precompute::environment::Unit;
 use throng_runtime::patch::Placement;
 
 impl Model {
-    /// The world whose inhabitants are shown; none while a clip is.
+    /// The world with the shown inhabitants; none while a clip is shown.
     pub fn shown_world(&self) -> Option<&WorldDocument> {
         self.document.world().filter(|_| !self.shows_clip())
     }
 
-    /// The instance that panels look at: the selected one, that of the selected unit, or where the selected character
-    /// is.
+    /// Instance inspected by panels: the selected one, that of the selected unit, or that of the selected character.
     pub fn looked_at_instance(&self) -> Option<u32> {
         let world = self.document.world()?;
         let look = &self.selection.world;
@@ -92,9 +91,9 @@ impl Model {
     }
 }
 
-/// A place near `to` that goes with others of its kind: panels stand side by side, anything else on a fine grid.
+/// A placement near `to` that is aligned with units of its kind: panels side by side, anything else on a fine grid.
 ///
-/// - `others`: where units of the kind stand already.
+/// - `others`: placements of other units of the kind.
 pub fn snapped(unit: &Unit, others: impl Iterator<Item = Placement>, to: Placement) -> Placement {
     let far = |p: &Placement| p.translation().distance_squared(to.translation());
     let steps = unit.tile.as_ref().map_or(&[][..], |t| &t.steps);
@@ -123,7 +122,7 @@ pub fn snapped(unit: &Unit, others: impl Iterator<Item = Placement>, to: Placeme
     Placement { x: fine(to.x), z: fine(to.z), ..to }
 }
 
-/// Panels go beside others that they are dragged so near to (m).
+/// Distance within which a dragged panel snaps beside another (m).
 const SNAP_M: f32 = 0.9;
 /// Everything else stands on a grid (m).
 const GRID_M: f32 = 0.05;

@@ -1,4 +1,4 @@
-//! A build: how far it is, what is made and what not, how it ended, and what characters do with what was made.
+//! A build: its progress, its results and failures, how it ended, and the trial of what was built.
 
 use crate::command::Command;
 use crate::document::{Build, Built, End, Told};
@@ -19,7 +19,7 @@ const SMALL: f32 = 12.0;
 /// Lines that are shown at most; a folder may hold thousands of files.
 const MAX_LINES: usize = 200;
 
-/// What stages do, for people.
+/// Descriptions of the stages of a build.
 const STAGES: [(&str, &str); 15] = [
     ("hash", "looking at the files"),
     ("import", "reading motion"),
@@ -38,7 +38,7 @@ const STAGES: [(&str, &str); 15] = [
     ("trial", "trying it out"),
 ];
 
-/// True for a build that there is something to say of: files that are only read are none.
+/// True for a build with something to show: reading files alone has nothing.
 pub fn is_shown(build: &Build) -> bool {
     match build {
         Build::UnderWay { building, .. } => building.has_begun(),
@@ -46,7 +46,7 @@ pub fn is_shown(build: &Build) -> bool {
     }
 }
 
-/// Shows the build under way, or the last one, in a frame of its own; nothing where there is none.
+/// Shows the build under way, or the last one, in its own frame; shows nothing if there is none.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(build) = model.build.as_ref().filter(|b| is_shown(b)) else { return };
     let palette = Palette::of(ui.visuals());
@@ -71,7 +71,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// As [`show`], in the lower left corner of a part of the window.
+/// Shows the build as [`show`] does, in the lower left corner of a part of the window.
 pub fn over(ui: &Ui, within: Rect, model: &Model, commands: &mut Vec<Command>) {
     let at = within.left_bottom() + vec2(10.0, -10.0);
     let area = Area::new(Id::unique("build")).fixed_pos(at).pivot(Align2::LEFT_BOTTOM).constrain_to(within);

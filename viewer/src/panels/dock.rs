@@ -1,4 +1,4 @@
-//! Where panels lie: tabs, and the one that is open.
+//! Docks of panels: tabs, and the open panel.
 
 use super::{PANELS, PanelStates};
 use crate::command::Command;

@@ -1,4 +1,4 @@
-//! Glitches of recordings, wherever a clip is shown over time: where they are, their colours and their words.
+//! Glitches of recordings, for every view of a clip over time: frames, colours and descriptions.
 
 use crate::document::RawMotion;
 use crate::model::Model;
@@ -12,15 +12,15 @@ use throng_runtime::format::ClipMeta;
 /// A glitch of a clip.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mark {
-    /// Its frames.
+    /// Frames of the glitch.
     pub frames: Range<u32>,
-    /// What was done about it.
+    /// Treatment of the glitch.
     pub treated: Treated,
-    /// What it is and what was done about it, for people.
+    /// Description of the glitch and its treatment.
     pub words: String,
 }
 
-/// Those of a motion file, in frames of the file.
+/// Glitches of a motion file, in frames of the file.
 pub fn of_raw(raw: &RawMotion) -> Vec<Mark> {
     let mark = |g: &Glitch| {
         let (kind, treated) = (g.kind.name(), g.treated);
@@ -30,7 +30,7 @@ pub fn of_raw(raw: &RawMotion) -> Vec<Mark> {
     raw.imported.glitches.iter().map(mark).collect()
 }
 
-/// Those of a clip of a bundle, which knows where some were cut out and no more.
+/// Glitches of a clip of a bundle, which only records those that were cut out.
 pub fn of_clip(meta: &ClipMeta) -> Vec<Mark> {
     let cut = meta.excluded.iter().filter(|e| e.0 == ExclusionReason::Glitch.to_string());
     let mark = |(_, start, end): &(String, u32, u32)| {
@@ -40,7 +40,7 @@ pub fn of_clip(meta: &ClipMeta) -> Vec<Mark> {
     cut.map(mark).collect()
 }
 
-/// Those of the clip that is shown, in the frames of its player.
+/// Glitches of the shown clip, in the frames of its player.
 pub fn shown(model: &Model) -> Vec<Mark> {
     if let Some(raw) = model.document.raw_motion() {
         return of_raw(raw);
@@ -49,7 +49,7 @@ pub fn shown(model: &Model) -> Vec<Mark> {
     clip.map_or_else(Vec::new, |(_, meta)| of_clip(meta))
 }
 
-/// The colour of what was done about a glitch.
+/// Colour of a treatment.
 pub fn colour(palette: &Palette, treated: Treated) -> Color32 {
     match treated {
         Treated::Cut => palette.excluded,

@@ -3,10 +3,10 @@
 use super::PANELS;
 use eframe::egui::{self, Grid, Key, Modal, Modifiers, RichText, Ui};
 
-/// What a key does.
+/// Action of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
-    /// Let time move on, or stop it.
+    /// Start or stop time.
     PlayPause,
     /// One step back.
     Back,
@@ -16,9 +16,9 @@ pub enum Action {
     BackSecond,
     /// A second on.
     OnSecond,
-    /// To the start of what is recorded.
+    /// To the start of the recording.
     First,
-    /// To the end of what is recorded.
+    /// To the end of the recording.
     Last,
     /// Slower.
     Slower,
@@ -26,17 +26,17 @@ pub enum Action {
     Faster,
     /// Restart the run.
     Restart,
-    /// Crowd, blend or clip: the next one that there is.
+    /// Crowd, blend or clip: the next available stage.
     Stage,
     /// Camera follows.
     Follow,
-    /// Look at everything.
+    /// Move the camera so that everything is in view.
     FrameAll,
     /// Next body.
     Body,
     /// Joint axes.
     JointAxes,
-    /// Steer the selected character, or let it go.
+    /// Steer the selected character, or release it.
     Steer,
     /// Select nothing.
     SelectNone,
@@ -54,16 +54,16 @@ pub enum Action {
     Help,
 }
 
-/// A key and what it does.
+/// A key and its action.
 #[derive(Clone, Copy, Debug)]
 pub struct Shortcut {
     /// Held with it.
     pub modifiers: Modifiers,
     /// The key.
     pub key: Key,
-    /// What it does.
+    /// Action of the key.
     pub action: Action,
-    /// The same in words.
+    /// Description of the action.
     pub text: &'static str,
 }
 
@@ -77,7 +77,8 @@ const fn with(modifiers: Modifiers, key: Key, action: Action, text: &'static str
 
 const COMMAND_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::COMMAND };
 
-/// All keys but those of the panels, which are in [`PANELS`]. Longer ones come first: they are looked for first.
+/// All keys but those of the panels, which are in [`PANELS`]. Keys with modifiers come before the same keys without,
+/// since the first match counts.
 pub const SHORTCUTS: &[Shortcut] = &[
     plain(Key::Space, Action::PlayPause, "play or pause"),
     with(Modifiers::SHIFT, Key::ArrowLeft, Action::BackSecond, "a second back"),
@@ -108,7 +109,7 @@ pub const SHORTCUTS: &[Shortcut] = &[
 /// Width of the list, where the window has room for it (points).
 const WIDTH: f32 = 900.0;
 
-/// What the mouse does in the 3-D view.
+/// Actions of the mouse in the 3-D view.
 const MOUSE: [(&str, &str); 11] = [
     ("click", "select a character, or a unit of a world"),
     ("drag a target", "move it; with Shift, all targets"),
@@ -123,7 +124,7 @@ const MOUSE: [(&str, &str); 11] = [
     ("Ctrl + plus, minus, 0", "size of everything in the window"),
 ];
 
-/// The actions of the keys pressed since the last frame, taken out of the input.
+/// The actions of the keys pressed since the last frame; removes these keys from the input.
 ///
 /// - `leaves_arrows`: something that has the focus is moved by the arrow keys.
 pub fn pressed(ctx: &egui::Context, leaves_arrows: bool) -> Vec<Action> {
@@ -167,7 +168,7 @@ fn tables(ui: &mut Ui) {
     });
 }
 
-/// Keys with what they do, those that do the same together.
+/// Keys with their actions; keys with the same action share a row.
 fn rows(ctx: &egui::Context) -> Vec<(String, &'static str)> {
     let of = |s: &Shortcut| {
         let same = SHORTCUTS.iter().filter(|o| o.action == s.action);

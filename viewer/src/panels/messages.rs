@@ -1,4 +1,4 @@
-//! What was said to the user, over the 3-D view.
+//! Messages to the user, over the 3-D view.
 
 use crate::command::Command;
 use crate::model::Model;

@@ -1,7 +1,7 @@
 //! The panels. One panel, one file, one entry in [`PANELS`].
 //!
-//! A panel is a function of the borrowed [`Model`]: it shows, and puts what it asks for on the list of commands. What
-//! only concerns how it looks (a filter, a zoom) is its own state.
+//! A panel is a function of the borrowed [`Model`]: it shows the model, and adds its requests to the list of commands.
+//! It keeps only its view settings (a filter, a zoom) as its own state.
 
 pub mod blend;
 pub mod build;
@@ -36,9 +36,9 @@ use eframe::egui::{Key, Ui};
 pub struct Panel {
     /// Which one.
     pub kind: PanelKind,
-    /// What it is called.
+    /// Title of the panel.
     pub title: &'static str,
-    /// What it is for, in a sentence.
+    /// Purpose, in a phrase.
     pub purpose: &'static str,
     /// Key that opens and closes it.
     pub key: Key,
@@ -138,7 +138,7 @@ pub enum Dialog {
     Body,
 }
 
-/// What panels remember of how they look.
+/// State of all panels.
 #[derive(Clone, Debug, Default)]
 pub struct PanelStates {
     /// The 3-D view.
@@ -174,7 +174,7 @@ pub struct PanelStates {
 }
 
 impl PanelKind {
-    /// Its entry in the list.
+    /// Entry of the panel in [`PANELS`].
     pub fn panel(self) -> Option<&'static Panel> {
         PANELS.iter().find(|p| p.kind == self)
     }

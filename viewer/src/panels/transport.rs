@@ -7,7 +7,7 @@ use crate::run::STEP_HZ;
 use crate::theme::Palette;
 use eframe::egui::{self, Button, Label, Rangef, Rect, Response, Slider, Ui, remap, vec2};
 
-/// What the bar shows: of the run or of the clip.
+/// Input of the bar: from the run or from the clip.
 struct Time {
     playing: bool,
     speed: f32,
@@ -54,7 +54,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let seconds = |frame: u32| frame as f32 / t.rate_hz;
         let what = if model.shows_clip() { "frame" } else { "step" };
         let text = format!("{:>6.2} s  {what} {:<5}", seconds(t.now), t.now);
-        // Each goes to the next row as a whole where there is no room.
+        // Each control moves to the next row as a whole if there is no room.
         ui.add(Label::new(egui::RichText::new(text).monospace()).extend());
         let note = if model.shows_clip() {
             format!("of {:.2} s", seconds(t.last))
@@ -86,9 +86,9 @@ fn scrubber(ui: &mut Ui, t: &Time, marks: &[Mark], commands: &mut Vec<Command>) 
     }
 }
 
-/// Paints the marks below the line; says what the one under the pointer is, else what the line is for.
+/// Paints the marks below the line; returns a tooltip about the mark under the pointer, or about the line.
 fn pointed(ui: &Ui, scrubber: &Response, t: &Time, marks: &[Mark]) -> String {
-    // Where the slider has its ends: the handle stays within.
+    // The handle of the slider stays within these ends.
     let (rect, palette) = (scrubber.rect, Palette::of(ui.visuals()));
     let line = rect.x_range().shrink(rect.height() / 2.5);
     let x = |frame: u32| remap(frame as f32, t.first as f32..=t.last as f32, line.min..=line.max);

@@ -20,21 +20,21 @@ use glam::{Vec2, Vec3};
 use throng_runtime::simulation::GroupCast;
 use throng_runtime::world::inhabitants::Wish;
 
-/// A target can be taken hold of within this distance of the pointer (points).
+/// Distance from the pointer within which a target can be grabbed (points).
 const GRAB: f32 = 16.0;
-/// Targets of characters that are not selected can be dragged in crowds of up to so many: in larger ones, they would be
-/// everywhere the camera is to be turned from.
+/// Largest crowd in which targets of unselected characters can be dragged: in larger ones, targets would be in the way
+/// of turning the camera.
 const MAX_GRABBED: usize = 50;
-/// And within this distance (points).
+/// Distance from the pointer within which other characters' targets can be grabbed (points).
 const GRAB_OTHERS: f32 = 6.0;
 
 /// A cell of a policy is pointed at within this distance (points).
 const NEAR_CELL: f32 = 7.0;
 
-/// What the view remembers.
+/// State of the view.
 #[derive(Clone, Debug, Default)]
 pub struct State {
-    /// Character whose target is dragged; all targets if it names none.
+    /// Character whose target is dragged; the inner none stands for all targets.
     dragged: Option<Option<usize>>,
     /// A unit of a world that is dragged.
     dragged_unit: Option<world::Dragged>,
@@ -46,16 +46,16 @@ pub struct State {
     pub aspect: f32,
 }
 
-/// What the view asks of its caller.
+/// Area of the view that the caller draws in 3-D.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawn {
-    /// Where.
+    /// Part of the screen.
     pub rect: Rect,
     /// From where.
     pub camera: Camera,
 }
 
-/// Shows the view in all that is left of the window. `paint` adds what is drawn in 3-D.
+/// Shows the view in all that is left of the window. `paint` adds the 3-D picture.
 pub fn show(
     ui: &mut Ui,
     model: &Model,
@@ -171,8 +171,8 @@ fn move_camera(ui: &Ui, response: &Response, model: &Model, shift: bool, command
     }
 }
 
-/// Where a ray passes nearest to the vertical line through a place, as far as it meets the upright plane there that
-/// faces the camera; above the ground (m).
+/// Point on the vertical line through a place that is nearest to a ray, found on the upright plane there that faces
+/// the camera; above the ground (m).
 fn upright(ray: &Ray, camera: Camera, place: Vec3) -> Option<Vec3> {
     let facing = camera.axes()[2].with_y(0.0).try_normalize()?;
     let distance = (place - ray.origin).dot(facing) / ray.direction.dot(facing);
@@ -187,7 +187,7 @@ struct Targets {
     all: Vec<(usize, Vec3, Option<Vec3>)>,
 }
 
-/// Targets of the crowd or the scene that is shown; none where there are none.
+/// Movable targets of the crowd or the scene that is shown; none without any.
 fn targets(model: &Model) -> Option<Targets> {
     if let Some((_, run)) = model.shown_crowd() {
         let all = run.targets().iter().enumerate().map(|(c, &t)| (c, t, None)).collect();
@@ -268,7 +268,7 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &Layout, commands:
     }
 }
 
-/// What a click with the command key tells: a target is put there, or an inhabitant of a world is sent there.
+/// Input of a click with the command key: moves a target there, or sends an inhabitant of a world there.
 fn order(model: &Model, ray: &Ray) -> Option<Input> {
     let selected = model.selection.character;
     let targets = targets(model);
@@ -289,7 +289,7 @@ fn order(model: &Model, ray: &Ray) -> Option<Input> {
     }
 }
 
-/// Says what the cell of a policy under the pointer is worth, and what would be done there.
+/// Shows a tooltip with the value of the policy's cell under the pointer, and the best action there.
 fn tell_value(response: Response, model: &Model, layout: &Layout) {
     let (Some(at), Some(bundle), Some(state)) =
         (response.hover_pos(), model.document.bundle(), model.looked_at_state())
@@ -300,7 +300,7 @@ fn tell_value(response: Response, model: &Model, layout: &Layout) {
     let eye = camera.eye();
     let is_near =
         |c: &&ValueCell| camera.project(c.place, size(rect)).is_some_and(|p| p.distance(within(rect, at)) < NEAR_CELL);
-    // The first of those behind each other.
+    // Of cells behind each other, the nearest one.
     let depth = |c: &ValueCell| c.place.distance(eye);
     let Some(found) = layout.cells.iter().filter(is_near).min_by(|a, b| depth(a).total_cmp(&depth(b))) else { return };
     let Some(policy) = bundle.motion_set().policy(model.selection.policy) else { return };

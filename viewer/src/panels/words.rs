@@ -1,4 +1,4 @@
-//! Places, ways and numbers in plain words.
+//! Places, directions and numbers in plain words.
 
 use glam::{Vec2, Vec3};
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use throng_runtime::world::inhabitants::{Doing, InhabitantState, Wish};
 
 /// Turns smaller than this are not worth a word (degrees).
 const STRAIGHT_DEG: f32 = 3.0;
-/// Ways shorter than this are no way (m).
+/// Displacements shorter than this count as none (m).
 const STAYS_M: f32 = 0.05;
 
 /// A direction from straight ahead, positive to the left (rad).
@@ -29,7 +29,7 @@ pub fn place(p: Vec2) -> String {
     format!("{:.1} m away, {}", p.length(), direction(p.x.atan2(p.y)))
 }
 
-/// Where an action leads, in a few letters: distance, direction, turn.
+/// Displacement of an action as a short text: distance, direction, turn.
 pub fn way(d: Planar) -> String {
     let p = Vec2::new(d.x, d.z);
     let turn = d.heading.to_degrees();
@@ -66,7 +66,7 @@ pub fn ordinal(n: usize) -> String {
     format!("{n}{ending}")
 }
 
-/// A number with as many digits as tell it from its likes.
+/// A number with a suitable number of digits.
 pub fn number(v: f32) -> String {
     match v.abs() {
         a if a >= 100.0 || a.fract() == 0.0 => format!("{v:.0}"),
@@ -79,7 +79,7 @@ fn side(degrees: f32) -> &'static str {
     if degrees > 0.0 { "left" } else { "right" }
 }
 
-/// What an inhabitant of a world is about, and how long it has waited.
+/// Activity of an inhabitant of a world, and how long it has waited.
 pub fn doing(state: &InhabitantState) -> String {
     let word = match state.doing {
         Doing::Roaming => "roams",
@@ -96,7 +96,7 @@ pub fn doing(state: &InhabitantState) -> String {
     word.to_owned()
 }
 
-/// A character of a scene: its number, its group, and what it is doing.
+/// A character of a scene: its number, its group, and its activity.
 pub fn character(simulation: &Simulation, who: usize) -> Option<String> {
     let group = simulation.groups().iter().find(|g| g.characters.contains(&who))?;
     let name = &group.name;
@@ -118,9 +118,9 @@ pub fn character(simulation: &Simulation, who: usize) -> Option<String> {
     Some(format!("{who} · {name} · {what}"))
 }
 
-/// What an inhabitant is to do.
+/// Goal of an inhabitant, as text.
 ///
-/// - `tags`: names of what motion shows, as the bundle has them.
+/// - `tags`: names of the link tags of the bundle.
 pub fn wish(wish: Wish, tags: &[String]) -> String {
     match wish {
         Wish::Roam => "roam".to_owned(),

@@ -1,4 +1,4 @@
-//! GPU buffers that grow with what is written to them.
+//! GPU buffers that grow with their data.
 
 use super::RenderError;
 

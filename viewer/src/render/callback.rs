@@ -20,7 +20,7 @@ pub struct SceneCallback {
     pub size: [u32; 2],
     /// Colours of the surroundings.
     pub colours: SceneColours,
-    /// Where the time to choose, encode and submit is left; the device may still be at work.
+    /// Time to choose, encode and submit the last frame; the device may still be at work.
     pub time: Arc<Mutex<Duration>>,
 }
 

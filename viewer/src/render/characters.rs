@@ -18,7 +18,7 @@ use wgpu::Face;
 const LEVEL_PIXELS: [f32; LEVELS - 1] = [170.0, 72.0, 40.0];
 /// The level of the shadow, by the level of the body.
 const SHADOW_LEVEL: [usize; LEVELS] = [1, 2, 3, 3];
-/// Where a body touches the ground is seen up to this level of its shadow.
+/// Number of finest shadow levels at which contact with the ground is drawn.
 const CONTACT_LEVELS: usize = 2;
 /// Shadows fall this far beyond the sphere of their body at most (m).
 const SHADOW_REACH: f32 = 1.6;
@@ -28,11 +28,11 @@ const SHADOW_REACH: f32 = 1.6;
 pub struct CharacterInstance {
     /// Model to world.
     pub root: Planar,
-    /// Main colour; other parts are shades of it. With alpha below 1 it is a ghost, drawn after all others.
+    /// Main colour; other parts are shades of it. With alpha below 1 the character is a ghost, drawn after all others.
     pub colour: Rgba,
-    /// Its edge glows.
+    /// The edge of a selected character glows.
     pub is_selected: bool,
-    /// Bits by which its clothes and skin are coloured; 0 for those that everybody has.
+    /// Bits that choose the colours of clothes and skin; 0 for the default colours.
     pub look: u32,
 }
 
@@ -41,9 +41,9 @@ pub struct CharacterInstance {
 pub struct Record {
     /// Which rows, and where.
     pub instance: Instance,
-    /// Main colour, as that of a [`CharacterInstance`].
+    /// Main colour, see [`CharacterInstance`].
     pub colour: Rgba,
-    /// As that of a [`CharacterInstance`].
+    /// Bits that choose colours, see [`CharacterInstance`].
     pub look: u32,
 }
 
@@ -64,10 +64,10 @@ struct GpuInstance {
     look: u32,
 }
 
-/// Stands for a row where there is none.
+/// Row number that stands for no row.
 const FROM_PALETTE: u32 = u32::MAX;
 
-/// Where a character is, to choose how it is drawn.
+/// Position and kind of a character, for choosing how it is drawn.
 #[derive(Clone, Copy)]
 struct Place {
     hips: Vec3,
@@ -81,12 +81,12 @@ struct Place {
 pub(super) struct Lists {
     pub solid: [Range<u32>; LEVELS],
     pub ghosts: [Range<u32>; LEVELS],
-    /// Those whose shadow can be in view, by the level of the shadow.
+    /// Characters whose shadow can be in view, by the level of the shadow.
     pub shadows: [Range<u32>; LEVELS],
 }
 
 impl Lists {
-    /// Those of a layer. Far away, contact is too small to be seen.
+    /// Ranges of a layer. Far away, contact is too small to be visible.
     pub fn of(&self, layer: Layer) -> &[Range<u32>] {
         match layer {
             Layer::Solid => &self.solid,
@@ -149,7 +149,7 @@ pub(super) struct Characters {
     palette: GrowingBuffer,
     instances: GrowingBuffer,
     rows: GrowingBuffer,
-    /// What the buffer of rows has.
+    /// Content of the buffer of rows.
     uploaded_rows: Option<Arc<[Mat3x4]>>,
     lists: GrowingBuffer,
     meshes: [GpuMesh; LEVELS],
@@ -178,7 +178,7 @@ impl Characters {
         let body = with("body", include_str!("shaders/body.wgsl"));
         let shadow = with("shadow", include_str!("shaders/shadow.wgsl"));
         let pipelines = Layer::ALL.map(|layer| {
-            // The faces that look away from the light are the lower ones, which is where shadows are darkest.
+            // The faces away from the light are the lower ones, where shadows are darkest.
             let (shader, hidden) = if layer.is_shadow() { (&shadow, Face::Front) } else { (&body, Face::Back) };
             let (stages, groups, input, output) =
                 (layer.stages(), &[scene_layout, &layout], Input::Body, layer.output());
@@ -300,7 +300,7 @@ impl Characters {
         self.places.clear();
     }
 
-    /// Chooses what is drawn, at which level of detail, and hands the lists over.
+    /// Chooses which characters are drawn, at which level of detail, and uploads the lists.
     pub fn choose(&mut self, queue: &wgpu::Queue, camera: &Camera, size: [u32; 2]) -> DrawLists {
         let [width, height] = size.map(|s| s.max(1) as f32);
         let frustum = Frustum::new(camera.view_proj(width / height));

@@ -18,7 +18,7 @@ impl Rgba {
         Self([(rgb >> 16) as u8, (rgb >> 8) as u8, rgb as u8, 255])
     }
 
-    /// The same with another opacity (0 to 1).
+    /// This colour with another opacity (0 to 1).
     pub fn alpha(self, alpha: f32) -> Self {
         let [r, g, b, _] = self.0;
         Self([r, g, b, (alpha.clamp(0.0, 1.0) * 255.0).round() as u8])
@@ -41,12 +41,12 @@ impl Rgba {
     }
 }
 
-/// Colours of everything in the view that has none of its own.
+/// Colours of everything in the view without a colour of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneColours {
     /// Above the horizon, far up.
     pub sky: Rgba,
-    /// At the horizon, and what the ground fades into.
+    /// Horizon, and the colour into which the ground fades.
     pub horizon: Rgba,
     /// The ground.
     pub ground: Rgba,
@@ -58,7 +58,7 @@ pub struct SceneColours {
     pub axis_x: Rgba,
     /// The line along Z.
     pub axis_z: Rgba,
-    /// Where no light falls on the ground; alpha is how strong it is.
+    /// Shadow on the ground; alpha is its strength.
     pub shadow: Rgba,
     /// Light from above; alpha is its strength.
     pub light_above: Rgba,

@@ -3,7 +3,7 @@
 use glam::{Mat4, Vec3, Vec4};
 use throng_runtime::{Joint, Skeleton};
 
-/// The planes that bound what a camera sees; there is no far plane.
+/// The planes that bound the camera's view; there is no far plane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frustum {
     planes: [Vec4; 5],
@@ -23,7 +23,7 @@ impl Frustum {
     }
 }
 
-/// Radius around the hips that no part of a body leaves, whatever its pose (m).
+/// Radius around the hips that no part of a body leaves in any pose (m).
 pub(super) fn reach(skeleton: &Skeleton) -> f32 {
     let mut chain = [0.0_f32; throng_runtime::NUM_JOINTS];
     for joint in Joint::ALL {

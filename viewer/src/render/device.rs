@@ -3,7 +3,7 @@
 use std::time::Duration;
 use wgpu::{DeviceDescriptor, Limits};
 
-/// Longest time that a frame may take to be drawn; what takes longer hangs.
+/// Longest time for drawing a frame; a longer one counts as a hang.
 const WAIT: Duration = Duration::from_secs(120);
 
 /// A device for the view and for egui: the limits that WebGPU promises, less where the adapter falls short of them, and

@@ -1,4 +1,4 @@
-//! What can go wrong before anything is drawn.
+//! Errors before anything is drawn.
 
 /// Why a scene cannot be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -9,41 +9,41 @@ pub enum RenderError {
         "this graphics device offers {available} storage buffers per shader stage, 3 are needed: choose another adapter or backend (WGPU_BACKEND=vulkan)"
     )]
     NoStorageBuffers {
-        /// What the device offers.
+        /// Number that the device offers.
         available: u32,
     },
-    /// One kind of data outgrows what the device can bind.
+    /// One kind of data exceeds the limit of the device.
     #[error(
         "{count} {what} take {needed} bytes, this graphics device binds {limit} at most: show fewer than {most} of them"
     )]
     TooMany {
-        /// What there is too much of.
+        /// Name of the data.
         what: &'static str,
-        /// How many were asked for.
+        /// Requested number.
         count: usize,
         /// (bytes)
         needed: u64,
         /// (bytes)
         limit: u64,
-        /// How many fit.
+        /// Largest number that fits.
         most: u64,
     },
     /// The palette does not hold one pose per character.
     #[error("{characters} characters need {expected} joint matrices, got {got}: pass num_joints matrices for each")]
     PaletteLength {
-        /// How many characters there are.
+        /// Number of characters.
         characters: usize,
         /// Matrices needed.
         expected: usize,
         /// Matrices passed.
         got: usize,
     },
-    /// A record names a frame row that there is not.
+    /// A record names a frame row that does not exist.
     #[error("a record names frame row {row}, there are {rows}: pass the poses of all rows of its bundle")]
     Rows {
         /// Which.
         row: u32,
-        /// How many there are.
+        /// Number of rows.
         rows: usize,
     },
     /// The picture could not be copied back from the device.

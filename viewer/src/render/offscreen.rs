@@ -1,4 +1,4 @@
-//! The textures the view is drawn into, and the way from there into a window.
+//! The textures that the view is drawn into, and their transfer into a window.
 
 use super::RenderError;
 use super::device::wait;
@@ -11,7 +11,7 @@ pub(super) struct Targets {
     /// Colour with several samples a pixel.
     pub colour: wgpu::TextureView,
     pub depth: wgpu::TextureView,
-    /// Where the samples are averaged into.
+    /// Average of the samples.
     pub resolved: wgpu::TextureView,
     /// Shadows on the ground, as the camera sees them.
     pub mask: wgpu::TextureView,
@@ -58,7 +58,7 @@ impl Offscreen {
         Self { mask_layout, sampler, picture_layout, blit, targets: None }
     }
 
-    /// The targets of a size, rebuilt where it has changed; sizes are brought into what the device can do.
+    /// The targets of a size, rebuilt if it has changed; sizes are limited to what the device supports.
     pub fn resize(&mut self, device: &wgpu::Device, size: [u32; 2]) -> &Targets {
         let most = device.limits().max_texture_dimension_2d;
         let size = size.map(|s| s.clamp(1, most));
@@ -153,7 +153,7 @@ pub fn read_back(
     let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
     encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
     queue.submit([encoder.finish()]);
-    // The range below tells whether mapping it succeeded.
+    // Reading the range below fails if mapping failed.
     buffer.map_async(wgpu::MapMode::Read, .., |_| ());
     wait(device).map_err(|e| failed(&e))?;
     let mapped = buffer.get_mapped_range(..).map_err(|e| failed(&e))?;

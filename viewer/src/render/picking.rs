@@ -4,7 +4,7 @@ use super::{CharacterInstance, Ray, cull};
 use glam::{Vec2, Vec3};
 use throng_runtime::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
 
-/// What a ray meets first.
+/// Nearest intersection of a ray with a character.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Index of the character.
@@ -17,8 +17,8 @@ pub struct Hit {
 
 /// The character that a ray meets first.
 ///
-/// Bodies are taken as capsules between joints and their parents; spheres around whole characters are tried before.
-/// Characters with fewer than `num_joints` matrices in the palette are passed over.
+/// Bodies are treated as capsules between joints and their parents; spheres around whole characters are tested first.
+/// Characters with fewer than `num_joints` matrices in the palette are skipped.
 ///
 /// - `palette`: joints in model space (num_characters * num_joints).
 pub fn pick(ray: &Ray, skeleton: &Skeleton, palette: &[Mat3x4], instances: &[CharacterInstance]) -> Option<Hit> {
@@ -74,7 +74,7 @@ fn pick_one(ray: &Ray, skeleton: &Skeleton, pose: &[Mat3x4], instance: &Characte
     nearest
 }
 
-/// Half thickness of the limb that ends in a joint (m).
+/// Radius of the limb that ends in a joint (m).
 fn radius(joint: Joint) -> f32 {
     use Joint::*;
     match joint {

@@ -1,4 +1,4 @@
-//! How render pipelines are put together: one short description each.
+//! Construction of render pipelines, each from a short description.
 
 /// Colour format of the picture.
 pub(super) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
@@ -41,7 +41,7 @@ const _: () = assert!(size_of::<super::solid_draws::GpuSolid>() == 32);
 /// The vertex buffers a pipeline reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Input {
-    /// None: corners come from their number.
+    /// No buffer: corners come from their number.
     Nothing,
     /// A body, and one character number an instance.
     Body,
@@ -76,10 +76,10 @@ impl Input {
     }
 }
 
-/// What a pipeline draws into.
+/// Target of a pipeline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Output {
-    /// The picture: how it is blended and whether it hides what is behind.
+    /// The picture: with blending and depth.
     Picture {
         /// Blending; `None` replaces.
         blend: Option<wgpu::BlendState>,
@@ -103,13 +103,13 @@ impl Output {
         hides: true,
         compare: wgpu::CompareFunction::Greater,
     };
-    /// Flat things drawn onto others.
+    /// Flat shapes drawn onto others.
     pub const OVERLAY: Self = Self::Picture {
         blend: Some(wgpu::BlendState::ALPHA_BLENDING),
         hides: false,
         compare: wgpu::CompareFunction::Greater,
     };
-    /// What is seen where there is nothing else.
+    /// Background, visible only where nothing else is drawn.
     pub const BACKDROP: Self =
         Self::Picture { blend: None, hides: false, compare: wgpu::CompareFunction::GreaterEqual };
 
@@ -143,16 +143,16 @@ impl Output {
     }
 }
 
-/// What is drawn of bodies at a time.
+/// Layer of bodies, drawn at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Layer {
     /// Opaque bodies.
     Solid,
-    /// Those one can see through.
+    /// Transparent bodies.
     Ghosts,
     /// The sun's shadow.
     Sun,
-    /// The shadow of what touches the ground.
+    /// The shadow of parts that touch the ground.
     Contact,
 }
 
@@ -160,12 +160,12 @@ impl Layer {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Solid, Self::Ghosts, Self::Sun, Self::Contact];
 
-    /// True for those that are drawn into the mask.
+    /// True for layers that are drawn into the mask.
     pub fn is_shadow(self) -> bool {
         matches!(self, Self::Sun | Self::Contact)
     }
 
-    /// Entry points of its shader.
+    /// Entry points of the layer's shader.
     pub fn stages(self) -> [&'static str; 2] {
         match self {
             Self::Solid | Self::Ghosts => ["vertex", "fragment"],
@@ -174,7 +174,7 @@ impl Layer {
         }
     }
 
-    /// What it is drawn into.
+    /// Target of the layer.
     pub fn output(self) -> Output {
         match self {
             Self::Solid => Output::SOLID,
@@ -184,7 +184,7 @@ impl Layer {
     }
 }
 
-/// All that tells one pipeline from another.
+/// Description of a pipeline.
 pub(super) struct Recipe<'a> {
     pub label: &'a str,
     pub shader: &'a wgpu::ShaderModule,
@@ -195,7 +195,7 @@ pub(super) struct Recipe<'a> {
     pub output: Output,
     /// Triangles of four corners in a strip instead of three each.
     pub strip: bool,
-    /// Faces that are left out: those seen from the front or from behind.
+    /// Faces that are culled: front or back.
     pub hidden: Option<wgpu::Face>,
 }
 

@@ -1,4 +1,4 @@
-//! The whole view: upload what there is, then draw it from a camera.
+//! The whole view: upload a scene, then draw it from a camera.
 
 use super::characters::{CharacterInstance, Characters, Record};
 use super::mesh::{Body, LEVELS};
@@ -19,21 +19,21 @@ const STORAGE_BUFFERS: u32 = 3;
 pub struct SceneFrame<'a> {
     /// Proportions of all characters.
     pub skeleton: &'a Skeleton,
-    /// What they look like.
+    /// Appearance of the characters.
     pub body: Body,
-    /// A mesh of the user's own that all instances wear; records look like `body`.
+    /// A mesh of the user's own that all instances wear; records have the appearance `body`.
     pub worn: Option<Worn<'a>>,
     /// Joints in model space (num_characters * num_joints).
     pub palette: &'a [Mat3x4],
-    /// Where they are (num_characters).
+    /// Positions and colours of the characters (num_characters).
     pub instances: &'a [CharacterInstance],
     /// Characters that are drawn from frame rows.
     pub records: &'a [Record],
-    /// The poses of all rows, joints in model space (rows * num_joints); needed where there are records.
+    /// The poses of all rows, joints in model space (rows * num_joints); required with records.
     pub rows: Option<&'a Arc<[Mat3x4]>>,
-    /// What else there is.
+    /// Further shapes.
     pub shapes: &'a Shapes,
-    /// What stands in the world.
+    /// Things that stand in the world.
     pub solids: &'a Solids,
 }
 
@@ -126,8 +126,8 @@ impl SceneRenderer {
         Ok(())
     }
 
-    /// Draws into the picture and submits the work; the picture has the size that was asked for, within what the device
-    /// can do (pixels).
+    /// Draws into the picture and submits the work; the picture has the requested size, within the limits of the
+    /// device (pixels).
     ///
     /// - returns the number of characters in view by level of detail, finest first.
     pub fn draw(&mut self, size_px: [u32; 2], camera: &Camera, colours: &SceneColours) -> [usize; LEVELS] {

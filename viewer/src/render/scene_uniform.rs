@@ -1,4 +1,4 @@
-//! What all shaders share: camera, light, colours, rest positions.
+//! Data shared by all shaders: camera, light, colours, rest positions.
 
 use super::{Camera, SceneColours};
 use bytemuck::{Pod, Zeroable};

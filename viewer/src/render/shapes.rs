@@ -16,7 +16,7 @@ pub(super) struct LineInstance {
     pub colour: Rgba,
 }
 
-/// Instance of a round cone: two spheres and what is between.
+/// Instance of a round cone: the hull of two spheres.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct RoundInstance {
@@ -64,12 +64,12 @@ impl Shapes {
         self.on_top = 0;
     }
 
-    /// How many instances will be drawn.
+    /// Number of instances to draw.
     pub fn len(&self) -> usize {
         self.lines.len() + self.rounds.len() + self.rings.len()
     }
 
-    /// True where there is nothing to draw.
+    /// True if there is nothing to draw.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -106,7 +106,7 @@ impl Shapes {
         self.round_cone(a, radius, b, radius, colour);
     }
 
-    /// Two spheres of different radii and what is between (m).
+    /// The hull of two spheres of different radii (m).
     pub fn round_cone(&mut self, a: Vec3, radius_a: f32, b: Vec3, radius_b: f32, colour: Rgba) {
         let (a, b) = (a.to_array(), b.to_array());
         self.rounds.push(RoundInstance { a, radius_a, b, radius_b, on_top: self.on_top, colour });

@@ -1,4 +1,4 @@
-//! Draws what stands in the world: one instanced draw for each mesh.
+//! Draws things that stand in the world: one instanced draw for each mesh.
 
 use super::buffer::GrowingBuffer;
 use super::pipelines::{self, Input, Output, Recipe};
@@ -26,14 +26,14 @@ struct Batch {
     is_ghost: bool,
 }
 
-/// What stands in the world, on the GPU.
+/// Things that stand in the world, on the GPU.
 pub(super) struct SolidDraws {
     solid: wgpu::RenderPipeline,
     ghost: wgpu::RenderPipeline,
     vertices: GrowingBuffer,
     indices: GrowingBuffer,
     instances: GrowingBuffer,
-    /// What was uploaded last.
+    /// Meshes of the last upload.
     meshes: Arc<[SolidMesh]>,
     /// First index and first vertex of each mesh.
     starts: Vec<(u32, i32)>,
@@ -42,7 +42,7 @@ pub(super) struct SolidDraws {
 }
 
 impl SolidDraws {
-    /// - `mask_layout`: of the shadow mask, which falls on what lies on the ground.
+    /// - `mask_layout`: layout of the shadow mask, which falls on flat things on the ground.
     pub fn new(
         device: &wgpu::Device,
         scene_layout: &wgpu::BindGroupLayout,
@@ -69,7 +69,7 @@ impl SolidDraws {
         }
     }
 
-    /// Hands over what has changed.
+    /// Uploads what has changed.
     pub fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, solids: &Solids) -> Result<(), RenderError> {
         let are_new = !Arc::ptr_eq(&self.meshes, &solids.meshes);
         if are_new {
@@ -129,7 +129,7 @@ impl SolidDraws {
         Ok(())
     }
 
-    /// Draws what can be seen through, or what hides what is behind. Group 1 has to be the shadow mask.
+    /// Draws transparent things, or opaque ones. Group 1 has to be the shadow mask.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, ghosts: bool) {
         let batches = self.batches.iter().filter(|b| b.is_ghost == ghosts && !b.indices.is_empty());
         for (i, b) in batches.enumerate() {

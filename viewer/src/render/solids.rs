@@ -1,4 +1,4 @@
-//! Things that stand in the world: meshes of boxes, bars and triangles, each made once and drawn wherever it stands.
+//! Things that stand in the world: meshes of boxes, bars and triangles, each made once and drawn in many places.
 
 use super::{Ray, Rgba};
 use bytemuck::{Pod, Zeroable};
@@ -26,16 +26,16 @@ pub struct SolidMesh {
     pub(super) indices: Vec<u32>,
 }
 
-/// A thing and where it stands. With alpha below 1 it can be seen through and is drawn after all others.
+/// A thing with its placement. With alpha below 1 it is transparent and drawn after all others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidInstance {
-    /// Number of its mesh.
+    /// Number of the mesh.
     pub mesh: u32,
-    /// Where its frame is in the world (m).
+    /// Position of its frame in the world (m).
     pub at: Vec3,
-    /// How it is turned. Unit.
+    /// Rotation of its frame. Unit.
     pub turn: Quat,
-    /// Its colour.
+    /// Colour of the thing.
     pub colour: Rgba,
 }
 
@@ -47,7 +47,7 @@ impl SolidInstance {
     }
 }
 
-/// Where the frame of a thing is that stands upright, and how it is turned.
+/// Position and rotation of the frame of an upright thing.
 pub fn upright(p: Placement) -> (Vec3, Quat) {
     (Vec3::new(p.x, p.y, p.z), Quat::from_rotation_y(p.heading))
 }
@@ -57,14 +57,14 @@ pub fn upright(p: Placement) -> (Vec3, Quat) {
 pub struct Solids {
     /// The meshes; the same `Arc` stands for the same meshes.
     pub meshes: Arc<[SolidMesh]>,
-    /// What stands where.
+    /// Placed things.
     pub instances: Vec<SolidInstance>,
 }
 
 impl SolidMesh {
     /// Adds a box (m).
     ///
-    /// - `half`: half of its edge lengths along its own axes, which `rotation` turns.
+    /// - `half`: half of the edge lengths along the box's own axes, which `rotation` turns.
     pub fn add_box(&mut self, centre: Vec3, rotation: Quat, half: Vec3) {
         for axis in 0..3 {
             for side in [-1.0, 1.0] {
@@ -124,7 +124,7 @@ impl SolidMesh {
         }
     }
 
-    /// Where a ray first meets it, standing somewhere: the distance along the ray (m).
+    /// Nearest intersection of a ray with the mesh at a position and rotation: the distance along the ray (m).
     pub fn meets(&self, ray: &Ray, (at, turn): (Vec3, Quat)) -> Option<f32> {
         let back = turn.conjugate();
         let local = Ray { origin: back * (ray.origin - at), direction: back * ray.direction };
@@ -134,7 +134,7 @@ impl SolidMesh {
     }
 }
 
-/// Where a ray meets a triangle from outside.
+/// Distance along a ray to a triangle, hit from outside.
 fn meets_triangle(ray: &Ray, [a, b, c]: [Vec3; 3]) -> Option<f32> {
     let (ab, ac) = (b - a, c - a);
     let across = ray.direction.cross(ac);

@@ -10,7 +10,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use throng_runtime::Mat3x4;
 
-/// Somebody in clothes of the user's own.
+/// Characters that wear a mesh of the user's own, for one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Worn<'a> {
     /// The triangles.
@@ -67,7 +67,7 @@ impl WornDraws {
 
     /// Hands over matrices, and a mesh that was not there.
     ///
-    /// - `instances`: who is drawn; `are_new`: that buffer is another one than it was.
+    /// - `instances`: the instances that are drawn; `are_new`: true if that buffer was replaced.
     pub fn upload(
         &mut self,
         device: &wgpu::Device,
@@ -155,7 +155,7 @@ impl WornDraws {
         })
     }
 
-    /// Draws those of a layer.
+    /// Draws the characters of a layer.
     ///
     /// - `numbers`: numbers of characters, of which each list is a range.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, numbers: &wgpu::Buffer, lists: &[Range<u32>], layer: Layer) {

@@ -9,16 +9,16 @@ use std::collections::HashMap;
 use std::io::Cursor;
 use throng_precompute::onto::{Corner, Figure, Material};
 
-/// Corners nearer to each other than this become one, by level of detail, for somebody of [`HEIGHT_M`] (m).
+/// Distance below which corners are merged, by level of detail, for a character of height [`HEIGHT_M`] (m).
 const CELLS_M: [f32; LEVELS] = [0.0, 0.015, 0.035, 0.08];
 const HEIGHT_M: f32 = 1.75;
-/// Textures are made as large as this (pixels a side).
+/// Size of textures (pixels a side).
 pub(super) const TEXTURE_PX: u32 = 1024;
 /// Most textures of a character.
 const MAX_TEXTURES: usize = 64;
 /// Longest side of an image that is read (pixels).
 const MAX_IMAGE_PX: u32 = 16_384;
-/// Most bytes that an image takes while it is read.
+/// Largest memory for reading an image (bytes).
 const MAX_IMAGE_BYTES: u64 = 1 << 30;
 
 /// One corner.
@@ -49,7 +49,7 @@ pub struct WornMesh {
     pub(super) layers: Vec<RgbaImage>,
     /// Matrices of a pose.
     pub(super) num_frames: usize,
-    /// How far it reaches from its hips, over its legs' length.
+    /// Reach from the hips, relative to the length of the legs.
     pub(super) reach: f32,
 }
 

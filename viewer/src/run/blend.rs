@@ -10,7 +10,7 @@ use throng_runtime::simulation::wander::body_of;
 use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::{Cast, Contacts, Error, Id, Inline, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 
-/// Half-life of the difference between the requested and the blended point (s).
+/// Time in which the difference between the requested and the blended point halves (s).
 const HALF_LIFE_S: f32 = 0.12;
 /// Distance of characters walking side by side (m).
 const BESIDE_M: f32 = 1.1;
@@ -23,9 +23,9 @@ pub struct BlendMoment {
     pub roots: Vec<Planar>,
     /// Joints in model space (number of people * NUM_JOINTS).
     pub poses: Vec<Mat3x4>,
-    /// What is planted (number of people).
+    /// Contacts (number of people).
     pub contacts: Vec<Contacts>,
-    /// The blended point, on its way to the requested one.
+    /// The blended point, which approaches the requested one.
     pub point: [f32; MAX_AXES],
     /// Generic time of the selected one, in [0, 1).
     pub phase: f32,
@@ -39,18 +39,18 @@ struct Person {
     walkers: Walkers,
     id: Id,
     body: Skeleton,
-    /// Where it walks beside the first one (m).
+    /// Offset from the first one (m).
     aside: Vec2,
 }
 
-/// A character walking at a point of a parameter box, and perhaps others beside it.
+/// A character walking at a point of a parameter box, and optional companions.
 #[derive(Clone, Debug)]
 pub struct BlendRun {
     blending: Blending,
     people: Vec<Person>,
     /// All of them at the recorded steps.
     pub reel: Reel<BlendMoment>,
-    /// Where the path has led, and the way it leads on.
+    /// Present position and direction of the path.
     place: Planar,
     /// The point that is blended.
     point: [f32; MAX_AXES],
@@ -72,7 +72,7 @@ impl BlendRun {
         let database = bundle.tables().skeleton();
         let person = |(i, (size, legs, retarget)): (usize, (f32, f32, bool))| {
             let body = body_of(database, size, legs);
-            // What a point is worth is taken at once here: the point itself is what is eased.
+            // The point itself is eased; its parameters take effect at once.
             let config = WalkersConfig { retarget, parameter_half_life_s: 0.0, ..WalkersConfig::default() };
             let side = if i % 2 == 1 { 1.0 } else { -1.0 };
             let aside = Vec2::X * side * BESIDE_M * i.div_ceil(2) as f32;
@@ -91,7 +91,7 @@ impl BlendRun {
         Ok(run)
     }
 
-    /// What is blended, and on what body.
+    /// The blended point, and the body.
     pub fn blending(&self) -> &Blending {
         &self.blending
     }
@@ -167,7 +167,7 @@ impl BlendRun {
     /// Moves all of them along the path of the point.
     fn walk(&mut self, space: &BlendSpace, database: &Skeleton, dt_s: f32) -> Result<(), Error> {
         let leg = |s: &Skeleton| s.leg_length();
-        // What a point stands for on this body (Froude numbers, as walkers take them).
+        // Scale of speeds on this body (Froude numbers, as walkers use them).
         let pace = self.people.first().map_or(1.0, |p| (leg(&p.body) / leg(database)).sqrt());
         let mut weights = vec![0.0; space.stride()];
         space.weights(&[self.point], &mut weights)?;
@@ -214,8 +214,8 @@ impl BlendRun {
     }
 }
 
-/// How a point moves, on the database skeleton: to the left and ahead, and its turning rate. What is no axis of the
-/// space is that of its examples (m/s, rad/s).
+/// Velocity of a point on the database skeleton, to the left and ahead, and its turning rate. Quantities without an
+/// axis in the space are those of its examples (m/s, rad/s).
 fn movement(space: &BlendSpace, point: &[f32; MAX_AXES], weights: &[f32]) -> ([f32; 2], f32) {
     let on = |kind| space.axis_of(kind).map(|a| point[a]);
     let mean = |of: &dyn Fn(usize) -> f32| -> f32 {

@@ -1,4 +1,4 @@
-//! What is blended, and on what body.
+//! Blend request: a point of a blend space, and a body.
 
 use throng_runtime::blend::{BlendSpace, MAX_AXES, axis};
 
@@ -13,16 +13,16 @@ const BEGIN_MPS: f32 = 1.3;
 /// Characters walking beside it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Beside {
-    /// None.
+    /// No companion.
     #[default]
     Nobody,
-    /// The same body with the other choice of retargeting.
+    /// One companion: the same body with the other choice of retargeting.
     Retargeting,
     /// The smallest and the largest body.
     Sizes,
 }
 
-/// What is blended, and on what body.
+/// Blend request: a point of a blend space, and a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blending {
     /// Number of the blend space.
@@ -31,9 +31,9 @@ pub struct Blending {
     pub point: [f32; MAX_AXES],
     /// Size of the body (size of the database skeleton, SIZES).
     pub size: f32,
-    /// Length of its legs over that (LEGS).
+    /// Length of the legs relative to the size (LEGS).
     pub legs: f32,
-    /// Feet are planted and limbs reach; else the joint angles are taken as they are blended.
+    /// Feet are planted and limbs reach; otherwise the blended joint angles are used.
     pub retarget: bool,
     /// Characters walking beside it.
     pub beside: Beside,

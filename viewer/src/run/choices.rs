@@ -1,16 +1,16 @@
-//! What the last choice of every character was about.
+//! Records of the last choice of every character.
 
 use crate::bundle::OpenBundle;
 use glam::Vec3;
 use std::sync::Arc;
 use throng_runtime::characters::Characters;
 
-/// What a behaviour is about.
+/// Subject of a behaviour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum About {
     /// The character's target: a place, something to be struck, or the opponent's head.
     Target,
-    /// Where and when the opponent's next blow lands: x, seconds, z.
+    /// Place and time of the opponent's next blow: x, seconds, z.
     Threat,
 }
 
@@ -19,20 +19,20 @@ pub enum About {
 pub struct RunGoal {
     /// Number of the policy.
     pub policy: usize,
-    /// What it is about.
+    /// Subject of the behaviour.
     pub about: About,
 }
 
-/// What a character chose about.
+/// Data of a choice.
 #[derive(Clone, Debug)]
 pub struct LastChoice {
-    /// Step at which it was.
+    /// Step of the choice.
     pub step: u32,
-    /// Its target: a place, something to be struck, or the opponent's head (m).
+    /// Target of the character: a place, something to be struck, or the opponent's head (m).
     pub target: Vec3,
-    /// Where and when the opponent's next blow was to land: x, seconds, z; zero without an opponent.
+    /// Place and time of the opponent's next blow: x, seconds, z; zero without an opponent.
     pub threat: Vec3,
-    /// What every goal counted; empty where that is not known, because it was before a saved state (number of goals).
+    /// Weight of every goal; empty if unknown, for choices before a saved state (number of goals).
     pub weights: Arc<[f32]>,
 }
 
@@ -54,7 +54,7 @@ impl Choices {
     /// Records the choices of a step.
     ///
     /// - `targets`, `threats`: as they were before the step; there may be no threats (number of characters).
-    /// - `weights`: what every goal counted.
+    /// - `weights`: weight of every goal.
     pub fn observe(
         &mut self,
         characters: &Characters,
@@ -76,7 +76,7 @@ impl Choices {
         self.last.len()
     }
 
-    /// That of a character (< number of characters).
+    /// The last choice of a character (< number of characters).
     pub fn last(&self, character: usize) -> &LastChoice {
         &self.last[character]
     }
@@ -92,19 +92,19 @@ impl Choices {
 pub struct Chooser<'a> {
     /// The tables.
     pub bundle: &'a OpenBundle,
-    /// Its companions.
+    /// All characters of its group.
     pub characters: &'a Characters,
-    /// Its number among them.
+    /// Number of the character among them.
     pub number: usize,
-    /// What is weighed.
+    /// Goals that are weighed.
     pub goals: &'a [RunGoal],
-    /// What its last choice was about.
+    /// Data of its last choice.
     pub choice: &'a LastChoice,
-    /// Its target now (m).
+    /// Present target (m).
     pub target: Vec3,
     /// The coming blow now; none without an opponent: x, seconds, z.
     pub threat: Option<Vec3>,
-    /// It loads the stored best action instead of looking ahead.
+    /// The stored best action is loaded, without look-ahead.
     pub single_load: bool,
     /// Randomness of its choices among the best actions.
     pub temperature: f32,
@@ -113,7 +113,7 @@ pub struct Chooser<'a> {
 }
 
 impl Chooser<'_> {
-    /// What a behaviour is about for it now; none where no behaviour asks for that.
+    /// Present position of a subject; none if no behaviour has that subject.
     pub fn about(&self, about: About) -> Option<Vec3> {
         match about {
             About::Target => Some(self.target),
@@ -121,7 +121,7 @@ impl Chooser<'_> {
         }
     }
 
-    /// What a behaviour was about when it chose.
+    /// Position of a subject at the last choice.
     pub fn was_about(&self, about: About) -> Vec3 {
         match about {
             About::Target => self.choice.target,

@@ -1,4 +1,4 @@
-//! What a run is made of.
+//! Config of a run.
 
 use serde::{Deserialize, Serialize};
 use throng_runtime::base::limits;
@@ -9,16 +9,17 @@ pub const STEP_HZ: f32 = 60.0;
 /// Most characters of a run.
 pub const MAX_CHARACTERS: usize = limits::SHOWN_CHARACTERS.most as usize;
 
-/// Most characters who are all posed whole; of more, those far from the eye are drawn from records.
+/// Largest crowd in which all characters are posed in full; in larger ones, characters far from the eye are drawn from
+/// records.
 pub const MOST_POSED: usize = 5000;
 
 /// Farthest from the origin that a target may be moved (m).
 pub const MAX_TARGET_M: f32 = 1e4;
 
-/// What targets do.
+/// Behaviour of targets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TargetMode {
-    /// Each character has its own target that stays where it is.
+    /// Each character has its own, fixed target.
     #[default]
     Own,
     /// Each character has its own target, which moves on when it is reached.
@@ -28,12 +29,12 @@ pub enum TargetMode {
 }
 
 impl TargetMode {
-    /// All of them, with what they are called.
+    /// All modes with their names.
     pub const ALL: [(Self, &'static str); 3] =
         [(Self::Own, "own, fixed"), (Self::Wander, "own, moves on when reached"), (Self::Shared, "one for all")];
 }
 
-/// What a run is made of. The same config on the same bundle gives the same run.
+/// Config of a run. The same config on the same bundle gives the same run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct RunConfig {
@@ -41,7 +42,7 @@ pub struct RunConfig {
     pub characters: usize,
     /// Seed of places, targets and choices.
     pub seed: u64,
-    /// What targets do.
+    /// Behaviour of targets.
     pub targets: TargetMode,
     /// Nearest and farthest a target stands (m).
     pub distances: [f32; 2],
@@ -53,11 +54,11 @@ pub struct RunConfig {
     pub single_load: bool,
     /// Randomness of the choice among the best actions; 0 takes the best.
     pub temperature: f32,
-    /// How far a walked action may be bent towards the target (rad/m).
+    /// Largest bend of a walked action towards the target (rad/m).
     pub bend_rad_per_m: f32,
     /// Hold planted feet.
     pub foot_lock: bool,
-    /// Make way for each other.
+    /// Avoid each other.
     pub avoid: bool,
 }
 
@@ -96,7 +97,7 @@ impl RunConfig {
         }
     }
 
-    /// How characters move.
+    /// Config of the simulated characters.
     pub fn characters(&self) -> CharactersConfig {
         let choice =
             if self.single_load { Choice::BestAction } else { Choice::LookAhead { temperature: self.temperature } };

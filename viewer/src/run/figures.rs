@@ -1,4 +1,4 @@
-//! What is measured of every step.
+//! Figures of every step.
 
 use throng_precompute::run::AgentsNow;
 use throng_precompute::slip::SlipMeter;
@@ -21,7 +21,7 @@ impl From<&SlipMeter> for Slip {
     }
 }
 
-/// What became of all blows of a scene so far, and how deep its pairs are in each other.
+/// Results of all blows of a scene so far, and penetration of its pairs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BoutFigures {
     /// Blows of all characters.
@@ -30,7 +30,7 @@ pub struct BoutFigures {
     pub seconds: f64,
     /// Deepest overlap of two opponents at the step; none without opponents (m).
     pub penetration_m: Option<f32>,
-    /// The deepest so far (m).
+    /// The deepest overlap so far (m).
     pub max_penetration_m: f32,
 }
 
@@ -44,7 +44,7 @@ impl BoutFigures {
 }
 
 impl BoutFigures {
-    /// Of all groups that strike; none in a scene without any.
+    /// Figures of all groups that strike; none in a scene without any.
     pub fn of(simulation: &Simulation) -> Option<Self> {
         let mut all: Option<Self> = None;
         for cast in simulation.casts() {
@@ -70,19 +70,19 @@ impl BoutFigures {
     }
 }
 
-/// What is measured of a step.
+/// Figures of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepFigures {
     /// Time of each phase, summed over threads.
     pub times: StepTimes,
     /// Wall time of the characters' step (s).
     pub wall_s: f64,
-    /// How planted feet move.
+    /// Slip of planted feet.
     pub slip: Slip,
     /// Characters within reach of their targets.
     pub at_target: usize,
-    /// What became of blows, where characters strike.
+    /// Figures of blows, for characters that strike.
     pub bout: Option<BoutFigures>,
-    /// Of all agents, where there are any.
+    /// Figures of all agents, if there are any.
     pub agents: Option<AgentsNow>,
 }

@@ -7,7 +7,7 @@ use glam::Vec3;
 use throng_runtime::Result;
 use throng_runtime::characters::Characters;
 
-/// The characters at one step, which go on without what is done to the run.
+/// The characters at one step, which continue without later inputs to the run.
 #[derive(Clone, Debug)]
 pub struct Fork(Simulation);
 

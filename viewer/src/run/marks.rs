@@ -1,4 +1,4 @@
-//! What became of blows: marks that stay for a moment.
+//! Results of blows: marks that stay for a moment.
 
 use glam::Vec3;
 use throng_runtime::Cast;
@@ -6,7 +6,7 @@ use throng_runtime::characters::Blow;
 use throng_runtime::simulation::{GroupCast, Simulation};
 use throng_runtime::sparring::Part;
 
-/// What a blow met.
+/// Result of a blow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Met {
     /// A part of the opponent; arms block it.
@@ -17,20 +17,20 @@ pub enum Met {
     Nothing,
 }
 
-/// A blow and what became of it.
+/// A blow and its result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
-    /// Step at which it was struck.
+    /// Step of the blow.
     pub step: u32,
     /// The character that struck.
     pub character: usize,
-    /// Where, in the world (m).
+    /// Position in the world (m).
     pub point: Vec3,
     /// Direction of the blow, of unit length.
     pub direction: Vec3,
-    /// Speed over that of the fastest hit of its kind (> 0, <= 1).
+    /// Speed relative to the fastest hit of its kind (> 0, <= 1).
     pub force: f32,
-    /// What it met.
+    /// Result of the blow.
     pub met: Met,
 }
 

@@ -1,7 +1,7 @@
 //! Recorded runs of crowds, scenes, worlds and blends: played, stopped, stepped, and rewound over their last minute.
 //!
-//! Crowds and scenes keep a state every second and every input; a step in between is found again by repeating the steps
-//! from the state before it, which give the same poses to the last bit. Worlds and blends keep poses.
+//! Crowds and scenes record a state every second and every input; a step in between is reproduced by repeating the
+//! steps from the state before it, bit for bit. Worlds and blends record poses.
 
 pub mod agents;
 mod blend;
@@ -59,7 +59,7 @@ impl Run {
         if behaviours == 0 {
             return Err("This bundle has no behaviour to run: build it from a config with `behaviours`.".into());
         }
-        // The first behaviour alone, until others are asked for.
+        // Only the first behaviour counts, until others are requested.
         let mut weights = if weights.is_empty() { vec![1.0] } else { weights.to_vec() };
         weights.resize(behaviours.min(throng_runtime::characters::MAX_GOALS), 0.0);
         let simulation = Simulation::new(bundle, config.limited(), weights).map_err(|e| e.to_string())?;
@@ -69,7 +69,7 @@ impl Run {
         Ok(run)
     }
 
-    /// What it is made of.
+    /// Config of the run.
     pub fn config(&self) -> &RunConfig {
         &self.simulation.config
     }
@@ -84,12 +84,12 @@ impl Run {
         &self.simulation.around.targets
     }
 
-    /// What is weighed against each other.
+    /// Goals that are weighed against each other.
     pub fn goals(&self) -> &[RunGoal] {
         &self.simulation.goals
     }
 
-    /// What every goal counts (number of goals).
+    /// Weight of every goal (number of goals).
     pub fn weights(&self) -> &[f32] {
         &self.simulation.around.weights
     }
@@ -99,18 +99,18 @@ impl Run {
         self.simulation.around.step - 1
     }
 
-    /// What was measured of the step shown, as far as it is recorded.
+    /// Figures of the shown step, as far as they are recorded.
     pub fn figures(&self) -> StepFigures {
         self.recording.figures(self.now()).unwrap_or(self.last)
     }
 
-    /// What was measured of every recorded step up to the one shown: step and figures.
+    /// Steps and figures of the recording up to the shown step.
     pub fn history(&self) -> impl Iterator<Item = (u32, &StepFigures)> {
         let now = self.now();
         self.recording.history().take_while(move |h| h.0 <= now)
     }
 
-    /// Where a character has been during the last `seconds`, every [`TRAIL_EVERY`] steps, and now (m).
+    /// Past positions of a character during the last `seconds`, every [`TRAIL_EVERY`] steps, and the present one (m).
     pub fn trail(&self, character: usize, seconds: f32) -> impl Iterator<Item = Vec2> {
         let now = self.now();
         let from = now.saturating_sub((seconds * STEP_HZ) as u32);
@@ -123,7 +123,7 @@ impl Run {
         self.recording.num_bytes()
     }
 
-    /// Where the next steps are looked at from, x and z (m). Matters to how many are posed, and to nothing else.
+    /// Sets the eye for the next steps, x and z (m). Only the number of fully posed characters depends on it.
     pub fn look_from(&mut self, eye: Vec2) {
         self.simulation.eye = eye;
     }
@@ -145,7 +145,7 @@ impl Run {
         Ok(())
     }
 
-    /// Shows a recorded step, the nearest one there is.
+    /// Shows the nearest recorded step.
     ///
     /// # Errors
     /// [`throng_runtime::Error`] where a step cannot be repeated.
@@ -166,12 +166,12 @@ impl Run {
         self.head.record(self.recording.range(), self.now());
     }
 
-    /// Takes an input before the next step. What was recorded after the step shown is dropped: it did not
-    /// know of the input. A target is kept within [`MAX_TARGET_M`]; one that is nowhere is not taken.
+    /// Applies an input before the next step. The recording after the shown step is dropped, since it did not have the
+    /// input. A target is kept within [`MAX_TARGET_M`]; a target that is not a number is ignored.
     pub fn input(&mut self, input: Input) {
         let Some(input) = input.limited() else { return };
         let next = self.simulation.around.step;
-        // The target is shown where it is dragged to at once, even while time stands still.
+        // The target follows a drag at once, even while time stands still.
         match &input {
             Input::Target { character, to } => self.simulation.move_target(*character, *to),
             Input::Weights { weights, .. } => self.simulation.around.weights = weights.as_slice().into(),

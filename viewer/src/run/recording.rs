@@ -18,7 +18,7 @@ const KEYFRAME_EVERY: u32 = 60;
 pub(super) struct Recording {
     /// Ascending by step; the first one is at or before the first step that can be shown.
     keyframes: VecDeque<Keyframe>,
-    /// What happened before which step, in order.
+    /// Inputs with the step that they precede, in order.
     inputs: VecDeque<(u32, Input)>,
     /// Figures of the steps from `first` on.
     figures: VecDeque<StepFigures>,
@@ -28,7 +28,7 @@ pub(super) struct Recording {
 }
 
 impl Recording {
-    /// Of a run that has not taken a step.
+    /// Recording of a run before its first step.
     pub fn new(start: Keyframe) -> Self {
         Self {
             keyframes: VecDeque::from([start]),
@@ -66,7 +66,7 @@ impl Recording {
         }
     }
 
-    /// Keeps what was measured of a new step, and drops what is older than a minute.
+    /// Keeps the figures of a new step, and drops steps older than a minute.
     pub fn after(&mut self, s: &Simulation, figures: StepFigures) {
         let step = s.around.step - 1;
         if step != self.first + self.figures.len() as u32 {
@@ -82,7 +82,7 @@ impl Recording {
         }
     }
 
-    /// Drops what comes before the second keyframe.
+    /// Drops everything before the second keyframe.
     fn drop_oldest(&mut self) {
         let Some(first) = self.keyframes.get(1).map(Keyframe::step) else { return };
         self.keyframes.pop_front();
@@ -103,12 +103,12 @@ impl Recording {
         self.inputs.push_back((step, input));
     }
 
-    /// What was measured of a step.
+    /// Figures of a step.
     pub fn figures(&self, step: u32) -> Option<StepFigures> {
         self.figures.get(step.checked_sub(self.first)? as usize).copied()
     }
 
-    /// All steps and what was measured of them.
+    /// All steps and their figures.
     pub fn history(&self) -> impl Iterator<Item = (u32, &StepFigures)> {
         (self.first..).zip(&self.figures)
     }

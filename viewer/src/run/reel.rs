@@ -41,7 +41,7 @@ impl Head {
         self.now
     }
 
-    /// True where the step shown is the last one so far.
+    /// True if the shown step is the latest one.
     pub fn is_live(&self) -> bool {
         self.now == self.last
     }
@@ -51,12 +51,12 @@ impl Head {
         self.playing
     }
 
-    /// How many simulated seconds pass in one.
+    /// Speed: simulated seconds per second.
     pub fn speed(&self) -> f32 {
         self.speed
     }
 
-    /// Lets time move on, or stops it.
+    /// Starts or stops time.
     pub fn play(&mut self, playing: bool) {
         self.playing = playing;
         self.owed_s = 0.0;
@@ -78,7 +78,7 @@ impl Head {
         self.speed = if speed.is_finite() { speed.clamp(0.05, 8.0) } else { 1.0 };
     }
 
-    /// Shows a step that is recorded, the nearest one there is.
+    /// Shows the nearest recorded step.
     pub fn seek(&mut self, step: u32) {
         self.now = step.clamp(self.first, self.last);
         self.owed_s = 0.0;
@@ -98,8 +98,8 @@ impl Head {
         }
     }
 
-    /// True where another step is due, which then counts as taken. Where steps take longer than they last, time is
-    /// let go.
+    /// True if another step is due, which then counts as taken. If steps take longer than the time they simulate, the
+    /// remaining time is dropped.
     ///
     /// - `taken`: steps of this frame so far.
     /// - `begin`: when the first of them began.
@@ -116,7 +116,7 @@ impl Head {
     }
 }
 
-/// Moments of a run as they were seen, the last minute of them or as many as there is memory for.
+/// Recorded moments of a run: the last minute, or as many as there is memory for.
 #[derive(Clone, Debug)]
 pub struct Reel<M> {
     /// Which of them is shown.
@@ -128,7 +128,7 @@ pub struct Reel<M> {
 impl<M> Reel<M> {
     /// A reel that begins with a moment.
     ///
-    /// - `moment_bytes`: about what a moment takes (bytes).
+    /// - `moment_bytes`: approximate size of a moment (bytes).
     pub fn new(moment_bytes: usize, first: M) -> Self {
         let most = (MAX_BYTES / moment_bytes.max(1)).clamp(2, MAX_STEPS);
         Self { head: Head::default(), moments: VecDeque::from([first]), most }
@@ -158,7 +158,7 @@ impl<M> Reel<M> {
         self.at(self.head.now)
     }
 
-    /// Moments before the one shown and this one, every `every`-th, so many seconds at most.
+    /// The shown moment and those before it, every `every`-th, over at most so many seconds.
     pub fn before(&self, seconds: f32, every: u32) -> impl Iterator<Item = &M> {
         let from = self.head.now.saturating_sub((seconds * STEP_HZ) as u32).max(self.head.first);
         let steps = (from.next_multiple_of(every)..self.head.now).step_by(every as usize);

@@ -1,7 +1,7 @@
-//! A scene: groups moved by whatever moves them, played, stopped, and rewound over its last minute.
+//! A scene: groups with any source of motion, played, stopped, and rewound over its last minute.
 //!
-//! Bodies are not recorded. The state of every second is, and every input; a step in between is found again by repeating
-//! the steps after the state before it, which gives the same bodies to the last bit.
+//! Bodies are not recorded. The state of every second is, and every input; a step in between is reproduced by
+//! repeating the steps after the state before it, bit for bit.
 
 mod state;
 
@@ -27,12 +27,12 @@ const STATE_EVERY: u32 = 60;
 const RECORDED_STEPS: u32 = 3600;
 /// Memory that states may take (bytes).
 const MAX_BYTES: usize = 512 << 20;
-/// About what a state takes for a character with a body, for an agent without one, and for a node of a world, of which a
-/// planner remembers something (bytes).
+/// Approximate size of a state for a character with a body, for an agent without one, and for a node of a world, about
+/// which a planner keeps data (bytes).
 const BODY_BYTES: usize = 16 << 10;
 const AGENT_BYTES: usize = 1 << 10;
 const NODE_BYTES: usize = 64;
-/// States that are kept whatever they take: two, so that a second can be gone back.
+/// States that are kept whatever their size: two, so that one can go back by a second.
 const LEAST_STATES: usize = 2;
 /// Steps between two points of a trail.
 const TRAIL_EVERY: u32 = 6;
@@ -49,11 +49,11 @@ pub struct SceneRun {
     state: State,
     /// Number of the first agent; none without agents.
     first_agent: Option<usize>,
-    /// About what a state takes (bytes).
+    /// Approximate size of a state (bytes).
     state_bytes: usize,
     /// Which of the recorded steps is shown.
     pub head: Head,
-    /// Ascending; the first is that of the first recorded step.
+    /// Ascending; the first is the state of the first recorded step.
     keyframes: VecDeque<Keyframe>,
     /// Inputs that took effect after the steps that they were given at, in order.
     inputs: VecDeque<(u32, Input)>,
@@ -65,7 +65,7 @@ pub struct SceneRun {
     spread: SpreadLog,
     /// Blows, ascending by step.
     marks: VecDeque<Mark>,
-    /// What was measured at the recorded steps, without times of phases.
+    /// Figures of the recorded steps, without times of phases.
     figures: VecDeque<(u32, StepFigures)>,
     /// Places of all characters at every [`TRAIL_EVERY`]th step; `None` for one that has left (m).
     trails: VecDeque<(u32, Vec<Option<Vec3>>)>,
@@ -77,7 +77,7 @@ impl fmt::Debug for SceneRun {
     }
 }
 
-/// About what a state of a simulation takes (bytes).
+/// Approximate size of a state of a simulation (bytes).
 fn state_bytes(simulation: &Simulation) -> usize {
     let bodies = simulation.poses().flatten().count();
     let worlds = simulation.casts().iter().map(|cast| match cast {
@@ -141,30 +141,30 @@ impl SceneRun {
         self.state.simulation.snapshot()
     }
 
-    /// What was measured at the step shown.
+    /// Figures of the shown step.
     pub fn figures(&self) -> StepFigures {
         let now = self.head.now();
         let kept = self.figures.partition_point(|f| f.0 < now);
         self.figures.get(kept).map_or(self.state.figures, |f| f.1)
     }
 
-    /// What was measured of every recorded step up to the one shown: step and figures.
+    /// Steps and figures of the recording up to the shown step.
     pub fn history(&self) -> impl Iterator<Item = (u32, &StepFigures)> {
         let now = self.head.now();
         self.figures.iter().take_while(move |f| f.0 <= now).map(|(step, f)| (*step, f))
     }
 
-    /// All events of agents; that of later than the step shown, too.
+    /// All events of agents, including recorded ones after the shown step.
     pub fn log(&self) -> &EventLog {
         &self.log
     }
 
-    /// When agents came to know of messages; that of later than the step shown, too.
+    /// Times at which agents learnt messages, including recorded ones after the shown step.
     pub fn spread(&self) -> &SpreadLog {
         &self.spread
     }
 
-    /// How an agent came to its state at a level, 0 for the highest; none for one without mind (level < 3).
+    /// How an agent came to its state at a level, 0 for the highest; none for an agent without a brain (level < 3).
     pub fn entry(&self, who: usize, level: usize) -> Option<Entry> {
         Some(self.state.traces.get(who.checked_sub(self.first_agent?)?)?.at(level))
     }
@@ -196,7 +196,7 @@ impl SceneRun {
         }
     }
 
-    /// Shows a recorded step, the nearest one there is.
+    /// Shows the nearest recorded step.
     ///
     /// # Errors
     /// [`throng_runtime::Error`] where a step cannot be repeated.
@@ -215,7 +215,7 @@ impl SceneRun {
         while at < step {
             let done = self.state.advance_to(at + 1).and_then(|()| self.take_inputs(at + 1));
             if done.is_err() {
-                // What is shown is as far as it came.
+                // The play head stays at the last step that could be repeated.
                 self.head.seek(at);
                 return done;
             }
@@ -230,8 +230,8 @@ impl SceneRun {
         here.map(|i| &i.1).try_for_each(|input| self.state.take(input))
     }
 
-    /// Lets an input take effect now. What was recorded after the step shown is dropped: it did not know of the input.
-    /// A target is kept within [`super::MAX_TARGET_M`]; one that is nowhere is not taken.
+    /// Applies an input now. The recording after the shown step is dropped, since it did not have the input. A target
+    /// is kept within [`super::MAX_TARGET_M`]; a target that is not a number is ignored.
     ///
     /// # Errors
     /// [`throng_runtime::Error`] for what cannot be done; nothing has changed then.
@@ -272,7 +272,7 @@ impl SceneRun {
         self.marks.iter().rev().skip_while(move |m| m.step > now).take_while(move |m| m.step >= from)
     }
 
-    /// Where a character has been during the last `seconds`, now and then, and now (m).
+    /// Past positions of a character during the last `seconds`, at intervals, and the present one (m).
     pub fn trail(&self, who: usize, seconds: f32) -> impl Iterator<Item = Vec3> {
         let now = self.head.now();
         let from = now.saturating_sub((seconds * STEP_HZ) as u32);
@@ -280,7 +280,7 @@ impl SceneRun {
         recorded.filter_map(move |t| *t.1.get(who)?).chain(self.place(who))
     }
 
-    /// Where a character is: the middle of an agent in the air, else on the ground that it stands on; `None` if it has left
+    /// Position of a character: the middle of an agent in the air, else on the ground below it; `None` if it has left
     /// (m).
     pub fn place(&self, who: usize) -> Option<Vec3> {
         if let Some(disc) = self.simulation().disc(who) {
@@ -293,8 +293,8 @@ impl SceneRun {
         Some(root.with_y(ankle[0].min(ankle[1])))
     }
 
-    /// What of a character's choices is recorded: goals, weights, and what its last choice was about; none for a character
-    /// that does not choose.
+    /// Recorded choice of a character: goals, weights, its last choice, and its number in the group; none for a
+    /// character that does not choose.
     pub(crate) fn choosing(&self, who: usize) -> Option<(&[RunGoal], &[f32], &super::LastChoice, usize)> {
         let c = self.state.choosing.iter().rev().find(|c| c.first <= who)?;
         let number = who - c.first;
@@ -340,7 +340,7 @@ impl SceneRun {
         }
     }
 
-    /// Writes what happened in minds into the log.
+    /// Writes the events of agent brains into the log.
     fn log_turns(&mut self) {
         let (simulation, Some(first)) = (&self.state.simulation, self.first_agent) else { return };
         let place = |who: usize| {

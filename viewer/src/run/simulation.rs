@@ -19,9 +19,9 @@ use throng_runtime::{Inline, Planar, Rayon, Result, Run};
 /// Characters from which on a step is split over threads.
 const PARALLEL_FROM: usize = 1000;
 
-/// Where not all can be posed, feet are locked up to this distance from the eye (m).
+/// Distance from the eye up to which feet are locked, in crowds that are not posed in full (m).
 const FULL_M: f32 = 20.0;
-/// And poses are computed up to this one (m).
+/// Distance from the eye up to which poses are computed, in such crowds (m).
 const POSED_M: f32 = 40.0;
 
 /// Something done to a run from outside. Inputs are recorded and repeated when the run is.
@@ -29,16 +29,16 @@ const POSED_M: f32 = 40.0;
 pub enum Input {
     /// A target is moved; all targets if no character is named (m).
     Target {
-        /// Whose.
+        /// Character with the target.
         character: Option<usize>,
-        /// Where to.
+        /// New position.
         to: Vec3,
     },
-    /// What every behaviour of a group counts.
+    /// Weights of the behaviours of a group.
     Weights {
         /// Any character of the group.
         of: usize,
-        /// What each counts (number of behaviours).
+        /// Weight of each (number of behaviours).
         weights: Vec<f32>,
     },
     /// A character plays a segment at once.
@@ -50,17 +50,17 @@ pub enum Input {
     },
     /// An event of the scene happens.
     Event(String),
-    /// A character of a world is told what to do.
+    /// A character of a world gets an order.
     Wish {
         /// Which character.
         character: usize,
-        /// What; none lets it decide for itself.
+        /// Goal of the order; none lets it decide for itself.
         wish: Option<Wish>,
     },
 }
 
 impl Input {
-    /// The same where it can be taken: a target within bounds; none for one that is nowhere.
+    /// The input within valid bounds; none for a target that is not a number.
     pub(super) fn limited(self) -> Option<Self> {
         let most = Vec3::splat(super::MAX_TARGET_M);
         match self {
@@ -70,7 +70,7 @@ impl Input {
         }
     }
 
-    /// True where it makes an older input at the same step pointless.
+    /// True if this makes an older input at the same step obsolete.
     pub(super) fn replaces(&self, old: &Self) -> bool {
         match (old, self) {
             (Self::Target { character: a, .. }, Self::Target { character: b, .. }) => a == b,
@@ -81,16 +81,16 @@ impl Input {
     }
 }
 
-/// What of the run is not the characters' own: targets, weights, and when each character last chose.
+/// State of the run beside the characters: targets, weights, and last choices.
 #[derive(Clone, Debug)]
 pub(super) struct Surroundings {
-    /// What each character's next choice is about.
+    /// Target of each character's next choice.
     pub targets: Vec<Vec3>,
-    /// Targets that each character has reached so far.
+    /// Number of targets that each character has reached so far.
     pub reached: Vec<u32>,
-    /// What every goal counts.
+    /// Weight of every goal.
     pub weights: Arc<[f32]>,
-    /// What the last choices were about.
+    /// Data of the last choices.
     pub choices: Choices,
     /// The step that comes next.
     pub step: u32,
@@ -124,10 +124,10 @@ impl Keyframe {
 pub(super) struct Simulation {
     pub config: RunConfig,
     pub characters: Characters,
-    /// What is weighed (number of weights).
+    /// Goals that are weighed (number of weights).
     pub goals: Vec<RunGoal>,
     pub around: Surroundings,
-    /// Where it is looked at from (m).
+    /// Position of the eye (m).
     pub eye: Vec2,
     slip: SlipMeter,
 }
@@ -157,7 +157,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Lets an input take effect.
+    /// Applies an input.
     pub fn take(&mut self, bundle: &OpenBundle, input: &Input) -> Result<()> {
         match input {
             Input::Target { character, to } => self.move_target(*character, *to),
@@ -198,7 +198,7 @@ impl Simulation {
         if self.characters.num_characters() > MOST_POSED {
             self.characters.set_detail(Some(Detail { eye: self.eye, full_m: FULL_M, posed_m: POSED_M }))?;
         }
-        // One behaviour alone can be loaded without looking ahead; those switched off do not count.
+        // One behaviour alone can be loaded without look-ahead; those of weight 0 do not count.
         let none_counts = a.weights.iter().all(|&w| w == 0.0);
         let weighed = self.goals.iter().zip(a.weights.iter()).filter(|(_, weight)| **weight != 0.0 || none_counts);
         let order = weighed.fold(Order::IDLE, |order, (g, &weight)| order.and(g.policy, weight));
@@ -232,7 +232,7 @@ impl Simulation {
     }
 }
 
-/// Half of what two who start keep apart along an axis (m).
+/// Least distance between two starts along an axis, halved (m).
 const APART_M: f32 = 0.4;
 
 /// A place in some direction, within the distances.
@@ -242,7 +242,7 @@ fn somewhere(rng: &mut Pcg64Mcg, [near, far]: [f32; 2]) -> Vec3 {
     Vec3::new(distance * angle.sin(), 0.0, distance * angle.cos())
 }
 
-/// Nobody starts nearer to another than two bodies need.
+/// Random start states and targets; starts are far enough apart for two bodies.
 fn scatter(config: &RunConfig, states: &[u32]) -> (Vec<Start>, Vec<Vec3>) {
     let mut rng = Pcg64Mcg::seed_from_u64(config.seed);
     let side = (config.characters as f32).sqrt().ceil() as usize;

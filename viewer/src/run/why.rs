@@ -4,16 +4,16 @@ use super::{About, Chooser};
 use glam::{Vec2, Vec3};
 use throng_runtime::Planar;
 
-/// One behaviour's say in a choice.
+/// Contribution of one behaviour to a choice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BehaviourScore {
     /// Number of the policy.
     pub policy: usize,
-    /// What it counts where it is active.
+    /// Weight while it is active.
     pub weight: f32,
-    /// What it is about.
+    /// Subject of the behaviour.
     pub about: About,
-    /// What it was about, as seen from the character: x, height or seconds, z (m).
+    /// Position of the subject relative to the character: x, height or seconds, z (m).
     pub target: Vec3,
     /// The target was where the behaviour is active (Lee and Lee 2004, section 6); otherwise it did not count.
     pub is_active: bool,
@@ -22,7 +22,7 @@ pub struct BehaviourScore {
 }
 
 impl BehaviourScore {
-    /// What it counted.
+    /// Weight in this choice.
     pub fn counted(&self) -> f32 {
         if self.is_active { self.weight } else { 0.0 }
     }
@@ -39,20 +39,20 @@ pub struct Candidate {
     pub score: f32,
     /// Score by each behaviour, unweighted (number of behaviours).
     pub by_behaviour: Vec<f32>,
-    /// Where it leads, as seen from the character (m, m, rad).
+    /// Displacement relative to the character (m, m, rad).
     pub displacement: Planar,
 }
 
 /// A choice and all that bore on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Why {
-    /// Step at which it was made.
+    /// Step of the choice.
     pub step: u32,
     /// State of the character then.
     pub state: u32,
-    /// Where it stood (m, m, rad).
+    /// Root of the character then (m, m, rad).
     pub root: Planar,
-    /// Its target then, in the world (m).
+    /// Target then, in the world (m).
     pub target: Vec3,
     /// The target as seen from the character (m).
     pub local_target: Vec3,
@@ -60,11 +60,11 @@ pub struct Why {
     pub behaviours: Vec<BehaviourScore>,
     /// All actions of the state, the best first.
     pub candidates: Vec<Candidate>,
-    /// Place among the candidates of the one that was taken.
+    /// Index of the taken action among the candidates.
     pub chosen: usize,
 }
 
-/// Why a character plays what it plays; none before its first choice and where the segment was not chosen.
+/// Explains the choice of a character's segment; none before its first choice and for a segment that was not chosen.
 pub fn explain(chooser: &Chooser<'_>) -> Option<Why> {
     let (bundle, c) = (chooser.bundle, chooser.choice);
     let choice = chooser.characters.last_choice(chooser.number).filter(|_| !c.weights.is_empty())?;

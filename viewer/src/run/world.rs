@@ -1,7 +1,7 @@
-//! Characters that live in a world: played, stopped, and rewound as far as it is recorded.
+//! Characters that live in a world: played, stopped, and rewound as far as they are recorded.
 //!
-//! Poses are recorded, not steps: what a planner remembers is too large to be kept every second. What was seen can be
-//! looked at again; orders are given at the last step only.
+//! Poses are recorded, not steps: the state of a planner is too large to be kept every second. Recorded moments can be
+//! shown again; orders are given at the last step only.
 
 use super::STEP_HZ;
 use super::reel::Reel;
@@ -22,15 +22,15 @@ pub struct Moment {
     pub roots: Vec<Planar>,
     /// Joints in model space (number of characters * num_joints).
     pub poses: Vec<Mat3x4>,
-    /// What each of them is doing (number of characters).
+    /// State of each character (number of characters).
     pub states: Vec<InhabitantState>,
 }
 
-/// Characters in a world, with the record of what was seen.
+/// Characters in a world, with a record of their poses.
 #[derive(Clone, Debug)]
 pub struct WorldRun {
     inhabitants: Inhabitants,
-    /// What each was told to do; all others roam.
+    /// Order of each character; all others roam.
     told: Vec<Option<Wish>>,
     /// All of them at the recorded steps.
     pub reel: Reel<Moment>,
@@ -105,7 +105,7 @@ impl WorldRun {
         Vec3::new(p.x, hips.y, p.y)
     }
 
-    /// The characters in the present, with their paths and what they hold.
+    /// The present characters, with their paths and reservations.
     pub fn inhabitants(&self) -> &Inhabitants {
         &self.inhabitants
     }
@@ -120,7 +120,7 @@ impl WorldRun {
         self.inhabitants.ids().len()
     }
 
-    /// Where hips have been during the last `seconds`, now and then (m).
+    /// Past positions of the hips during the last `seconds`, at intervals (m).
     pub fn trail(&self, character: usize, seconds: f32) -> impl Iterator<Item = Vec3> {
         self.reel.before(seconds, TRAIL_EVERY).map(move |m| m.place(character))
     }
@@ -132,7 +132,7 @@ impl WorldRun {
 }
 
 impl Moment {
-    /// Where a character's hips are above the ground that it is on (m).
+    /// Position of a character's hips above its ground (m).
     fn place(&self, character: usize) -> Vec3 {
         let hips = self.poses[character * NUM_JOINTS].translation();
         self.roots[character].translation().with_y(hips.y)

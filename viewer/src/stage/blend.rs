@@ -1,4 +1,4 @@
-//! A character walking in a blend space: the body, the path so far, and the arc that the point stands for.
+//! A character walking in a blend space: the body, the path so far, and the arc of the blended point.
 
 use super::{Layout, Palette, body, cues};
 use crate::bundle::OpenBundle;
@@ -12,7 +12,7 @@ use throng_runtime::{NUM_JOINTS, Planar};
 const TRAIL_S: f32 = 4.0;
 /// Steps between two of its points.
 const TRAIL_EVERY: u32 = 4;
-/// Lines on the ground lie so much above it (m).
+/// Height of lines above the ground (m).
 const ABOVE_M: f32 = 0.012;
 
 pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run: &BlendRun, palette: &Palette) {

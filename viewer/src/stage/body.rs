@@ -3,11 +3,11 @@
 use glam::Vec3;
 use throng_runtime::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
 
-/// How much longer and thicker each limb is than that of the database skeleton, along its joint's axes.
+/// Ratio of length and thickness of each limb to those of the database skeleton, along its joint's axes.
 pub(super) type Stretch = [Vec3; NUM_JOINTS];
 
-/// What makes the triangles around one skeleton fit another: limbs are as long as they are there, and as thick as the
-/// trunk is larger.
+/// Stretch that fits the triangles around one skeleton to another: limbs get their lengths there, and the thickness of
+/// the larger or smaller trunk.
 pub(super) fn stretch(database: &Skeleton, body: &Skeleton) -> Stretch {
     let ratio = |j: Joint| body.offsets[j.index()].length() / database.offsets[j.index()].length().max(1e-6);
     let trunk = [Joint::Spine, Joint::Chest, Joint::UpperChest, Joint::Neck];
@@ -21,12 +21,12 @@ pub(super) fn stretch(database: &Skeleton, body: &Skeleton) -> Stretch {
     out
 }
 
-/// As [`stretch`], from the pose of the other body: limbs are as long in every pose.
+/// Stretch from a pose of the other body, as [`stretch`]: lengths of limbs are the same in every pose.
 pub(super) fn stretch_of_pose(database: &Skeleton, pose: &[Mat3x4]) -> Stretch {
     stretch(database, &body_of_pose(database, pose))
 }
 
-/// The skeleton whose pose it is: joints are as far apart in every pose.
+/// The skeleton of a pose: distances between joints are the same in every pose.
 pub(super) fn body_of_pose(database: &Skeleton, pose: &[Mat3x4]) -> Skeleton {
     let mut body = database.clone();
     for joint in Joint::ALL {

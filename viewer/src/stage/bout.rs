@@ -1,4 +1,4 @@
-//! What is struck in a scene: targets that hang in the air, and marks where blows have landed, were blocked or missed.
+//! Targets of blows in a scene: balls that hang in the air, and marks of blows that landed, were blocked or missed.
 
 use super::{Layout, Palette};
 use crate::render::{Rgba, Shapes};
@@ -9,12 +9,12 @@ use throng_runtime::sparring::{Part, StruckTarget};
 
 /// Time that a mark stays (s).
 const MARK_S: f32 = 0.6;
-/// Marks that are drawn at most; in larger scenes there are always some to be seen.
+/// Most marks that are drawn; larger scenes have some at all times.
 const MAX_MARKS: usize = 400;
 /// Length of the string above a target (m).
 const STRING_M: f32 = 0.7;
 
-/// What blows meet, for the key to the marks.
+/// Results of blows, for the key to the marks.
 pub const KINDS: [(Met, &str); 5] = [
     (Met::Body(Part::Head), "head or target"),
     (Met::Body(Part::Trunk), "trunk"),
@@ -23,7 +23,7 @@ pub const KINDS: [(Met, &str); 5] = [
     (Met::Nothing, "missed: a streak"),
 ];
 
-/// Colours by what a blow met; none if it met nothing.
+/// Colour of a result; none for a miss.
 pub fn colour_of(met: Met) -> Option<Rgba> {
     match met {
         Met::Body(Part::Head | Part::Neck) => Some(Rgba::hex(0xff4b3e)),

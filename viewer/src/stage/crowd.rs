@@ -94,7 +94,7 @@ fn trail(out: &mut Layout, run: &Run, c: usize, is_selected: bool, palette: &Pal
     cues::trail(&mut out.shapes, &points, width, colour);
 }
 
-/// The ground path of the rest of the segment that is played, and the way it faces at the end.
+/// Draws the ground path of the rest of the segment, and the final heading.
 pub(super) fn trajectory(out: &mut Layout, chooser: &Chooser<'_>, palette: &Palette) {
     let (bundle, characters) = (chooser.bundle, chooser.characters);
     let (segment, time) = characters.segment(chooser.number);

@@ -9,7 +9,7 @@ use glam::Vec3;
 use throng_precompute::annotate::contacts::PARTS;
 use throng_runtime::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 
-/// Contacts and joint axes of a body, as far as they are switched on.
+/// Draws contacts and joint axes of a body, as far as they are enabled.
 ///
 /// - `pose`: joints in model space.
 pub(super) fn body(
@@ -37,7 +37,7 @@ pub(super) fn trail(shapes: &mut Shapes, points: &[Vec3], width: f32, colour: Rg
     }
 }
 
-/// A mark on the ground below every heel and toe, strong where it is planted.
+/// A mark on the ground below every heel and toe, strong while it is planted.
 pub(super) fn contacts(shapes: &mut Shapes, joints: &[Vec3; NUM_JOINTS], contacts: Contacts, palette: &Palette) {
     for (joint, part) in PARTS {
         let at = joints[joint.index()].with_y(0.01);
@@ -54,7 +54,7 @@ const HIT_S: f32 = 0.25;
 /// Length of the arrow of a hit at full force (m).
 const HIT_ARROW_M: f32 = 0.35;
 
-/// Effective hits near the play head: where they land, and which way.
+/// Effective hits near the play head: positions and directions.
 pub(super) fn hits(shapes: &mut Shapes, model: &Model, bundle: &OpenBundle, row: u32, palette: &Palette) {
     let Some(clip) = bundle.tables().clips().get(model.selection.clip) else { return };
     let near = (HIT_S * bundle.rate_hz()).ceil();

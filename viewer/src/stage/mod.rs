@@ -1,4 +1,4 @@
-//! Lays out what the 3-D view is to draw: poses, colours, cues.
+//! Lays out the 3-D scene: poses, colours, cues.
 
 pub mod agents;
 mod blend;
@@ -22,12 +22,12 @@ use std::sync::Arc;
 use throng_runtime::{Mat3x4, Skeleton};
 pub use values::ValueCell;
 
-/// What is drawn in one frame.
+/// Content of one frame of the 3-D view.
 #[derive(Debug, Default)]
 pub struct Layout {
     /// Skeleton of all characters.
     pub skeleton: Skeleton,
-    /// Poses of a clip, a blend or a scene; those of a crowd are its own.
+    /// Poses of a clip, a blend or a scene; a crowd keeps its own.
     poses: Vec<Mat3x4>,
     /// Place and colour of every character.
     pub instances: Vec<CharacterInstance>,
@@ -39,20 +39,20 @@ pub struct Layout {
     pub worn: Vec<Mat3x4>,
     /// Everything that is not a body.
     pub shapes: Shapes,
-    /// What stands in a world.
+    /// Things that stand in a world.
     pub solids: Solids,
-    /// Whose bodies are drawn, where these are not all (number of instances); else empty.
+    /// Numbers of the characters of the instances, if these are not all characters (number of instances); else empty.
     pub drawn: Vec<usize>,
     /// Cells of a policy that are drawn.
     pub cells: Vec<ValueCell>,
     /// Poses of bodies that differ from one another, where they do (instances * NUM_JOINTS); else empty.
     varied: Vec<Mat3x4>,
-    /// Joints of those whose bodies differ.
+    /// Joints of the characters with varied bodies.
     dressed: Vec<Option<variety::Dressed>>,
     variety: variety::Variety,
 }
 
-/// Colours of what is laid out; the view's own are [`SceneColours`].
+/// Colours of the content; those of the view itself are [`SceneColours`].
 #[derive(Clone, Copy, Debug)]
 struct Palette {
     plain: Rgba,

@@ -8,10 +8,10 @@ use crate::settings::RawView;
 use glam::Vec3;
 use throng_runtime::{Joint, Mat3x4, Planar};
 
-/// How far the source's joints stand beside the body (m).
+/// Offset of the source's joints from the body (m).
 const BESIDE: Vec3 = Vec3::new(1.1, 0.0, 0.0);
 
-/// Of the body.
+/// Side of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Side {
     Left,
@@ -63,7 +63,7 @@ fn source(out: &mut Layout, model: &Model, motion: &RawMotion, shift: Vec3, pale
     }
     let frame = (model.player.frame as usize).min(raw.num_frames - 1);
     let world = raw.world(frame);
-    // Limbs of any size have balls that can be told from them.
+    // Balls at joints are scaled with the body, so that they stand out from limbs.
     let radius = (0.011 * motion.imported.height / 1.7).clamp(0.003, 0.03);
     let hips = motion.imported.roles.get(Joint::Hips);
     for (j, ((joint, &(at, rotation)), side)) in raw.joints.iter().zip(&world).zip(sides(motion)).enumerate() {
@@ -72,7 +72,7 @@ fn source(out: &mut Layout, model: &Model, motion: &RawMotion, shift: Vec3, pale
             Side::Right => palette.right,
             Side::Middle => palette.middle,
         };
-        // What leads from the origin to the hips is no limb.
+        // The connection from the origin to the hips is not a limb.
         if let Some(parent) = joint.parent.filter(|_| hips != Some(j)) {
             out.shapes.capsule(world[parent].0 + shift, at + shift, radius, colour.mix(palette.middle, 0.25));
         }
@@ -85,7 +85,7 @@ fn source(out: &mut Layout, model: &Model, motion: &RawMotion, shift: Vec3, pale
     }
 }
 
-/// The side each of the source's joints is on: that of its role, or else its parent's (number of joints).
+/// Side of each of the source's joints: from its role, or else from its parent (number of joints).
 fn sides(motion: &RawMotion) -> Vec<Side> {
     let joints = &motion.imported.clip.joints;
     let mut sides: Vec<Side> = Vec::with_capacity(joints.len());

@@ -1,4 +1,4 @@
-//! A scene: bodies, discs and balls, what stands around them, targets and blows.
+//! A scene: bodies, discs and balls, their surroundings, targets and blows.
 
 use super::agents::{self, Brush, obstacles};
 use super::{Layout, Palette, body, bout, crowd, cues, values, variety, world};
@@ -13,19 +13,19 @@ use throng_runtime::simulation::agents::Disc;
 use throng_runtime::simulation::scenario::Minds;
 use throng_runtime::simulation::{GroupCast, Simulation};
 
-/// Cues of all characters are drawn for so many at most.
+/// Most characters for which cues of all are drawn.
 const MAX_CUES: usize = 1500;
 /// Length of trails (s).
 const TRAIL_S: f32 = 6.0;
 /// Speed at which the colour of speed is that of a fast character (m/s).
 const FAST_MPS: f32 = 3.0;
-/// How much of a disc is seen below a body.
+/// Opacity of a disc below a body.
 const BELOW_BODIES: f32 = 0.35;
-/// Lines on the ground lie so much above it (m).
+/// Height of lines above the ground (m).
 const ABOVE_M: f32 = 0.012;
 /// Radius in which a character without a disc is met (m).
 const BODY_M: f32 = 0.3;
-/// A click selects a character that it misses by so much (pixels).
+/// Distance within which a click still selects a character (pixels).
 const MISSED_PX: f32 = 8.0;
 
 pub(super) fn lay_out(out: &mut Layout, model: &Model, scene: &SceneDocument, palette: &Palette, dark: bool) {
@@ -72,7 +72,8 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, scene: &SceneDocument, pa
     }
 }
 
-/// Mind and number of an agent that is coloured by whether it knows of a message, and the number of that.
+/// Agent brains, number of an agent, and number of the message, if the agent is coloured by its knowledge of a
+/// message.
 fn by_message<'a>(model: &Model, simulation: &'a Simulation, who: usize) -> Option<(&'a Minds, usize, usize)> {
     let event = model.selection.scene.message?;
     let minds = simulation.minds().filter(|m| event < m.events().len())?;
@@ -105,7 +106,7 @@ fn character(
     }
 }
 
-/// By the group, the clip or the speed; opponents differ, and inhabitants of worlds show what they are doing.
+/// Colour by the group, the clip or the speed; opponents differ, and inhabitants of worlds show their activity.
 fn colour(colouring: Colouring, scene: &SceneDocument, (group, who): (usize, usize), palette: &Palette) -> Rgba {
     let simulation = scene.run().simulation();
     let by_speed = |share: f32| palette.slow.mix(palette.fast, share.min(1.0));
@@ -172,7 +173,7 @@ fn things(out: &mut Layout, standing: &Standing, simulation: &Simulation, brush:
     out.solids.instances.extend(all.map(|(t, &mesh)| SolidInstance { mesh, at: t.at, turn: t.turn, colour }));
 }
 
-/// The character whose disc or place a ray meets, or nearly so.
+/// The character whose disc or body a ray hits, or nearly hits.
 pub fn pick(scene: &SceneDocument, camera: &Camera, ray: &Ray, view: Vec2) -> Option<usize> {
     let simulation = scene.run().simulation();
     let missed = |who: usize| {

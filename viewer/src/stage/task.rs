@@ -1,4 +1,4 @@
-//! A task of limbs: everybody and everything at the play head, other motions, ways of hands, and the trees of searches.
+//! A task of limbs: characters and things at the play head, other motions, paths of hands, and the trees of searches.
 
 use super::{Layout, Palette, cues};
 use crate::document::TaskDocument;
@@ -19,9 +19,9 @@ const TINTS: [u32; 6] = [0xb08a4a, 0x5f8f56, 0x87609c, 0xb5653f, 0x4a8f9f, 0x8a8
 const OTHERS: [u32; 3] = [0x7d8aa0, 0x9a8fa0, 0x8fa08a];
 /// Alpha of motions that are not shown.
 const GHOST: f32 = 0.28;
-/// Nodes of trees that are drawn at most; of larger ones, every so many-th.
+/// Most nodes of a tree that are drawn; larger trees are thinned.
 const MAX_NODES: usize = 12_000;
-/// Half the length of the axes of places (m).
+/// Length of the axes of places, to either side (m).
 const PLACE_M: f32 = 0.06;
 
 /// The tree that grows from the start, and that which grows from the goal.
@@ -41,14 +41,14 @@ pub fn colour_of_node(tree: usize, grown: &Grown, time_s: f64) -> Rgba {
     }
 }
 
-/// What was done, and is looked at.
+/// Results of the inspected steps.
 pub fn looked_at<'a>(model: &Model, task: &'a TaskDocument) -> impl Iterator<Item = &'a Done> {
     let step = model.selection.plan.step;
     let all = task.shown_motion().into_iter().flat_map(|m| m.outcome.done.iter().enumerate());
     all.filter(move |(i, _)| step.is_none_or(|s| s == *i)).map(|(_, d)| d)
 }
 
-/// Where the end of the limb that did something is in a clip of its character, at a frame: what the trees show, too (m).
+/// Position of the end of the limb of a step, in a clip of its character at a frame; the trees show it, too (m).
 pub fn end_of_limb(task: &TaskDocument, done: &Done, clip: &Clip, frame: usize) -> DVec3 {
     let skeleton = &task.actors()[done.character].skeleton;
     let tip = Chain::new(Linkage::limb(done.limb), skeleton).tip;
@@ -86,7 +86,7 @@ fn bodies(out: &mut Layout, model: &Model, task: &TaskDocument, time_s: f64, pal
         if !model.selection.plan.ghosts {
             continue;
         }
-        // Only where they differ by now: what is in the same place flickers.
+        // Draws only motions that differ at this time: identical ones would flicker.
         let pose = |clip: &Clip| clip.frame_rotations(frame(clip, time_s)).to_vec();
         let mut seen = vec![pose(shown)];
         let motions = task.motions().iter().map(|m| &m.outcome.clips[i][1]);
@@ -128,7 +128,7 @@ fn things(out: &mut Layout, model: &Model, task: &TaskDocument, time_s: f64, pal
         let colour = if is_selected { tint.mix(palette.selected, 0.6) } else { tint };
         let here = task.place_of_thing(i, time_s);
         out.solids.instances.push(instance(i, here, colour));
-        // Where it would be had nobody taken it: there it is dragged.
+        // Position before a character takes it: the thing is dragged there.
         let own = task.place_of(Handle::Thing(i), time_s).filter(|own| own.position.distance(here.position) > 1e-3);
         if let Some(own) = own.filter(|_| is_selected) {
             out.solids.instances.push(instance(i, own, colour.alpha(0.4)));
@@ -145,7 +145,7 @@ fn things(out: &mut Layout, model: &Model, task: &TaskDocument, time_s: f64, pal
     out.shapes.on_top(false);
 }
 
-/// Where hands and feet go that were planned, and where they went before.
+/// Paths of planned hands and feet, and their paths before planning.
 fn ways(out: &mut Layout, model: &Model, task: &TaskDocument, palette: &Palette) {
     for done in looked_at(model, task) {
         let (before, after) = (&task.clips_before()[done.character], task.clip(done.character));

@@ -18,9 +18,9 @@ const ON_GROUND_M: f32 = 0.02;
 /// A cell that is drawn, to be pointed at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ValueCell {
-    /// Where it is, in the world (m).
+    /// Position in the world (m).
     pub place: Vec3,
-    /// Its number in the grid of the state.
+    /// Number of the cell in the grid of the state.
     pub cell: usize,
 }
 
@@ -44,7 +44,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, chooser: &Chooser<'_>, pa
         let place = place(policy, root, policy.cell_target(state, cell));
         let ratio = viridis::ratio(values[cell], range);
         let [r, g, b, _] = viridis::map(ratio).to_array();
-        // What is worth little stands back, so that what is worth more is seen through it.
+        // Low values are more transparent, so that high values are visible through them.
         let colour = Rgba([r, g, b, 255]).alpha(0.3 + 0.6 * ratio);
         let size = radius * (0.55 + 0.45 * ratio);
         if policy.grid().record().num_heights == 1 {
@@ -59,7 +59,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, chooser: &Chooser<'_>, pa
     }
 }
 
-/// All cells, or in a space-time grid those of the time shown.
+/// All cells, or in a space-time grid those of the shown time.
 fn shown_cells(model: &Model, policy: &PolicyTable, state: u32) -> std::ops::Range<usize> {
     let grid = policy.grid_of(state);
     if !policy.grid().is_space_time() {
@@ -70,8 +70,8 @@ fn shown_cells(model: &Model, policy: &PolicyTable, state: u32) -> std::ops::Ran
     slice * plane..(slice + 1) * plane
 }
 
-/// Where a target is in the world: at its height, on the ground where heights do not matter, and in a space-time grid
-/// at the height at which blows come (m).
+/// Position of a target in the world: at its height, on the ground for a grid without heights, and in a space-time
+/// grid at the height of blows (m).
 fn place(policy: &PolicyTable, root: Planar, target: Vec3) -> Vec3 {
     let height = match () {
         () if policy.grid().is_space_time() => policy.reward().record().height,
@@ -90,7 +90,7 @@ fn radius(policy: &PolicyTable, state: u32) -> f32 {
     (0.3 * r.ring_spacing.min(across).min(up)).clamp(0.008, 0.08)
 }
 
-/// Where the behaviour is active: the edges of the volume.
+/// Edges of the volume in which the behaviour is active.
 fn outline(shapes: &mut Shapes, policy: &PolicyTable, root: Planar, volume: &Volume, colour: Rgba) {
     let over_ground = volume.over_ground();
     let at = |i: usize, height: f32| {

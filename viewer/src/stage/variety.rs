@@ -1,8 +1,8 @@
 //! Bodies that differ from one another, in proportions and in the colours of clothes.
 //!
-//! Only what is drawn differs. Feet stay where the simulation has them: legs are longer or shorter between there and the
-//! hips, which stand as much higher or lower, so that nobody slides. Trunk, arms and shoulders turn as they do, and are as
-//! long as this body's.
+//! Only the drawn bodies differ. Feet stay at their simulated positions: legs are longer or shorter between them and
+//! the hips, which are raised or lowered, so that feet do not slide. Trunk, arms and shoulders keep their rotations,
+//! with the lengths of the varied body.
 
 use super::Layout;
 use super::body::{self, Stretch, body_of_pose};
@@ -27,7 +27,7 @@ const TRUNK: Range<f32> = 0.93..1.07;
 const ARMS: Range<f32> = 0.96..1.04;
 const SHOULDERS: Range<f32> = 0.92..1.08;
 const GIRTH: Range<f32> = 0.9..1.16;
-/// Poses whose legs differ by more from those of the database are of a body of their own already.
+/// Share by which legs of a pose differ from those of the database if the pose has its own body already.
 const OWN_LEGS: f32 = 0.03;
 /// Colours of shirts, where these tell nothing.
 const SHIRTS: [u32; 12] = [
@@ -53,7 +53,7 @@ struct Varied {
     skeleton: Skeleton,
     fit: Fit,
     stretch: Stretch,
-    /// How much higher its hips are (m).
+    /// Difference in height of the hips (m).
     rise: f32,
 }
 
@@ -70,7 +70,7 @@ pub(super) fn look(character: usize) -> u32 {
     (bits(character) >> 32) as u32 | 1 << 31
 }
 
-/// The colour of somebody's shirt, where it tells nothing.
+/// Shirt colour of a character, if shirts have no meaning.
 pub(super) fn shirt(character: usize) -> Rgba {
     Rgba::hex(SHIRTS[(bits(character) >> 8) as usize % SHIRTS.len()])
 }
@@ -80,7 +80,7 @@ pub(super) fn is_wanted(model: &Model) -> bool {
     model.settings.varied && model.settings.body != Body::Capsules && !model.shows_clip() && !model.shows_blend()
 }
 
-/// The colour of somebody whose colour tells nothing else.
+/// Colour of a character: its shirt colour if colours have no meaning.
 pub(super) fn plain(model: &Model, character: usize, plain: Rgba) -> Rgba {
     let is_shirt = is_wanted(model) && model.settings.colouring == Colouring::Plain;
     if is_shirt { shirt(character) } else { plain }
@@ -113,14 +113,14 @@ impl Varied {
                 _ => 1.0,
             };
         }
-        // Ankles are as high as those of the database.
+        // Heights of ankles are those of the database.
         let rise = skeleton.leg_length() - database.leg_length();
         skeleton.offsets[Joint::Hips.index()].y += rise;
         let mut stretch = body::stretch(database, &skeleton);
         for (joint, along) in stretch.iter_mut().enumerate() {
             let lengthwise = body::axis_of_limb(database, joint);
             let by = |axis: usize| if lengthwise == Some(axis) { 1.0 } else { girth };
-            // Heads, hands and feet are as large as anybody's.
+            // Sizes of heads, hands and feet do not vary.
             use Joint::*;
             let is_end =
                 [Head, LeftHand, RightHand, LeftFoot, RightFoot, LeftToe, RightToe].contains(&Joint::ALL[joint]);
@@ -146,7 +146,7 @@ impl Varied {
     }
 }
 
-/// Somebody as he is drawn: joints, and whose body it is.
+/// A character as drawn: its joints and skeleton.
 #[derive(Debug)]
 pub(super) struct Dressed {
     pub joints: [(Vec3, Quat); NUM_JOINTS],
@@ -154,7 +154,7 @@ pub(super) struct Dressed {
 }
 
 impl Layout {
-    /// Gives everybody a body of their own.
+    /// Gives every character its own body.
     pub(super) fn vary(&mut self, model: &Model) {
         self.varied.clear();
         self.dressed.clear();

@@ -1,4 +1,4 @@
-//! A world: what stands there, its inhabitants, and the selected patch.
+//! A world: its units, its inhabitants, and the selected patch.
 
 use super::{Layout, Palette, cues};
 use crate::command::Tool;
@@ -14,19 +14,19 @@ use throng_runtime::world::{Node, Step};
 
 /// Length of trails (s).
 const TRAIL_S: f32 = 6.0;
-/// About so many links of an instance are drawn at most, spread over all of them.
+/// Approximate limit of drawn links of an instance, spread over all of them.
 const MAX_LINKS: usize = 160;
-/// Lines on the ground lie so much above it (m).
+/// Height of lines above the ground (m).
 const ABOVE: f32 = 0.02;
 
-/// What links that are left are drawn in.
+/// Colour of enabled links.
 pub const ENABLED: Rgba = Rgba::hex(0x2fb39b);
-/// What links that are taken out are drawn in.
+/// Colour of disabled links.
 pub const DISABLED: Rgba = Rgba::hex(0xe0564f);
-/// What the way that is planned is drawn in.
+/// Colour of planned paths.
 pub const PLANNED: Rgba = Rgba::hex(0xf2b134);
 
-/// What the colours of characters tell, for a key.
+/// Activities of characters with their names, for the key to the colours.
 pub const KINDS: [(Doing, &str); 9] = [
     (Doing::Roaming, "roams"),
     (Doing::Walking, "on its way"),
@@ -39,7 +39,7 @@ pub const KINDS: [(Doing, &str); 9] = [
     (Doing::Blocked, "its place is taken"),
 ];
 
-/// Colour of what a character is doing.
+/// Colour of an activity.
 pub fn colour_of(doing: Doing) -> Rgba {
     match doing {
         Doing::Roaming => Rgba::hex(0xb9c0c9),
@@ -87,7 +87,7 @@ fn units(out: &mut Layout, model: &Model, world: &WorldDocument, palette: &Palet
     }
 }
 
-/// A unit that does not stand there yet, and the way it faces.
+/// A unit that is not placed yet, with its heading.
 fn ghost(out: &mut Layout, world: &WorldDocument, unit: &PlacedUnit, colour: Rgba) {
     let Some(geometry) = world.kit().geometries.get(unit.unit) else { return };
     let at = unit.placement;
@@ -98,7 +98,7 @@ fn ghost(out: &mut Layout, world: &WorldDocument, unit: &PlacedUnit, colour: Rgb
     out.shapes.on_top(false);
 }
 
-/// The same colour for the same unit; panels that are walked on lie on a chequered board, so that each can be seen.
+/// Colour of a unit, the same for the same name; floor panels form a chequered pattern that shows each of them.
 pub(super) fn colour_of_unit(name: &str, floor: bool, at: Placement, dark: bool) -> Rgba {
     let hash = name.bytes().fold(0x811c_9dc5_u32, |h, b| (h ^ u32::from(b)).wrapping_mul(0x0100_0193));
     const HUES: [u32; 6] = [0x8a7458, 0x5f7a94, 0x8a6070, 0x6c8560, 0x7a6a94, 0x9a8a50];
@@ -150,7 +150,7 @@ fn inhabitants(out: &mut Layout, model: &Model, world: &WorldDocument, palette: 
     }));
 }
 
-/// Where the selected character was, the way it goes, and what it holds.
+/// Cues of the selected character: past positions, path, and reservations.
 fn cues_of(out: &mut Layout, model: &Model, world: &WorldDocument, c: usize, palette: &Palette) {
     let run = world.run();
     let o = model.settings.overlays;
@@ -243,7 +243,7 @@ fn ground_of(world: &WorldDocument, instance: u32, cell: u32) -> f32 {
     let begin = |c: &CellRecord| links.get(c.first_link as usize).filter(|_| c.num_links > 0).map(|l| l.start.y);
     let here = &cells[cell as usize];
     let across = || {
-        // None begins at an exit, but at the entry of the neighbour, which may stand higher.
+        // No link begins at an exit, but one does at the entry of the neighbour, which may stand higher.
         let entry = cells.get(here.twin as usize).filter(|_| here.is(CellRecord::IS_EXIT))?;
         let edge = graph.patches().edges_of(record.patch as usize).get(here.edge as usize)?;
         Some(begin(entry)? + edge.step[1])

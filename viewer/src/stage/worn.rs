@@ -1,4 +1,4 @@
-//! The matrices of everybody who wears a mesh of the user's own.
+//! Matrices of the characters that wear a mesh of the user's own.
 
 use super::Layout;
 use super::body::body_of_pose;
@@ -8,11 +8,12 @@ use glam::{Quat, Vec3};
 use rayon::prelude::*;
 use throng_runtime::{Mat3x4, NUM_JOINTS, Skeleton};
 
-/// Legs that differ by less than this share of those of the database are theirs: a foot lock stretches legs a little.
+/// Share by which legs may differ from those of the database and still count as the same: a foot lock stretches legs a
+/// little.
 const SAME_LEGS: f32 = 0.03;
 
 impl Layout {
-    /// Puts the mesh of the user's own on all instances, where there is one.
+    /// Computes the matrices of the user's mesh for all instances, if there is one.
     pub(super) fn wear(&mut self, model: &Model) {
         let mut worn = std::mem::take(&mut self.worn);
         worn.clear();
@@ -36,7 +37,7 @@ fn put_on(outfit: &Outfit, database: &Skeleton, pose: &[Mat3x4], out: &mut [Mat3
     outfit.figure.wear(if is_same { database } else { &own }, &turned, out);
 }
 
-/// How a joint is turned; its axes may be longer or shorter, as bodies of other sizes have them.
+/// Rotation of a joint; its axes may be scaled, as in bodies of other sizes.
 fn rotation(m: &Mat3x4) -> Quat {
     let axis = |i: usize| Vec3::from(m.rows.map(|row| row[i])).normalize_or_zero();
     Quat::from_mat3(&glam::Mat3::from_cols(axis(0), axis(1), axis(2))).normalize()

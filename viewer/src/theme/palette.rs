@@ -2,7 +2,7 @@
 
 use eframe::egui::{Color32, Visuals};
 
-/// Colours with a meaning. Left and right are those of the pictures: they differ in hue and in lightness.
+/// Colours with a meaning. Left and right are the colours of the pictures: they differ in hue and in lightness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Palette {
     /// The left side of a body.
@@ -11,9 +11,9 @@ pub struct Palette {
     pub right: Color32,
     /// Trunk and head.
     pub trunk: Color32,
-    /// What the motion graph plays.
+    /// Frames that the motion graph plays.
     pub kept: Color32,
-    /// What is left out.
+    /// Excluded frames.
     pub excluded: Color32,
     /// States, and where actions lead.
     pub state: Color32,
@@ -21,13 +21,13 @@ pub struct Palette {
     pub standing: Color32,
     /// Links into a state.
     pub incoming: Color32,
-    /// What the selected character does.
+    /// Marks of the selected character.
     pub character: Color32,
     /// The play head.
     pub head: Color32,
-    /// What is fine.
+    /// Good results.
     pub good: Color32,
-    /// What is odd.
+    /// Warnings.
     pub warning: Color32,
     tags: [Color32; 6],
 }
@@ -79,9 +79,9 @@ impl Palette {
         ],
     };
 
-    /// What the selected character does, over the colour map, which is the same in every theme.
+    /// Marks of the selected character over the colour map, which is the same in every theme.
     pub const CHARACTER_ON_MAP: Color32 = Self::DARK.character;
-    /// What is pointed at or picked, over the colour map.
+    /// Marks of pointed or picked items over the colour map.
     pub const POINTED_ON_MAP: Color32 = Color32::from_rgb(0xff, 0xeb, 0x78);
 
     /// The colours that go with a theme.
@@ -89,7 +89,7 @@ impl Palette {
         if visuals.dark_mode { Self::DARK } else { Self::LIGHT }
     }
 
-    /// Colour of a name: the same for the same name, whatever else there is.
+    /// Colour of a name: the same for the same name in every place.
     pub fn of_name(&self, name: &str) -> Color32 {
         let hash = name.bytes().fold(0x811c_9dc5_u32, |h, b| (h ^ u32::from(b)).wrapping_mul(0x0100_0193));
         self.tags[(hash >> 8) as usize % self.tags.len()]

@@ -34,7 +34,7 @@ pub fn line(ratio: f32, dark: bool) -> Color32 {
     map(if dark { 0.35 + 0.65 * t } else { 0.75 * t })
 }
 
-/// A number between two others as a ratio; 1 where they are the same.
+/// A number between two others as a ratio; 1 if they are equal.
 pub fn ratio(v: f32, [low, high]: [f32; 2]) -> f32 {
     if high > low { (v - low) / (high - low) } else { 1.0 }
 }

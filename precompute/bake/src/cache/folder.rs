@@ -9,7 +9,7 @@ use throng_base::file::read_file;
 use throng_motion::error::BuildError;
 use throng_motion::files::{remove_left, write_quickly};
 
-/// A folder, which is made when it is first needed.
+/// A folder that holds entries, created when first needed.
 #[derive(Debug)]
 pub(super) struct Folder {
     at: PathBuf,
@@ -28,7 +28,7 @@ impl Folder {
 
 impl Storage for Folder {
     fn read(&self, name: &str) -> Result<Option<Vec<u8>>, BuildError> {
-        // What cannot be read now is told when it cannot be written either.
+        // A fault in reading is reported when writing fails too.
         Ok(read_file(&self.at.join(name), "a cached output", LIMIT as u64).ok())
     }
 
@@ -65,7 +65,7 @@ impl Storage for Folder {
     fn touch(&self, name: &str, last: Option<SystemTime>) {
         let now = SystemTime::now();
         let used = last.map_or(now, |last| now.max(last + Duration::from_micros(1)));
-        // The order is all that is lost where this fails, as in a folder that may only be read.
+        // A failure, as in a read-only folder, loses only the order of use.
         _ = File::open(self.at.join(name)).and_then(|f| f.set_modified(used));
     }
 

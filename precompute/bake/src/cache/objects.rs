@@ -11,23 +11,23 @@ use std::time::{Duration, SystemTime};
 use throng_motion::error::BuildError;
 use tokio::runtime::{Builder, Runtime};
 
-/// Longer entries are sent in parts of this size, and come to be when all parts are there (bytes).
+/// Size of the parts in which longer entries are sent; such an entry appears when all parts have arrived (bytes).
 const PART: usize = 64 << 20;
-/// How long a request is tried again where the store is away or busy.
+/// Time for which a request to an unreachable or busy store is retried.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// A part of a bucket: the objects below a prefix.
 ///
-/// Endpoint, region and credentials are those of the environment, by the names that `object_store` knows: `AWS_ENDPOINT_URL`,
-/// `AWS_REGION`, `AWS_ACCESS_KEY_ID`, `AWS_SECRET_ACCESS_KEY`, `AWS_ALLOW_HTTP` and others.
+/// Endpoint, region and credentials come from the environment, by the names that `object_store` knows:
+/// `AWS_ENDPOINT_URL`, `AWS_REGION`, `AWS_ACCESS_KEY_ID`, `AWS_SECRET_ACCESS_KEY`, `AWS_ALLOW_HTTP` and others.
 #[derive(Debug)]
 pub(super) struct Objects {
-    /// As it was named, without a slash at its end.
+    /// Address as given, without a trailing slash.
     address: String,
     prefix: Path,
     store: AmazonS3,
     runtime: Runtime,
-    /// It did not answer: nobody waits for it again.
+    /// True once the store has failed to answer: later requests fail at once.
     is_away: AtomicBool,
 }
 
@@ -35,7 +35,7 @@ impl Objects {
     /// - `address`: `s3://BUCKET/PREFIX`; the prefix may be left out.
     ///
     /// # Errors
-    /// [`BuildError::Store`] where it does not answer, refuses, or has no such bucket.
+    /// [`BuildError::Store`] if the store does not answer, refuses, or has no such bucket.
     pub(super) fn open(address: &str) -> Result<Self, BuildError> {
         let address = address.trim_end_matches('/');
         let of = |why: String| BuildError::Store { address: address.into(), why };
@@ -44,14 +44,14 @@ impl Objects {
         if bucket.is_empty() {
             return Err(of("expected s3://BUCKET/PREFIX".into()));
         }
-        // rustls asks for a choice where a program has none or several; a choice that was made before stays.
+        // rustls needs a choice if a program has none or several providers; an earlier choice stays.
         _ = rustls::crypto::ring::default_provider().install_default();
         let mut settings = AmazonS3Builder::from_env().with_bucket_name(bucket).with_retry(RetryConfig {
             retry_timeout: PATIENCE,
             max_retries: 6,
             ..RetryConfig::default()
         });
-        // An entry may take long; a connection over which nothing comes does not.
+        // An entry may take long, but a connection that transfers nothing times out soon.
         for (key, time) in [(ClientConfigKey::Timeout, "30min"), (ClientConfigKey::ReadTimeout, "60s")] {
             let key = AmazonS3ConfigKey::Client(key);
             if std::env::var_os(format!("AWS_{}", key.as_ref().to_uppercase())).is_none() {
@@ -60,11 +60,11 @@ impl Objects {
         }
         let store = settings.build().map_err(|e| of(e.to_string()))?;
         let prefix = Path::parse(prefix).map_err(|e| of(e.to_string()))?;
-        // One thread for the connections; those who ask wait on their own.
+        // One thread serves the connections; callers wait on their own threads.
         let runtime = Builder::new_multi_thread().worker_threads(1).enable_all().build();
         let runtime = runtime.map_err(|e| of(e.to_string()))?;
         let objects = Self { address: address.into(), prefix, store, runtime, is_away: AtomicBool::new(false) };
-        // A bucket that is there says that it has no such object.
+        // An existing bucket answers that it has no such object.
         match objects.runtime.block_on(objects.store.get(&objects.path(".throng"))) {
             Err(e @ Error::NotFound { .. }) if !e.to_string().contains("NoSuchBucket") => Ok(objects),
             Err(e) => Err(objects.told("it cannot be asked for an object", e)),
@@ -76,7 +76,7 @@ impl Objects {
         self.prefix.clone().join(name)
     }
 
-    /// What a request comes to, which is not made where the store did not answer an earlier one.
+    /// Result of a request; not sent if the store has failed to answer an earlier one.
     fn asked<T>(
         &self,
         what: &str,
@@ -96,7 +96,7 @@ impl Objects {
         }
     }
 
-    /// What went wrong, and the way out.
+    /// Error message of a failed request, with a way out.
     fn told(&self, what: &str, e: Error) -> BuildError {
         let way_out = match &e {
             Error::PermissionDenied { .. } | Error::Unauthenticated { .. } => {
@@ -119,7 +119,7 @@ impl Objects {
         let mut upload = self.store.put_multipart(path).await?;
         for part in bytes.chunks(PART) {
             if let Err(e) = upload.put_part(part.to_vec().into()).await {
-                // Parts that stay are removed by the bucket's own rules.
+                // Parts that remain are removed by the bucket's own rules.
                 _ = upload.abort().await;
                 return Err(e);
             }
@@ -128,7 +128,7 @@ impl Objects {
     }
 }
 
-/// What the store answered, or else all causes, as the last one says most.
+/// Text of an error: the store's answer, or else the whole chain of causes, of which the last says most.
 fn plain(e: &Error) -> String {
     let mut causes = vec![e.to_string()];
     let mut cause = e.source();

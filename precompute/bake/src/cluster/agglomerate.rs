@@ -5,29 +5,29 @@ use super::neighbours::{Below, Space};
 use super::tree::Item;
 use crate::features::projection::{DIMS, Point};
 
-/// Near pairs that may be known at a time, about 36 bytes each: so many a frame, within limits.
+/// Near pairs a frame that may be held in memory, about 36 bytes each, within the limits below.
 const PAIRS_A_FRAME: usize = 128;
 const FEW_PAIRS: usize = 100_000;
 const MANY_PAIRS: usize = 6_000_000;
-/// Near pairs of so many frames that may be known at a time.
+/// Most near pairs of a number of frames that may be held in memory.
 pub(super) fn max_pairs(num_frames: usize) -> usize {
     (PAIRS_A_FRAME * num_frames).clamp(FEW_PAIRS, MANY_PAIRS)
 }
 
-/// How often the height is halved before items are split.
+/// Most halvings of the height before items are split.
 const MAX_HALVINGS: u32 = 6;
-/// Rounds of moving the two means.
+/// Iterations of two-means.
 const ROUNDS: usize = 10;
 
-/// Merges frames of one class as long as the distance of any two frames of a group stays below `limit`.
+/// Merges frames of one class while the distance of any two frames of a group stays below `limit`.
 ///
 /// - `frames`: ascending.
-/// - `max_pairs`: near pairs that may be known at a time.
+/// - `max_pairs`: most near pairs in memory.
 ///
-/// All near pairs are merged at once where there are few enough. Else near pairs of half the limit are merged first:
-/// complete linkage merges by rising distance anyway, and fewer items are left then. Where even a small part of the
-/// limit has too many, items are split in two by k-means, each half is merged, and then what is left of both; only
-/// this can end with other groups than complete linkage as a whole.
+/// If there are few enough near pairs, all are merged at once. Otherwise near pairs of half the limit are merged first:
+/// complete linkage merges by rising distance anyway, and fewer items remain. If even a small part of the limit has too
+/// many pairs, items are split in two by k-means, each half is merged, and then the remainders of both; only this can
+/// give other groups than complete linkage as a whole.
 pub(super) fn agglomerate(space: &Space, frames: &[u32], limit: f32, max_pairs: usize) -> Vec<Item> {
     let items = frames.iter().map(|&f| Item::of(f)).collect();
     Agglomeration { space, max_pairs }.run(items, limit, MAX_HALVINGS)
@@ -52,11 +52,11 @@ impl Agglomeration<'_> {
         }
         let [mut items, right] = self.split(items).map(|half| self.run(half, limit, 0));
         items.extend(right);
-        // If even what is left has too many near pairs, it is left as it is.
+        // Items that still have too many near pairs stay unmerged.
         self.merge(items, limit).unwrap_or_else(|items| items)
     }
 
-    /// Complete linkage up to `limit`; the items themselves where too many are near.
+    /// Complete linkage up to `limit`; returns the items unchanged if there are too many near pairs.
     fn merge(&self, items: Vec<Item>, limit: f32) -> Result<Vec<Item>, Vec<Item>> {
         match self.space.near(&items, limit, self.max_pairs) {
             Some(near) => Ok(linkage::link(items, near, &Below { space: self.space, limit })),
@@ -64,7 +64,7 @@ impl Agglomeration<'_> {
         }
     }
 
-    /// Two means, begun at the ends of the widest dimension. Both halves have items.
+    /// Splits items by two-means, started at the ends of the widest dimension. Neither half is empty.
     fn split(&self, items: Vec<Item>) -> [Vec<Item>; 2] {
         let point = |i: &Item| self.space.points[i.frames[0] as usize];
         let mut points: Vec<(Point, Item)> = items.into_iter().map(|i| (point(&i), i)).collect();

@@ -1,4 +1,4 @@
-//! Frames that may share a group as far as contacts go.
+//! Classes of frames that may share a group as far as contacts go.
 
 use std::collections::BTreeMap;
 use throng_motion::clip::{Clip, ClipSet};
@@ -6,10 +6,9 @@ use throng_motion::clip::{Clip, ClipSet};
 /// Contact states of a frame with its neighbours: previous, this, next.
 pub(super) type ContactStates = [u8; 3];
 
-/// The usable frames by their contact states, ascending.
+/// Usable frames by contact states, ascending.
 ///
-/// Where a run of usable frames begins or ends, the neighbour that is not there counts as the frame itself, as it
-/// does for velocities.
+/// At the ends of a run of usable frames, the frame itself stands in for the missing neighbour, as for velocities.
 pub(super) fn of_contacts(clips: &ClipSet) -> BTreeMap<ContactStates, Vec<u32>> {
     let mut classes = BTreeMap::<_, Vec<u32>>::new();
     for (clip, start) in clips.clips.iter().zip(clips.frame_starts()) {

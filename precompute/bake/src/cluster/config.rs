@@ -1,15 +1,14 @@
-//! How alike the frames of a pose group are.
+//! Settings of pose groups.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_motion::error::{BuildError, check_ranges};
 
-/// How frames are grouped.
+/// Settings of the grouping of frames.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ClusterConfig {
-    /// Any two frames of a group are nearer to each other than this (rad, as `features` explains).
-    /// (> 0)
+    /// Upper bound of the distance between any two frames of a group (rad, as `features` explains; > 0).
     pub threshold: f64,
 }
 
@@ -20,7 +19,7 @@ impl Default for ClusterConfig {
 }
 
 impl ClusterConfig {
-    /// The threshold as distances are counted: a distance below it is below the one of the config.
+    /// Threshold as single precision: any distance below it is below the one of the config.
     ///
     /// # Errors
     /// [`BuildError::Key`] for a threshold outside its limits.

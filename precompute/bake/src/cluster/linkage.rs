@@ -1,38 +1,37 @@
-//! Complete linkage of items of which only near pairs are known, and those only roughly.
+//! Complete linkage of items for which only near pairs are known, with estimated distances.
 
-/// Another item, and how far away it is.
+/// A neighbouring item and its distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Neighbour {
     pub item: u32,
-    /// Largest distance between a frame of one item and a frame of the other, or less (rad).
+    /// Lower bound of the largest distance between a frame of one item and a frame of the other (rad).
     pub linkage: f32,
-    /// True where `linkage` is as good as [`Distance::estimate`] gives it.
+    /// True if `linkage` is as good as [`Distance::estimate`] gives it.
     pub estimated: bool,
 }
 
-/// How far apart items are.
+/// Distance between items.
 pub(super) trait Distance {
-    /// Frames that are together.
+    /// A group of frames.
     type Item;
 
-    /// Nearly the largest distance between a frame of `a` and one of `b`, but not more; none where even that is too
-    /// large to merge.
+    /// Lower estimate of the largest distance between a frame of `a` and one of `b`; `None` if even that is too large
+    /// to merge.
     fn estimate(&self, a: &Self::Item, b: &Self::Item) -> Option<f32>;
-    /// Both together; as they are where the largest distance between a frame of `a` and one of `b` is too large.
+    /// Merges two items; returns both unchanged if the largest distance between a frame of `a` and one of `b` is too
+    /// large.
     fn join(&self, a: Self::Item, b: Self::Item) -> Result<Self::Item, [Self::Item; 2]>;
 }
 
 /// Merges items as long as there are near pairs, the nearest pair first.
 ///
-/// - `neighbours`: for every item the ones that may be near enough to merge, ascending by item; `a` among those of `b`
-///   wherever `b` is among those of `a`.
-/// - returns what is left, with the frames of what was merged.
+/// - `neighbours`: for every item those that may be near enough to merge, ascending by item; symmetric.
+/// - returns the remaining items, with the frames of merged ones.
 ///
-/// What complete linkage joins must be near in every pair, so pairs that are not near can be forgotten: this is the
-/// whole hierarchy below the height that "near" stands for. Items are followed from nearest neighbour to nearest
-/// neighbour until two are each other's, which gives the merges of "nearest pair first" in another order, ties aside.
-/// Which neighbour is nearest is decided by estimates, made only where it depends on them; that two may merge, by the
-/// frames themselves.
+/// Items joined by complete linkage are near in every pair, so other pairs can be forgotten: this is the whole
+/// hierarchy below the height of the limit. The search follows nearest neighbours until two are each other's, which
+/// gives the merges of "nearest pair first" in another order, ties aside. Estimates decide which neighbour is nearest,
+/// and are made only if the outcome depends on them; exact distances of frames decide whether two items may merge.
 pub(super) fn link<D: Distance>(items: Vec<D::Item>, neighbours: Vec<Vec<Neighbour>>, distance: &D) -> Vec<D::Item> {
     let items = items.into_iter().map(Some).collect();
     let mut links = Links { items, neighbours, distance };
@@ -65,15 +64,15 @@ pub(super) fn link<D: Distance>(items: Vec<D::Item>, neighbours: Vec<Vec<Neighbo
 }
 
 struct Links<'a, D: Distance> {
-    /// Items and, behind those given, what was merged; none where an item has gone into another.
+    /// Given items, then merged ones; `None` for an item that was merged into another.
     items: Vec<Option<D::Item>>,
-    /// Items that are gone may still be among them (items.len()).
+    /// May still list items that were merged (items.len()).
     neighbours: Vec<Vec<Neighbour>>,
     distance: &'a D,
 }
 
 impl<D: Distance> Links<'_, D> {
-    /// The nearest neighbour, of equally near ones `preferred`, else the first. Its linkage is estimated.
+    /// Nearest neighbour, with an estimated linkage; of equally near ones `preferred`, else the first.
     fn nearest(&mut self, of: u32, preferred: Option<u32>) -> Option<Neighbour> {
         let mut near = std::mem::take(&mut self.neighbours[of as usize]);
         near.retain(|n| self.items[n.item as usize].is_some());
@@ -103,7 +102,7 @@ impl<D: Distance> Links<'_, D> {
         nearest
     }
 
-    /// Lets an item know the linkage of another one.
+    /// Updates the linkage of an item to another one.
     fn tell(&mut self, item: u32, of: u32, linkage: Option<f32>) {
         let near = &mut self.neighbours[item as usize];
         if let Ok(k) = near.binary_search_by_key(&of, |n| n.item) {
@@ -116,7 +115,7 @@ impl<D: Distance> Links<'_, D> {
         }
     }
 
-    /// Makes one new item of two; forgets that they are near and returns false where they are not.
+    /// Merges two items; if they are too far apart, removes their pair and returns false.
     fn merge(&mut self, a: u32, b: u32) -> bool {
         let pair = [a, b].map(|i| self.items[i as usize].take());
         let joined = match pair {
@@ -148,7 +147,7 @@ impl<D: Distance> Links<'_, D> {
     }
 }
 
-/// What is near to both of two items, as far away as from the farther one.
+/// Common neighbours of two items, each with the larger of the two linkages.
 fn common(a: &[Neighbour], b: &[Neighbour]) -> Vec<Neighbour> {
     let mut out = Vec::new();
     let mut rest = b.iter().peekable();

@@ -1,4 +1,5 @@
-//! Pose groups: frames so alike that motion may go on from either as if it were the other (Lee, Choi and Lee 2006, section 3).
+//! Pose groups: frames so alike that motion may continue from any of them as from the others (Lee, Choi and Lee 2006,
+//! section 3).
 
 mod agglomerate;
 mod classes;
@@ -21,23 +22,22 @@ use throng_motion::error::BuildError;
 use throng_motion::progress::Progress;
 use tree::Item;
 
-/// Which frame belongs to which group.
+/// Assignment of frames to pose groups.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PoseGroups {
     /// Group of every frame; [`PoseGroups::NO_GROUP`] for excluded frames. Groups are numbered in order of their first
     /// frame (ClipSet::num_frames()).
     pub groups: Vec<u32>,
-    /// The frame of each group that is nearest to all its others: their distances have the least sum (number of
-    /// groups).
+    /// Medoid of each group: the frame whose distances to the others have the least sum (number of groups).
     pub medoids: Vec<FrameId>,
     /// Largest distance between two frames of one group (rad, as `FeaturesConfig` explains).
     pub max_diameter: f32,
-    /// Every diameter stays below this (rad).
+    /// Upper bound of every diameter (rad).
     pub threshold: f32,
 }
 
 impl PoseGroups {
-    /// Stands where a frame has no group.
+    /// Group number of a frame without a group.
     pub const NO_GROUP: u32 = u32::MAX;
 
     /// Number of groups.
@@ -45,23 +45,23 @@ impl PoseGroups {
         self.medoids.len()
     }
 
-    /// Group of a frame, none for excluded frames (frame < groups.len()).
+    /// Group of a frame; `None` for excluded frames (frame < groups.len()).
     pub fn of(&self, frame: FrameId) -> Option<u32> {
         Some(self.groups[frame.0 as usize]).filter(|&g| g != Self::NO_GROUP)
     }
 }
 
-/// Frames with which those of a larger group are compared to find its medoid.
+/// Size of the sample with which frames of a larger group are compared to find its medoid.
 const MEDOID_SAMPLE: usize = 256;
 
 /// Sorts frames into groups such that any two frames of a group are nearer than the threshold.
 ///
-/// Frames share a group only if their contacts agree, and those of the frames before and after them. Where a run of
-/// usable frames begins or ends, the frame itself stands in for the missing neighbour.
+/// Frames share a group only if their contacts agree, as well as those of the frames before and after. At the ends of a
+/// run of usable frames, the frame itself stands in for the missing neighbour.
 ///
 /// - `clips`: annotated.
 /// - `features`: of the same clips.
-/// - `comm`: processes that sort frames together; each has the frames of some contact states.
+/// - `comm`: processes that group frames together; each has the frames of some contact states.
 ///
 /// The medoid of a group of more than 256 frames is the one nearest to an even sample of 256 of them.
 ///
@@ -69,10 +69,9 @@ const MEDOID_SAMPLE: usize = 256;
 /// [`BuildError::Config`] for a threshold outside its limits. [`BuildError::Stage`] for clips without contacts, or
 /// features of other clips.
 ///
-/// # Source
 /// Lee, Choi and Lee 2006, section 3. Differs: in place of agglomerative hierarchical k-means, near pairs are merged
-/// first wherever those of a contact state are few enough, which is complete linkage but for how it estimates which
-/// of two pairs is nearer; k-means splits what is denser.
+/// first if those of a contact state are few enough, which is complete linkage but for the estimate of which pair is
+/// nearer; k-means splits denser data.
 pub fn group(
     clips: &ClipSet,
     features: &Features,
@@ -81,7 +80,7 @@ pub fn group(
     comm: &dyn Comm,
 ) -> Result<PoseGroups, BuildError> {
     let limit = check(clips, features, config)?;
-    // Large ones first, so that no thread begins one when the others are done.
+    // Large classes first, so that no thread starts one when the others are done.
     let mut classes: Vec<Vec<u32>> = classes::of_contacts(clips).into_values().collect();
     classes.sort_by_key(|frames| std::cmp::Reverse(frames.len()));
     let own = classes.iter().skip(comm.rank()).step_by(comm.num_ranks());
@@ -102,7 +101,7 @@ pub fn group(
     Ok(PoseGroups { max_diameter, threshold: limit, ..numbered(items, features, comm)? })
 }
 
-/// The threshold as the distances are counted, if everything fits together.
+/// The threshold in single precision, once clips and features are found to match.
 fn check(clips: &ClipSet, features: &Features, config: &ClusterConfig) -> Result<f32, BuildError> {
     let limit = config.check()?;
     let fail = |message: String, help: &str| BuildError::Stage { stage: "cluster", message, help: help.to_owned() };
@@ -130,7 +129,7 @@ fn numbered(items: Vec<Item>, features: &Features, comm: &dyn Comm) -> Result<Po
     Ok(PoseGroups { groups, medoids, ..PoseGroups::default() })
 }
 
-/// The first of the frames with the least sum of distances.
+/// First frame with the least sum of distances.
 fn medoid(frames: &[u32], features: &Features) -> FrameId {
     let sample = || frames.iter().step_by(frames.len().div_ceil(MEDOID_SAMPLE));
     let sum = |f: u32| sample().map(|&g| f64::from(features.distance(FrameId(f), FrameId(g)))).sum::<f64>();

@@ -1,4 +1,4 @@
-//! Which items are near each other.
+//! Search for pairs of near items.
 
 use super::linkage::{Distance, Neighbour};
 use super::tree::Item;
@@ -8,16 +8,16 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use throng_motion::clip::FrameId;
 
-/// The distance of frames, and points that tell when it is large.
+/// Distances of frames, with projected points that give a lower bound.
 pub(super) struct Space<'a> {
     pub features: &'a Features,
-    /// (features.num_frames())
+    /// Projected points (features.num_frames()).
     pub points: Vec<Point>,
 }
 
-/// Frames of an item whose points are looked at to find near items.
+/// Frames of an item whose points are compared to find near items.
 const GLANCE: usize = 6;
-/// Frames of an item that are looked at to estimate how far another item is.
+/// Frames of an item that are compared to estimate the distance of another item.
 const SAMPLE: usize = 32;
 
 impl<'a> Space<'a> {
@@ -39,7 +39,7 @@ impl<'a> Space<'a> {
         Some(squared.sqrt()).filter(|&d| d < limit)
     }
 
-    /// Largest distance between the points of some frames of `a` and `b`, squared, where it is not above `reach`.
+    /// Largest distance between the points of sampled frames of `a` and `b`, squared; `None` above `reach`.
     fn squared_gap_within(&self, a: &Item, b: &Item, reach: f32) -> Option<f32> {
         let mut largest = 0.0f32;
         for f in some_of(&a.frames, GLANCE) {
@@ -53,10 +53,10 @@ impl<'a> Space<'a> {
         Some(largest)
     }
 
-    /// For every item the ones that may have a linkage below `limit`, ascending, if there are no more than `max_pairs`
-    /// pairs. Linkages are given from below.
+    /// For every item those whose linkage may be below `limit`, ascending; `None` above `max_pairs` pairs. Linkages are
+    /// lower bounds.
     pub fn near(&self, items: &[Item], limit: f32, max_pairs: usize) -> Option<Vec<Vec<Neighbour>>> {
-        // Sorted by the first dimension, items that are near are near each other in the list.
+        // In the order of the first dimension, near items are near each other in the list.
         let first = |i: u32| self.points[items[i as usize].frames[0] as usize];
         let mut order: Vec<u32> = (0..items.len() as u32).collect();
         order.sort_by(|&a, &b| first(a)[0].total_cmp(&first(b)[0]).then(a.cmp(&b)));
@@ -80,17 +80,17 @@ impl<'a> Space<'a> {
     }
 }
 
-/// Distances that keep below a limit.
+/// Distances limited to those below a threshold.
 pub(super) struct Below<'a> {
     pub space: &'a Space<'a>,
-    /// (rad)
+    /// Threshold (rad).
     pub limit: f32,
 }
 
 impl Distance for Below<'_> {
     type Item = Item;
 
-    /// Of some frames of either item, the distance to the one of the other whose point is farthest away.
+    /// Estimate from samples of either item: the distance to the frame of the other item with the farthest point.
     fn estimate(&self, a: &Item, b: &Item) -> Option<f32> {
         let mut largest = 0.0f32;
         for (from, to) in [(a, b), (b, a)] {
@@ -114,7 +114,7 @@ fn some_of(frames: &[u32], n: usize) -> impl Iterator<Item = u32> {
     frames.iter().step_by(frames.len().div_ceil(n)).copied()
 }
 
-/// Pairs known to the first item of each, made known to both.
+/// Makes pairs known to the first item of each known to both.
 fn both_ways(order: &[u32], half: Vec<Vec<Neighbour>>) -> Vec<Vec<Neighbour>> {
     let mut sizes = vec![0; order.len()];
     for (&i, near) in order.iter().zip(&half) {
@@ -132,7 +132,7 @@ fn both_ways(order: &[u32], half: Vec<Vec<Neighbour>>) -> Vec<Vec<Neighbour>> {
     out
 }
 
-/// What the distance of frames is at least whose points are that far apart.
+/// Lower bound of the distance of frames, from the squared distance of their points.
 fn from_below(squared_gap: f32) -> f32 {
     ((squared_gap - 1e-7).max(0.0) / (1.0 + SLACK)).sqrt()
 }

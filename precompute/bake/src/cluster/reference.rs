@@ -1,4 +1,4 @@
-//! Complete linkage from the whole matrix of distances: slow and large, to compare with.
+//! Complete linkage from the full distance matrix: slow and large, for comparison.
 
 use super::{ClusterConfig, check, classes};
 use crate::features::Features;
@@ -8,7 +8,7 @@ use throng_motion::error::BuildError;
 
 /// The groups of complete linkage, in order of their first frame, each with its frames ascending.
 ///
-/// Takes four bytes for every pair of frames whose contacts agree.
+/// Takes four bytes for every pair of frames with equal contacts.
 ///
 /// # Errors
 /// As [`super::group`].
@@ -27,7 +27,7 @@ pub fn complete_linkage(
 /// Distances of groups.
 struct Matrix {
     groups: Vec<Vec<FrameId>>,
-    /// Those of group i to groups 0 to i - 1.
+    /// Distances of group i to groups 0 to i - 1.
     rows: Vec<Vec<f32>>,
 }
 
@@ -45,7 +45,7 @@ impl Matrix {
         &mut self.rows[a.max(b)][a.min(b)]
     }
 
-    /// Merges the nearest two groups while they are nearer than `limit`.
+    /// Merges the two nearest groups while they are nearer than `limit`.
     fn groups(mut self, limit: f32) -> Vec<Vec<FrameId>> {
         let mut nearest: Vec<Option<(f32, usize)>> = (0..self.groups.len()).map(|i| self.nearest(i)).collect();
         loop {
@@ -66,7 +66,7 @@ impl Matrix {
         self.groups
     }
 
-    /// The nearest other group, none for what has been merged.
+    /// Nearest other group; `None` for a merged group.
     fn nearest(&mut self, i: usize) -> Option<(f32, usize)> {
         if self.groups[i].is_empty() {
             return None;
@@ -75,7 +75,7 @@ impl Matrix {
         others.into_iter().map(|j| (*self.at(i, j), j)).min_by(|x, y| x.0.total_cmp(&y.0))
     }
 
-    /// Puts `b` into `a`.
+    /// Merges `b` into `a`.
     fn merge(&mut self, a: usize, b: usize) {
         let moved = std::mem::take(&mut self.groups[b]);
         self.groups[a].extend(moved);

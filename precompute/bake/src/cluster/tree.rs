@@ -1,32 +1,32 @@
-//! Frames that are together, as a tree of balls: whether two of them stay below a distance, and how wide one is,
-//! mostly without looking at pairs of frames.
+//! Groups of frames as trees of balls: decides whether two groups stay below a distance, and how wide one is, mostly
+//! without comparing pairs of frames.
 
 use super::neighbours::Space;
 use crate::features::projection::{DIMS, squared_gap};
 use serde::{Deserialize, Serialize};
 
-/// Frames that are together already.
+/// A group of frames.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Item {
-    /// At least one; those of every ball stand together.
+    /// Frames, at least one; those of every ball are contiguous.
     pub frames: Vec<u32>,
-    /// The balls of what was merged, each before the balls of its first part, and those before the ones of its second;
-    /// a frame alone is a ball too (2 frames.len() - 1).
+    /// Balls of merged groups, each before the balls of its first part, which come before those of its second; a single
+    /// frame is a ball too (2 frames.len() - 1).
     balls: Vec<Ball>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Ball {
     num_frames: u32,
-    /// One of the frames.
+    /// Frame at the centre.
     centre: u32,
-    /// No frame is farther from the centre (rad).
+    /// Largest distance of a frame from the centre (rad).
     radius: f32,
 }
 
-/// By how much the sum of two distances may stay below the third, by rounding, relative to it.
+/// Relative amount by which rounding may break the triangle inequality.
 const SLACK: f32 = 1e-4;
-/// A part may have so many times the frames of the other and still only the larger one's centre is thought of.
+/// Ratio of both parts to the smaller one above which only the larger one's centre is considered.
 const LOPSIDED: usize = 4;
 
 impl Item {
@@ -34,7 +34,7 @@ impl Item {
         Self { frames: vec![frame], balls: vec![Ball { num_frames: 1, centre: frame, radius: 0.0 }] }
     }
 
-    /// Both together.
+    /// Merges two groups.
     pub fn join(space: &Space, a: Self, b: Self) -> Self {
         let mut frames = a.frames;
         let first = frames.len();
@@ -52,7 +52,7 @@ impl Item {
         Self { frames, balls }
     }
 
-    /// Both parts of a ball, none for a single frame.
+    /// Child balls of a ball; `None` for a single frame.
     fn parts(&self, ball: usize) -> Option<[usize; 2]> {
         let first = ball + 1;
         let second = || first + 2 * self.balls[first].num_frames as usize - 1;
@@ -61,7 +61,7 @@ impl Item {
 
     /// Whether every distance between a frame of `self` and one of `other` is below `limit`.
     ///
-    /// A distance between frames of two balls is at most the sum of that of the centres and both radii: the distance of
+    /// A distance between frames of two balls is at most the distance of the centres plus both radii: the distance of
     /// frames is a metric, being the root of a weighted sum of squares of metrics.
     pub fn is_below(&self, space: &Space, other: &Self, limit: f32) -> bool {
         let mut pairs = vec![(0, 0)];
@@ -71,7 +71,7 @@ impl Item {
             if (distance + a.radius + b.radius) * (1.0 + SLACK) < limit {
                 continue;
             }
-            // The wider one is looked at more closely; two single frames have been looked at.
+            // The wider ball is refined; two single frames have been compared.
             let parts = if a.radius >= b.radius { self.parts(i) } else { None };
             match (parts, other.parts(j)) {
                 (Some(parts), _) => pairs.extend(parts.map(|i| (i, j))),
@@ -110,12 +110,12 @@ impl Item {
     }
 }
 
-/// Largest distance to one of the frames (rad).
+/// Largest distance of a frame from `centre` (rad).
 fn farthest(space: &Space, centre: u32, frames: &[u32]) -> f32 {
     frames.iter().map(|&f| space.distance(centre, f)).fold(0.0, f32::max)
 }
 
-/// The frame whose point is nearest to the mean of all points.
+/// Frame whose point is nearest to the mean of all points.
 fn middle(space: &Space, frames: &[u32]) -> u32 {
     let mut sums = [0.0f64; DIMS];
     for &f in frames {

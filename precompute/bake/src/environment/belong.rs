@@ -5,7 +5,7 @@ use super::touch::{PARTS, Probes, TouchConfig};
 use glam::{Quat, Vec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 
-/// Says which placed units poses belong to.
+/// Finds the placed units that poses belong to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Belonging {
     probes: Probes,
@@ -13,7 +13,7 @@ pub struct Belonging {
 }
 
 impl Belonging {
-    /// For bodies with a skeleton's proportions.
+    /// For a skeleton's proportions.
     pub fn new(skeleton: &Skeleton, touch: &TouchConfig) -> Self {
         Self { probes: Probes::new(skeleton), touch: touch.clone() }
     }

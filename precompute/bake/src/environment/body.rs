@@ -1,4 +1,4 @@
-//! The body as spheres along its limbs: whether a pose has room among units.
+//! Body as spheres along its limbs, to test whether a pose fits among units.
 
 use super::bounds::Bounds;
 use super::{PlacedGeometry, UnitGeometry};
@@ -6,10 +6,10 @@ use glam::{Quat, Vec3};
 use throng_core::patch::Placement;
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 
-/// Spheres of a body.
+/// Number of spheres of a body.
 pub const NUM_SPHERES: usize = 31;
 
-/// Leg length the radii are for: the default skeleton's (m).
+/// Leg length for which the radii are given: the default skeleton's (m).
 const REFERENCE_LEG: f32 = 0.83;
 
 /// Both feet.
@@ -33,38 +33,38 @@ struct Part {
 /// A sphere of a body in a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
-    /// (m)
+    /// Centre (m).
     pub centre: Vec3,
-    /// (m)
+    /// Radius (m).
     pub radius: f32,
-    /// The joint it is fixed to.
+    /// Joint that carries the sphere.
     pub joint: Joint,
-    /// Where any of these contacts is on, the sphere may be pressed into what it touches.
+    /// Contacts during any of which the sphere may be pressed into a surface.
     pub contact: Contacts,
 }
 
-/// A body in a pose.
+/// Spheres of a body in a pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyPose {
     /// The spheres, in the frame of the joints' transforms.
     pub spheres: [Sphere; NUM_SPHERES],
-    /// The box around them.
+    /// Box around the spheres.
     pub bounds: Bounds,
-    /// What is planted.
+    /// Planted parts.
     pub contacts: Contacts,
 }
 
-/// A part of a body within a unit.
+/// Penetration of a unit by a part of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penetration {
-    /// The joint of the deepest sphere.
+    /// Joint of the deepest sphere.
     pub joint: Joint,
-    /// How far that sphere reaches into the unit (m).
+    /// Depth of that sphere in the unit (m).
     pub depth: f32,
 }
 
 impl Body {
-    /// A body with a skeleton's proportions.
+    /// Spheres of a body with a skeleton's proportions.
     pub fn new(skeleton: &Skeleton) -> Self {
         let mut parts = Vec::with_capacity(NUM_SPHERES);
         let scale = skeleton.leg_length() / REFERENCE_LEG;
@@ -94,7 +94,7 @@ impl Body {
         })
     }
 
-    /// The body in a pose.
+    /// Spheres, bounds and contacts of a pose.
     pub fn pose(&self, transforms: &[(Vec3, Quat); NUM_JOINTS], contacts: Contacts) -> BodyPose {
         let spheres = self.spheres(transforms);
         let bounds = spheres.iter().fold(Bounds::EMPTY, |b, s| b.union(Bounds::of([s.centre]).grown(s.radius)));
@@ -148,12 +148,12 @@ fn leg(
 }
 
 impl BodyPose {
-    /// The sphere that is deepest in a unit, where one is deeper than `tolerance`.
+    /// Deepest sphere in a unit, if deeper than `tolerance`.
     ///
-    /// Parts in contact may be pressed in until their middle is `tolerance` below the surface; feet are left out for
-    /// units that are walked on. In a mesh, which has no inside, only what is near its surface is noticed.
+    /// Parts in contact may be pressed in until their centre is `tolerance` below the surface; feet are ignored for
+    /// floor units. A mesh has no inside, so only spheres near its surface count.
     ///
-    /// - `unit`: where the unit stands, in the pose's frame.
+    /// - `unit`: placement of the unit in the pose's frame.
     /// - `tolerance`: (m, >= 0)
     pub fn penetration(&self, unit: Placement, geometry: &UnitGeometry, tolerance: f32) -> Option<Penetration> {
         if !geometry.bounds.placed(unit).overlaps(&self.bounds) {
@@ -173,7 +173,7 @@ impl BodyPose {
         deepest
     }
 
-    /// The placed unit that a sphere is deepest in, where one is deeper than `tolerance`; the ground does not count.
+    /// Placed unit with the deepest sphere, if deeper than `tolerance`; the ground is ignored.
     pub fn penetration_in(&self, geometry: &PlacedGeometry, tolerance: f32) -> Option<(usize, Penetration)> {
         let mut deepest: Option<(usize, Penetration)> = None;
         geometry.overlapping(&self.bounds, |u| {

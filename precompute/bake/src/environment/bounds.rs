@@ -1,9 +1,9 @@
-//! Boxes along the axes, and a tree of them for nearest and overlap questions.
+//! Axis-aligned boxes, and a tree of them for nearest and overlap queries.
 
 use glam::Vec3;
 use throng_core::patch::Placement;
 
-/// A box along the axes.
+/// An axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Lowest corner (m).
@@ -13,7 +13,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Holds nothing.
+    /// Empty box.
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
     /// The smallest box around some points.
@@ -21,42 +21,42 @@ impl Bounds {
         points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
 
-    /// True where it holds no point.
+    /// True if the box holds no point.
     pub fn is_empty(&self) -> bool {
         !(self.min.cmple(self.max).all())
     }
 
-    /// The smallest box around both.
+    /// Smallest box around both.
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// The same, larger by `by` on every side (m).
+    /// Box enlarged by `by` on every side (m).
     pub fn grown(self, by: f32) -> Self {
         Self { min: self.min - by, max: self.max + by }
     }
 
-    /// Its middle.
+    /// Centre of the box (m).
     pub fn centre(&self) -> Vec3 {
         0.5 * (self.min + self.max)
     }
 
-    /// True where a point is in it or on its surface.
+    /// True if a point is inside or on the surface.
     pub fn contains(&self, p: Vec3) -> bool {
         p.cmpge(self.min).all() && p.cmple(self.max).all()
     }
 
-    /// True where they have a point in common.
+    /// True if two boxes have a point in common.
     pub fn overlaps(&self, other: &Self) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
-    /// Distance from a point, 0 within (m).
+    /// Distance from a point, 0 inside (m).
     pub fn distance(&self, p: Vec3) -> f32 {
         (self.min - p).max(p - self.max).max(Vec3::ZERO).length()
     }
 
-    /// The box around this one where its frame is placed.
+    /// Box around this one, transformed by a placement.
     pub fn placed(&self, at: Placement) -> Self {
         if self.is_empty() {
             return Self::EMPTY;
@@ -64,7 +64,7 @@ impl Bounds {
         Self::of(self.corners().map(|c| at.transform_point(c)))
     }
 
-    /// Its corners: x varies fastest, then y, then z.
+    /// Corners: x varies fastest, then y, then z.
     pub fn corners(&self) -> [Vec3; 8] {
         std::array::from_fn(|i| {
             let pick = |bit: usize, low: f32, high: f32| if i >> bit & 1 == 0 { low } else { high };
@@ -80,7 +80,7 @@ const LEAF: usize = 4;
 /// A tree over the bounds of numbered items.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoundsTree {
-    /// The root is the first one.
+    /// Nodes; the root is first.
     nodes: Vec<Node>,
     /// Items in the order of the leaves.
     items: Vec<u32>,
@@ -96,7 +96,7 @@ struct Node {
 }
 
 impl BoundsTree {
-    /// A tree over items with these bounds; items whose bounds are empty are never found.
+    /// Tree over items with these bounds; items with empty bounds are never found.
     pub fn new(bounds: &[Bounds]) -> Self {
         let mut items: Vec<u32> = (0..bounds.len() as u32).filter(|&i| !bounds[i as usize].is_empty()).collect();
         let mut tree = Self { nodes: Vec::new(), items: Vec::new() };
@@ -108,7 +108,7 @@ impl BoundsTree {
         tree
     }
 
-    /// Fills a node with `items`, the first of which is number `first` of all.
+    /// Fills a node with `items`, which begin at index `first` of all.
     fn grow(&mut self, node: usize, first: usize, items: &mut [u32], bounds: &[Bounds]) {
         let all = items.iter().fold(Bounds::EMPTY, |b, &i| b.union(bounds[i as usize]));
         self.nodes[node].bounds = all;
@@ -130,11 +130,10 @@ impl BoundsTree {
         self.grow(child + 1, first + middle, high, bounds);
     }
 
-    /// The item with the least distance from `p`, where that is below `limit`, and that distance; the lower number
-    /// where two are equal.
+    /// Item with the least distance from `p`, if below `limit`, and that distance; on a tie the lower number.
     ///
-    /// - `distance`: of an item, given its number and the least distance so far; at least the distance of its bounds
-    ///   for points outside of them, anything within.
+    /// - `distance`: of an item, given its number and the least distance so far; not below that of its bounds for
+    ///   points outside of them.
     pub fn nearest(&self, p: Vec3, limit: f32, mut distance: impl FnMut(usize) -> f32) -> Option<(usize, f32)> {
         let mut best: Option<(usize, f32)> = None;
         let mut stack = [0u32; 64];
@@ -148,7 +147,7 @@ impl BoundsTree {
             if node.count == 0 {
                 let (a, b) = (node.first, node.first + 1);
                 let of = |i: u32| self.nodes[i as usize].bounds.distance(p);
-                // The nearer child is looked at first, so it goes on last.
+                // The nearer child is pushed last, so it is visited first.
                 let (far, near) = if of(a) <= of(b) { (b, a) } else { (a, b) };
                 (stack[depth], stack[depth + 1]) = (far, near);
                 depth += 2;
@@ -165,7 +164,8 @@ impl BoundsTree {
         best
     }
 
-    /// Calls `visit` for every item of a leaf whose bounds overlap `bounds`; items near by may be among them.
+    /// Calls `visit` for every item of each leaf whose bounds overlap `bounds`, which may include near items that do
+    /// not.
     pub fn overlapping(&self, bounds: &Bounds, mut visit: impl FnMut(usize)) {
         let mut stack: Vec<u32> = if self.nodes.is_empty() { Vec::new() } else { vec![0] };
         while let Some(i) = stack.pop() {
@@ -187,7 +187,7 @@ impl BoundsTree {
     }
 }
 
-/// True where nothing in `bounds` can be nearer to `p` than `limit`. Within, distances may be below 0.
+/// True if nothing in `bounds` can be nearer to `p` than `limit`. Inside, distances may be negative.
 fn out_of_reach(bounds: &Bounds, p: Vec3, limit: f32) -> bool {
     let d = bounds.distance(p);
     d > 0.0 && d > limit

@@ -6,7 +6,7 @@ use std::path::Path;
 use throng_base::text::Source;
 use throng_motion::error::BuildError;
 
-/// Sizes and positions within a unit are smaller than this (m).
+/// Upper bound of sizes and positions within a unit (m).
 const MAX_LENGTH: f32 = 1e4;
 /// Most units of a file.
 const MAX_UNITS: usize = 10_000;

@@ -1,4 +1,4 @@
-//! Contacts with the geometry of an environment, and the height of what holds a character up (Lee, Choi and Lee 2006, section 3).
+//! Contacts with the geometry of an environment, and height of the support (Lee, Choi and Lee 2006, section 3).
 
 use super::PlacedGeometry;
 use super::placed::Touched;
@@ -12,14 +12,14 @@ use throng_motion::clip::Clip;
 /// Part number of the seat.
 const SEAT: usize = 6;
 
-/// Supports that differ less from the ground are the ground (m).
+/// Largest height of a support that counts as the ground (m).
 const ON_GROUND: f32 = 1e-3;
 
 /// Sets `contacts` and `support` of a clip that was captured in an environment.
 ///
-/// A part is planted where a point of its skin is near the geometry or the ground and slow; of the seat only the speed
-/// towards and away from the surface counts, so that it slides in contact. Speeds, shortest contacts and pauses are
-/// those of `contacts`, distances those of `touch`.
+/// A part is planted while a point of its skin is slow and near the geometry or the ground; for the seat only the speed
+/// along the surface normal counts, so that it may slide in contact. `contacts` gives speeds, shortest contacts and
+/// pauses, `touch` gives distances.
 ///
 /// # Source
 /// Lee, Choi and Lee (2006), section 3. Differs: points of the skin in place of joints, with hysteresis.
@@ -59,7 +59,7 @@ pub fn annotate_in(
     clip.support = held(&lowest);
 }
 
-/// The finite values, each held until the next one; before the first, the first. Empty where all are the ground.
+/// Finite values, each held until the next one, and the first also before it. Empty if all are the ground.
 fn held(lowest: &[f32]) -> Vec<f32> {
     let mut now = lowest.iter().copied().find(|h| h.is_finite()).unwrap_or(0.0);
     let all: Vec<f32> = lowest
@@ -72,20 +72,20 @@ fn held(lowest: &[f32]) -> Vec<f32> {
     if all.iter().all(|h| *h == 0.0) { Vec::new() } else { all }
 }
 
-/// How one part moves against what is around it.
+/// Motion of one part relative to nearby surfaces.
 struct Track {
-    /// `None` where nothing is near (num_frames).
+    /// Sample at each frame; `None` with no surface near (num_frames).
     moments: Vec<Option<Moment>>,
 }
 
-/// A part near something.
+/// Sample of a part near a surface.
 #[derive(Clone, Copy)]
 struct Moment {
-    /// Of the nearest point of its skin (m).
+    /// Distance of the nearest point of the part's skin (m).
     distance: f32,
-    /// That point's; of the seat only towards or away from the surface (m/s).
+    /// Speed of that point; for the seat along the surface normal only (m/s).
     speed: f32,
-    /// (m/s)
+    /// Vertical speed (m/s).
     vertical_speed: f32,
     /// Height of the surface there (m).
     height: f32,

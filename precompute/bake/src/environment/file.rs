@@ -13,23 +13,23 @@ use throng_motion::error::BuildError;
 /// Most units of an environment.
 const MAX_UNITS: usize = 1_000_000;
 
-/// Most levels of prefabs that hold prefabs.
+/// Deepest nesting of prefabs.
 const MAX_DEPTH: usize = 64;
 
-/// Positions and headings are smaller than this (m, deg).
+/// Upper bound of positions and headings (m, deg).
 const MAX_NUMBER: f32 = 1e5;
 
-/// An environment as a file has it; world files use the same keys.
+/// Contents of an environment file; world files use the same keys.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct EnvironmentFile {
-    /// Its name; the file's stem where absent.
+    /// Name; the file's stem if absent.
     pub name: String,
     /// File of unit objects, relative to this file's folder.
     pub units: PathBuf,
-    /// Groups of units that are placed together, by name; they may hold other groups.
+    /// Groups of units that are placed together, by name; may hold other groups.
     pub prefabs: BTreeMap<String, Vec<Place>>,
-    /// What stands where.
+    /// Placed units and prefabs.
     pub place: Vec<Place>,
 }
 
@@ -39,15 +39,15 @@ pub struct EnvironmentFile {
 pub struct Place {
     /// Name of a unit or a prefab.
     pub unit: String,
-    /// Where its origin stands: x, y, z (m).
+    /// Position of the origin: x, y, z (m).
     pub at: [f32; 3],
     /// Angle about the vertical, counted from +Z to +X (deg).
     #[serde(default)]
     pub heading_deg: f32,
-    /// How many, along `step[0]`, `step[1]` and `step[2]` of the file that holds it (>= 1 each).
+    /// Number of copies along `step[0]`, `step[1]` and `step[2]`, in the frame of the file or prefab (>= 1 each).
     #[serde(default = "once")]
     pub repeat: [u32; 3],
-    /// From one to the next, for each number of `repeat`: x, y, z (m).
+    /// Offset between copies, for each number of `repeat`: x, y, z (m).
     #[serde(default)]
     pub step: [[f32; 3]; 3],
 }
@@ -57,7 +57,7 @@ fn once() -> [u32; 3] {
 }
 
 impl EnvironmentFile {
-    /// Reads an environment file; `units` is taken from its folder.
+    /// Reads an environment file; `units` is relative to its folder.
     ///
     /// # Errors
     /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column.
@@ -74,9 +74,9 @@ impl EnvironmentFile {
         Ok(file)
     }
 
-    /// Lays out all that is placed: patterns and prefabs are resolved, headings add up.
+    /// Resolves patterns and prefabs into placed units; headings add up.
     ///
-    /// - `path`: of the file, which is read again where something is wrong, for the place in it.
+    /// - `path`: of the file, which is read again to locate an error.
     /// - returns the units in the order of the file, the last number of `repeat` varying fastest.
     ///
     /// # Errors
@@ -94,7 +94,7 @@ impl EnvironmentFile {
         }
         let (open, out, taken) = (Vec::new(), Vec::new(), BTreeSet::new());
         let mut layout = Layout { file: self, units, numbers, open, out, taken };
-        // Those that are never placed must be right too.
+        // Prefabs that are never placed must be valid too.
         for (name, places) in &self.prefabs {
             if places.is_empty() {
                 return Err(BuildError::key(format!("prefabs.{name}"), "expected at least one unit, found none"));
@@ -108,16 +108,16 @@ impl EnvironmentFile {
     }
 }
 
-/// Units being laid out.
+/// State while units are laid out.
 struct Layout<'a> {
     file: &'a EnvironmentFile,
     units: &'a UnitSet,
-    /// Of each unit, by its name.
+    /// Number of each unit, by name.
     numbers: HashMap<&'a str, usize>,
-    /// Prefabs that are being laid out, outermost first.
+    /// Prefabs being expanded, outermost first.
     open: Vec<&'a str>,
     out: Vec<PlacedUnit>,
-    /// Unit, position and heading in thousandths of a metre and a degree.
+    /// Occupied places: unit, position and heading in thousandths of a metre and a degree.
     taken: BTreeSet<(usize, [i64; 4])>,
 }
 

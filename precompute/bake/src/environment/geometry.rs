@@ -1,4 +1,4 @@
-//! The geometry of a unit object, made once.
+//! Geometry of a unit object, computed once.
 
 use super::bounds::{Bounds, BoundsTree};
 use super::mesh::MAX_TRIANGLES;
@@ -7,30 +7,30 @@ use glam::Vec3;
 use std::sync::Arc;
 use throng_motion::error::BuildError;
 
-/// Regions reach this far above the shapes where a unit names none: hips of a character on them are inside (m).
+/// Height of a default region above the shapes, enough to hold the hips of a character on them (m).
 const REGION_ABOVE: f32 = 1.2;
 
-/// Bounds in trees are larger by this, so that rounding hides nothing (m).
+/// Margin of bounds in trees, against rounding (m).
 pub(super) const ROUNDING: f32 = 1e-4;
 
-/// The geometry of a unit object, in its frame.
+/// Geometry of a unit object, in its frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnitGeometry {
     /// Its pieces.
     pub solids: Vec<Solid>,
-    /// The box around them; empty where there are none.
+    /// Box around the pieces; empty if there are none.
     pub bounds: Bounds,
-    /// A pose whose hips lie in it belongs to the unit.
+    /// Region of hips: a pose with hips in it belongs to the unit.
     pub region: Bounds,
-    /// True for what is walked on.
+    /// True for floors, which are walked on.
     pub floor: bool,
     tree: BoundsTree,
 }
 
-/// What of a unit is nearest to a point.
+/// Surface point of a unit that is nearest to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
-    /// Distance, below 0 within boxes and bars (m).
+    /// Distance, negative inside boxes and bars (m).
     pub distance: f32,
     /// The nearest point of the surface (m).
     pub point: Vec3,
@@ -41,7 +41,7 @@ pub struct Nearest {
 }
 
 impl UnitGeometry {
-    /// The geometry of a unit; meshes are read from their files.
+    /// Builds the geometry of a unit; meshes are read from their files.
     ///
     /// # Errors
     /// [`BuildError::Key`] of the shape, with its file and what is wrong in it.
@@ -59,26 +59,25 @@ impl UnitGeometry {
         Ok(Self { solids, bounds, region, floor: unit.floor, tree })
     }
 
-    /// What is nearest to a point, where that is nearer than `limit`; `None` else.
+    /// Nearest surface point to a point; `None` at `limit` or farther.
     ///
     /// - `p`: in the unit's frame (m).
-    /// - `limit`: the smaller, the faster (m).
+    /// - `limit`: smaller is faster (m).
     pub fn nearest(&self, p: Vec3, limit: f32) -> Option<Nearest> {
         let (solid, _) = self.find(p, limit)?;
         let s = self.solids[solid].nearest(p, limit)?;
         Some(Nearest { distance: s.distance, point: s.point, normal: s.normal, solid })
     }
 
-    /// Distance of a point, as [`Self::nearest`] says it but sooner; `None` where it is `limit` or more, or where there is
-    /// no geometry (m).
+    /// Distance of a point, as in [`Self::nearest`] but faster; `None` at `limit` or farther, or without geometry (m).
     ///
     /// - `p`: in the unit's frame (m).
-    /// - `limit`: the smaller, the faster (m).
+    /// - `limit`: smaller is faster (m).
     pub fn distance_below(&self, p: Vec3, limit: f32) -> Option<f32> {
         self.find(p, limit).map(|(_, distance)| distance)
     }
 
-    /// The nearest solid and its distance, where that is below `limit`.
+    /// Nearest solid and its distance; `None` at `limit` or farther.
     fn find(&self, p: Vec3, limit: f32) -> Option<(usize, f32)> {
         if self.bounds.distance(p) > limit.max(0.0) + ROUNDING {
             return None;
@@ -86,13 +85,13 @@ impl UnitGeometry {
         self.tree.nearest(p, limit, |i| self.solids[i].distance(p, limit))
     }
 
-    /// Distance of a point, below 0 within boxes and bars; infinite where there is no geometry (m).
+    /// Distance of a point, negative inside boxes and bars; infinite without geometry (m).
     pub fn distance(&self, p: Vec3) -> f32 {
         self.distance_below(p, f32::INFINITY).unwrap_or(f32::INFINITY)
     }
 }
 
-/// The geometry of every unit (units.units.len()).
+/// Builds the geometry of every unit (units.units.len()).
 ///
 /// # Errors
 /// As [`UnitGeometry::new`].
@@ -100,7 +99,7 @@ pub fn geometries(units: &UnitSet) -> Result<Vec<Arc<UnitGeometry>>, BuildError>
     with_triangles(units, MAX_TRIANGLES)
 }
 
-/// The same with so many triangles at most, over all units.
+/// Builds the geometry of every unit, with at most `most` triangles in all.
 pub(super) fn with_triangles(units: &UnitSet, most: usize) -> Result<Vec<Arc<UnitGeometry>>, BuildError> {
     let mut triangles = 0;
     let one = |(i, unit)| {

@@ -1,7 +1,7 @@
-//! Geometry inferred from contacts, for captured motion whose surroundings were not measured.
+//! Geometry inferred from contacts, for motion captured without measured surroundings.
 //!
-//! What a body stands, sits and hangs on must be where its feet, seat and hands stay in the world while the rest of it
-//! moves: level plates under feet and seats, bars in hands; and nothing is where the body goes through. Nothing is known
+//! Feet, seat and hands that stay in place while the rest of the body moves must be supported: level plates are
+//! inferred under feet and seats, bars in hands. Pieces that the body passes through are dropped. Nothing is known
 //! about places that were not touched.
 
 mod bars;
@@ -23,27 +23,27 @@ use throng_motion::annotate::ContactConfig;
 use throng_motion::clip::Clip;
 use throng_motion::error::BuildError;
 
-/// Pieces nearer to each other than this are one unit (m).
+/// Pieces nearer to each other than this form one unit (m).
 const UNIT_GAP: f32 = 0.75;
 
 /// An environment inferred from motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inferred {
-    /// A unit for each group of pieces.
+    /// Units, one for each group of pieces.
     pub units: UnitSet,
-    /// Where they stand.
+    /// Placement of the units.
     pub environment: EnvironmentFile,
-    /// What was found and how well it explains the motion.
+    /// Counts of inferred geometry, and how well it explains the motion.
     pub report: InferReport,
 }
 
-/// Infers what clips were captured on; their ground is y = 0 and is not among the units.
+/// Infers the geometry that clips were captured on; their ground is y = 0 and is not among the units.
 ///
 /// - `clips`: captured in one environment, in the same frame.
 /// - `name`: of the environment.
 ///
 /// # Errors
-/// [`BuildError::Stage`] where no place but the ground was touched.
+/// [`BuildError::Stage`] if nothing but the ground was touched.
 pub fn infer(clips: &[&Clip], skeleton: &Skeleton, name: &str) -> Result<Inferred, BuildError> {
     let contacts = ContactConfig::default();
     let places: Vec<_> = clips.iter().flat_map(|c| places::find(c, skeleton, &contacts)).collect();
@@ -70,7 +70,7 @@ pub fn infer(clips: &[&Clip], skeleton: &Skeleton, name: &str) -> Result<Inferre
     Ok(inferred)
 }
 
-/// Takes out the pieces that a body goes through, and returns how many.
+/// Removes the pieces that a body passes through, and returns their number.
 ///
 /// # Errors
 /// As [`clear::standing`].
@@ -90,7 +90,7 @@ fn dismiss(
 }
 
 impl Inferred {
-    /// The units where they stand, and the ground.
+    /// Geometry of the placed units, and the ground.
     ///
     /// # Errors
     /// As [`EnvironmentFile::expand`] and [`geometries`], where it was changed by hand.
@@ -100,10 +100,10 @@ impl Inferred {
     }
 }
 
-/// A shape in the world, and the box around it.
+/// A shape in the world, and its bounds.
 type Piece = (Shape, Bounds);
 
-/// Groups pieces that are near each other into units, each with its origin on the ground below its middle.
+/// Groups nearby pieces into units, each with its origin on the ground below its centre.
 fn assemble(plates: &[Plate], bars: &[Bar]) -> (UnitSet, Vec<Place>) {
     let pieces: Vec<Piece> = plates.iter().map(Plate::piece).chain(bars.iter().map(Bar::piece)).collect();
     let mut set = UnitSet::default();
@@ -120,7 +120,7 @@ fn assemble(plates: &[Plate], bars: &[Bar]) -> (UnitSet, Vec<Place>) {
     (set, place)
 }
 
-/// Numbers of the pieces of each group, in the order of their first pieces.
+/// Indices of the pieces of each group, in the order of their first pieces.
 fn groups(pieces: &[Piece]) -> Vec<Vec<usize>> {
     let mut group: Vec<usize> = (0..pieces.len()).collect();
     for i in 0..pieces.len() {
@@ -146,7 +146,7 @@ fn moved(shape: &Shape, by: Vec3) -> Shape {
     }
 }
 
-/// Files are read by people: no more digits than were measured.
+/// Files are read by people, so they hold no more digits than were measured.
 fn millimetres(p: Vec3) -> Vec3 {
     (p * 1000.0).round() / 1000.0
 }

@@ -1,4 +1,4 @@
-//! Triangles of glTF files, and the files beside them.
+//! Triangles of glTF files, and their external buffer files.
 
 use std::path::{Path, PathBuf};
 use throng_base::file::read_file;
@@ -6,7 +6,7 @@ use throng_motion::error::BuildError;
 use throng_motion::import::gltf;
 pub(super) use throng_motion::import::gltf::{MAX_TRIANGLES, triangles as read};
 
-/// The files beside a `.gltf` file that hold its numbers, as messages and provenance name them.
+/// Buffer files of a `.gltf` file, for messages and provenance.
 ///
 /// # Errors
 /// As [`read`].

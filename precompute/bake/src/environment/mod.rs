@@ -1,7 +1,8 @@
-//! What characters move in: unit objects with a shape, and environments that place them (Lee, Choi and Lee 2006, section 4).
+//! Surroundings of characters: unit objects with a shape, and environments that place them (Lee, Choi and Lee 2006,
+//! section 4).
 //!
 //! [`UnitSet::load`] and [`EnvironmentFile::load`] read files, [`EnvironmentFile::expand`] lays units out,
-//! [`UnitGeometry`] and [`PlacedGeometry`] answer how near a point is, and [`Body`] whether a pose fits.
+//! [`UnitGeometry`] and [`PlacedGeometry`] measure distances of points, and [`Body`] tests whether a pose fits.
 
 mod belong;
 mod body;
@@ -35,20 +36,21 @@ pub use unit::{Region, Shape, TileEdges, Unit, UnitSet};
 use serde::{Deserialize, Serialize};
 use throng_core::patch::Placement;
 
-/// A unit object and where it stands.
+/// A unit object with its placement.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlacedUnit {
     /// Number of the unit in its [`UnitSet`].
     pub unit: usize,
-    /// Its frame in the world.
+    /// Placement of the unit's frame in the world.
     pub placement: Placement,
 }
 
-/// An environment: the list (u1, T1), ..., (um, Tm) of Lee, Choi and Lee (2006), section 4. The ground y = 0 is there beside it.
+/// An environment: the list (u1, T1), ..., (um, Tm) of Lee, Choi and Lee (2006), section 4. The ground y = 0 is
+/// implied.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Environment {
-    /// Its name, for messages.
+    /// Name, for messages.
     pub name: String,
-    /// What stands where.
+    /// Placed units.
     pub units: Vec<PlacedUnit>,
 }

@@ -1,4 +1,4 @@
-//! Units where they stand, and the ground.
+//! Geometry of placed units and the ground.
 
 use super::bounds::{Bounds, BoundsTree};
 use super::geometry::{ROUNDING, UnitGeometry};
@@ -12,18 +12,18 @@ use throng_core::patch::Placement;
 pub struct PlacedGeometry {
     /// The environment's name.
     pub name: String,
-    /// What stands where.
+    /// Placed units.
     pub units: Vec<PlacedUnit>,
     geometries: Vec<Arc<UnitGeometry>>,
     tree: BoundsTree,
 }
 
-/// What of an environment a point touches.
+/// Surface point of an environment that is nearest to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touched {
     /// Number of the placed unit; `None` for the ground.
     pub unit: Option<usize>,
-    /// Distance, below 0 within boxes, bars and the ground (m).
+    /// Distance, negative inside boxes, bars and the ground (m).
     pub distance: f32,
     /// The nearest point of the surface, in the world (m).
     pub point: Vec3,
@@ -34,7 +34,7 @@ pub struct Touched {
 impl PlacedGeometry {
     /// The geometry of an environment.
     ///
-    /// - `geometries`: of every unit of the set that the environment's numbers count in.
+    /// - `geometries`: of every unit of the set that the environment's numbers index.
     pub fn new(environment: &Environment, geometries: &[Arc<UnitGeometry>]) -> Self {
         let of = |u: &PlacedUnit| geometries[u.unit].bounds.placed(u.placement).grown(ROUNDING);
         let bounds: Vec<Bounds> = environment.units.iter().map(of).collect();
@@ -51,13 +51,13 @@ impl PlacedGeometry {
         &self.geometries[self.units[unit].unit]
     }
 
-    /// Where a placed unit stands (unit < units.len()).
+    /// Placement of a placed unit (unit < units.len()).
     pub fn placement(&self, unit: usize) -> Placement {
         self.units[unit].placement
     }
 
-    /// What is nearest to a point of the world, where that is nearer than `limit`; units before the ground where both
-    /// are as near.
+    /// Nearest surface point to a point of the world; `None` at `limit` or farther. On a tie, a unit precedes the
+    /// ground.
     pub fn nearest(&self, p: Vec3, limit: f32) -> Option<Touched> {
         let distance = |i: usize| self.nearest_of(i, p, limit).map_or(f32::INFINITY, |t| t.distance);
         let unit = self.tree.nearest(p, limit, distance).and_then(|(i, _)| self.nearest_of(i, p, limit));
@@ -68,7 +68,7 @@ impl PlacedGeometry {
         }
     }
 
-    /// What of one placed unit is nearest to a point of the world, where that is nearer than `limit`.
+    /// Nearest surface point of one placed unit to a point of the world; `None` at `limit` or farther.
     pub fn nearest_of(&self, unit: usize, p: Vec3, limit: f32) -> Option<Touched> {
         let at = self.placement(unit);
         let n = self.geometry(unit).nearest(at.inverse_transform_point(p), limit)?;
@@ -76,7 +76,7 @@ impl PlacedGeometry {
         Some(Touched { unit: Some(unit), distance: n.distance, point: at.transform_point(n.point), normal })
     }
 
-    /// Calls `visit` with every placed unit whose shapes may lie in a box of the world.
+    /// Calls `visit` for every placed unit whose shapes may lie in a box of the world.
     pub fn overlapping(&self, bounds: &Bounds, visit: impl FnMut(usize)) {
         self.tree.overlapping(bounds, visit);
     }
@@ -89,7 +89,7 @@ pub(super) mod tests {
     use proptest::prelude::*;
     use std::path::Path;
 
-    /// Units from TOML, and what is placed of them.
+    /// Builds units and their placements from TOML.
     pub fn placed(units: &str, place: &str) -> PlacedGeometry {
         let path = Path::new("u.toml");
         let units = UnitSet::parse(units, path).unwrap();

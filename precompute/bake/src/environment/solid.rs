@@ -1,4 +1,4 @@
-//! Pieces of geometry and the distance to them.
+//! Pieces of geometry, with their distance from points.
 
 use super::bounds::Bounds;
 use super::triangles::Triangles;
@@ -7,7 +7,7 @@ use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_motion::error::BuildError;
 
-/// Nearer than this a direction away from a surface cannot be told from rounding (m).
+/// Distance from a surface below which rounding decides the direction away from it (m).
 const AT_SURFACE: f32 = 1e-6;
 
 /// A piece of geometry in its unit's frame.
@@ -19,7 +19,7 @@ pub enum Solid {
         centre: Vec3,
         /// From the box's axes to the unit's.
         rotation: Quat,
-        /// Half of its edge lengths (m).
+        /// Extents on each side of the centre, along the box's axes (m).
         half: Vec3,
     },
     /// A bar with round ends.
@@ -28,17 +28,17 @@ pub enum Solid {
         from: Vec3,
         /// The other end (m).
         to: Vec3,
-        /// (m)
+        /// Radius (m).
         radius: f32,
     },
     /// A surface of triangles.
     Mesh(Triangles),
 }
 
-/// What of a solid is nearest to a point.
+/// Surface point of a solid that is nearest to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
-    /// Distance, below 0 within boxes and bars (m).
+    /// Distance, negative inside boxes and bars (m).
     pub distance: f32,
     /// The nearest point of the surface (m).
     pub point: Vec3,
@@ -47,7 +47,7 @@ pub struct SurfacePoint {
 }
 
 impl Solid {
-    /// The solid of a shape; triangles are read from their file.
+    /// Solid of a shape; triangles are read from their file.
     ///
     /// # Errors
     /// [`BuildError`] where a mesh cannot be read.
@@ -68,7 +68,7 @@ impl Solid {
         })
     }
 
-    /// The box around it.
+    /// Bounds of the solid.
     pub fn bounds(&self) -> Bounds {
         match self {
             Self::Box { centre, rotation, half } => {
@@ -80,7 +80,7 @@ impl Solid {
         }
     }
 
-    /// Distance of `p`, as [`Self::nearest`]; infinite where it is not below `limit` (m).
+    /// Distance of `p`, as in [`Self::nearest`]; infinite at `limit` or farther (m).
     pub fn distance(&self, p: Vec3, limit: f32) -> f32 {
         let distance = match self {
             Self::Box { centre, rotation, half } => {
@@ -94,8 +94,8 @@ impl Solid {
         if distance < limit { distance } else { f32::INFINITY }
     }
 
-    /// What is nearest to `p`, where that is below `limit`; `None` else. Distances are signed for boxes and bars and
-    /// never below 0 for triangles, which have no inside.
+    /// Nearest surface point to `p`; `None` at `limit` or farther. Distances are signed for boxes and bars, and never
+    /// negative for triangles, which have no inside.
     pub fn nearest(&self, p: Vec3, limit: f32) -> Option<SurfacePoint> {
         let found = match self {
             Self::Box { centre, rotation, half } => {
@@ -111,7 +111,7 @@ impl Solid {
     }
 }
 
-/// A box around the origin along the axes.
+/// Nearest surface point of a box around the origin along the axes.
 fn of_box(p: Vec3, half: Vec3) -> SurfacePoint {
     let over = p.abs() - half;
     let sign = |v: f32| if v < 0.0 { -1.0 } else { 1.0 };
@@ -125,7 +125,7 @@ fn of_box(p: Vec3, half: Vec3) -> SurfacePoint {
     SurfacePoint { distance: over[axis], point: p - normal * over[axis], normal }
 }
 
-/// A point outside and the nearest one of the surface; `otherwise` is the direction where they are too close to tell.
+/// Surface point for a point outside; `otherwise` is the direction if both are too close to tell.
 pub(super) fn outside(p: Vec3, point: Vec3, otherwise: Vec3) -> SurfacePoint {
     let d = p - point;
     let distance = d.length();
@@ -133,7 +133,7 @@ pub(super) fn outside(p: Vec3, point: Vec3, otherwise: Vec3) -> SurfacePoint {
     SurfacePoint { distance, point, normal }
 }
 
-/// All within a radius of a line between two points.
+/// Nearest surface point of a bar: all points within a radius of a segment.
 fn of_bar(p: Vec3, from: Vec3, to: Vec3, radius: f32) -> SurfacePoint {
     let axis = on_axis(p, from, to);
     let away = p - axis;
@@ -146,7 +146,7 @@ fn of_bar(p: Vec3, from: Vec3, to: Vec3, radius: f32) -> SurfacePoint {
     SurfacePoint { distance: d - radius, point: axis + normal * radius, normal }
 }
 
-/// The nearest point of a line between two points.
+/// Nearest point of a segment.
 fn on_axis(p: Vec3, from: Vec3, to: Vec3) -> Vec3 {
     let along = to - from;
     let length2 = along.length_squared();

@@ -1,4 +1,4 @@
-//! Which points of a body touch what is around it, and when that counts as a contact.
+//! Skin points of a body that touch its surroundings, and the limits of a contact.
 
 use glam::{Quat, Vec3};
 use schemars::JsonSchema;
@@ -6,26 +6,27 @@ use serde::{Deserialize, Serialize};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 use throng_motion::error::{BuildError, check_ranges};
 
-/// When a part of a body counts as planted on the geometry of an environment (Lee, Choi and Lee 2006, section 3).
+/// Limits within which a part of a body counts as planted on the geometry of an environment (Lee, Choi and Lee 2006,
+/// section 3).
 ///
-/// Speeds, shortest contacts and longest pauses are those of the `annotate` table. Lengths are for legs of 0.83 m and
-/// scale with the skeleton's.
+/// The `annotate` table gives speeds, shortest contacts and longest pauses. Lengths are for legs of 0.83 m and scale
+/// with the skeleton's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TouchConfig {
-    /// Distance of the sole that a contact of heel or toe reaches (m, <= foot_off).
+    /// Distance of the sole at which a contact of heel or toe begins (m, <= foot_off).
     pub foot_on: f32,
-    /// Distance of the sole that ends it (m).
+    /// Distance of the sole at which it ends (m).
     pub foot_off: f32,
-    /// Distance of the skin of a hand that a contact reaches (m, <= hand_off).
+    /// Distance of the skin of a hand at which a contact begins (m, <= hand_off).
     pub hand_on: f32,
-    /// Distance that ends it (m).
+    /// Distance of the skin of a hand at which it ends (m).
     pub hand_off: f32,
-    /// Distance of the seat that a contact reaches (m, <= seat_off).
+    /// Distance of the seat at which a contact begins (m, <= seat_off).
     pub seat_on: f32,
-    /// Distance that ends it (m).
+    /// Distance of the seat at which it ends (m).
     pub seat_off: f32,
-    /// How deep a body may be in a unit where nothing of it is planted (m, >= 0).
+    /// Largest depth of an unplanted body part in a unit (m, >= 0).
     pub penetration: f32,
 }
 
@@ -65,10 +66,10 @@ impl TouchConfig {
     }
 }
 
-/// Leg length the lengths are for: the default skeleton's (m).
+/// Leg length for which lengths are given: the default skeleton's (m).
 pub(super) const REFERENCE_LEG: f32 = 0.83;
 
-/// The parts that contacts tell apart, in the order of their bits.
+/// Parts that contacts distinguish, in the order of their bits.
 pub(super) const PARTS: [Contacts; 7] = [
     Contacts::LEFT_HEEL,
     Contacts::LEFT_TOE,
@@ -79,26 +80,26 @@ pub(super) const PARTS: [Contacts; 7] = [
     Contacts::SEAT,
 ];
 
-/// Points of the skin that may touch something.
+/// Skin points that may touch something.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Probes {
-    /// Of every part, in the order of [`PARTS`].
+    /// Points of every part, in the order of [`PARTS`].
     parts: [Vec<Probe>; 7],
-    /// Size over that of the default skeleton.
+    /// Ratio of the skeleton's size to that of the default skeleton.
     pub scale: f32,
 }
 
-/// A point fixed to a joint.
+/// Skin point, fixed to a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Probe {
     joint: Joint,
     offset: Vec3,
-    /// The skin is this far around the point; below 0 where it is hollow (m).
+    /// Distance of the skin from the point; negative for a hollow (m).
     pub radius: f32,
 }
 
 impl Probe {
-    /// Where it is in a pose (m).
+    /// Position in a pose (m).
     pub fn at(&self, transforms: &[(Vec3, Quat); NUM_JOINTS]) -> Vec3 {
         let (p, r) = transforms[self.joint.index()];
         p + r * self.offset
@@ -106,7 +107,7 @@ impl Probe {
 }
 
 impl Probes {
-    /// The points of a body with a skeleton's proportions.
+    /// Skin points of a body with a skeleton's proportions.
     pub fn new(skeleton: &Skeleton) -> Self {
         let scale = skeleton.leg_length() / REFERENCE_LEG;
         let [left_heel, left_toe] = foot(skeleton, Joint::LeftFoot, Joint::LeftToe, skeleton.tips[1]);
@@ -133,7 +134,7 @@ impl Probes {
     }
 }
 
-/// Sole of the heel and of the ball and toes; the arch between them belongs to the ball and is hollow.
+/// Sole of the heel, and of ball and toes; the arch between them belongs to the ball and is hollow.
 fn foot(skeleton: &Skeleton, foot: Joint, toe: Joint, tip: Vec3) -> [Vec<Probe>; 2] {
     let rest = skeleton.rest_positions();
     let (ankle, ball) = (rest[foot.index()].y, rest[toe.index()].y);

@@ -12,7 +12,7 @@ pub struct Triangles {
 }
 
 impl Triangles {
-    /// A surface; triangles without an area are kept, they are lines or points.
+    /// Surface of triangles; those without an area are kept as segments or points.
     pub fn new(corners: Vec<[Vec3; 3]>) -> Self {
         let bounds: Vec<Bounds> = corners.iter().map(|t| Bounds::of(*t)).collect();
         let tree = BoundsTree::new(&bounds);
@@ -24,19 +24,19 @@ impl Triangles {
         &self.corners
     }
 
-    /// The box around it.
+    /// Bounds of the surface.
     pub fn bounds(&self) -> Bounds {
         self.tree.bounds()
     }
 
-    /// The nearest point of the surface, where it is nearer than `limit`.
+    /// Nearest surface point to `p`; `None` at `limit` or farther.
     pub fn nearest(&self, p: Vec3, limit: f32) -> Option<SurfacePoint> {
         let (i, _) = self.find(p, limit)?;
         let t = &self.corners[i];
         Some(outside(p, nearest_of(p, t), (t[1] - t[0]).cross(t[2] - t[0])))
     }
 
-    /// Distance of `p`; infinite where it is not below `limit` (m).
+    /// Distance of `p`; infinite at `limit` or farther (m).
     pub fn distance(&self, p: Vec3, limit: f32) -> f32 {
         self.find(p, limit).map_or(f32::INFINITY, |(_, distance)| distance)
     }
@@ -47,7 +47,7 @@ impl Triangles {
     }
 }
 
-/// The point of a triangle that is nearest to `p`.
+/// Nearest point of a triangle to `p`.
 ///
 /// # Source
 /// Christer Ericson, *Real-Time Collision Detection*, 2005, section 5.1.5.
@@ -87,7 +87,7 @@ fn nearest_of(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> Vec3 {
     a + ab * (vb / sum) + ac * (vc / sum)
 }
 
-/// For triangles so thin that rounding decides: the nearest point of the three edges.
+/// Nearest point of the three edges, for triangles so thin that rounding decides.
 fn nearest_of_edges(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
     let on = |a: Vec3, b: Vec3| {
         let d = b - a;

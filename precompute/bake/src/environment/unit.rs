@@ -1,4 +1,4 @@
-//! Unit objects: what environments are put together from.
+//! Unit objects, the parts of environments.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -8,30 +8,30 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UnitSet {
-    /// The units; names are unique.
+    /// Units, with unique names.
     pub units: Vec<Unit>,
 }
 
-/// A unit object: its shape cannot change (Lee, Choi and Lee 2006, section 4).
+/// A unit object, of fixed shape (Lee, Choi and Lee 2006, section 4).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Unit {
     /// Its name.
     pub name: String,
-    /// Its geometry, in its own frame: metres, Y up.
+    /// Geometry in the unit's own frame: metres, Y up.
     #[serde(default)]
     pub shapes: Vec<Shape>,
-    /// A pose whose hips lie in this box belongs to the unit; the bounding box of the shapes, up to 1.2 m above them,
-    /// where absent.
+    /// Region of hips: a pose with hips in this box belongs to the unit. If absent, the bounding box of the shapes, up
+    /// to 1.2 m above them.
     #[serde(default)]
     pub region: Option<Region>,
-    /// Turning it by a full turn over this many changes nothing.
+    /// Order of rotational symmetry about the vertical: a full turn over this number changes nothing.
     #[serde(default = "one")]
     pub symmetry: u32,
-    /// How copies of it join, where its motion is to be tilable.
+    /// Joining edges of copies, for a unit with tilable motion.
     #[serde(default)]
     pub tile: Option<TileEdges>,
-    /// True for what is walked on rather than around: bodies may touch it with their feet anywhere.
+    /// True for floors: bodies walk on the unit and may touch it with their feet anywhere.
     #[serde(default)]
     pub floor: bool,
 }
@@ -40,7 +40,7 @@ fn one() -> u32 {
     1
 }
 
-/// A box along the axes of its frame.
+/// An axis-aligned box in the frame of its unit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Region {
@@ -54,7 +54,7 @@ pub struct Region {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Shape {
-    /// A box, turned about the vertical and then tilted about its own x axis.
+    /// Box turned about the vertical, then tilted about its own x axis.
     Box {
         /// Centre: x, y, z (m).
         at: [f32; 3],
@@ -73,7 +73,7 @@ pub enum Shape {
         from: [f32; 3],
         /// The other end (m).
         to: [f32; 3],
-        /// (m)
+        /// Radius (m).
         radius: f32,
     },
     /// Triangles of a glTF file (`.glb` or `.gltf`), relative to the unit file's folder.
@@ -87,12 +87,12 @@ pub enum Shape {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TileEdges {
-    /// From the unit to its neighbour across each pair of edges: x, y, z; the opposite steps are implied. Ground
-    /// panels have two, `[[w, 0, 0], [0, 0, d]]`; stairs and slides one, which rises (m).
+    /// Offset to the neighbour across each pair of edges: x, y, z; the opposite offsets are implied. Ground panels have
+    /// two, `[[w, 0, 0], [0, 0, d]]`; stairs and slides one, which rises (m).
     pub steps: Vec<[f32; 3]>,
-    /// Width of the edges across the direction of each step (m).
+    /// Width of the edges, perpendicular to each step (m).
     pub widths: Vec<f32>,
-    /// Half-way between opposite edges, in the unit's frame: x, y, z (m).
+    /// Midpoint between opposite edges, in the unit's frame: x, y, z (m).
     #[serde(default)]
     pub centre: [f32; 3],
 }

@@ -1,36 +1,34 @@
-//! The circular arc that fits a path on the ground best (Kim, Kim and Shin 2003a, section 4.1).
+//! Circular arc of least squares through a path on the ground (Kim, Kim and Shin 2003a, section 4.1).
 
 use super::dense::Lu;
 use glam::DVec2;
 
-/// Steps of the least-squares search; it settles in fewer than ten where points lie near an arc.
+/// Most steps of the least-squares search; fewer than ten suffice for points near an arc.
 const MOST_STEPS: usize = 100;
 
-/// A circular arc or a straight line, run through at constant speed.
+/// A circular arc or straight line, traversed at constant speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arc {
-    /// One over the radius, positive where the path turns to the left (its heading grows); 0 for a straight line.
-    /// (1/m)
+    /// Reciprocal of the radius, positive if the path turns left (its heading grows); 0 for a straight line (1/m).
     pub curvature: f64,
     /// Length between the feet of the first and the last point (m).
     pub length: f64,
-    /// Heading of its tangent at the foot of the first point (rad).
+    /// Heading of the tangent at the foot of the first point (rad).
     pub heading: f64,
     /// Root mean square distance of the points from it (m).
     pub rms: f64,
 }
 
 impl Arc {
-    /// Angle that it subtends, positive to the left (rad).
+    /// Subtended angle, positive to the left (rad).
     pub fn angle(&self) -> f64 {
         self.curvature * self.length
     }
 
-    /// The arc with the smallest sum of squared distances from the points of a path (Kim, Kim and Shin 2003a, section
-    /// 4.1).
+    /// Arc with the smallest sum of squared distances from the points of a path (Kim, Kim and Shin 2003a, section 4.1).
     ///
     /// - `path`: points (x, z) in order, no two neighbours more than half a turn of the arc apart (m).
-    /// - returns nothing for fewer than three points or where all lie within a millimetre: that is no path.
+    /// - returns `None` for fewer than three points, or if all lie within a millimetre.
     pub fn fit(path: &[DVec2]) -> Option<Self> {
         let n = path.len() as f64;
         let mean = path.iter().sum::<DVec2>() / n;
@@ -46,8 +44,8 @@ impl Arc {
     }
 }
 
-/// A circle or line: the points where `a (x^2 + z^2) + e cos(angle) x + e sin(angle) z + d = 0`, `e^2 = 1 + 4 a d`, so
-/// that a line is a = 0 and no parameter grows without bound (Chernov and Lesort 2005, *Least Squares Fitting of
+/// A circle or line: the points of `a (x^2 + z^2) + e cos(angle) x + e sin(angle) z + d = 0`, `e^2 = 1 + 4 a d`, so
+/// that a line has a = 0 and no parameter grows without bound (Chernov and Lesort 2005, *Least Squares Fitting of
 /// Circles*).
 #[derive(Clone, Copy, Debug)]
 struct Circle {
@@ -57,7 +55,7 @@ struct Circle {
 }
 
 impl Circle {
-    /// The line through the points' mean, which is the origin, with the smallest sum of squared distances.
+    /// Line through the points' mean, which is the origin, with the smallest sum of squared distances.
     fn line(points: &[DVec2]) -> Self {
         let sum = |f: fn(&DVec2) -> f64| points.iter().map(f).sum::<f64>();
         let (xx, xz, zz) = (sum(|p| p.x * p.x), sum(|p| p.x * p.y), sum(|p| p.y * p.y));
@@ -65,7 +63,7 @@ impl Circle {
         Self { a: 0.0, d: 0.0, angle: along + std::f64::consts::FRAC_PI_2 }
     }
 
-    /// The circle with the smallest sum of squares of `x^2 + z^2 - 2 c p - k`, a linear system; none for a line.
+    /// Circle with the smallest sum of squares of `x^2 + z^2 - 2 c p - k`, a linear system; `None` for a line.
     fn algebraic(points: &[DVec2]) -> Option<Self> {
         let (mut m, mut b) = ([0.0; 9], [0.0; 3]);
         for p in points {
@@ -83,8 +81,7 @@ impl Circle {
         Some(Self { a, d, angle: (-centre.y).atan2(-centre.x) })
     }
 
-    /// Signed distance of a point and its derivatives with respect to a, d and angle; none where the numbers are no
-    /// circle.
+    /// Signed distance of a point and its derivatives by a, d and angle; `None` if the parameters are no circle.
     fn distance(&self, p: DVec2) -> Option<(f64, [f64; 3])> {
         let e2 = 1.0 + 4.0 * self.a * self.d;
         if e2.is_nan() || e2 <= 1e-12 {
@@ -109,7 +106,8 @@ impl Circle {
         points.iter().map(|p| self.distance(*p).map_or(f64::INFINITY, |(d, _)| d * d)).sum()
     }
 
-    /// Moves to the nearest smallest sum of squared distances (Levenberg and Marquardt); returns it, too.
+    /// Moves to the nearest local minimum of the sum of squared distances, and returns that sum too (Levenberg and
+    /// Marquardt).
     fn settle(mut self, points: &[DVec2]) -> (Self, f64) {
         let (mut sum, mut damping) = (self.sum(points), 1e-3);
         for _ in 0..MOST_STEPS {
@@ -140,16 +138,16 @@ impl Circle {
         (self, sum)
     }
 
-    /// The part of the curve between the feet of the first and the last point, at the points' own scale.
+    /// Part of the curve between the feet of the first and the last point, at the points' own scale.
     fn arc(&self, points: &[DVec2], size: f64, rms: f64) -> Arc {
-        // A radius of more than a thousand times the path is a line to rounding.
+        // A circle whose radius is over a thousand times the path is a line to rounding.
         if self.a.abs() < 0.5e-3 {
             return self.straight(points, size, rms);
         }
         let e = (1.0 + 4.0 * self.a * self.d).max(0.0).sqrt();
         let centre = DVec2::from_angle(self.angle) * (-0.5 * e / self.a);
         let radius = 0.5 / self.a.abs();
-        // As headings count: from +z towards +x.
+        // Angles count as headings do: from +z towards +x.
         let bearing = |p: DVec2| (p - centre).x.atan2((p - centre).y);
         let turned: f64 = points.windows(2).map(|w| wrap(bearing(w[1]) - bearing(w[0]))).sum();
         let side = if turned < 0.0 { -1.0 } else { 1.0 };

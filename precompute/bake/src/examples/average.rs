@@ -1,19 +1,19 @@
-//! The reference orientation of a set (Kim, Kim and Shin 2003a, section 4.2.3, equations 6 to 11), and displacements
-//! from it.
+//! Reference orientation of a set (Kim, Kim and Shin 2003a, section 4.2.3, equations 6 to 11), and displacements from
+//! it.
 
 use glam::{DQuat, DVec3, DVec4};
 
-/// A symmetric 4 x 4 matrix, or any other, row by row.
+/// A 4 x 4 matrix, row by row.
 type Matrix = [[f64; 4]; 4];
 
-/// Sweeps of Jacobi rotations; each squares what is left off the diagonal, so that a few suffice.
+/// Sweeps of Jacobi rotations; each squares the off-diagonal rest, so that a few suffice.
 const SWEEPS: usize = 32;
 
-/// The orientation that is nearest to all of a set: it minimises the sum of squared sines of the angles (as unit
-/// quaternions) between it and each of them, whichever of q and -q it is written as (equations 8 and 9).
+/// Orientation nearest to all of a set: it minimises the sum of squared sines of the angles (as unit quaternions)
+/// between it and each of them, regardless of the sign of q (equations 8 and 9).
 ///
-/// It is that eigenvector of equation 11 for which the objective is smallest. Where several are as good, the first is
-/// taken, so that the same set gives the same answer. An empty set has the identity.
+/// The solution is the eigenvector of equation 11 with the smallest objective. On a tie the first is taken, so that
+/// equal sets give equal answers. An empty set has the identity.
 pub fn reference(set: &[DQuat]) -> DQuat {
     let mut a = [[0.0; 4]; 4];
     for q in set.iter().map(|q| q.to_array()) {
@@ -25,12 +25,12 @@ pub fn reference(set: &[DQuat]) -> DQuat {
     candidates.min_by(|p, q| objective(*p, set).total_cmp(&objective(*q, set))).unwrap_or(DQuat::IDENTITY).normalize()
 }
 
-/// What [`reference()`] minimises (equation 9).
+/// Objective that [`reference()`] minimises (equation 9).
 pub fn objective(reference: DQuat, set: &[DQuat]) -> f64 {
     set.iter().map(|q| 1.0 - reference.dot(*q) * reference.dot(*q)).sum()
 }
 
-/// Log-displacement of an orientation from a reference, by the shorter way: `reference * exp(v)` is the orientation,
+/// Log-displacement of an orientation from a reference by the shorter way: `reference * exp(v)` is the orientation,
 /// where `exp(v)` turns by 2 |v| about v (at most a quarter turn, pi / 2, long).
 pub fn displacement(reference: DQuat, q: DQuat) -> DVec3 {
     let d = reference.conjugate() * q;
@@ -41,7 +41,7 @@ pub fn displacement(reference: DQuat, q: DQuat) -> DVec3 {
     d.xyz() * ratio
 }
 
-/// The orientation that turns by 2 |v| about v: undoes [`displacement`].
+/// Orientation that turns by 2 |v| about v: the inverse of [`displacement`].
 pub fn exponential(v: DVec3) -> DQuat {
     DQuat::from_scaled_axis(2.0 * v)
 }

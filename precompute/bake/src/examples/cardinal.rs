@@ -2,18 +2,18 @@
 
 use super::dense::Lu;
 
-/// Pivots below this share of the largest number mean that a system has no unique solution.
+/// Pivots below this share of the largest number make a system singular.
 const SINGULAR: f64 = 1e-10;
 
-/// Examples that differ by less on an axis do not differ on it.
+/// Least extent of examples on an axis.
 const LEAST_EXTENT: f64 = 1e-3;
 
-/// The exact weights of examples over a parameter space: one cardinal basis function per example, which is 1 at its own
+/// Exact weights of examples over a parameter space: one cardinal basis function per example, which is 1 at its own
 /// example and 0 at the others; at every point they sum to 1.
 ///
-/// Each is a hyperplane, fitted to those values by least squares, and a sum of radial cubic B-splines around all
-/// examples, which takes up the residual. Each spline ends at a multiple of the distance from its example to the
-/// nearest other one. Distances on each axis count in a spacing of its own.
+/// Each function is a hyperplane, fitted to those values by least squares, plus a sum of radial cubic B-splines around
+/// all examples, which takes up the residual. Each spline ends at a multiple of the distance from its example to the
+/// nearest other one. Distances on each axis are measured in that axis's spacing.
 ///
 /// # Source
 /// Kim, Kim and Shin (2003a), section 4.2.1, after Sloan, Rose and Cohen (2001), *Shape by Example*.
@@ -21,31 +21,31 @@ const LEAST_EXTENT: f64 = 1e-3;
 pub struct CardinalBasis {
     num_axes: usize,
     num_examples: usize,
-    /// Per axis: lowest value of the examples, and what makes the spacing 1.
+    /// Lowest value of the examples on each axis, and scale that makes the spacing 1.
     low: Vec<f64>,
     scale: Vec<f64>,
-    /// Examples, from the lowest value on, in spacings (num_examples * num_axes).
+    /// Parameters of the examples above the lowest value, in spacings (num_examples * num_axes).
     points: Vec<f64>,
     /// Reciprocal of the distance at which each spline ends (num_examples).
     sharpness: Vec<f64>,
     /// Hyperplanes: constants, then slopes axis by axis ((num_axes + 1) * num_examples).
     linear: Vec<f64>,
-    /// Share of each spline in each weight (num_examples * num_examples)., spline by spline.
+    /// Share of each spline in each weight, spline by spline (num_examples * num_examples).
     radial: Vec<f64>,
 }
 
-/// Why examples have no cardinal basis.
+/// Reason why examples have no cardinal basis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CardinalFault {
-    /// There are fewer than axes + 1.
+    /// Fewer examples than axes + 1.
     TooFew,
-    /// All have the same value on this axis.
+    /// Equal values of all examples on this axis.
     NoExtent(usize),
-    /// Their values on this axis follow from those on the axes before it: all lie in one hyperplane.
+    /// Dependent values on this axis, given by those on the axes before it: all examples lie in one hyperplane.
     NoSpread(usize),
-    /// Two lie at the same place: their numbers and distance.
+    /// Coincident examples: their numbers and distance.
     Coincident(usize, usize, f64),
-    /// The splines overlap so much that their shares cannot be told.
+    /// Overlapping splines, so much so that their shares cannot be solved for.
     Overlap,
 }
 
@@ -53,12 +53,12 @@ impl CardinalBasis {
     /// Makes the basis of examples.
     ///
     /// - `points`: parameters of each example, axis by axis (examples x axes).
-    /// - `spacings`: what counts as a distance of 1 on each axis; what [`spacing`] says where there is none (> 0).
-    /// - `reach`: where a spline ends, in distances to the nearest other example.
-    /// - `min_distance`: nearer examples are coincident, where each axis counts from 0 to 1 over the examples.
+    /// - `spacings`: distance that counts as 1 on each axis; [`spacing`] gives it if absent (> 0).
+    /// - `reach`: radius of a spline, in distances to the nearest other example.
+    /// - `min_distance`: nearer examples are coincident, with each axis scaled to [0, 1] over the examples.
     ///
     /// # Errors
-    /// [`CardinalFault`] says why there is none.
+    /// [`CardinalFault`] gives the reason.
     pub fn new(
         points: &[Vec<f64>],
         spacings: &[Option<f64>],
@@ -106,13 +106,13 @@ impl CardinalBasis {
         self.num_axes
     }
 
-    /// The weights of all examples at a point, exactly; they sum to 1, and any of them may be negative.
+    /// Exact weights of all examples at a point; they sum to 1, and any of them may be negative.
     ///
     /// - `at`: the point (num_axes).
     /// - `out`: receives the weights (num_examples).
     ///
     /// # Panics
-    /// Where a slice has another length.
+    /// If a slice has another length.
     pub fn weights(&self, at: &[f64], out: &mut [f64]) {
         let (n, d) = (self.num_examples, self.num_axes);
         assert!(at.len() == d && out.len() == n, "{d} axes and {n} examples");
@@ -132,7 +132,7 @@ impl CardinalBasis {
         }
     }
 
-    /// The examples' parameters, as they were given.
+    /// Parameters of the examples, as given.
     pub fn examples(&self) -> impl Iterator<Item = Vec<f64>> {
         let raw = |i: usize, k: usize| self.low[k] + self.point(i)[k] / self.scale[k];
         (0..self.num_examples).map(move |i| (0..self.num_axes).map(|k| raw(i, k)).collect())
@@ -150,7 +150,7 @@ impl CardinalBasis {
         (0..self.num_examples).filter(|&j| j != i).map(|j| self.distance(i, j)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Coefficients of the hyperplanes that are nearest to 1 at their own example and 0 at the others.
+    /// Coefficients of the hyperplanes nearest to 1 at their own example and 0 at the others.
     fn fit_hyperplanes(&self) -> Result<Vec<f64>, CardinalFault> {
         let (n, d) = (self.num_examples, self.num_axes);
         let one = |i: usize, k: usize| if k == 0 { 1.0 } else { self.point(i)[k - 1] };
@@ -170,8 +170,8 @@ impl CardinalBasis {
         Ok(out)
     }
 
-    /// The first axis on which the examples' values follow from those on the axes before it: what is left of it after
-    /// taking those out (Gram and Schmidt) is nothing.
+    /// First axis on which the examples' values depend on those on the axes before it: nothing is left of it after
+    /// Gram-Schmidt.
     fn axis_without_spread(&self) -> Option<usize> {
         let n = self.num_examples;
         let mut found: Vec<Vec<f64>> = vec![vec![1.0 / (n as f64).sqrt(); n]];
@@ -191,7 +191,7 @@ impl CardinalBasis {
         None
     }
 
-    /// Shares of the splines that take up what the hyperplanes leave at the examples.
+    /// Shares of the splines that take up the residual of the hyperplanes at the examples.
     fn fit_splines(&self) -> Result<Vec<f64>, CardinalFault> {
         let (n, d) = (self.num_examples, self.num_axes);
         let mut values = vec![0.0; n * n];
@@ -212,17 +212,17 @@ impl CardinalBasis {
     }
 }
 
-/// What counts as a distance of 1 on each axis where a config does not say: how far apart examples typically are on it.
+/// Default distance that counts as 1 on each axis: how far apart examples typically are on it.
 ///
-/// Where they lie on a grid, that is the grid's; where they are scattered, what it would be if as many lay on a grid.
-/// So an axis of three manners and one of twelve speeds both have neighbours about 1 apart.
+/// For examples on a grid, it is the grid's spacing; for scattered ones, that of a grid with as many. So an axis of
+/// three manners and one of twelve speeds both have neighbours about 1 apart.
 ///
 /// - `points`: parameters of each example, axis by axis (examples x axes).
 pub fn spacing(points: &[Vec<f64>]) -> Vec<f64> {
     let (low, extent) = extents(points);
     let levels: Vec<f64> = (0..low.len()).map(|k| levels(points, k, extent[k])).collect();
     let at_most = |cap: f64| levels.iter().map(|l| l.min(cap)).product::<f64>();
-    // The finest grid with no more knots than there are examples: by bisection of its finest axis.
+    // Finest grid with no more knots than examples, by bisection of its finest axis.
     let (mut few, mut many) = (2.0, levels.iter().fold(2.0f64, |a, l| a.max(*l)));
     if at_most(many) <= points.len() as f64 {
         few = many;
@@ -252,7 +252,7 @@ fn extents(points: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
     (0..points.first().map_or(0, Vec::len)).map(along).unzip()
 }
 
-/// The two points that are nearest to each other, with each axis from 0 to 1 over all.
+/// The two nearest points, with each axis scaled to [0, 1] over all.
 fn nearest_pair(points: &[Vec<f64>], extent: &[f64]) -> Option<(usize, usize, f64)> {
     let distance =
         |a: &[f64], b: &[f64]| a.iter().zip(b).zip(extent).map(|((a, b), e)| ((a - b) / e).powi(2)).sum::<f64>().sqrt();
@@ -264,7 +264,7 @@ fn add(out: &mut [f64], share: f64, of: &[f64]) {
     out.iter_mut().zip(of).for_each(|(o, v)| *o += share * v);
 }
 
-/// The cubic B-spline, 2/3 at 0, ending at 1 with its first and second derivative.
+/// Cubic B-spline, 2/3 at 0, which ends at 1 with its first and second derivative.
 fn spline(r: f64) -> f64 {
     let x = 2.0 * r;
     let near = 2.0 / 3.0 - x * x * (1.0 - 0.5 * x);

@@ -1,4 +1,4 @@
-//! How blend spaces are made.
+//! Settings of blend spaces.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -10,14 +10,14 @@ use throng_motion::error::{BuildError, check_ranges};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct BlendConfig {
-    /// Makes one space for each of these words, named `NAME-WORD`: `{}` in patterns of clips and tags is the word.
-    /// One space of its own name where empty.
+    /// Makes one space for each of these words, named `NAME-WORD`: `{}` in patterns of clips and tags is the word. If
+    /// empty, one space of its own name.
     pub for_each: Vec<String>,
-    /// What examples are placed by, in order (1 to 6).
+    /// Axes that place examples, in order (1 to 6).
     pub axes: Vec<AxisConfig>,
-    /// Examples that are named; each must be there.
+    /// Named examples; each must exist.
     pub examples: Vec<ExampleConfig>,
-    /// Examples that are looked for: every steady stretch of the clips.
+    /// Searches for examples: every steady stretch of the clips.
     pub find: Vec<FindConfig>,
     /// Rows of the posture table over one cycle (8 to 1024).
     pub phases: usize,
@@ -27,7 +27,7 @@ pub struct BlendConfig {
     pub max_weight_bytes: u64,
     /// How far an example's radial basis reaches, in distances to the nearest other example (1 to 10).
     pub kernel_reach: f64,
-    /// How a point outside the box is taken.
+    /// Treatment of a point outside the box.
     pub extrapolate: Extrapolate,
     /// How much the speed may vary over a steady stretch (m/s, 1e-3 to 100).
     pub speed_tolerance: f64,
@@ -61,16 +61,15 @@ impl Default for BlendConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AxisConfig {
-    /// What it means.
+    /// Meaning of the axis.
     pub kind: AxisKind,
     /// Its name, unique in the space; that of its kind where empty.
     #[serde(default)]
     pub name: String,
-    /// Lowest and highest value of the box; the examples' extent where absent.
+    /// Lowest and highest value of the box; the examples' extent if absent.
     #[serde(default)]
     pub range: Option<[f64; 2]>,
-    /// What counts as a distance of 1 between examples on it; how far apart they typically are where absent.
-    /// (> 0)
+    /// Distance between examples that counts as 1; their typical distance if absent (> 0).
     #[serde(default)]
     pub spacing: Option<f64>,
     /// A style axis only: the value of an example whose frames carry a tag.
@@ -78,7 +77,7 @@ pub struct AxisConfig {
     pub tags: BTreeMap<String, f64>,
 }
 
-/// What an axis means.
+/// Meaning of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AxisKind {
@@ -93,7 +92,7 @@ pub enum AxisKind {
 }
 
 impl AxisKind {
-    /// As bundles store it.
+    /// Code in bundles.
     pub fn code(self) -> u32 {
         match self {
             Self::Style => axis::STYLE,
@@ -103,7 +102,7 @@ impl AxisKind {
         }
     }
 
-    /// As configs write it.
+    /// Name in configs.
     pub fn name(self) -> &'static str {
         match self {
             Self::Style => "style",
@@ -114,14 +113,14 @@ impl AxisKind {
     }
 }
 
-/// How a point outside the parameter box is taken.
+/// Treatment of a point outside the parameter box.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Extrapolate {
-    /// As the nearest point of the box.
+    /// Takes the nearest point of the box.
     #[default]
     Clamp,
-    /// The linear part of the weights is continued.
+    /// Continues the linear part of the weights.
     Linear,
 }
 
@@ -137,16 +136,16 @@ pub struct ExampleConfig {
     pub frames: Option<[usize; 2]>,
     /// Values on the style axes, by their names.
     pub style: BTreeMap<String, f64>,
-    /// The character stands: both feet stay on the ground.
+    /// True for a standing character: both feet stay on the ground.
     pub still: bool,
-    /// One step and its mirrored image make the cycle: for what goes straight and is too short for two steps.
-    /// (neither with `still` nor with `mirror`)
+    /// One step and its mirrored image make the cycle: for straight motion that is too short for two steps (neither
+    /// with `still` nor with `mirror`).
     pub symmetric: bool,
     /// Adds the mirrored copy.
     pub mirror: bool,
 }
 
-/// Clips in which steady stretches are looked for.
+/// Search for steady stretches in clips.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FindConfig {
@@ -156,15 +155,15 @@ pub struct FindConfig {
     pub tag: Option<String>,
     /// Values on the style axes, by their names.
     pub style: BTreeMap<String, f64>,
-    /// One step and its mirrored image make a cycle: for what goes straight and is too short for two steps.
-    /// (not with `mirror`)
+    /// One step and its mirrored image make a cycle: for straight motion that is too short for two steps (not with
+    /// `mirror`).
     pub symmetric: bool,
     /// Adds mirrored copies.
     pub mirror: bool,
-    /// Most examples from these clips: those that are farthest from one another (>= 1).
+    /// Most examples from these clips, chosen to be farthest from one another (>= 1).
     pub most: Option<usize>,
-    /// Cycles whose ends differ by more, as the mean turn of a joint, are not taken (deg, > 0, <= 180); 6 where absent. Nor are
-    /// those whose hips are more than 0.1 m apart.
+    /// Largest difference of a cycle's ends, as the mean turn of a joint (deg, > 0, <= 180); 6 if absent. Cycles whose
+    /// hips are more than 0.1 m apart are not taken either.
     pub closing_deg: Option<f64>,
 }
 
@@ -203,7 +202,7 @@ impl BlendConfig {
         }
     }
 
-    /// Names of the axes, those of their kinds where they have none.
+    /// Names of the axes; unnamed ones have the names of their kinds.
     pub fn axis_names(&self) -> Vec<String> {
         let name = |a: &AxisConfig| if a.name.is_empty() { a.kind.name().to_owned() } else { a.name.clone() };
         self.axes.iter().map(name).collect()
@@ -270,7 +269,7 @@ impl BlendConfig {
     }
 }
 
-/// What `symmetric` does not go together with.
+/// Message about settings that exclude `symmetric`.
 const SYMMETRIC: &str = "`symmetric` makes the cycle of one step and its mirrored image, of what moves; expected neither \
                          `mirror` nor `still` with it, found";
 

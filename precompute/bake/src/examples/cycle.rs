@@ -1,4 +1,4 @@
-//! One closed cycle out of a clip: the best-closing one of a steady stretch, its seam closed smoothly.
+//! One closed cycle of a clip: the best-closing one of a steady stretch, with its seam smoothed.
 
 use super::average::{displacement, exponential};
 use super::steps::Steps;
@@ -9,15 +9,15 @@ use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 use throng_motion::clip::FrameRange;
 use throng_motion::mirror::mirror_rotation;
 
-/// How far a cycle's end may be moved to where it closes best (frames).
+/// Range over which a cycle's end is moved to close best (frames).
 const END_SEARCH: f64 = 1.0;
 /// Places tried on each side of a cycle's end.
 const END_STEPS: i32 = 16;
 /// Shortest and longest loop of a still example (s).
 const STILL_S: (f64, f64) = (1.5, 8.0);
-/// Frames of a still stretch that are tried as the ends of a loop, evenly chosen.
+/// Most frames of a still stretch that are tried as the ends of a loop, evenly spread.
 const STILL_TRIES: usize = 120;
-/// Loops of still examples whose ends differ by more are played forth and back instead (rad).
+/// Largest difference of the ends of a still loop; beyond it the loop is played forth and back (rad).
 const STILL_CLOSING: f64 = 0.035;
 /// Least time of a still example that is played forth and back (s).
 const RETURN_S: f64 = 3.0;
@@ -27,21 +27,21 @@ const RETURN_S: f64 = 3.0;
 pub struct Cycle<'a> {
     /// The clip it is taken from.
     pub track: Track<'a>,
-    /// Its times; those of the right foot are of no meaning where it is still.
+    /// Keytimes; those of the right foot are meaningless for a still cycle.
     pub steps: Steps,
-    /// What it is made of.
+    /// Kind of the cycle.
     kind: Kind,
-    /// Where its facing frame is.
+    /// Path of the facing frame.
     pub course: Course,
     /// Mean turn of a joint from its end to its beginning, before the seam is closed (rad).
     pub closing: f64,
-    /// Distance of the hips, likewise (m).
+    /// Distance of the hips from its end to its beginning, before the seam is closed (m).
     pub closing_m: f64,
-    /// What closes the seam, at its beginning and its end; in between, it changes evenly.
+    /// Changes that close the seam, at its beginning and its end; linear in between.
     seam: [Shift; 2],
 }
 
-/// A small change of a pose: of the hips' place, and a log-displacement of every joint.
+/// A small change of a pose: of the hips' position, and a log-displacement of every joint.
 #[derive(Clone, Copy, Debug)]
 struct Shift {
     hips: Vec3,
@@ -51,14 +51,14 @@ struct Shift {
 impl<'a> Cycle<'a> {
     /// The best-closing cycle of a steady stretch.
     ///
-    /// - `cycles`: follow each other (not empty).
+    /// - `cycles`: consecutive (not empty).
     pub fn best(track: Track<'a>, cycles: &[Steps]) -> Self {
         let last = (track.clip.num_frames() - 1) as f64;
         let ends = |c: &Steps| {
             let (c, step) = (*c, END_SEARCH / f64::from(END_STEPS));
             (-END_STEPS..=END_STEPS).map(move |k| c.ending(c.end + f64::from(k) * step)).filter(move |c| c.end <= last)
         };
-        // Poses tell the period better than strikes, which lie at frames.
+        // Poses determine the period better than strikes, which fall on frames.
         let alike = |c: &Steps| {
             let costs = ends(c).map(|c| (difference(&track, c.start, c.end), c.end - c.start));
             costs.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(c.end - c.start, |(_, period)| period)
@@ -77,10 +77,10 @@ impl<'a> Cycle<'a> {
         Self::new(track, steps, course, Kind::Whole)
     }
 
-    /// A cycle of one step and its mirrored image, for what goes straight and is too short for two steps: that of the
-    /// steps which meets its image best.
+    /// A cycle of one step and its mirrored image, for straight motion that is too short for two steps: the step that
+    /// meets its image best.
     ///
-    /// - `firsts`: cycles of which only the first step is looked at (not empty).
+    /// - `firsts`: cycles of which only the first step is used (not empty).
     pub fn halved(track: Track<'a>, firsts: &[Steps]) -> Self {
         let last = (track.clip.num_frames() - 1) as f64;
         let ends = |s: &Steps| {
@@ -130,7 +130,7 @@ impl<'a> Cycle<'a> {
             Kind::Halved => (cycle.open_pose(steps.start).mirrored(), cycle.open_pose(steps.right_strike)),
             Kind::Returning => return cycle,
         };
-        // Both ends go half the way to each other.
+        // Both ends move half the way to each other.
         let half = |j: usize| 0.5 * displacement(first.rotations[j].as_dquat(), last.rotations[j].as_dquat());
         let there = Shift { hips: 0.5 * (last.hips - first.hips), turns: std::array::from_fn(half) };
         let back = Shift { hips: -there.hips, turns: there.turns.map(|v| -v) };
@@ -140,7 +140,7 @@ impl<'a> Cycle<'a> {
         cycle
     }
 
-    /// Both feet stay on the ground.
+    /// True if both feet stay on the ground.
     pub fn is_still(&self) -> bool {
         matches!(self.kind, Kind::Still | Kind::Returning)
     }
@@ -160,7 +160,7 @@ impl<'a> Cycle<'a> {
     }
 
     /// Pose at a generic time in [0, 1) in the facing frame: hips relative to its origin, their orientation to its
-    /// heading. The end continues in the beginning.
+    /// heading. The cycle is closed.
     pub fn pose(&self, generic: f64) -> Pose {
         if self.kind == Kind::Halved && generic >= 0.5 {
             return self.pose(generic - 0.5).mirrored();
@@ -177,7 +177,7 @@ impl<'a> Cycle<'a> {
         pose
     }
 
-    /// Positions of some joints relative to the hips at such a pose (m).
+    /// Positions of some joints relative to the hips in such a pose (m).
     pub fn reach(pose: &Pose, skeleton: &Skeleton, joints: [Joint; 4]) -> [Vec3; 4] {
         let all = throng_motion::clip::joint_transforms(skeleton, Vec3::ZERO, |j| pose.rotations[j]);
         joints.map(|j| all[j.index()].0)
@@ -238,21 +238,21 @@ impl<'a> Cycle<'a> {
     }
 }
 
-/// What a cycle is made of.
+/// Kind of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// Two steps.
     Whole,
     /// One step and its mirrored image.
     Halved,
-    /// No steps, round and round.
+    /// No steps, played as a loop.
     Still,
-    /// No steps, forth and back.
+    /// No steps, played forth and back.
     Returning,
 }
 
 impl Shift {
-    /// The change that the mirrored pose takes.
+    /// The change of the mirrored pose.
     fn mirrored(&self) -> Self {
         let turn = |j: Joint| self.turns[j.mirrored().index()] * DVec3::new(1.0, -1.0, -1.0);
         Self { hips: self.hips * Vec3::new(-1.0, 1.0, 1.0), turns: Joint::ALL.map(turn) }
@@ -260,14 +260,14 @@ impl Shift {
 }
 
 impl Pose {
-    /// The pose as seen in the mirror x = 0.
+    /// The pose mirrored at x = 0.
     fn mirrored(&self) -> Self {
         let rotations = Joint::ALL.map(|j| mirror_rotation(self.rotations[j.mirrored().index()]));
         Self { hips: Vec3::new(-self.hips.x, self.hips.y, self.hips.z), rotations }
     }
 }
 
-/// How much the poses at two times and how they move differ: the mean turn of a joint, and the difference of the hips'
+/// Difference of the poses and their motion at two times: the mean turn of a joint, and the difference of the hips'
 /// height (rad, m).
 fn difference(track: &Track<'_>, a: f64, b: f64) -> f64 {
     let at = |shift: f64| unlike(&track.pose(a + shift), &track.pose(b + shift));
@@ -275,11 +275,11 @@ fn difference(track: &Track<'_>, a: f64, b: f64) -> f64 {
     if inside { 0.5 * (at(0.0) + at(1.0)) } else { at(0.0) }
 }
 
-/// How much two poses differ, wherever they are and face (rad, m).
+/// Difference of two poses, regardless of place and heading (rad, m).
 fn unlike(p: &Pose, q: &Pose) -> f64 {
     let turn = |p: &Quat, q: &Quat| f64::from(2.0 * p.dot(*q).abs().min(1.0).acos());
     let mut turns: f64 = p.rotations[1..].iter().zip(&q.rotations[1..]).map(|(p, q)| turn(p, q)).sum();
-    // The hips without their heading: that is the course's.
+    // Only the tilt of the hips, since the course holds their heading.
     turns += f64::from((p.rotations[0] * Vec3::Y).angle_between(q.rotations[0] * Vec3::Y));
     turns / NUM_JOINTS as f64 + f64::from((p.hips.y - q.hips.y).abs())
 }

@@ -4,7 +4,7 @@
 #[derive(Clone, Debug)]
 pub struct Lu {
     n: usize,
-    /// L below the diagonal, U on and above it (n * n)., row-major.
+    /// L below the diagonal, U on and above it, row-major (n * n).
     factors: Vec<f64>,
     /// Row of the matrix that became row i.
     order: Vec<usize>,

@@ -1,4 +1,4 @@
-//! The weight table: cardinal basis functions over a uniform grid, as fine as a tolerance asks for.
+//! Weight table: cardinal basis functions over a uniform grid, as fine as a tolerance demands.
 
 use super::cardinal::CardinalBasis;
 use rand::{RngExt, SeedableRng};
@@ -7,16 +7,16 @@ use rayon::prelude::*;
 use throng_core::blend::{AxisRecord, MAX_AXES, MAX_KNOTS, WeightGrid};
 use throng_core::format::Table;
 
-/// Random points at which a table is compared with the exact functions, and as many lines that show the error along
-/// each axis.
+/// Number of random points at which a table is compared with the exact functions, and of lines that measure the error
+/// along each axis.
 const RANDOM_POINTS: usize = 4096;
-/// Points of a table that are compared while its size is sought; all are compared in the end.
+/// Number of points compared while the size of a table is searched for; in the end all are compared.
 const SOUGHT_POINTS: usize = 20_000;
 /// Finest division of an axis.
 const MOST_KNOTS: usize = 4096;
-/// Smaller shares of the tolerance are not tried: the box is far too wide for its examples then.
+/// Smallest share of the tolerance that is tried; below it the box is far too wide for its examples.
 const LEAST_SHARE: f64 = 1e-9;
-/// How much smaller the error along every axis must become where all of them together are too much.
+/// Factor on the error allowed along each axis when all of them together exceed the tolerance.
 const TIGHTEN: f64 = 0.85;
 
 /// A box of parameters and the knots along each axis.
@@ -33,9 +33,9 @@ pub struct Grid {
 /// Weights at the knots of a grid, the last axis running fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WeightTable {
-    /// Where the knots lie.
+    /// Position of the knots.
     pub grid: Grid,
-    /// Numbers of a row: the examples, filled up to a multiple of 8 with zeros.
+    /// Length of a row: the examples, padded with zeros to a multiple of 8.
     pub stride: usize,
     /// The rows (knots * stride).
     pub weights: Table<f32>,
@@ -43,10 +43,10 @@ pub struct WeightTable {
     pub max_error: f64,
 }
 
-/// A table that would have to be larger than it may be.
+/// Error of a table that would exceed its limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TooLarge {
-    /// Knots along each axis that would be needed, as far as was looked.
+    /// Knots along each axis that would be needed, as far as the search went.
     pub knots: Vec<usize>,
     /// Its bytes.
     pub bytes: u64,
@@ -57,12 +57,11 @@ pub struct TooLarge {
 /// Tabulates a basis over a box.
 ///
 /// The error of interpolation is about the sum of the errors along each axis, so each axis is divided until the error
-/// along it is below a share of the tolerance; shares begin at the whole and become smaller until the table as it is
-/// stored, and as the runtime reads it, is within the tolerance at all cell centres, all midpoints of edges, and random
-/// points.
+/// along it is below a share of the tolerance. Shares begin at the whole and shrink until the table, as stored and read
+/// by the runtime, is within the tolerance at all cell centres, all midpoints of edges, and random points.
 ///
 /// # Errors
-/// [`TooLarge`] where it takes more than `max_bytes` or [`MAX_KNOTS`], or where no division that is looked at is fine enough.
+/// [`TooLarge`] if it takes more than `max_bytes` or [`MAX_KNOTS`], or if no division that is tried is fine enough.
 pub fn tabulate(
     basis: &CardinalBasis,
     (low, high): (Vec<f64>, Vec<f64>),
@@ -124,7 +123,7 @@ impl<'a> Lines<'a> {
         knots
     }
 
-    /// Largest error of linear interpolation between the knots of one axis, at the middle between them.
+    /// Largest error of linear interpolation along one axis, halfway between its knots.
     fn error(&self, axis: usize, knots: usize) -> f64 {
         let n = self.basis.num_examples();
         let step = (self.high[axis] - self.low[axis]) / (knots - 1) as f64;
@@ -168,7 +167,7 @@ fn fill(basis: &CardinalBasis, grid: &Grid) -> WeightTable {
     WeightTable { grid: grid.clone(), stride, weights: weights.into(), max_error: 0.0 }
 }
 
-/// Lets the largest weight take what rounding left of the sum 1.
+/// Adjusts the largest weight so that the sum is 1 in spite of rounding.
 fn normalise(row: &mut [f32]) {
     let left = 1.0 - row.iter().map(|w| f64::from(*w)).sum::<f64>();
     if let Some(largest) = row.iter_mut().max_by(|a, b| a.abs().total_cmp(&b.abs())) {
@@ -192,7 +191,7 @@ impl Grid {
         out
     }
 
-    /// Place of a knot moved by a part of a cell along every axis.
+    /// Position of a knot moved by a part of a cell along every axis.
     fn place(&self, indices: &[usize; MAX_AXES], part: f64) -> Vec<f64> {
         let along = |k: usize| {
             let ratio = (indices[k] as f64 + part) / (self.knots[k] - 1) as f64;
@@ -201,7 +200,7 @@ impl Grid {
         (0..self.knots.len()).map(along).collect()
     }
 
-    /// The axes as a view on the table has them; their kinds do not matter here.
+    /// Axes of the runtime's view of the table; their kinds do not matter here.
     fn axes(&self) -> [AxisRecord; MAX_AXES] {
         let mut axes = [AxisRecord::default(); MAX_AXES];
         for (axis, ((&low, &high), &knots)) in axes.iter_mut().zip(self.low.iter().zip(&self.high).zip(&self.knots)) {
@@ -221,14 +220,14 @@ impl WeightTable {
         self.weights.len() as u64 * 4
     }
 
-    /// Weights at a point, interpolated as the runtime does; outside the box, those of its nearest point within.
+    /// Weights at a point, interpolated as in the runtime; outside the box, those of its nearest point inside.
     ///
     /// - `out`: receives the weights (number of examples).
     pub fn weights(&self, at: &[f64], out: &mut [f64]) {
         self.read(self.as_read().as_ref(), at, out);
     }
 
-    /// The table as the runtime reads it; it shares the rows.
+    /// The runtime's view of the table, which shares the rows.
     fn as_read(&self) -> Option<WeightGrid> {
         WeightGrid::new(&self.grid.axes()[..self.grid.knots.len()], self.stride, &self.weights)
     }
@@ -241,8 +240,8 @@ impl WeightTable {
         out.iter_mut().zip(&row).for_each(|(o, w)| *o = f64::from(*w));
     }
 
-    /// Largest error against the exact functions at cell centres, midpoints of edges and random points; at `most`
-    /// knots, evenly chosen, and what lies beside them.
+    /// Largest error against the exact functions at cell centres, midpoints of edges and random points; near `most`
+    /// evenly chosen knots.
     fn largest_error(&self, basis: &CardinalBasis, most: usize) -> f64 {
         let (n, d, total) = (basis.num_examples(), basis.num_axes(), self.grid.num_knots());
         let (every, grid) = (total.div_ceil(most).max(1), self.as_read());

@@ -2,8 +2,8 @@
 //! 4).
 //!
 //! Examples are cycles of two steps of steady locomotion, named by the config or found in clips. Each is placed in a
-//! parameter space by the arc that fits its path; weights are tabulated over a box of that space, and what the body
-//! looks like over generic time, so that a posture is one small matrix-vector product at run time.
+//! parameter space by the arc that fits its path. Weights are tabulated over a box of that space, and postures over
+//! generic time, so that a posture is one small matrix-vector product at run time.
 
 pub mod arc;
 pub mod average;
@@ -35,8 +35,8 @@ use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, Warnings};
 use throng_motion::progress::Progress;
 
-/// Examples whose joints turn farther from their reference nearly meet its antipode, where the shorter way changes its
-/// side (rad).
+/// Displacement of a joint from its reference beyond which its antipode is near, where the shorter way changes sides
+/// (rad).
 const FAR_APART: f64 = 2.6;
 
 /// A blend space, as the bundle stores it.
@@ -57,10 +57,10 @@ pub struct BlendSpace {
     /// The weight table.
     #[serde(with = "throng_motion::pod")]
     pub weights: Vec<f32>,
-    /// One a phase.
+    /// Reference rows, one a phase.
     #[serde(with = "throng_motion::pod")]
     pub references: Vec<ReferenceRow>,
-    /// One a phase and example.
+    /// Channel rows, one a phase and example.
     #[serde(with = "throng_motion::pod")]
     pub channels: Vec<ChannelRow>,
 }
@@ -70,13 +70,13 @@ pub struct BlendSpace {
 pub struct BlendSpaces {
     /// The spaces, by name.
     pub spaces: Vec<BlendSpace>,
-    /// What was made of each.
+    /// Report of each space.
     pub report: Vec<BlendReport>,
-    /// What is odd but tolerable.
+    /// Warnings.
     pub warnings: Warnings,
 }
 
-/// What was made of one blend space.
+/// Report of one blend space.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct BlendReport {
     /// Its name.
@@ -85,15 +85,15 @@ pub struct BlendReport {
     pub axes: Vec<String>,
     /// Its examples.
     pub examples: Vec<ExampleReport>,
-    /// Found cycles that were left out because others were nearly the same.
+    /// Number of found cycles that were dropped as near duplicates.
     pub left_out: usize,
     /// Rows of its posture table.
     pub phases: usize,
     /// Knots along each axis of its weight table.
     pub knots: Vec<usize>,
-    /// Largest error of a weight that was asked for.
+    /// Largest allowed error of a weight.
     pub weight_tolerance: f64,
-    /// Largest error of a weight that was measured.
+    /// Largest measured error of a weight.
     pub weight_table_max_error: f64,
     /// Its weight table (bytes).
     pub weight_table_bytes: u64,
@@ -124,12 +124,12 @@ pub struct ExampleReport {
     pub closing_m: f64,
 }
 
-/// Cycles that are farther apart at their seam are not found, and are told where a config names them: hips (m), and the mean
-/// turn of a joint (deg).
+/// Widest seam of a found cycle: distance of the hips (m), and mean turn of a joint (deg). A named cycle beyond it
+/// causes a warning.
 pub const WIDEST_SEAM: (f64, f64) = (0.1, 6.0);
 
 impl ExampleReport {
-    /// How wide the seam is, over the widest that is let through unnamed.
+    /// Ratio of the seam to the widest allowed for found cycles.
     pub fn seam(&self) -> f64 {
         (self.closing_m / WIDEST_SEAM.0).max(self.closing_rad.to_degrees() / WIDEST_SEAM.1)
     }
@@ -168,7 +168,7 @@ pub fn fit(
     Ok(out)
 }
 
-/// A fault of a space as seen from the whole config: a table that makes several spaces does not say which.
+/// Rephrases a fault of a space for the whole config, as a table that makes several spaces does not name the one.
 fn of_table(fault: BuildError, table: &str, space: &str) -> BuildError {
     let fault = match fault {
         BuildError::Key { key, why } if space != table => BuildError::key(key, format!("space `{space}`: {why}")),
@@ -254,19 +254,19 @@ fn space(
     Ok((space, report))
 }
 
-/// The box: what the config says, otherwise the examples' extent.
+/// Parameter box: that of the config, otherwise the examples' extent.
 fn extent(config: &BlendConfig, points: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
     let along = |(k, a): (usize, &AxisConfig)| {
         let values = || points.iter().map(move |p| p[k]);
         let [low, high] =
             a.range.unwrap_or([values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]);
-        // As the bundle stores it.
+        // Rounded as in the bundle.
         (f64::from(low as f32), f64::from(high as f32))
     };
     config.axes.iter().enumerate().map(along).unzip()
 }
 
-/// Weights that a bundle may hold: far from all examples, hyperplanes rise without bound.
+/// Checks that weights can be stored: far from all examples, hyperplanes rise without bound.
 fn check_weights(config: &BlendConfig, points: &[Vec<f64>], table: &WeightTable) -> Result<(), BuildError> {
     let largest = table.weights.iter().fold(0.0f32, |l, w| l.max(w.abs()));
     if largest < MAX_WEIGHT {
@@ -276,7 +276,7 @@ fn check_weights(config: &BlendConfig, points: &[Vec<f64>], table: &WeightTable)
         let values = || points.iter().map(move |p| p[k]);
         (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max))
     };
-    // How far the box is beyond the examples, in their extents.
+    // Distance of the box beyond the examples, in their extents.
     let beyond = |k: usize| {
         let (low, high) = along(k);
         (low - table.grid.low[k]).max(table.grid.high[k] - high) / (high - low)
@@ -384,8 +384,8 @@ fn fault(key: &str, message: String, help: &str) -> BuildError {
     BuildError::key(key, format!("{message}. {help}."))
 }
 
-/// Why examples have no weights, by their names.
-/// - `lacking`: what is told of clips in which no example was found.
+/// Fault for missing weights, with the names of examples.
+/// - `lacking`: messages about clips in which no example was found.
 fn cardinal_fault(
     space: &str,
     config: &BlendConfig,
@@ -446,7 +446,7 @@ fn cardinal_fault(
     fault(&key, what, &help)
 }
 
-/// A warning about a space as part of a sentence on it.
+/// A warning about a space, phrased as part of a sentence about it.
 fn within_sentence<'a>(warning: &'a str, space: &str) -> &'a str {
     warning.trim_start_matches(&format!("blend.{space}: ")).trim_end_matches("; ...").trim_end_matches('.')
 }

@@ -1,4 +1,4 @@
-//! The posture tables: references and channels of all examples, phase by phase (Kim, Kim and Shin 2003a, section 4.2.3).
+//! Posture tables: references and channels of all examples, phase by phase (Kim, Kim and Shin 2003a, section 4.2.3).
 
 use super::average::{displacement, reference};
 use super::cycle::Cycle;
@@ -11,20 +11,20 @@ use throng_core::{Joint, NUM_JOINTS, Skeleton};
 /// Posture tables of a space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Postures {
-    /// One a phase.
+    /// Reference rows, one a phase.
     pub references: Vec<ReferenceRow>,
-    /// One a phase and example.
+    /// Channel rows, one a phase and example.
     pub channels: Vec<ChannelRow>,
-    /// The largest turn of a joint from its reference: the joint, the example, and the angle (rad).
+    /// Largest turn of a joint from its reference: joint, example and angle (rad).
     pub largest: (Joint, usize, f64),
 }
 
-/// A reference that leads to the other side of the sphere over one cycle, so that rows cannot be interpolated.
+/// Error of a reference that moves to the other side of the sphere over one cycle, so that rows cannot be interpolated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Twisted {
     /// The joint.
     pub joint: Joint,
-    /// Phase from which it does not continue in the next.
+    /// Phase after which it is discontinuous.
     pub phase: usize,
 }
 
@@ -91,7 +91,7 @@ fn channels(
     ChannelRow { values }
 }
 
-/// Lets neighbouring references lie on the same side of the sphere, the last and the first included.
+/// Flips signs so that neighbouring references lie on one side of the sphere, including the last and the first.
 fn continue_signs(references: &mut [[DQuat; NUM_JOINTS]]) -> Result<(), Twisted> {
     for joint in Joint::ALL {
         let j = joint.index();
@@ -102,7 +102,7 @@ fn continue_signs(references: &mut [[DQuat; NUM_JOINTS]]) -> Result<(), Twisted>
         }
         for phase in 0..references.len() {
             let next = (phase + 1) % references.len();
-            // Farther than a quarter turn apart, the way between two rows means nothing.
+            // Beyond a quarter turn, interpolation between two rows is meaningless.
             if references[phase][j].dot(references[next][j]) < std::f64::consts::FRAC_1_SQRT_2 {
                 return Err(Twisted { joint, phase });
             }

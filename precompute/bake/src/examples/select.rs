@@ -1,4 +1,4 @@
-//! Which motion becomes an example: what a config names, and what is found.
+//! Selection of examples: those named by a config, and those found in clips.
 
 use super::WIDEST_SEAM;
 use super::config::{AxisKind, BlendConfig, ExampleConfig, FindConfig};
@@ -13,7 +13,7 @@ use throng_motion::error::{BuildError, Warnings};
 use throng_motion::import::matches;
 use throng_motion::mirror;
 
-/// A still example's feet stand for at least this share of its frames.
+/// Least share of frames of a still example in which its feet stand.
 const STANDING: f64 = 0.8;
 
 /// A clip, or its mirrored copy, that examples are taken from.
@@ -28,28 +28,28 @@ pub struct Source {
 /// A motion that may become an example.
 #[derive(Clone, Debug)]
 pub struct Candidate<'a> {
-    /// Its name: the clip's, and frames where the clip gave several.
+    /// Name: the clip's, with frames if the clip gave several.
     pub name: String,
-    /// Where it comes from.
+    /// Source clip.
     pub source: &'a Source,
     /// The motion.
     pub cycle: Cycle<'a>,
     /// Place in the parameter space.
     pub parameters: Vec<f64>,
-    /// The config names it: it must not be left out.
+    /// True if the config names it, so that it must not be dropped.
     pub named: bool,
 }
 
-/// Everything that is asked of each run of frames.
+/// Criteria for runs of frames.
 struct Wish<'a> {
-    /// The entry of the config that asks, such as `examples[2]`.
+    /// Entry of the config, such as `examples[2]`.
     entry: String,
     config: &'a BlendConfig,
     style: &'a BTreeMap<String, f64>,
 }
 
-/// All clips that a space may take examples from: those as captured that some pattern names, each followed by its
-/// mirrored copy.
+/// All clips that a space may take examples from: original clips named by a pattern, each followed by its mirrored
+/// copy.
 pub fn sources(set: &ClipSet, config: &BlendConfig) -> Vec<Source> {
     let patterns = || config.examples.iter().map(|e| &e.clip).chain(config.find.iter().flat_map(|f| &f.clips));
     let asked = |c: &Clip| !c.mirrored && patterns().any(|p| matches(p, &c.name));
@@ -57,11 +57,11 @@ pub fn sources(set: &ClipSet, config: &BlendConfig) -> Vec<Source> {
     set.clips.iter().enumerate().filter(|(_, c)| asked(c)).flat_map(both).collect()
 }
 
-/// The candidates of a space: first those that are named, then those that are found.
+/// Candidates of a space: named ones, then found ones.
 ///
 /// # Errors
-/// [`BuildError::Key`] naming entry and clip where an example has no value on a style axis, or a named one is not there or
-/// has wrong or missing keytimes; a found stretch without them is left out, and a warning says so.
+/// [`BuildError::Key`] naming entry and clip if an example has no value on a style axis, or if a named one does not
+/// exist or has wrong or missing keytimes; a found stretch without them is dropped with a warning.
 pub fn candidates<'a>(
     space: &str,
     config: &BlendConfig,
@@ -85,7 +85,7 @@ pub fn candidates<'a>(
     Ok(out)
 }
 
-/// The examples that one entry of the config names.
+/// Examples that one entry of the config names.
 fn named<'a>(
     wish: &Wish<'_>,
     example: &ExampleConfig,
@@ -131,7 +131,7 @@ fn named<'a>(
 const KEYTIMES_HELP: &str = "Name its steady `frames`, exclude it, or adjust `annotate.contacts` so that each step is one \
                              contact of the foot";
 
-/// The best cycle of the longest steady piece of a range; every step in it must be regular.
+/// Best cycle of the longest steady piece of a range; every step in it must be regular.
 fn walking<'a>(track: Track<'a>, range: &FrameRange, config: &BlendConfig) -> Result<Cycle<'a>, String> {
     let sequence = steps::sequence(&track, range);
     if let Some(fault) = sequence.faults.first() {
@@ -145,7 +145,7 @@ fn walking<'a>(track: Track<'a>, range: &FrameRange, config: &BlendConfig) -> Re
 }
 
 /// The step of a clip that meets its mirrored image best: from the left foot's strike to the right one's, or in the
-/// mirrored copy where the clip has only the other. Nothing where the clip has no such frames.
+/// mirrored copy if the clip has only the other. `None` if the clip has no such frames.
 fn halved<'a>(
     pair: &'a [Source],
     tag: Option<&str>,
@@ -191,7 +191,7 @@ fn tolerance(config: &BlendConfig) -> Tolerance {
 
 /// Every steady stretch of the clips that one entry of the config names.
 ///
-/// - `without`: takes names of clips in which none was found, with why.
+/// - `without`: collects names of clips in which none was found, with the reason.
 fn search<'a>(
     wish: &Wish<'_>,
     find: &FindConfig,
@@ -240,10 +240,10 @@ fn search<'a>(
     Ok(out)
 }
 
-/// Clips without an example that are told one by one; of more, these many are named.
+/// Most clips without an example that get a message each; of more, only this many are named.
 const NAMED: usize = 4;
 
-/// In which clips no example was found, and why.
+/// Messages about clips in which no example was found, with the reason.
 fn told_without(space: &str, clips: &[(String, String)]) -> Vec<String> {
     let begin = format!("blend.{space}: no example was found in");
     if clips.len() <= NAMED {
@@ -253,7 +253,7 @@ fn told_without(space: &str, clips: &[(String, String)]) -> Vec<String> {
     vec![format!("{begin} {} clips: {}; ...", clips.len(), some.join("; "))]
 }
 
-/// Keeps those that are farthest from one another, beginning with the first.
+/// Keeps the `most` that are farthest from one another, beginning with the first.
 fn spread(all: &mut Vec<Candidate<'_>>, most: usize) {
     let points: Vec<Vec<f64>> = all.iter().map(|c| c.parameters.clone()).collect();
     let scale = scales(&points);
@@ -270,10 +270,10 @@ fn spread(all: &mut Vec<Candidate<'_>>, most: usize) {
     all.retain(|_| number.next().is_some_and(|i| kept.contains(&i)));
 }
 
-/// Leaves out what was found nearer than the config allows to what comes before it; then puts what was found in the
-/// order of the clips.
+/// Drops found candidates nearer to an earlier one than the config allows, then sorts found ones in the order of the
+/// clips.
 ///
-/// - returns how many were left out.
+/// - returns the number of dropped ones.
 pub fn thin(all: &mut Vec<Candidate<'_>>, min_distance: f64) -> usize {
     let before = all.len();
     let points: Vec<Vec<f64>> = all.iter().map(|c| c.parameters.clone()).collect();
@@ -291,7 +291,7 @@ pub fn thin(all: &mut Vec<Candidate<'_>>, min_distance: f64) -> usize {
     before - all.len()
 }
 
-/// What makes the extent of the points 1 on each axis.
+/// Scale that makes the extent of the points 1 on each axis.
 fn scales(points: &[Vec<f64>]) -> Vec<f64> {
     let extent = |k: usize| {
         let values = || points.iter().map(move |p| p[k]);
@@ -304,7 +304,7 @@ fn distance(a: &[f64], b: &[f64], scale: &[f64]) -> f64 {
     a.iter().zip(b).zip(scale).map(|((a, b), s)| ((a - b) * s).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Names with frames where a clip gives several examples.
+/// Adds frames to the names of examples of one clip.
 fn tell_apart(all: &mut [Candidate<'_>]) {
     let mut uses = BTreeMap::<String, usize>::new();
     all.iter().for_each(|c| *uses.entry(c.name.clone()).or_default() += 1);
@@ -314,7 +314,7 @@ fn tell_apart(all: &mut [Candidate<'_>]) {
     }
 }
 
-/// The frames of a clip that a config speaks of: those within some frames, and of each run that carries a tag.
+/// Frames of a clip that a config refers to: those within some frames, split into runs that carry a tag.
 fn spans(clip: &Clip, tag: Option<&str>, frames: Option<[usize; 2]>) -> Vec<FrameRange> {
     let [first, end] = frames.unwrap_or([0, clip.num_frames()]);
     let within = |r: &FrameRange| r.start.max(first)..r.end.min(end).min(clip.num_frames());
@@ -326,19 +326,19 @@ fn spans(clip: &Clip, tag: Option<&str>, frames: Option<[usize; 2]>) -> Vec<Fram
     spans
 }
 
-/// The usable runs of a span. Still ends of clips are left out of motion, but not of what is to be still.
+/// Usable runs of a span. Still ends of clips are excluded from motion, but not from still examples.
 fn runs(clip: &Clip, span: FrameRange, still: bool) -> Vec<FrameRange> {
     let left_out = |e: &Exclusion| !(still && e.reason == ExclusionReason::Still);
     throng_motion::clip::runs(span, |f| !clip.excluded.iter().any(|e| e.range.contains(&f) && left_out(e)))
 }
 
-/// The usable runs of all spans of what moves.
+/// Usable runs of all spans, for motion.
 fn all_runs(clip: &Clip, tag: Option<&str>, frames: Option<[usize; 2]>) -> Vec<FrameRange> {
     spans(clip, tag, frames).into_iter().flat_map(|span| runs(clip, span, false)).collect()
 }
 
 impl Candidate<'_> {
-    /// Where it is among the clips: clip, mirrored copy, time.
+    /// Sort key among the clips: clip, mirrored copy, time.
     fn place(&self) -> (usize, bool, f64) {
         (self.source.number, self.source.clip.mirrored, self.cycle.steps.start)
     }
@@ -363,7 +363,7 @@ impl Wish<'_> {
         Ok(Candidate { name: source.clip.name.clone(), source, cycle, parameters, named })
     }
 
-    /// True where a point lies in the ranges that the config gives.
+    /// True if a point lies in the ranges of the config.
     fn within(&self, parameters: &[f64]) -> bool {
         let inside = |(p, a): (&f64, &super::config::AxisConfig)| {
             a.range.is_none_or(|[low, high]| {
@@ -374,13 +374,13 @@ impl Wish<'_> {
         parameters.iter().zip(&self.config.axes).all(inside)
     }
 
-    /// - `key`: of the entry, with its dot; empty for the whole.
+    /// - `key`: of the entry, with its dot; empty for the whole entry.
     fn fault(&self, key: &str, what: &str, help: &str) -> BuildError {
         BuildError::key(format!("{}{key}", self.entry), format!("{what}. {help}."))
     }
 }
 
-/// Value that the tags over the middle of a cycle stand for.
+/// Style value of the tags at the middle of a cycle.
 fn style_of(clip: &Clip, cycle: &Cycle<'_>, values: &BTreeMap<String, f64>) -> Option<f64> {
     let middle = (0.5 * (cycle.steps.start + cycle.steps.end)) as usize;
     let here = clip.tags.iter().filter(|t| t.range.contains(&middle));

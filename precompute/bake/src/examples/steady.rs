@@ -4,7 +4,7 @@ use super::steps::Steps;
 use super::track::Track;
 use super::twist::Twist;
 
-/// How much movement may vary over a steady piece.
+/// Limits of the variation of movement over a steady piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
     /// Difference of speeds, ahead or to the side (m/s).
@@ -13,8 +13,8 @@ pub struct Tolerance {
     pub gyration: f64,
 }
 
-/// Runs of cycles that follow each other and move alike: between any two cycles of one run, speed and turning rate
-/// differ by no more than the tolerance. Each run is as long as it can be from where the last one ended.
+/// Runs of consecutive cycles that move alike: within one run, speeds and turning rates differ by no more than the
+/// tolerance. Each run is as long as possible from the end of the last one.
 pub fn pieces(track: &Track<'_>, cycles: &[Steps], tolerance: Tolerance) -> Vec<Vec<Steps>> {
     let mut out: Vec<Vec<Steps>> = Vec::new();
     let (mut low, mut high) = ([0.0; 3], [0.0; 3]);

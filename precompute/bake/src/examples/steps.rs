@@ -6,44 +6,44 @@ use throng_motion::clip::FrameRange;
 
 /// Shortest and longest cycle of two steps (s).
 const CYCLE_S: std::ops::RangeInclusive<f64> = 0.3..=4.0;
-/// Both feet on the ground after one strike and in the air before the other for longer than this is no gait: neither a
-/// walk nor a run (s).
+/// Time with both feet on the ground after one strike and in the air before the other beyond which motion is no gait:
+/// neither a walk nor a run (s).
 const MIXED_S: f64 = 0.085;
 
-/// A cycle of two steps in a clip. Times count in frames, halfway between the last frame before and the first after.
+/// A cycle of two steps in a clip. Times are in frames, halfway between the last frame before and the first after.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steps {
-    /// The left foot strikes: the cycle begins.
+    /// Strike of the left foot: the cycle begins.
     pub start: f64,
-    /// The left foot leaves the ground, before `end`.
+    /// Left foot leaves the ground, before `end`.
     pub left_off: f64,
-    /// The right foot strikes.
+    /// Strike of the right foot.
     pub right_strike: f64,
-    /// The right foot leaves the ground after that strike; past `end` where both feet stand when the left one strikes.
+    /// Right foot leaves the ground after that strike; past `end` if both feet stand when the left one strikes.
     pub right_off: f64,
-    /// The left foot strikes again: the cycle ends.
+    /// Next strike of the left foot: the cycle ends.
     pub end: f64,
 }
 
-/// Why some frames hold no cycle.
+/// Reason why some frames hold no cycle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
-    /// What is wrong, with frames.
+    /// Description, with frames.
     pub what: String,
-    /// Where (frames).
+    /// Time of the fault (frames).
     pub at: f64,
 }
 
 /// Cycles and faults of a range of frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sequence {
-    /// All cycles, in order. One ends where the next begins, but where a fault lies between.
+    /// All cycles, in order. One ends where the next begins, unless a fault lies between.
     pub cycles: Vec<Steps>,
-    /// What keeps other frames from being cycles, in order.
+    /// Faults that keep other frames from being cycles, in order.
     pub faults: Vec<Fault>,
 }
 
-/// A strike of a foot, and how long that foot then stands; unknown where the range ends before.
+/// A strike of a foot and the duration of its stance; unknown if the range ends before.
 #[derive(Clone, Copy, Debug)]
 struct Strike {
     left: bool,
@@ -51,7 +51,7 @@ struct Strike {
     off: Option<f64>,
 }
 
-/// Finds all cycles of a range: the left foot strikes, the right one, the left one again.
+/// Finds all cycles of a range: strikes of the left, right, and left foot.
 pub fn sequence(track: &Track<'_>, range: &FrameRange) -> Sequence {
     let strikes = strikes(track, range);
     let mut out = Sequence::default();
@@ -92,7 +92,7 @@ pub fn sequence(track: &Track<'_>, range: &FrameRange) -> Sequence {
 pub fn halves(track: &Track<'_>, range: &FrameRange) -> Vec<Steps> {
     let strikes = strikes(track, range);
     let length = |s: &Strike| s.off.map(|off| off - s.time);
-    // A stance that the range cuts off is taken to be as long as the other foot's.
+    // A stance cut off by the range is assumed to be as long as the other foot's.
     let usual = strikes.iter().find_map(length);
     let step = |pair: &[Strike]| {
         let [left, right] = pair else { return None };
@@ -127,12 +127,12 @@ fn strikes(track: &Track<'_>, range: &FrameRange) -> Vec<Strike> {
     strikes
 }
 
-/// Both feet strike in the same frame: no time passes between the two, as would have to.
+/// True if both feet strike in the same frame, so that no time passes in between.
 fn together(a: &Strike, b: &Strike) -> bool {
     a.left != b.left && b.time - a.time < 1.0
 }
 
-/// Two strikes of one foot without the other between them.
+/// Fault of two strikes of one foot without the other in between.
 fn twice(a: &Strike, b: &Strike) -> Fault {
     let (foot, other) = if a.left { ("left", "right") } else { ("right", "left") };
     let (from, to) = (a.time + 0.5, b.time + 0.5);
@@ -142,7 +142,7 @@ fn twice(a: &Strike, b: &Strike) -> Fault {
     Fault { what, at: a.time }
 }
 
-/// The cycle of three strikes.
+/// Cycle of three strikes.
 fn cycle(rate: f64, left: &Strike, right: &Strike, next: &Strike, before: Option<&Strike>) -> Result<Steps, Fault> {
     let (start, right_strike, end) = (left.time, right.time, next.time);
     let fault = |what: String| Fault { what, at: start };
@@ -150,7 +150,7 @@ fn cycle(rate: f64, left: &Strike, right: &Strike, next: &Strike, before: Option
     if !CYCLE_S.contains(&((end - start) / rate)) {
         return Err(fault(format!("two steps in {:.2} s ({frames}) are no gait", (end - start) / rate)));
     }
-    // A stance that the range cuts off is taken to be as long as the one before it.
+    // A stance cut off by the range is assumed to be as long as the one before it.
     let before = before.and_then(|b| Some(right_strike + b.off? - b.time));
     let (Some(left_off), Some(right_off)) = (left.off, right.off.or(before)) else {
         return Err(fault(format!("the right foot never leaves the ground in {frames}")));
@@ -180,7 +180,7 @@ impl Steps {
         [generic(self.left_off), 0.5, generic(self.right_off)].map(|g| g.clamp(0.0, 1.0 - 1e-6))
     }
 
-    /// Time of a generic time in [0, 1]: linear between the strikes (frames).
+    /// Clip time of a generic time in [0, 1]: linear between the strikes (frames).
     pub fn time(&self, generic: f64) -> f64 {
         match generic < 0.5 {
             true => self.start + 2.0 * generic * (self.right_strike - self.start),
@@ -188,13 +188,13 @@ impl Steps {
         }
     }
 
-    /// The first step of a cycle, ending at another time, and its mirrored image as the second one.
+    /// First step of a cycle with another end, followed by its mirrored image as the second one.
     pub fn halved(self, right_strike: f64) -> Self {
         let half = right_strike - self.start;
         Self { right_strike, right_off: self.left_off + half, end: right_strike + half, ..self }
     }
 
-    /// The same cycle with another end; the second step takes the change.
+    /// This cycle with another end; the second step takes the change.
     pub fn ending(self, end: f64) -> Self {
         Self { end, ..self }
     }

@@ -1,4 +1,4 @@
-//! What a clip's body does over time, at any time between its frames.
+//! Motion of a clip's body at any time between its frames.
 
 use super::arc::wrap;
 use glam::{DVec2, Quat, Vec3};
@@ -6,23 +6,23 @@ use throng_base::maths;
 use throng_core::{Contacts, Joint, NUM_JOINTS};
 use throng_motion::clip::{Clip, FrameRange};
 
-/// A clip with its root's ground path and the heading of its body. Times count in frames of the clip.
+/// A clip with its root's ground path and its body's heading. Times are in frames of the clip.
 #[derive(Clone, Debug)]
 pub struct Track<'a> {
     /// The clip.
     pub clip: &'a Clip,
-    /// Root on the ground (x, z) (m, num_frames).
+    /// Position of the root on the ground (x, z) (m, num_frames).
     path: Vec<DVec2>,
-    /// Heading that the body faces: the middle between hips and shoulders, unwrapped (rad, num_frames).
+    /// Heading of the body: the mean of hips and shoulders, unwrapped (rad, num_frames).
     facing: Vec<f64>,
 }
 
 /// A pose between frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pose {
-    /// Hips (m).
+    /// Position of the hips (m).
     pub hips: Vec3,
-    /// Joint rotations, the hips' in the frame of `hips`.
+    /// Joint rotations; the hips' in the frame of `hips`.
     pub rotations: [Quat; NUM_JOINTS],
 }
 
@@ -38,12 +38,12 @@ impl<'a> Track<'a> {
         Self { clip, path, facing }
     }
 
-    /// Frames a second.
+    /// Frame rate (Hz).
     pub fn rate(&self) -> f64 {
         self.clip.rate_hz
     }
 
-    /// Root on the ground at a time (m).
+    /// Position of the root on the ground at a time (m).
     pub fn place(&self, time: f64) -> DVec2 {
         let (a, b, part) = self.between(time);
         self.path[a].lerp(self.path[b], part)
@@ -64,7 +64,7 @@ impl<'a> Track<'a> {
         Pose { hips, rotations }
     }
 
-    /// How much some parts of the body touch at a time: 0 or 1 at frames.
+    /// Share of contact of some parts of the body at a time: 0 or 1 at frames.
     pub fn touch(&self, time: f64, parts: Contacts) -> f64 {
         let (a, b, part) = self.between(time);
         let at = |f: usize| f64::from(u8::from(self.clip.contacts[f].any(parts)));
@@ -86,7 +86,7 @@ impl<'a> Track<'a> {
         throng_motion::clip::runs(range.clone(), |f| self.clip.contacts[f].any(foot))
     }
 
-    /// The frames around a time and the part of the way between them.
+    /// The frames around a time, and its ratio between them.
     fn between(&self, time: f64) -> (usize, usize, f64) {
         let last = self.path.len() - 1;
         let time = time.clamp(0.0, last as f64);
@@ -95,11 +95,11 @@ impl<'a> Track<'a> {
     }
 }
 
-/// Heading of the middle between where the hips and the shoulders face (rad).
+/// Mean heading of hips and shoulders (rad).
 fn facing_of(local: &[Quat]) -> f64 {
     let chain = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest];
     let shoulders = chain.iter().fold(Quat::IDENTITY, |q, j| maths::compose(q, local[j.index()]));
-    // Sideways axes stay level where a body bends forward, which forward axes do not.
+    // Sideways axes stay level in a body that bends forward, unlike forward axes.
     let left =
         (local[0] * Vec3::X).with_y(0.0).normalize_or_zero() + (shoulders * Vec3::X).with_y(0.0).normalize_or_zero();
     f64::from(-left.z).atan2(f64::from(left.x))

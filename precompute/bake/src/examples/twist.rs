@@ -5,20 +5,20 @@ use super::steps::Steps;
 use super::track::Track;
 use glam::DVec2;
 
-/// Slower paths show no direction of their own: the body's heading says how it turns (m/s).
+/// Speed below which a path shows no direction, so that the body's heading gives the turn (m/s).
 const SLOW: f64 = 0.15;
 
 /// Constant velocity and turning rate of a facing frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Twist {
-    /// To the left, ahead (m/s).
+    /// Velocity to the left and ahead (m/s).
     pub velocity: DVec2,
     /// Turning rate, positive to the left (rad/s).
     pub gyration: f64,
 }
 
 impl Twist {
-    /// Where the frame comes in a time, as seen from where it was: (left, ahead) and angle.
+    /// Displacement after a time, in the starting frame: (left, ahead) and angle.
     pub fn advance(&self, seconds: f64) -> (DVec2, f64) {
         let angle = self.gyration * seconds;
         let (along, across) = integrals(angle, seconds);
@@ -26,25 +26,25 @@ impl Twist {
         (DVec2::new(along * v.x + across * v.y, along * v.y - across * v.x), angle)
     }
 
-    /// The movement that leads somewhere in a time: undoes [`Twist::advance`].
+    /// Movement with a given displacement in a time: the inverse of [`Twist::advance`].
     pub fn towards(place: DVec2, angle: f64, seconds: f64) -> Self {
         let (along, across) = integrals(angle, seconds);
         let velocity = DVec2::new(along * place.x - across * place.y, along * place.y + across * place.x);
         Self { velocity: velocity / (along * along + across * across), gyration: angle / seconds }
     }
 
-    /// Movement of a run of cycles that follow each other (Kim, Kim and Shin 2003a, section 4.1).
+    /// Mean movement of a run of consecutive cycles (Kim, Kim and Shin 2003a, section 4.1).
     ///
-    /// The root's path is averaged over one cycle around every moment, so that its sway from foot to foot does not
-    /// bend the arc; what averaging takes from the radius is given back. A single cycle, of which no average can be
-    /// taken, and one that hardly travels are measured from end to end.
+    /// The root's path is averaged over one cycle around every moment, so that its sway from foot to foot does not bend
+    /// the arc; the radius lost by averaging is given back. A single cycle, which has no average, and one that hardly
+    /// travels are measured from end to end.
     ///
     /// - `period`: time of a cycle (frames).
     pub fn of_cycles(track: &Track<'_>, cycles: &[Steps], period: f64) -> Self {
         let (start, end) = (cycles[0].start, cycles[cycles.len() - 1].end);
         if cycles.len() < 2 {
             let turn = track.facing(end) - track.facing(start);
-            // The body swings from step to step: what it faces on average counts, not what it faces at the strike.
+            // The body swings with every step, so its mean facing counts, not that at the strike.
             let heading = track.mean(start, end, |t| track.facing(t) - turn * (t - start) / (end - start));
             let seconds = (end - start) / track.rate();
             return Self::between(track.place(start), heading, track.place(end), heading + turn, seconds);
@@ -71,7 +71,7 @@ impl Twist {
         let half = 0.5 * gyration * period;
         let shrunk = if half.abs() < 1e-4 { 1.0 } else { half.sin() / half };
         let speed = arc.length / seconds / shrunk.max(0.1);
-        // The chord of an arc is parallel to its tangent at the middle, which it shows better than its ends do.
+        // The chord of an arc is parallel to the tangent at its middle, and more exact than the ends.
         let chord = path[path.len() - 1] - path[0];
         let middle = facing.iter().sum::<f64>() / facing.len() as f64;
         let apart =
@@ -85,10 +85,10 @@ impl Twist {
     }
 }
 
-/// A facing frame that moves steadily: where it is at any time.
+/// A facing frame that moves steadily.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Course {
-    /// How it moves.
+    /// Movement of the frame.
     pub twist: Twist,
     origin: DVec2,
     heading: f64,
@@ -97,7 +97,7 @@ pub struct Course {
 }
 
 impl Course {
-    /// The course that lies under a body best between two times: the body faces ahead and is above it on average.
+    /// Course that fits a body best between two times: on average the body faces ahead and is above it.
     pub fn under(track: &Track<'_>, twist: Twist, start: f64, end: f64) -> Self {
         let seconds = |t: f64| (t - start) / track.rate();
         let apart = |t: f64| DVec2::from_angle(track.facing(t) - twist.gyration * seconds(t));
@@ -107,8 +107,8 @@ impl Course {
         Self { origin, ..course }
     }
 
-    /// The straight course under one step that the other foot would repeat mirrored: the body sways to one side of it
-    /// as far as it then would to the other, and turns as far.
+    /// The straight course under one step that the other foot would repeat mirrored: the body sways and turns to one
+    /// side as far as it then would to the other.
     pub fn of_step(track: &Track<'_>, start: f64, end: f64) -> Self {
         let heading = 0.5 * (track.facing(start) + track.facing(end));
         let way = track.place(end) - track.place(start);
@@ -116,18 +116,18 @@ impl Course {
         let twist = Twist { velocity: DVec2::new(0.0, ahead), gyration: 0.0 };
         let course = Self { twist, origin: track.place(start), heading, start, rate: track.rate() };
         let seen = track.mean(start, end, |t| turned(track.place(t) - course.at(t).0, -heading)).y;
-        // Half the way aside leads from one side to the middle.
+        // This half of the sideways displacement leads from one side to the middle.
         let aside = 0.5 * turned(way, -heading).x;
         Self { origin: course.origin + turned(DVec2::new(aside, seen), heading), ..course }
     }
 
-    /// Place on the ground and heading at a time (m, rad).
+    /// Position on the ground and heading at a time (m, rad).
     pub fn at(&self, time: f64) -> (DVec2, f64) {
         let (place, angle) = self.twist.advance((time - self.start) / self.rate);
         (self.origin + turned(place, self.heading), self.heading + angle)
     }
 
-    /// How far two times of a body are from being the same pose on the course: in place and in heading (m, rad).
+    /// Difference of a body's poses at two times relative to the course: in position and heading (m, rad).
     pub fn apart(&self, track: &Track<'_>, a: f64, b: f64) -> (f64, f64) {
         let seen = |t: f64| {
             let (origin, heading) = self.at(t);
@@ -138,7 +138,7 @@ impl Course {
     }
 }
 
-/// Integrals of cosine and sine of a turn at constant rate, over its time.
+/// Integrals of cosine and sine of a turn at constant rate, over its duration.
 fn integrals(angle: f64, seconds: f64) -> (f64, f64) {
     match angle.abs() < 1e-6 {
         true => (seconds, 0.5 * angle * seconds),

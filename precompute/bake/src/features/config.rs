@@ -1,4 +1,4 @@
-//! What the distance between frames counts, and how much.
+//! Features in the distance between frames, and their weights.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,14 +9,14 @@ use throng_motion::error::{BuildError, check_ranges};
 
 /// Weights of the six features of Lee, Choi and Lee (2006), section 3.
 ///
-/// The distance is an angle. Joint weights are scaled to a sum of 1, so the angle term is the mean square
-/// joint angle; every other feature is turned into an angle by its weight: a velocity counts as what it
-/// moves in `horizon_s`, a length as the joint angle that would cause it. A distance of 0.1 therefore reads
-/// "poses and where they are heading differ by about 0.1 rad a joint".
+/// The distance is an angle. Joint weights are scaled to a sum of 1, so the angle term is the mean square joint angle.
+/// The weight of every other feature turns it into an angle: a velocity counts as the displacement in `horizon_s`, a
+/// length as the joint angle that would cause it. A distance of 0.1 therefore means "poses and where they are heading
+/// differ by about 0.1 rad a joint".
 ///
-/// The defaults were chosen on captured walks and runs: of the settings tried, these bring the feet of frames that
-/// transitions join among the nearest at equal branching. There, frames up to about 0.3 apart look alike but for
-/// the arms; at 0.45 arms are clearly elsewhere, and a foot up to 0.2 m.
+/// The defaults were chosen on captured walks and runs: of the settings tried, these bring the feet of frames joined by
+/// transitions nearest at equal branching. There, frames up to about 0.3 apart look alike except for the arms; at 0.45
+/// arms are clearly elsewhere, and a foot up to 0.2 m.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FeaturesConfig {
@@ -38,14 +38,14 @@ impl Default for FeaturesConfig {
     }
 }
 
-/// Weights ready for use. Velocity weights include the horizon.
+/// Weights in use. Velocity weights include the horizon.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Weights {
-    /// Per squared joint angle; the hips' is 0 (NUM_JOINTS).
+    /// Weight per squared joint angle; the hips' is 0 (NUM_JOINTS).
     pub joints: [f64; NUM_JOINTS],
     pub height: f64,
     pub orientation: f64,
-    /// Times the joint's weight, per squared angular velocity.
+    /// Factor on the joint's weight, per squared angular velocity.
     pub joint_velocity: f64,
     pub linear_velocity: f64,
     pub angular_velocity: f64,
@@ -79,8 +79,8 @@ impl FeaturesConfig {
     }
 }
 
-/// Joints count roughly by the length and mass of what they move, legs more than arms, because a leg that
-/// blends badly slides on the ground. The head counts little: captured heads jump where markers swap.
+/// Joints count roughly by the length and mass that they move, legs more than arms, because a leg that blends badly
+/// slides on the ground. The head counts little: captured heads jump where markers swap.
 fn default_weight(joint: Joint) -> f64 {
     use Joint::*;
     match joint {

@@ -6,7 +6,7 @@ use glam::{Mat3, Quat, Vec3};
 use throng_core::NUM_JOINTS;
 use throng_motion::clip::FrameId;
 
-/// Dimensions of the embedding: a rotation matrix a joint, what is Euclidean anyway, the vertical as the root sees it.
+/// Dimensions of the embedding: a rotation matrix a joint, the Euclidean features, the vertical in the root's frame.
 pub(super) const EMBEDDING: usize = 9 * (NUM_JOINTS - 1) + LINEAR + 3;
 
 impl Features {

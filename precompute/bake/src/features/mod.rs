@@ -1,7 +1,7 @@
-//! How much two frames differ: the six features of Lee, Choi and Lee (2006), section 3.
+//! Distance of two frames: the six features of Lee, Choi and Lee (2006), section 3.
 //!
-//! Joint angles, root height, root orientation, and the velocities of joints and root are weighted, squared
-//! and summed. Moving or turning a clip on the ground changes nothing.
+//! Joint angles, root height, root orientation, and the velocities of joints and root are weighted, squared and summed.
+//! The distance is unaffected by moving or turning a clip on the ground.
 
 mod config;
 mod embedding;
@@ -25,7 +25,7 @@ use throng_motion::error::BuildError;
 
 /// The features of every frame of a [`ClipSet`], excluded frames included, or of some of them.
 ///
-/// A [`FrameId`] names a frame by its place among those that were measured.
+/// A [`FrameId`] is the index of a frame among the measured ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Features {
     rows: Vec<Row>,
@@ -55,14 +55,14 @@ pub fn extract(clips: &ClipSet, config: &FeaturesConfig) -> Result<Features, Bui
     Ok(Features::new(rows, &weights))
 }
 
-/// As [`extract`], of some frames alone.
+/// Measures the features of some frames only; see [`extract`].
 ///
 /// - `frames`: ascending.
 ///
 /// # Errors
 /// As [`extract`].
 ///
-/// - `comm`: who else has poses.
+/// - `comm`: processes that hold the other poses.
 pub(crate) fn extract_at(
     clips: &ClipSet,
     frames: &[FrameId],
@@ -81,7 +81,7 @@ pub(crate) fn extract_at(
     Ok(Features::new(rows.into_iter().flat_map(|rows: Rows| rows.0).collect(), &weights))
 }
 
-/// Rows as ranks send them.
+/// Feature rows, serialized between ranks.
 #[derive(Serialize, Deserialize)]
 struct Rows(#[serde(with = "throng_motion::pod")] Vec<Row>);
 
@@ -112,7 +112,7 @@ impl Features {
             + a.squared_joints(b, &self.joint_weights)
     }
 
-    /// The squared distance if it is at most `limit`; most unlike frames are refused after a glance at the velocities.
+    /// Squared distance if at most `limit`; the velocities alone reject most unlike frames.
     pub fn squared_distance_within(&self, i: FrameId, j: FrameId, limit: f32) -> Option<f32> {
         let (a, b) = (&self.rows[i.0 as usize], &self.rows[j.0 as usize]);
         if a.squared_linear(b) > limit {
@@ -129,7 +129,7 @@ fn rows(clip: &Clip, frames: impl Iterator<Item = usize>, weights: &Weights) -> 
     frames.map(|f| Row::new(&measure(clip, run_of(f), f), weights)).collect()
 }
 
-/// All frames in runs that are either usable or excluded, in order.
+/// All frames, as runs that are either usable or excluded, in order.
 fn runs(clip: &Clip) -> Vec<FrameRange> {
     let mut cuts = vec![0, clip.num_frames()];
     cuts.extend(clip.usable_ranges().iter().flat_map(|r| [r.start, r.end]));
@@ -159,7 +159,7 @@ fn measure<'a>(clip: &'a Clip, run: &FrameRange, frame: usize) -> Measured<'a> {
     }
 }
 
-/// Axis times angle of the shorter way round (rad).
+/// Axis times angle of the shorter rotation (rad).
 fn rotation_vector(q: Quat) -> Vec3 {
     let v = Vec3::new(q.x, q.y, q.z) * if q.w < 0.0 { -1.0 } else { 1.0 };
     let sine = v.length();

@@ -1,4 +1,4 @@
-//! Frames in a few dimensions, to tell at little cost that two are far apart.
+//! Frames in a few dimensions, to recognise distant pairs at little cost.
 
 use super::{EMBEDDING, Features};
 use rayon::prelude::*;
@@ -7,22 +7,22 @@ use throng_motion::clip::FrameId;
 /// Dimensions of the projection.
 pub(crate) const DIMS: usize = 16;
 
-/// A frame in the projection; its distance to another one is never above that of the frames.
+/// Projection of a frame; the distance of two points never exceeds that of their frames.
 pub(crate) type Point = [f32; DIMS];
 
-/// Frames of which the directions are found.
+/// Number of frames from which the directions are computed.
 const SAMPLE: usize = 2048;
-/// Rounds of finding directions. They need not be exact: any orthonormal ones keep the promise.
+/// Iterations that compute the directions. They need not be exact: any orthonormal ones keep the bound.
 const ROUNDS: usize = 8;
 
 type Direction = [f32; EMBEDDING];
 
-/// By how much the squared distance of points may exceed that of frames, by rounding.
+/// Amount by which rounding may let the squared distance of points exceed that of frames.
 pub(crate) const SLACK: f32 = 1e-3;
 
-/// Projects frames on the directions in which they differ most, by falling variance.
+/// Projects frames on the directions of largest variance, in falling order.
 ///
-/// - returns their points (features.num_frames()).
+/// - returns the points (features.num_frames()).
 pub(crate) fn project(features: &Features) -> Vec<Point> {
     let num_frames = features.num_frames() as u32;
     let sample = (0..num_frames).step_by(features.num_frames().div_ceil(SAMPLE).max(1));
@@ -45,7 +45,7 @@ pub(crate) fn squared_gap(a: &Point, b: &Point) -> f32 {
     sums.iter().sum()
 }
 
-/// Squared distance of two points where it is at most `limit`; the first dimensions tell most of those apart that are not.
+/// Squared distance of two points if at most `limit`; the first dimensions reject most others.
 pub(crate) fn squared_gap_within(a: &Point, b: &Point, limit: f32) -> Option<f32> {
     let half = |from: usize| {
         let mut sums = [0.0f32; 4];
@@ -63,7 +63,7 @@ pub(crate) fn squared_gap_within(a: &Point, b: &Point, limit: f32) -> Option<f32
     Some(first + half(DIMS / 2)).filter(|&gap| gap <= limit)
 }
 
-/// Largest squared distance of the points of frames that are no farther apart than `limit`.
+/// Largest squared distance of the points of frames at most `limit` apart.
 pub(crate) fn squared_reach(limit: f32) -> f32 {
     limit * limit * (1.0 + SLACK) + 1e-7
 }
@@ -92,12 +92,12 @@ fn principal_directions(mut sample: Vec<Direction>) -> [Direction; DIMS] {
     directions
 }
 
-/// Makes directions orthogonal to those before them and of unit length; one that has nothing of its own becomes zero.
+/// Makes directions orthogonal to those before them and of unit length; a dependent one becomes zero.
 fn make_orthonormal(directions: &mut [Direction; DIMS]) {
     for k in 0..DIMS {
         let (done, rest) = directions.split_at_mut(k);
         let whole = dot(&rest[0], &rest[0]).sqrt();
-        // Twice is enough for what rounding leaves.
+        // Two passes suffice against rounding.
         for d in done.iter().chain(done.iter()) {
             let part = dot(d, &rest[0]);
             add(&mut rest[0], d, -part);

@@ -11,21 +11,21 @@ pub(super) const LANES: usize = 24;
 /// Joint velocities, root linear and angular velocity, root height, padded to a multiple of 8.
 pub(super) const LINEAR: usize = 72;
 
-/// What [`super::extract`] measures at a frame, unweighted.
+/// Unweighted features of a frame, as [`super::extract`] measures them.
 pub(super) struct Measured<'a> {
     /// Local rotations (NUM_JOINTS).
     pub rotations: &'a [Quat],
-    /// (rad/s, NUM_JOINTS)
+    /// Angular velocities of the joints (rad/s, NUM_JOINTS).
     pub joint_velocities: [Vec3; NUM_JOINTS],
-    /// Above the support (m).
+    /// Height of the root above the support (m).
     pub root_height: f32,
-    /// In the root's planar frame (m/s).
+    /// Velocity of the root, in its planar frame (m/s).
     pub root_velocity: Vec3,
-    /// In the root's planar frame (rad/s).
+    /// Angular velocity of the root, in its planar frame (rad/s).
     pub root_angular_velocity: Vec3,
 }
 
-/// Features of one frame: quaternions by component, and everything Euclidean times the root of its weight.
+/// Features of one frame: quaternions by component, and Euclidean features times the root of their weights.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(super) struct Row {
@@ -61,7 +61,7 @@ impl Row {
         row
     }
 
-    /// Weighted squared distance of everything Euclidean.
+    /// Weighted squared distance of the Euclidean features.
     pub fn squared_linear(&self, other: &Self) -> f32 {
         let mut acc = [0.0f32; 8];
         for (a, b) in self.linear.chunks_exact(8).zip(other.linear.chunks_exact(8)) {

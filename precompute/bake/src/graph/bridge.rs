@@ -1,4 +1,4 @@
-//! Keeps the component whole when only good links are chosen.
+//! Keeps the component connected when only good links are chosen.
 
 use super::choose;
 use super::component::{EventGraph, NO_PART, components, in_order, joined, part_of};
@@ -8,18 +8,17 @@ use bytemuck::{Pod, Zeroable};
 use throng_base::Comm;
 use throng_motion::error::BuildError;
 
-/// Adds links until all events alive reach each other again and ends of clips have two ways out.
+/// Adds links until all live events reach each other again and ends of clips have two outgoing links.
 ///
-/// As in Borůvka's algorithm, every part that nothing leads out of gets its best link out, every part that nothing
-/// leads into its best link in, and that is repeated: then every part has a way in and a way out, so some of them
-/// lie on a common cycle and grow together.
+/// As in Borůvka's algorithm, every part without an outgoing link gets its best one, and every part without an incoming
+/// link its best one, repeatedly: then every part has both, so some of them lie on a common cycle and merge.
 ///
-/// - `graph`: with all links that are chosen, in every rank.
+/// - `graph`: with all chosen links, in every rank.
 /// - `matches`: links of this rank's events.
 /// - `arrivals`: of `matches`.
 /// - `alive`: a component of the graph with all of `matches`.
-/// - `most`: links a single event may have; where it has as many, no more are added.
-/// - `comm`: who else has links.
+/// - `most`: links a single event may have.
+/// - `comm`: processes that hold the other links.
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
@@ -44,7 +43,7 @@ pub(super) fn bridge(
     Ok(())
 }
 
-/// Links of `i` that are not chosen and stay among the events alive, best first.
+/// Links of `i` that are not chosen and lead to live events, best first.
 fn candidates<'a>(
     graph: &'a EventGraph,
     matches: &'a [Vec<Link>],
@@ -56,17 +55,17 @@ fn candidates<'a>(
         .filter(move |l| graph.goes_on(l.event(), alive) && graph.links[i].iter().all(|k| k.event() != l.event()))
 }
 
-/// The links that lead to this rank's events.
+/// Links that lead to this rank's events.
 pub(super) struct Arrivals {
-    /// Those to event e are `ways[starts[e]..starts[e + 1]]` (events + 1).
+    /// Offsets: the links to event e are `ways[starts[e]..starts[e + 1]]` (events + 1).
     starts: Vec<u32>,
-    /// Of each event the best first.
+    /// Links by the event that they lead to, best first for each.
     ways: Vec<Way>,
 }
 
 impl Arrivals {
     /// - `matches`: links of this rank's events (fewer than 2^32 lead to those of any rank).
-    /// - `comm`: who else has links.
+    /// - `comm`: processes that hold the other links.
     ///
     /// # Errors
     /// [`throng_base::Error::Rank`].
@@ -92,26 +91,26 @@ impl Arrivals {
     }
 }
 
-/// Strongly connected parts of the events alive, as they grow together. Parts never come apart again: what lies within one is
-/// looked at no more.
+/// Strongly connected parts of the live events, as they merge. Parts never split again, so links within one are not
+/// examined any more.
 struct Parts<'a> {
     graph: &'a mut EventGraph,
     matches: &'a [Vec<Link>],
     arrivals: &'a Arrivals,
     alive: &'a [bool],
     most: usize,
-    /// The event before each in its clip.
+    /// Preceding event in the clip of each event.
     before: Vec<Option<u32>>,
-    /// Part of each event, [`NO_PART`] of those that are not alive.
+    /// Part of each event; [`NO_PART`] for events that are not alive.
     part_of: Vec<u32>,
     /// Events of each part.
     events: Vec<Vec<u32>>,
-    /// Ways from one part to another, each once, ascending.
+    /// Edges between parts, each once, ascending.
     ways: Vec<[u32; 2]>,
-    /// Of each event, how many of its best links are of no use: they lead into its own part, or to none.
+    /// For each event, number of its best links that are useless: they lead into its own part, or to none.
     passed_out: Vec<u32>,
-    /// Of each event, how many of the best links that arrive at it are of no use: they come from its own part, from none, or
-    /// from an event that has as many links as it may have.
+    /// For each event, number of its best incoming links that are useless: they come from its own part, from none, or
+    /// from an event without room for more links.
     passed_in: Vec<u32>,
 }
 
@@ -134,7 +133,7 @@ impl<'a> Parts<'a> {
         Self { graph, matches, arrivals, alive, most, before, part_of, events, ways, passed_out, passed_in }
     }
 
-    /// Adds the best links that are missing, until there is one part or nothing more leads on.
+    /// Adds the best missing links, until there is one part or no further link.
     fn join(mut self, comm: &dyn Comm) -> Result<(), BuildError> {
         while self.events.len() > 1 {
             let more = self.missing(comm)?;
@@ -151,7 +150,7 @@ impl<'a> Parts<'a> {
         Ok(())
     }
 
-    /// Joins the parts that reach each other now.
+    /// Merges parts that now reach each other.
     fn merge(&mut self) {
         self.ways.sort_unstable();
         let joined = joined(self.events.len(), &self.ways);
@@ -161,7 +160,7 @@ impl<'a> Parts<'a> {
         }
         let events = &mut self.events;
         let together = |parts: Vec<u32>| {
-            // The largest takes in the others.
+            // The largest part absorbs the others.
             let largest = parts.iter().copied().max_by_key(|&p| events[p as usize].len()).unwrap_or(0);
             let mut all = std::mem::take(&mut events[largest as usize]);
             parts.iter().filter(|&&p| p != largest).for_each(|&p| all.append(&mut events[p as usize]));
@@ -173,7 +172,8 @@ impl<'a> Parts<'a> {
         self.part_of = part_of(&self.events, self.alive.len());
     }
 
-    /// The best link out of every part without a way out, and into every part without a way in; ascending, each once.
+    /// Best outgoing link of every part without one, and best incoming link of every part without one; ascending, each
+    /// once.
     fn missing(&mut self, comm: &dyn Comm) -> Result<Vec<Way>, BuildError> {
         let (mut has_out, mut has_in) = (vec![false; self.events.len()], vec![false; self.events.len()]);
         for [from, to] in &self.ways {
@@ -197,14 +197,14 @@ impl<'a> Parts<'a> {
         let mut found = told(comm, found)?;
         found.sort_unstable_by_key(|f| (f.part, f.way, f.best.rank()));
         found.dedup_by_key(|f| (f.part, f.way));
-        // A link that is chosen already is a way out and a way in, so none is considered twice.
+        // A chosen link is both outgoing and incoming, so none is considered twice.
         let mut more: Vec<Way> = found.into_iter().map(|f| f.best).collect();
         more.sort_unstable_by_key(|f| (f.from, f.link.event()));
         more.dedup_by_key(|f| (f.from, f.link.event()));
         Ok(more)
     }
 
-    /// The best link of an event to another part.
+    /// Best link of an event to another part.
     fn way_out(&mut self, i: usize) -> Option<Way> {
         if self.graph.links[i].len() >= self.most {
             return None;
@@ -219,7 +219,7 @@ impl<'a> Parts<'a> {
         None
     }
 
-    /// The best link from another part to an event, where this rank has it.
+    /// Best link from another part to an event, if this rank holds it.
     fn way_in(&mut self, i: usize, comm: &dyn Comm) -> Option<Way> {
         let to = self.before[i].filter(|&to| is_own(comm, to as usize))? as usize;
         let passed = &mut self.passed_in[i];
@@ -234,12 +234,12 @@ impl<'a> Parts<'a> {
     }
 }
 
-/// The best way out of a part, or into it, that a rank has found.
+/// Best link out of a part, or into it, that a rank has found.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 struct Found {
     part: u32,
-    /// 0 out of it, 1 into it.
+    /// Direction: 0 out of the part, 1 into it.
     way: u32,
     best: Way,
 }

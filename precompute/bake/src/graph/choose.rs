@@ -1,4 +1,4 @@
-//! Which of the possible transitions become actions: near ones, with different outcomes, and enough of them.
+//! Choice of transitions that become actions: near ones, with different outcomes, and enough of them.
 
 use super::config::GraphConfig;
 use super::matches::Link;
@@ -9,33 +9,32 @@ use throng_core::Planar;
 use throng_core::planar::wrap_angle;
 use throng_motion::error::BuildError;
 
-/// Turns beyond this within the horizon are turns to a side (rad).
+/// Turn within the horizon beyond which an outcome is a turn to a side (rad).
 const TURN: f32 = 0.35;
-/// Travel below this within the horizon is staying (m).
+/// Travel within the horizon below which an outcome is staying (m).
 const STAY: f32 = 0.25;
-/// Room left in each state's actions for what the component needs.
+/// Action slots of each state reserved for the component.
 const RESERVED: usize = 4;
 
-/// Where the motion after an event leads.
+/// Outcome of the motion after an event.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Outcome {
-    /// As seen from the event.
+    /// Place after the horizon, in the event's frame.
     pub place: Planar,
     pub kind: Kind,
 }
 
-/// Side that is turned to, and direction of travel as one of five.
+/// Kind of an outcome: side of the turn, and direction of travel as one of five.
 pub(super) type Kind = (i8, u8);
 
-/// The links of every event at a threshold, best first.
+/// Chosen links of every event at a threshold, best first.
 ///
 /// - `matches`: all links up to `max_error` of this rank's events, best first.
-/// - `outcomes`: where the motion after each event leads.
-/// - `comm`: who else chooses, each of some of the events.
+/// - `outcomes`: of the motion after each event.
+/// - `comm`: processes that choose for the other events.
 ///
-/// Of every kind of outcome (turning left, right or not; staying, going forward, back or to a side) the best link
-/// is taken, whatever its error; then the rest up to the threshold, each unless a better one leads nearly to
-/// the same place.
+/// For every kind of outcome (turning left, right or not; staying, going forward, back or to a side) the best link is
+/// taken, whatever its error; then the rest up to the threshold, unless a better one leads nearly to the same place.
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
@@ -51,7 +50,7 @@ pub(super) fn choose(
     rows_of_all(comm, matches.len(), chosen)
 }
 
-/// As [`choose`], of one event.
+/// Chooses the links of one event; see [`choose`].
 fn choose_of_one(all: &[Link], outcomes: &[Outcome], threshold: f32, config: &GraphConfig) -> Vec<Link> {
     let mut choice = Choice::new(all, outcomes, config);
     for link in all.iter().take_while(|l| l.error <= threshold) {
@@ -64,7 +63,7 @@ fn choose_of_one(all: &[Link], outcomes: &[Outcome], threshold: f32, config: &Gr
     chosen
 }
 
-/// What is chosen of the links of one event. Whatever a lower threshold chooses is among what a higher one does.
+/// Choice among the links of one event. A lower threshold chooses a subset of what a higher one does.
 pub(super) struct Choice<'a> {
     chosen: Vec<Link>,
     most: usize,
@@ -73,9 +72,9 @@ pub(super) struct Choice<'a> {
 }
 
 impl<'a> Choice<'a> {
-    /// Takes the best of every kind of outcome.
+    /// Takes the best link of every kind of outcome.
     ///
-    /// - `best_first`: those, at least.
+    /// - `best_first`: at least those links.
     pub fn new(best_first: &[Link], outcomes: &'a [Outcome], config: &'a GraphConfig) -> Self {
         let most = config.max_actions.saturating_sub(1 + RESERVED).max(1);
         let mut chosen: Vec<Link> = Vec::new();
@@ -92,8 +91,8 @@ impl<'a> Choice<'a> {
         self.chosen.len() >= self.most
     }
 
-    /// Whether there is room for a link to an event, and no better one leads nearly to the same place; once there is one,
-    /// there will be.
+    /// True if there is room for a link to an event and no better one leads nearly to the same place; once false, it
+    /// stays false.
     pub fn takes(&self, event: usize) -> bool {
         let same = |l: &Link| {
             l.event() == event || same_outcome(&self.outcomes[l.event()], &self.outcomes[event], self.config)
@@ -101,12 +100,12 @@ impl<'a> Choice<'a> {
         !self.is_full() && !self.chosen.iter().any(same)
     }
 
-    /// Takes the next best one of those that it takes.
+    /// Takes the next best link among the acceptable ones.
     pub fn take(&mut self, link: Link) {
         self.chosen.push(link);
     }
 
-    /// What was taken, in no order.
+    /// Links taken, in no order.
     pub fn chosen(&self) -> &[Link] {
         &self.chosen
     }
@@ -138,7 +137,7 @@ fn kind_of(outcome: &Planar) -> Kind {
     (side, travel)
 }
 
-/// Best first.
+/// Sorts links, best first.
 pub(super) fn sort(links: &mut [Link]) {
     links.sort_unstable_by_key(Link::rank);
 }

@@ -1,4 +1,4 @@
-//! Collapses event frames with one way out into segments between states.
+//! Collapses event frames with a single outgoing edge into segments between states.
 
 use super::component::EventGraph;
 use super::events::{Event, EventKind};
@@ -6,13 +6,13 @@ use super::matches::{Link, displacement};
 use super::{Action, MotionGraph, Segment, SegmentId, StateId};
 use throng_motion::clip::{ClipSet, FrameId};
 
-/// A choice of an event: the event whose motion follows (itself where the clip goes on) and the error.
+/// Choices of an event: the event whose motion follows (itself if the clip continues), and the error.
 fn ways_out(graph: &EventGraph, alive: &[bool], i: usize) -> Vec<Link> {
     let on = graph.goes_on(i, alive).then_some(Link::new(i, 0.0));
     on.into_iter().chain(graph.jumps(i, alive).copied()).collect()
 }
 
-/// Mean number of actions of the states that [`collapse`] would give.
+/// Mean number of actions of the states that [`collapse`] would return.
 pub(super) fn branching(graph: &EventGraph, alive: &[bool]) -> f64 {
     let ways = (0..alive.len()).filter(|&i| alive[i]).map(|i| ways_out(graph, alive, i).len()).filter(|&n| n > 1);
     let (states, actions) = ways.fold((0, 0), |(states, actions), n| (states + 1, actions + n));
@@ -21,8 +21,8 @@ pub(super) fn branching(graph: &EventGraph, alive: &[bool]) -> f64 {
 
 /// The states, actions and segments of a component.
 ///
-/// - `alive`: a component of [`super::component::largest_component`]: an event with one way out goes on in its
-///   own clip, so every segment lies in one clip.
+/// - `alive`: a component of [`super::component::largest_component`]: an event with a single outgoing edge continues in
+///   its own clip, so every segment lies in one clip.
 ///
 /// # Panics
 /// If `alive` is no such component.
@@ -66,8 +66,8 @@ pub(super) fn collapse(graph: &EventGraph, alive: &[bool], events: &[Event], cli
     MotionGraph { states, standing, segments, action_offsets, actions }
 }
 
-/// Of each state, whether one may stand there for good: those at rest, or all in which one stands where everybody always
-/// holds an arm out.
+/// For each state, true if a character may stand there for long: states at rest, or all standing states if every one of
+/// them holds an arm out.
 fn places_to_stand(states: &[&Event]) -> Vec<bool> {
     let any_rests = states.iter().any(|e| e.is_rest);
     states.iter().map(|e| if any_rests { e.is_rest } else { e.kind == EventKind::Standing }).collect()

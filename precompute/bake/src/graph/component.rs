@@ -6,38 +6,38 @@ use std::borrow::Cow;
 use throng_base::Comm;
 use throng_motion::error::BuildError;
 
-/// Event frames and the ways between them: after event i comes either `next[i]`, as the clip goes on, or
+/// Event frames and edges between them: event i is followed by `next[i]`, as the clip continues, or by
 /// `next[l.event()]` for a link l.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct EventGraph {
-    /// The event the clip goes on to.
+    /// Next event in the clip of each event.
     pub next: Vec<Option<usize>>,
-    /// Frames between the event before, exclusive, and this one: what an arrival plays.
+    /// Frames between the previous event, exclusive, and this one, which an arrival plays.
     pub frames: Vec<u32>,
-    /// What they are worth when components are compared: a metre travelled counts as much as a second (frames).
+    /// Weight in the comparison of components: a metre travelled counts as much as a second (frames).
     pub worth: Vec<u32>,
-    /// The transitions of every event; where ranks share them, of this rank's own alone, and none of the others.
+    /// Transitions of every event; if ranks share them, only those of this rank's events.
     pub links: Vec<Vec<Link>>,
 }
 
 impl EventGraph {
-    /// True where the clip goes on from `i` to an event of the component.
+    /// True if the clip continues from `i` to an event of the component.
     pub fn goes_on(&self, i: usize, alive: &[bool]) -> bool {
         self.next[i].is_some_and(|n| alive[n])
     }
 
-    /// Events that may come after `i`.
+    /// Events that may follow `i`.
     pub fn targets(&self, i: usize) -> impl Iterator<Item = usize> {
         (0..=self.links[i].len()).filter_map(move |way| target(&self.next, &self.links, i, way))
     }
 
-    /// Ways from the part of event `i` to others.
+    /// Edges from the part of event `i` to other parts.
     pub fn ways<'a>(&'a self, i: usize, part_of: &'a [u32]) -> impl Iterator<Item = [u32; 2]> + 'a {
         let ways = self.targets(i).map(move |n| [part_of[i], part_of[n]]);
         ways.filter(|[from, to]| from != to && *to != NO_PART)
     }
 
-    /// Drops every way out of or into events that are not in the component.
+    /// Removes every edge from or to events outside the component.
     pub fn restrict(&mut self, alive: &[bool]) {
         for i in 0..self.next.len() {
             let next = &self.next;
@@ -51,16 +51,16 @@ impl EventGraph {
     }
 }
 
-/// Reduces the graph to its largest strongly connected component, measured in seconds and metres: much motion on the
-/// spot is not kept in place of a little less that gets somewhere.
+/// Reduces the graph to its largest strongly connected component, measured in seconds and metres, so that much motion
+/// in place does not win over a little less that travels.
 ///
-/// - `comm`: who else has links.
+/// - `comm`: processes that hold the other links.
 ///
-/// An event where the clip does not go on must have two links into the component; one with fewer is removed, and so is
-/// an event that would be passed more than `most_frames` before the next choice. That is repeated until nothing
-/// changes: every event of the result leads on, and every one of them to every other.
+/// An event without continuation in its clip must have two links into the component; one with fewer is removed, and so
+/// is an event after which the next choice is more than `most_frames` away. This is repeated until nothing changes:
+/// every event of the result reaches every other.
 ///
-/// - returns which events are in the component; none may be.
+/// - returns whether each event is in the component, which may be empty.
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
@@ -81,7 +81,7 @@ pub(super) fn largest_component(
         let parts = components(&graph.next, &best, &alive);
         let parts = if is_alone { parts } else { joined_by_all(graph, parts, &alive, comm)? };
         alive = strongest(graph, parts, &leads_to_itself);
-        // Two jumps are as good as many.
+        // Two links are as good as many.
         let jumps = of_all(&|i| graph.jumps(i, &alive).take(2).count() as u8)?;
         let is_end = |i: usize| alive[i] && !graph.goes_on(i, &alive) && jumps[i] < 2;
         let ends = (0..num_events).filter(|&i| is_end(i));
@@ -95,12 +95,12 @@ pub(super) fn largest_component(
     }
 }
 
-/// Events from whose predecessor it takes more than so many frames to the next one with a choice.
+/// Events from whose predecessor the next choice is more than so many frames away.
 ///
-/// - `jumps`: how many each event has, up to two.
+/// - `jumps`: number of links of each event, up to two.
 fn too_far_ahead(graph: &EventGraph, alive: &[bool], jumps: &[u8], most_frames: u32) -> Vec<usize> {
     let ways = |i: usize| u8::from(graph.goes_on(i, alive)) + jumps[i];
-    // Clips go forward: what follows an event has a greater number.
+    // Clips go forward: the successor of an event has a greater number.
     let mut frames_left = vec![0u32; alive.len()];
     let mut out = Vec::new();
     for i in (0..alive.len()).rev() {
@@ -114,7 +114,7 @@ fn too_far_ahead(graph: &EventGraph, alive: &[bool], jumps: &[u8], most_frames: 
     out
 }
 
-/// Strongly connected components of the events alive, each ascending.
+/// Strongly connected components of the live events, each ascending.
 ///
 /// - `next`, `links`: as of an [`EventGraph`], links of all events.
 pub(super) fn components(next: &[Option<usize>], links: &[Vec<Link>], alive: &[bool]) -> Vec<Vec<u32>> {
@@ -122,20 +122,20 @@ pub(super) fn components(next: &[Option<usize>], links: &[Vec<Link>], alive: &[b
     strongly_connected(alive.len(), |i| alive[i], |i| links[i].len() + 1, target)
 }
 
-/// Where a way out of event `i` leads: the clip's, for 0, or that of a link (way <= links[i].len()).
+/// Target of an outgoing edge of event `i`: the clip's for 0, or that of a link (way <= links[i].len()).
 fn target(next: &[Option<usize>], links: &[Vec<Link>], i: usize, way: usize) -> Option<usize> {
     next[if way == 0 { i } else { links[i][way - 1].event() }]
 }
 
-/// Links of each event that all ranks know of: they join nearly all that any links join.
+/// Number of best links of each event known to all ranks: they connect nearly everything.
 const KNOWN: usize = 8;
 
 fn best_of(links: &[Link]) -> Vec<Link> {
     links[..links.len().min(KNOWN)].to_vec()
 }
 
-/// The components of all links, from those of the few that all ranks know of: ranks tell each other the ways that lead from
-/// one to another.
+/// Components by all links, from those by the few links known to all ranks: ranks exchange the edges between
+/// components.
 fn joined_by_all(
     graph: &EventGraph,
     parts: Vec<Vec<u32>>,
@@ -154,7 +154,7 @@ fn joined_by_all(
     Ok(joined.into_iter().map(together).collect())
 }
 
-/// The part of events that are in none.
+/// Part number of events without a part.
 pub(super) const NO_PART: u32 = u32::MAX;
 
 /// The part of each event.
@@ -166,7 +166,7 @@ pub(super) fn part_of(parts: &[Vec<u32>], num_events: usize) -> Vec<u32> {
     out
 }
 
-/// Ways from one part to another, each once, ascending.
+/// Edges between parts, each once, ascending.
 pub(super) fn in_order(mut ways: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
     ways.retain(|[from, to]| from != to);
     ways.sort_unstable();
@@ -174,9 +174,9 @@ pub(super) fn in_order(mut ways: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
     ways
 }
 
-/// Which parts reach each other.
+/// Groups of parts that reach each other.
 ///
-/// - `ways`: between them, ascending.
+/// - `ways`: edges between parts, ascending.
 pub(super) fn joined(num_parts: usize, ways: &[[u32; 2]]) -> Vec<Vec<u32>> {
     let first = |part: usize| ways.partition_point(|w| (w[0] as usize) < part);
     let starts: Vec<usize> = (0..=num_parts).map(first).collect();
@@ -186,12 +186,12 @@ pub(super) fn joined(num_parts: usize, ways: &[[u32; 2]]) -> Vec<Vec<u32>> {
 
 /// Strongly connected components of a graph, each ascending.
 ///
-/// - `is_in`: of each of so many nodes, whether the graph has it.
-/// - `num_ways`: out of a node of the graph.
-/// - `target`: where a way out of a node leads (way < num_ways); none where it leads out of the graph.
+/// - `is_in`: for each node, whether the graph contains it.
+/// - `num_ways`: number of outgoing edges of a node.
+/// - `target`: target of an outgoing edge of a node (way < num_ways); `None` outside of the graph.
 ///
 /// # Source
-/// Tarjan 1972, with a stack of its own: ways through a large database are longer than the stack of a thread.
+/// Tarjan 1972, with an explicit stack: paths through a large database are longer than the stack of a thread.
 pub(super) fn strongly_connected(
     num_nodes: usize,
     is_in: impl Fn(usize) -> bool,
@@ -199,11 +199,11 @@ pub(super) fn strongly_connected(
     target: impl Fn(usize, usize) -> Option<usize>,
 ) -> Vec<Vec<u32>> {
     let mut out = Vec::new();
-    // Orders of arrival, 0 for nodes not seen yet; the earliest node that one leads back to.
+    // Order of discovery, 0 for unseen nodes; the earliest node that each one leads back to.
     let (mut order, mut lowest, mut num_seen) = (vec![0u32; num_nodes], vec![0u32; num_nodes], 0);
     let (mut open, mut is_open) = (Vec::<u32>::new(), vec![false; num_nodes]);
     for root in (0..num_nodes).filter(|&i| is_in(i)) {
-        // Nodes on the way from the root, and how many ways out of each were followed.
+        // Nodes on the path from the root, and the number of outgoing edges followed from each.
         let mut way = if order[root] == 0 { vec![(root, 0)] } else { Vec::new() };
         while let Some((i, followed)) = way.last_mut() {
             let i = *i;
@@ -238,7 +238,7 @@ pub(super) fn strongly_connected(
     out
 }
 
-/// The component that is worth most; the one with the first event on a tie. A single event is one only if it leads to itself.
+/// Component of the largest weight, with the first event on a tie. A single event counts only if it leads to itself.
 fn strongest(graph: &EventGraph, parts: Vec<Vec<u32>>, leads_to_itself: &[u8]) -> Vec<bool> {
     let worth = |c: &[u32]| c.iter().map(|&n| u64::from(graph.worth[n as usize])).sum::<u64>();
     let best = parts

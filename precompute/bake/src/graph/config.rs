@@ -1,4 +1,4 @@
-//! How the motion graph is made.
+//! Settings of the motion graph.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,7 @@ use throng_motion::error::{BuildError, check_ranges};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct GraphConfig {
-    /// False builds no graph: for databases whose characters live in worlds of patches and are steered by no policy.
+    /// False builds no graph: for databases of characters in worlds of patches, without policies.
     pub enabled: bool,
     /// Actions a state should have on average; the threshold is chosen for it (2 to max_actions).
     pub branching: f64,
@@ -25,20 +25,21 @@ pub struct GraphConfig {
     /// Transitions that stay within this time of where they leave in the same clip are left out.
     /// (s, 0 to 10000)
     pub min_jump_s: f64,
-    /// Of two matches whose motion leads within `outcome_horizon_s` to places nearer than this, and to headings
-    /// nearer than `outcome_angle`, only the better is an action. 0 keeps both (m, 0 to 1000).
+    /// Distance below which two matches count as one outcome: if their motion leads within `outcome_horizon_s` to
+    /// places nearer than this, and to headings nearer than `outcome_angle`, only the better is an action. 0 keeps both
+    /// (m, 0 to 1000).
     pub outcome_distance: f64,
-    /// See `outcome_distance` (rad, 0 to 10).
+    /// Heading difference for `outcome_distance` (rad, 0 to 10).
     pub outcome_angle: f64,
-    /// See `outcome_distance` (s, 0.001 to 1000).
+    /// Time horizon for `outcome_distance` (s, 0.001 to 1000).
     pub outcome_horizon_s: f64,
-    /// A character with both feet planted whose root is slower than this stands (m/s, 0 to 100).
+    /// Largest root speed of a standing character with both feet planted (m/s, 0 to 100).
     pub standing_speed_mps: f64,
-    /// Shortest time that counts as standing (s, 0 to 10000).
+    /// Shortest stand (s, 0 to 10000).
     pub standing_min_s: f64,
     /// Time between event frames while standing (s, 0.001 to 10000).
     pub standing_interval_s: f64,
-    /// A foot that comes down again sooner has not left the ground (s, 0 to 10000).
+    /// Shortest time for which a foot leaves the ground (s, 0 to 10000).
     pub min_swing_s: f64,
     /// Least motion in the graph; less is an error (s, 0 to 1e6).
     pub min_component_s: f64,

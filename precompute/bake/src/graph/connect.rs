@@ -14,27 +14,28 @@ use throng_motion::clip::ClipSet;
 use throng_motion::error::BuildError;
 use throng_motion::progress::Progress;
 
-/// Points that are looked at for each event (see [`Limits`]). Looking at all gives graphs of 5 to 19 minutes whose
-/// transitions are nearer by 0.3 % at most; half as many give ones that are farther by up to 1.4 %.
+/// Points compared for each event (see [`Limits`]). Comparing all gives graphs of 5 to 19 minutes whose transitions are
+/// nearer by 0.3 % at most; comparing half as many, graphs farther by up to 1.4 %.
 const LOOKS: usize = 512;
-/// As [`LOOKS`], for each kind of outcome.
+/// Points compared for each kind of outcome of each event; see [`LOOKS`].
 const LOOKS_OF_KIND: usize = 48;
-/// What is wanted is exceeded by no more than this share, or all steps of the search are made.
+/// Ratio by which the result may exceed the wanted branching before the search ends.
 const ENOUGH: f64 = 1.003;
-/// Steps of the search for the threshold, at most.
+/// Most steps of the search for the threshold.
 const SEARCH_STEPS: usize = 12;
-/// Links of a sample over actions of a state: some lead out of the component, or from frames with one way out.
+/// Links of a sample over actions of a state: some lead out of the component, or from frames with a single outgoing
+/// edge.
 const MORE: f64 = 1.5;
-/// Share of the largest error up to which links are looked for at least.
+/// Share of the largest error at which the search for links begins.
 const LEAST_SHARE: f32 = 1.0 / 64.0;
-/// By how much the threshold grows up to which links are looked for, while there are too few.
+/// Factor by which the search radius for links grows while there are too few.
 const GROWTH: f32 = 1.3;
 
 /// Connects similar frames to a graph of states and actions.
 ///
 /// - `clips`: with contacts; all at the same rate.
-/// - `features`: how frames are told apart.
-/// - `comm`: processes that look for similar frames together; each looks at some of them.
+/// - `features`: distances between frames.
+/// - `comm`: processes that search for similar frames together, each for some of them.
 ///
 /// Transitions join event frames of equal kind: a foot about to leave the ground, with the other foot equally
 /// planted or not, or standing. The largest strongly connected component of all transitions up to
@@ -72,7 +73,7 @@ pub fn connect(
     Ok((graph, report))
 }
 
-/// A graph without states, for a config that wants none.
+/// An empty graph, for a config that disables it.
 ///
 /// # Errors
 /// As [`connect`].
@@ -131,16 +132,16 @@ fn too_small(report: &GraphReport, config: &GraphConfig, rate_hz: f64) -> BuildE
     }
 }
 
-/// The branching at a threshold.
+/// Branching measured at a threshold.
 #[derive(Clone, Copy, Debug)]
 struct Probe {
     threshold: f32,
-    /// Actions of a state on average, over those that are wanted.
+    /// Mean number of actions of a state over the wanted number.
     share: f64,
 }
 
 impl Probe {
-    /// The threshold at which as much is expected as is wanted, on the line through two.
+    /// Threshold at which the wanted branching is expected, by linear interpolation between two probes.
     fn aimed(&self, other: &Self) -> f32 {
         let slope = (self.threshold - other.threshold) / (self.share - other.share) as f32;
         self.threshold + (0.5 * (1.0 + ENOUGH) - self.share) as f32 * slope
@@ -155,11 +156,11 @@ struct Search<'a> {
     outcomes: &'a [Outcome],
     finder: Finder<'a>,
     comm: &'a dyn Comm,
-    /// All event frames; its links are those that the finder keeps of this rank's events, within the component.
+    /// All event frames, with those links of this rank's events, within the component, that the finder keeps.
     whole: EventGraph,
     /// The largest component of `whole`.
     alive: Vec<bool>,
-    /// Links of `whole` by where they lead.
+    /// Links of `whole` by target.
     arrivals: Arrivals,
     /// Longest action (frames).
     most_frames: u32,
@@ -195,8 +196,7 @@ impl<'a> Search<'a> {
         Ok(Self { clips, config, events, outcomes, finder, comm, whole, alive, arrivals, most_frames })
     }
 
-    /// The graph at the threshold that is given, or at the least one that reaches the wanted branching, or at
-    /// the largest error.
+    /// Graph at the given threshold, or at the least one that reaches the wanted branching, or at the largest error.
     fn run(mut self) -> Result<(MotionGraph, f32), BuildError> {
         let threshold = match self.config.threshold {
             Some(threshold) => {
@@ -209,7 +209,7 @@ impl<'a> Search<'a> {
         Ok((collapse::collapse(&graph, &alive, self.events, self.clips), threshold))
     }
 
-    /// Finds the links for thresholds up to one, and their largest component.
+    /// Finds the links for thresholds up to `threshold`, and their largest component.
     fn reach(&mut self, threshold: f32) -> Result<(), BuildError> {
         self.whole.links = self.finder.links(threshold, self.comm)?;
         self.alive = largest_component(&self.whole, self.most_frames, self.comm)?;
@@ -218,13 +218,13 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// Actions of a state on average at a threshold, over those that are wanted.
+    /// Mean number of actions of a state at a threshold, over the wanted number.
     fn probe(&self, threshold: f32) -> Result<Probe, BuildError> {
         let (graph, alive) = self.events_at(threshold)?;
         Ok(Probe { threshold, share: collapse::branching(&graph, &alive) / self.config.branching })
     }
 
-    /// Much motion has enough choices among near frames: it is looked for nearby first.
+    /// Much motion has enough choices among near frames, so the search begins with small radii.
     fn find_threshold(&mut self) -> Result<f32, BuildError> {
         let most = self.config.max_error as f32;
         let first = self.finder.threshold_for(MORE * self.config.branching, self.comm)?;
@@ -240,14 +240,14 @@ impl<'a> Search<'a> {
             }
             (low, threshold) = (Some(probe), (threshold * GROWTH).min(most));
         };
-        // Steps since the last one on the other side of what is wanted.
+        // Steps since the last probe on the other side of the wanted branching.
         let (mut beyond, mut in_a_row, mut was_low) = (None, 0, false);
         for _ in 0..SEARCH_STEPS {
             if high.share < ENOUGH {
                 break;
             }
             let least = low.map_or(0.0, |l: Probe| l.threshold);
-            // The branching grows nearly in line with the threshold; where one end stays, the middle is looked at.
+            // Branching is nearly linear in the threshold; if one end stays fixed, bisection helps.
             let other = low.or(beyond).filter(|_| in_a_row < 3);
             let aimed = other.map(|other| high.aimed(&other)).filter(|&t| t > least && t < high.threshold);
             let probe = self.probe(aimed.unwrap_or(0.5 * (least + high.threshold)))?;
@@ -263,7 +263,7 @@ impl<'a> Search<'a> {
         Ok(high.threshold)
     }
 
-    /// The event graph with the links that are chosen at a threshold, and its component.
+    /// Event graph with the links chosen at a threshold, and its component.
     fn events_at(&self, threshold: f32) -> Result<(EventGraph, Vec<bool>), BuildError> {
         let links = choose::choose(&self.whole.links, self.outcomes, threshold, self.config, self.comm)?;
         let whole = &self.whole;
@@ -271,7 +271,7 @@ impl<'a> Search<'a> {
         let mut graph = EventGraph { next, frames, worth, links };
         let most = self.config.max_actions - 1;
         bridge::bridge(&mut graph, &self.whole.links, &self.arrivals, &self.alive, most, self.comm)?;
-        // Where max_actions left no room for a bridge, a part may still be lost.
+        // Without room for a bridge because of max_actions, a part may still be lost.
         let alive = largest_component(&graph, self.most_frames, &Alone)?;
         Ok((graph, alive))
     }

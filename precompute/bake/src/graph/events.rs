@@ -1,4 +1,4 @@
-//! Event frames: where a transition may leave a clip or enter one.
+//! Event frames, at which a transition may leave or enter a clip.
 
 use super::config::GraphConfig;
 use crate::share::{by_owners, owners};
@@ -9,7 +9,7 @@ use throng_core::{Contacts, Joint, NUM_JOINTS};
 use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs};
 use throng_motion::error::BuildError;
 
-/// What happens at an event frame. Transitions join events of equal kind only.
+/// Kind of an event frame. Transitions join events of equal kind only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum EventKind {
     /// The last frame of the left foot's contact.
@@ -26,33 +26,33 @@ pub enum EventKind {
     LeavesBoth,
     /// Both feet planted and the root slow for a while.
     Standing,
-    /// A hand or foot is about to strike, or has just come back: where it is most folded before and after a blow.
+    /// A hand or foot that is about to strike or has just come back: most folded before and after a blow.
     OnGuard {
         /// True while the left foot is on the ground.
         left_planted: bool,
-        /// True while the right foot is.
+        /// True while the right foot is on the ground.
         right_planted: bool,
     },
 }
 
-/// A blow begins within this before it lands, and has come back within this after (s).
+/// Longest time from the begin of a blow to its landing, and from there to its end (s).
 const BLOW_S: [f64; 2] = [0.5, 0.75];
 
-/// A frame where transitions may leave and enter.
+/// A frame at which transitions may leave and enter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Event {
     /// The frame.
     pub frame: FrameId,
     /// Index of its clip.
     pub clip: usize,
-    /// What happens there.
+    /// Kind of the event.
     pub kind: EventKind,
-    /// Number of the run of usable frames it lies in, counted over all clips: motion goes on from an event to
-    /// the next one of the same run.
+    /// Number of its run of usable frames, counted over all clips: motion continues from an event to the next one of
+    /// the same run.
     pub run: usize,
     /// Number of the standing run, counted over all clips.
     pub standing_run: Option<usize>,
-    /// True where a character may stand for good: it stands, and holds no arm out.
+    /// True if a character may stand for long: it stands, and holds no arm out.
     pub is_rest: bool,
     /// End of the run of usable frames, exclusive.
     pub run_end: FrameId,
@@ -60,7 +60,7 @@ pub struct Event {
 
 /// The event frames of all clips, ascending.
 ///
-/// - `comm`: who else has poses; poses are looked at where somebody strikes or stands.
+/// - `comm`: processes that hold the other poses; poses are needed in strikes and stands.
 ///
 /// # Errors
 /// As [`by_owners`].
@@ -88,7 +88,7 @@ pub(super) fn find(clips: &ClipSet, config: &GraphConfig, comm: &dyn Comm) -> Re
                 found.extend(places.map(|f| (f, EventKind::Standing, Some(standing_runs))));
                 standing_runs += 1;
             }
-            // A foot that leaves while standing is the stronger event: it sorts first and the other is dropped.
+            // A foot that leaves while standing is the stronger event, so it sorts first and the other is dropped.
             found.sort_unstable();
             found.dedup_by_key(|e| e.0);
             let frame = |f: usize| FrameId(starts[index] + f as u32);
@@ -107,17 +107,17 @@ pub(super) fn find(clips: &ClipSet, config: &GraphConfig, comm: &dyn Comm) -> Re
     Ok(events)
 }
 
-/// What is found of a clip by its poses.
+/// Events of a clip that depend on its poses.
 #[derive(Default, Serialize, Deserialize)]
 struct Posed {
-    /// See [`guards`].
+    /// Frames and kinds of events on guard; see [`guards`].
     guards: Vec<(usize, EventKind)>,
     /// Frames of events in standing runs at which no arm is held out, ascending.
     rests: Vec<usize>,
 }
 
-/// True of a pose that is a gesture, such as an offered or a waving hand, however long it is held: an arm whose elbow is open
-/// wider than a right angle points more than [`HANGING`] off straight down. Hands on hips, crossed arms and guards are none.
+/// True for a gesture, such as an offered or a waving hand, however long it is held: an arm with an elbow opened wider
+/// than a right angle points more than [`HANGING`] off straight down. Hands on hips, crossed arms and guards are none.
 fn holds_arm_out(joints: &[Vec3; NUM_JOINTS]) -> bool {
     const ARMS: [[Joint; 3]; 2] = [
         [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand],
@@ -130,7 +130,7 @@ fn holds_arm_out(joints: &[Vec3; NUM_JOINTS]) -> bool {
     })
 }
 
-/// An arm hangs whose way from shoulder to wrist is at most half a right angle off straight down: the cosine.
+/// Cosine of the largest angle off straight down, from shoulder to wrist, of a hanging arm: half a right angle.
 const HANGING: f32 = std::f32::consts::FRAC_1_SQRT_2;
 
 fn frames(clip: &Clip, seconds: f64) -> usize {
@@ -156,8 +156,8 @@ fn departures(clip: &Clip, run: &FrameRange, config: &GraphConfig) -> Vec<(usize
     (run.start..run.end.saturating_sub(1)).filter_map(|f| Some((f, kind(f)?))).collect()
 }
 
-/// Where the limbs that strike within a run of usable frames are most folded before and after. A boxer whose feet stay
-/// planted would not choose between two blows otherwise.
+/// Frames at which striking limbs are most folded before and after a blow, within a run of usable frames. A boxer with
+/// planted feet could not choose between two blows otherwise.
 fn guards(clips: &ClipSet, clip: &Clip, run: &FrameRange) -> Vec<(usize, EventKind)> {
     const LIMBS: [Joint; 4] = [Joint::LeftHand, Joint::RightHand, Joint::LeftFoot, Joint::RightFoot];
     let [before, after] = BLOW_S.map(|s| frames(clip, s));
@@ -182,7 +182,7 @@ fn guards(clips: &ClipSet, clip: &Clip, run: &FrameRange) -> Vec<(usize, EventKi
     out
 }
 
-/// Runs within `run` where both feet are planted and the root is slow for long enough.
+/// Runs within `run` with both feet planted and the root slow for long enough.
 fn standing_runs_of(clip: &Clip, run: &FrameRange, config: &GraphConfig) -> Vec<FrameRange> {
     let stands = |f: usize| {
         let (prev, next) = (f.saturating_sub(1).max(run.start), (f + 1).min(run.end - 1));

@@ -1,4 +1,4 @@
-//! The graph as JSON, for checks from outside.
+//! The graph as JSON, for external checks.
 
 use serde::Serialize;
 use std::io::{self, Write};
@@ -13,18 +13,18 @@ pub struct StateRow {
     pub clip: String,
     /// Frame within that clip.
     pub frame: u32,
-    /// True where the character stands.
+    /// True if the character stands.
     pub standing: bool,
 }
 
 /// A planar transform of the listing.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DisplacementRow {
-    /// To the left of where the character faced at first (m).
+    /// To the left of the initial facing (m).
     pub x_m: f32,
     /// Forwards (m).
     pub z_m: f32,
-    /// Turned about the vertical, to the left positive (rad).
+    /// Rotation about the vertical, positive to the left (rad).
     pub heading_rad: f32,
 }
 
@@ -37,22 +37,22 @@ pub struct ActionRow {
     pub to: u32,
     /// Frames played.
     pub frames: u32,
-    /// Time they take (s).
+    /// Duration (s).
     pub duration_s: f64,
-    /// The root at the end as seen from the beginning.
+    /// Root at the end, in the frame of the beginning.
     pub displacement: DisplacementRow,
     /// Name of the clip played.
     pub clip: String,
-    /// Frame of that clip which is laid where the state is.
+    /// Frame of that clip which replaces the state's frame.
     pub start_frame: u32,
-    /// Distance between the two; 0 where the clip goes on (rad).
+    /// Distance between the two frames; 0 if the clip continues (rad).
     pub error: f32,
 }
 
 /// A motion graph as rows.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GraphRows {
-    /// Frames a second (Hz).
+    /// Frame rate (Hz).
     pub rate_hz: f64,
     /// States, by index.
     pub states: Vec<StateRow>,
@@ -94,7 +94,7 @@ pub fn graph_rows(tables: &Bundle) -> GraphRows {
 /// Writes rows as one JSON object and a line end.
 ///
 /// # Errors
-/// Whatever the writer fails with.
+/// Errors of the writer.
 pub fn write_graph_json(rows: &GraphRows, mut out: impl Write) -> io::Result<()> {
     serde_json::to_writer(&mut out, rows)?;
     out.write_all(b"\n")

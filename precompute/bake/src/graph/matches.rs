@@ -1,4 +1,4 @@
-//! Which event frames are alike.
+//! Search for similar event frames.
 
 use super::choose::{self, Choice, Outcome};
 use super::config::GraphConfig;
@@ -18,28 +18,28 @@ use throng_motion::clip::{ClipSet, FrameId};
 use throng_motion::error::BuildError;
 use throng_motion::progress::Progress;
 
-/// A transition that is possible: the motion that follows event `event` may be laid after another event.
+/// A possible transition: the motion after event `event` may follow another event.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct Link {
-    /// The event whose motion follows: 32 bits, as there are millions of links.
+    /// Event whose motion follows: 32 bits, as there are millions of links.
     to: u32,
     /// Distance between the two frames (rad).
     pub error: f32,
 }
 
 impl Link {
-    /// - `event`: the one whose motion follows (< 2^32, as frames are).
+    /// - `event`: whose motion follows (< 2^32, as for frames).
     pub fn new(event: usize, error: f32) -> Self {
         Self { to: event as u32, error }
     }
 
-    /// The event whose motion follows.
+    /// Event whose motion follows.
     pub fn event(&self) -> usize {
         self.to as usize
     }
 
-    /// Orders links, the better one first: the bits of the distance, which is not negative, and the event.
+    /// Sort key of links, better first: the bits of the distance, which is not negative, and the event.
     pub fn rank(&self) -> (u32, usize) {
         (self.error.to_bits(), self.event())
     }
@@ -49,7 +49,7 @@ impl Link {
     }
 }
 
-/// A link and the event that it leads from.
+/// A link with the event that it leaves.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct Way {
@@ -58,13 +58,13 @@ pub(super) struct Way {
 }
 
 impl Way {
-    /// Orders ways: the best first, of equally good ones that from the earliest event to the earliest.
+    /// Sort key: best first, on a tie from the earliest event to the earliest.
     pub fn rank(&self) -> (u32, u32, usize) {
         (self.link.error.to_bits(), self.from, self.link.event())
     }
 }
 
-/// The event after each one in its run; motion goes on to it (events.len()).
+/// Next event in the run of each event, to which motion continues (events.len()).
 pub(super) fn successors(events: &[Event]) -> Vec<Option<usize>> {
     let mut next: Vec<Option<usize>> =
         events.windows(2).enumerate().map(|(i, w)| (w[0].run == w[1].run).then_some(i + 1)).collect();
@@ -72,31 +72,31 @@ pub(super) fn successors(events: &[Event]) -> Vec<Option<usize>> {
     next
 }
 
-/// Nearest links that every event keeps besides those that may be chosen: what may join the parts of the graph.
+/// Nearest links that every event keeps besides those that may be chosen, to join the parts of the graph.
 pub(super) const NEAREST: usize = 64;
-/// Events of a rank whose links ranks tell each other at once.
+/// Events of a rank whose links are exchanged between ranks at once.
 pub(super) const AT_ONCE: usize = 1 << 14;
-/// A reach within which nothing is.
+/// Search radius that contains nothing.
 const DONE: f32 = -1.0;
-/// Events that a threshold is told from.
+/// Events from which a threshold is estimated.
 const SAMPLE: usize = 256;
 
-/// How far links are looked for.
+/// Limits of the search for links.
 #[derive(Clone, Copy)]
 pub(super) struct Limits {
     /// Largest distance (rad).
     pub error: f32,
     /// Events nearer to each other in the same run are not linked (frames).
     pub min_jump: u32,
-    /// Most points that are looked at for the best link of an event to each kind of outcome, the nearest first: so that
-    /// time grows with the number of events, not with its square.
+    /// Most points compared for the best link of an event to each kind of outcome, nearest first, so that time grows
+    /// with the number of events and not with its square.
     pub looks_of_kind: usize,
-    /// As `looks_of_kind`, for all other links of the event.
+    /// Most points compared for all other links of an event, likewise nearest first.
     pub looks: usize,
 }
 
-/// Finds which events are alike, through k-d trees over points whose distance is never above that of the frames: the
-/// same as by looking at all pairs, where [`Limits`] let it look at enough.
+/// Finds similar events through k-d trees over points whose distance never exceeds that of the frames: equal to
+/// comparing all pairs if [`Limits`] allow enough comparisons.
 pub(super) struct Finder<'a> {
     events: &'a [Event],
     features: &'a Features,
@@ -104,22 +104,23 @@ pub(super) struct Finder<'a> {
     limits: Limits,
     config: &'a GraphConfig,
     points: Vec<Point>,
-    /// The events that motion goes on from, by their kind and that of their outcome.
+    /// Events with a successor, by their kind and that of their outcome.
     trees: BTreeMap<EventKind, Vec<Tree>>,
-    /// Events before and after each in its standing run (events.len()).
+    /// Previous and next event in the standing run of each event (events.len()).
     beside: Vec<[Option<usize>; 2]>,
     next: Vec<Option<usize>>,
-    /// The best link of each of this rank's events to each kind of outcome, best first (events.len(); none of the others').
+    /// Best link of each of this rank's events to each kind of outcome, best first (events.len(); empty for other
+    /// events).
     of_kinds: Vec<Vec<Link>>,
 }
 
 impl<'a> Finder<'a> {
     /// - `features`: of the events (events.len()).
-    /// - `outcomes`: where the motion after each event leads.
-    /// - `comm`: who else looks, each at some of the events.
+    /// - `outcomes`: of the motion after each event.
+    /// - `comm`: processes that search for the other events.
     ///
     /// # Errors
-    /// [`BuildError::Stopped`] where the progress says so.
+    /// [`BuildError::Stopped`] if the progress is stopped.
     pub fn new(
         events: &'a [Event],
         features: &'a Features,
@@ -162,15 +163,16 @@ impl<'a> Finder<'a> {
         Ok(finder)
     }
 
-    /// For each of this rank's events the ones like it that a graph may need, best first (events.len(); none of the others').
+    /// Similar events of each of this rank's events that a graph may need, best first (events.len(); empty for other
+    /// events).
     ///
-    /// - `threshold`: the largest one at which links will be chosen.
+    /// - `threshold`: largest one at which links will be chosen.
     ///
-    /// A link is possible from any event to one of the same kind up to the limit. Left out are events after which no
-    /// other event comes, events nearer than `min_jump` frames in the same run, and within one standing run all but the
-    /// local minima of the distance. Of the possible links of an event that are looked at, those are kept that [`choose::choose`] may choose
-    /// up to the threshold, the nearest 64, and the way back of every link that is kept of another event: so that no
-    /// event is lost because those like it have many others.
+    /// A link is possible from any event to one of equal kind up to the limit, except events without a successor,
+    /// events nearer than `min_jump` frames in the same run, and within one standing run all but the local minima of
+    /// the distance. Kept are those of the compared links of an event that [`choose::choose`] may choose up to the
+    /// threshold, the nearest 64, and the reverse of every link kept for another event, so that no event is lost
+    /// because similar ones have many others.
     ///
     /// # Errors
     /// [`throng_base::Error::Rank`].
@@ -203,9 +205,9 @@ impl<'a> Finder<'a> {
         Ok(spread(self.events.len(), &own, links))
     }
 
-    /// A threshold at which about so many links of an event are chosen; the limit where there are never as many.
+    /// Threshold at which about so many links of an event are chosen; the limit if there are never as many.
     ///
-    /// Of a sample alone: how near is near enough differs much between sets.
+    /// Estimated from a sample of this set, as useful distances differ much between sets.
     ///
     /// # Errors
     /// [`throng_base::Error::Rank`].
@@ -219,7 +221,7 @@ impl<'a> Finder<'a> {
         Ok(links.get(enough).map_or(self.limits.error, |l| l.error))
     }
 
-    /// The events that an event may lead to, by kind of outcome.
+    /// Possible target events of an event, by kind of outcome.
     fn trees_of(&self, i: usize) -> &[Tree] {
         self.trees.get(&self.events[i].kind).map_or(&[], Vec::as_slice)
     }
@@ -227,16 +229,16 @@ impl<'a> Finder<'a> {
     /// The distance of two events where it is at most `limit`.
     fn distance_within(&self, i: usize, k: usize, limit: f32) -> Option<f32> {
         let (a, b) = (FrameId(i as u32), FrameId(k as u32));
-        // As near as another one may still have a lower number.
+        // An equally near event may still have a lower number.
         let squared = (limit * (1.0 + 1e-6)).min(self.limits.error).powi(2);
         self.features.squared_distance_within(a, b, squared).map(f32::sqrt)
     }
 
-    /// Whether motion may jump from event `i` along a link whose distance is within the limit.
+    /// True if motion may jump from event `i` along a link within the limit.
     fn is_possible(&self, i: usize, link: &Link) -> bool {
         let (a, b) = (&self.events[i], &self.events[link.event()]);
         let is_near = a.run == b.run && a.frame.0.abs_diff(b.frame.0) < self.limits.min_jump;
-        // Neighbours in a standing run are nearly the same pose: of each descent to a minimum only the bottom counts.
+        // Neighbours in a standing run are nearly equal poses, so only local minima count.
         let [before, after] = self.beside[link.event()].map(|k| k.filter(|&k| k != i));
         let distance = |k: Option<usize>| k.and_then(|k| self.distance_within(i, k, self.limits.error));
         link.event() != i
@@ -246,12 +248,11 @@ impl<'a> Finder<'a> {
             && distance(after).is_none_or(|d| d >= link.error)
     }
 
-    /// The links of an event that are kept for its own sake: those that may be chosen up to the threshold, and so many
-    /// of the nearest.
+    /// Links of an event kept for its own sake: those that may be chosen up to the threshold, and some of the nearest.
     fn kept(&self, i: usize, threshold: f32, num_nearest: usize, search: &mut Search) -> Vec<Link> {
         let threshold = threshold.min(self.limits.error);
         let Search { walk, nearest, known, others } = search;
-        // Up to where there are nearest ones still.
+        // Radius up to which nearest links are still wanted.
         let mut limit = if num_nearest > 0 { self.limits.error } else { 0.0 };
         let (mut looks, at, reach) = (self.limits.looks, &self.points[i], squared_reach(limit.max(threshold)));
         walk.visit(self.trees_of(i), at, reach, |k, gap| {
@@ -276,7 +277,7 @@ impl<'a> Finder<'a> {
         });
         let mut choice = Choice::new(&self.of_kinds[i], self.outcomes, self.config);
         others.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        // Where a better one leads, others that lead there are passed by without knowing how far they are.
+        // Once a better link leads to a place, others to it are skipped without computing their distance.
         let take_before = |gap: f32, choice: &mut Choice<'_>, known: &mut BinaryHeap<Reverse<(u32, usize)>>| {
             while let Some(link) = known.peek().map(|k| Link::of_rank(k.0)).filter(|l| squared_reach(l.error) < gap) {
                 known.pop();
@@ -296,7 +297,7 @@ impl<'a> Finder<'a> {
         nearest.drain().map(Link::of_rank).chain(choice.chosen().iter().copied()).collect()
     }
 
-    /// The nearest possible link to an event of a tree.
+    /// Nearest possible link to an event of a tree.
     fn nearest(&self, i: usize, tree: &Tree, search: &mut Search) -> Option<Link> {
         let (mut best, mut limit): (Option<Link>, f32) = (None, self.limits.error);
         let (mut looks, trees) = (self.limits.looks_of_kind, std::slice::from_ref(tree));
@@ -314,26 +315,26 @@ impl<'a> Finder<'a> {
     }
 }
 
-/// What this rank's events have, at their places among all.
+/// Scatters the values of this rank's events to their indices among all.
 fn spread<T>(num_events: usize, own: &[usize], of_own: Vec<Vec<T>>) -> Vec<Vec<T>> {
     let mut all: Vec<Vec<T>> = std::iter::repeat_with(Vec::new).take(num_events).collect();
     own.iter().zip(of_own).for_each(|(&i, links)| all[i] = links);
     all
 }
 
-/// What is met while the links of an event are looked for; kept from one event to the next for its memory alone.
+/// Scratch memory of the search for the links of an event, reused for the next.
 #[derive(Default)]
 struct Search {
     walk: Walk,
-    /// Ranks of the nearest possible links, the worst on top.
+    /// Ranks of the nearest possible links, worst on top.
     nearest: BinaryHeap<(u32, usize)>,
-    /// Ranks of links whose distance is known, the best on top.
+    /// Ranks of links with known distance, best on top.
     known: BinaryHeap<Reverse<(u32, usize)>>,
-    /// Squared distances of points, and their events.
+    /// Squared distances of points, with their events.
     others: Vec<(f32, usize)>,
 }
 
-/// Where the motion after an event leads, seen from the event.
+/// Outcomes of the motion after each event, in the event's frame.
 pub(super) fn outcomes(events: &[Event], clips: &ClipSet, horizon_s: f64) -> Vec<Outcome> {
     let starts = clips.frame_starts();
     let of_event = |e: &Event| {
@@ -345,7 +346,7 @@ pub(super) fn outcomes(events: &[Event], clips: &ClipSet, horizon_s: f64) -> Vec
     events.par_iter().map(of_event).collect()
 }
 
-/// The planar root of frame `to` as seen from `from`, both of clip `clip`; the heading counts full turns.
+/// Planar root of frame `to` relative to `from`, both of clip `clip`; the heading counts full turns.
 pub(super) fn displacement(clips: &ClipSet, starts: &[u32], clip: usize, from: FrameId, to: FrameId) -> Planar {
     let c = &clips.clips[clip];
     let (from, to) = ((from.0 - starts[clip]) as usize, (to.0 - starts[clip]) as usize);

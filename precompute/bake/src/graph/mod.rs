@@ -1,4 +1,4 @@
-//! The motion graph: which frame may follow which, collapsed to states and actions (Lee and Lee 2004, sections 3 and 6).
+//! Motion graph: possible successions of frames, collapsed to states and actions (Lee and Lee 2004, sections 3 and 6).
 
 mod bridge;
 mod choose;
@@ -20,7 +20,7 @@ pub use report::{GraphReport, Spread};
 use throng_core::Planar;
 use throng_motion::clip::FrameId;
 
-/// A frame with more than one way out. Index into [`MotionGraph::states`].
+/// A frame with several successors. Index into [`MotionGraph::states`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
 pub struct StateId(pub u32);
 
@@ -30,26 +30,26 @@ pub struct SegmentId(pub u32);
 
 /// A run of frames inside one clip that ends in a state: the motion of an action.
 ///
-/// Actions of different states share segments: a transition i -> j lays frame j - 1 where frame i is
-/// (Lee and Lee 2004, section 6), so what follows does not depend on i.
+/// Actions of different states share segments: a transition i -> j replaces frame i by frame j - 1 (Lee and Lee 2004,
+/// section 6), so its continuation does not depend on i.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Segment {
-    /// Frame j - 1, which stands in for the state the action leaves.
+    /// Frame j - 1, which replaces the frame of the state that the action leaves.
     pub start: FrameId,
     /// Frames played: the segment ends at `start + num_frames`, the frame of `end` (> 0).
     pub num_frames: u32,
     /// State at the end.
     pub end: StateId,
-    /// Planar root of the last frame as seen from the first.
+    /// Planar root of the last frame relative to the first.
     pub displacement: Planar,
 }
 
 /// A choice in a state.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Action {
-    /// The motion that is played.
+    /// Segment that is played.
     pub segment: SegmentId,
-    /// Distance between the state's frame and the segment's first one; 0 where the clip simply goes on.
+    /// Distance between the state's frame and the segment's first one; 0 if the clip continues.
     pub error: f32,
 }
 
@@ -59,7 +59,7 @@ pub struct Action {
 pub struct MotionGraph {
     /// Frame of each state, ascending.
     pub states: Vec<FrameId>,
-    /// True for states in which the character stands (states.len()).
+    /// True for standing states (states.len()).
     pub standing: Vec<bool>,
     /// Segments, ascending by start frame.
     pub segments: Vec<Segment>,
@@ -71,7 +71,7 @@ pub struct MotionGraph {
 }
 
 impl MotionGraph {
-    /// The choices in a state.
+    /// Actions of a state.
     pub fn actions_of(&self, s: StateId) -> &[Action] {
         let s = s.0 as usize;
         &self.actions[self.action_offsets[s] as usize..self.action_offsets[s + 1] as usize]

@@ -1,10 +1,10 @@
-//! What the graph stage found, for people and for machines.
+//! Report of the graph stage, for people and for machines.
 
 use super::MotionGraph;
 use serde::{Deserialize, Serialize};
 use throng_motion::clip::ClipSet;
 
-/// Least, mean and largest of something.
+/// Least, mean and largest of some values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Spread {
     /// The least.
@@ -16,7 +16,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Of these values; all 0 where there are none.
+    /// Computed from values; all 0 if there are none.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
         let (mut n, mut sum, mut min, mut max) = (0.0, 0.0, f64::INFINITY, f64::NEG_INFINITY);
         for v in values {
@@ -33,11 +33,11 @@ pub struct GraphReport {
     pub frames_in: usize,
     /// Frames that some action plays.
     pub frames_kept: usize,
-    /// Frames where a transition might leave or enter.
+    /// Frames at which a transition might leave or enter.
     pub event_frames: usize,
     /// States.
     pub states: usize,
-    /// States in which the character may stand for good.
+    /// States in which a character may stand for long.
     pub standing_states: usize,
     /// Actions of all states.
     pub actions: usize,
@@ -51,7 +51,7 @@ pub struct GraphReport {
     pub branching: Spread,
     /// Duration of the segments (s).
     pub segment_s: Spread,
-    /// Clips of which no action plays a frame.
+    /// Clips without a played frame.
     pub unused_clips: Vec<String>,
 }
 
@@ -88,7 +88,7 @@ pub(super) fn report(graph: &MotionGraph, clips: &ClipSet, event_frames: usize, 
     }
 }
 
-/// Errors of the actions that leave their clip's own course.
+/// Errors of the actions that leave the course of their clip.
 fn jumps(graph: &MotionGraph) -> impl Iterator<Item = f32> {
     graph.states.iter().zip(graph.action_offsets.windows(2)).flat_map(|(state, w)| {
         let actions = &graph.actions[w[0] as usize..w[1] as usize];

@@ -7,17 +7,17 @@ use std::collections::BinaryHeap;
 /// Points of a leaf, at most.
 const LEAF: usize = 16;
 
-/// Some points, parted again and again where they spread most.
+/// k-d tree of points, split repeatedly along the axis of largest extent.
 pub(super) struct Tree {
-    /// Number and point of each, in the order of the leaves.
+    /// Number and coordinates of each point, in the order of the leaves.
     points: Vec<(u32, Point)>,
-    /// Each before the nodes of its first half, and those before the ones of its second.
+    /// Nodes, each before those of its first half, which precede those of its second.
     nodes: Vec<Node>,
 }
 
 struct Node {
     bounds: [Point; 2],
-    /// Points from, and up to.
+    /// Range of points: begin and end.
     points: [u32; 2],
     /// Node of the second half; 0 for a leaf. The first half follows its node.
     second: u32,
@@ -31,7 +31,7 @@ impl Tree {
         tree
     }
 
-    /// Adds the nodes over some points. Depth is the logarithm of their number.
+    /// Adds the nodes of a range of points. Depth is logarithmic in their number.
     fn part(&mut self, from: usize, to: usize) {
         let points = &mut self.points[from..to];
         let mut bounds = [[f32::INFINITY; DIMS], [f32::NEG_INFINITY; DIMS]];
@@ -54,7 +54,7 @@ impl Tree {
         }
     }
 
-    /// No more than the squared distance to any point of a node.
+    /// Lower bound of the squared distance to the points of a node.
     fn squared_gap_to(&self, node: usize, at: &Point) -> f32 {
         let [low, high] = &self.nodes[node].bounds;
         let mut sums = [0.0f32; 4];
@@ -68,20 +68,20 @@ impl Tree {
     }
 }
 
-/// Sums of squares may differ in their last digits.
+/// Tolerance for different last digits of sums of squares.
 const ROUNDING: f32 = 1.0 - 1e-5;
 
-/// A way through the nodes of trees, nearest first (Beis and Lowe 1997).
+/// Traversal of the nodes of trees, nearest first (Beis and Lowe 1997).
 #[derive(Default)]
 pub(super) struct Walk {
-    /// Nodes it has not been to, the nearest on top: the bits of what is no more than the squared distance to any of its
-    /// points (they order numbers that are not negative), its tree, its number.
+    /// Unvisited nodes, nearest on top: the bits of a lower bound of the squared distance to their points (ordered as
+    /// non-negative numbers), tree, node.
     ahead: BinaryHeap<Reverse<(u32, u32, u32)>>,
 }
 
 impl Walk {
-    /// Shows number and squared distance of the points of some trees within a squared reach; those of a leaf in turn, the
-    /// nearest leaf first. `see` returns the reach for the rest, no larger than before.
+    /// Calls `see` with number and squared distance of the points of some trees within a squared radius, leaf by leaf,
+    /// nearest leaf first. `see` returns the radius for the rest, no larger than before.
     pub fn visit(&mut self, trees: &[Tree], at: &Point, mut reach: f32, mut see: impl FnMut(u32, f32) -> f32) {
         self.ahead.clear();
         (0..trees.len()).for_each(|tree| self.push(trees, tree as u32, 0, at, reach));

@@ -1,4 +1,4 @@
-//! Motion that is in the cache and not in memory: a file's is read again when it is needed, and given up after.
+//! Streamed motion, which stays in the cache: a file's is read again when needed, and dropped afterwards.
 
 use crate::cache::{Cache, Key};
 use crate::provenance::FileKeys;
@@ -9,23 +9,23 @@ use throng_motion::error::BuildError;
 use throng_motion::import::{self, Imported, MotionFile};
 use throng_motion::retarget::Source;
 
-/// Where the motion of clips is.
+/// Index of motion that stays in the cache.
 pub(super) struct Lent<'a> {
     keys: FileKeys<'a>,
     cache: &'a Cache,
-    /// By path of the clip.
+    /// Locations by path of the clip.
     clips: Mutex<BTreeMap<PathBuf, Whereabouts>>,
 }
 
-/// Where the motion of a clip is.
+/// Location of the motion of a clip.
 #[derive(Clone)]
 struct Whereabouts {
-    /// The file, and its key.
+    /// File of the clip, and its key.
     file: PathBuf,
     key: Key,
     /// Number of the clip in the file.
     number: usize,
-    /// Of the motion.
+    /// Hash of the motion.
     hash: u64,
 }
 
@@ -34,7 +34,7 @@ impl<'a> Lent<'a> {
         Self { keys, cache, clips: Mutex::default() }
     }
 
-    /// Takes the motion out of the clips of a file that was read.
+    /// Takes the motion out of the clips of a file after reading.
     pub(super) fn take_back(&self, file: &MotionFile, key: Key, clips: &mut [Imported]) {
         for (number, one) in clips.iter_mut().enumerate() {
             let hash = one.clip.motion_hash();
@@ -48,10 +48,10 @@ impl<'a> Lent<'a> {
         self.clips.lock().unwrap_or_else(PoisonError::into_inner).get(&clip.clip.path).cloned()
     }
 
-    /// A clip with its motion.
+    /// Loads a clip with its motion.
     ///
     /// # Errors
-    /// As [`import::read_clips`] where the cache has given it up.
+    /// As [`import::read_clips`] if the cache has dropped it.
     pub(super) fn whole(&self, clip: &Imported) -> Result<Imported, BuildError> {
         let lost =
             || BuildError::Format(format!("{}: changed while it was read; start again", clip.clip.path.display()));
@@ -76,7 +76,7 @@ impl<'a> Lent<'a> {
         Ok(())
     }
 
-    /// Which clips hold the motion of others, as [`import::ImportedSet::repeated`] says.
+    /// Pairs of clips that repeat each other's motion, as in [`import::ImportedSet::repeated`].
     ///
     /// # Errors
     /// As [`Lent::whole`].

@@ -1,5 +1,5 @@
-//! The share of a build's files that one of several processes reads and makes clips of. All of them share the folder of
-//! the cache, and nothing else.
+//! Shards: the share of a build's files that one of several processes reads and converts to clips. The processes share
+//! only the folder of the cache.
 
 use super::{Read, begin};
 use crate::cache::{Cache, Key};
@@ -16,7 +16,7 @@ use throng_motion::error::{BuildError, ImportError};
 use throng_motion::import::{self, Clips, MotionFile};
 use throng_motion::progress::Progress;
 
-/// Which of several processes this is: number `index` of `count`, from 0.
+/// One of several processes: number `index` of `count`, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     index: u32,
@@ -24,12 +24,12 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// That of a rank.
+    /// Shard of a rank.
     fn of(comm: &dyn Comm) -> Self {
         Self { index: comm.rank() as u32, count: comm.num_ranks() as u32 }
     }
 
-    /// True where the file, or clip, of a key is this shard's.
+    /// True if the file or clip of a key belongs to this shard.
     fn has(self, key: Key) -> bool {
         key.number() % u128::from(self.count) == u128::from(self.index)
     }
@@ -38,7 +38,7 @@ impl Shard {
 impl FromStr for Shard {
     type Err = String;
 
-    /// Reads I/N.
+    /// Parses I/N.
     fn from_str(text: &str) -> Result<Self, String> {
         let both = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
         match both {
@@ -48,37 +48,38 @@ impl FromStr for Shard {
     }
 }
 
-/// What a shard has done, and what is left.
+/// Progress of a shard.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ShardReport {
     /// Files of the whole build.
     pub files: usize,
-    /// Those of this shard.
+    /// Files of this shard.
     pub own_files: usize,
-    /// Of these, those that this run has read; what was in the cache, or cannot be read, is not among them.
+    /// Files of this shard read by this run; not those in the cache or unreadable.
     pub read: usize,
-    /// Files of this shard that cannot be read, and why.
+    /// Unreadable files of this shard, with the reason.
     pub skipped: Vec<String>,
-    /// Files of other shards that are not in the cache yet. Clips are made where there is none, as files settle skeleton
-    /// and floors together.
+    /// Files of other shards that are not in the cache yet. Clips are made only once there are none, as files determine
+    /// skeleton and floors together.
     pub missing: usize,
-    /// Files of this shard whose clips this run has made.
+    /// Files of this shard converted to clips by this run.
     pub made: usize,
-    /// True where the cache has all that this shard can give.
+    /// True if the cache holds the complete output of this shard.
     pub done: bool,
-    /// What is odd but tolerable.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 
-/// The name under which the cache keeps why a file cannot be read, so that other shards do not wait for it.
+/// Cache name for the reason why a file cannot be read, so that other shards do not wait for it.
 const REFUSED: &str = "refused";
 
-/// Reads the files of a shard into the cache and, once those of all shards are there, makes its clips. Whatever order
-/// shards run in, and however often, the cache holds the same bytes in the end; [`crate::pipeline::build`] finds them.
+/// Reads the files of a shard into the cache and, once those of all shards are there, makes its clips. In whatever
+/// order and however often shards run, the cache holds the same bytes in the end, and [`crate::pipeline::build`] finds
+/// them.
 ///
 /// # Errors
-/// [`BuildError::Config`] for motion that is made by rule; the first output that the cache does not take; the first bad file where `import.strict` is set; as the stages
-/// from import to annotate.
+/// [`BuildError::Config`] for synthetic motion; the first output that the cache cannot store; the first bad file if
+/// `import.strict` is set; those of the stages from import to annotate.
 pub(crate) fn bake(
     cfg: &BuildConfig,
     parts: Parts,
@@ -95,11 +96,11 @@ pub(crate) fn bake(
     let s = Stages::new(cache, progress, &Alone);
     let from = s.run("hash", |_| provenance::collect(cfg))?;
     let report = bake_files(cfg, parts, shard, &from, &s)?;
-    // What is in the cache is all that comes of a shard.
+    // The cache is the only output of a shard.
     cache.fault().map_or(Ok(report), Err)
 }
 
-/// Lets each rank of a build do a share of its work on single files, where there is a cache to leave it in.
+/// Lets each rank of a build do a share of its work on single files, if there is a cache to store it in.
 ///
 /// # Errors
 /// As [`bake`].
@@ -113,7 +114,7 @@ pub(super) fn bake_together(
     if comm.num_ranks() == 1 || cfg.synth.is_some() || !s.cache().is_on() {
         return Ok(());
     }
-    // Files first, then clips, for which the files of all have to be there.
+    // Files first, then clips, which need the files of all.
     for _ in 0..2 {
         bake_files(cfg, parts, Shard::of(comm), from, s)?;
         comm.barrier()?;
@@ -121,7 +122,7 @@ pub(super) fn bake_together(
     Ok(())
 }
 
-/// As [`bake`], of files whose hashes are known.
+/// Bakes files with known hashes; see [`bake`].
 fn bake_files(
     cfg: &BuildConfig,
     parts: Parts,
@@ -153,7 +154,7 @@ fn bake_files(
     Ok(report)
 }
 
-/// Reads the files of a shard that the cache does not have.
+/// Reads the files of a shard that are missing in the cache.
 fn read(
     cfg: &BuildConfig,
     keys: &FileKeys<'_>,
@@ -163,7 +164,7 @@ fn read(
 ) -> Result<ShardReport, BuildError> {
     let [files, own_files, read, missing] = [const { AtomicUsize::new(0) }; 4];
     let count = |n: &AtomicUsize| _ = n.fetch_add(1, Ordering::Relaxed);
-    // Nothing is handed on: one file is held at a time, and no more.
+    // Only one file is held in memory at a time.
     let reader = |file: &MotionFile, import: &dyn Fn() -> Clips| -> Clips {
         count(&files);
         let Ok(key) = keys.key_of(&file.path) else { return Ok(Vec::new()) };

@@ -1,4 +1,4 @@
-//! What bodies reach.
+//! Extents of bodies.
 
 use super::track::Track;
 use glam::{Vec2, Vec3};
@@ -6,13 +6,13 @@ use rayon::prelude::*;
 use throng_core::patch::{LinkRecord, Placement};
 use throng_motion::clip::ClipSet;
 
-/// How far the body reaches at each frame of a clip set.
+/// Extent of the body at each frame of a clip set.
 pub(super) struct Bounds {
-    /// Farthest joint from the root on the ground, lowest and highest joint (m, num_frames).
+    /// Largest distance of a joint from the root on the ground, lowest and highest joint (m, num_frames).
     reach: Vec<[f32; 3]>,
 }
 
-/// An axis-aligned box that grows.
+/// A growing axis-aligned box.
 #[derive(Clone, Copy)]
 pub(super) struct Extent(pub [[f32; 3]; 2]);
 
@@ -48,7 +48,7 @@ impl Bounds {
         Self { reach: clips.clips.par_iter().map(of_clip).flatten().collect() }
     }
 
-    /// A box that holds all joints during all links (m).
+    /// Box around all joints during all links (m).
     pub fn of_links(&self, tracks: &[Track], links: &[LinkRecord]) -> [[f32; 3]; 2] {
         let all = links.par_iter().map(|l| self.of_link(tracks, l));
         all.reduce(|| Extent::EMPTY, Extent::join).0

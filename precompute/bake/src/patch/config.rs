@@ -1,4 +1,4 @@
-//! How motion patches are built.
+//! Settings of motion patches.
 
 use crate::environment::TouchConfig;
 use schemars::JsonSchema;
@@ -6,18 +6,18 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use throng_motion::error::{BuildError, check_ranges};
 
-/// Most entries, exits and places of rest of a tile.
+/// Most entries, exits and rest spots of a tile.
 const MOST_SPOTS: usize = 2_000_000;
 
-/// How motion patches are built from clips and the environments they were captured in.
+/// Settings of the motion patches built from clips and the environments they were captured in.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PatchConfig {
-    /// File of unit objects, relative to the config file's folder; no patches are built where absent.
+    /// File of unit objects, relative to the config file's folder; if absent, no patches are built.
     pub units: Option<PathBuf>,
-    /// Which clips were captured where.
+    /// Environments with the clips captured in them.
     pub environments: Vec<SourceEnvironment>,
-    /// When a body touches its surroundings.
+    /// Limits of contacts of a body with its surroundings.
     pub touch: TouchConfig,
     /// Numbers of units that building blocks consist of (1 to 4 each).
     pub block_units: Vec<usize>,
@@ -30,7 +30,7 @@ pub struct PatchConfig {
     /// Links from one frame play less than this many; longer sub-sequences are chains of links (>=
     /// 2 * min_link_frames, so that no sub-sequence is lost).
     pub max_link_frames: usize,
-    /// Which patches are tilable.
+    /// Tilable patches.
     pub tiles: Vec<TileConfig>,
 }
 
@@ -56,7 +56,7 @@ impl Default for PatchConfig {
 pub struct SourceEnvironment {
     /// Environment file, relative to the config file's folder.
     pub file: PathBuf,
-    /// Clips, by name or pattern with one `*`. Mirrored copies do not count: their surroundings are mirrored too.
+    /// Clips, by name or pattern with one `*`. Mirrored copies are excluded: their surroundings are mirrored too.
     pub clips: Vec<String>,
 }
 
@@ -64,47 +64,47 @@ pub struct SourceEnvironment {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TileConfig {
-    /// Unit object, which says where its edges are.
+    /// Unit object, which defines the edges.
     pub unit: String,
-    /// Clips whose motion is embedded, by name or pattern with one `*`; all those in no environment where empty.
+    /// Clips whose motion is embedded, by name or pattern with one `*`; if empty, all those in no environment.
     #[serde(default)]
     pub clips: Vec<String>,
-    /// Clips of two people who were captured together, by the patterns of the one's and the other's names, with one `*` each
-    /// that stands for the same text. What both are tagged with at the same time, they do together across an edge of the
-    /// tile (level ground).
+    /// Pairs of clips captured together, as two name patterns with one `*` each, which stands for the same text.
+    /// Interactions are ranges with the same tag in both at the same time, placed across an edge of the tile (level
+    /// ground).
     #[serde(default)]
     pub pairs: Vec<[String; 2]>,
-    /// Entries and exits along an edge, evenly (>= 1).
+    /// Number of entries and exits along an edge, evenly spaced (>= 1).
     #[serde(default = "slots")]
     pub slots: usize,
-    /// Headings of entries on each side of straight ahead (>= 0).
+    /// Number of headings of entries on each side of straight ahead (>= 0).
     #[serde(default = "headings")]
     pub headings: usize,
     /// Angle between headings of entries (deg).
     #[serde(default = "heading_step")]
     pub heading_step_deg: f64,
-    /// Pose groups at edges: the commonest ones (>= 1); up to four times as many where these make no tile.
+    /// Number of pose groups at edges, most frequent first (>= 1); up to four times as many if these make no tile.
     #[serde(default = "edge_groups")]
     pub edge_groups: usize,
-    /// Headings at rest within the tile, evenly around (>= 0).
+    /// Number of headings at rest within the tile, evenly spaced (>= 0).
     #[serde(default = "rest_headings")]
     pub rest_headings: usize,
-    /// Places of rest along each side of a square about the tile's centre (>= 1).
+    /// Number of rest spots along each side of a square about the tile's centre (>= 1).
     #[serde(default = "rest_spots")]
     pub rest_spots: usize,
-    /// Pose groups at rest: the commonest ones (>= 1); more with those at edges.
+    /// Number of pose groups at rest, most frequent first (>= 1); grows with those at edges.
     #[serde(default = "rest_groups")]
     pub rest_groups: usize,
-    /// How far the end of a motion may be moved, a metre travelled (m/m).
+    /// Largest shift of the end of a motion, a metre travelled (m/m).
     #[serde(default = "edit_position")]
     pub edit_m_per_m: f64,
-    /// How far the end of a motion may be turned, a metre travelled (deg/m).
+    /// Largest turn of the end of a motion, a metre travelled (deg/m).
     #[serde(default = "edit_heading")]
     pub edit_deg_per_m: f64,
-    /// Motions kept between an entry and an exit: the least edited ones (>= 1).
+    /// Number of motions kept between an entry and an exit, least edited first (>= 1).
     #[serde(default = "variety")]
     pub variety: usize,
-    /// Roots stay this far from the edges but where they enter and leave (m).
+    /// Least distance of roots from the edges, except at entries and exits (m).
     #[serde(default = "margin")]
     pub margin_m: f64,
 }
@@ -174,7 +174,7 @@ impl PatchConfig {
 }
 
 impl TileConfig {
-    /// A tile of a unit, with the settings that a config file leaves out.
+    /// A tile of a unit, with default settings.
     pub fn of(unit: &str) -> Self {
         Self {
             unit: unit.to_owned(),
@@ -229,12 +229,12 @@ impl TileConfig {
     }
 }
 
-/// True where `name` is `pattern`, in which one `*` may stand for any text.
+/// True if `name` matches `pattern`, in which one `*` may stand for any text.
 pub(super) fn matches(pattern: &str, name: &str) -> bool {
     if pattern.contains('*') { starred(pattern, name).is_some() } else { pattern == name }
 }
 
-/// What the `*` of a pattern stands for in a name that it matches.
+/// Text that the `*` of a pattern stands for in a matching name.
 pub(super) fn starred<'n>(pattern: &str, name: &'n str) -> Option<&'n str> {
     let (first, last) = pattern.split_once('*')?;
     name.strip_prefix(first)?.strip_suffix(last)

@@ -1,4 +1,4 @@
-//! Motion patches: building blocks found from motion, and the motion embedded in them (Lee, Choi and Lee 2006, sections 4 and 6).
+//! Motion patches: building blocks found from motion, with embedded motion (Lee, Choi and Lee 2006, sections 4 and 6).
 
 mod block;
 mod bounds;
@@ -25,9 +25,9 @@ use track::Track;
 /// A motion patch, as the bundle stores it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Patch {
-    /// Unique name: the units', joined by `+`, and a number where several arrangements of them occur.
+    /// Unique name: the units', joined by `+`, and a number if several arrangements of them occur.
     pub name: String,
-    /// Units by name and where they stand in the patch's frame; the first one at the identity.
+    /// Units by name, placed in the patch's frame; the first one at the identity.
     pub units: Vec<(String, Placement)>,
     /// [`throng_core::patch::KIND_BLOCK`] or [`throng_core::patch::KIND_TILE`].
     pub kind: u32,
@@ -35,11 +35,11 @@ pub struct Patch {
     pub edges: Vec<EdgeRecord>,
     /// Cells; `first_link` and `num_links` are set.
     pub cells: Vec<CellRecord>,
-    /// Links, sorted by the cell they begin in; tags count in [`Patches::link_tags`].
+    /// Links, sorted by the cell they begin in; tags index [`Patches::link_tags`].
     pub links: Vec<LinkRecord>,
-    /// What two do together across its edges, ascending; `patch` is not set.
+    /// Interactions of two people across its edges, ascending; `patch` is not set.
     pub pairs: Vec<PairRecord>,
-    /// Lowest and highest corner of all that bodies reach, in the patch's frame (m).
+    /// Lowest and highest corner of the bounds of all bodies, in the patch's frame (m).
     pub bounds: [[f32; 3]; 2],
 }
 
@@ -48,15 +48,15 @@ pub struct Patch {
 pub struct Patches {
     /// The patches.
     pub patches: Vec<Patch>,
-    /// What links show, by `tag - 1`.
+    /// Tags of links, by `tag - 1`.
     pub link_tags: Vec<String>,
     /// The unit objects, as TOML.
     pub units: String,
-    /// What was found, for reports.
+    /// Reports of the patches.
     pub report: Vec<PatchReport>,
 }
 
-/// What was made of one patch.
+/// Report of one patch.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct PatchReport {
     /// Its name.
@@ -69,32 +69,33 @@ pub struct PatchReport {
     pub cells: usize,
     /// Links that are left.
     pub links: usize,
-    /// How freely a tile's characters turn.
+    /// Freedom of a tile's characters to turn.
     #[serde(default)]
     pub freedom: Freedom,
-    /// Links taken out because an entry could not be left in every direction (Lee, Choi and Lee 2006, section 6, first condition).
+    /// Links removed because an entry could not be left in every direction (Lee, Choi and Lee 2006, section 6, first
+    /// condition).
     pub pruned_directions: usize,
-    /// Links taken out because they were outside the largest strongly connected component of the torus (second one).
+    /// Links removed because they were outside the largest strongly connected component of the torus (second one).
     pub pruned_component: usize,
-    /// What two people were found to do together.
+    /// Interactions of two people.
     #[serde(default)]
     pub pairs: Vec<PairReport>,
 }
 
-/// What two people do together, or why it was left out.
+/// Report of an interaction of two people.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct PairReport {
-    /// The clips of the two.
+    /// Clips of the two.
     pub clips: [String; 2],
-    /// What they do; empty where no tag says so.
+    /// Tag of the interaction; empty if untagged.
     pub tag: String,
-    /// Why they cannot do it here.
+    /// Reason why it was left out.
     pub refused: Option<String>,
-    /// Edges of the tile across which they can.
+    /// Number of the tile's edges across which it is possible.
     pub edges: usize,
 }
 
-/// Where a clip was captured, and what the character is at.
+/// Environment in which a clip was captured, with the units of each frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Setting {
     /// The environment.
@@ -105,12 +106,12 @@ pub struct Setting {
 
 /// Makes the patches of a clip set.
 ///
-/// - `settings`: where each clip was captured; none where there was level ground only (clips.clips.len()).
+/// - `settings`: of each clip; `None` on level ground (clips.clips.len()).
 /// - returns tiles in the order of the config, then building blocks in the order of the motion.
 ///
 /// # Errors
-/// [`BuildError::Config`] for a setting out of its limits or a tile whose unit or clips are not there;
-/// [`BuildError::Stage`] for a tile that cannot be made, with the condition that could not be met, and for too many tags.
+/// [`BuildError::Config`] for a setting out of its limits or a tile with missing unit or clips; [`BuildError::Stage`]
+/// for a tile that cannot be made, with the unmet condition, and for too many tags.
 ///
 /// # Source
 /// Lee, Choi and Lee 2006, sections 4 and 6.
@@ -150,7 +151,7 @@ pub fn build(
 }
 
 impl Patches {
-    /// Numbers patches of the same units from the second on.
+    /// Numbers patches of equal units from the second on.
     fn tell_apart(&mut self) {
         let mut uses = std::collections::BTreeMap::<String, usize>::new();
         for (patch, report) in self.patches.iter_mut().zip(&mut self.report) {
@@ -162,7 +163,7 @@ impl Patches {
         }
     }
 
-    /// Forgets tags that no link carries.
+    /// Removes unused tags.
     fn keep_used_tags(&mut self) {
         let mut number = vec![0u16; self.link_tags.len() + 1];
         for link in self.patches.iter().flat_map(|p| &p.links) {
@@ -183,12 +184,12 @@ impl Patches {
     }
 }
 
-/// True for a panel of level ground that is tiled in two directions: motion over it may be laid anywhere.
+/// True for a panel of level ground that is tiled in two directions: motion over it may be placed anywhere.
 fn is_ground(unit: &Unit) -> bool {
     unit.floor && unit.tile.as_ref().is_some_and(|t| t.steps.len() == 2 && t.steps.iter().all(|s| s[1] == 0.0))
 }
 
-/// Mean height of the hips above what holds the character up, by pose group (m).
+/// Mean height of the hips above the support, by pose group (m).
 fn hips_heights(clips: &ClipSet, groups: &PoseGroups) -> Vec<f32> {
     let mut sums = vec![(0.0f64, 0u32); groups.num_groups()];
     for (clip, start) in clips.clips.iter().zip(clips.frame_starts()) {

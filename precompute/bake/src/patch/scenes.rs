@@ -14,15 +14,15 @@ use throng_motion::clip::{Clip, ClipSet};
 use throng_motion::error::BuildError;
 use throng_motion::mirror;
 
-/// Names of clips that a message lists.
+/// Most names of clips in a message.
 const MAX_LISTED: usize = 12;
 
-/// The environments of a build and which clips were captured in them.
+/// Environments of a build, with the clips captured in them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SourceScenes {
     /// The environments, in the order of the config.
     pub scenes: Vec<PlacedGeometry>,
-    /// Number of the environment of every clip; none for mirrored copies (num_clips).
+    /// Number of the environment of every clip; `None` for mirrored copies (num_clips).
     pub of_clip: Vec<Option<usize>>,
     /// Geometry of every unit of the set.
     pub geometries: Vec<Arc<UnitGeometry>>,
@@ -32,8 +32,8 @@ pub struct SourceScenes {
 ///
 /// # Errors
 /// [`BuildError::Io`] and [`BuildError::Config`] as [`EnvironmentFile::load`], [`EnvironmentFile::expand`] and
-/// [`geometries`]; for a pattern that no clip matches, with the clips there are; for a clip in two environments; for an
-/// environment that was made with another unit file.
+/// [`geometries`]; for a pattern without matching clips, with the existing ones; for a clip in two environments; for an
+/// environment of another unit file.
 pub fn scenes(clips: &[Clip], cfg: &PatchConfig, units: &UnitSet) -> Result<SourceScenes, BuildError> {
     cfg.touch.check().map_err(|e| e.within("patches.touch"))?;
     let geometries = match &cfg.units {
@@ -104,7 +104,7 @@ impl SourceScenes {
     }
 }
 
-/// An environment counts in the units of its own file, which must be the build's.
+/// Unit numbers of an environment refer to its own file, which must be the build's.
 fn check_units(file: &EnvironmentFile, path: &Path, cfg: &PatchConfig) -> Result<(), BuildError> {
     let whole = |p: &Path| p.canonicalize().unwrap_or_else(|_| p.to_path_buf());
     match &cfg.units {
@@ -117,7 +117,7 @@ fn check_units(file: &EnvironmentFile, path: &Path, cfg: &PatchConfig) -> Result
     }
 }
 
-/// Numbers of the clips that a pattern names, mirrored copies left out.
+/// Indices of the clips that match a pattern, except mirrored copies.
 ///
 /// # Errors
 /// [`BuildError::Key`] for more than one `*`, and where no clip matches.

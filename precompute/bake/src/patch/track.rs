@@ -1,4 +1,4 @@
-//! What embedding needs of a clip, frame by frame: where the root goes, which group the pose is in, where it stands.
+//! Per-frame data of a clip for embedding: root, pose group, standing.
 
 use crate::cluster::PoseGroups;
 use std::collections::BTreeMap;
@@ -8,39 +8,40 @@ use throng_core::{NUM_JOINTS, Planar};
 use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs};
 use throng_motion::error::BuildError;
 
-/// Slower roots may stand (m/s).
+/// Largest speed of a standing root (m/s).
 const STANDING_MPS: f32 = 0.12;
-/// Joints that turn slower may stand (rad/s).
+/// Largest speed of a standing joint (rad/s).
 const STANDING_RADPS: f32 = 1.0;
-/// Most names of tags of a clip set; links have numbers of 15 bits for them.
+/// Most names of tags of a clip set, as links store 15 bits.
 const MOST_TAGS: usize = 1000;
-/// Shortest time that counts as standing (frames).
+/// Shortest stand (frames).
 const STANDING_FRAMES: usize = 10;
 
-/// One clip, ready to be laid into patches.
+/// One clip, ready to be embedded in patches.
 pub(super) struct Track {
     /// Frame row of the first frame.
     pub first_row: u32,
     /// Planar roots; headings count full turns (num_frames).
     pub places: Vec<Planar>,
-    /// What the root has travelled since the first frame (m, num_frames).
+    /// Distance that the root has travelled since the first frame (m, num_frames).
     pub travelled: Vec<f32>,
-    /// Height of what holds the character up (m, num_frames).
+    /// Height of the support (m, num_frames).
     pub support: Vec<f32>,
     /// Pose groups; [`PoseGroups::NO_GROUP`] for excluded frames (num_frames).
     pub groups: Vec<u32>,
-    /// End of the run of usable frames that a frame is in; 0 for excluded frames (num_frames).
+    /// End of the run of usable frames of each frame; 0 for excluded frames (num_frames).
     pub run_end: Vec<usize>,
     /// Runs of frames in which the character stands still.
     pub standing: Vec<FrameRange>,
-    /// Standing frames before each frame (num_frames + 1).
+    /// Number of standing frames before each frame (num_frames + 1).
     pub stood: Vec<u32>,
-    /// For each tag of the clip set, how many frames before each frame carry it; empty where the clip has none of it.
+    /// For each tag of the clip set, the number of frames before each frame that carry it; empty if the clip has none
+    /// of it.
     pub tagged: Vec<Vec<u32>>,
 }
 
 impl Track {
-    /// Tracks of all clips, and the names of all tags: the rarest first, which says most.
+    /// Tracks of all clips, and the names of all tags, rarest first, as it says most.
     ///
     /// # Errors
     /// [`BuildError::Stage`] for clips with too many tags.
@@ -94,13 +95,13 @@ impl Track {
         }
     }
 
-    /// Root at a frame, on the height of what holds the character up.
+    /// Root at a frame, at the height of the support.
     pub fn footing(&self, frame: usize) -> Placement {
         Placement::at(self.places[frame], self.support[frame])
     }
 
-    /// Tag that most of the frames `range` carry, the rarest of those that cover as much, as 1 + its number; 0 where no
-    /// tag covers more than half.
+    /// Tag carried by most of the frames `range`, on a tie the rarest, as 1 + its number; 0 if no tag covers more than
+    /// half.
     pub fn tag_of(&self, range: &FrameRange) -> u16 {
         let covered = |counts: &[u32]| counts.get(range.end).map_or(0, |end| end - counts[range.start]) as usize;
         let best =
@@ -114,7 +115,7 @@ impl Track {
     }
 }
 
-/// Planar roots with headings that do not jump.
+/// Planar roots with unwrapped headings.
 fn unwrapped(clip: &Clip) -> Vec<Planar> {
     let mut out: Vec<Planar> = Vec::with_capacity(clip.num_frames());
     for f in 0..clip.num_frames() {
@@ -134,7 +135,7 @@ fn standing(clip: &Clip, places: &[Planar]) -> Vec<FrameRange> {
     found.filter(|r| r.len() >= STANDING_FRAMES).collect()
 }
 
-/// True where neither the root nor any joint moves much from the frame before.
+/// True if neither the root nor any joint moves much from the frame before.
 pub(super) fn is_slow(clip: &Clip, places: &[Planar], frame: usize) -> bool {
     let (rate, g) = (clip.rate_hz as f32, frame.max(1));
     let (a, b) = (places[g - 1], places[g]);
@@ -144,7 +145,7 @@ pub(super) fn is_slow(clip: &Clip, places: &[Planar], frame: usize) -> bool {
     speed < STANDING_MPS && (0..NUM_JOINTS).all(|j| turning(j) < STANDING_RADPS)
 }
 
-/// How many frames before each frame lie in one of the ranges (len + 1).
+/// Number of frames before each frame that lie in one of the ranges (len + 1).
 fn counted(len: usize, ranges: &[FrameRange]) -> Vec<u32> {
     let mut within = vec![0u32; len + 1];
     for r in ranges {

@@ -1,4 +1,4 @@
-//! The best actions of every (state, cell), found with the runtime's own look-ahead, which also proves the values.
+//! Best actions of every (state, cell), found with the runtime's own look-ahead, which also verifies the values.
 
 use super::config::PolicyConfig;
 use super::model::ActionModel;
@@ -11,19 +11,19 @@ use throng_motion::error::BuildError;
 
 /// Best actions of a policy, best first (num_states * num_cells * num_choices).
 ///
-/// Every (state, cell) asks the runtime's look-ahead with the target at the cell's centre, so that the single-load
-/// answer there is what the look-ahead would say. The same pass is one true sweep: the largest difference between a
-/// best score and the stored value is the residual that `solution.record` keeps. Where the solver's arithmetic
-/// leaves it above the tolerance, values become the scores and the pass is repeated.
+/// Every (state, cell) queries the runtime's look-ahead with the target at the cell's centre, so that the single-load
+/// answer there equals the look-ahead's. The pass is also one true sweep: the largest difference between a best score
+/// and the stored value is the residual kept in `solution.record`. If the solver's arithmetic leaves it above the
+/// tolerance, the scores become the values and the pass is repeated.
 ///
 /// # Errors
-/// [`BuildError::Key`] for a setting out of its range; [`BuildError::Stage`] with the residual where `cfg.max_sweeps` are
-/// not enough.
+/// [`BuildError::Key`] for a setting out of its range; [`BuildError::Stage`] with the residual if `cfg.max_sweeps` do
+/// not suffice.
 pub fn bake(model: &ActionModel, solution: &mut Solution, cfg: &PolicyConfig) -> Result<Vec<u8>, BuildError> {
     shared_bake(model, solution, cfg, &Alone)
 }
 
-/// As [`bake`], by several processes, each of which asks for a block of the states.
+/// Bakes with several processes, each of which ranks a block of the states; see [`bake`].
 ///
 /// # Errors
 /// As [`bake`]; [`throng_base::Error::Rank`].
@@ -72,8 +72,8 @@ pub(super) fn best_actions(
     Ok(actions.concat())
 }
 
-/// Scores of the best actions of every (state, cell), and the best actions (num_choices each); every state has as many
-/// cells.
+/// Scores of the best actions of every (state, cell), and the best actions (num_choices each); all states have equally
+/// many cells.
 fn rank_all(table: &PolicyTable, num_choices: u32, comm: &dyn Comm) -> Result<(Vec<f32>, Vec<u8>), BuildError> {
     let (num_states, num_cells) = (table.actions().num_states(), table.grid().num_cells());
     let (own, choices) = (comm.share(num_states), num_cells * num_choices as usize);
@@ -91,7 +91,7 @@ fn rank_all(table: &PolicyTable, num_choices: u32, comm: &dyn Comm) -> Result<(V
     Ok((all_scores, all_actions))
 }
 
-/// So many best actions of each cell.
+/// The first `num_choices` best actions of each cell.
 fn best_of(ranked: &[RankedActions], num_choices: u32) -> impl Iterator<Item = u8> {
     ranked.iter().flat_map(move |r| r.actions.into_iter().take(num_choices as usize))
 }

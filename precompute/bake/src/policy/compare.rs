@@ -1,4 +1,4 @@
-//! How much the single-load answer gives away against the look-ahead.
+//! Loss of the single-load answer against the look-ahead.
 
 use glam::Vec3;
 use rand::RngExt;
@@ -8,9 +8,9 @@ use throng_core::policy::{MAX_ACTIONS, PolicyTable};
 /// Single-load choices against look-ahead choices, for random states and targets over the whole grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Comparison {
-    /// (State, target) pairs asked.
+    /// Number of (state, target) queries.
     pub samples: u32,
-    /// Share of them where the two take different actions.
+    /// Share of queries with different actions.
     pub different_share: f64,
     /// Mean loss of the single-load action, by the look-ahead's score, relative to the best score.
     pub mean_loss: f64,
@@ -18,7 +18,7 @@ pub struct Comparison {
     pub worst_loss: f64,
 }
 
-/// Asks both ways for random states and targets: angles and distances uniform, heights too where there are several.
+/// Compares both answers for random states and targets: angles and distances uniform, and heights if there are several.
 pub fn compare(table: &PolicyTable, samples: u32, rng: &mut Pcg64) -> Comparison {
     let mut scores = [0.0; MAX_ACTIONS];
     let num_states = table.actions().num_states() as u32;
@@ -37,11 +37,11 @@ pub fn compare(table: &PolicyTable, samples: u32, rng: &mut Pcg64) -> Comparison
     out
 }
 
-/// A target within the grid, in the character's frame: angle and distance uniform, the height too where there are
+/// A random target within the grid, in the character's frame: angle and distance uniform, and the height if there are
 /// several.
 pub fn random_target(table: &PolicyTable, rng: &mut Pcg64) -> Vec3 {
     let r = table.grid().record();
-    // Where angles go all around, the last cell reaches to the first.
+    // Periodic angles: the last cell extends to the first.
     let sectors = if table.grid().is_polar() { r.num_angles } else { r.num_angles - 1 };
     let angle = r.angle_start + r.angle_spacing * sectors as f32 * rng.random::<f32>();
     let distance = r.ring_start + (table.grid().radius() - r.ring_start) * rng.random::<f32>();

@@ -1,15 +1,15 @@
-//! A policy as CSV, for checks from outside.
+//! A policy as CSV, for external checks.
 
 use std::io::{self, Write};
 use throng_core::policy::PolicyTable;
 
-/// Writes one row per state and cell: where the cell's centre is, the value, the best action.
+/// Writes one row per state and cell: the cell's centre, the value, the best action.
 ///
 /// Header `state,cell,angle_rad,distance_m,height_m,x_m,z_m,value,best_action`; x is to the left, z ahead; the action
 /// is an index within the state's actions. In an adaptive policy cells are those of the state's own grid.
 ///
 /// # Errors
-/// Whatever `out` fails with.
+/// Errors of `out`.
 pub fn write_csv(policy: &PolicyTable, mut out: impl Write) -> io::Result<()> {
     writeln!(out, "state,cell,angle_rad,distance_m,height_m,x_m,z_m,value,best_action")?;
     for state in 0..policy.actions().num_states() as u32 {

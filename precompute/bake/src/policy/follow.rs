@@ -1,4 +1,4 @@
-//! The exact model: what an action pays and where it leads, for the target's true place, and policies followed in it.
+//! Exact model: reward and outcome of an action for the target's true place, and policies followed in it.
 
 use glam::Vec3;
 use rand::RngExt;
@@ -15,16 +15,16 @@ pub struct Situation {
 }
 
 impl Situation {
-    /// True where what a space-time grid waits for has happened: nothing is to be gained or lost any more.
+    /// True if the event of a space-time grid has happened: there is no more reward.
     pub fn is_over(&self, table: &PolicyTable) -> bool {
         table.grid().is_space_time() && self.target.y < 0.0
     }
 }
 
-/// What an action pays and where it leads.
+/// Reward and outcome of an action.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Played {
-    /// Reward, as the policy was solved for it.
+    /// Reward, as in the solved policy.
     pub reward: f32,
     /// Discount over the segment.
     pub discount: f32,
@@ -32,11 +32,11 @@ pub struct Played {
     pub then: Situation,
 }
 
-/// Plays an action. The target stays where it is in the world, and is not moved into the grid.
+/// Plays an action. The target keeps its place in the world, and is not clamped to the grid.
 ///
-/// What the transition costs is in both reward and discount.
+/// Reward and discount include the cost of the transition.
 ///
-/// - `action`: index within those of the state (both exist).
+/// - `action`: index within the state's actions (both exist).
 pub fn play(table: &PolicyTable, from: Situation, action: u8) -> Played {
     let (action, target) = (usize::from(action), from.target);
     let segment = table.actions().segments_of(from.state)[action];
@@ -52,7 +52,7 @@ pub fn play(table: &PolicyTable, from: Situation, action: u8) -> Played {
     Played { reward: left * reward, discount: left * record.discount, then }
 }
 
-/// The reward of a segment's samples.
+/// Reward of a segment's samples.
 fn of_samples(table: &PolicyTable, record: &SegmentRecord, place: Vec3, end_distance: f32) -> f32 {
     let reward = table.reward();
     let start_kernel = reward.kernel((place.x * place.x + place.z * place.z).sqrt());
@@ -63,7 +63,7 @@ fn of_samples(table: &PolicyTable, record: &SegmentRecord, place: Vec3, end_dist
     }
 }
 
-/// The reward of a segment during which the time comes, discounted to then.
+/// Reward of a segment during which the event happens, discounted to then.
 fn of_event(table: &PolicyTable, record: &SegmentRecord, path: &PathRecord, place: Vec3) -> f32 {
     if !(0.0..path.duration_s).contains(&place.y) {
         return 0.0;
@@ -71,21 +71,21 @@ fn of_event(table: &PolicyTable, record: &SegmentRecord, path: &PathRecord, plac
     record.discount.powf(place.y / path.duration_s) * table.reward().of_event(path.at(place.y), place)
 }
 
-/// How a policy is followed.
+/// Selection of actions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Follow {
     /// The stored best action of the nearest cell.
     SingleLoad,
-    /// Look-ahead, then one of the best few at random; 0 always takes the best.
+    /// Look-ahead, then a random choice among the best few; 0 always takes the best.
     LookAhead {
         /// See [`RankedActions::choose`] (>= 0).
         temperature: f32,
     },
 }
 
-/// Discounted reward that a policy collects from each situation on.
+/// Discounted reward that a policy collects from each situation.
 ///
-/// - `negligible`: discount at which the rest is left out (> 0, < 1).
+/// - `negligible`: discount below which further rewards are ignored (> 0, < 1).
 /// - `rng`: for random choices.
 /// - returns one sum for each situation.
 pub fn collect(table: &PolicyTable, from: &[Situation], follow: Follow, negligible: f64, rng: &mut Pcg64) -> Vec<f64> {
@@ -108,7 +108,7 @@ pub fn collect(table: &PolicyTable, from: &[Situation], follow: Follow, negligib
     sums
 }
 
-/// Actions of a batch, as the runtime chooses them.
+/// Actions of a batch, chosen as in the runtime.
 struct Choices {
     actions: Vec<u8>,
     ranked: Vec<RankedActions>,

@@ -1,4 +1,4 @@
-//! A made-up problem of fixed size to measure value iteration on: every action has a segment of its own.
+//! A synthetic problem of fixed size for measuring value iteration: every action has a segment of its own.
 
 use super::behaviour::Approach;
 use super::config::{BehaviourConfig, GridConfig, PolicyConfig};
@@ -12,8 +12,8 @@ use throng_core::Planar;
 use throng_motion::error::BuildError;
 use throng_motion::progress::Silent;
 
-/// Size of the problem of [`MadeUp::default`]: that of Lee and Lee's (2004) boxer with a finer grid, 10.8 million
-/// pairs.
+/// Size of a synthetic problem. [`MadeUp::default`] is that of Lee and Lee's (2004) boxer with a finer grid, 10.8
+/// million pairs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MadeUp {
     /// States.
@@ -28,7 +28,7 @@ pub struct MadeUp {
     pub seed: u64,
 }
 
-/// What solving took.
+/// Measurements of a solve.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Measured {
     /// (State, cell, action) triples.
@@ -37,21 +37,21 @@ pub struct Measured {
     pub sweeps: u32,
     /// Sweeps over the greedy action alone.
     pub greedy_sweeps: u32,
-    /// Time to work out stencils and rewards of all pairs (s).
+    /// Time to compute stencils and rewards of all pairs (s).
     pub setup_seconds: f64,
     /// Time of all sweeps (s).
     pub sweep_seconds: f64,
-    /// Both together (s).
+    /// Total time (s).
     pub seconds: f64,
     /// Largest change of the last full sweep.
     pub residual: f32,
     /// Bytes a full sweep reads and writes.
     pub bytes_per_sweep: usize,
-    /// Bytes read and written a second when one thread copies as many as a sweep moves.
+    /// Bytes read and written a second by one thread that copies as many as a sweep moves.
     pub copy_bytes_per_second: f64,
 }
 
-/// The best of three copies of a buffer to another.
+/// Best bandwidth of three copies of a buffer.
 fn copy_bandwidth(bytes: usize) -> f64 {
     let from = vec![1u8; bytes];
     let mut to = vec![2u8; bytes];
@@ -71,7 +71,7 @@ impl Default for MadeUp {
 }
 
 impl MadeUp {
-    /// The policy of a behaviour in it.
+    /// Policy of a behaviour, solved on this problem.
     #[cfg(test)]
     pub(crate) fn solved(&self, behaviour: &Approach) -> throng_core::policy::PolicyTable {
         let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
@@ -80,7 +80,7 @@ impl MadeUp {
         tables.expect("it converges").table(0).expect("sound tables")
     }
 
-    /// The states and actions: random ends, 4 to 30 frames, 0.2 to 1.2 m along an arc of up to one radian.
+    /// States and actions: random ends, 4 to 30 frames, 0.2 to 1.2 m along an arc of up to one radian.
     pub fn model(&self) -> ActionModel {
         let mut rng = Pcg64::seed_from_u64(self.seed);
         let num_segments = self.states * self.actions;
@@ -110,16 +110,16 @@ impl MadeUp {
         }
     }
 
-    /// The behaviour: `approach` as by default, on a grid of this size.
+    /// Default `approach` behaviour, on a grid of this size.
     ///
     /// # Errors
-    /// [`BuildError::Config`] where the grid's size is out of its range.
+    /// [`BuildError::Config`] if the grid's size is out of its range.
     pub fn behaviour(&self) -> Result<Approach, BuildError> {
         let grid = GridConfig { rings: Some(self.rings), angles: Some(self.angles), ..GridConfig::default() };
         Approach::new(&BehaviourConfig { grid, ..BehaviourConfig::default() }, 30.0, None)
     }
 
-    /// Solves it on the current rayon pool and measures what it takes.
+    /// Solves the problem on the current rayon pool, with measurements.
     ///
     /// # Errors
     /// As [`value_iteration`].
@@ -139,7 +139,7 @@ impl MadeUp {
         })
     }
 
-    /// Solves it on the current rayon pool.
+    /// Solves the problem on the current rayon pool.
     ///
     /// # Errors
     /// As [`value_iteration`].

@@ -1,4 +1,4 @@
-//! The state-action model a policy is solved on: the motion graph without its poses (Lee and Lee 2004, section 3).
+//! State-action model that a policy is solved on: the motion graph without its poses (Lee and Lee 2004, section 3).
 
 use super::solve::stage_error;
 use crate::graph::MotionGraph;
@@ -9,16 +9,16 @@ use throng_core::policy::{ActionTable, MAX_ACTIONS};
 use throng_motion::clip::ClipSet;
 use throng_motion::error::BuildError;
 
-/// What behaviours know of a segment's motion.
+/// Motion of a segment, for behaviours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SegmentMotion {
     /// State at the end.
     pub end: u32,
     /// Frames played (> 0).
     pub num_frames: u32,
-    /// Planar root at the end as seen from the start.
+    /// Planar root at the end, relative to the start.
     pub displacement: Planar,
-    /// Planar root at every frame from start to end, as seen from the start (num_frames + 1).
+    /// Planar root at every frame from start to end, relative to the start (num_frames + 1).
     pub path: Vec<Planar>,
 }
 
@@ -31,8 +31,8 @@ impl SegmentMotion {
         a.lerp(b, moment - frame as f32)
     }
 
-    /// How fast the body moves during a frame: the root's ground speed, and that of a point beside it as it turns.
-    /// (m/s, frame < num_frames)
+    /// Speed of the body during a frame: the root's ground speed, plus that of a point beside it as it turns (m/s,
+    /// frame < num_frames).
     pub fn speed(&self, frame: usize, rate_hz: f64) -> f64 {
         let step = self.path[frame].to_local(self.path[frame + 1]);
         let turn = wrap_angle(step.heading) * TURN_LEVER;
@@ -40,29 +40,29 @@ impl SegmentMotion {
     }
 }
 
-/// Distance from the vertical axis at which turning counts as speed: about where a foot is put (m).
+/// Distance from the vertical axis at which turning counts as speed: about that of a foot (m).
 const TURN_LEVER: f32 = 0.3;
 
 /// States, actions and the motion of the segments they share.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActionModel {
-    /// Frames a second (Hz).
+    /// Frame rate (Hz).
     pub rate_hz: f64,
     /// Actions of state s are `action_offsets[s]..action_offsets[s + 1]` (num_states + 1).
     pub action_offsets: Vec<u32>,
     /// Segment of each action.
     pub action_segments: Vec<u32>,
-    /// Distance of each action's transition, 0 where the clip goes on (rad).
+    /// Distance of each action's transition, 0 if the clip continues (rad).
     pub action_errors: Vec<f32>,
     /// The segments.
     pub segments: Vec<SegmentMotion>,
 }
 
 impl ActionModel {
-    /// Takes from a motion graph what policies need.
+    /// Extracts the model from a motion graph.
     ///
     /// # Errors
-    /// [`BuildError::Stage`] where a state has more than 255 actions or clips have different frame rates.
+    /// [`BuildError::Stage`] if a state has more than 255 actions or clips have different frame rates.
     pub fn new(clips: &ClipSet, graph: &MotionGraph) -> Result<Self, BuildError> {
         let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
         if let Some(c) = clips.clips.iter().find(|c| c.rate_hz != rate_hz) {
@@ -113,10 +113,10 @@ impl ActionModel {
         self.action_offsets[states.start] as usize..self.action_offsets[states.end] as usize
     }
 
-    /// The runtime's view on the actions.
+    /// The runtime's view of the actions.
     ///
     /// # Errors
-    /// [`throng_core::Error`] where the model does not hold together.
+    /// [`throng_core::Error`] for an inconsistent model.
     pub fn action_table(&self) -> throng_core::Result<ActionTable> {
         ActionTable::new(&self.action_offsets, &self.action_segments, &self.action_errors, self.segments.len())
     }

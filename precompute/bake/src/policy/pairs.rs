@@ -1,17 +1,17 @@
-//! What every (segment, cell) pair needs of the backup, worked out once and laid out for the sweeps: of the segments that are
-//! backed up here alone.
+//! Backup of every (segment, cell) pair, computed once and laid out for sweeps; only for segments backed up in this
+//! process.
 
 use glam::{Mat4, Vec4};
 use rayon::prelude::*;
 use throng_core::policy::{Backups, GroundTargets, PolicyTable, SegmentRecord, TargetGrid, nearest_index};
 use throng_core::simd::vectorize;
 
-/// Cells worked on side by side.
+/// Cells processed side by side.
 pub(super) const LANES: usize = 8;
-/// Most cells of one height, with a column to spare: cells are numbered with 16 bits here.
+/// Most cells of one height, including a spare column, as cells have 16-bit numbers here.
 pub(super) const MAX_PLANE: usize = 1 << 16;
 
-/// Shape of the rows of values and pairs.
+/// Dimensions of the rows of values and pairs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
     /// Heights of the grid.
@@ -33,13 +33,13 @@ impl Shape {
         self.rings * self.angles
     }
 
-    /// The same, in whole lanes.
+    /// Cells of one height, rounded up to whole lanes.
     pub fn row(&self) -> usize {
         self.plane().next_multiple_of(LANES)
     }
 
-    /// From one ring to the next in a row of values: one more than the angles, so that the next angle of any angle
-    /// stands beside it; the spare column repeats the first one.
+    /// Stride between rings in a row of values: one more than the angles, so that the next angle of any angle is
+    /// adjacent; the spare column repeats the first one.
     pub fn stride(&self) -> usize {
         self.angles + 1
     }
@@ -54,7 +54,7 @@ impl Shape {
         self.heights * self.value_plane()
     }
 
-    /// Copies cells of one height to a row of values, spare column included.
+    /// Copies the cells of one height to a row of values, including the spare column.
     pub fn store(&self, cells: &[f32], values: &mut [f32]) {
         for (from, to) in cells.chunks_exact(self.angles).zip(values.chunks_exact_mut(self.stride())) {
             to[..self.angles].copy_from_slice(from);
@@ -69,15 +69,15 @@ impl Shape {
 /// 16 bytes a pair: 2 + 2 + 4 + 4 for the geometry, 4 for the reward.
 pub(super) struct Pairs {
     pub shape: Shape,
-    /// Row of each segment; [`UNUSED`] for those that are not backed up.
+    /// Row of each segment; [`UNUSED`] for segments that are not backed up.
     rows: Vec<u32>,
-    /// Index of the lower corner in the values of one height (num_rows * row).
+    /// Index of the lower corner among the values of one height (num_rows * row).
     pub base: Vec<u16>,
     /// Ratio between the angles, in units of 1 / 65535.
     pub angle_ratio: Vec<u16>,
-    /// Weight of the nearer ring, with the discount.
+    /// Weight of the nearer ring, including the discount.
     pub near: Vec<f32>,
-    /// Weight of the farther ring, with the discount.
+    /// Weight of the farther ring, including the discount.
     pub far: Vec<f32>,
     /// Rewards (num_rows * heights * row).
     pub reward: Vec<f32>,
@@ -85,10 +85,10 @@ pub(super) struct Pairs {
     pub end: Vec<u32>,
 }
 
-/// One pair, picked out.
+/// A single pair, extracted.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pair {
-    /// Index of the lower corner in the values of all states.
+    /// Index of the lower corner among the values of all states.
     pub base: u32,
     pub angle_ratio: f32,
     pub near: f32,
@@ -99,14 +99,14 @@ pub(super) struct Pair {
 /// Row of a segment that is not backed up.
 const UNUSED: u32 = u32::MAX;
 
-/// A unit of [`Pairs::angle_ratio`].
+/// Unit of [`Pairs::angle_ratio`].
 const RATIO_UNIT: f32 = 1.0 / 65535.0;
 
 impl Pairs {
-    /// Works out the pairs of some segments, in parallel.
+    /// Computes the pairs of some segments, in parallel.
     ///
-    /// - `table`: for its grid and reward; its values are not read.
-    /// - `backed_up`: segments that are backed up; any of them may be there several times.
+    /// - `table`: gives grid and reward; its values are not read.
+    /// - `backed_up`: segments to back up, possibly repeated.
     pub fn new(table: &PolicyTable, segments: &[SegmentRecord], backed_up: &[u32]) -> Self {
         let shape = Shape::new(table.grid());
         let mut rows = vec![UNUSED; segments.len()];
@@ -141,7 +141,7 @@ impl Pairs {
         pairs
     }
 
-    /// Bytes a full sweep reads.
+    /// Bytes that a full sweep reads.
     pub fn bytes(&self) -> usize {
         (self.base.len() + self.angle_ratio.len()) * 2 + (self.near.len() + self.far.len() + self.reward.len()) * 4
     }
@@ -149,7 +149,7 @@ impl Pairs {
     /// Backs up one segment at one height, for every cell.
     ///
     /// - `values`: of the state at the segment's end, at that height (value_plane).
-    /// - `out`: (row)
+    /// - `out`: receives the backups (row).
     #[inline(always)]
     pub fn back_up(&self, segment: usize, height: usize, values: &[f32], out: &mut [f32]) {
         let (row, segment) = (self.shape.row(), self.rows[segment] as usize);
@@ -177,7 +177,7 @@ impl Pairs {
         }
     }
 
-    /// Picks out one pair.
+    /// Extracts one pair.
     pub fn pair(&self, segment: usize, height: usize, cell: usize) -> Pair {
         let row = self.shape.row();
         let values = self.end[segment] as usize * self.shape.value_row() + height * self.shape.value_plane();
@@ -194,12 +194,12 @@ impl Pairs {
 }
 
 impl Pair {
-    /// The pair whose backup is so many times as large.
+    /// The pair with its backup scaled by a factor.
     pub fn times(self, factor: f32) -> Self {
         Self { near: factor * self.near, far: factor * self.far, reward: factor * self.reward, ..self }
     }
 
-    /// The backup, from the values of all states.
+    /// Computes the backup from the values of all states.
     #[inline(always)]
     pub fn back_up(&self, values: &[f32], stride: usize) -> f32 {
         let v = &values[self.base as usize..][..stride + 2];
@@ -211,9 +211,9 @@ impl Pair {
 
 /// Centres of the cells, in whole lanes; spare ones repeat the first.
 struct Centres {
-    /// Of one height (row / LANES).
+    /// Ground targets of one height (row / LANES).
     ground: Vec<GroundTargets>,
-    /// (heights)
+    /// Heights (heights).
     heights: Vec<f32>,
 }
 

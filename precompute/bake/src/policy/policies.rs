@@ -1,4 +1,4 @@
-//! The policy stage: all behaviours solved, baked and compared.
+//! Policy stage: all behaviours solved, baked and compared.
 
 use super::adapt::{AdaptiveReport, adapt};
 use super::bake::{best_actions, shared_bake};
@@ -27,13 +27,13 @@ pub struct PolicyTables {
     pub action_offsets: Vec<u32>,
     /// Segment of each action.
     pub action_segments: Vec<u32>,
-    /// Distance of each action's transition, 0 where the clip goes on (rad).
+    /// Distance of each action's transition, 0 if the clip continues (rad).
     pub action_errors: Vec<f32>,
-    /// In the order of the configuration.
+    /// Policies, in the order of the config.
     pub policies: Vec<Policy>,
 }
 
-/// One policy, as [`PolicyTable`] views it.
+/// One policy, the owned form of [`PolicyTable`].
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Policy {
     /// Name of its behaviour.
@@ -41,29 +41,29 @@ pub struct Policy {
     /// Grid, reward and sizes.
     #[serde(with = "throng_motion::pod::one")]
     pub record: PolicyRecord,
-    /// (num_segments)
+    /// Segments (num_segments).
     #[serde(with = "throng_motion::pod")]
     pub segments: Vec<SegmentRecord>,
-    /// (num_segments in a space-time grid, else 0)
+    /// Paths (num_segments in a space-time grid, else 0).
     #[serde(with = "throng_motion::pod")]
     pub paths: Vec<PathRecord>,
-    /// (num_states in an adaptive policy, else 0)
+    /// State grids (num_states in an adaptive policy, else 0).
     #[serde(with = "throng_motion::pod")]
     pub state_grids: Vec<StateGridRecord>,
-    /// (num_states * num_cells, in an adaptive policy the cells of all state grids)
+    /// Values (num_states * num_cells, in an adaptive policy the cells of all state grids).
     pub values: Vec<f32>,
-    /// (values.len() * num_choices)
+    /// Best actions (values.len() * num_choices).
     pub best: Vec<u8>,
-    /// What it took; not part of the bundle.
+    /// Report; not part of the bundle.
     pub report: PolicyReport,
 }
 
-/// What a policy took and what it is worth.
+/// Report of the cost and the quality of a policy.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct PolicyReport {
     /// Name of its behaviour.
     pub name: String,
-    /// Cells of the grid; in an adaptive policy of the finest one.
+    /// Cells of the grid; in an adaptive policy those of the finest one.
     pub cells: usize,
     /// (State, cell, action) triples.
     pub pairs: u64,
@@ -71,31 +71,31 @@ pub struct PolicyReport {
     pub sweeps: u32,
     /// Sweeps over the greedy action alone.
     pub greedy_sweeps: u32,
-    /// Largest change of a value in the last full sweep, done with the runtime's look-ahead over the stored values; in
-    /// an adaptive policy over those on the finest grid, from which the stored ones were made.
+    /// Largest change of a value in the last full sweep, made with the runtime's look-ahead over the stored values; in
+    /// an adaptive policy over those on the finest grid, from which the stored ones were fitted.
     pub residual: f32,
-    /// Values are proven to be within this of the optimal ones: residual / (1 - discount of the shortest segment). In
-    /// an adaptive policy the error that its grids add is in `adaptive`.
+    /// Proven bound of the distance of values from the optimal ones: residual / (1 - discount of the shortest segment).
+    /// In an adaptive policy the error of its grids, in `adaptive`, comes on top.
     pub error_bound: f64,
     /// Bytes of values, best actions, segments, paths and state grids.
     pub bytes: usize,
-    /// Bytes of the values alone, which are what Lee and Lee (2004) store.
+    /// Bytes of the values only, as stored by Lee and Lee (2004).
     pub value_bytes: usize,
     /// Time from behaviour to tables (s).
     pub seconds: f64,
-    /// Single-load answers against look-aheads.
+    /// Single-load answers compared with look-aheads.
     pub comparison: Comparison,
-    /// What its values promise, and how much of it a greedy character collects.
+    /// Comparison of the values with what a greedy character collects.
     pub promise: Promise,
-    /// What an adaptive policy gives away, beside uniform grids of the same size.
+    /// Loss of an adaptive policy, compared with uniform grids of equal size.
     pub adaptive: Option<AdaptiveReport>,
 }
 
 impl PolicyTables {
-    /// The runtime's view on a policy (index < policies.len()).
+    /// The runtime's view of a policy (index < policies.len()).
     ///
     /// # Errors
-    /// [`throng_core::Error`] never for what [`solve`] returned; for tables changed since, what does not fit.
+    /// [`throng_core::Error`] for tables that were changed to be inconsistent; never for the output of [`solve`].
     pub fn table(&self, index: usize) -> throng_core::Result<PolicyTable> {
         let p = &self.policies[index];
         let (offsets, segments) = (&self.action_offsets, &self.action_segments);
@@ -114,11 +114,11 @@ impl PolicyTables {
 /// Solves the configured behaviours over the motion graph.
 ///
 /// - `comm`: processes that solve together; each backs up a block of the states.
-/// - `rng`: for the comparison in the reports only; tables do not depend on it.
+/// - `rng`: for the comparison in the reports; tables do not depend on it.
 ///
 /// # Errors
-/// [`BuildError::Key`] for keys out of range or names used twice, [`BuildError::Stage`] where a state has more
-/// than 255 actions or value iteration does not come to its end.
+/// [`BuildError::Key`] for keys out of range or repeated names, [`BuildError::Stage`] if a state has more than 255
+/// actions or value iteration does not converge.
 pub fn solve(
     clips: &ClipSet,
     graph: &MotionGraph,
@@ -136,7 +136,7 @@ pub fn solve(
     solve_shared(model, &made, cfg, rng, progress, comm)
 }
 
-/// The behaviour that a config describes: the one list of kinds.
+/// Makes the behaviour of a config; the only list of kinds.
 fn make(
     config: &BehaviourConfig,
     clips: &ClipSet,
@@ -152,8 +152,8 @@ fn make(
     })
 }
 
-/// Where hits land over ground, in the character's frame: their median distance, in the middle of their directions.
-/// The centroid of mirrored hits would be nearer than any of them: x, z (m).
+/// Centre of hits over ground, in the character's frame: their median distance, in the middle of their directions. The
+/// centroid of mirrored hits would be nearer than any of them: x, z (m).
 fn hit_centre(clips: &ClipSet) -> Option<Vec2> {
     let places: Vec<Vec2> =
         clips.clips.iter().flat_map(|c| &c.hits).map(|h| Vec2::new(h.position.x, h.position.z)).collect();

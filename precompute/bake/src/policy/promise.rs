@@ -1,5 +1,5 @@
-//! What a policy promises, and what it keeps: values are interpolated between cells, and may promise what no action
-//! pays.
+//! Promised and collected rewards of a policy: values are interpolated between cells, and may promise more than any
+//! action gives.
 
 use super::compare::random_target;
 use super::follow::{Follow, Situation, collect};
@@ -8,43 +8,43 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use throng_core::policy::{KERNEL_EXPONENTIAL, MAX_ACTIONS, PolicyTable};
 
-/// Roll-outs of a policy.
+/// Number of roll-outs of a policy.
 const ROLLOUTS: usize = 800;
-/// Rewards are collected until the discount is below this.
+/// Discount below which further rewards are ignored.
 const NEGLIGIBLE: f64 = 1e-3;
-/// Promises below this share of the greatest one say nothing about a ratio.
+/// Share of the greatest promise below which one is too small for a ratio.
 const LEAST_SHARE: f64 = 0.05;
-/// Fewest roll-outs of a part.
+/// Fewest roll-outs of a part of the grid.
 const LEAST_ROLLOUTS: usize = 20;
-/// Kept share from which on a policy is trusted.
+/// Least kept share of a trusted policy.
 pub const ENOUGH_KEPT: f64 = 0.8;
-/// Kept share of single roll-outs below which next to nothing is kept, at the 5th percentile: told by verdicts.
+/// Kept share at the 5th percentile of single roll-outs below which a verdict reports that next to nothing is kept.
 pub const LEAST_KEPT: f64 = 0.1;
-/// Parts of the grid's distances.
+/// Number of parts of the grid's distances.
 const RINGS: usize = 3;
 
-/// Reward that a greedy policy collects from random states and targets, over the value that it promises there.
+/// Ratio of the reward that a greedy policy collects from random states and targets to the promised value there.
 ///
-/// Where values are negative, for what is to be avoided, it is the promised loss over the real one. Ratios are of sums,
+/// For negative values, which are to be avoided, it is the ratio of the promised to the real loss. Ratios are of sums,
 /// so that no small promise counts for much; the percentile is of single roll-outs.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Promise {
-    /// Roll-outs whose promise is not next to nothing.
+    /// Number of roll-outs with a promise that is not negligible.
     pub rollouts: usize,
-    /// Kept of all that was promised; none where nothing is.
+    /// Kept share of all promises; `None` without promises.
     pub kept: Option<f64>,
-    /// 5th percentile of what a roll-out kept; none where nothing is promised.
+    /// 5th percentile of the kept share of a roll-out; `None` without promises.
     pub kept_p05: Option<f64>,
-    /// The same by distance and direction of the target at the start; parts with few roll-outs are left out.
+    /// Kept shares by distance and direction of the target at the start; parts with few roll-outs are left out.
     pub parts: Vec<PromisePart>,
-    /// Where less is kept than can be trusted: what, where, and what to change.
+    /// Warning about a kept share too low to be trusted: what, where, and what to change.
     pub warning: Option<String>,
 }
 
-/// What is kept for targets in one part of the grid.
+/// Kept share for targets in one part of the grid.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct PromisePart {
-    /// Distances of the targets: from, to (m).
+    /// Range of the targets' distances (m).
     pub distance_m: [f64; 2],
     /// `ahead`, `left`, `right` or `behind`.
     pub direction: String,
@@ -67,7 +67,7 @@ struct Rollout {
 
 const DIRECTIONS: [&str; 4] = ["ahead", "left", "behind", "right"];
 
-/// Rolls a greedy policy out in the exact model. The same table gives the same figures.
+/// Rolls a greedy policy out in the exact model. Deterministic for a given table.
 ///
 /// - `name`: of the policy, for the warning.
 pub fn promise(table: &PolicyTable, name: &str) -> Promise {
@@ -102,7 +102,7 @@ pub fn promise(table: &PolicyTable, name: &str) -> Promise {
     Promise { warning: promise.warning(name, table), ..promise }
 }
 
-/// What the best action is worth, as the runtime sees it.
+/// Value of the best action, as in the runtime.
 fn promised(table: &PolicyTable, from: Situation) -> f64 {
     let mut scores = [0.0; MAX_ACTIONS];
     let n = table.action_scores(from.state, from.target, &mut scores);
@@ -110,7 +110,7 @@ fn promised(table: &PolicyTable, from: Situation) -> f64 {
     scores[..n].iter().copied().fold(f32::NEG_INFINITY, f32::max).into()
 }
 
-/// The part of the grid that a target is in.
+/// Part of the grid with a target.
 fn part_of(table: &PolicyTable, target: Vec3) -> Rollout {
     let place = target - table.centre();
     let (first, last) = (table.grid().record().ring_start, table.grid().radius());
@@ -120,9 +120,9 @@ fn part_of(table: &PolicyTable, target: Vec3) -> Rollout {
     Rollout { ring, direction: quarter.rem_euclid(4) as usize, promised: 0.0, realised: 0.0 }
 }
 
-/// Kept of the sum of promises, and the 5th percentile of single roll-outs; none of none.
+/// Kept share of the sum of promises, and the 5th percentile of single roll-outs; `None` without roll-outs.
 fn kept(rollouts: &[Rollout]) -> Option<(f64, f64)> {
-    /// What is kept beyond the promise does not make up for what is not.
+    /// Largest kept share that counts, as excess in one roll-out does not make up for losses in others.
     const MOST: f64 = 10.0;
     let ratio = |promised: f64, realised: f64| {
         let ratio = if promised > 0.0 { realised / promised } else { promised / realised.min(-1e-9) };
@@ -152,8 +152,8 @@ impl Promise {
     }
 }
 
-/// What would make a policy keep more of its promises: the widest step between cells beside the width of the reward tells
-/// what to refine.
+/// Advice for a policy that keeps more of its promises: the widest step between cells, compared with the width of the
+/// reward, shows what to refine.
 pub fn help(table: &PolicyTable) -> String {
     let (r, reward) = (table.grid().record(), table.reward().record());
     let rings = table.grid().radius() - r.ring_start;

@@ -12,20 +12,20 @@ use throng_core::policy::{PathRecord, PolicyRecord, PolicySlices, PolicyTable, S
 use throng_motion::error::BuildError;
 use throng_motion::progress::Progress;
 
-/// Values of a solved policy, and what it took.
+/// Values of a solved policy, with measurements.
 #[derive(Clone, Debug)]
 pub struct Solution {
-    /// Without best actions yet: one choice, the first action everywhere.
+    /// Record, without best actions yet: one choice, the first action everywhere.
     pub record: PolicyRecord,
-    /// (num_segments)
+    /// Segments (num_segments).
     pub segments: Vec<SegmentRecord>,
-    /// (num_segments in a space-time grid, else 0)
+    /// Paths (num_segments in a space-time grid, else 0).
     pub paths: Vec<PathRecord>,
-    /// (num_states in an adaptive policy, else 0)
+    /// State grids (num_states in an adaptive policy, else 0).
     pub state_grids: Vec<StateGridRecord>,
-    /// (num_states * num_cells, in an adaptive policy the cells of all state grids)
+    /// Values (num_states * num_cells, in an adaptive policy the cells of all state grids).
     pub values: Vec<f32>,
-    /// (State, cell, action) triples a full sweep covers.
+    /// (State, cell, action) triples of a full sweep.
     pub num_pairs: u64,
     /// Full sweeps over all actions; the last one measured the residual.
     pub num_sweeps: u32,
@@ -35,7 +35,7 @@ pub struct Solution {
     pub residual: f32,
     /// Bytes a full sweep reads and writes.
     pub bytes_per_sweep: usize,
-    /// Time to work out stencils and rewards (s).
+    /// Time to compute stencils and rewards (s).
     pub setup_s: f64,
     /// Time of the sweeps (s).
     pub sweep_s: f64,
@@ -43,22 +43,22 @@ pub struct Solution {
 
 /// Largest change of a full sweep at which values are within `epsilon` of the optimal ones.
 ///
-/// A sweep shrinks distances at least by the discount of the shortest segment, so that
-/// |V - V*| <= |TV - V| / (1 - discount^frames). That is stricter than the epsilon (1 - d) / d that would do for TV.
+/// A sweep shrinks distances at least by the discount of the shortest segment, so that |V - V*| <= |TV - V| / (1 -
+/// discount^frames). This is stricter than the epsilon (1 - d) / d that suffices for TV.
 pub fn tolerance(epsilon: f64, discount: f64, least_frames: u32) -> f64 {
     epsilon * (1.0 - discount.powi(least_frames as i32))
 }
 
 /// Solves for the optimal values of a behaviour.
 ///
-/// Modified policy iteration: a full sweep over all actions finds the greedy policy, sweeps over that policy alone
-/// bring its values near their end, and so on until a full sweep changes nothing by more than [`tolerance`]. All
-/// sweeps read old values and write new ones, so the result does not depend on the number of threads.
+/// Modified policy iteration: a full sweep over all actions finds the greedy policy, sweeps over that policy only bring
+/// its values near convergence, and so on until a full sweep changes nothing by more than [`tolerance`]. All sweeps
+/// read old values and write new ones, so the result does not depend on the number of threads.
 ///
 /// In a space-time grid, values stay 0 here.
 ///
 /// # Errors
-/// [`BuildError::Stage`] where the grid is too large, or with the last residual after `cfg.max_sweeps`;
+/// [`BuildError::Stage`] if the grid is too large, or with the last residual after `cfg.max_sweeps`;
 /// [`BuildError::Stopped`].
 ///
 /// # Source
@@ -73,8 +73,8 @@ pub fn value_iteration(
     shared_value_iteration(model, behaviour, cfg, progress, &Alone)
 }
 
-/// As [`value_iteration`], by several processes: each backs up a block of the states, and all have all values after every
-/// sweep. The values are those of one process.
+/// Solves with several processes: each backs up a block of the states, and all have all values after every sweep. The
+/// values are those of one process; see [`value_iteration`].
 ///
 /// # Errors
 /// As [`value_iteration`]; [`throng_base::Error::Rank`].
@@ -90,7 +90,7 @@ pub fn shared_value_iteration(
     let segments = segment_records(behaviour, &model.segments);
     let mut solution = blank(model, behaviour, segments, cfg)?;
     if behaviour.spec().grid.is_space_time() {
-        // Less time is left after every action: the few true sweeps of the bake are all it takes.
+        // Every action leaves less time: the few true sweeps of the bake suffice.
         return Ok(solution);
     }
     let shape = Shape::new(&behaviour.spec().grid);
@@ -118,7 +118,7 @@ pub fn shared_value_iteration(
     Ok(solution)
 }
 
-/// Refuses grids that number too many cells or take more memory than solving may.
+/// Refuses grids with too many cells or too much memory.
 fn check_size(model: &ActionModel, behaviour: &dyn Behaviour, cfg: &PolicyConfig) -> Result<(), BuildError> {
     let (grid, name) = (behaviour.spec().grid, behaviour.spec().name);
     let shape = Shape::new(&grid);
@@ -128,7 +128,8 @@ fn check_size(model: &ActionModel, behaviour: &dyn Behaviour, cfg: &PolicyConfig
     }
     let (states, segments) = (model.num_states() as f64, model.segments.len() as f64);
     let (cells, plane) = (grid.num_cells() as f64, grid.num_plane_cells() as f64);
-    // Values three times over and best actions; geometry of a height and rewards of all cells for each segment.
+    // Three copies of the values, and best actions; for each segment the geometry of a height and the rewards of all
+    // cells.
     let bytes = states * cells * (12.0 + f64::from(cfg.choices)) + segments * (12.0 * plane + 4.0 * cells);
     if bytes > MAX_BYTES || states * cells > f64::from(u32::MAX) {
         let [rings, angles, heights] = [shape.rings, shape.angles, shape.heights];
@@ -142,13 +143,13 @@ fn check_size(model: &ActionModel, behaviour: &dyn Behaviour, cfg: &PolicyConfig
     Ok(())
 }
 
-/// Most memory that solving a policy may take (bytes).
+/// Most memory for solving a policy (bytes).
 const MAX_BYTES: f64 = 12e9;
 
-/// Room that keeps the corners of the last cell within 16 bits.
+/// Spare lanes that keep the corners of the last cell within 16 bits.
 const LANES_TO_SPARE: usize = 2;
 
-/// Alternates full sweeps and sweeps over the greedy policy. Returns the values that the last full sweep measured.
+/// Alternates full sweeps and sweeps over the greedy policy. Returns the values measured by the last full sweep.
 fn iterate(
     sweeper: &mut Sweeper,
     (tolerance, max_sweeps): (f32, u32),
@@ -169,7 +170,7 @@ fn iterate(
             break;
         }
         joined(comm, row, &mut next, &mut values)?;
-        // Far from the end the greedy policy will change anyway; near it, what is left must be below the tolerance.
+        // Far from convergence the greedy policy will change anyway; near it, the rest must be below the tolerance.
         let enough = (residual * GREEDY_PRECISION).max(tolerance * GREEDY_TOLERANCE);
         for _ in 0..MAX_GREEDY_SWEEPS {
             progress.check()?;
@@ -185,18 +186,18 @@ fn iterate(
     Ok(values)
 }
 
-/// Greedy sweeps stop at this share of the full sweep's change.
+/// Share of the full sweep's change at which greedy sweeps stop.
 const GREEDY_PRECISION: f32 = 0.02;
-/// Greedy sweeps stop at this share of the tolerance.
+/// Share of the tolerance at which greedy sweeps stop.
 const GREEDY_TOLERANCE: f32 = 0.3;
-/// Greedy sweeps between two full ones, at most.
+/// Most greedy sweeps between two full ones.
 const MAX_GREEDY_SWEEPS: u32 = 500;
 
 pub(super) fn stage_error(message: String, help: &str) -> BuildError {
     BuildError::Stage { stage: "policy", message, help: help.into() }
 }
 
-/// The record and zero values.
+/// A record with zero values.
 fn blank(
     model: &ActionModel,
     behaviour: &dyn Behaviour,
@@ -235,10 +236,10 @@ fn blank(
 }
 
 impl Solution {
-    /// The runtime's view on the values, with one best action each.
+    /// The runtime's view of the values, with one best action each.
     ///
     /// # Errors
-    /// [`BuildError::Stage`] where the model does not hold together.
+    /// [`BuildError::Stage`] for an inconsistent model.
     pub fn table(&self, model: &ActionModel, best: &[u8]) -> Result<PolicyTable, BuildError> {
         let fault =
             |e: throng_core::Error| stage_error(e.to_string(), "The motion graph is not sound: build it again.");

@@ -1,4 +1,4 @@
-//! Sweeps over all (state, cell) pairs: full ones over every action, and cheap ones over the greedy action alone.
+//! Sweeps over all (state, cell) pairs: full ones over every action, and cheap ones over the greedy action only.
 
 use super::model::ActionModel;
 use super::pairs::{Pair, Pairs};
@@ -7,16 +7,16 @@ use std::ops::Range;
 use throng_core::policy::Reward;
 use throng_core::simd::vectorize;
 
-/// A segment that one action alone plays is backed up where that action is; others once for all.
+/// Row of a segment with a single action, which is backed up with that action; shared ones are backed up once for all.
 const PRIVATE: u32 = u32::MAX;
 
-/// The backups of a block of a model's states, and the greedy policy of the last full sweep.
+/// Backups of a block of a model's states, and the greedy policy of the last full sweep.
 pub(super) struct Sweeper<'a> {
     pairs: Pairs,
     model: &'a ActionModel,
-    /// What transitions leave of the backups of the block's actions, in order.
+    /// Factor that transitions leave of the backups of the block's actions, in order.
     left: Vec<f32>,
-    /// The block.
+    /// States of the block.
     own: Range<usize>,
     /// Row of each segment in `shared`, or [`PRIVATE`].
     shared_rows: Vec<u32>,
@@ -28,7 +28,7 @@ pub(super) struct Sweeper<'a> {
     greedy: Vec<Pair>,
 }
 
-/// Room for one state's backups.
+/// Scratch memory for one state's backups.
 #[derive(Default)]
 struct Scratch {
     backup: Vec<f32>,
@@ -57,12 +57,12 @@ impl<'a> Sweeper<'a> {
         self.model.num_states() * self.pairs.shape.value_row()
     }
 
-    /// Those of the block.
+    /// Number of values of the block, spare columns included.
     pub fn num_own_values(&self) -> usize {
         self.own.len() * self.value_row()
     }
 
-    /// Those of one state.
+    /// Number of values of one state, spare columns included.
     pub fn value_row(&self) -> usize {
         self.pairs.shape.value_row()
     }
@@ -72,9 +72,9 @@ impl<'a> Sweeper<'a> {
         self.pairs.bytes() + self.shared.len() * 4 + self.num_values() * 8 + size_of_val(&*self.greedy)
     }
 
-    /// One full sweep: `next`, of the block, becomes the best backup of `values`, of all; the greedy policy is noted.
+    /// Runs a full sweep: `next`, of the block, becomes the best backup of `values`, of all; stores the greedy policy.
     ///
-    /// Returns the largest change. Every state reads `values` alone, so that the split over threads does not matter.
+    /// Returns the largest change. Every state reads only `values`, so that the split over threads does not matter.
     pub fn full(&mut self, values: &[f32], next: &mut [f32]) -> f32 {
         let Self { pairs, model, left, own, shared_rows, shared_segments, shared, greedy } = self;
         let shape = pairs.shape;
@@ -106,7 +106,8 @@ impl<'a> Sweeper<'a> {
             .reduce(|| 0.0, f32::max)
     }
 
-    /// One sweep over the greedy actions of the block: `next` becomes their backup of `values`. Returns the largest change.
+    /// Runs a sweep over the greedy actions of the block: `next` becomes their backup of `values`. Returns the largest
+    /// change.
     pub fn greedy(&self, values: &[f32], next: &mut [f32]) -> f32 {
         let shape = self.pairs.shape;
         let (row, plane, stride, angles) = (shape.row(), shape.value_plane(), shape.stride(), shape.angles);
@@ -133,7 +134,7 @@ impl<'a> Sweeper<'a> {
     }
 }
 
-/// What the backup of a state reads.
+/// Inputs of the backup of a state.
 struct View<'a> {
     pairs: &'a Pairs,
     model: &'a ActionModel,
@@ -145,7 +146,7 @@ struct View<'a> {
 impl View<'_> {
     /// Backs up one state over all its actions. Returns the largest change.
     ///
-    /// - `left`: what the transition of each action leaves of its backup.
+    /// - `left`: factor that the transition of each action leaves of its backup.
     #[inline(always)]
     fn state(&self, state: usize, left: &[f32], next: &mut [f32], greedy: &mut [Pair], scratch: &mut Scratch) -> f32 {
         let shape = self.pairs.shape;
@@ -174,7 +175,7 @@ impl View<'_> {
         change
     }
 
-    /// The backups of one segment: looked up where it is shared, worked out in `scratch` where it is not.
+    /// Backups of one segment: looked up if shared, else computed in `scratch`.
     #[inline(always)]
     fn backup<'b>(&'b self, segment: usize, height: usize, scratch: &'b mut [f32]) -> &'b [f32] {
         let shape = self.pairs.shape;
@@ -188,9 +189,9 @@ impl View<'_> {
     }
 }
 
-/// Notes an action wherever its backup is better; of equal ones the first stays.
+/// Stores an action in the cells with a better backup; on a tie the first stays.
 ///
-/// - `left`: what its transition leaves of the backup.
+/// - `left`: factor that its transition leaves of the backup.
 #[inline(always)]
 fn keep_best(backup: &[f32], left: f32, action: u32, best: &mut [f32], actions: &mut [u32]) {
     for ((&q, best), noted) in backup.iter().zip(best).zip(actions) {

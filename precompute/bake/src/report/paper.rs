@@ -1,20 +1,20 @@
-//! A build's figures beside those of Lee and Lee (2004), section 6, which it follows.
+//! Comparison of a build with Lee and Lee (2004), section 6, which it follows.
 
 use super::BuildReport;
 use std::fmt::Write;
 
-/// One figure: what it is, what Lee and Lee (2004) say, what this build has.
+/// One figure, with its value in Lee and Lee (2004) and in this build.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Line {
-    /// What is counted.
+    /// Name of the figure.
     pub figure: String,
-    /// What Lee and Lee 2004 say; empty where they say nothing.
+    /// Value in Lee and Lee 2004; empty if not given.
     pub paper: &'static str,
-    /// What this build has.
+    /// Value in this build.
     pub here: String,
 }
 
-/// The figures of Lee and Lee (2004), section 6 beside those of a build.
+/// Figures of Lee and Lee (2004), section 6, with those of a build.
 pub fn beside_paper(r: &BuildReport) -> Vec<Line> {
     let line = |figure: &str, paper, here| Line { figure: figure.into(), paper, here };
     let range = |range: Option<[f32; 2]>, per_unit: f32, unit: &str| {
@@ -69,7 +69,7 @@ pub fn beside_paper(r: &BuildReport) -> Vec<Line> {
 /// Names of the behaviours of Lee and Lee (2004), in configs that follow them.
 const PAPER: [&str; 2] = ["approach", "throw-punches"];
 
-/// The same as a table in Markdown, with a heading that says what was built.
+/// Comparison as a table in Markdown, with a heading that names the build.
 pub fn markdown(r: &BuildReport) -> String {
     let mut out = format!("# {} beside Lee and Lee (2004)\n\n", r.name);
     out += "What `throng build` measured, beside what Lee and Lee report (*Precomputing Avatar Behavior from Human Motion \

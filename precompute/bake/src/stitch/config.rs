@@ -1,31 +1,31 @@
-//! How worlds are stitched.
+//! Settings of stitching.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_motion::error::{BuildError, check_ranges};
 
-/// How patches are fitted into an environment and joined where they overlap.
+/// Settings for fitting patches into an environment and joining them where they overlap.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct StitchConfig {
-    /// Motion goes on in another patch no farther away than this on the ground (m, > 0, <= 0.5).
+    /// Largest distance on the ground over which motion continues in another patch (m, > 0, <= 0.5).
     pub position_m: f32,
-    /// And no higher or lower than this (m, > 0, <= 0.5).
+    /// Largest height difference of such a continuation (m, > 0, <= 0.5).
     pub height_m: f32,
-    /// And turned by no more than this (deg, > 0, <= 45).
+    /// Largest heading difference of such a continuation (deg, > 0, <= 45).
     pub heading_deg: f32,
-    /// Motion of a tile is left and entered no nearer to its ends than this, or than a quarter of it where it is short.
-    /// (frames, 1 to 10000)
+    /// Least distance from the ends of a tile's motion at which it is left and entered; for short motion a quarter of
+    /// it suffices (frames, 1 to 10000).
     pub min_frames: u32,
     /// Most joints that a block's cell may have with one other patch: the nearest ones are kept (1 to 1000).
     pub joints_per_cell: usize,
-    /// A body that is deeper than this in a unit collides with it (m, 0 to 100).
+    /// Depth of a body in a unit above which it collides (m, 0 to 100).
     pub penetration_m: f32,
-    /// Two units stand in each other where their solids are deeper in each other than this (m, > 0, <= 100).
+    /// Depth of the solids of two units in each other above which the units overlap (m, > 0, <= 100).
     pub overlap_m: f32,
-    /// Names of units that are only in the way, such as walls: no patch need fit them.
+    /// Names of units that are obstacles only, such as walls: no patch need fit them.
     pub obstacles: Vec<String>,
-    /// True where units may be left over that no character can get to, or away from again.
+    /// True to allow units that no character can reach, or leave again.
     pub allow_unreachable: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Files of inferred surroundings, a world among them.
+//! Files of inferred surroundings, including a world.
 
 use super::{StitchConfig, WorldSource};
 use crate::environment::{EnvironmentFile, Inferred};
@@ -7,20 +7,20 @@ use std::path::{Path, PathBuf};
 use throng_motion::error::BuildError;
 use throng_motion::files::write_atomically;
 
-/// Which files inferred surroundings were written to.
+/// Paths of files of inferred surroundings.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct SavedFiles {
-    /// What stands where.
+    /// Environment file.
     pub environment_out: PathBuf,
-    /// Its units.
+    /// Unit file.
     pub units_out: PathBuf,
-    /// The same surroundings as a world, to be stitched from the patches that a build makes of them.
+    /// World file, to be stitched from the patches that a build makes of these surroundings.
     pub world_out: PathBuf,
 }
 
 impl Inferred {
     /// Writes the environment and, beside it, its unit file and a world, named after it with `-units` and `-world` at
-    /// the end. The world's bundle has the environment's name and lies beside it.
+    /// the end. The world's bundle has the environment's name and is expected beside it.
     ///
     /// # Errors
     /// [`BuildError::Io`] names the file.
@@ -32,7 +32,7 @@ impl Inferred {
             name: self.environment.name.clone(),
             bundle: beside(".throng"),
             config: None,
-            // Nobody was seen to get from each inferred unit to each other one.
+            // The capture need not contain motion between all inferred units.
             stitch: StitchConfig { allow_unreachable: true, ..StitchConfig::default() },
             prefabs: self.environment.prefabs.clone(),
             place: self.environment.place.clone(),

@@ -1,4 +1,4 @@
-//! What stitching knows of the bundle whose patches it uses.
+//! Data of the bundle that stitching uses.
 
 use crate::environment::{Environment, UnitGeometry, UnitSet};
 use std::f32::consts::TAU;
@@ -9,23 +9,23 @@ use throng_core::planar::{Planar, wrap_angle};
 use throng_core::{Contacts, Skeleton};
 use throng_motion::error::BuildError;
 
-/// The name of the stage in messages.
+/// Name of the stage in messages.
 pub(super) const STAGE: &str = "stitch";
 
-/// Why a world cannot be made of an environment.
+/// Error for an environment of which no world can be made.
 pub(super) fn refused(environment: &Environment, why: String, help: &str) -> BuildError {
     let message = format!("environment {}: {why}", environment.name);
     BuildError::Stage { stage: STAGE, message, help: help.into() }
 }
 
-/// What is known from a bundle beside its patches.
+/// Data of a bundle beside its patches.
 #[derive(Clone, Copy, Debug)]
 pub struct Library<'a> {
     /// Name of the bundle.
     pub bundle: &'a str,
     /// Its content hash.
     pub bundle_hash: u128,
-    /// Frames a second (Hz).
+    /// Frame rate (Hz).
     pub rate_hz: f64,
     /// The patches' names and units (number of patches).
     pub names: &'a [PatchMeta],
@@ -33,11 +33,11 @@ pub struct Library<'a> {
     pub units: &'a UnitSet,
     /// All frames of motion.
     pub frames: &'a [FrameRow],
-    /// How their rotations are packed.
+    /// Code of their rotations.
     pub rotation_code: &'a RotationCode,
     /// Pose group of every frame (frames.len()).
     pub groups: &'a [u32],
-    /// What is planted in every frame (frames.len()).
+    /// Contacts in every frame (frames.len()).
     pub contacts: &'a [Contacts],
     /// Geometry of the unit objects (units.units.len()).
     pub geometries: &'a [Arc<UnitGeometry>],
@@ -45,20 +45,20 @@ pub struct Library<'a> {
     pub skeleton: &'a Skeleton,
 }
 
-/// A patch's units by number instead of by name.
+/// A patch's units, by number instead of name.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Pattern {
-    /// Number of the unit in the library's set, and where it stands in the patch's frame.
+    /// Number of each unit in the library's set, with its placement in the patch's frame.
     pub units: Vec<(usize, Placement)>,
     /// True for a tile.
     pub is_tile: bool,
 }
 
 impl Library<'_> {
-    /// Checks that all that belongs together has the same size, and looks up the units of every patch.
+    /// Checks that sizes agree, and looks up the units of every patch.
     ///
     /// # Errors
-    /// [`BuildError::Stage`] where patches, names, groups and frames do not go together.
+    /// [`BuildError::Stage`] if patches, names, groups and frames do not match.
     pub(super) fn patterns(&self, patches: &Patches) -> Result<Vec<Pattern>, BuildError> {
         let damaged = |message: String| BuildError::Stage {
             stage: STAGE,
@@ -92,12 +92,12 @@ impl Library<'_> {
         self.names.iter().enumerate().map(pattern).collect()
     }
 
-    /// Angle by which a unit can be turned without a change (rad).
+    /// Angle of rotational symmetry of a unit (rad).
     pub(super) fn period(&self, unit: usize) -> f32 {
         TAU / self.units.units[unit].symmetry.max(1) as f32
     }
 
-    /// A placed unit in words: its name, number and place.
+    /// Description of a placed unit: its name, number and place.
     pub(super) fn describe(&self, environment: &Environment, index: usize) -> String {
         let placed = &environment.units[index];
         let p = placed.placement;
@@ -111,7 +111,7 @@ impl Library<'_> {
         )
     }
 
-    /// Root of every frame of a link in its patch's frame: y is the height of the clip's ground there.
+    /// Root of every frame of a link in its patch's frame; y is the height of the clip's ground.
     ///
     /// (num_frames + 1)
     pub fn link_roots<'s>(&'s self, link: &LinkRecord) -> impl Iterator<Item = Placement> + use<'s> {
@@ -141,17 +141,17 @@ impl Library<'_> {
     }
 }
 
-/// A heading within one period, so that copies of a unit that look the same have nearly the same one.
+/// Placement with a heading within one period, so that copies of a unit that look alike have nearly equal headings.
 ///
-/// The range begins at an angle that is not usual for placed things: what stands a little to either side of a usual one
-/// stays together.
+/// The range begins at an unusual angle for placed things, so that headings on either side of a usual one stay
+/// together.
 pub(super) fn normalised(placement: Placement, period: f32) -> Placement {
     const FROM: f32 = -0.371;
     let turns = placement.heading / period - FROM;
     Placement { heading: (turns - turns.floor() + FROM) * period, ..placement }
 }
 
-/// How far `a` is turned from `b`, where turning by `period` changes nothing (rad).
+/// Absolute angle between `a` and `b`, modulo `period` (rad).
 pub(super) fn turned(a: f32, b: f32, period: f32) -> f32 {
     let r = (a - b) / period;
     (r - r.round()).abs() * period
@@ -159,7 +159,7 @@ pub(super) fn turned(a: f32, b: f32, period: f32) -> f32 {
 
 #[cfg(test)]
 impl<'a> Library<'a> {
-    /// Of a bundle without motion.
+    /// Library of a bundle without motion.
     pub(super) fn bare(units: &'a UnitSet, skeleton: &'a Skeleton) -> Self {
         static REST: std::sync::LazyLock<RotationCode> = std::sync::LazyLock::new(RotationCode::rest);
         let (names, frames, groups, contacts, geometries) = (&[], &[], &[], &[], &[]);

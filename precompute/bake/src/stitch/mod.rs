@@ -1,5 +1,5 @@
-//! Worlds: patches fitted into an environment, joined where they overlap, without what is in the way and without
-//! dead ends (Lee, Choi and Lee 2006, section 5).
+//! Worlds: patches fitted into an environment and joined where they overlap, without obstructed motion and dead ends
+//! (Lee, Choi and Lee 2006, section 5).
 
 mod clearance;
 mod config;
@@ -26,16 +26,16 @@ use throng_motion::error::BuildError;
 use throng_motion::progress::Progress;
 use throng_world::WorldData;
 
-/// Stitches a world: fits the patches of a bundle into an environment, joins them where they overlap, and takes out
-/// what units are in the way of and what does not belong to the largest strongly connected component.
+/// Stitches a world: fits the patches of a bundle into an environment, joins them where they overlap, and removes
+/// motion that units obstruct or that is outside the largest strongly connected component.
 ///
 /// # Errors
-/// [`BuildError::Config`] where a setting is out of its limits. [`BuildError::Stage`] names units that stand in each
-/// other, that no block fits, that no character can get to or away from, and says where no motion goes on at all.
+/// [`BuildError::Config`] if a setting is out of its limits. [`BuildError::Stage`] names overlapping units, units that
+/// no block fits, units that no character can reach or leave, and environments in which no motion continues.
 ///
 /// # Source
-/// Lee, Choi and Lee (2006), section 5. Differs: joints also leave and enter tiles in the middle of their motion, and joints and obstacles
-/// are found once for all pairs that stand to each other in the same way.
+/// Lee, Choi and Lee (2006), section 5. Differs: joints also leave and enter tiles in the middle of their motion, and
+/// joints and obstacles are found once for all pairs in the same relative placement.
 pub fn stitch(
     patches: &Patches,
     library: &Library<'_>,

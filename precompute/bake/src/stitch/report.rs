@@ -1,19 +1,19 @@
-//! What came of stitching a world.
+//! Report of stitching a world.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Why a cell or a link of an instance is taken out.
+/// Reason why a cell or a link of an instance is removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reason {
-    /// It leads across an edge of a tile, or comes from there, where no other tile is.
+    /// Across this edge of a tile there is no other tile.
     NoNeighbour,
-    /// A body would be in a unit.
+    /// A body would collide with a unit.
     Obstacle,
-    /// From there no way leads on for ever.
+    /// No motion continues from there for ever.
     DeadEnd,
-    /// It is not reached from the rest of the world.
+    /// Not reached from the rest of the world.
     OutsideComponent,
 }
 
@@ -21,7 +21,7 @@ impl Reason {
     /// All reasons, in order.
     pub const ALL: [Self; 4] = [Self::NoNeighbour, Self::Obstacle, Self::DeadEnd, Self::OutsideComponent];
 
-    /// The name, as worlds and reports write it.
+    /// Name in worlds and reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::NoNeighbour => "no_neighbour",
@@ -32,28 +32,28 @@ impl Reason {
     }
 }
 
-/// What came of stitching a world.
+/// Report of stitching a world.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct StitchReport {
-    /// Patches that were fitted.
+    /// Number of fitted patches.
     pub instances: usize,
-    /// How often each patch was, by name.
+    /// Number of instances of each patch, by name.
     pub patches: BTreeMap<String, usize>,
-    /// Cells that are left.
+    /// Number of remaining cells.
     pub cells: u64,
-    /// Links and joints that are left.
+    /// Number of remaining links and joints.
     pub transitions: u64,
-    /// Length of all links that are left (h).
+    /// Duration of all remaining links (h).
     pub motion_hours: f64,
-    /// Cells and links taken out, by reason.
+    /// Removed cells and links, by reason.
     pub disabled: BTreeMap<String, u64>,
     /// Kinds of pairs of patches that have joints.
     pub tables: usize,
     /// Joints of all of them.
     pub joints: usize,
-    /// Time it took (s).
+    /// Time taken (s).
     pub seconds: f64,
-    /// Most memory that the program has held so far, where the system tells; 0 elsewhere (bytes).
+    /// Peak memory of the program so far; 0 if the system does not report it (bytes).
     pub peak_bytes: u64,
     /// Length of the world's sections (bytes).
     pub world_bytes: u64,

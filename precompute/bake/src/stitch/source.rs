@@ -17,30 +17,30 @@ use throng_motion::files::{self, write_atomically};
 use throng_motion::progress::Progress;
 use throng_world::{PathCosts, WORLD_MAGIC, World, WorldData, WorldGraph};
 
-/// A world that is to be stitched.
+/// Source of a world to be stitched.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WorldSource {
-    /// Its name; the file's stem where absent.
+    /// Name; the file's stem if absent.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub name: String,
-    /// Bundle whose patches it is made of, relative to this file's folder.
+    /// Bundle with the patches, relative to this file's folder.
     pub bundle: PathBuf,
-    /// Config that the bundle is built from where it is not there, relative to this file's folder.
+    /// Config from which a missing bundle is built, relative to this file's folder.
     #[serde(default)]
     pub config: Option<PathBuf>,
-    /// How patches are joined.
+    /// Settings of stitching.
     #[serde(default)]
     pub stitch: StitchConfig,
-    /// Groups of the bundle's units that are placed together, by name; they may hold other groups.
+    /// Groups of the bundle's units that are placed together, by name; may hold other groups.
     #[serde(default)]
     pub prefabs: BTreeMap<String, Vec<Place>>,
-    /// What stands where.
+    /// Placed units and prefabs.
     pub place: Vec<Place>,
 }
 
 impl WorldSource {
-    /// Reads a world file; paths in it are taken from its folder.
+    /// Reads a world file; paths in it are relative to its folder.
     ///
     /// # Errors
     /// [`BuildError::File`] with file, line and column.
@@ -51,7 +51,7 @@ impl WorldSource {
         if world.name.is_empty() {
             world.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         }
-        // The stitched world is called by it, beside the bundle.
+        // The stitched world is named after it, beside the bundle.
         if Path::new(&world.name).file_name().is_none_or(|n| n != world.name.as_str()) || world.name.contains('\\') {
             let why = format!("expected the name of a file without folders, found \"{}\"", world.name);
             return Err(BuildError::key("name", why).at(&source));
@@ -63,19 +63,19 @@ impl WorldSource {
         Ok(world)
     }
 
-    /// True for the text of a world, as against other files in TOML.
+    /// True for the text of a world, as opposed to other TOML files.
     pub fn is_one(path: &Path) -> bool {
         let has_keys =
             |source: Source| source.table().is_some_and(|t| ["place", "bundle"].iter().all(|&k| t.contains_key(k)));
         Source::read(path, "a world").is_ok_and(has_keys)
     }
 
-    /// Where the stitched world is kept unless something else is said: beside the bundle, as `NAME.world`.
+    /// Default path of the stitched world: beside the bundle, as `NAME.world`.
     pub fn stitched_path(&self) -> PathBuf {
         self.bundle.with_file_name(format!("{}.world", self.name))
     }
 
-    /// The same world with what stands in an environment, unit by unit.
+    /// This world with the units of an environment, placed one by one.
     ///
     /// - `units`: the bundle's.
     pub fn with_environment(&self, environment: &Environment, units: &UnitSet) -> Self {
@@ -90,8 +90,8 @@ impl WorldSource {
         Self { prefabs: BTreeMap::new(), place, ..self.clone() }
     }
 
-    /// Writes a world file, which takes its place only when it is whole. Its name is that of the file; the bundle and
-    /// its config are named relative to the file's folder.
+    /// Writes a world file, which replaces an older one only when complete. The world is named after the file; the
+    /// bundle and its config are relative to the file's folder.
     ///
     /// # Errors
     /// [`BuildError::Io`] where it cannot be written, [`BuildError::Stage`] for numbers that TOML cannot hold.
@@ -109,7 +109,7 @@ impl WorldSource {
         write_atomically(path, |w| w.write_all(text.as_bytes()))
     }
 
-    /// Content hash of what a world is stitched from, as [`throng_world::WorldMeta::source_hash`] keeps it.
+    /// Content hash of all inputs of a world, as stored in [`throng_world::WorldMeta::source_hash`].
     ///
     /// # Errors
     /// As [`WorldSource::environment`].
@@ -117,7 +117,7 @@ impl WorldSource {
         source_hash(&as_toml(&self.environment(library.units, path)?)?, &self.stitch, library)
     }
 
-    /// What stands where.
+    /// Environment with the placed units.
     ///
     /// - `units`: the bundle's.
     /// - `path`: of the world file, for messages.
@@ -135,7 +135,7 @@ impl WorldSource {
     }
 }
 
-/// A path as seen from a folder; both are absolute. Other drives have no such path.
+/// A path relative to a folder; both are absolute. A path on another drive stays absolute.
 fn relative(path: &Path, folder: &Path) -> PathBuf {
     let (path, folder) = (plain(path), plain(folder));
     let shared = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
@@ -157,7 +157,7 @@ fn plain(path: &Path) -> PathBuf {
     })
 }
 
-/// What a bundle's patches need to be stitched, decoded once.
+/// Data of a bundle's patches for stitching, decoded once.
 #[derive(Clone, Debug)]
 pub struct Kit {
     /// The bundle's unit objects.
@@ -167,7 +167,7 @@ pub struct Kit {
 }
 
 impl Kit {
-    /// Of an open bundle; `path` is for messages and for mesh files, which are found from its folder.
+    /// Decodes an open bundle; `path` is for messages and for mesh files, which are relative to its folder.
     ///
     /// # Errors
     /// [`BuildError::Stage`] for a bundle without patches, [`BuildError::Config`] for units that cannot be read.
@@ -184,7 +184,7 @@ impl Kit {
         Ok(Self { units, geometries })
     }
 
-    /// What stitching needs to know.
+    /// Library for stitching.
     pub fn library<'a>(&'a self, tables: &'a Bundle) -> Library<'a> {
         let meta = tables.meta();
         Library {
@@ -221,9 +221,9 @@ pub fn stitch_source(
     Ok(editor.into_world())
 }
 
-/// Works out a world's path costs and writes it; it takes its place only when it is whole.
+/// Computes a world's path costs and writes it; it replaces an older one only when complete.
 ///
-/// - `source`: the file it was stitched from, which the world names.
+/// - `source`: its source file, which the world names.
 /// - `patches`: the bundle's.
 /// - returns its length (bytes).
 ///
@@ -242,13 +242,13 @@ pub fn save(world: &mut WorldData, source: &Path, patches: &Patches, out: &Path)
     Ok(length)
 }
 
-/// Refuses to write a world over one that was stitched from another file: neither would ever find its own again.
+/// Refuses to overwrite a world stitched from another file, as each file would lose its world.
 ///
 /// # Errors
 /// [`BuildError::Stage`] that names both files.
 pub fn check_replaced(source: &Path, out: &Path) -> Result<(), BuildError> {
     files::check_replaced(out, &WORLD_MAGIC, "a world")?;
-    // A world that is damaged, or of another version, cannot be used by anybody.
+    // A world that is damaged or of another version is useless, so it may be overwritten.
     let Ok(meta) = World::read_meta(out) else { return Ok(()) };
     if meta.source == seen_from(source, out)? {
         return Ok(());
@@ -268,7 +268,7 @@ pub fn check_replaced(source: &Path, out: &Path) -> Result<(), BuildError> {
     })
 }
 
-/// A file as seen from the folder of another one, with `/` between the parts.
+/// A file relative to the folder of another one, with `/` between the parts.
 fn seen_from(file: &Path, other: &Path) -> Result<String, BuildError> {
     let real = |path: &Path| std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));
     let folder = other.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));

@@ -1,4 +1,4 @@
-//! What is in a bundle: its motion and its effective hits, clip by clip.
+//! Content of a bundle: its motion and its effective hits, clip by clip.
 
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -7,7 +7,7 @@ use std::path::Path;
 use throng_motion::annotate::hits::{HitPoint, HitReport};
 use throng_runtime::Bundle;
 
-/// What a bundle holds. The names of the fields are keys of the JSON report.
+/// Content of a bundle. The names of the fields are keys of the JSON report.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BundleReport {
     /// The file.
@@ -28,7 +28,7 @@ pub struct BundleReport {
     pub behaviours: Vec<String>,
     /// Names of the blend spaces.
     pub blend_spaces: Vec<String>,
-    /// What people do who stand: the names by which that is asked for.
+    /// Names of the activities that standing people can be asked for.
     pub activities: BTreeSet<String>,
     /// Effective hitting points.
     pub hits: HitReport,
@@ -37,7 +37,7 @@ pub struct BundleReport {
 }
 
 impl BundleReport {
-    /// Of an open bundle.
+    /// Report of an open bundle.
     pub fn new(file: &Path, tables: &Bundle) -> Self {
         let (meta, graph, points) = (tables.meta(), tables.graph(), HitPoint::of_tables(tables));
         let mut clip_hits: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();

@@ -1,4 +1,4 @@
-//! What is in many motion files: one line each, and what is missing for which behaviour.
+//! Content of many motion files: one line each, and what is missing for which behaviour.
 
 use super::ClipReport;
 use crate::abilities::Abilities;
@@ -15,23 +15,23 @@ use throng_motion::import::{self, Imported, ImportedSet};
 use throng_motion::progress::Progress;
 use throng_motion::retarget;
 
-/// Of a foot, less of the time on the ground than this makes a clip odd.
+/// Share of the time on the ground below which a foot makes its clip odd.
 const LITTLE_CONTACT: f32 = 0.05;
 
-/// What is in many motion files. The names of the fields are keys of the JSON report.
+/// Content of many motion files. The names of the fields are keys of the JSON report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct FolderReport {
     /// One entry a file, sorted by path.
     pub files: Vec<FileLine>,
-    /// Whose motion it is: files of one source skeleton together.
+    /// Performers of the motion: files of one source skeleton together.
     pub performers: Vec<Performer>,
     /// Files that hold the motion of another one, number by number: the file, and that other one.
     pub repeated: Vec<[String; 2]>,
-    /// What the motion shows.
+    /// Abilities in the motion.
     pub motion: Abilities,
-    /// What is missing for which behaviour, and the clips that would mend it.
+    /// Abilities that a behaviour needs and the motion lacks, each with the clips that would add it.
     pub missing: Vec<String>,
-    /// What is odd but tolerable.
+    /// Oddities that import tolerates.
     pub warnings: Vec<String>,
 }
 
@@ -42,16 +42,16 @@ pub struct FileLine {
     pub file: String,
     /// `good`, `odd` or `skipped`.
     pub verdict: &'static str,
-    /// Why it is odd or skipped; empty where it is good.
+    /// Reason why it is odd or skipped; empty where it is good.
     pub why: String,
-    /// What import found; absent for a file that is skipped.
+    /// Findings of import; absent for a skipped file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clip: Option<ClipReport>,
     /// Usable motion (s).
     pub usable_s: f64,
 }
 
-/// Reads motion files as a build with this config would, and says what is in them.
+/// Reads motion files as a build with this config would, and reports their content.
 ///
 /// # Errors
 /// A path that yields no file; a bad profile; as the retarget, resample and annotate stages.
@@ -95,7 +95,7 @@ fn performers(imported: &[Imported], clips: &ClipSet) -> Vec<Performer> {
     retarget::performers(imported).into_iter().map(performer).collect()
 }
 
-/// A line a file, sorted by path.
+/// One line for each file, sorted by path.
 fn lines(set: &ImportedSet, clips: &ClipSet, config: &BuildConfig) -> Vec<FileLine> {
     let copies: BTreeMap<usize, usize> = set.repeated().into_iter().map(|[first, i]| (i, first)).collect();
     let read = set.clips.iter().zip(&clips.clips).enumerate().map(|(i, (imported, clip))| {
@@ -116,7 +116,7 @@ fn lines(set: &ImportedSet, clips: &ClipSet, config: &BuildConfig) -> Vec<FileLi
     all
 }
 
-/// What is odd about a clip, if anything.
+/// Reason why a clip is odd, if it is.
 fn oddity(imported: &Imported, usable_s: f64, report: &ClipReport) -> Option<String> {
     let contact = &report.contact;
     if usable_s < 0.5 {
@@ -136,7 +136,7 @@ fn oddity(imported: &Imported, usable_s: f64, report: &ClipReport) -> Option<Str
     (!all.is_empty()).then(|| all.join(" "))
 }
 
-/// The file of an error, and the rest of its message.
+/// Splits an error's message into the file and the rest.
 fn told_apart(e: &ImportError) -> (String, String) {
     let (text, path) = (e.to_string(), e.path().map_or_else(String::new, |p| p.display().to_string()));
     let why = text.strip_prefix(&path).map_or(&*text, |rest| rest.trim_start_matches([':', ' ']));

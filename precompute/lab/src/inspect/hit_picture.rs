@@ -23,7 +23,7 @@ pub fn of_set(set: &ClipSet, title: &str) -> Picture {
     draw(&points, body.unwrap_or_else(|| standing(&set.skeleton)), title)
 }
 
-/// Effective hitting points of a bundle, likewise.
+/// Picture of the effective hitting points of a bundle.
 pub fn of_tables(tables: &Bundle, title: &str) -> Picture {
     let points = HitPoint::of_tables(tables);
     let skeleton = tables.skeleton();

@@ -5,10 +5,10 @@ use std::io;
 use throng_runtime::simulation::{Event, Happened, Simulation};
 use throng_runtime::{Joint, NUM_JOINTS};
 
-/// Of the messages.
+/// Version of the messages.
 const VERSION: u64 = 1;
 
-/// What is sent first: what does not change.
+/// First message: everything that does not change.
 pub fn hello(sim: &Simulation, rate_hz: f64) -> io::Result<Vec<u8>> {
     message("hello", 7, |out| {
         pair_uint(out, "version", VERSION)?;
@@ -40,7 +40,7 @@ pub fn hello(sim: &Simulation, rate_hz: f64) -> io::Result<Vec<u8>> {
     })
 }
 
-/// What is sent of each step.
+/// Message of one step.
 pub fn frame(sim: &Simulation, step: usize) -> io::Result<Vec<u8>> {
     let there = || sim.roots().enumerate().filter_map(|(who, root)| Some((who, root?)));
     let posed = || sim.poses().enumerate().filter_map(|(who, pose)| Some((who, pose?)));
@@ -61,7 +61,7 @@ pub fn frame(sim: &Simulation, step: usize) -> io::Result<Vec<u8>> {
     })
 }
 
-/// What is sent last.
+/// Last message.
 pub fn end() -> io::Result<Vec<u8>> {
     message("end", 1, |_| Ok(()))
 }
@@ -87,7 +87,7 @@ fn event(out: &mut Vec<u8>, event: &Event) -> io::Result<()> {
     other.map_or(Ok(()), |other| pair_uint(out, "other", other as u64))
 }
 
-/// A message of a kind, with so many pairs.
+/// Encodes a message of a kind, with `pairs` key-value pairs.
 fn message(kind: &str, pairs: u32, body: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> io::Result<Vec<u8>> {
     let mut out = vec![0; 4];
     write_map_len(&mut out, pairs)?;
@@ -114,12 +114,12 @@ fn pair_f64(out: &mut Vec<u8>, key: &str, value: f64) -> io::Result<()> {
     Ok(write_f64(out, value)?)
 }
 
-/// Numbers of 4 bytes each, little-endian.
+/// Writes numbers of 4 bytes each, little-endian.
 fn floats(out: &mut Vec<u8>, numbers: impl IntoIterator<Item = f32>) -> io::Result<()> {
     Ok(write_bin(out, &numbers.into_iter().flat_map(f32::to_le_bytes).collect::<Vec<u8>>())?)
 }
 
-/// As [`floats`].
+/// Writes whole numbers of 4 bytes each, little-endian.
 fn whole(out: &mut Vec<u8>, numbers: impl Iterator<Item = u32>) -> io::Result<()> {
     Ok(write_bin(out, &numbers.flat_map(u32::to_le_bytes).collect::<Vec<u8>>())?)
 }

@@ -1,7 +1,7 @@
 //! Serves a running scene to programs that show it: a socket gives every client roots, poses and events, step by step.
 //!
-//! One thread does it all. A client holds one message that is on its way to it; as long as that is not gone, it misses
-//! those that follow. So clients that are slow, or gone, cost neither time nor memory.
+//! A single thread serves all clients. Each client has at most one message in flight and misses the messages that follow
+//! until it is sent, so that slow or lost clients cost neither time nor memory.
 
 mod message;
 
@@ -16,11 +16,11 @@ use throng_motion::progress::Stopped;
 use throng_runtime::base::limits::{LIVE_SPEED, SECONDS, STEP_HZ};
 use throng_runtime::simulation::{CompiledScene, Simulation};
 
-/// Most clients at a time; more are turned away.
+/// Most clients at a time; further ones are refused.
 const MAX_CLIENTS: usize = 16;
-/// Time between two looks at the sockets (s).
+/// Time between two polls of the sockets (s).
 const LOOK_S: f64 = 0.001;
-/// Time that clients have at the end to take what is on its way (s).
+/// Time that clients have at the end to receive the last messages (s).
 const FAREWELL_S: f64 = 2.0;
 
 /// How a scene is served.
@@ -30,7 +30,7 @@ pub struct LiveConfig {
     pub seconds: Option<f64>,
     /// Steps, and frames that are sent, a simulated second (Hz, 1 to 10000).
     pub step_hz: f64,
-    /// Simulated seconds a second; 0 is as fast as it goes (0 to 1000).
+    /// Simulated seconds a second of wall time; 0 is as fast as possible (0 to 1000).
     pub speed: f64,
 }
 
@@ -40,18 +40,18 @@ impl Default for LiveConfig {
     }
 }
 
-/// What was served.
+/// Outcome of serving a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LiveReport {
-    /// Steps that were there to be sent.
+    /// Steps that were offered to clients.
     pub frames: usize,
-    /// Clients that came.
+    /// Clients that connected.
     pub clients: usize,
     /// Frames that clients missed because they were slow.
     pub missed: usize,
 }
 
-/// Where clients connect.
+/// A socket at which clients connect.
 pub struct Server(TcpListener);
 
 fn refused(message: String, help: &str) -> BuildError {
@@ -59,9 +59,9 @@ fn refused(message: String, help: &str) -> BuildError {
 }
 
 impl Server {
-    /// Opens a socket; port 0 is any that is free.
+    /// Opens a socket; port 0 stands for any free one.
     ///
-    /// - `to_anyone`: takes addresses that others in the network can reach.
+    /// - `to_anyone`: allows addresses that others in the network can reach.
     ///
     /// # Errors
     /// [`BuildError::Stage`] for such an address without that, and for one that is taken.
@@ -75,10 +75,10 @@ impl Server {
         Ok(Self(listener))
     }
 
-    /// Where clients connect.
+    /// Address at which clients connect.
     ///
     /// # Errors
-    /// What the system says.
+    /// [`BuildError::Stage`] with the message of the system.
     pub fn address(&self) -> Result<SocketAddr, BuildError> {
         self.0.local_addr().map_err(|e| refused(e.to_string(), "Choose another address"))
     }
@@ -132,7 +132,7 @@ fn written(message: std::io::Result<Vec<u8>>) -> Result<Vec<u8>, BuildError> {
     message.map_err(|e| refused(format!("a message of more than 4 GB: {e}"), "Serve fewer characters"))
 }
 
-/// Everybody who is connected.
+/// All connected clients.
 struct Clients<'a> {
     listener: &'a TcpListener,
     hello: Arc<Vec<u8>>,
@@ -142,13 +142,13 @@ struct Clients<'a> {
 
 struct Client {
     stream: TcpStream,
-    /// The message that is on its way, and how much of it is gone (bytes).
+    /// The message in flight, and how much of it is sent (bytes).
     message: Arc<Vec<u8>>,
     gone: usize,
 }
 
 impl Clients<'_> {
-    /// Lets in who knocks, and sends what is on its way.
+    /// Accepts new clients, and continues to send messages in flight.
     fn look(&mut self) {
         while let Ok((stream, _)) = self.listener.accept() {
             let is_ready = stream.set_nonblocking(true).and_then(|()| stream.set_nodelay(true)).is_ok();
@@ -160,7 +160,7 @@ impl Clients<'_> {
         self.all.retain_mut(|c| c.push());
     }
 
-    /// Gives a frame to all who have taken the one before.
+    /// Queues a frame for all clients that have received the previous message.
     fn send(&mut self, frame: &Arc<Vec<u8>>) {
         self.report.frames += 1;
         for client in &mut self.all {
@@ -173,7 +173,7 @@ impl Clients<'_> {
         self.all.retain_mut(|c| c.push());
     }
 
-    /// Says that it is over to all who take the rest soon.
+    /// Sends the end message to all clients that receive the rest in time.
     fn end(mut self) -> Result<LiveReport, BuildError> {
         let (begin, end) = (Instant::now(), Arc::new(written(message::end())?));
         let is_told = |c: &Client| Arc::ptr_eq(&c.message, &end) && c.has_all();
@@ -193,7 +193,7 @@ impl Client {
         self.gone == self.message.len()
     }
 
-    /// Sends as much as the socket takes at once; false where the client is gone.
+    /// Sends as much as the socket takes at once; false if the client is gone.
     fn push(&mut self) -> bool {
         while !self.has_all() {
             match self.stream.write(&self.message[self.gone..]) {

@@ -1,4 +1,4 @@
-//! What a query, a joint, a character cost, beside copying the same bytes.
+//! Cost of a query, a joint and a character, beside copying the same bytes.
 
 use super::timing::{Batch, fail, in_pool, median_ns, random_queries};
 use super::{EPSILON, MeasureConfig};
@@ -36,11 +36,11 @@ pub struct CharactersFigures {
     pub sample_ns_per_joint: f64,
     /// A full step at 60 Hz: control, sampling, transition, foot lock, model matrices of 22 joints.
     pub step_ns_per_character: f64,
-    /// The same with single-load control.
+    /// A full step at 60 Hz with single-load control.
     pub step_single_load_ns_per_character: f64,
-    /// A full step of people who walk among each other and make way.
+    /// A full step of people who walk among and avoid each other.
     pub step_avoiding_ns_per_character: f64,
-    /// That beside the same people who take no notice of each other.
+    /// Time of that step over that of the same people without avoidance.
     pub avoiding_ratio: f64,
     /// Copying as many bytes as the model matrices take.
     pub memcpy_ns_per_character: f64,
@@ -76,7 +76,7 @@ pub fn characters(tables: &Bundle, config: &MeasureConfig) -> Result<Vec<Charact
     Ok(results)
 }
 
-/// One number of characters, inside a thread pool.
+/// Benchmark of one number of characters, inside a thread pool.
 struct Bench<'a> {
     tables: &'a Bundle,
     motion_set: &'a MotionSet,
@@ -112,12 +112,12 @@ impl Bench<'_> {
         })
     }
 
-    /// Characters that one task handles: all on one thread.
+    /// Characters that one task handles; all of them on one thread.
     fn share(&self) -> usize {
         self.characters.div_ceil(rayon::current_num_threads()).max(1)
     }
 
-    /// Time of a batch of single-load queries and of look-aheads, and the actions a look-ahead weighs.
+    /// Time of single-load queries and of look-aheads (ns each), and mean number of actions that a look-ahead weighs.
     fn queries(&self, policy: &PolicyTable) -> Result<(f64, f64, f64), BuildError> {
         let (states, targets) = random_queries(policy, self.characters);
         let batch = Batch { policy, states: &states, targets: &targets, seconds: self.seconds };
@@ -188,8 +188,7 @@ impl Bench<'_> {
         }
     }
 
-    /// Time of a full step of people two metres apart who walk to places up to six metres away, and on when they are
-    /// there.
+    /// Time of a full step of people two metres apart who walk to places up to six metres away, and on to the next ones.
     fn walking(&self, avoid: Option<AvoidConfig>) -> Result<f64, BuildError> {
         const STEPS: usize = 60;
         let wrong = |e: Error| fail(e.to_string());

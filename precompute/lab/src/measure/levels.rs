@@ -1,4 +1,4 @@
-//! What a character costs at each level of detail.
+//! Cost of a character at each level of detail.
 
 use super::MeasureConfig;
 use super::timing::{fail, in_pool};
@@ -16,22 +16,22 @@ use throng_runtime::{Bundle, Error, Planar};
 
 /// Steps of a round, a second of simulated time.
 const STEPS: usize = 60;
-/// Fewer take too little memory to be seen among all else.
+/// Least number of characters whose memory stands out from the rest of the process.
 const SEEN: usize = 10_000;
 
-/// The same people at each level, in turns on one thread; medians over rounds.
+/// Figures of one group of people at each level, in turns on one thread; medians over rounds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct LevelFigures {
     /// Number of characters.
     pub characters: usize,
-    /// A step of everybody posed whole, with a record (ns a character).
+    /// A step with full poses and records (ns a character).
     pub full_ns: f64,
-    /// Without locked feet (ns a character).
+    /// A step without locked feet (ns a character).
     pub free_feet_ns: f64,
-    /// Records alone (ns a character).
+    /// A step that only writes records (ns a character).
     pub record_ns: f64,
-    /// Memory that people take who have never been posed, their records included; from 10 000 on, where the system tells
-    /// (bytes a character).
+    /// Memory of a character that was never posed, its record included; absent below 10 000 characters or where the system
+    /// does not report it (bytes a character).
     pub record_bytes: Option<f64>,
 }
 

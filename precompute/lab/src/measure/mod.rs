@@ -16,7 +16,7 @@ use timing::in_pool;
 /// Precision of the made-up problem's values.
 const EPSILON: f64 = 1e-4;
 
-/// What is measured.
+/// Settings of a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasureConfig {
     /// Numbers of characters.

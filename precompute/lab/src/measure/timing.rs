@@ -24,7 +24,7 @@ pub fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Resu
     Ok(pool.install(work))
 }
 
-/// Median time of a round, over as many rounds as fit.
+/// Median time of a round, over as many rounds as fit into `seconds` (ns).
 pub fn median_ns(seconds: f64, mut round: impl FnMut()) -> f64 {
     round();
     let begin = Instant::now();
@@ -63,7 +63,7 @@ pub struct Batch<'a> {
 }
 
 impl Batch<'_> {
-    /// Characters that one task handles: all on one thread.
+    /// Characters that one task handles; all of them on one thread.
     fn share(&self) -> usize {
         self.states.len().div_ceil(rayon::current_num_threads()).max(1)
     }
@@ -112,7 +112,7 @@ impl Batch<'_> {
         Ok(ns)
     }
 
-    /// Actions that a look-ahead weighs, mean.
+    /// Mean number of actions that a look-ahead weighs.
     pub fn actions_weighed(&self) -> f64 {
         let weighed: usize = self.states.iter().map(|&s| self.policy.actions().segments_of(s).len()).sum();
         weighed as f64 / self.states.len() as f64

@@ -1,4 +1,4 @@
-//! Performs what a bundle holds: characters who run on it, which clips they play, and its clips.
+//! Takes from a bundle: characters that run on it, the clips that they play, and its stored clips.
 
 use super::camera::Camera;
 use super::{PerformConfig, SAME_S, Span, chosen, refused};
@@ -30,7 +30,7 @@ pub fn of_trial(
     camera.into_take(f64::from(trial.seconds))
 }
 
-/// Which part of a trial is kept, and the trial, as long as whole steps last.
+/// Recorded time span of a trial, and the trial, prolonged to whole steps.
 fn span_of(bundle: &Bundle, trial: &TrialConfig, config: &PerformConfig) -> Result<(Span, TrialConfig), BuildError> {
     let span = Span::new(config, f64::from(trial.seconds), None)?;
     let hz = f64::from(trial.step_hz);
@@ -43,10 +43,10 @@ fn span_of(bundle: &Bundle, trial: &TrialConfig, config: &PerformConfig) -> Resu
     Ok((span, trial))
 }
 
-/// Lets characters run on a bundle, and keeps which clip plays on each of them and where: at the last step before each
-/// frame, without the transitions between clips and the locks of planted feet.
+/// Lets characters run on a bundle, and records which clip each of them plays and where: at the last step before each
+/// frame, without transitions between clips and locks of planted feet.
 ///
-/// - `folder`: where the frames are kept until they are dropped.
+/// - `folder`: folder for the frames until they are dropped.
 ///
 /// # Errors
 /// As [`super::perform`].
@@ -84,7 +84,7 @@ pub fn instances(
     Ok(out)
 }
 
-/// What a character plays that is so many frames within a segment, and where its figure is laid.
+/// Clip instance of a character that is `frames` frames into a segment, at its planar root.
 fn playing(bundle: &Bundle, segment: u32, frames: f32, root: Planar) -> Instance {
     let Some(segment) = bundle.graph().segments.get(segment as usize) else {
         return Instance { place: [root.x, root.z, root.heading], ..Instance::default() };
@@ -100,7 +100,7 @@ fn playing(bundle: &Bundle, segment: u32, frames: f32, root: Planar) -> Instance
     Instance { clip: Some(segment.clip), time_s, place: [place.x, place.z, place.heading] }
 }
 
-/// The clips of a bundle, as they are stored.
+/// Takes the clips of a bundle as they are stored.
 pub fn clips(
     bundle: &Bundle,
     config: &PerformConfig,
@@ -130,7 +130,7 @@ pub fn clips(
     writer.into_take().map_err(io)
 }
 
-/// A frame of a bundle.
+/// Pose of a stored frame of a bundle.
 fn stored(bundle: &Bundle, row: usize) -> Pose {
     let (row, code) = (&bundle.frames()[row], bundle.rotation_code());
     let [x, z, heading] = row.planar;

@@ -1,4 +1,4 @@
-//! Keeps frames of what runs.
+//! Records frames of running characters.
 
 use super::{PerformConfig, SAME_S, Span, chosen, refused};
 use std::path::Path;
@@ -8,7 +8,7 @@ use throng_motion::progress::Progress;
 use throng_runtime::Skeleton;
 use throng_runtime::simulation::{Motion, Simulation};
 
-/// Keeps what some characters do at evenly spaced times; between two steps, poses are blended.
+/// Records the poses of some characters at evenly spaced times; poses between two steps are blended.
 pub struct Camera<'a> {
     writer: TakeWriter,
     who: Vec<usize>,
@@ -16,7 +16,7 @@ pub struct Camera<'a> {
     rate_hz: f64,
     num_frames: usize,
     next: usize,
-    /// The step before, where it is needed.
+    /// Time and poses of the previous step, if they are needed.
     before: Option<(f64, Vec<Option<Pose>>)>,
     folder: &'a Path,
     progress: &'a dyn Progress,
@@ -39,7 +39,7 @@ impl<'a> Camera<'a> {
         Ok(Self { writer, who, span, rate_hz, num_frames, next: 0, before: None, folder, progress })
     }
 
-    /// Of characters of a scene who have bodies.
+    /// Recorder of the characters of a scene that have bodies.
     pub fn of_scene(
         sim: &Simulation,
         config: &PerformConfig,
@@ -73,6 +73,8 @@ impl<'a> Camera<'a> {
         self.observe(sim.time_s(), 1.0 / hz, |c| Some(Pose::of_model(sim.root(c)?, sim.pose(c)?)))
     }
 
+    /// Observes a step.
+    ///
     /// - `ahead_s`: time to the next step (s).
     pub fn observe(
         &mut self,
@@ -109,6 +111,8 @@ impl<'a> Camera<'a> {
         Ok(())
     }
 
+    /// Completes the take.
+    ///
     /// - `ended_s`: when the run ended (s).
     pub fn into_take(self, ended_s: f64) -> Result<Take, BuildError> {
         self.progress.end();

@@ -1,4 +1,4 @@
-//! Lets characters do what a run has them do, and keeps it as a take, frame by frame.
+//! Runs characters and records them as a take, frame by frame.
 
 mod bundle;
 mod camera;
@@ -16,46 +16,46 @@ use throng_runtime::Bundle;
 use throng_runtime::base::limits::{EXPORT_HZ, MOMENT_S, SECONDS, STEP_HZ};
 use throng_runtime::simulation::{CompiledScene, Simulation};
 
-/// Steps a simulated second where nothing else is said, as runs have it (Hz).
+/// Default number of steps a simulated second, as for runs (Hz).
 const RUN_HZ: f64 = 60.0;
-/// Times nearer to each other than this are one (s).
+/// Largest difference of times that count as equal (s).
 const SAME_S: f64 = 1e-6;
 
-/// What is performed.
+/// Source of a take.
 #[derive(Clone, Copy, Debug)]
 pub enum Show<'a> {
     /// A scene, from its start.
     Scene(&'a CompiledScene),
-    /// A run that was kept, again.
+    /// A recorded run, replayed.
     Recording(&'a Recording, &'a CompiledScene),
-    /// Characters who each chase a target of their own.
+    /// Characters that each chase a target of their own.
     Trial(&'a Bundle, &'a TrialConfig),
     /// The clips of a bundle, one after the other.
     Clips(&'a Bundle),
 }
 
-/// Which part of it.
+/// Part of the source to record.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PerformConfig {
     /// Numbers of characters, or of clips; all of them where empty.
     pub characters: Vec<RangeInclusive<usize>>,
-    /// First moment; the start where absent (s).
+    /// First time; the start if absent (s).
     pub from_s: Option<f64>,
-    /// Last moment; the end where absent (s).
+    /// Last time; the end if absent (s).
     pub to_s: Option<f64>,
-    /// Frames a second; 30, or of clips their own, where absent (Hz).
+    /// Frames a second; if absent 30, or the own rate of clips (Hz).
     pub rate_hz: Option<f64>,
 }
 
-/// Frames a second where nothing else is said (Hz).
+/// Default number of frames a second (Hz).
 const FRAMES_HZ: f64 = 30.0;
 
-/// Performs a show.
+/// Runs a source and records the take.
 ///
-/// - `folder`: where the frames are kept until the take is dropped.
+/// - `folder`: folder for the frames until the take is dropped.
 ///
 /// # Errors
-/// [`BuildError::Stage`] for characters, times or a rate that the show does not have, and what running it fails with.
+/// [`BuildError::Stage`] for characters, times or a rate that the source does not have, and the errors of running it.
 pub fn perform(
     show: Show<'_>,
     config: &PerformConfig,
@@ -70,7 +70,7 @@ pub fn perform(
             let span = Span::new(config, compiled.scene().seconds, None)?;
             let mut sim = Simulation::new(compiled).map_err(|e| refused(e, "Correct the scene"))?;
             let mut camera = Camera::of_scene(&sim, config, span, folder, progress)?;
-            // As long as whole steps last.
+            // Prolonged to whole steps.
             let seconds = ((span.to_s * RUN_HZ - SAME_S).ceil().max(1.0)) / RUN_HZ;
             play(&mut sim, seconds, RUN_HZ, seconds, |sim, _| camera.see(sim, RUN_HZ))?;
             camera.into_take(sim.time_s())
@@ -101,7 +101,7 @@ fn refused(what: impl std::fmt::Display, help: impl Into<String>) -> BuildError 
     BuildError::Stage { stage: "export", message: what.to_string(), help: help.into() }
 }
 
-/// From when to when (s).
+/// Time span to record (s).
 #[derive(Clone, Copy)]
 struct Span {
     from_s: f64,
@@ -109,7 +109,9 @@ struct Span {
 }
 
 impl Span {
-    /// - `end_s`: where it ends if nothing is said; `most_s`: after which there is nothing (s).
+    /// The time span of a config.
+    ///
+    /// - `end_s`: default end (s); `most_s`: latest possible end (s).
     fn new(config: &PerformConfig, end_s: f64, most_s: Option<f64>) -> Result<Self, BuildError> {
         let (from_s, to_s) = (config.from_s.unwrap_or(0.0), config.to_s.unwrap_or(end_s));
         let help = "Give --from and --to in seconds, the earlier one first";
@@ -130,7 +132,7 @@ impl Span {
     }
 }
 
-/// Numbers that are asked for, of so many.
+/// The selected numbers, out of `total`; `what` names one of them in messages.
 fn chosen(config: &PerformConfig, total: usize, what: &str) -> Result<Vec<usize>, BuildError> {
     let help = format!("Give --characters as 0..{}, or as a list such as 0,4,7..9", total.saturating_sub(1));
     if total == 0 {

@@ -5,15 +5,15 @@ use glam::{Vec2, Vec3};
 /// A camera with parallel projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Direction on the screen to the right. Unit.
+    /// World direction to the right of the screen. Unit.
     pub right: Vec3,
-    /// Direction on the screen upwards. Unit.
+    /// World direction upwards on the screen. Unit.
     pub up: Vec3,
     /// Direction the camera looks in. Unit.
     pub forward: Vec3,
     /// Point of the world that is seen at `screen` (m).
     pub target: Vec3,
-    /// Where `target` is seen (px).
+    /// Position of `target` in the picture (px).
     pub screen: Vec2,
     /// Scale (px/m, > 0).
     pub px_per_m: f32,
@@ -33,12 +33,12 @@ impl Camera {
         Self { right, up: right.cross(forward), forward, target: Vec3::ZERO, screen: Vec2::ZERO, px_per_m: 1.0 }
     }
 
-    /// The same camera with `target` seen at `screen` and another scale.
+    /// Copy of this camera that shows `target` at `screen` with the given scale.
     pub fn framed(self, target: Vec3, screen: Vec2, px_per_m: f32) -> Self {
         Self { target, screen, px_per_m, ..self }
     }
 
-    /// Where a point is seen (px).
+    /// Position of a point in the picture (px).
     pub fn project(&self, p: Vec3) -> Vec2 {
         let d = p - self.target;
         self.screen + self.px_per_m * Vec2::new(d.dot(self.right), -d.dot(self.up))
@@ -61,7 +61,7 @@ impl Camera {
         (self.forward.y.abs() > 1e-4).then(|| p - self.forward * (p.y / self.forward.y))
     }
 
-    /// Half width and half height on the screen of a disc on the ground (px).
+    /// Half the width and half the height in the picture of a disc on the ground (px).
     pub fn ground_disc(&self, radius: f32) -> Vec2 {
         Vec2::new(radius, radius * self.forward.y.abs()) * self.px_per_m
     }

@@ -28,12 +28,12 @@ impl Picture {
         Self { pixmap }
     }
 
-    /// (px)
+    /// Width (px).
     pub fn width(&self) -> u32 {
         self.pixmap.width()
     }
 
-    /// (px)
+    /// Height (px).
     pub fn height(&self) -> u32 {
         self.pixmap.height()
     }
@@ -71,7 +71,7 @@ impl Picture {
         self.pixmap.pixels_mut()
     }
 
-    /// Lays another picture over this one, its upper left corner at `at`.
+    /// Draws another picture over this one, its upper left corner at `at` (px).
     pub(super) fn draw_picture(&mut self, other: &Self, at: (i32, i32)) {
         self.pixmap.draw_pixmap(
             at.0,
@@ -140,7 +140,7 @@ pub(super) struct Area {
 }
 
 impl Area {
-    /// From its left and upper edge, width and height.
+    /// Rectangle from its left and upper edge, width and height.
     pub fn new(x: f32, y: f32, w: f32, h: f32) -> Self {
         Self { min: Vec2::new(x, y), size: Vec2::new(w.max(1.0), h.max(1.0)) }
     }
@@ -150,13 +150,13 @@ impl Area {
         self.min + self.size
     }
 
-    /// True where two share more than an edge.
+    /// True if the rectangles share more than an edge.
     pub fn overlaps(self, other: Self) -> bool {
         self.min.cmplt(other.max()).all() && other.min.cmplt(self.max()).all()
     }
 }
 
-/// Premultiplied `top` over `bottom`.
+/// Composites premultiplied `top` over `bottom`.
 pub(super) fn source_over(top: PremultipliedColorU8, bottom: PremultipliedColorU8) -> PremultipliedColorU8 {
     let rest = 255 - u32::from(top.alpha());
     let mix = |t: u8, b: u8| (u32::from(t) + (u32::from(b) * rest + 127) / 255).min(255) as u8;
@@ -185,7 +185,7 @@ fn polyline_path(points: &[Vec2], close: bool) -> Option<tiny_skia::Path> {
     b.finish()
 }
 
-/// Quarter circles are drawn as quadratic curves: at the few pixels of a corner the difference does not show.
+/// Path of a rounded rectangle. Quarter circles are quadratic curves: at the few pixels of a corner, the difference is invisible.
 fn rounded(area: Area, radius: f32) -> Option<tiny_skia::Path> {
     let (a, b) = (area.min, area.max());
     let r = radius.min(0.5 * area.size.min_element()).max(0.0);

@@ -26,7 +26,7 @@ impl Colour {
         }
     }
 
-    /// The same with another opacity.
+    /// Copy of this colour with the given opacity.
     pub const fn alpha(self, a: f32) -> Self {
         Self { a, ..self }
     }
@@ -37,7 +37,7 @@ impl Colour {
         Self { r: lerp(self.r, other.r), g: lerp(self.g, other.g), b: lerp(self.b, other.b), a: lerp(self.a, other.a) }
     }
 
-    /// For the 2-D painter; what is out of range or not finite is clamped.
+    /// Converts to the colour of the 2-D painter; components out of range or not finite are clamped.
     pub(super) fn to_skia(self) -> Color {
         let unit = |v: f32| if v.is_finite() { v.clamp(0.0, 1.0) } else { 0.0 };
         Color::from_rgba(unit(self.r), unit(self.g), unit(self.b), unit(self.a)).unwrap_or(Color::BLACK)
@@ -66,5 +66,5 @@ pub const SKIN: Colour = Colour::hex(0xd9c2ac);
 pub const LEFT: Colour = Colour::hex(0xe9963e);
 /// Limbs of the right side.
 pub const RIGHT: Colour = Colour::hex(0x2f63a8);
-/// Marks the character a strip is about.
+/// Mark of the character that a strip shows.
 pub const MARK: Colour = Colour::hex(0x7a2bbf);

@@ -1,4 +1,4 @@
-//! A crowd from above: where characters are, came from and want to go.
+//! A crowd from above: positions, trails and targets of characters.
 
 use super::camera::Camera;
 use super::canvas::{Area, Picture};
@@ -14,12 +14,12 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use throng_runtime::Planar;
 use throng_runtime::reserve::Rod;
 
-/// Whether a character is where it wants to be.
+/// Whether a character has reached its target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrival {
     /// Still walking, or has no target.
     OnTheWay,
-    /// Still walking, the other way.
+    /// Still walking, in the opposite direction.
     OnTheWayBack,
     /// Within reach of its target now, or has been.
     Reached,
@@ -32,15 +32,15 @@ pub struct CrowdCharacter<'a> {
     pub root: Planar,
     /// Its body; without one, only a mark with the heading is drawn.
     pub figure: Option<Figure>,
-    /// Where the root was, oldest first, as (x, z) (m).
+    /// Past positions of the root, oldest first, as (x, z) (m).
     pub trail: &'a [Vec2],
-    /// Where it wants to go, as (x, z) (m).
+    /// Target, as (x, z) (m).
     pub target: Option<Vec2>,
-    /// Decides the colour.
+    /// Arrival, which decides the colour.
     pub arrival: Arrival,
 }
 
-/// What [`crowd_overview`] draws.
+/// Input of [`crowd_overview`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrowdView<'a> {
     /// First line.
@@ -49,16 +49,16 @@ pub struct CrowdView<'a> {
     pub subtitle: &'a str,
     /// Width and height (px).
     pub size: (u32, u32),
-    /// Everybody.
+    /// All characters.
     pub characters: &'a [CrowdCharacter<'a>],
-    /// What stands in the way.
+    /// Walls.
     pub walls: &'a [Rod],
     /// Radius around a target within which it is reached; drawn as a ring (m).
     pub reach_m: f32,
-    /// What the colours stand for: [`Arrival::Reached`], [`Arrival::OnTheWay`], [`Arrival::OnTheWayBack`]. The legend leaves
-    /// empty ones out.
+    /// Names of the colours: [`Arrival::Reached`], [`Arrival::OnTheWay`], [`Arrival::OnTheWayBack`]. The legend leaves empty
+    /// ones out.
     pub names: [&'a str; 3],
-    /// What else the legend says.
+    /// Remark below the legend.
     pub remark: &'a str,
     /// Index of a character that is ringed and named, for instance the one a strip shows.
     pub marked: Option<(usize, &'a str)>,
@@ -69,9 +69,9 @@ pub struct CrowdView<'a> {
 /// A part of the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Focus {
-    /// Its middle, as (x, z) (m).
+    /// Centre, as (x, z) (m).
     pub centre: Vec2,
-    /// Its width; the height follows from the picture (m, 1 to 10000).
+    /// Width; the height follows from the picture (m, 1 to 10000).
     pub width_m: f32,
 }
 
@@ -103,7 +103,7 @@ fn is_finite(p: Planar) -> bool {
     p.x.is_finite() && p.z.is_finite() && p.heading.is_finite()
 }
 
-/// (x, z) on the ground as a point of the world.
+/// World point of (x, z) on the ground.
 fn on_ground(p: Vec2) -> Vec3 {
     Vec3::new(p.x, 0.0, p.y)
 }
@@ -116,7 +116,7 @@ fn colour_of(arrival: Arrival) -> Colour {
     }
 }
 
-/// The camera that shows everything: tilted so that the crowd fills the panel as well as a tilt can.
+/// Camera that shows everything, tilted so that the crowd fills the panel as well as possible.
 fn fit(characters: &[&CrowdCharacter<'_>], size: Vec2, unit: f32) -> Camera {
     let (mut min, mut max) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
     for c in characters {
@@ -140,14 +140,14 @@ fn fit(characters: &[&CrowdCharacter<'_>], size: Vec2, unit: f32) -> Camera {
     camera.framed(on_ground(0.5 * (min + max)), centre, px_per_m)
 }
 
-/// The camera that shows a part of the ground.
+/// Camera that shows a part of the ground.
 fn look_at(focus: Focus, size: Vec2) -> Camera {
     let px_per_m = size.x / focus.width_m.clamp(1.0, 10_000.0);
     let centre = 0.5 * size + Vec2::new(0.0, 0.6 * px_per_m);
     Camera::looking(PI, 0.62).framed(on_ground(focus.centre), centre, px_per_m)
 }
 
-/// Grid, walls, trails, targets and the lines to them.
+/// Draws grid, walls, trails, targets and the lines to them.
 fn draw_ground(
     panel: &mut Picture,
     camera: &Camera,
@@ -176,7 +176,7 @@ fn draw_ground(
     }
 }
 
-/// The ground that a wall takes, two pixels wide at least.
+/// Draws the ground that a wall covers, at least two pixels wide.
 fn draw_wall(panel: &mut Picture, camera: &Camera, unit: f32, wall: &Rod) {
     const ARC: u8 = 16;
     let radius_m = wall.radius_m.max(unit / camera.px_per_m);
@@ -188,7 +188,7 @@ fn draw_wall(panel: &mut Picture, camera: &Camera, unit: f32, wall: &Rod) {
     panel.fill_polygon(&outline.map(|p| camera.project(on_ground(p))).collect::<Vec<_>>(), SOLID);
 }
 
-/// A trail that fades with age, in four steps.
+/// Draws a trail that fades with age, in four steps.
 fn draw_trail(panel: &mut Picture, camera: &Camera, unit: f32, trail: &[Vec2], tint: Colour) {
     let mut points: Vec<Vec2> = Vec::with_capacity(trail.len());
     for p in trail.iter().filter(|p| p.is_finite()) {
@@ -204,7 +204,7 @@ fn draw_trail(panel: &mut Picture, camera: &Camera, unit: f32, trail: &[Vec2], t
     }
 }
 
-/// Marks, shadows and bodies, far ones first.
+/// Draws marks, shadows and bodies, far ones first.
 fn draw_characters(panel: &mut Picture, camera: &Camera, unit: f32, characters: &[&CrowdCharacter<'_>]) {
     let mut order: Vec<&CrowdCharacter<'_>> = characters.to_vec();
     order.sort_by(|a, b| camera.depth(b.root.translation()).total_cmp(&camera.depth(a.root.translation())));
@@ -233,14 +233,14 @@ fn draw_characters(panel: &mut Picture, camera: &Camera, unit: f32, characters: 
     }
 }
 
-/// An arrowhead on the ground.
+/// Draws a heading as an arrowhead on the ground.
 fn draw_heading(panel: &mut Picture, camera: &Camera, root: Planar, tint: Colour, opacity: f32) {
     let at = |x: f32, z: f32| camera.project(on_ground(root.transform_point(Vec2::new(x, z))));
     let arrow = [at(0.0, 0.62), at(0.2, 0.3), at(0.0, 0.38), at(-0.2, 0.3)];
     panel.fill_polygon(&arrow, tint.alpha(opacity));
 }
 
-/// A ring around one character and its name above.
+/// Draws a ring around one character, and its name above.
 fn draw_mark(panel: &mut Picture, camera: &Camera, unit: f32, character: &CrowdCharacter<'_>, name: &str) {
     if !is_finite(character.root) {
         return;

@@ -14,13 +14,13 @@ use throng_runtime::crowd::Obstacle;
 
 /// Width of the picture of bodies (m).
 const BODIES_M: f32 = 24.0;
-/// Of things that lie or are carried.
+/// Colour of things that lie or are carried.
 const THING: Colour = Colour::hex(0xd62728);
 
 /// Draws the bodies of a crowd at the end of its run.
 ///
 /// - `poses`: world positions of all joints of each agent, `None` where one has left (m).
-/// - `heights`: of what stands, in the order of the record (m).
+/// - `heights`: heights of the obstacles, in the order of the record (m).
 pub(super) fn bodies_sheet(
     record: &AgentsRecord,
     poses: &[Option<Pose>],
@@ -49,7 +49,7 @@ pub(super) fn bodies_sheet(
     })
 }
 
-/// The middle of those around the one who has the most others near; of a few at least, where there are many.
+/// Mean position of the densest neighbourhood; in large crowds, only some agents are candidates for its centre.
 fn most_crowded(places: &[Vec3]) -> Option<Vec3> {
     const NEAR_M: f32 = 0.4 * BODIES_M;
     const LOOKED_AT: usize = 200;
@@ -62,7 +62,7 @@ fn most_crowded(places: &[Vec3]) -> Option<Vec3> {
 /// A thing that lies or is carried.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SeenThing {
-    /// Its middle, how it is turned, and its lengths (m).
+    /// Centre (m), rotation, and edge lengths (m).
     pub at: Vec3,
     pub turn: Quat,
     pub size: Vec3,
@@ -74,7 +74,7 @@ impl SeenThing {
     }
 }
 
-/// What stands on the ground, so high (m).
+/// Solid of a static obstacle on the ground, with a height (m).
 fn standing(obstacle: &Obstacle, height: f32) -> Option<Solid> {
     let up = 0.5 * height * Vec3::Y;
     Some(match obstacle {
@@ -89,12 +89,12 @@ fn standing(obstacle: &Obstacle, height: f32) -> Option<Solid> {
         }
         Obstacle::Polygon { corners } => prism(corners, height)?,
         Obstacle::Ball { centre, radius } => prism(&circle(*centre, *radius), height)?,
-        // What moves is not there to stay.
+        // Moving obstacles are left out.
         _ => return None,
     })
 }
 
-/// What stands over a polygon that bulges nowhere inwards.
+/// Prism over a convex polygon.
 fn prism(corners: &[Vec3], height: f32) -> Option<Solid> {
     let (&first, up) = (corners.first()?, height * Vec3::Y);
     let next = corners.iter().skip(1).chain([&first]);
@@ -103,7 +103,7 @@ fn prism(corners: &[Vec3], height: f32) -> Option<Solid> {
     Some(Solid::Mesh(Triangles::new(sides.chain(top).collect())))
 }
 
-/// A circle on the ground.
+/// Points of a circle on the ground.
 fn circle(centre: Vec3, radius: f32) -> Vec<Vec3> {
     let at = |i: u8| Vec2::from_angle(TAU * f32::from(i) / 40.0) * radius;
     (0..40).map(|i| centre + Vec3::new(at(i).x, 0.0, at(i).y)).collect()

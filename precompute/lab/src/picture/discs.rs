@@ -1,4 +1,4 @@
-//! The picture of a crowd of discs or balls: from above at a few times, and from the side in the air.
+//! The picture of a crowd of discs or balls: from above at a few times, in the air also from the side.
 
 use super::camera::Camera;
 use super::canvas::{Area, Picture};
@@ -11,21 +11,21 @@ use throng_runtime::crowd::Obstacle;
 
 /// Colours of groups, in their order.
 const GROUPS: [u32; 6] = [0xe8743b, 0x2f63a8, 0x1f9e89, 0x7a2bbf, 0xc0b027, 0xb0446a];
-/// Who knows of a happening.
+/// Colour of agents that know of a happening, and of doors.
 const KNOWS: Colour = Colour::hex(0xd62728);
-/// What stands in the way.
+/// Colour of obstacles.
 pub(super) const SOLID: Colour = Colour::hex(0x8a8578);
 /// Width of the page (px).
 pub(super) const WIDTH: f32 = 1600.0;
-/// Around panels (px).
+/// Margin around panels (px).
 const EDGE: f32 = 16.0;
-/// Below the title (px).
+/// Height of the title (px).
 const TOP: f32 = 84.0;
-/// Highest panel (px).
+/// Greatest height of a panel (px).
 const HIGHEST: f32 = 900.0;
-/// Points of a trail behind an agent: 2.4 s.
+/// Number of points of the trail behind an agent: 2.4 s.
 const TRAIL: usize = 7;
-/// Ways are drawn of so many agents at most.
+/// Greatest number of agents whose paths are drawn.
 const WAYS: usize = 60;
 
 /// Draws a crowd at a few times.
@@ -33,7 +33,7 @@ pub(super) fn crowd_sheet(scene: &str, figures: &Figures, record: &AgentsRecord)
     let (low, high) = extent(record);
     let views: &[View] = if record.in_the_air { &[View::Above, View::Side] } else { &[View::Above] };
     let sizes: Vec<Vec2> = views.iter().map(|v| v.flat(high - low)).collect();
-    // Wide crowds below each other, others side by side.
+    // Views of wide crowds are placed below each other, others side by side.
     let columns = if sizes[0].x > 2.5 * sizes[0].y { 1 } else { 2 };
     let width = (WIDTH - EDGE * (columns as f32 + 1.0)) / columns as f32;
     let tallest = sizes.iter().map(|s| s.y / s.x).fold(0.0, f32::max);
@@ -62,7 +62,7 @@ pub(super) fn crowd_sheet(scene: &str, figures: &Figures, record: &AgentsRecord)
     page
 }
 
-/// From where a crowd is seen.
+/// Direction from which a crowd is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum View {
     Above,
@@ -70,12 +70,12 @@ enum View {
 }
 
 impl View {
-    /// +X to the right, +Z downwards, or height upwards.
+    /// Camera of the view: +X to the right; from above +Z downwards, from the side height upwards.
     fn camera(self) -> Camera {
         Camera::looking(PI, if self == Self::Above { FRAC_PI_2 } else { 0.0 })
     }
 
-    /// Width and height of a box as it is seen.
+    /// Width and height of a box in this view.
     fn flat(self, size: Vec3) -> Vec2 {
         Vec2::new(size.x, if self == Self::Above { size.z } else { size.y })
     }
@@ -111,7 +111,7 @@ pub(super) fn group_colour(group: usize) -> Colour {
     Colour::hex(GROUPS[group % GROUPS.len()])
 }
 
-/// Lowest and highest position of all agents, with room around.
+/// Least and greatest coordinates of all agents, with a margin.
 fn extent(record: &AgentsRecord) -> (Vec3, Vec3) {
     let seen = record.moments.iter().flat_map(|m| m.agents.iter().flatten().map(|s| s.at));
     let slots = record.places.iter().flat_map(|p| p.slots.iter().copied().chain([p.at]));
@@ -154,14 +154,14 @@ fn draw_agent(panel: &mut Picture, camera: &Camera, s: &SeenAgent, radius: f32, 
         panel.stroke_oval(at, Vec2::splat(px), (0.3 * px).clamp(1.2, 4.0), KNOWS);
     }
     let ahead = camera.project(s.at + s.velocity) - at;
-    // A tick along the heading, longer for faster agents.
+    // A tick along the velocity, longer for faster agents.
     if px > 2.0 && ahead.length() > 0.1 * camera.px_per_m {
         let tip = at + ahead.normalize_or_zero() * px * 1.5;
         panel.stroke_line(&[at, tip], (0.28 * px).clamp(1.0, 3.0), colour::INK);
     }
 }
 
-/// Where some were in the last seconds.
+/// Draws the positions of some agents in the last seconds.
 fn draw_trails(panel: &mut Picture, camera: &Camera, record: &AgentsRecord, moment: &CrowdMoment) {
     let upto = (moment.time_s / TRAIL_S) as usize + 1;
     for (m, trail) in &record.trails {
@@ -173,7 +173,7 @@ fn draw_trails(panel: &mut Picture, camera: &Camera, record: &AgentsRecord, mome
     }
 }
 
-/// Ways that lead around something.
+/// Draws paths that lead around obstacles.
 fn draw_ways(panel: &mut Picture, camera: &Camera, record: &AgentsRecord) {
     let bent: Vec<&Vec<Vec3>> = record.ways.iter().filter(|w| w.len() > 2).collect();
     for way in bent.iter().step_by(bent.len().div_ceil(WAYS).max(1)) {
@@ -182,7 +182,7 @@ fn draw_ways(panel: &mut Picture, camera: &Camera, record: &AgentsRecord) {
     }
 }
 
-/// A door: a thick line where it is closed, its two ends where it is open.
+/// Draws a door: a thick line if it is closed, its two ends if it is open.
 fn draw_door(panel: &mut Picture, camera: &Camera, door: &Obstacle, is_open: bool) {
     let Obstacle::Wall { from, to, .. } = door else { return };
     let (a, b) = (camera.project(*from), camera.project(*to));
@@ -193,7 +193,7 @@ fn draw_door(panel: &mut Picture, camera: &Camera, door: &Obstacle, is_open: boo
     }
 }
 
-/// A place: its edge, its name, and where people stand there.
+/// Draws a place: its edge, its name, and its standing places.
 fn draw_place(panel: &mut Picture, camera: &Camera, place: &SeenPlace, tags: &mut Tags) {
     let at = camera.project(place.at);
     panel.stroke_oval(at, Vec2::splat(place.radius * camera.px_per_m), 1.2, colour::REACHED.alpha(0.5));
@@ -224,7 +224,7 @@ fn draw_obstacle(panel: &mut Picture, camera: &Camera, obstacle: &Obstacle, (tim
             let (a, b) = (camera.project(*min), camera.project(*max));
             let (min, max) = (a.min(b), a.max(b));
             if in_the_air {
-                // In outline: boxes around a flock would hide it.
+                // Only the outline: boxes around a flock would hide it.
                 let outline = [min, Vec2::new(max.x, min.y), max, Vec2::new(min.x, max.y), min];
                 panel.stroke_line(&outline, 1.5, SOLID);
             } else {

@@ -18,18 +18,18 @@ use throng_runtime::simulation::{Event, Happened, Motion};
 use throng_runtime::sparring::Part;
 use throng_runtime::{Joint, Planar};
 
-/// Moments side by side.
+/// Number of moments side by side.
 const COLUMNS: usize = 8;
-/// Between moments (s).
+/// Time between moments (s).
 const MOMENT_S: f32 = 0.1;
-/// Rows of moments, each about another blow.
+/// Number of rows of moments, each around another blow.
 const ROWS: usize = 3;
 /// Width that a moment shows (m).
 const WIDTH_M: f32 = 2.1;
 
-/// Draws a group with policies: all characters from above and, of those who strike, rows of moments around blows that landed.
+/// Draws a group with policies: all characters from above, and rows of moments around blows that landed.
 ///
-/// - `poses`: of the whole group at the end.
+/// - `poses`: poses of the whole group at the end.
 pub(super) fn fight_sheet(
     title: &str,
     figures: &Figures,
@@ -84,9 +84,9 @@ fn overview(group: &GroupConfig, record: &FightRecord, poses: &[Pose], title: &s
     })
 }
 
-/// Rows of moments, each around a blow that landed.
+/// Draws rows of moments, each around a blow that landed.
 ///
-/// - `radius_m`: of the target, where there is one (m).
+/// - `radius_m`: radius of the target, if there is one (m).
 fn moments(record: &FightRecord, radius_m: f32) -> Picture {
     let blows: Vec<Blow> = record.events.iter().filter_map(Blow::of).collect();
     let rows = chosen(&blows);
@@ -118,14 +118,14 @@ fn moments(record: &FightRecord, radius_m: f32) -> Picture {
     page
 }
 
-/// A blow that met something.
+/// A blow that landed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Blow {
     time_s: f32,
-    /// Who struck, counted from the first of the group.
+    /// Number of the striking character within the group.
     character: usize,
     point: Vec3,
-    /// What of the opponent; none for a target.
+    /// Part of the opponent that was hit; none for a target.
     part: Option<Part>,
 }
 
@@ -140,7 +140,7 @@ impl Blow {
     }
 }
 
-/// Blows to show: spread over the run, at least two seconds apart.
+/// Selects the blows to show: spread over the run, at least two seconds apart.
 fn chosen(events: &[Blow]) -> Vec<Blow> {
     let mut apart: Vec<Blow> = Vec::new();
     for e in events {
@@ -158,7 +158,7 @@ fn nearest(frames: &[FightFrame], time_s: f32) -> Option<&FightFrame> {
     [i.checked_sub(1).and_then(near), near(i)].into_iter().flatten().min_by(|a, b| a.1.total_cmp(&b.1)).map(|n| n.0)
 }
 
-/// One moment, seen from beside the line of the blow.
+/// Draws one moment, seen from beside the line of the blow.
 fn moment(
     frame: &FightFrame,
     event: &Blow,
@@ -197,9 +197,9 @@ fn moment(
     panel
 }
 
-/// The second of a pair.
+/// Colour of the second of a pair.
 const SECOND: Colour = Colour::hex(0x4f9a6b);
-/// Where a blow met.
+/// Colour of the point that a blow hit.
 const BLOW: Colour = Colour::hex(0xd62728);
 
 #[cfg(test)]

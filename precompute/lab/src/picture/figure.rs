@@ -5,7 +5,7 @@ use super::solid::Solid;
 use glam::{Quat, Vec3};
 use throng_runtime::{Joint, NUM_JOINTS, Skeleton};
 
-/// Where the joints of one character are at one instant.
+/// Joint positions of one character at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure {
     /// World positions of the joints (m).
@@ -15,7 +15,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// From the world position and rotation of every joint; the tips are those of `skeleton`.
+    /// Figure from the world position and rotation of every joint; the tips are those of `skeleton`.
     pub fn from_transforms(skeleton: &Skeleton, transforms: &[(Vec3, Quat); NUM_JOINTS]) -> Self {
         let mut tips = [Vec3::ZERO; 3];
         for (i, joint) in [Joint::Head, Joint::LeftToe, Joint::RightToe].into_iter().enumerate() {
@@ -25,7 +25,7 @@ impl Figure {
         Self { joints: transforms.map(|t| t.0), tips }
     }
 
-    /// From positions alone: the head goes on along the neck, the toes along the feet, level.
+    /// Figure from joint positions alone: the head continues the neck, the toes the feet, level.
     pub fn from_positions(joints: &[Vec3; NUM_JOINTS]) -> Self {
         let at = |j: Joint| joints[j.index()];
         let toe = |foot: Joint, toe: Joint| {
@@ -42,7 +42,7 @@ impl Figure {
         self.joints[joint.index()]
     }
 
-    /// The same figure moved.
+    /// Copy of this figure moved by a vector (m).
     pub fn translated(&self, by: Vec3) -> Self {
         Self { joints: self.joints.map(|p| p + by), tips: self.tips.map(|p| p + by) }
     }
@@ -68,20 +68,20 @@ pub struct BodyColours {
 }
 
 impl Default for BodyColours {
-    /// Left and right in different hues, so that a gait can be read.
+    /// Left and right limbs have different hues, so that a gait can be read.
     fn default() -> Self {
         Self { trunk: colour::BODY, skin: colour::SKIN, left: colour::LEFT, right: colour::RIGHT }
     }
 }
 
 impl BodyColours {
-    /// The same, `amount` of the way to `paper` (0 to 1).
+    /// These colours mixed with `paper` by `amount` (0 to 1).
     pub fn faded(self, paper: Colour, amount: f32) -> Self {
         let fade = |c: Colour| c.mix(paper, amount);
         Self { trunk: fade(self.trunk), skin: fade(self.skin), left: fade(self.left), right: fade(self.right) }
     }
 
-    /// A body in shades of one colour: the sides differ a little in lightness.
+    /// Shades of one colour: the sides differ a little in lightness.
     pub fn plain(base: Colour) -> Self {
         Self {
             trunk: base,
@@ -107,7 +107,7 @@ pub(super) fn body(figure: &Figure, colours: &BodyColours) -> Vec<(Solid, Colour
     out
 }
 
-/// Directions of the trunk. All unit.
+/// Unit directions of the trunk.
 struct Frame {
     chest_left: Vec3,
     chest_front: Vec3,
@@ -127,7 +127,7 @@ impl Frame {
     }
 }
 
-/// Pelvis, belly, rib cage and shoulders: all wider than deep.
+/// Adds pelvis, belly, rib cage and shoulders, all wider than deep.
 fn trunk(f: &Figure, frame: &Frame, colour: Colour, out: &mut Vec<(Solid, Colour)>) {
     let at = |j| f.joint(j);
     let mut add = |solid: Solid| out.push((solid, colour));
@@ -146,7 +146,7 @@ fn trunk(f: &Figure, frame: &Frame, colour: Colour, out: &mut Vec<(Solid, Colour
     }
 }
 
-/// Neck, skull, and a visor that shows where the face is.
+/// Adds neck, skull, and a visor that shows where the face is.
 fn head(f: &Figure, frame: &Frame, colours: &BodyColours, out: &mut Vec<(Solid, Colour)>) {
     let (neck, head, top) = (f.joint(Joint::Neck), f.joint(Joint::Head), f.tips[0]);
     let up = (top - head).normalize_or(Vec3::Y);
@@ -170,7 +170,7 @@ fn arm(f: &Figure, [upper, fore, hand]: [Joint; 3], colour: Colour, skin: Colour
     out.push((Solid::limb(wrist + 0.025 * along, wrist + 0.105 * along, 0.035, 0.026), skin));
 }
 
-/// Thigh, shin with its calf, and a foot that is a wedge: high at the ankle, flat at the tip.
+/// Adds thigh, shin with calf, and a wedge-shaped foot: high at the ankle, flat at the tip.
 fn leg(f: &Figure, [thigh, shin, foot, toe]: [Joint; 4], tip: Vec3, colour: Colour, out: &mut Vec<(Solid, Colour)>) {
     let (hip, knee, ankle, ball) = (f.joint(thigh), f.joint(shin), f.joint(foot), f.joint(toe));
     out.push((Solid::limb(hip, knee, 0.088, 0.057), colour));

@@ -1,4 +1,4 @@
-//! What several pictures have in common: headers, legends, grids and scale bars.
+//! Common parts of pictures: headers, legends, grids and scale bars.
 
 use super::camera::Camera;
 use super::canvas::{Area, Picture};
@@ -6,7 +6,7 @@ use super::colour::{self, Colour};
 use super::text::{Align, TextStyle, draw_text, text_width};
 use glam::{Vec2, Vec3};
 
-/// Most lines a grid has in one direction.
+/// Greatest number of grid lines in one direction.
 const MAX_LINES: i32 = 400;
 
 /// The largest of 1, 2, 5, 10, 20, ... (and their tenths) that is not above `wanted`; at least 0.1.
@@ -21,7 +21,7 @@ pub(super) fn metres(length: f32) -> String {
     if length >= 1.0 { format!("{length:.0} m") } else { format!("{length:.1} m") }
 }
 
-/// Title and subtitle at the upper left.
+/// Draws title and subtitle at the upper left.
 pub(super) fn header(page: &mut Picture, unit: f32, title: &str, subtitle: &str) {
     let style = TextStyle { size: 34.0 * unit, colour: colour::INK, align: Align::Left, bold: true };
     draw_text(page, Vec2::new(18.0, 42.0) * unit, title, style);
@@ -29,7 +29,7 @@ pub(super) fn header(page: &mut Picture, unit: f32, title: &str, subtitle: &str)
     draw_text(page, Vec2::new(18.0, 69.0) * unit, subtitle, style);
 }
 
-/// A page with a title and an empty panel below it, to be drawn at the place that is returned.
+/// A page with a title, an empty panel for below it, and the position of the panel on the page (px).
 pub(super) fn page_with_panel(size: (u32, u32), title: &str, subtitle: &str) -> (Picture, Picture, (i32, i32)) {
     let mut page = Picture::new(size.0, size.1, colour::PAPER);
     let unit = page.width() as f32 / 1600.0;
@@ -39,7 +39,7 @@ pub(super) fn page_with_panel(size: (u32, u32), title: &str, subtitle: &str) -> 
     (page, Picture::new(size.0, size.1, colour::GROUND), (edge as i32, top as i32))
 }
 
-/// Coloured entries at the upper right of `area`, a remark below them.
+/// Draws coloured entries at the upper right of `area`, and a remark below them.
 pub(super) fn legend(page: &mut Picture, area: Area, unit: f32, entries: &[(Colour, String)], remark: &str) {
     let style = TextStyle { size: 21.0 * unit, colour: colour::INK, align: Align::Right, bold: true };
     let mut x = area.max().x;
@@ -54,7 +54,7 @@ pub(super) fn legend(page: &mut Picture, area: Area, unit: f32, entries: &[(Colo
     draw_text(page, Vec2::new(area.max().x, area.min.y + 69.0 * unit), remark, style);
 }
 
-/// Lines on the ground, `step` metres apart, over the whole panel; every fifth is stronger.
+/// Draws lines on the ground, `step` metres apart, over the whole panel; every fifth is stronger.
 pub(super) fn grid(panel: &mut Picture, camera: &Camera, step: f32, unit: f32) {
     let size = Vec2::new(panel.width() as f32, panel.height() as f32);
     let corners = [Vec2::ZERO, size.with_y(0.0), size, size.with_x(0.0)].map(|c| camera.ground(c));
@@ -84,7 +84,7 @@ pub(super) fn grid(panel: &mut Picture, camera: &Camera, step: f32, unit: f32) {
     }
 }
 
-/// A length in metres at the lower left.
+/// Draws a length in metres at the lower left.
 pub(super) fn scale_bar(panel: &mut Picture, camera: &Camera, unit: f32) {
     let length = nice_step(0.14 * panel.width() as f32 / camera.px_per_m);
     let text = metres(length);
@@ -103,7 +103,7 @@ pub(super) fn scale_bar(panel: &mut Picture, camera: &Camera, unit: f32) {
     draw_text(panel, Vec2::new(left + bar + 10.0 * unit, mid + 6.0 * unit), &text, style);
 }
 
-/// Names on coloured plates. Where two would lie on each other, the later one is moved up.
+/// Names on coloured plates; a plate that would cover an earlier one is moved up.
 #[derive(Default)]
 pub(super) struct Tags(Vec<Area>);
 

@@ -13,7 +13,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use throng_motion::annotate::hits::{HitPoint, HitReport};
 use throng_runtime::Joint;
 
-/// What [`hit_views`] draws.
+/// Input of [`hit_views`].
 #[derive(Clone, Copy, Debug)]
 pub struct HitView<'a> {
     /// First line.
@@ -28,8 +28,8 @@ pub struct HitView<'a> {
 
 /// Draws hitting points as seen from the planar root: from the front, from above, and from the character's right.
 ///
-/// A point's colour tells the side of its joint, its size the force, its tail where the blow comes from. Kicks are
-/// rings; kinds that tags name are of one colour of their own.
+/// A point's colour shows the side of its joint, its size the force, its tail the direction of the blow. Kicks are rings;
+/// kinds named by tags have a colour of their own.
 pub fn hit_views(view: &HitView<'_>) -> Picture {
     let unit = view.width.clamp(200, 8000) as f32 / 1600.0;
     let layout = Layout::new(view, unit);
@@ -43,7 +43,7 @@ pub fn hit_views(view: &HitView<'_>) -> Picture {
     page
 }
 
-/// Colour of a hit: by side, and for what only tags name one of its own.
+/// Colour of a hit: by side, and another one for kinds that only tags name.
 fn tint(hit: &HitPoint) -> Colour {
     match hit.joint {
         _ if !["punch", "kick"].contains(&hit.kind.as_str()) => colour::MARK,
@@ -74,7 +74,7 @@ fn entries(points: &[HitPoint]) -> Vec<(Colour, String)> {
     out.into_iter().map(|(tint, name, n)| (tint, format!("{name} {n}"))).collect()
 }
 
-/// Where the panels are (px).
+/// Layout of the panels (px).
 struct Layout {
     size: Vec2,
     panels: [Panel; 3],
@@ -106,7 +106,7 @@ impl Layout {
     }
 }
 
-/// Corners of the space that is shown: all points and a body, the same far to the left and to the right (m).
+/// Corners of the shown space: all points and the body, extended equally to the left and right (m).
 fn bounds(view: &HitView<'_>) -> (Vec3, Vec3) {
     let (mut min, mut max) = (Vec3::new(-0.7, 0.0, -0.5), Vec3::new(0.7, 1.85, 0.9));
     let body = view.body.filter(|b| b.is_drawable()).into_iter().flat_map(|b| b.joints);

@@ -1,4 +1,4 @@
-//! The picture of a world: all characters at its end, and moments of partners, or of a lively one.
+//! The picture of a world: all characters at the end, and moments of partners, or of a lively character.
 
 use super::canvas::{Area, Picture};
 use super::discs::group_colour;
@@ -14,23 +14,23 @@ use throng_bake::environment::PlacedGeometry;
 use throng_runtime::Joint;
 use throng_runtime::simulation::scene::PictureConfig;
 
-/// Moments side by side, and rows of them.
+/// Number of moments side by side, and of rows.
 const COLUMNS: usize = 10;
 const ROWS: usize = 2;
-/// Looks between moments.
+/// Number of samples between moments.
 const STRIDE: usize = 5;
 /// Width that a moment shows (m).
 const WIDTH_M: f32 = 2.6;
-/// Pairs of partners, each in a row.
+/// Greatest number of pairs, each in a row.
 const PAIRS: usize = 5;
-/// Looks before a pair acts together that are shown too.
+/// Number of samples shown before a pair begins to act.
 const BEFORE: usize = 10;
-/// From where worlds are seen: heading and elevation (rad).
+/// View direction of worlds: heading and elevation (rad).
 const FROM: (f32, f32) = (0.8 * PI, 0.6);
 
-/// Draws a world: all characters in it at the end, and moments of partners who acted together, or of a followed one.
+/// Draws a world: all its characters at the end, and moments of partners that acted together, or of a followed character.
 ///
-/// - `groups`: names and characters of the groups in the world, at the end; where there are several, each has a colour.
+/// - `groups`: names and poses of the groups in the world, at the end; each of several groups has its own colour.
 pub(super) fn inhabited_sheet(
     title: &str,
     figures: &Figures,
@@ -83,7 +83,7 @@ pub(super) fn inhabited_sheet(
     sheet(&strips.iter().collect::<Vec<_>>())
 }
 
-/// Moments of one character.
+/// Draws moments of one character.
 fn lively_strip(record: &WorldRecord, who: usize, from: usize, units: &[WorldUnit<'_>]) -> Picture {
     let looks = record.looks[from..].iter().step_by(STRIDE).take(COLUMNS * ROWS);
     let one = |look: &SeenPeople| WorldMoment::of(look.time_s, Figure::from_positions(&look.poses[who]));
@@ -98,18 +98,18 @@ fn lively_strip(record: &WorldRecord, who: usize, from: usize, units: &[WorldUni
     })
 }
 
-/// Two who act together.
+/// Two characters that act together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Pair {
-    /// Number among those followed.
+    /// Number of the first among the followed characters.
     who: usize,
-    /// Number in the simulation.
+    /// Number of the partner in the simulation.
     with: usize,
-    /// The look at which they began.
+    /// Sample at which they began.
     from: usize,
 }
 
-/// Pairs that acted together, in order of time, each once.
+/// All pairs that acted together, in order of time, each once.
 fn pairs(record: &WorldRecord) -> Vec<Pair> {
     let mut out: Vec<Pair> = Vec::new();
     for (from, look) in record.looks.iter().enumerate() {
@@ -125,7 +125,7 @@ fn pairs(record: &WorldRecord) -> Vec<Pair> {
     out
 }
 
-/// Moments of two, from a little before they act together, seen from beside both.
+/// Draws moments of two characters, from a little before they act together, seen from beside both.
 fn pair_strip(record: &WorldRecord, pair: &Pair, units: &[WorldUnit<'_>]) -> Picture {
     let other = |look: &SeenPeople| {
         let of_pair = look.partners[pair.who].as_ref().filter(|p| p.0 == pair.with).map(|p| p.1);
@@ -155,7 +155,7 @@ fn pair_strip(record: &WorldRecord, pair: &Pair, units: &[WorldUnit<'_>]) -> Pic
     })
 }
 
-/// Which recorded character to show, and from which look on: where the hips move up and down most.
+/// Recorded character and first sample with the greatest vertical movement of the hips.
 fn liveliest(record: &WorldRecord) -> Option<(usize, usize)> {
     let span = STRIDE * COLUMNS * ROWS;
     let starts: Vec<usize> = (0..record.looks.len().saturating_sub(span).max(1)).step_by(STRIDE).collect();
@@ -175,7 +175,7 @@ mod tests {
     use super::*;
     use throng_runtime::Skeleton;
 
-    /// Two who stand 1 m apart, act together from the third look on; a third one is not followed and joins the second one later.
+    /// Two characters 1 m apart act together from the third sample on; a third is not followed and joins the second later.
     fn record() -> WorldRecord {
         let at = |x: f32| Skeleton::default().rest_positions().map(|p| p + Vec3::X * x);
         let look = |i: usize| SeenPeople {

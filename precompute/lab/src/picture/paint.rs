@@ -1,4 +1,4 @@
-//! Pieces shaded and anti-aliased, several rays a pixel, nearest first, with the shadows they throw.
+//! Paints pieces shaded and anti-aliased, with several rays a pixel, and the shadows that they cast.
 
 use super::camera::Camera;
 use super::canvas::{Picture, source_over};
@@ -10,25 +10,25 @@ use std::ops::Range;
 use throng_bake::environment::Bounds;
 use tiny_skia::PremultipliedColorU8;
 
-/// Rays along each side of a pixel.
+/// Number of rays along each side of a pixel.
 const RAYS: usize = 3;
-/// A step in depth from which a contour is drawn (m).
+/// Least step in depth at which a contour is drawn (m).
 const CONTOUR_STEP: f32 = 0.07;
-/// Longest side of the map of shadows (px).
+/// Longest side of the shadow map (px).
 const SHADOW_PX: f32 = 3000.0;
-/// Finest map of shadows (px/m).
+/// Finest resolution of the shadow map (px/m).
 const SHADOW_FINEST: f32 = 160.0;
 
-/// Direction towards the light that shades figures and throws their shadows: from above, the left and the viewer.
+/// Direction towards the light: from above, the left and the viewer.
 pub(super) fn light(camera: &Camera) -> Vec3 {
     (Vec3::Y * 1.0 - camera.right * 0.34 - camera.forward.with_y(0.0).normalize_or_zero() * 0.42).normalize()
 }
 
-/// Lays the pieces and their shadows over a panel.
+/// Paints pieces and their shadows over a panel.
 pub(super) fn draw_pieces(panel: &mut Picture, camera: &Camera, pieces: &[Piece]) {
     let extent = Vec2::new(panel.width() as f32, panel.height() as f32);
     let reach = Vec2::splat(2.0 * camera.px_per_m);
-    // What is far outside of the picture throws no shadow into it worth its time.
+    // Shadows of pieces far outside of the picture are not worth their time.
     let near = |p: &&Piece| {
         let (low, high) = p.screen_box(camera);
         high.cmpge(-reach).all() && low.cmple(extent + reach).all()
@@ -43,20 +43,20 @@ pub(super) fn draw_pieces(panel: &mut Picture, camera: &Camera, pieces: &[Piece]
     }
 }
 
-/// What is seen of pieces, pixel by pixel; transparent where there is neither a piece nor a shadow.
+/// Paints pieces into pixels, transparent where there is neither a piece nor a shadow.
 pub(super) fn paint(
     pieces: &[Piece],
     camera: &Camera,
     size: (usize, usize),
     shadows: Option<ShadowMap>,
 ) -> Vec<PremultipliedColorU8> {
-    // Contours fade out where figures are so small that little else would be left.
+    // Contours of very small figures fade, as little else would be visible.
     let contour = 1.0 - 0.5 * (camera.px_per_m / 110.0).min(1.0);
     let painter = Painter { pieces, camera: *camera, light: light(camera), shadows, contour };
     look(pieces, camera, size, RAYS, 1, |band, pixels| painter.paint(band, pixels, size.0)).concat()
 }
 
-/// How bands become pixels.
+/// Converts bands of samples to pixels.
 struct Painter<'a> {
     pieces: &'a [Piece],
     camera: Camera,
@@ -106,23 +106,23 @@ impl Painter<'_> {
         self.shadows.as_ref().map_or(0.0, |s| s.at(p))
     }
 
-    /// True where the surface stands clearly before what is beside it.
+    /// True where the surface is clearly nearer than a neighbouring sample.
     fn is_contour(&self, band: &Band, x: isize, row: isize, depth: f32) -> bool {
         let beside = |(dx, dy): (isize, isize)| band.at(x + dx, row + dy).is_some_and(|s| s.0 > depth + CONTOUR_STEP);
         [(-1, 0), (1, 0), (0, -1), (0, 1)].into_iter().any(beside)
     }
 }
 
-/// How far light reaches.
+/// Depths up to which light reaches, as seen from the light.
 pub(super) struct ShadowMap {
     camera: Camera,
     width: usize,
-    /// Depth of what is lit (m, width * height).
+    /// Depth of the lit surface (m, width * height).
     depth: Vec<f32>,
 }
 
 impl ShadowMap {
-    /// Depths as seen from where the light comes; `None` without pieces.
+    /// The shadow map of pieces; `None` without pieces.
     fn new(pieces: &[Piece], light: Vec3) -> Option<Self> {
         let all = pieces.iter().fold(Bounds::EMPTY, |b, p| b.union(p.bounds()));
         if all.is_empty() {
@@ -140,10 +140,10 @@ impl ShadowMap {
         Some(Self { camera, width: size.0, depth: rows.concat() })
     }
 
-    /// How much of a point is in the shadow: 0 to 1.
+    /// Share of shadow at a point (0 to 1).
     fn at(&self, p: Vec3) -> f32 {
         let (screen, depth) = (self.camera.project(p), self.camera.depth(p));
-        // Flat ground is deeper from one sample to the next; so much is no shadow.
+        // The depth of flat ground differs from one sample to the next; the bias keeps it from shadowing itself.
         let bias = 0.015 + 1.5 / self.camera.px_per_m;
         let mut dark = 0.0;
         for dy in -1..=1 {
@@ -159,7 +159,7 @@ impl ShadowMap {
     }
 }
 
-/// Half-Lambert key light, a cool sky, a warm reflection of the ground, and a darker edge.
+/// Shades a colour: half-Lambert key light, a cool sky, a warm reflection of the ground, and a darker edge.
 pub(super) fn shade(base: Colour, normal: Vec3, light: Vec3, forward: Vec3) -> Colour {
     let key = (0.5 + 0.5 * normal.dot(light)).powi(2);
     let sky = 0.5 + 0.5 * normal.y;

@@ -1,4 +1,4 @@
-//! What pictures of worlds are made of: parts of bodies, bars and flat faces.
+//! Pieces of a picture of a world: parts of bodies, bars and flat faces.
 
 use super::camera::Camera;
 use super::colour::Colour;
@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use throng_bake::environment::{self, Bounds, UnitGeometry};
 use throng_runtime::patch::Placement;
 
-/// Rounding at the edges of faces: neighbours leave no gap.
+/// Tolerance at the edges of faces, so that neighbours leave no gap.
 const EDGE: f32 = 1e-5;
 
 /// A piece of a world.
@@ -35,7 +35,7 @@ impl Piece {
         Self { form: Form::Face(corners), colour }
     }
 
-    /// The box around it in the world.
+    /// Bounding box in the world.
     pub fn bounds(&self) -> Bounds {
         match &self.form {
             Form::Round(solid) => {
@@ -46,7 +46,7 @@ impl Piece {
         }
     }
 
-    /// The part of the picture it may be seen in (px).
+    /// Bounding box in the picture (px).
     pub fn screen_box(&self, camera: &Camera) -> (Vec2, Vec2) {
         match &self.form {
             Form::Round(solid) => {
@@ -62,7 +62,7 @@ impl Piece {
         }
     }
 
-    /// Where the line of sight through a point of the picture meets it first: depth, and direction of the surface.
+    /// First hit of the line of sight through a point of the picture: depth, and normal of the surface.
     pub fn seen(&self, camera: &Camera, screen: Vec2) -> Option<Hit> {
         // Rays begin near the piece: far ones would lose the digits that round cones need.
         let through = camera.unproject(screen);
@@ -81,7 +81,7 @@ impl Piece {
     }
 }
 
-/// Where a line meets a triangle, and the side that is turned against its direction.
+/// Distance along a line to a triangle, and the normal that faces against the line's direction.
 ///
 /// # Source
 /// Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection*, 1997.
@@ -103,12 +103,12 @@ fn through_face(&[a, b, c]: &[Vec3; 3], origin: Vec3, direction: Vec3) -> Option
     Some((ac.dot(q) / det, if normal.dot(direction) > 0.0 { -normal } else { normal }))
 }
 
-/// Adds the pieces of a unit where it stands.
+/// Adds the pieces of a placed unit.
 pub(super) fn add_unit(unit: &UnitGeometry, at: Placement, colour: Colour, out: &mut Vec<Piece>) {
     unit.solids.iter().for_each(|solid| add_solid(solid, |p| at.transform_point(p), colour, out));
 }
 
-/// Adds the pieces of a solid; `at` puts its points into the world.
+/// Adds the pieces of a solid; `at` transforms its points to the world.
 pub(super) fn add_solid(solid: &environment::Solid, at: impl Fn(Vec3) -> Vec3, colour: Colour, out: &mut Vec<Piece>) {
     match solid {
         environment::Solid::Box { centre, rotation, half } => {
@@ -124,7 +124,7 @@ pub(super) fn add_solid(solid: &environment::Solid, at: impl Fn(Vec3) -> Vec3, c
     }
 }
 
-/// Two triangles for each side; corners as of [`Bounds::corners`].
+/// Adds two triangles for each side of a box; corners as of [`Bounds::corners`].
 fn add_box(corners: &[Vec3; 8], colour: Colour, out: &mut Vec<Piece>) {
     const SIDES: [[usize; 4]; 6] = [[0, 2, 6, 4], [1, 3, 7, 5], [0, 1, 5, 4], [2, 3, 7, 6], [0, 1, 3, 2], [4, 5, 7, 6]];
     for s in SIDES {

@@ -8,19 +8,19 @@ use glam::Vec2;
 
 /// Colours of lines, in their order.
 const LINES: [u32; 4] = [0x2f63a8, 0xe8743b, 0x1f9e89, 0x7a2bbf];
-/// Number of marks on an axis, about.
+/// Approximate number of marks on an axis.
 const MARKS: f64 = 6.0;
 
-/// What [`plot`] draws.
+/// Input of [`plot`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot<'a> {
     /// First line.
     pub title: &'a str,
     /// Second line.
     pub subtitle: &'a str,
-    /// What the axes show: to the right, and upwards.
+    /// Titles of the axes: to the right, and upwards.
     pub axes: [&'a str; 2],
-    /// Lines: what they are called, and their points from left to right.
+    /// Lines: their names, and their points from left to right.
     pub lines: Vec<(String, Vec<[f64; 2]>)>,
 }
 

@@ -11,7 +11,7 @@ use crate::run::{GroupReport, Pose, Record, SceneReport, WorldRecord, geometry, 
 use throng_motion::error::BuildError;
 use throng_runtime::simulation::{CompiledScene, Group, Simulation};
 
-/// Length of the path that styles are shown on, and how far figures on it stand apart (m).
+/// Length of the path of style figures, and distance between figures on it (m).
 const PATH_M: f32 = 16.0;
 const APART_M: f32 = 0.9;
 
@@ -47,7 +47,7 @@ pub fn scene_sheet(
         let all = first.characters.start..end;
         let stands = geometry(compiled, world.group)?;
         let (g, num) = (&report.groups[number], all.len());
-        // Where several groups are drawn, what is said is of all of them, as it is printed first.
+        // If several groups are drawn, the title has the figures of all of them, as they are printed first.
         let (title, figures) = match groups_of(world) {
             1 => (title(g, num), &g.figures),
             _ => (format!("{}: {num} characters", report.scene), &report.total),

@@ -8,21 +8,21 @@ use super::paint::light;
 use glam::Vec3;
 use tiny_skia::{FillRule, Mask, Path, PathBuilder, Transform};
 
-/// Corners of a disc's outline.
+/// Number of corners of a half disc's outline.
 const CORNERS: usize = 10;
 
-/// Collects the shadows of many figures, so that overlapping ones do not add up, and lays them down at once.
+/// Collects the shadows of many figures, and draws them at once, so that overlapping ones do not add up.
 pub(super) struct Shadows {
     mask: Mask,
 }
 
 impl Shadows {
-    /// No shadow yet on a picture of that size.
+    /// An empty collection for a picture.
     pub fn new(picture: &Picture) -> Option<Self> {
         Mask::new(picture.width(), picture.height()).map(|mask| Self { mask })
     }
 
-    /// Adds a figure over the ground y = 0, as `camera` sees it.
+    /// Adds the shadow of a figure on the ground y = 0, as `camera` sees it.
     pub fn add(&mut self, figure: &Figure, camera: &Camera) {
         if let Some(path) = Some(figure).filter(|f| f.is_drawable()).and_then(|f| outline(f, camera)) {
             self.mask.fill_path(&path, FillRule::Winding, true, Transform::identity());
@@ -93,7 +93,7 @@ fn blur_rows(data: &mut [u8], width: usize, radius: usize) {
     }
 }
 
-/// Rows and columns exchanged.
+/// Transposes rows and columns.
 fn transposed(data: &[u8], width: usize, height: usize) -> Vec<u8> {
     let mut out = vec![0; data.len()];
     for y in 0..height {

@@ -1,4 +1,4 @@
-//! What bodies are made of: round cones (two spheres and the cone between them), squashed along one axis.
+//! Solids of bodies: round cones (two spheres and the cone between them), flattened along one axis.
 
 use glam::{Mat3, Vec3};
 
@@ -11,13 +11,13 @@ pub(super) struct Solid {
     b: Vec3,
     radius_a: f32,
     radius_b: f32,
-    /// World to the space where the solid is a plain round cone; symmetric.
+    /// Transform from the world to the space in which the solid is a plain round cone; symmetric.
     to_round: Mat3,
     /// Largest extent of either end beyond its centre (m).
     reach: f32,
 }
 
-/// Where a ray meets a solid.
+/// A hit of a ray on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Hit {
     /// Distance along the ray (m).
@@ -42,7 +42,7 @@ impl Solid {
         }
     }
 
-    /// The ends, and how far the surface may be from the line between them (m).
+    /// The ends, and the greatest distance of the surface from the line between them (m).
     pub fn bounds(&self) -> (Vec3, Vec3, f32) {
         (self.a, self.b, self.reach)
     }
@@ -57,7 +57,7 @@ impl Solid {
         [(drop(self.a), self.radius_a), (drop(self.b), self.radius_b)]
     }
 
-    /// First meeting with the ray from `origin` along the unit vector `direction`.
+    /// First hit of the ray from `origin` along the unit vector `direction`.
     pub fn hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         let direction = self.to_round * direction;
         let stretch = direction.length();
@@ -66,7 +66,7 @@ impl Solid {
         Some(Hit { distance: t / stretch, normal: (self.to_round * normal).normalize_or_zero() })
     }
 
-    /// The same where the solid is a plain round cone whose first end is the origin.
+    /// First hit of a ray on a plain round cone whose first end is the origin.
     ///
     /// The cone that touches both spheres gives a quadratic in the distance; where its root lies beyond the touching
     /// circles, the spheres decide. After Inigo Quilez, *Rounded cone, intersection* (iquilezles.org, intersectors).

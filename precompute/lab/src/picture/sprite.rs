@@ -8,15 +8,15 @@ use super::piece::Piece;
 use glam::Vec2;
 use tiny_skia::PremultipliedColorU8;
 
-/// Largest sprite side; a figure that is larger on the screen is not drawn (px).
+/// Greatest side of a sprite; a larger figure is not drawn (px).
 const MAX_SIDE: f32 = 4096.0;
 
-/// A drawn figure, ready to be laid on a picture.
+/// A drawn figure, ready to be copied onto a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sprite {
     corner: (i32, i32),
     size: (usize, usize),
-    /// (width * height)
+    /// Pixels (width * height).
     pixels: Vec<PremultipliedColorU8>,
 }
 
@@ -45,7 +45,7 @@ pub(super) fn draw(picture: &mut Picture, figure: &Figure, colours: &BodyColours
 }
 
 impl Sprite {
-    /// Lays the sprite over the picture.
+    /// Draws the sprite over a picture.
     pub fn draw(&self, picture: &mut Picture) {
         let (width, height) = (picture.width() as usize, picture.height() as usize);
         let (x0, y0) = (self.corner.0 as usize, self.corner.1 as usize);

@@ -5,27 +5,27 @@ use super::colour::Colour;
 use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
 use glam::Vec2;
 
-/// Where a line of text lies relative to the point it is given.
+/// Horizontal alignment of a line of text to its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Align {
-    /// Begins at the point.
+    /// The text begins at the point.
     Left,
-    /// Has its middle there.
+    /// The text is centred at the point.
     Centre,
-    /// Ends there.
+    /// The text ends at the point.
     Right,
 }
 
-/// How a line of text looks.
+/// Style of a line of text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TextStyle {
     /// Height from one line to the next (px).
     pub size: f32,
     /// Colour of the letters.
     pub colour: Colour,
-    /// Where the text lies relative to its point.
+    /// Horizontal alignment to the point.
     pub align: Align,
-    /// Draws the strokes thicker.
+    /// True for thicker strokes.
     pub bold: bool,
 }
 
@@ -88,7 +88,7 @@ fn draw_line(picture: &mut Picture, origin: Vec2, text: &str, style: TextStyle) 
     }
 }
 
-/// Thin strokes on a light ground look lighter than they are; the power brings them back.
+/// Blends a colour over a pixel. The power makes up for thin strokes on a light ground looking too light.
 fn blend(picture: &mut Picture, at: (i64, i64), coverage: f32, colour: Colour) {
     let (w, h) = (picture.width() as i64, picture.height() as i64);
     if at.0 < 0 || at.1 < 0 || at.0 >= w || at.1 >= h {

@@ -1,4 +1,4 @@
-//! The picture of a trial: the crowd at its end, some of it from near, and a stretch of one character's way.
+//! The picture of a trial: the crowd at its end, some of it from near, and a stretch of one character's path.
 
 use super::canvas::Picture;
 use super::crowd::{Arrival, CrowdCharacter, CrowdView, Focus, crowd_overview};
@@ -17,7 +17,7 @@ const ONION_S: f32 = 5.0;
 const NEAR_M: f32 = 13.0;
 
 /// Draws a trial: the crowd from above, the middle of it from near, and the recorded character's poses where it
-/// walks most, side by side and along its way.
+/// walks most, side by side and along its path.
 pub fn trial_sheet(tables: &Bundle, config: &TrialConfig, report: &TrialReport, record: &TrialRecord) -> Picture {
     let characters = characters(record, config.streams);
     let what = if config.streams { "in two streams that pass each other" } else { "each with a target of its own" };
@@ -109,7 +109,7 @@ fn strip_frames(record: &TrialRecord) -> Vec<StripFrame> {
     record.frames.iter().map(one).collect()
 }
 
-/// The stretch of `duration_s` on which the root goes farthest, or everything where there is no more.
+/// The frames of `duration_s` in which the root travels farthest; all frames of a shorter motion.
 fn stretch(frames: &[StripFrame], duration_s: f32) -> &[StripFrame] {
     let mut gone = vec![0.0f32];
     for pair in frames.windows(2) {

@@ -1,4 +1,4 @@
-//! Which piece is seen where: a buffer of depths, filled in bands of rows side by side.
+//! Visibility of pieces: a depth buffer, filled in parallel bands of rows.
 
 use super::camera::Camera;
 use super::piece::Piece;
@@ -6,26 +6,26 @@ use glam::Vec2;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Pixel rows of a band.
+/// Number of pixel rows of a band.
 const BAND: usize = 32;
 
-/// No piece.
+/// Number that stands for no piece.
 pub(super) const NOTHING: u32 = u32::MAX;
 
-/// A few rows of samples, and what is seen at each.
+/// A few rows of samples with the nearest piece at each.
 pub(super) struct Band {
     /// Samples in a row.
     pub width: usize,
-    /// Rows of samples of the picture that it covers; the first may lie above it.
+    /// Rows of samples that the band covers; the first may lie above the picture.
     pub rows: Range<isize>,
     /// Depth of the nearest piece (m, width * rows).
     pub depth: Vec<f32>,
-    /// Its number, or [`NOTHING`] (width * rows).
+    /// Number of the nearest piece, or [`NOTHING`] (width * rows).
     pub piece: Vec<u32>,
 }
 
 impl Band {
-    /// What is seen at a sample; `None` outside of the band.
+    /// Depth and number of the nearest piece at a sample; `None` outside of the band.
     pub fn at(&self, x: isize, row: isize) -> Option<(f32, u32)> {
         let inside = (0..self.width as isize).contains(&x) && self.rows.contains(&row);
         let i = || (row - self.rows.start) as usize * self.width + x as usize;
@@ -48,17 +48,17 @@ impl Band {
     }
 }
 
-/// Where a sample lies in the picture (px).
+/// Position of a sample in the picture (px).
 pub(super) fn sample(x: isize, row: isize, rays: usize) -> Vec2 {
     (Vec2::new(x as f32, row as f32) + 0.5) / rays as f32
 }
 
-/// Looks at pieces and makes something of every band of pixel rows, from top to bottom.
+/// Rasterizes pieces in bands of pixel rows, and converts every band by `make`; results from top to bottom.
 ///
-/// - `size`: of the picture (px).
+/// - `size`: size of the picture (px).
 /// - `rays`: samples along each side of a pixel.
-/// - `margin`: rows of samples that bands have in common with those above and below.
-/// - `make`: gets a band and the pixel rows it is for.
+/// - `margin`: rows of samples that a band shares with its neighbours above and below.
+/// - `make`: receives a band and its pixel rows.
 pub(super) fn look<T: Send>(
     pieces: &[Piece],
     camera: &Camera,

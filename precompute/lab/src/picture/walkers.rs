@@ -1,5 +1,5 @@
-//! The picture of a group on random paths: all characters at its end, one path in several styles, and moments of one that changed
-//! speed.
+//! The picture of a group on random paths: all characters at the end, one path in several styles, and moments of a character
+//! that changed speed.
 
 use super::canvas::Picture;
 use super::colour::{self, Colour};
@@ -11,12 +11,12 @@ use glam::Vec3;
 use std::f32::consts::PI;
 use throng_runtime::{Joint, NUM_JOINTS};
 
-/// Moments side by side, and rows of them.
+/// Number of moments side by side, and of rows.
 const COLUMNS: usize = 12;
 const ROWS: usize = 3;
 /// Width that a moment shows (m).
 const WIDTH_M: f32 = 2.2;
-/// Styles stand this far beside each other (m).
+/// Distance between styles side by side (m).
 const APART_M: f32 = 3.2;
 /// Heading and elevation of the overview's camera (rad).
 const FROM: (f32, f32) = (0.8 * PI, 0.6);
@@ -25,9 +25,9 @@ const OVERVIEW_M: f32 = 34.0;
 
 /// Draws a group on random paths.
 ///
-/// - `poses`: of the whole group at the end.
-/// - `styles`: the same path in several styles; left out where there is none.
-/// - `length_m`: of that path.
+/// - `poses`: poses of the whole group at the end.
+/// - `styles`: a path in several styles; may be empty.
+/// - `length_m`: length of that path (m).
 pub(super) fn walkers_sheet(
     (title, centre): (&str, [f32; 2]),
     figures: &Figures,
@@ -73,7 +73,7 @@ fn overview(title: &str, centre: [f32; 2], figures: &Figures, poses: &[Pose]) ->
     })
 }
 
-/// The same path in several styles, side by side, seen from beside.
+/// Draws a path in several styles, side by side, seen from beside.
 fn styles_sheet(styles: &[StyleWalk], length_m: f32) -> Picture {
     let beside = |i: usize| Vec3::X * (i as f32 * -APART_M);
     let (mut figures, mut trails, mut names) = (Vec::new(), Vec::new(), Vec::new());
@@ -105,7 +105,7 @@ fn trail_colour() -> Colour {
     Colour::hex(0x8a8578)
 }
 
-/// Moments of the recorded character whose speed changed most.
+/// Draws moments of the recorded character whose speed changed most.
 fn moments(record: &PathsRecord) -> Option<Picture> {
     let span = COLUMNS * ROWS;
     let num = record.looks.first()?.1.len();
@@ -136,7 +136,7 @@ fn moments(record: &PathsRecord) -> Option<Picture> {
         units: &[],
         columns: COLUMNS,
         width_m: WIDTH_M,
-        // From the side of the way it goes.
+        // Seen from beside its direction of travel.
         from: (way.x.atan2(way.z) + 0.5 * PI, 0.15),
     };
     Some(world_strip(&strip))

@@ -1,4 +1,4 @@
-//! Bodies in their surroundings: every pixel shows what is nearest, shadows fall on what is below.
+//! Bodies in their surroundings: every pixel shows the nearest surface, with shadows.
 
 use super::camera::Camera;
 use super::canvas::{Area, Picture};
@@ -16,10 +16,10 @@ use throng_runtime::patch::Placement;
 /// Colours of units, by their number in the set.
 const UNIT_COLOURS: [u32; 8] = [0xb9a58a, 0x8fa3ad, 0xa8b39a, 0xb59a9a, 0x9a9cb8, 0xc0b27e, 0x86a8a0, 0xa79aaf];
 
-/// The other one of two who act together.
+/// Colour of the partner of a character.
 const OTHER: Colour = Colour::hex(0x4f9a6b);
 
-/// What is left out of a strip: nearer than the hips by this much, and not so far below them (m).
+/// Least distance in front of the hips, and greatest depth of the top below them, of unit pieces that a strip leaves out (m).
 const BEFORE_M: f32 = 0.4;
 const BELOW_HIPS_M: f32 = 0.5;
 
@@ -35,15 +35,15 @@ pub struct WorldFigure {
 /// A unit in a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct WorldUnit<'a> {
-    /// Its shape.
+    /// Shape of the unit.
     pub geometry: &'a UnitGeometry,
-    /// Where it stands.
+    /// Placement of the unit.
     pub placement: Placement,
     /// Its colour.
     pub colour: Colour,
 }
 
-/// Colour of the unit with that number in its set; what is walked on is lighter.
+/// Colour of the unit with a number in its set; floors are lighter.
 pub fn unit_colour(unit: usize, geometry: &UnitGeometry) -> Colour {
     let base = Colour::hex(UNIT_COLOURS[unit % UNIT_COLOURS.len()]);
     if geometry.floor { base.mix(colour::GROUND, 0.55) } else { base }
@@ -58,18 +58,18 @@ pub fn world_units(environment: &PlacedGeometry) -> Vec<WorldUnit<'_>> {
     environment.units.iter().enumerate().map(one).collect()
 }
 
-/// From where a world is seen.
+/// View of a world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldLook {
     /// Direction the camera looks in: 0 is +Z, a quarter turn +X (rad).
     pub heading: f32,
-    /// How far it is tilted down: 0 is level, a quarter turn straight down (rad).
+    /// Downward tilt: 0 is level, a quarter turn straight down (rad).
     pub elevation: f32,
-    /// What is in the middle and the width around it; everything where `None` (m).
+    /// Point at the centre, and the shown width (m); everything if `None`.
     pub focus: Option<(Vec3, f32)>,
 }
 
-/// What [`world_sheet`] draws.
+/// Input of [`world_sheet`].
 #[derive(Clone, Copy, Debug)]
 pub struct WorldView<'a> {
     /// First line.
@@ -80,15 +80,15 @@ pub struct WorldView<'a> {
     pub size: (u32, u32),
     /// All bodies; those that cannot be drawn are left out.
     pub figures: &'a [WorldFigure],
-    /// All that stands around.
+    /// All units.
     pub units: &'a [WorldUnit<'a>],
-    /// What else is there, in the world.
+    /// Further solids, in the world.
     pub solids: &'a [(Solid, Colour)],
-    /// Where roots were or will be, and in which colour (m).
+    /// Past or future positions of roots, and their colours (m).
     pub trails: &'a [(Vec<Vec3>, Colour)],
     /// Names above points.
     pub names: &'a [(Vec3, String, Colour)],
-    /// From where it is seen.
+    /// View direction and focus.
     pub look: WorldLook,
 }
 
@@ -118,37 +118,37 @@ pub fn world_sheet(view: &WorldView<'_>) -> Picture {
 /// A moment of a strip.
 #[derive(Clone, Debug)]
 pub struct WorldMoment {
-    /// (s)
+    /// Time (s).
     pub time_s: f32,
     /// Bodies.
     pub figures: Vec<WorldFigure>,
-    /// How many of them are framed, the first ones: the middle of their hips is that of the picture.
+    /// Number of framed bodies, from the first: the mean of their hips is at the centre of the picture.
     pub framed: usize,
-    /// What is there in this moment, in the world.
+    /// Further solids at this moment, in the world.
     pub solids: Vec<(Solid, Colour)>,
 }
 
 impl WorldMoment {
-    /// Of somebody alone.
+    /// A moment of one body.
     pub fn of(time_s: f32, figure: Figure) -> Self {
         let figures = vec![WorldFigure { figure, colours: BodyColours::default() }];
         Self { time_s, figures, framed: 1, solids: Vec::new() }
     }
 
-    /// Of two who act together, both in the frame.
+    /// A moment of two partners, both framed.
     pub fn of_two(time_s: f32, one: Figure, other: Figure) -> Self {
         let mut moment = Self::of(time_s, one);
         moment.figures.push(WorldFigure { figure: other, colours: BodyColours::plain(OTHER) });
         Self { framed: 2, ..moment }
     }
 
-    /// Hips of those who are framed (m).
+    /// Hips of the framed bodies (m).
     fn hips(&self) -> impl Iterator<Item = Vec3> + Clone + '_ {
         self.figures.iter().take(self.framed).map(|f| f.figure.joint(Joint::Hips))
     }
 }
 
-/// What [`world_strip`] draws.
+/// Input of [`world_strip`].
 #[derive(Clone, Copy, Debug)]
 pub struct WorldStrip<'a> {
     /// First line.
@@ -157,18 +157,18 @@ pub struct WorldStrip<'a> {
     pub subtitle: &'a str,
     /// Moments.
     pub moments: &'a [WorldMoment],
-    /// All that stands around.
+    /// All units.
     pub units: &'a [WorldUnit<'a>],
-    /// Moments side by side (>= 1).
+    /// Number of moments side by side (>= 1).
     pub columns: usize,
     /// Width that a moment shows (m).
     pub width_m: f32,
-    /// From where it is seen: heading and elevation, as [`WorldLook`] has them (rad).
+    /// View direction: heading and elevation, as in [`WorldLook`] (rad).
     pub from: (f32, f32),
 }
 
-/// Draws moments of somebody's motion among units and others, row by row, the hips of those who are framed in the middle of each.
-/// What stands before them, higher than the knees, is left out.
+/// Draws moments among units, row by row, each with the hips of the framed bodies at its centre. Pieces of units in front of
+/// them that reach above the knees are left out.
 pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
     let (width, edge, top, label) = (1600.0, 16.0, 84.0, 28.0);
     let columns = strip.columns.clamp(1, 40);

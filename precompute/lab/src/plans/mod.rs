@@ -1,5 +1,5 @@
-//! Tasks of limbs from files to files: the motion that they change, motions that differ, what is written and what is told
-//! of it. The command line and the window use the same.
+//! Limb tasks from files to files: the motion that they change, variants of it, output files and reports. Shared by the
+//! command line and the viewer.
 
 mod report;
 pub mod scenes;
@@ -71,7 +71,7 @@ pub fn variants(
     Ok(out)
 }
 
-/// A message as the error of what cannot be built.
+/// The error of a config with a message.
 fn config_error(message: impl Into<String>) -> BuildError {
     BuildError::Config { message: message.into() }
 }

@@ -1,4 +1,4 @@
-//! What a plan came to, in figures.
+//! The report of a plan.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -6,51 +6,50 @@ use std::path::PathBuf;
 use throng_planner::correct::Span;
 use throng_planner::task::{Done, Task, TaskOutcome};
 
-/// What a plan came to.
+/// Figures of a plan.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct PlanReport {
-    /// True where every task was done.
+    /// True if every task was solved.
     pub solved: bool,
     /// Every task, in the file's order.
     pub tasks: Vec<TaskReport>,
-    /// Time of the searches until their first ways (s).
+    /// Time of the searches until their first paths (s).
     pub first_solution_s: f64,
     /// Time of all plans, with smoothing (s).
     pub total_s: f64,
-    /// Nodes of all trees.
+    /// Number of nodes of all search trees.
     pub nodes: usize,
-    /// Looks at poses: one pose at one time against everything.
+    /// Collision samples: one pose at one time against everything.
     pub checks: u64,
-    /// How far joints turn in all plans (rad).
+    /// Sum of the joint rotations in all plans (rad).
     pub path_length_rad: f64,
     /// Root mean square of the joints' jerk before smoothing, the mean of all plans (rad/s^3).
     pub jerk_before: f64,
-    /// The same after smoothing (rad/s^3).
+    /// Root mean square of the joints' jerk after smoothing, the mean of all plans (rad/s^3).
     pub jerk_after: f64,
-    /// Least distance of planned limbs from what they may not touch; none where nothing is around (m).
+    /// Least distance of planned limbs from obstacles; none without obstacles (m).
     pub clearance_min_m: Option<f64>,
-    /// How far planned joints stay within their limits (rad).
+    /// Least margin of planned joints to their limits (rad).
     pub limit_margin_rad: Option<f64>,
-    /// How deep planned limbs are in what they may not touch (m).
+    /// Deepest penetration of planned limbs into obstacles (m).
     pub penetration_max_m: f64,
-    /// How far faces are from what they look at, at most, beyond what necks allow; none where `gaze` is off (rad).
+    /// Largest angle of a face off its gaze target, beyond the limits of the neck; none if `gaze` is off (rad).
     pub gaze_off_rad: Option<f64>,
-    /// How much farther the weight is off the feet that stand than the clip has it; none where `balance` is off (m).
+    /// Increase over the clip of the distance of the centre of mass from the planted feet; none if `balance` is off (m).
     pub off_balance_m: Option<f64>,
-    /// How far a second hand is from where it holds something, at most, between frames, too; none where no two hands hold
-    /// anything (m).
+    /// Largest distance of a second hand from its grip, also between frames; none if no object is held by two hands (m).
     pub second_hand_off_m: Option<f64>,
-    /// What a check by other means found wrong; anything but 0 fails.
+    /// Violations that an independent recheck found; the plan fails unless this is 0.
     pub recheck_violations: usize,
-    /// What was written.
+    /// Files that were written.
     pub files: Vec<PathBuf>,
-    /// Motions that were made, where several were asked for.
+    /// Motions that were made, if several were requested.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub variants: Vec<Variant>,
 }
 
 impl PlanReport {
-    /// How far joints stay within their limits, or go beyond them, in words.
+    /// The margin of the joints to their limits, in words.
     pub fn limits(&self) -> String {
         match self.limit_margin_rad {
             None => "- within limits".into(),
@@ -60,30 +59,30 @@ impl PlanReport {
     }
 }
 
-/// What came of a task.
+/// Outcome of a task.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct TaskReport {
-    /// Its name, or what it does.
+    /// Name of the task, or a description.
     pub name: String,
-    /// True where it was done.
+    /// True if it was solved.
     pub solved: bool,
-    /// Why it was not done.
+    /// Reason why it was not solved.
     pub why: Option<String>,
-    /// How near it came where it was not done: to the target, or the two ends of the search to each other (m).
+    /// Least distance of an unsolved task: to its target, or between both trees of the search (m).
     pub nearest_m: Option<f64>,
-    /// When it is reached, of tasks that have a time; of those who walk up to it, the one that was found (s).
+    /// Time at which the target is reached, if the task has one; for a walk up to the target, the time that was found (s).
     pub at_s: Option<f64>,
-    /// Where the clip collides, of corrections.
+    /// Collisions of the clip, for a correction.
     pub collisions: Vec<CollisionReport>,
 }
 
-/// A stretch in which a clip collides.
+/// A time span in which a clip collides.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct CollisionReport {
-    /// Where, and in what.
+    /// Time span, body part and obstacle.
     #[serde(flatten)]
     pub span: Span,
-    /// Why it stays so; none where it was corrected.
+    /// Reason why it remains; none if it was corrected.
     pub why: Option<String>,
 }
 
@@ -92,17 +91,17 @@ pub struct CollisionReport {
 pub struct Variant {
     /// Its seed.
     pub seed: u64,
-    /// How different it is from the most similar other one: the mean angle of what was planned (rad).
+    /// Difference from the most similar other motion: mean angle of the planned joints (rad).
     pub distance_rad: f64,
 }
 
 /// Sums up an outcome.
 ///
-/// - `found`: an outcome, or several that differ; of several, all but `variants` is of the first one.
+/// - `found`: one or more different outcomes; all fields but `variants` describe the first one.
 pub fn report(task: &Task, found: &[(u64, TaskOutcome)]) -> Option<PlanReport> {
     let (_, outcome) = found.first()?;
     let plans: Vec<_> = outcome.done.iter().flat_map(|d| &d.plans).collect();
-    // From zero, as the sum of no numbers is the negative zero.
+    // Begins at zero, since the sum of no numbers is negative zero.
     let sum = |of: &dyn Fn(&_) -> f64| plans.iter().map(of).fold(0.0, |sum, v| sum + v);
     let mean = |k: usize| sum(&|p| p.roughness[k].jerk_rms) / plans.len().max(1) as f64;
     let finite = |x: f64| x.is_finite().then_some(x);
@@ -138,7 +137,7 @@ pub fn report(task: &Task, found: &[(u64, TaskOutcome)]) -> Option<PlanReport> {
     })
 }
 
-/// Stretches that were corrected, and those that were not.
+/// Collisions that were corrected, and those that remain.
 fn collisions(done: &Done) -> Vec<CollisionReport> {
     let left = |s: &Span| done.left.iter().find(|l| l.span == *s).map(|l| l.why.clone());
     let driven = done.left.iter().map(|l| &l.span).filter(|s| !done.spans.contains(s));
@@ -146,7 +145,7 @@ fn collisions(done: &Done) -> Vec<CollisionReport> {
     done.spans.iter().chain(driven).map(one).collect()
 }
 
-/// How different motions are.
+/// Distances of the variants.
 fn distances(found: &[(u64, TaskOutcome)]) -> Vec<Variant> {
     let distance = |i: usize| {
         let others = found.iter().enumerate().filter(|(k, _)| *k != i);

@@ -1,4 +1,4 @@
-//! Problems that plans are measured by: one limb, from a pose to another.
+//! Benchmark scenes for plans: one limb, from one pose to another.
 
 use glam::{DQuat, DVec3, Quat, Vec3};
 use std::error::Error;
@@ -17,13 +17,13 @@ use throng_planner::track::Path;
 use throng_runtime::{Joint, NUM_JOINTS, Skeleton};
 use throng_synth::{SynthConfig, SynthSet, make};
 
-/// Names of the scenes, and what the paper gives for one like it (s).
+/// Names of the scenes, and the time that the paper gives for a similar one (s).
 pub const SCENES: [(&str, Option<f64>); 5] =
     [("table", Some(1.0)), ("arm-static", None), ("spheres", None), ("ring", Some(2.0)), ("walk", Some(2.0))];
-/// The scene without time ends when the others do; so much is never needed (s).
+/// Duration of the scenes without moving obstacles; longer than ever needed (s).
 const STATIC_S: f64 = 4.0;
 
-/// A character that moves as a clip says.
+/// The character of a scene, moved by a clip.
 pub struct Somebody {
     /// Skeleton of the character.
     pub skeleton: Skeleton,
@@ -39,7 +39,7 @@ pub struct Somebody {
     pub linkage: Linkage,
 }
 
-/// A problem with all that it is made of.
+/// A benchmark scene.
 pub struct Scene {
     /// The character whose limb is planned.
     pub who: Somebody,
@@ -53,10 +53,7 @@ pub struct Scene {
 
 type Made<T> = Result<T, Box<dyn Error>>;
 
-/// Makes a scene by its name; none for an unknown one.
-///
-/// # Errors
-/// Those of the problem: a limb that cannot reach, or motion that cannot be made.
+/// Makes the scene with a name.
 pub fn scene(name: &str) -> Made<Option<Scene>> {
     Ok(Some(match name {
         "table" => table(),
@@ -69,10 +66,7 @@ pub fn scene(name: &str) -> Made<Option<Scene>> {
 }
 
 impl Scene {
-    /// The problem, ready to be planned.
-    ///
-    /// # Errors
-    /// As [`Problem::new`].
+    /// The planning problem of the scene.
     pub fn problem(&self) -> Made<Problem> {
         Ok(Problem::new(&ProblemSpec { admit_ends: true, ..self.who.spec(self.ends, &self.solids, &self.allowed) })?)
     }
@@ -99,7 +93,7 @@ impl Somebody {
         ProblemSpec { solids, allowed, ..spec }
     }
 
-    /// Shoulder by its swing, elbow by its flexion (rad).
+    /// Arm pose from the swing of the shoulder and the flexion of the elbow (rad).
     fn pose(&self, across: f64, up: f64, flexion: f64) -> LimbPose {
         let mut pose = LimbPose::REST;
         if let Some(limits) = self.limits.of_linkage(self.linkage) {
@@ -109,7 +103,7 @@ impl Somebody {
         pose
     }
 
-    /// The pose that puts the hand somewhere, pointing ahead, past what is in the way.
+    /// Collision-free pose with the hand at a point, pointing ahead.
     fn reaching(&self, at: [f64; 3], solids: &[Solid]) -> Made<LimbPose> {
         let present = self.pose(0.0, -0.4, 1.2);
         let ends = [0.0, 1.0].map(|time_s| State { pose: present, time_s });
@@ -127,7 +121,7 @@ fn states(ends: [(LimbPose, f64); 2]) -> [State; 2] {
     ends.map(|(pose, time_s)| State { pose, time_s })
 }
 
-/// From below a table to above it.
+/// An arm moves from below a table to above it.
 fn table() -> Scene {
     let who = Somebody::standing(1.5);
     let plate = Shape::cuboid(DVec3::new(0.9, 0.03, 0.6));
@@ -135,7 +129,7 @@ fn table() -> Scene {
     Scene { who, solids: vec![solid("table", plate, DVec3::new(0.65, 1.2, 0.55))], allowed: Vec::new(), ends }
 }
 
-/// A ball of triangles: rings by twice as many (m).
+/// Triangles of a ball: `rings` rings, each of twice as many segments (m).
 fn ball(rings: usize, radius: f64) -> Vec<[Vec3; 3]> {
     let at = |i: usize, j: usize| {
         let (a, b) = (std::f64::consts::PI * i as f64 / rings as f64, std::f64::consts::PI * j as f64 / rings as f64);
@@ -150,8 +144,8 @@ fn ball(rings: usize, radius: f64) -> Vec<[Vec3; 3]> {
         .collect()
 }
 
-/// Seven degrees of freedom through shelves with things on them, 26 000 triangles, for comparison with planners that know
-/// no time.
+/// An arm of seven degrees of freedom moves through shelves with objects, 26 000 triangles, for comparison with planners
+/// without time.
 fn arm_static() -> Made<Scene> {
     let who = Somebody::standing(STATIC_S);
     let (mut triangles, mut solids) = (Vec::new(), Vec::new());
@@ -167,7 +161,7 @@ fn arm_static() -> Made<Scene> {
     Ok(Scene { who, solids, allowed: Vec::new(), ends: states([(low, 0.0), (high, STATIC_S)]) })
 }
 
-/// The same ends among 40 balls and the boards.
+/// An arm moves between the ends of `arm-static`, among 40 balls and the boards.
 fn spheres() -> Made<Scene> {
     let who = Somebody::standing(STATIC_S);
     let mut solids = Vec::new();
@@ -175,7 +169,7 @@ fn spheres() -> Made<Scene> {
         solids.push(solid(&format!("board {i}"), Shape::cuboid(DVec3::new(1.2, 0.02, 0.4)), DVec3::new(0.6, y, 0.62)));
     }
     for k in 0..40u32 {
-        // Spread evenly over a box before the body by golden steps, but for where the hand begins and ends.
+        // Spread evenly over a box in front of the body by golden steps.
         let [a, b, c] = [0.618_034, 0.754_878, 0.569_840].map(|g: f64| (f64::from(k) * g).fract());
         let at = DVec3::new(0.05 + 1.1 * a, 0.95 + 0.9 * b, 0.55 + 0.3 * c);
         solids.push(solid(&format!("ball {k}"), Shape::ball(0.03), at));
@@ -223,12 +217,12 @@ fn walk() -> Made<Scene> {
     let ends = [at(3.0), at(5.0)];
     let free = Problem::prepare(&who.spec(ends, &[], &[]))?;
     let hand = free.place(&at(4.0));
-    // Where the hand comes by, from outside, along the body's side.
+    // The post stands where the hand passes, on its outer side.
     let aside = (hand[0].position - free.base_at(4.0).position).with_y(0.0).normalize();
     let post = hand[2].position + aside * 0.02;
     let triangles = ball(87, 0.05).into_iter().map(|t| t.map(|p| p * Vec3::new(1.0, 12.0, 1.0)));
     let mesh = Arc::new(Mesh::new(triangles.collect())?);
-    // Only the arm has to give way.
+    // Only the arm has to avoid it.
     let others = Joint::ALL.into_iter().filter(|j| who.linkage.position_of(*j).is_none());
     let allowed =
         others.map(|j| Allowed { part: Some(j.name().into()), with: "post".into(), window_s: None }).collect();

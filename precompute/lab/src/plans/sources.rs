@@ -1,4 +1,4 @@
-//! The motion of a task: files, synthetic motion, and bundles in which somebody walks.
+//! Motion of a task's characters: files, synthetic motion, and bundles of walkers.
 
 use super::config_error;
 use crate::run::{Cached, News, ensure_bundle};
@@ -14,12 +14,12 @@ use throng_runtime::blend::{BlendSpace, axis};
 use throng_runtime::{Bundle, FormatError, NUM_JOINTS};
 use throng_synth::{SynthConfig, SynthSet, make};
 
-/// The motion of every character, read and made once.
+/// Motion of every character, loaded once.
 #[derive(Clone, Debug)]
 pub struct Sources {
     of_each: Vec<Read>,
     rate_hz: f64,
-    /// Files that they were read from.
+    /// Files that the motion was read from.
     pub files: Vec<PathBuf>,
 }
 
@@ -40,9 +40,9 @@ impl Read {
 }
 
 impl Sources {
-    /// One clip for each character, on the database skeleton, and the task with the times of those who walk.
+    /// One clip for each character, on the database skeleton, and the task with the times of its walks.
     ///
-    /// - `seed`: in place of the task's.
+    /// - `seed`: replaces the task's.
     ///
     /// # Errors
     /// [`NoWalk`].
@@ -58,13 +58,13 @@ impl Sources {
     }
 }
 
-/// Reads and makes the motion of a task.
+/// Loads the motion of a task.
 ///
-/// - `main`: in place of the file's clip of the first character.
-/// - `with`: with which bundles of walkers are built where they are missing.
+/// - `main`: replaces the first character's clip.
+/// - `with`: cache and progress for building missing bundles of walkers.
 ///
 /// # Errors
-/// Names the character, and what is wrong with its motion.
+/// The character, and the fault of its motion.
 pub fn sources(
     task: &Task,
     config: &BuildConfig,
@@ -119,12 +119,12 @@ fn clip(entry: &ClipEntry, config: &BuildConfig, with: &Cached<'_>) -> Result<Ac
     cut(whole, entry.from_s, entry.to_s)
 }
 
-/// A motion file as a build takes it: retargeted, at the database rate, with contacts.
+/// Loads a motion file as a build does: retargeted, at the database rate, with contacts.
 ///
-/// - `tell`: is told what was found tolerable.
+/// - `tell`: receives warnings.
 ///
 /// # Errors
-/// Names the file and the place in it.
+/// The file, and the place in it.
 pub fn file_clip(file: &Path, config: &BuildConfig, tell: &dyn Fn(News)) -> Result<ActorClip, BuildError> {
     let raw: Imported = import::read_clip(file, &config.import)?;
     let mut warnings = Warnings::default();
@@ -149,7 +149,7 @@ fn synthetic(set: &str, name: Option<&str>, rate_hz: f64) -> Result<ActorClip, B
     Ok(ActorClip { clip: made.clips[i].clone(), skeleton: made.skeleton })
 }
 
-/// The part of a clip from one time to another.
+/// Cuts a clip to the part from one time to another (s).
 fn cut(whole: ActorClip, from_s: f64, to_s: Option<f64>) -> Result<ActorClip, BuildError> {
     let ActorClip { clip, skeleton } = whole;
     let end_s = clip.num_frames().saturating_sub(1) as f64 / clip.rate_hz;

@@ -1,4 +1,4 @@
-//! What a plan writes: clips, and who carried what beside them.
+//! Output files of a plan: clips, and the carried objects beside them.
 
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -6,14 +6,14 @@ use throng_motion::error::BuildError;
 use throng_motion::{Clip, export, files};
 use throng_planner::task::{ActorClip, Attachment, Event, Task, TaskOutcome};
 
-/// What stands beside a clip.
+/// Objects file of a clip.
 #[derive(Serialize)]
 struct Objects<'a> {
     attachments: &'a [Attachment],
     events: &'a [Event],
 }
 
-/// CLIP.bvh, CLIP-2.bvh, ...
+/// Numbered file name: CLIP.bvh, CLIP-2.bvh, ...
 fn numbered(out: &Path, i: usize) -> PathBuf {
     match i {
         0 => out.to_path_buf(),
@@ -21,20 +21,20 @@ fn numbered(out: &Path, i: usize) -> PathBuf {
     }
 }
 
-/// A file beside another one: its name with another end.
+/// A path in the same folder: the file's stem, followed by `end`.
 fn beside(out: &Path, end: &str) -> PathBuf {
     let stem = out.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     out.with_file_name(stem + end)
 }
 
-/// Writes the clips that changed, the first one always, and what was carried.
+/// Writes the changed clips, the first one always, and the carried objects.
 ///
-/// - `out`: the first character's clip; the others' stand beside it, with their names.
-/// - `number`: of the motion, from 0: further ones have it in their names.
-/// - returns what was written.
+/// - `out`: file of the first character's clip; the others are written beside it, with the characters' names.
+/// - `number`: number of the motion, from 0; it is part of the file names except for the first.
+/// - returns the files written.
 ///
 /// # Errors
-/// Where a file cannot be written; what stood in its place stays as it was.
+/// If a file cannot be written; an existing file in its place stays as it was.
 pub fn write(
     task: &Task,
     clips: &[ActorClip],
@@ -54,7 +54,7 @@ pub fn write(
     let objects = Objects { attachments: &outcome.attachments, events: &outcome.events };
     let path = beside(&out, ".objects.json");
     if objects.attachments.is_empty() && objects.events.is_empty() {
-        // That of an earlier run is not of this clip.
+        // The objects file of an earlier run does not belong to this clip.
         files::remove(&path)?;
     } else {
         files::write_atomically(&path, |w| {

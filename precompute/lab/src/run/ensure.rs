@@ -1,4 +1,4 @@
-//! Makes what a scene names and is missing: bundles from their configs, worlds from their world files.
+//! Builds missing inputs of a scene: bundles from their configs, worlds from their world files.
 
 use super::News;
 use std::path::{Path, PathBuf};
@@ -12,21 +12,21 @@ use throng_runtime::Bundle;
 use throng_runtime::simulation::{Motion, Scene};
 use throng_runtime::world::World;
 
-/// How things are made.
+/// Cache, progress and messages for building.
 #[derive(Clone, Copy)]
 pub struct Cached<'a> {
-    /// Keeps the outputs of stages.
+    /// Cache of stage outputs.
     pub cache: &'a Cache,
-    /// Is told how far a stage is.
+    /// Receives the progress of stages.
     pub progress: &'a dyn Progress,
-    /// Is told what is made, and what was found tolerable.
+    /// Receives messages on what is built, and warnings.
     pub tell: &'a dyn Fn(News),
 }
 
-/// Makes every bundle and world of a scene that is missing, and every world that was made from another text.
+/// Builds every missing bundle and world of a scene, and every world whose world file has changed.
 ///
 /// # Errors
-/// What building or stitching says; [`BuildError::Config`] for a missing bundle without a config.
+/// As building or stitching; [`BuildError::Config`] for a missing bundle without a config.
 pub fn ensure(scene: &Scene, with: &Cached<'_>) -> Result<(), BuildError> {
     for (g, group) in scene.groups.iter().enumerate().filter(|(_, g)| g.motion != Motion::None) {
         let (Some(bundle), config) = scene.bundle_of(g) else { continue };
@@ -40,7 +40,7 @@ pub fn ensure(scene: &Scene, with: &Cached<'_>) -> Result<(), BuildError> {
     Ok(())
 }
 
-/// True where no bundle and no world of a scene is missing.
+/// True if no bundle and no world of a scene is missing.
 pub fn is_complete(scene: &Scene) -> bool {
     (0..scene.groups.len()).filter(|&g| scene.groups[g].motion != Motion::None).all(|g| {
         let world = scene.world_of(g).0.filter(|_| scene.groups[g].motion == Motion::Patches);
@@ -48,7 +48,7 @@ pub fn is_complete(scene: &Scene) -> bool {
     })
 }
 
-/// Builds a bundle where it is missing.
+/// Builds a bundle if it is missing.
 ///
 /// # Errors
 /// As [`ensure`].
@@ -74,9 +74,9 @@ pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &Cached<'_>) ->
     Ok(())
 }
 
-/// Builds what some motion allows, where that is not done yet, into the cache.
+/// Builds a bundle of everything that some motion allows into the cache, unless it is there.
 ///
-/// - `otherwise`: where the bundle is written if the cache keeps nothing.
+/// - `otherwise`: file of the bundle if the cache keeps nothing.
 /// - returns the bundle.
 ///
 /// # Errors
@@ -90,7 +90,7 @@ pub fn ensure_motion(inputs: &[PathBuf], otherwise: &Path, with: &Cached<'_>) ->
             Ok(_) => return Ok(bundle.clone()),
             Err(e) => (with.tell)(News::Making(format!("{e}"))),
         }
-        // A build takes the place of bundles alone, and what is damaged may not look like one.
+        // A build only replaces bundles, and a damaged file may not look like one.
         _ = std::fs::remove_file(bundle);
     }
     let bundle = kept.clone().unwrap_or_else(|| otherwise.to_path_buf());
@@ -101,19 +101,19 @@ pub fn ensure_motion(inputs: &[PathBuf], otherwise: &Path, with: &Cached<'_>) ->
     let report = pipeline::build_possible(&config, &bundle, with.cache, with.progress)?;
     News::of(&report).for_each(with.tell);
     if pipeline::kept_bundle(&config, with.cache)? != kept {
-        // The one that was built is not of the files that its name was made of.
+        // The files changed during the build: this bundle does not belong to the hash in its name.
         _ = std::fs::remove_file(&bundle);
         return Err(ImportError::Changed { path: inputs.first().cloned().unwrap_or_default() }.into());
     }
     Ok(bundle)
 }
 
-/// True for a folder or an archive of motion, which is built before it is run or seen.
+/// True for a folder or an archive of motion, which is built before it is run or viewed.
 pub fn is_motion(path: &Path) -> bool {
     path.is_dir() || (path.is_file() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("zip")))
 }
 
-/// What a database of some motion is called: as the folder, archive or file that comes first.
+/// Name of a database of some motion: that of the first folder, archive or file.
 pub fn motion_name(inputs: &[PathBuf]) -> String {
     let has_star = |p: &&Path| p.to_string_lossy().contains('*');
     let Some(first) = inputs.first() else { return "motion".into() };
@@ -123,12 +123,12 @@ pub fn motion_name(inputs: &[PathBuf]) -> String {
     name.map_or_else(|| "motion".into(), |n| n.to_string_lossy().into_owned())
 }
 
-/// Stitches a world where it is missing, or was made with another bundle or from an older text of its file.
+/// Stitches a world if it is missing, or was made with another bundle or an older version of its world file.
 ///
-/// - returns what was done, where anything was.
+/// - returns the report of stitching, if it was necessary.
 ///
 /// # Errors
-/// As [`ensure`]; as [`stitch::check_replaced`] where a world of another file stands there.
+/// As [`ensure`]; as [`stitch::check_replaced`] if the file holds the world of another world file.
 pub fn ensure_world(
     source: &WorldSource,
     file: &Path,

@@ -1,20 +1,20 @@
-//! What is measured of a scene, and of each of its groups.
+//! Figures measured of a scene, and of each of its groups.
 
 use super::meter::Flow;
 use super::watch::PartnerFigures;
 use crate::touch::TouchFigures;
 use serde::Serialize;
 
-/// What was measured of some characters. Keys are left out where they mean nothing to them.
+/// Figures of some characters. Keys that do not apply to them are left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Figures {
-    /// Number of characters with motion of their own.
+    /// Number of characters with policies, paths or worlds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub characters: Option<usize>,
     /// Number of agents that started.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub agents: Option<usize>,
-    /// What found out when agents had to act.
+    /// Engine that decided when agents act.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub engine: Option<String>,
     /// Simulated time (s).
@@ -22,33 +22,33 @@ pub struct Figures {
     /// Steps of all characters per second of wall time on one thread: choices, control, poses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steps_per_second: Option<f64>,
-    /// Pairs of characters, or of a character and an agent, that were in each other at any time: discs about their roots,
-    /// or capsules of trunk and head. Opponents are not counted, nor discs in worlds of several floors.
+    /// Pairs of characters, or of a character and an agent, that overlapped at any time: discs around their roots, or
+    /// capsules of trunk and head. Opponents are not counted, nor discs in worlds of several floors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub character_overlaps: Option<usize>,
     /// The deepest of these overlaps (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub deepest_overlap_m: Option<f64>,
-    /// Of characters with policies.
+    /// Figures of characters with policies.
     #[serde(flatten)]
     pub blows: Option<BlowFigures>,
-    /// Of opponents.
+    /// Figures of opponents.
     #[serde(flatten)]
     pub touch: Option<TouchFigures>,
-    /// Of characters in worlds who do something together.
+    /// Figures of characters in worlds that act together.
     #[serde(flatten)]
     pub partners: Option<PartnerFigures>,
-    /// Of characters in worlds.
+    /// Figures of characters in worlds.
     #[serde(flatten)]
     pub world: Option<InhabitedFigures>,
-    /// Of characters on random paths.
+    /// Figures of characters on random paths.
     #[serde(flatten)]
     pub paths: Option<PathFigures>,
-    /// Of agents.
+    /// Figures of agents.
     #[serde(flatten)]
     pub crowd: Option<AgentFigures>,
-    /// Agents that ever stayed within half a metre for 10 s on their way, or came no nearer to their goal by as much for 20 s,
-    /// and characters in worlds that stayed for 30 s.
+    /// Agents that ever stayed within half a metre for 10 s on their way, or did not come half a metre nearer to their goal in
+    /// 20 s, and characters in worlds that stayed for 30 s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stuck: Option<usize>,
     /// Mean speed of planted heels and toes (m/s).
@@ -59,7 +59,7 @@ pub struct Figures {
     pub foot_slip_p95_mps: Option<f64>,
 }
 
-/// What was measured of characters with policies.
+/// Figures of characters with policies.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BlowFigures {
     /// Blows that landed, a simulated minute and character.
@@ -72,7 +72,7 @@ pub struct BlowFigures {
     pub thrown: u32,
     /// Deepest overlap of the cores of two opponents (m).
     pub max_penetration_m: f64,
-    /// Share of the time that pairs were more than a few centimetres inside each other.
+    /// Share of the time in which pairs overlapped by more than a few centimetres.
     pub deep_fraction: f64,
     /// Distance over ground from the opponent or target, mean over time and characters (m).
     pub distance_mean_m: f64,
@@ -80,24 +80,24 @@ pub struct BlowFigures {
     pub distance_max_m: Option<f64>,
 }
 
-/// What was measured of characters in worlds.
+/// Figures of characters in worlds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct InhabitedFigures {
     /// Times at which a character entered a unit by more than a few centimetres.
     pub environment_penetrations: u64,
     /// Deepest penetration of a unit (m).
     pub deepest_penetration_m: f64,
-    /// Wishes that were fulfilled, a simulated minute and character.
+    /// Goals that were reached, a simulated minute and character.
     pub fulfilled_per_minute: f64,
     /// Distance over ground and up, a simulated minute and character, on average (m).
     pub travelled_m_per_minute: f64,
-    /// How much the direction of the way changes from one half metre to the next, a metre over ground (deg).
+    /// Change of the path's direction from one half metre to the next, a metre over ground (deg).
     pub turned_deg_per_m: f64,
     /// Share of the time that was spent waiting for others.
     pub waiting_fraction: f64,
 }
 
-/// What was measured of characters on random paths.
+/// Figures of characters on random paths.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PathFigures {
     /// Mean speed of the paths (m/s).
@@ -110,68 +110,68 @@ pub struct PathFigures {
     pub below_ground_max_m: f64,
 }
 
-/// What hands did with things of a scene.
+/// Figures of hands that take and put down things.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ThingFigures {
     /// Things that were taken.
     pub things_taken: u32,
     /// Things that were put down.
     pub things_put: u32,
-    /// Times that somebody could not reach a thing, or where it was to be put, and gave up.
+    /// Times that an agent gave up, as it could not reach a thing or the place to put it.
     pub things_out_of_reach: u32,
-    /// How far palms were from things as they closed around them, and from where they put them down, 95th percentile, rounded
-    /// up to 10 mm (m).
+    /// Distance of palms from things as they grip them, and from the places to put them down, 95th percentile, rounded up to
+    /// 10 mm (m).
     pub hand_off_p95_m: f32,
-    /// The same at worst, 0.32 for all that is farther (m).
+    /// Largest distance of palms from things; 0.32 for anything farther (m).
     pub hand_off_max_m: f32,
 }
 
-/// What was measured of agents. Keys about time and events are of all of them together.
+/// Figures of agents. Keys about time and events are of all of them together.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct AgentFigures {
     /// Wall time of the engine, and of bodies that follow agents, for one simulated second (s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wall_s_per_simulated_s: Option<f64>,
-    /// Time to make the crowd: its layout, ways and memory (s).
+    /// Time to make the crowd: its layout, paths and memory (s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub setup_s: Option<f64>,
     /// Least, median and largest `us_per_agent_second` of all repeats (us).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub us_range: Option<[f64; 3]>,
-    /// That time for one agent that is there; in `bench crowd` the time that the engine's thread was running, where the system tells
-    /// it, so that what else a machine does counts little (us).
+    /// Wall time of the engine for one present agent and simulated second; in `bench crowd` the running time of the engine's
+    /// thread, where the system reports it, so that other load counts little (us).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub us_per_agent_second: Option<f64>,
-    /// Events of one agent in one simulated second; in the fixed engine, steps that it took.
+    /// Events of one agent in one simulated second; in the fixed engine, its steps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub events_per_agent_second: Option<f64>,
-    /// Those of them at which the bound of one agent entered or left cells; only the engine `occupancy` has such events.
+    /// Events at which the bound of one agent entered or left cells; only the engine `occupancy` has such events.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub crossings_per_agent_second: Option<f64>,
-    /// Times that one agent chose what to do in one simulated second.
+    /// Decisions of one agent in one simulated second.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub decisions_per_agent_second: Option<f64>,
     /// Pairs that overlapped by more than 1 mm, for one agent and frame at 30 Hz.
     pub overlap_over_1mm_fraction: f64,
     /// Pairs that overlapped by more than 1 cm, for one agent and frame at 30 Hz.
     pub overlap_over_1cm_fraction: f64,
-    /// Deepest overlap of a pair, or of an agent and what stands (m).
+    /// Deepest overlap of a pair, or of an agent and an obstacle (m).
     pub max_overlap_m: f64,
-    /// Mean speed towards the goal, along the planned way, of agents that have not arrived (m/s).
+    /// Mean speed towards the goal, along the planned path, of agents that have not arrived (m/s).
     pub progress_mps: f64,
-    /// The same in each ten seconds in which there were any (m/s).
+    /// Mean speed towards the goal in each ten seconds in which agents were on their way (m/s).
     pub progress_by_10s_mps: Vec<f64>,
-    /// Agents that stay within half a metre at the end, for 10 s or longer, on their way, or have come no nearer to their goal
-    /// by as much for 20 s.
+    /// Agents that at the end have stayed within half a metre for 10 s on their way, or not come half a metre nearer to their
+    /// goal in 20 s.
     pub stuck_at_end: usize,
     /// Mean desired speed, for comparison (m/s).
     pub desired_mps: f64,
     /// Agents that reached their goal.
     pub arrived: usize,
-    /// Agents that know of a happening, where the scene has any.
+    /// Agents that know of a happening, if the scene has any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub informed: Option<usize>,
-    /// What hands did with things, where the scene has any.
+    /// Figures of hands, if the scene has things.
     #[serde(flatten)]
     pub things: Option<ThingFigures>,
     /// Order of lanes in the last quarter of the time that groups met: 0 as mixed as by chance, 1 all agents in lanes.
@@ -180,10 +180,10 @@ pub struct AgentFigures {
     /// Flow through the scene's gate.
     #[serde(flatten)]
     pub flow: Option<Flow>,
-    /// Farthest that hips were from the middle of their disc, over ground (m).
+    /// Largest distance over ground of hips from the centre of their disc (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hips_off_max_m: Option<f64>,
-    /// Hash of the engine's state at the end, in hexadecimal: the same for the same scene, whatever the threads.
+    /// Hash of the engine's state at the end, in hexadecimal: the same for the same scene on any number of threads.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub state_hash: Option<String>,
 }

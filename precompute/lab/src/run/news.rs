@@ -1,25 +1,25 @@
-//! What is said while something is made.
+//! Messages of a build.
 
 use std::fmt;
 use throng_bake::report::BuildReport;
 
-/// A line about what is made.
+/// A message about something that is built.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum News {
-    /// What is made now, and from what.
+    /// Begin of a step: what is made, and from what.
     Making(String),
-    /// What was made.
+    /// Something that was made.
     Made(String),
-    /// What could not be made: what, and why with the way out.
+    /// Something that could not be made, and the reason with a remedy.
     NotMade(String, String),
-    /// What is odd but tolerable.
+    /// A tolerated oddity.
     Warning(String),
-    /// A file that is left out, and why.
+    /// A skipped file, and the reason.
     Skipped(String),
 }
 
 impl News {
-    /// What is to be said of a build that has ended.
+    /// Messages on a finished build.
     pub fn of(report: &BuildReport) -> impl Iterator<Item = Self> {
         let not_made = report.not_made.iter().map(|n| Self::NotMade(n.part.clone(), n.why.clone()));
         let warnings = report.warnings.iter().cloned().map(Self::Warning);

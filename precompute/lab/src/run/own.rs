@@ -1,4 +1,4 @@
-//! The project's own scenes of agents, which need no file.
+//! Built-in scenes of agents, which need no file.
 
 use std::path::Path;
 use throng_runtime::Result;
@@ -15,10 +15,10 @@ const TEXTS: [(&str, &str); 7] = [
     ("square", include_str!("../../../../data/scenes/square.toml")),
 ];
 
-/// Names of the project's own scenes.
+/// Names of the built-in scenes.
 pub const OWN_SCENES: [&str; 7] = ["flock", "corridor", "lanes", "circle", "ring", "bottleneck", "square"];
 
-/// One of the project's own scenes by its name; `None` for another name.
+/// A built-in scene by its name; `None` for any other name.
 ///
 /// # Errors
 /// As [`Scene::parse`].

@@ -1,4 +1,4 @@
-//! What a run leaves to be drawn.
+//! Records of a run, for pictures.
 
 use super::report::RunConfig;
 use super::watch::{LOOK_S, Watch};
@@ -11,47 +11,47 @@ use throng_runtime::simulation::scene::SiteConfig;
 use throng_runtime::simulation::{Event, GroupCast, Simulation};
 use throng_runtime::{NUM_JOINTS, Planar};
 
-/// Moments of agents that are kept, the first and the last included.
+/// Number of recorded moments of agents, the first and the last included.
 const MOMENTS: usize = 4;
 /// Time between points of a trail (s).
 pub const TRAIL_S: f64 = 0.4;
-/// Agents whose trails and ways are kept, spread over the crowd.
+/// Number of agents whose trails and paths are recorded, spread over the crowd.
 const TRAILED: usize = 2000;
-/// Characters on paths, and in worlds, whose poses are kept ten times a second: one of each is shown.
+/// Number of characters on paths, and in worlds, whose poses are recorded ten times a second; one of each is shown.
 const FOLLOWED: [usize; 2] = [24, 48];
 
 /// World positions of all joints of a character (m).
 pub type Pose = [Vec3; NUM_JOINTS];
 
-/// What a run leaves to be drawn; empty unless the run was to be recorded, but for poses at the end and faults.
+/// Record of a run, for pictures; unless recording is on, it only holds poses at the end and faults.
 #[derive(Clone, Debug, Default)]
 pub struct Record {
-    /// All characters at the end; `None` where one has left or has no body.
+    /// Poses of all characters at the end; `None` for a character that has left or has no body.
     pub poses: Vec<Option<Pose>>,
-    /// Of each group with policies.
+    /// Records of groups with policies.
     pub fights: Vec<FightRecord>,
-    /// Of each group on random paths.
+    /// Records of groups on random paths.
     pub paths: Vec<PathsRecord>,
-    /// Of each world.
+    /// Records of worlds.
     pub worlds: Vec<WorldRecord>,
-    /// Of all agents, if there are any.
+    /// Record of all agents, if there are any.
     pub agents: Option<AgentsRecord>,
-    /// Where agents were, ten times a simulated second, if that was asked for.
+    /// Trajectories of agents, ten points a simulated second, if they were requested.
     pub trajectories: Vec<TrajectoryPoint>,
-    /// Where things were seen that should not be: time, character, what (s).
+    /// Faults that were observed: time (s), character, description.
     pub faults: Vec<(f32, usize, String)>,
 }
 
-/// Where an agent was at a time.
+/// Position and velocity of an agent at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrajectoryPoint {
     /// (s)
     pub time_s: f64,
-    /// Its number among the characters of the simulation.
+    /// Number of the agent among the characters of the simulation.
     pub agent: usize,
-    /// Its centre over the ground: x and z (m).
+    /// Position on the ground: x and z (m).
     pub at: Vec2,
-    /// How it moves over the ground: x and z (m/s).
+    /// Velocity over the ground: x and z (m/s).
     pub velocity: Vec2,
 }
 
@@ -60,15 +60,15 @@ pub struct TrajectoryPoint {
 pub struct FightRecord {
     /// Number of the group in the simulation.
     pub group: usize,
-    /// They, every step.
+    /// Poses of these characters at every step.
     pub frames: Vec<FightFrame>,
-    /// What became of their blows; characters are numbered from the first of the group.
+    /// Outcomes of their blows; characters are numbered from the first of the group.
     pub events: Vec<Event>,
     /// Planar roots of the whole group at the end.
     pub roots: Vec<Planar>,
     /// Opponents' heads or targets of the whole group at the end (m).
     pub targets: Vec<Vec3>,
-    /// What stands in the way.
+    /// Walls.
     pub walls: Vec<Rod>,
 }
 
@@ -77,9 +77,9 @@ pub struct FightRecord {
 pub struct FightFrame {
     /// (s)
     pub time_s: f32,
-    /// One or two characters.
+    /// Poses of one or two characters.
     pub poses: Vec<Pose>,
-    /// Where the target is, if there is one (m).
+    /// Position of the target, if there is one (m).
     pub target: Option<Vec3>,
 }
 
@@ -88,20 +88,20 @@ pub struct FightFrame {
 pub struct PathsRecord {
     /// Number of the group in the simulation.
     pub group: usize,
-    /// Ten times a second: time, speeds, poses (s, m/s, m).
+    /// Samples, ten a second: time, speeds, poses (s, m/s, m).
     pub looks: Vec<(f32, Vec<f32>, Vec<Pose>)>,
 }
 
 /// Some characters of a world.
 #[derive(Clone, Debug, Default)]
 pub struct WorldRecord {
-    /// Number of the world's cast in the simulation.
+    /// Number of the world's character group in the simulation.
     pub cast: usize,
     /// Number of its first group in the scene.
     pub group: usize,
     /// Numbers of the characters in the simulation.
     pub followed: Vec<usize>,
-    /// Ten times a second.
+    /// Samples, ten a second.
     pub looks: Vec<SeenPeople>,
 }
 
@@ -112,7 +112,7 @@ pub struct SeenPeople {
     pub time_s: f32,
     /// One pose each.
     pub poses: Vec<Pose>,
-    /// With whom each acts on one motion: its number in the simulation, and its pose.
+    /// Partner with whom each character acts: its number in the simulation, and its pose.
     pub partners: Vec<Option<(usize, Pose)>>,
 }
 
@@ -126,7 +126,7 @@ impl SeenPeople {
     }
 }
 
-/// With whom a character of a world acts, once both have come to where the capture has them.
+/// Partner of a character of a world, once both are at their places of the capture.
 fn partner(sim: &Simulation, who: usize) -> Option<(usize, Pose)> {
     let (GroupCast::Patches(people), member) = sim.locate(who) else { return None };
     let (inhabitants, first) = (people.inhabitants(), who - member);
@@ -136,50 +136,50 @@ fn partner(sim: &Simulation, who: usize) -> Option<(usize, Pose)> {
     Some((other, sim.joint_positions(other)?))
 }
 
-/// What is seen of an agent.
+/// State of an agent, for pictures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenAgent {
-    /// Its centre in the world; y is 0 on the ground (m).
+    /// Centre in the world; y is 0 on the ground (m).
     pub at: Vec3,
-    /// How it moves (m/s).
+    /// Velocity (m/s).
     pub velocity: Vec3,
-    /// It knows of a happening.
+    /// True if it knows of a happening.
     pub knows: bool,
 }
 
 /// All agents at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CrowdMoment {
-    /// When (s).
+    /// Time (s).
     pub time_s: f64,
-    /// `None` where one has left (agents).
+    /// State of each agent; `None` for an agent that has left (agents).
     pub agents: Vec<Option<SeenAgent>>,
-    /// Which doors are open.
+    /// Flags of open doors (doors).
     pub is_open: Vec<bool>,
 }
 
 /// All agents of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AgentsRecord {
-    /// True in the air.
+    /// True for agents in the air.
     pub in_the_air: bool,
     /// Names of groups.
     pub names: Vec<String>,
-    /// Of each agent: number of its group among those of agents.
+    /// Group of each agent, as a number among the groups of agents (agents).
     pub groups: Vec<usize>,
-    /// Of each agent (m).
+    /// Radius of each agent (agents) (m).
     pub radii: Vec<f32>,
     /// Moments, in order of time.
     pub moments: Vec<CrowdMoment>,
-    /// Of some agents: its number, and where it was, every 0.4 s (m).
+    /// Trails of some agents: number, and positions every 0.4 s (m).
     pub trails: Vec<(usize, Vec<Vec3>)>,
-    /// Of the same agents: corners of their ways (m).
+    /// Paths of the same agents, as corners (m).
     pub ways: Vec<Vec<Vec3>>,
-    /// What stands or moves in the way.
+    /// Static and moving obstacles.
     pub obstacles: Vec<Obstacle>,
     /// Walls that open and close.
     pub doors: Vec<Obstacle>,
-    /// Where people come to.
+    /// Places that people visit.
     pub places: Vec<SeenPlace>,
 }
 
@@ -205,7 +205,7 @@ impl Recorder {
                     let all = sim.groups().iter().filter(|g| g.cast == group.cast);
                     let all = all.flat_map(|g| g.characters.clone());
                     let one = sim.scene().picture.follow.map(|one| one.min(sim.num_characters() - 1));
-                    // Who is not in this world is not seen in it.
+                    // Characters of other worlds are left out.
                     let followed = match one.filter(|one| all.clone().any(|who| who == *one)) {
                         Some(one) => vec![one],
                         None => all.take(FOLLOWED[1]).collect(),
@@ -260,7 +260,7 @@ impl Recorder {
         }
     }
 
-    /// The record, with what is seen at the end.
+    /// Completes the record with the state at the end.
     pub fn finish(mut self, sim: &Simulation, watch: &Watch) -> Record {
         self.record.poses = (0..sim.num_characters()).map(|who| sim.joint_positions(who)).collect();
         self.record.faults = watch.faults().cloned().collect();
@@ -285,7 +285,7 @@ impl Recorder {
     }
 }
 
-/// Adds where all agents are.
+/// Adds the positions of all agents.
 fn follow(sim: &Simulation, out: &mut Vec<TrajectoryPoint>) {
     for who in 0..sim.num_characters() {
         let disc = match sim.locate(who) {
@@ -300,7 +300,7 @@ fn follow(sim: &Simulation, out: &mut Vec<TrajectoryPoint>) {
     }
 }
 
-/// The characters with policies among whom a group is.
+/// Characters with policies that include a group's.
 fn boxers(sim: &Simulation, group: usize) -> Option<&PolicyCharacters> {
     match &sim.casts()[sim.groups()[group].cast] {
         GroupCast::Policy(p) => Some(p.practice().boxers()),
@@ -322,7 +322,7 @@ impl FightRecord {
     }
 }
 
-/// What is kept of agents, with what does not change.
+/// Begins the record of agents with everything that does not change.
 fn begin<V: Space>(agents: &Agents<V>, sim: &Simulation) -> AgentsRecord {
     let layout = agents.layout();
     let num = agents.num_agents();
@@ -361,7 +361,7 @@ impl AgentsRecord {
         }
     }
 
-    /// Keeps the ways that trailed agents are on at the end.
+    /// Records the paths of the trailed agents at the end.
     fn keep_ways<V: Space>(&mut self, agents: &Agents<V>) {
         let way = |(m, _): &(usize, Vec<Vec3>)| agents.layout().ways[*m].iter().map(|&p| in_world(p)).collect();
         self.ways = self.trails.iter().map(way).collect();
@@ -378,11 +378,11 @@ fn seen<V: Space>(agents: &Agents<V>, m: usize) -> Option<SeenAgent> {
 pub struct SeenPlace {
     /// Its name.
     pub name: String,
-    /// Its middle (m).
+    /// Centre (m).
     pub at: Vec3,
     /// (m)
     pub radius: f32,
-    /// Where people stand there (m).
+    /// Standing places, slots and queue (m).
     pub slots: Vec<Vec3>,
 }
 
@@ -393,12 +393,12 @@ fn seen_place(site: &SiteConfig) -> SeenPlace {
     SeenPlace { name: site.name.clone(), at: point(&site.at), radius: site.radius_m, slots: slots.collect() }
 }
 
-/// An obstacle as one of the world.
+/// Converts an obstacle to world space.
 pub fn seen_obstacle<V: Space>(obstacle: &Obstacle<V>) -> Obstacle {
     obstacle.clone().map(in_world)
 }
 
-/// Where something is on its way through points, which are in order of time (s, m).
+/// Position at a time on a path of timed points, in order of time (s, m).
 pub fn on_its_way(way: &[(f64, Vec3)], time_s: f64) -> Vec3 {
     let next = way.partition_point(|w| w.0 <= time_s);
     match (next.checked_sub(1).map(|i| way[i]), way.get(next)) {

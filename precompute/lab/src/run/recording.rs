@@ -1,4 +1,4 @@
-//! Runs that are kept to be replayed and explained: the scene, how it was stepped, and a hash of each simulated second.
+//! Recordings of runs, to replay and explain them: the scene, its step rate, and a hash of each simulated second.
 
 use super::report::{Moment, fault, play};
 use serde::{Deserialize, Serialize};
@@ -11,12 +11,12 @@ use throng_runtime::simulation::{CompiledScene, Scene, Simulation};
 
 const KIND: SnapshotKind = SnapshotKind { what: "recording", tag: *b"RCRD", version: 1, setup: 0 };
 
-/// A run that can be repeated exactly: steps depend on nothing but what is here.
+/// A recorded run that can be repeated exactly: steps depend only on the data here.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recording {
-    /// The scene, as a scene file; paths start where it was run.
+    /// The scene, as the text of a scene file; its paths are relative to the folder of the run.
     pub scene: String,
-    /// Its name.
+    /// Name of the scene.
     pub name: String,
     /// Content hash of the scene, its bundles and worlds.
     pub setup: u128,
@@ -29,7 +29,7 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// A run that begins.
+    /// A recording at the begin of a run.
     ///
     /// # Errors
     /// [`BuildError::Config`] for a scene that cannot be written, such as one with a seed above 2^63.
@@ -41,7 +41,7 @@ impl Recording {
         Ok(Self { scene: text, name, setup, step_hz, hashes: Vec::new(), seconds: 0.0 })
     }
 
-    /// Looks at a simulation after a step.
+    /// Observes a simulation after a step.
     pub fn observe(&mut self, sim: &Simulation, is_last: bool) {
         self.seconds = sim.time_s();
         if is_last || sim.time_s() >= (self.hashes.len() + 1) as f64 - 1e-9 {
@@ -49,7 +49,7 @@ impl Recording {
         }
     }
 
-    /// Its bytes, with a checksum.
+    /// The bytes of the file, with a checksum.
     pub fn bytes(&self) -> Vec<u8> {
         let mut out = Vec::new();
         KIND.write(self, &mut out);
@@ -59,7 +59,7 @@ impl Recording {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`BuildError::Config`] for a file that is none, or damaged.
+    /// [`BuildError::Config`] for a file that is damaged or no recording.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
         let bytes = read_file(path, "a recording", MAX_TEXT_BYTES).map_err(fault)?;
         Self::parse(&bytes).map_err(|e| {
@@ -71,10 +71,10 @@ impl Recording {
         })
     }
 
-    /// As [`Recording::load`], of bytes.
+    /// Like [`Recording::load`], from bytes.
     ///
     /// # Errors
-    /// What is wrong; the file is not named.
+    /// [`Error`] without the name of the file.
     pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
         let read: Self = KIND.read_all(bytes)?;
         SECONDS.check("seconds", None, read.seconds)?;
@@ -90,11 +90,11 @@ impl Recording {
         Scene::parse_written(&self.scene).map_err(fault)
     }
 
-    /// Runs it again until a time, or to its end: the same, bit by bit.
+    /// Repeats the run until a time, or to its end, bit by bit.
     ///
     /// # Errors
-    /// As [`Simulation::new`]; [`BuildError::Config`] where bundles are others by now, this version of Throng computes
-    /// something else, or the time lies beyond the end.
+    /// As [`Simulation::new`]; [`BuildError::Config`] if bundles have changed, this version of Throng computes other states, or
+    /// the time lies beyond the end.
     pub fn replay(&self, compiled: &CompiledScene, until_s: Option<f64>) -> Result<Simulation, BuildError> {
         if let Some(until_s) = until_s.filter(|t| !(0.0..self.seconds + 0.01).contains(t)) {
             let message =
@@ -104,7 +104,7 @@ impl Recording {
         self.replay_seen(compiled, until_s, |_, _| Ok(()))
     }
 
-    /// As [`Recording::replay`]; also shows what runs before the first step and after every one.
+    /// Like [`Recording::replay`]; also calls `look` before the first step and after every step.
     pub(crate) fn replay_seen(
         &self,
         compiled: &CompiledScene,

@@ -16,21 +16,21 @@ use throng_runtime::simulation::agents::Agents;
 use throng_runtime::simulation::{CompiledScene, GroupCast, Kind, Simulation};
 use throng_runtime::{Error, Inline, Rayon, Run};
 
-/// Looks at agents a simulated second (Hz).
+/// Samples of agents a simulated second (Hz).
 pub(super) const LOOK_HZ: f64 = 30.0;
-/// Running time of a thread from which on the system's ticks do not matter (s).
+/// Running time of a thread above which the system's ticks do not matter (s).
 const TOLD_S: f64 = 0.05;
 
-/// How a scene is run.
+/// Settings of a run of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunConfig {
     /// Simulated time; that of the scene where `None` (s, 0.001 to 100000).
     pub seconds: Option<f64>,
     /// Steps a simulated second (Hz, 1 to 10000).
     pub step_hz: f64,
-    /// Keeps what a picture shows.
+    /// Records everything that a picture shows.
     pub recorded: bool,
-    /// Keeps where all agents are, ten times a simulated second.
+    /// Records the positions of all agents, ten times a simulated second.
     pub trajectories: bool,
 }
 
@@ -40,31 +40,31 @@ impl Default for RunConfig {
     }
 }
 
-/// What was measured.
+/// Figures of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct SceneReport {
     /// The scene's name.
     pub scene: String,
-    /// Of all groups.
+    /// Figures of all groups.
     #[serde(flatten)]
     pub total: Figures,
-    /// Of each group.
+    /// Figures of each group.
     pub groups: Vec<GroupReport>,
 }
 
-/// What was measured of a group.
+/// Figures of a group.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct GroupReport {
-    /// Its name.
+    /// Name of the group.
     pub group: String,
-    /// What moves it.
+    /// Kind of motion.
     pub motion: &'static str,
-    /// What was measured.
+    /// Figures of its characters.
     #[serde(flatten)]
     pub figures: Figures,
 }
 
-/// What the runtime says, as precompute does.
+/// Converts an error of the runtime.
 pub(super) fn fault(e: Error) -> BuildError {
     BuildError::Config { message: e.to_string() }
 }
@@ -75,7 +75,7 @@ pub(super) fn wrong(message: String) -> BuildError {
 
 /// Runs a scene.
 ///
-/// - returns what was measured, what there is to draw, and the simulation at its end.
+/// - returns the figures, the record for pictures, and the simulation at its end.
 ///
 /// # Errors
 /// As [`Simulation::new`] and [`Simulation::step`], or [`BuildError::Stage`] for a config out of range.
@@ -83,7 +83,7 @@ pub fn run(scene: &CompiledScene, config: &RunConfig) -> Result<(SceneReport, Re
     run_recorded(scene, config, None)
 }
 
-/// As [`run`]; also keeps what a recording needs.
+/// Like [`run`]; also fills a recording.
 ///
 /// # Errors
 /// As [`run`].
@@ -131,24 +131,24 @@ pub fn run_recorded(
     Ok((report, record, sim))
 }
 
-/// A moment of a run that is looked at.
+/// A step of a run, as observers see it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moment {
     /// Number of steps so far.
     pub step: usize,
-    /// Time since the last one (s).
+    /// Time since the previous step (s).
     pub dt_s: f32,
-    /// The run ends here.
+    /// True if the run ends here.
     pub is_last: bool,
 }
 
-/// Steps a simulation through a scene from its start, and shows it before the first step and after every one.
+/// Steps a simulation through a scene from its start; calls `look` before the first step and after every step.
 ///
-/// - `seconds`: how long the run is (s); `until_s`: where it is left, between two steps.
-/// - returns the time that steps took (s).
+/// - `seconds`: duration of the run (s); `until_s`: time at which it is left, between two steps (s).
+/// - returns the wall time of the steps (s).
 ///
 /// # Errors
-/// As [`Simulation::step`], and what `look` fails with.
+/// As [`Simulation::step`], and errors of `look`.
 pub(crate) fn play(
     sim: &mut Simulation,
     seconds: f64,
@@ -165,7 +165,7 @@ pub(crate) fn play(
             break;
         }
         let dt_s = (time_s - sim.time_s()) as f32;
-        // Everybody is posed already: a second step without time would change where feet are planted.
+        // All characters are posed already: a second step without time would change where feet are planted.
         if step > 0 {
             sim.step_to(time_s, &Inline).map_err(fault)?;
         }
@@ -179,8 +179,8 @@ pub(crate) fn play(
     Ok(busy_s)
 }
 
-/// Runs the agents of a scene and times their engine in a run of its own that is not measured, so that looking at
-/// all agents 30 times a second does not count, neither its time nor what it does to caches.
+/// Runs the agents of a scene, and times their engine in a separate run without measurements, so that neither the time
+/// of measuring all agents 30 times a second counts nor its effect on processor caches.
 ///
 /// # Errors
 /// As [`run`], and [`BuildError::Stage`] for a scene of other characters, or two runs that differ.
@@ -242,7 +242,7 @@ fn measure<V: Space>(
     Ok(figures)
 }
 
-/// What stands in the world of a group of patches.
+/// Geometry of the world of a group of patches.
 ///
 /// # Errors
 /// As [`Kit::new`], or [`BuildError::Stage`] for a group without a world.

@@ -1,9 +1,9 @@
-//! Reports of several runs of agents, a line each.
+//! Reports of several runs of agents, one line each.
 
 use super::figures::Figures;
 
 impl Figures {
-    /// What stands above the columns of [`Figures::row`].
+    /// Headings of the columns of [`Figures::row`].
     pub const HEADINGS: &str = "scene       agents engine     us/agent/s  events/s  decisions/s   m/s of wanted  \
                                 overlaps>1mm  deepest  there  stuck";
 

@@ -1,4 +1,4 @@
-//! How fast people live: scenes with rules, graphs and news, timed part by part.
+//! Speed of scenes with rules, state graphs and news, timed part by part.
 
 use super::report::fault;
 use serde::Serialize;
@@ -10,51 +10,51 @@ use throng_runtime::{Inline, Rayon, Run};
 
 /// Frames a simulated second (Hz).
 const FRAME_HZ: f64 = 30.0;
-/// Between two looks for overlaps and for who stands (frames).
+/// Frames between two samples of overlaps and of occupied slots.
 const LOOK_FRAMES: u64 = 3;
 
-/// What was measured of a scene.
+/// Figures of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ScenarioFigures {
     /// The scene's name.
     pub scene: String,
-    /// Agents, of whom some may enter later.
+    /// Number of agents, including those that enter later.
     pub agents: usize,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
     /// Simulated time (s).
     pub simulated_s: f64,
-    /// Frames of a thirtieth of a second that were computed a second: crowd, rules and bodies, without drawing.
+    /// Frames of a thirtieth of a second computed per second of wall time: crowd, rules and bodies, without drawing.
     pub frames_per_second: f64,
-    /// The same over the rate that the paper gives for its scene of this name, which it drew too.
+    /// That rate over the one that the paper gives for its scene of this name, with drawing.
     pub over_paper: Option<f64>,
-    /// Shares of the time that rules and graphs, the crowd, and bodies took.
+    /// Share of the time for rules and graphs.
     pub rules_share: f64,
-    /// See `rules_share`.
+    /// Share of the time for the crowd.
     pub crowd_share: f64,
-    /// See `rules_share`.
+    /// Share of the time for bodies.
     pub motion_share: f64,
-    /// Predicates and amounts that were worked out a simulated second.
+    /// Predicates and amounts evaluated per simulated second.
     pub evaluations_per_second: f64,
-    /// Time for a predicate of ten operations (ns).
+    /// Time to evaluate a predicate of ten operations (ns).
     pub ns_per_evaluation: f64,
-    /// Memory of an agent without body: in the crowd and in mind.
+    /// Memory of an agent without body: in the crowd and in its brain (bytes).
     pub bytes_per_agent: usize,
     /// Time to compile the scene, its bundle already open (s).
     pub compile_s: f64,
-    /// Agents that know of anything.
+    /// Agents that know of any event.
     pub informed: usize,
-    /// When the last of them learnt of it (s).
+    /// Time at which the last of them learnt of it (s).
     pub informed_last_s: Option<f64>,
-    /// Pairs of whom one told the other.
+    /// Pairs of agents of which one informed the other.
     pub told_pairs: usize,
-    /// Agents who held two slots, looked at ten times a simulated second: never.
+    /// Agents found holding two slots, at ten samples a simulated second; always 0.
     pub queued_twice: usize,
-    /// Deepest overlap of two agents, looked at ten times a simulated second (m).
+    /// Deepest overlap of two agents, at ten samples a simulated second (m).
     pub max_overlap_m: f64,
-    /// Agents who told that they make no progress.
+    /// Reports of agents that make no progress.
     pub stuck: u64,
-    /// Memory that was taken while time passed, where it is counted.
+    /// Memory allocations while stepping, if they are counted.
     pub allocations: Option<u64>,
     /// Hash of the state at the end.
     pub state_hash: String,
@@ -63,9 +63,9 @@ pub struct ScenarioFigures {
 /// Rates of Kim, Kim and Shin (2003b), section 4, with drawing, on a processor of 2.4 GHz (frames a second).
 const PAPER: [(&str, f64); 4] = [("square", 5.0), ("race", 20.0), ("race-100", 10.0), ("park", 5.0)];
 
-/// Runs a scene and times it. Looking at agents is not timed.
+/// Runs a scene and times it, without the time to sample agents.
 ///
-/// - `count`: number of allocations so far, where they are counted.
+/// - `count`: number of allocations so far, if they are counted.
 ///
 /// # Errors
 /// As [`Simulation::new`] and [`Simulation::step`].
@@ -153,7 +153,7 @@ fn timed(
     })
 }
 
-/// Deepest overlap of two agents now: of all pairs that share a cell of a grid (m).
+/// Deepest current overlap of two agents; negative if none overlap (m).
 fn deepest(sim: &Simulation) -> f64 {
     let mut places: Vec<_> =
         (0..sim.num_characters()).filter_map(|who| sim.disc(who)).map(|d| (d.centre, d.radius)).collect();
@@ -168,12 +168,12 @@ fn deepest(sim: &Simulation) -> f64 {
     most
 }
 
-/// Time of a predicate of ten operations (ns).
+/// Time to evaluate a predicate of ten operations (ns).
 fn ns_per_evaluation() -> f64 {
     const TIMES: u32 = 400_000;
     let begin = Instant::now();
     let sum = throng_runtime::simulation::scenario::evaluate_sample(TIMES);
     let ns = begin.elapsed().as_secs_f64() * 1e9 / f64::from(TIMES);
-    // What is worked out has to be used.
+    // The result has to be used, so that the evaluation is not optimized away.
     if sum.is_finite() { ns } else { f64::NAN }
 }

@@ -1,4 +1,4 @@
-//! One crowd that several processes move, measured.
+//! Measures one crowd that several processes move.
 
 use super::report::{fault, wrong};
 use schemars::JsonSchema;
@@ -13,51 +13,50 @@ use throng_motion::memory;
 use throng_motion::progress::Progress;
 use throng_runtime::simulation::{CompiledScene, GroupCast, Simulation};
 
-/// How often agents are looked at for overlaps (Hz).
+/// Samples of overlaps a simulated second (Hz).
 const LOOK_HZ: f64 = 10.0;
 
-/// What a crowd costs that several processes move.
+/// Cost of a crowd that several processes move.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct SharedFigures {
-    /// Agents at the start.
+    /// Number of agents at the start.
     pub agents: usize,
-    /// Processes.
+    /// Number of processes.
     pub ranks: usize,
     /// Simulated time (s).
     pub simulated_s: f64,
-    /// Time of the slowest process for an agent and a simulated second, looks for overlaps left out (us).
+    /// Time of the slowest process for an agent and a simulated second, without sampling overlaps (us).
     pub us_per_agent_second: f64,
-    /// How often an agent was handed over from one process to another.
+    /// Handovers of agents from one process to another.
     pub handed_over: u64,
-    /// Agents that were seen to overlap another one, in all looks, ten in a simulated second. Never anything but 0.
+    /// Agents found overlapping another one, at ten samples a simulated second; always 0.
     pub overlaps: u64,
     /// Bytes that all processes sent to others.
     pub bytes_moved: u64,
-    /// Hash of the state at the end, which is that of one process.
+    /// Hash of the state at the end, equal to that of a single process.
     pub state_hash: String,
-    /// Of each process.
+    /// Figures of each process.
     pub of_ranks: Vec<RankFigures>,
 }
 
-/// What one of several processes did.
+/// Cost of one of several processes.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RankFigures {
     /// Agents in its region at the end.
     pub agents: usize,
-    /// Time that it did not wait for others (s).
+    /// Time without waiting for others (s).
     pub busy_s: f64,
-    /// Time that a processor ran it; with MPI, waiting is running. 0 where the system does not tell (s).
+    /// Processor time; with MPI, waiting counts as running. 0 where the system does not report it (s).
     pub ran_s: f64,
     /// Bytes that it sent to others.
     pub bytes_moved: u64,
-    /// Most memory that it held, the gathering of all agents at the end left out (bytes); 0 where the system does not
-    /// tell.
+    /// Peak memory, without gathering all agents at the end (bytes); 0 where the system does not report it.
     pub peak_bytes: u64,
 }
 
-/// Moves the agents of a scene together with other processes, each of which calls this with the same words.
+/// Moves the agents of a scene together with other processes, each of which calls this with the same arguments.
 ///
-/// - `progress`: is told simulated tenths of a second.
+/// - `progress`: counts simulated tenths of a second.
 /// - returns the figures on rank 0.
 ///
 /// # Errors
@@ -126,7 +125,7 @@ pub fn run_shared(
     }))
 }
 
-/// The crowd of a scene of agents that have nothing but goals.
+/// The crowd of a scene whose agents only have goals.
 fn crowd_of(scene: &CompiledScene) -> Result<Crowd, BuildError> {
     if scene.scenario().is_some() {
         return Err(wrong("its agents react to what happens, and only one process can move such; leave out happenings, rules and wandering".into()));

@@ -1,4 +1,4 @@
-//! One path walked in several styles, for pictures.
+//! A path walked in several styles, for pictures.
 
 use super::report::fault;
 use glam::{Vec2, Vec3};
@@ -11,16 +11,16 @@ use throng_runtime::{Bundle, Cast, Inline, NUM_JOINTS};
 /// One style on the shown path.
 #[derive(Clone, Debug)]
 pub struct StyleWalk {
-    /// What it is called, with its speed.
+    /// Name of the style, with its speed.
     pub name: String,
-    /// World positions of all joints, moment after moment (m).
+    /// World positions of all joints at each moment (m).
     pub poses: Vec<[Vec3; NUM_JOINTS]>,
 }
 
-/// Walks the same path in every style that the picture of a scene shows, side by side.
+/// Walks a path in every style that the picture of a scene shows.
 ///
-/// - `length_m`: of the path.
-/// - `apart_m`: between the moments that are kept, along the path.
+/// - `length_m`: length of the path (m).
+/// - `apart_m`: distance along the path between recorded moments (m).
 ///
 /// # Errors
 /// [`BuildError::Config`] for a blend space that the bundle does not have.
@@ -41,7 +41,7 @@ fn walk_style(
     apart_m: f32,
 ) -> Result<StyleWalk, BuildError> {
     const DT_S: f32 = 1.0 / 120.0;
-    /// The body is in its stride before the path begins (m).
+    /// Distance walked before the path begins, so that the gait is steady (m).
     const RUN_UP_M: f32 = 4.0;
     let key = format!("picture.shown[{i}]");
     let space = bundle.blend(&style.space).map_err(|e| fault(scene.scene().fault(&format!("{key}.space"), e)))?;
@@ -75,8 +75,8 @@ fn walk_style(
 
 /// The path that styles are shown on: straight, a turn to the left, one to the right, straight.
 ///
-/// - `along`: how far along it (m).
-/// - returns position and heading.
+/// - `along`: distance along the path (m).
+/// - returns position and heading (m, rad).
 pub fn curve(along: f32) -> (Vec2, f32) {
     const STEP_M: f32 = 0.02;
     let (mut at, mut heading) = (Vec2::ZERO, 0.0f32);

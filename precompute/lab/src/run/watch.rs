@@ -1,4 +1,4 @@
-//! Looks at some groups of a simulation after every step.
+//! Measures some groups of a simulation after every step.
 
 mod agents;
 mod partners;
@@ -25,7 +25,7 @@ pub(super) use agents::AgentWatch;
 pub use agents::{AgentsMeter, AgentsNow};
 pub use partners::PartnerFigures;
 
-/// Time between looks for overlaps and penetrations (s).
+/// Time between samples of overlaps and penetrations (s).
 pub(super) const LOOK_S: f64 = 0.1;
 /// Time that characters have to come together before their greatest distance counts (s).
 const COMING_S: f64 = 5.0;
@@ -33,9 +33,9 @@ const COMING_S: f64 = 5.0;
 const KNEES: [[Joint; 3]; 2] =
     [[Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot], [Joint::RightThigh, Joint::RightShin, Joint::RightFoot]];
 
-/// All that is measured of some groups.
+/// Measurements of some groups.
 pub struct Watch {
-    /// Their numbers in the simulation.
+    /// Numbers of the groups in the simulation.
     groups: Vec<usize>,
     feet: SlipMeter,
     fights: FightWatch,
@@ -50,7 +50,7 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Nothing seen yet.
+    /// A watch without observations.
     pub fn new(sim: &Simulation, groups: &[usize]) -> Result<Self, BuildError> {
         let mut watch = Self {
             groups: groups.to_vec(),
@@ -79,7 +79,7 @@ impl Watch {
         Ok(watch)
     }
 
-    /// Looks after a step.
+    /// Observes a step.
     pub fn observe(&mut self, sim: &Simulation, dt_s: f32, step: usize, hz: f64) {
         let due = |every_s: f64| step.is_multiple_of(((every_s * hz).round() as usize).max(1));
         self.feet.observe_simulation(sim, self.groups.iter().flat_map(|&g| sim.groups()[g].characters.clone()), dt_s);
@@ -114,13 +114,13 @@ impl Watch {
         }
     }
 
-    /// Of opponents, beside the clips of the first group of them.
+    /// Figures of opponents, beside the clips of their first group.
     fn touch_figures(&self, sim: &Simulation) -> Option<TouchFigures> {
         let group = self.groups.iter().find(|&&g| sim.groups()[g].motion == Motion::Sparring)?;
         self.touch.figures(sim.compiled().bundle(*group).ok()?)
     }
 
-    /// Agents alone have a meter of their own.
+    /// Measures overlaps of characters; scenes of agents only have a meter of their own.
     fn look_for_overlaps(&mut self, sim: &Simulation) {
         let groups = || self.groups.iter().map(|&g| &sim.groups()[g]);
         let is_agents = |cast: &GroupCast| matches!(cast, GroupCast::Ground(_) | GroupCast::Air(_));
@@ -159,14 +159,14 @@ impl Watch {
         self.overlaps.observe_but(&self.present, are_opponents);
     }
 
-    /// Where things were seen that should not be: time, character, what (s).
+    /// Faults that were observed: time (s), character, description.
     pub fn faults(&self) -> impl Iterator<Item = &(f32, usize, String)> {
         self.worlds.iter().flat_map(|w| &w.faults)
     }
 
-    /// What was measured.
+    /// The figures.
     ///
-    /// - `rate`: steps of all characters per second, for the total alone.
+    /// - `rate`: steps of all characters per second, for the total only.
     pub fn figures(&self, sim: &Simulation, seconds: f64, rate: Option<f64>) -> Figures {
         let number = |of: &dyn Fn(Motion, &GroupCast) -> bool| {
             let groups = self.groups.iter().map(|&g| &sim.groups()[g]);
@@ -205,10 +205,10 @@ impl Watch {
     }
 }
 
-/// How far characters are from what they strike at.
+/// Distances of characters from the targets of their blows.
 #[derive(Default)]
 struct FightWatch {
-    /// As the characters' own clocks count (s).
+    /// Time by the characters' own clocks (s).
     time_s: f64,
     distance_sum: f64,
     distances: u64,

@@ -1,4 +1,4 @@
-//! What a trial looks at after every step, and what it comes to.
+//! Observes a trial after every step, and computes its report.
 
 use super::{Share, TrialConfig, TrialFrame, TrialRecord, TrialReport};
 use crate::overlap::{OverlapMeter, Present};
@@ -8,24 +8,24 @@ use glam::{Vec2, Vec3};
 use throng_runtime::characters::{Characters, PolicyCharacters};
 use throng_runtime::{Body, Bundle, Cast, Planar};
 
-/// Who moves less than this over [`STILL_S`] stands (m).
+/// Largest movement over [`STILL_S`] that counts as standing still (m).
 const STILL_M: f32 = 0.15;
-/// (s)
+/// See [`STILL_M`] (s).
 const STILL_S: f32 = 1.0;
-/// Who is slower does not walk (m/s).
+/// Speed below which a character does not walk (m/s).
 const STANDING_MPS: f32 = 0.1;
-/// Characters whose motion is compared with the clips.
+/// Number of characters whose motion is compared with the clips.
 const TRACKED: usize = 50;
-/// Of each of them, and of the one that is recorded, at most so many poses are kept.
+/// Most recorded poses of each of them, and of the recorded character.
 const MOST_POSES: usize = 10_000;
-/// Groups of targets by their distance.
+/// Number of target groups by distance.
 const RINGS: usize = 4;
 
 fn place(root: Planar) -> Vec2 {
     Vec2::new(root.x, root.z)
 }
 
-/// Shares by distance at the start, from the nearest on.
+/// Shares by distance of the target at the start, from the nearest on.
 fn by_distance(config: &TrialConfig, all: impl Iterator<Item = (f32, bool)> + Clone) -> Vec<Share> {
     let [near, far] = config.distances;
     let step = (far - near) / RINGS as f32;
@@ -37,7 +37,7 @@ fn by_distance(config: &TrialConfig, all: impl Iterator<Item = (f32, bool)> + Cl
     (0..RINGS).map(share).collect()
 }
 
-/// Shares by direction at the start, a quarter of the circle each.
+/// Shares by direction of the target at the start, a quarter of the circle each.
 fn by_direction(all: impl Iterator<Item = (Vec2, bool)> + Clone) -> Vec<Share> {
     let quarter = |p: Vec2| match (p.x.abs() > p.y.abs(), p.x > 0.0, p.y > 0.0) {
         (false, _, true) => 0,
@@ -55,26 +55,26 @@ fn share(targets: String, reached: impl Iterator<Item = bool>) -> Share {
     Share { targets, characters, reached_fraction: arrived as f64 / characters.max(1) as f64 }
 }
 
-/// Looks at characters after every step.
+/// Observes characters after every step.
 pub(super) struct Watch<'a> {
     tables: &'a Bundle,
     record: TrialRecord,
     slip: SlipMeter,
     /// Roots at the start.
     starts: Vec<Planar>,
-    /// Of each character, the number of its choices and when it made the last one (s).
+    /// Number of choices of each character, and the time of the last one (s).
     choices: Vec<(u32, f32)>,
     overlaps: OverlapMeter,
     present: Vec<Present>,
     /// Roots at the last step.
     before: Vec<Planar>,
-    /// Steps of all characters on the way, and those in which they stood.
+    /// Steps of all characters on the way, and the number of them in which they stood.
     on_the_way: [u64; 2],
     longest_wait_s: f32,
-    /// Of the first [`TRACKED`] characters.
+    /// Tracks of the first [`TRACKED`] characters.
     tracks: Vec<Track>,
     segments: Vec<u32>,
-    /// Where each character was [`STILL_S`] before the end (m).
+    /// Position of each character [`STILL_S`] before the end (m).
     late: Vec<Vec2>,
 }
 
@@ -123,7 +123,7 @@ impl<'a> Watch<'a> {
         for c in 0..config.characters {
             let (count, since_s) = self.choices[c];
             self.longest_wait_s = self.longest_wait_s.max(time_s - since_s);
-            // Who is held looks for a way again and again.
+            // Renewed searches of a blocked character count as choices.
             let chosen = characters.num_choices(c).wrapping_add(characters.blocked(c));
             if chosen != count {
                 self.choices[c] = (chosen, time_s);
@@ -153,7 +153,7 @@ impl<'a> Watch<'a> {
         });
     }
 
-    /// Adds a sample to each track of who is still on the way.
+    /// Adds a sample to each track of a character that is still on its way.
     fn track(&mut self, characters: &Characters) {
         let segments = &self.tables.graph().segments;
         for (c, (track, last)) in self.tracks.iter_mut().zip(&mut self.segments).enumerate() {

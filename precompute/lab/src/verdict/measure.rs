@@ -1,4 +1,4 @@
-//! What a verdict weighs: each measure with its limits, its word, its sentence, and what would mend it.
+//! Measures of a verdict, each with its limits, its word, its sentence and its advice.
 
 use crate::abilities::{Abilities, MOSTLY_BACKWARDS};
 use crate::trial::{Share, TrialReport};
@@ -10,75 +10,75 @@ use throng_runtime::Bundle;
 
 /// Words of a measure, from the best.
 pub(super) const WORDS: [&str; 3] = ["good", "fair", "poor"];
-/// Targets are well within reach where as many are reached.
+/// Share of reached targets from which on reaching is good.
 pub(super) const GOOD_REACH: f64 = 0.95;
-/// Groups of fewer characters say little.
+/// Least number of characters of a meaningful group.
 const FEW: usize = 10;
-/// A group of targets that falls behind the mean by this is named.
+/// A group of targets is reported if its share is below the mean by this much.
 const BEHIND: f64 = 0.1;
-/// Feet that slip less are still, whatever the clips' do (m/s).
+/// Foot slip below which feet look still, even if those of the clips slip less (m/s).
 const STILL_FEET_MPS: f64 = 0.03;
-/// Low toes that are slower do not catch the eye, whatever the clips' do (m/s).
+/// Speed of low toes that does not catch the eye, even if those of the clips are slower (m/s).
 const SLOW_TOES_MPS: f64 = 0.8;
-/// Others are the reason for a wait of which the longest action is less than this share.
+/// Share of a wait below which its longest action does not explain it, so that other characters are the reason.
 const HELD_UP: f64 = 0.7;
-/// Clips that are named.
+/// Most clips that are named.
 const NAMED: usize = 3;
 
-/// One thing that a verdict weighs.
+/// One measure of a verdict.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Measure {
-    /// What is measured.
+    /// Name of the measure.
     pub name: &'static str,
-    /// What was measured.
+    /// Measured value.
     pub value: f64,
-    /// Where good ends, and where fair ends.
+    /// Limits of good and of fair.
     pub limits: [f64; 2],
     /// `good`, `fair` or `poor`.
     pub word: &'static str,
-    /// What was measured, in words.
+    /// The measured value, in words.
     pub told: String,
-    /// What would mend it; empty where it is good.
+    /// Remedies; empty if it is good.
     pub advice: Vec<String>,
-    /// Worth a sentence even where it is good.
+    /// True if it is reported even if it is good.
     #[serde(skip)]
     pub(super) is_told: bool,
 }
 
-/// What a verdict is made from.
+/// Inputs of a verdict.
 pub(super) struct Facts<'a> {
     pub trial: &'a TrialReport,
     pub motion: &'a Abilities,
-    /// Mirrored copies are made.
+    /// True if the bundle has mirrored copies.
     pub mirrored: bool,
     pub source: SourceFeet,
     pub longest: Option<Longest>,
-    /// Names of policies, what each promises and keeps, and what would mend that.
+    /// Names of policies, the promise of each, and the remedy.
     pub promises: Vec<(&'a str, Promise, String)>,
     pub blends: &'a [BlendReport],
 }
 
-/// How fast planted heels and toes move in the clips, and how far feet stand from the ground.
+/// Speeds of planted heels and toes in the clips, and distances of standing feet from the ground.
 #[derive(Default)]
 pub(super) struct SourceFeet {
-    /// (m/s)
+    /// Mean speed (m/s).
     pub mean_mps: f64,
-    /// Clip by clip, the fastest first (m/s).
+    /// Mean speed in each clip, the fastest first (m/s).
     pub of_clips: Vec<(String, f64)>,
-    /// Of all clips; none where heights are kept as they were captured.
+    /// Stance in all clips; none if heights are kept as captured.
     pub stance: Option<Stance>,
-    /// Of a few clips, the farthest first.
+    /// Stance in a few clips, the farthest from the ground first.
     pub stances: Vec<(String, Stance)>,
 }
 
-/// The longest stretch without a choice.
+/// The longest action, within which no choice is made.
 pub(super) struct Longest {
     pub clip: String,
     pub seconds: f64,
 }
 
 impl Longest {
-    /// Of all actions of a bundle.
+    /// The longest of all actions of a bundle.
     pub fn of(tables: &Bundle) -> Option<Self> {
         let longest = tables.graph().segments.iter().max_by_key(|s| s.num_frames)?;
         let clip = tables.clips().partition_point(|c| c.first_frame <= longest.start).saturating_sub(1);
@@ -87,7 +87,7 @@ impl Longest {
     }
 }
 
-/// Everything that is known, in the order in which it is told.
+/// All measures, in the order in which they are reported.
 pub(super) fn all(facts: &Facts<'_>) -> Vec<Measure> {
     let mut all = vec![reached(facts)];
     all.extend(worst_targets(facts.trial));
@@ -105,7 +105,7 @@ pub(super) fn all(facts: &Facts<'_>) -> Vec<Measure> {
     all
 }
 
-/// A measure of which more is better where the first limit is above the second, otherwise less.
+/// A measure; larger values are better if the first limit is above the second, otherwise smaller ones.
 fn measure(name: &'static str, value: f64, limits: [f64; 2], told: String) -> Measure {
     let [good, fair] = limits;
     let within = |limit: f64| if good > fair { value >= limit } else { value <= limit };
@@ -124,7 +124,7 @@ impl Measure {
         Self { is_told: true, ..self }
     }
 
-    /// With what would mend it, where it is not good.
+    /// Adds advice if the measure is not good.
     fn advised(mut self, advice: impl FnOnce() -> Vec<String>) -> Self {
         if self.word != WORDS[0] {
             self.advice = advice();
@@ -181,7 +181,7 @@ fn worst_targets(trial: &TrialReport) -> impl Iterator<Item = Measure> {
     })
 }
 
-/// Whether those who have come stay.
+/// Share of the characters that stay, of those that have reached their target.
 fn staying(facts: &Facts<'_>) -> Option<Measure> {
     let (trial, advice) = (facts.trial, || stops(facts));
     if trial.reached_fraction * (trial.characters as f64) < FEW as f64 {
@@ -192,7 +192,7 @@ fn staying(facts: &Facts<'_>) -> Option<Measure> {
     Some(measure("staying at targets", share, [0.7, 0.2], told).advised(advice))
 }
 
-/// Whether those who have stayed stand.
+/// Share of the characters that stand, of those that have stayed.
 fn standing(facts: &Facts<'_>) -> Option<Measure> {
     let (trial, share) = (facts.trial, facts.trial.standing_fraction);
     if trial.stayed_fraction * (trial.characters as f64) < FEW as f64 {
@@ -202,12 +202,12 @@ fn standing(facts: &Facts<'_>) -> Option<Measure> {
         0.5.. => format!("{} of those who stayed there stand still", percent(share)),
         _ => format!("only {} of those who stayed there stand still; the others go on moving", percent(share)),
     };
-    // They have come all the same.
+    // They have reached their targets all the same.
     let m = measure("standing at targets", share, [0.5, 0.0], told).told();
     Some(m.advised(|| stops(facts)))
 }
 
-/// What lets characters stay and stand.
+/// Advice on motion that lets characters stay and stand.
 fn stops(facts: &Facts<'_>) -> Vec<String> {
     let missing = facts.motion.missing(facts.mirrored);
     match missing.is_empty() {
@@ -216,7 +216,7 @@ fn stops(facts: &Facts<'_>) -> Vec<String> {
     }
 }
 
-/// Motion whose front was misread reaches targets as well as any, backwards.
+/// Share of backwards walking; motion whose front was misread reaches targets as well as any, but backwards.
 fn backwards(facts: &Facts<'_>) -> Measure {
     let share = facts.motion.backwards();
     let told = format!("{} of the walking is backwards", percent(share));
@@ -234,7 +234,7 @@ fn wait(facts: &Facts<'_>) -> Measure {
     let wait = facts.trial.longest_wait_s;
     let told = format!("a character waits {wait:.1} s for its next choice at the longest");
     measure("longest wait for a choice (s)", wait, [4.0, 8.0], told).told().advised(|| {
-        // Who waits for others plays what it has chosen more slowly.
+        // A character that waits for others plays its action more slowly.
         let own = facts.longest.as_ref().filter(|l| l.seconds > HELD_UP * wait || !facts.trial.making_way);
         if own.is_none() && facts.longest.is_some() {
             return vec!["others hold it up, and not its clips: fewer characters, or more room".into()];
@@ -248,7 +248,7 @@ fn wait(facts: &Facts<'_>) -> Measure {
     })
 }
 
-/// Slip of characters, beside that of the clips.
+/// Foot slip of characters, beside that of the clips.
 fn slip(facts: &Facts<'_>) -> Vec<Measure> {
     let (here, there) = (facts.trial.foot_slip_mean_mps, facts.source.mean_mps);
     if there <= 0.0 {
@@ -257,7 +257,7 @@ fn slip(facts: &Facts<'_>) -> Vec<Measure> {
     let ratio = here / there.max(1e-6);
     let [mm, source_mm] = [here, there].map(|mps| 1000.0 * mps);
     let told = format!("planted feet slip {mm:.0} mm/s, {ratio:.1} times as fast as in the clips ({source_mm:.0})");
-    // Times what the clips do, or what nobody sees.
+    // Relative to the slip of the clips, or to an invisible slip.
     let limit = |times: f64| (times * there).max(STILL_FEET_MPS);
     let m = measure("foot slip (m/s)", here, [limit(1.5), limit(2.5)], told).told();
     vec![m.advised(|| {
@@ -267,7 +267,7 @@ fn slip(facts: &Facts<'_>) -> Vec<Measure> {
     })]
 }
 
-/// Slip of the clips themselves.
+/// Foot slip of the clips themselves.
 fn source_slip(slip: &SourceFeet) -> Option<Measure> {
     let mps = slip.mean_mps;
     if mps <= 0.0 {
@@ -285,7 +285,7 @@ fn source_slip(slip: &SourceFeet) -> Option<Measure> {
     }))
 }
 
-/// How far feet stand from the ground in the clips.
+/// Distance of standing feet from the ground in the clips.
 fn from_ground(source: &SourceFeet) -> Option<Measure> {
     let Stance { p95_cm: far, worst_cm, .. } = source.stance?;
     let told = format!("feet stand up to {far:.1} cm from the ground in the clips, {worst_cm:.1} cm at worst");
@@ -308,7 +308,7 @@ fn toes(trial: &TrialReport) -> Measure {
     m.advised(|| vec!["add walks whose steps are alike, or lower `graph.max_error`".into()])
 }
 
-/// What policies keep of their promises, altogether and at the 5th percentile, each of the policy that keeps least.
+/// Kept share of the policies' promises, in total and at the 5th percentile, each of the policy that keeps least.
 fn promises(facts: &Facts<'_>) -> Vec<Measure> {
     let least = |of: fn(&Promise) -> Option<f64>, of_part: fn(&PromisePart) -> f64| {
         let all = facts.promises.iter().filter_map(move |(name, p, help)| Some((*name, of(p)?, p, help)));
@@ -327,14 +327,14 @@ fn promises(facts: &Facts<'_>) -> Vec<Measure> {
     if let Some((name, kept, advice)) = least(|p| p.kept_p05, |p| p.kept_p05) {
         let share = percent(kept.max(0.0));
         let told = format!("for one target in twenty, policy `{name}` collects {share} of what it promises, or less");
-        // What is not to be had for a few targets makes no policy poor.
+        // A policy is not poor because a few targets are unattainable.
         let m = measure("promises kept, 5th percentile", kept, [LEAST_KEPT, f64::MIN], told);
         out.push(m.advised(|| vec![advice]));
     }
     out
 }
 
-/// The widest seam of all blend spaces, over the widest that is let through without being named in a config.
+/// The widest seam of all blend spaces, over the widest that is accepted by default.
 fn seam(blends: &[BlendReport]) -> Option<Measure> {
     let all = blends.iter().flat_map(|b| b.examples.iter().map(move |e| (b, e)));
     let (b, e) = all.max_by(|x, y| x.1.seam().total_cmp(&y.1.seam()))?;

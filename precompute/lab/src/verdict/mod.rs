@@ -1,4 +1,4 @@
-//! What a bundle is worth, in words: how many targets characters reach, what keeps them from it, and what would mend it.
+//! Verdict on a bundle in words: how many targets characters reach, what keeps them from it, and remedies.
 
 mod measure;
 
@@ -18,36 +18,36 @@ use throng_motion::stance::{self, Stance};
 use throng_runtime::Bundle;
 use throng_runtime::characters::CharactersConfig;
 
-/// Unused clips that are named.
+/// Most unused clips that are named.
 const NAMED: usize = 4;
-/// Characters of the short trial that a build ends with.
+/// Number of characters of the short trial at the end of a build.
 const CHARACTERS: usize = 200;
 
 /// A verdict on a trial.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Verdict {
-    /// `good`, `fair` or `poor`: that of the worst measure.
+    /// Word of the worst measure: `good`, `fair` or `poor`.
     pub word: &'static str,
-    /// Name of the worst measure; empty where all are good.
+    /// Name of the worst measure; empty if all are good.
     pub worst: &'static str,
-    /// The verdict and what was measured, one sentence each, the worst measure first.
+    /// The verdict and the measures, one sentence each, the worst measure first.
     pub sentences: Vec<String>,
-    /// What would mend it.
+    /// Remedies.
     pub advice: Vec<String>,
-    /// What was measured, each judged by limits of its own.
+    /// All measures, each judged by its own limits.
     pub measures: Vec<Measure>,
-    /// What the motion shows that actions play.
+    /// Abilities in the motion that actions play.
     pub motion: Abilities,
-    /// Walking that no action plays, as it does not hang together with the rest (s).
+    /// Walking that no action plays, as it is not connected with the rest (s).
     pub walking_unused_s: f64,
     /// Mean speed of planted heels and toes in the clips themselves (m/s).
     pub source_slip_mean_mps: f64,
 }
 
-/// Tries the first behaviour of a bundle for a moment, and judges it.
+/// Runs a short trial of the first behaviour of a bundle, and judges it.
 ///
-/// - `blends`: what its build says of blend spaces.
-/// - returns nothing for a bundle whose first behaviour goes to no target.
+/// - `blends`: reports of its build on blend spaces.
+/// - returns `None` for a bundle whose first behaviour does not go to a target.
 ///
 /// # Errors
 /// As [`trial::run`].
@@ -60,7 +60,7 @@ pub fn try_out(tables: &Bundle, blends: &[BlendReport]) -> Result<Option<(TrialR
     if tables.policies().is_empty() || !config.is_ok_and(is_approach) {
         return Ok(None);
     }
-    // What the motion can do shows where nobody is in the way.
+    // Without avoidance, the trial only measures the motion.
     let motion = CharactersConfig::default();
     let config = TrialConfig {
         characters: CHARACTERS,
@@ -76,9 +76,9 @@ pub fn try_out(tables: &Bundle, blends: &[BlendReport]) -> Result<Option<(TrialR
 }
 
 impl Verdict {
-    /// Judges a trial of a bundle, and what its policies promise.
+    /// Judges a trial of a bundle, and the promises of its policies.
     ///
-    /// - `blends`: what its build says of blend spaces; a bundle does not keep their seams.
+    /// - `blends`: reports of its build on blend spaces, as a bundle does not keep their seams.
     pub fn new(tables: &Bundle, trial: &TrialReport, blends: &[BlendReport]) -> Self {
         let mirrored = tables.clips().iter().any(|c| c.mirrored != 0);
         let (motion, all) = (Abilities::of_played(tables), Abilities::of_bundle(tables));
@@ -101,7 +101,7 @@ impl Verdict {
             if trial.reached_fraction >= GOOD_REACH {
                 unused.truncate(1);
             }
-            // What the unused ones show is not missing.
+            // Abilities in unused clips are not missing.
             let missing = verdict.motion.missing(mirrored);
             verdict.advice.retain(|a| !missing.contains(a));
             verdict.advice.splice(..0, unused);
@@ -142,9 +142,9 @@ impl Verdict {
     }
 }
 
-/// What would mend a set most of whose walking no action plays, for that leads to nothing else.
+/// Advice for a set of which most walking is played by no action, as it leads to no other motion.
 ///
-/// - `all`: what its clips show together: what they lack, the unused ones do not mend.
+/// - `all`: abilities in all clips; those that are missing here are not in the unused clips either.
 fn of_unused(unused_s: f64, clips: &[&str], all: &Abilities, mirrored: bool) -> Vec<String> {
     let named = named(clips);
     let alone = if unused_s < LITTLE_WALKING_S { "" } else { "build them alone, or " };
@@ -161,7 +161,7 @@ fn named(clips: &[&str]) -> String {
     clips.iter().take(NAMED).map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ") + more
 }
 
-/// How fast planted heels and toes move in the clips, and how far feet stand from the ground.
+/// Measures planted heels and toes in the clips, and the distances of standing feet from the ground.
 fn source_feet(tables: &Bundle) -> SourceFeet {
     let (clips, dt_s) = (tables.clips(), 1.0 / tables.meta().rate_hz as f32);
     let mut all = SlipMeter::new(1);
@@ -199,7 +199,7 @@ fn source_feet(tables: &Bundle) -> SourceFeet {
     let mut stances: Vec<(String, Stance)> = names.zip(far.iter().map(|f| Stance::of(f.clone()))).collect();
     stances.sort_by(|a, b| b.1.p95_cm.total_cmp(&a.1.p95_cm));
     stances.truncate(NAMED);
-    // Who keeps heights as they were captured has terrain.
+    // A config that keeps heights as captured implies terrain.
     let config = BuildConfig::parse(&tables.meta().config, "bundle".as_ref());
     let stance = config.is_ok_and(|c| c.retarget.align_ground).then(|| Stance::of(far.concat()));
     SourceFeet { mean_mps: all.mean_mps(), of_clips, stance, stances }

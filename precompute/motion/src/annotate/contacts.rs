@@ -7,33 +7,33 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_core::{Contacts, Joint, Skeleton};
 
-/// When a heel or toe counts as planted.
+/// Thresholds by which a heel or toe counts as planted.
 ///
 /// A run of frames below the `off` thresholds is a contact when at least one of its frames is below the `on`
 /// thresholds. Lengths are for legs of 0.83 m and scale with the skeleton's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ContactConfig {
-    /// Height above the joint's own floor that a contact reaches (m, <= height_off).
+    /// Height above the joint's own floor below which a contact begins (m, <= height_off).
     pub height_on: f32,
-    /// Height above the joint's own floor that ends a contact (m).
+    /// Height above the joint's own floor above which a contact ends (m).
     pub height_off: f32,
-    /// Speed that a contact falls below, for a body in place (m/s, <= speed_off).
+    /// Speed below which a contact begins, for a body in place (m/s, <= speed_off).
     pub speed_on: f32,
-    /// Speed that ends a contact, for a body in place (m/s).
+    /// Speed above which a contact ends, for a body in place (m/s).
     pub speed_off: f32,
     /// Contacts begin and end with a frame whose vertical speed is below this: a heel that rises while the toe still
     /// stands is no longer planted.
     /// (m/s)
     pub vertical_speed_off: f32,
-    /// Share of the hips' speed over the ground that is added to both: tracked feet slide more the faster they
-    /// are put down.
+    /// Share of the hips' speed over the ground that is added to both speeds: tracked feet slide more the faster they are put
+    /// down.
     pub speed_share: f32,
     /// Contacts that last less are dropped (s).
     pub min_duration: f32,
     /// Shorter pauses within a contact are filled (s).
     pub max_gap: f32,
-    /// What the feet stand on.
+    /// Shape of the ground under the feet.
     pub ground: Ground,
 }
 
@@ -72,7 +72,7 @@ impl ContactConfig {
     }
 }
 
-/// What the feet stand on.
+/// Shape of the ground under the feet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Ground {
@@ -86,13 +86,13 @@ pub enum Ground {
     Uneven,
 }
 
-/// Leg length the thresholds are for: the default skeleton's (m).
+/// Leg length that the thresholds are for: the default skeleton's (m).
 const REFERENCE_LEG: f32 = 0.83;
 
-/// Slower feet may be standing; their heights show where the floor is (m/s).
+/// Speed below which a foot may be standing, so that its height shows where the floor is (m/s).
 const SLOW: f32 = 0.3;
 
-/// Half the window of the local floor on uneven ground (s).
+/// Half width of the window over which the local floor on uneven ground is found (s).
 const LOCAL_WINDOW: f32 = 0.33;
 
 /// Spread of the heights of standing feet from which ground is uneven (m).
@@ -182,7 +182,7 @@ pub fn speeds(positions: &[Vec3], rate_hz: f64) -> Vec<f32> {
         .collect()
 }
 
-/// The sorted heights of the frames in which the joint is slow.
+/// Sorted heights of the frames in which the joint is slow.
 fn slow_heights(track: &Track, slow: f32) -> Vec<f32> {
     let mut h: Vec<f32> =
         track.heights.iter().zip(&track.speeds).filter(|(_, s)| **s < slow).map(|(h, _)| *h).collect();
@@ -190,8 +190,8 @@ fn slow_heights(track: &Track, slow: f32) -> Vec<f32> {
     h
 }
 
-/// Where the joint is when its foot stands: low among the frames in which it is slow, or the rest height where
-/// that is further than `limit` away (a foot that never stands on the ground).
+/// Height of the joint while its foot stands: low among the frames in which it is slow, or the rest height where that is
+/// further than `limit` away (a foot that never stands on the ground).
 fn flat_floor(track: &Track, slow: f32, rest: f32, limit: f32) -> f32 {
     let h = slow_heights(track, slow);
     match h.get(h.len() / 5) {
@@ -211,7 +211,7 @@ fn local_floor(track: &Track, window: usize) -> Vec<f32> {
         .collect()
 }
 
-/// How far apart the heights are at which toes stand: between the 10th and 90th percentile, the larger foot's.
+/// Spread of the heights at which toes stand: from the 10th to the 90th percentile, the larger foot's.
 fn spread(tracks: &[Track], slow: f32) -> f32 {
     [1, 3]
         .map(|i: usize| {
@@ -236,7 +236,7 @@ pub fn hysteresis(weak: &[bool], strong: &[bool], min_frames: usize, max_gap: us
         }
     }
     for run in runs(0..out.len(), |f| out[f]) {
-        // What the clip's ends cut may have lasted longer.
+        // Runs that the clip's ends cut may have lasted longer.
         if run.len() < min_frames && run.start > 0 && run.end < out.len() {
             out[run].fill(false);
         }

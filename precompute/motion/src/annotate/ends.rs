@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
-/// What is left out at the ends of clips.
+/// Frames to leave out at the ends of clips.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct EndsConfig {
@@ -16,11 +16,11 @@ pub struct EndsConfig {
     pub t_pose: bool,
     /// Leave out stillness.
     pub still: bool,
-    /// How near to the clip's end a T-pose is looked for (s).
+    /// Distance from the clip's end within which a T-pose is searched for (s).
     pub t_pose_within: f32,
-    /// Nothing has moved for at least this long (s).
+    /// Least time of stillness (s).
     pub still_duration: f32,
-    /// The fastest joint of a body that stands still (m/s).
+    /// Speed of the fastest joint below which a body stands still (m/s).
     pub still_speed: f32,
     /// Still frames kept next to the motion, so that standing remains in the database (s).
     pub still_keep: f32,
@@ -50,23 +50,23 @@ impl EndsConfig {
     }
 }
 
-/// Arms further than this from straight out to the side have left the T-pose (rad).
+/// Angle of arms from straight out to the side above which the T-pose is left (rad).
 const ARMS_OUT: f32 = 0.6;
 
-/// Arms that turn away from the side slower than this have arrived (rad/s).
+/// Turning speed away from the side below which arms have arrived (rad/s).
 const ARRIVED_SPEED: f32 = 0.6;
 
-/// Bodies that hold a T-pose move no joint faster; where a clip is cut in a T-pose they may be on the way out of a
+/// Speed of all joints below which a body holds a T-pose; where a clip is cut in a T-pose, the body may be on the way out of a
 /// full one, and faster (m/s).
 const POSING_SPEED: f32 = 0.5;
 
-/// Poses this near to a clip's end are those it is cut in (s).
+/// Distance from a clip's end within which a pose counts as the one that the clip is cut in (s).
 const EDGE: f32 = 0.1;
 
-/// T-poses further inside are held for at least this long (s).
+/// Least time for which T-poses further inside are held (s).
 const MIN_HOLD: f32 = 0.1;
 
-/// The way out of a T-pose takes no longer (s).
+/// Longest way out of a T-pose (s).
 const MAX_WAY_OUT: f32 = 2.0;
 
 /// The frames at the clip's start and end that are no motion.
@@ -76,7 +76,7 @@ pub fn find(clip: &Clip, skeleton: &Skeleton, cfg: &EndsConfig) -> Vec<Exclusion
     let fastest = fastest_joint(&poses, clip.rate_hz);
     let mut out = Vec::new();
     for from_end in [false, true] {
-        // Frames are counted from the end that is looked at.
+        // Frames are counted from the end that is searched.
         let at = |k: usize| if from_end { n - 1 - k } else { k };
         let mut add = |range: std::ops::Range<usize>, reason| {
             if !range.is_empty() {
@@ -95,7 +95,7 @@ pub fn find(clip: &Clip, skeleton: &Skeleton, cfg: &EndsConfig) -> Vec<Exclusion
     clamp_halves(out, n)
 }
 
-/// A clip that is excluded from both ends is excluded once.
+/// Cuts overlaps of exclusions from both ends, so that no frame is excluded twice.
 fn clamp_halves(mut all: Vec<Exclusion>, num_frames: usize) -> Vec<Exclusion> {
     all.sort_by_key(|e| e.range.start);
     let mut end = 0;
@@ -166,7 +166,7 @@ fn arms(pose: &[Vec3; NUM_JOINTS]) -> [(Vec3, Vec3, Vec3); 2] {
         .map(|[a, b, c]| (pose[a.index()], pose[b.index()], pose[c.index()]))
 }
 
-/// How much of a T-pose a pose is.
+/// Degree to which a pose is a T-pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum TPose {
     /// Upright on straight legs, both arms straight and about level out to the sides.

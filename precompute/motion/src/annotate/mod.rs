@@ -1,4 +1,4 @@
-//! What happens in the clips: foot contacts, effective hits, frames not to be used, names of ranges.
+//! Annotations of clips: foot contacts, effective hits, unusable frames, names of ranges.
 
 pub mod contacts;
 mod ends;
@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 pub use sidecar::{Sidecar, Sidecars};
 use throng_core::Skeleton;
 
-/// How contacts, effective hits and unusable frames are found.
+/// Settings of contacts, effective hits and unusable frames.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct AnnotateConfig {
@@ -45,7 +45,7 @@ impl AnnotateConfig {
 
 /// Finds foot contacts, unusable ends and effective hits of every clip, and adds what the sidecars mark.
 ///
-/// Exclusions and tags the clips bring are kept. A mirrored copy that follows its original gets the original's
+/// Exclusions and tags that clips already have are kept. A mirrored copy that follows its original gets the original's
 /// annotations, sides exchanged.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! How plausible the contacts are: how often the feet stand, and how fast they are while they do.
+//! Plausibility of contacts: how often the feet stand, and how fast they are while they do.
 
 use super::contacts::PARTS;
 use crate::clip::Clip;
@@ -7,18 +7,18 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_core::{Contacts, Skeleton};
 
-/// What the contacts of a clip look like. Walking has about 0.6 of each foot, running about 0.35.
+/// Statistics of a clip's contacts. Walking has about 0.6 of each foot, running about 0.35.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ContactSanity {
     /// Share of the usable frames with the left heel or toe planted (0 to 1).
     pub left_share: f32,
-    /// The right foot's.
+    /// Share of the usable frames with the right heel or toe planted (0 to 1).
     pub right_share: f32,
     /// Mean speed of heels and toes while planted (m/s).
     pub mean_speed_mps: f32,
     /// 95th percentile of that speed (m/s).
     pub p95_speed_mps: f32,
-    /// How far feet are from the ground while they stand, whether contacts were found there or not.
+    /// Distance of standing feet from the ground, whether contacts were found there or not.
     pub stance: Stance,
 }
 

@@ -1,4 +1,4 @@
-//! What people write beside a clip: ranges to leave out, names of ranges, effective hits.
+//! Sidecar files beside clips, written by people: ranges to leave out, names of ranges, effective hits.
 //!
 //! `CLIP.toml` beside `CLIP.bvh`:
 //!
@@ -44,15 +44,15 @@ const MOST_ENTRIES: usize = 10_000;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Sidecar {
-    /// What the numbers count.
+    /// Unit of all numbers.
     pub unit: TimeUnit,
     /// Ranges to leave out, `[start, end]`; `inf` is the clip's end (as `unit` says).
     pub exclude: Vec<[f64; 2]>,
     /// Names of ranges.
     pub tags: Vec<SidecarTag>,
-    /// Effective hits; each takes the place of what is found for the same joint nearby.
+    /// Effective hits; each replaces a found hit of the same joint nearby.
     pub hits: Vec<SidecarHit>,
-    /// Look for hits, too; false leaves those of `hits` alone.
+    /// Look for hits, too; false keeps those of `hits` alone.
     pub automatic_hits: bool,
 }
 
@@ -74,13 +74,13 @@ impl Default for Sidecar {
 pub struct SidecarTag {
     /// The name, as configs and reports use it.
     pub name: String,
-    /// Where it begins (as `unit` says).
+    /// Begin (as `unit` says).
     pub start: f64,
-    /// Where it ends (as `unit` says).
+    /// End (as `unit` says).
     pub end: f64,
 }
 
-/// What the numbers of a sidecar count.
+/// Unit of the numbers of a sidecar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TimeUnit {
@@ -102,14 +102,14 @@ struct Entry {
     sidecar: Sidecar,
     /// Frames a second of the file.
     source_rate_hz: f64,
-    /// Where it is written; none in the config's table `clips`.
+    /// The sidecar file; `None` for the config's table `clips`.
     file: Option<PathBuf>,
 }
 
-/// Where something about a clip is written.
+/// Place in a file at which something about a clip is written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// The sidecar; none for the config, whose file whoever read it adds.
+    /// The sidecar; `None` for the config, whose file the reader of the config adds.
     pub file: Option<PathBuf>,
     /// The key in it.
     pub key: String,
@@ -121,7 +121,7 @@ impl Place {
         Self { file: file.map(Path::to_path_buf), key: format!("{outer}{key}") }
     }
 
-    /// What is wrong there.
+    /// An error at this place.
     pub fn fault(&self, why: impl std::fmt::Display) -> BuildError {
         let fault = BuildError::key(&self.key, why);
         match &self.file {
@@ -131,7 +131,7 @@ impl Place {
     }
 }
 
-/// What a sidecar says about a clip, in the clip's frames.
+/// Contents of a sidecar, in the clip's frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Marked {
     /// Ranges to leave out.
@@ -140,7 +140,7 @@ pub struct Marked {
     pub tags: Vec<Tag>,
     /// Hits.
     pub hits: Vec<HitMark>,
-    /// Look for hits, too.
+    /// True where hits are searched for, too.
     pub automatic_hits: bool,
 }
 
@@ -259,7 +259,7 @@ impl Sidecars {
         Ok(true)
     }
 
-    /// As [`Sidecars::insert_beside`], for a sidecar in an archive.
+    /// Adds a sidecar in an archive, as [`Sidecars::insert_beside`] does a file.
     fn insert_packed(&mut self, clip_name: &str, path: &Path, source_rate_hz: f64) -> Result<bool, BuildError> {
         if !archive::is_file(path) {
             return Ok(false);
@@ -272,7 +272,7 @@ impl Sidecars {
 
     /// The sidecar files beside imported clips, and those that a config has in a table by clip name.
     ///
-    /// - `names`: what the clips are called (raw.clips.len()).
+    /// - `names`: names of the clips (raw.clips.len()).
     ///
     /// # Errors
     /// As [`Sidecars::insert`] and [`Sidecars::insert_beside`]; a sidecar of a clip that is not there.
@@ -293,7 +293,7 @@ impl Sidecars {
         Ok(out)
     }
 
-    /// What is said of one clip alone.
+    /// The sidecar of one clip alone.
     pub fn of(&self, name: &str) -> Self {
         Self { entries: self.entries.get_key_value(name).map(|(n, e)| (n.clone(), e.clone())).into_iter().collect() }
     }
@@ -312,7 +312,7 @@ impl Sidecars {
         })
     }
 
-    /// What is written about a clip, in its frames. A mirrored copy has its original's, sides exchanged.
+    /// The annotations of a clip, in its frames. A mirrored copy has its original's, sides exchanged.
     ///
     /// # Errors
     /// [`BuildError::Config`] for a range or hit that begins after the clip's end.

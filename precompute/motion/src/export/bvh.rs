@@ -7,9 +7,9 @@ use crate::raw::{RawClip, RawJoint};
 use glam::{DQuat, EulerRot, Quat, Vec3};
 use std::io::{self, Write};
 
-/// Centimetres in a metre: what tools expect of a BVH file.
+/// Centimetres in a metre: the unit that tools expect in a BVH file.
 const UNITS_PER_METRE: f32 = 100.0;
-/// Translations that differ by less are one offset (m).
+/// Difference below which translations are one offset (m).
 const SAME_PLACE: f32 = 1e-6;
 
 /// Order of the joints in a file, and which of them carry position channels.
@@ -24,7 +24,7 @@ struct Layout<'a> {
 /// Reading the text back gives the same world positions to 0.1 mm.
 ///
 /// # Errors
-/// Whatever `out` fails with.
+/// Errors of `out`.
 pub fn write(clip: &RawClip, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
     let n = clip.joints.len();
     let mut moves = vec![false; n];
@@ -40,10 +40,10 @@ pub fn write(clip: &RawClip, out: &mut (impl Write + ?Sized)) -> io::Result<()> 
     Ok(())
 }
 
-/// Writes an actor of a take, while it is there, as [`write()`] does a clip: joints are called as their roles.
+/// Writes an actor of a take, while it is present, as [`write()`] does a clip: joints have the names of their roles.
 ///
 /// # Errors
-/// Whatever `out` fails with.
+/// Errors of `out`.
 pub fn write_actor(take: &Take, actor: usize, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
     let who = &take.actors()[actor];
     let joints = super::joints(&who.skeleton);
@@ -138,7 +138,7 @@ fn write_joint(layout: &Layout<'_>, joint: usize, depth: usize, out: &mut (impl 
     writeln!(out, "{indent}\tCHANNELS {positions} Zrotation Xrotation Yrotation")
 }
 
-/// An end site, of no length where the joint has no end of its own: readers want every chain to have one.
+/// Writes an end site, of no length where the joint has no end of its own: readers want every chain to have one.
 fn write_end_site(
     layout: &Layout<'_>,
     end: Option<usize>,
@@ -151,7 +151,7 @@ fn write_end_site(
     writeln!(out, "{indent}\tOFFSET {:.6} {:.6} {:.6}\n{indent}}}", offset.x, offset.y, offset.z)
 }
 
-/// - `translations`, `rotations`: of one frame (layout.joints.len()).
+/// - `translations`, `rotations`: local transforms of one frame (layout.joints.len()).
 fn write_frame(
     layout: &Layout<'_>,
     order: &[usize],

@@ -1,4 +1,4 @@
-//! Writes clips for eyes and tools outside: tables of joint positions.
+//! Writes clips for other tools: tables of joint positions.
 
 use super::take::Take;
 use crate::raw::RawClip;
@@ -11,7 +11,7 @@ use throng_core::Joint;
 /// comma, quote or line end is quoted.
 ///
 /// # Errors
-/// Whatever `out` fails with.
+/// Errors of `out`.
 pub fn positions_csv(clip: &RawClip, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
     let names: Vec<String> = clip.joints.iter().map(|j| quoted(&j.name)).collect();
     writeln!(out, "frame,joint,x,y,z")?;
@@ -24,10 +24,10 @@ pub fn positions_csv(clip: &RawClip, out: &mut (impl Write + ?Sized)) -> io::Res
 }
 
 /// Writes the world position of every joint of every actor of a take as CSV, actor by actor:
-/// `character,time_s,joint,x_m,y_m,z_m`, Y up. Who is away has no rows.
+/// `character,time_s,joint,x_m,y_m,z_m`, Y up. Absent actors have no rows.
 ///
 /// # Errors
-/// Whatever `out` fails with.
+/// Errors of `out`.
 pub fn take_csv(take: &Take, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
     writeln!(out, "character,time_s,joint,x_m,y_m,z_m")?;
     for (a, actor) in take.actors().iter().enumerate() {

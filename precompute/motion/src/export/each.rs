@@ -6,13 +6,13 @@ use crate::files::write_atomically;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes a file for each actor who is ever there: `NAME-7.bvh` of number 7, or `NAME.bvh` where there is one.
+/// Writes a file for each actor who is ever present: `NAME-7.bvh` of number 7, or `NAME.bvh` where there is one.
 ///
 /// - `write`: writes the actor of a number.
 /// - returns the files.
 ///
 /// # Errors
-/// As [`write_atomically`].
+/// Errors of [`write_atomically`].
 pub fn each_actor(
     take: &Take,
     out: &Path,

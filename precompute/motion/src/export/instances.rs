@@ -1,11 +1,12 @@
-//! What plays on each of many characters: for programs that draw a crowd as instances of one figure with a set of clips.
+//! The clip that plays on each of many characters, for programs that draw a crowd as instances of one figure with a set of
+//! clips.
 
 use super::npz::Arrays;
 use super::scratch::Scratch;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Tracks: the clip, the time in it, and where the figure is laid.
+/// Tracks: the clip, the time in it, and the place of the figure.
 const WIDTHS: [usize; 3] = [1, 1, 3];
 
 /// One character at one time.
@@ -15,8 +16,7 @@ pub struct Instance {
     pub clip: Option<u32>,
     /// Time in the clip (s).
     pub time_s: f32,
-    /// Where the figure that plays the clip is laid: x, z, and the heading by which it is turned about +Y before
-    /// (m, m, rad).
+    /// Place of the figure that plays the clip: x, z, and the heading by which it is turned about +Y before (m, m, rad).
     pub place: [f32; 3],
 }
 
@@ -29,20 +29,20 @@ pub struct Instances {
 }
 
 impl Instances {
-    /// - `folder`: where the file is made; it has no name and goes with the program.
+    /// - `folder`: folder of the file, which has no name and is removed with the program.
     /// - `clips`: names; `characters`: numbers.
     ///
     /// # Errors
-    /// Where the folder takes no file.
+    /// Errors of a folder that takes no file.
     pub fn new(folder: &Path, clips: Vec<String>, characters: Vec<usize>, rate_hz: f64) -> io::Result<Self> {
         let scratch = Scratch::new(folder, characters.len(), &WIDTHS, characters.len())?;
         Ok(Self { rate_hz, clips, characters, scratch })
     }
 
-    /// Adds a frame of a character, by its place in the list of characters.
+    /// Adds a frame of a character, by its index in the list of characters.
     ///
     /// # Errors
-    /// What the disk says.
+    /// Errors of the disk.
     pub fn push(&mut self, character: usize, instance: Instance) -> io::Result<()> {
         let clip = instance.clip.map_or(-1.0, |c| c as f32);
         let [x, z, heading] = instance.place;
@@ -52,7 +52,7 @@ impl Instances {
     /// Ends the recording.
     ///
     /// # Errors
-    /// What the disk says.
+    /// Errors of the disk.
     pub fn finish(&mut self) -> io::Result<()> {
         (0..self.characters.len()).try_for_each(|c| self.scratch.finish(c))
     }
@@ -76,7 +76,7 @@ impl Instances {
     /// frames, 3; x, z, heading), `clips`, `characters` and `fps`.
     ///
     /// # Errors
-    /// Whatever `out` fails with.
+    /// Errors of `out`.
     pub fn npz(&self, out: &mut dyn Write) -> io::Result<()> {
         let (n, frames) = (self.characters.len(), self.num_frames());
         let mut arrays = Arrays::new(out);

@@ -22,7 +22,7 @@ pub use take::{Actor, Pose, Take, TakeWriter};
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 pub use usd::usda;
 
-/// Joints that are called as their roles, and the ends of head and toes `NAME_end`; rest rotations are the identity.
+/// Joints with the names of their roles, and the ends of head and toes `NAME_end`; rest rotations are the identity.
 fn joints(skeleton: &Skeleton) -> Vec<RawJoint> {
     let tips = [Joint::Head, Joint::LeftToe, Joint::RightToe];
     let joint = |name: String, parent: Option<usize>, offset: Vec3, is_end: bool| RawJoint {
@@ -43,7 +43,7 @@ fn joints(skeleton: &Skeleton) -> Vec<RawJoint> {
     joints
 }
 
-/// A clip as a raw clip: joints are called as their roles, the ends of head and toes `NAME_end`.
+/// A clip as a raw clip: joints have the names of their roles, the ends of head and toes `NAME_end`.
 ///
 /// The hips' rest offset is their standing height; rest rotations are the identity, so the rest pose is the T-pose.
 pub fn to_raw(clip: &Clip, skeleton: &Skeleton) -> RawClip {

@@ -9,14 +9,14 @@ use throng_core::{Joint, NUM_JOINTS};
 use zip::write::{SimpleFileOptions, StreamWriter};
 use zip::{CompressionMethod, ZipWriter};
 
-/// Where numbers of an array begin in the file (bytes).
+/// Alignment of the numbers of an array in the file (bytes).
 const ALIGNED: u16 = 64;
-/// Numbers of a pose as AMASS has it: those of hands, which do not turn, included.
+/// Numbers of a pose in AMASS files: those of hands, which do not turn, included.
 const AMASS_WIDTH: usize = 156;
-/// Numbers that say how a body is built; all 0 is the mean body.
+/// Numbers of a body's shape; all 0 is the mean body.
 const SHAPE_WIDTH: usize = 16;
 
-/// Arrays that are written one after the other.
+/// Writer of arrays, one after the other.
 pub(super) struct Arrays<W: Write> {
     zip: ZipWriter<StreamWriter<W>>,
 }
@@ -93,7 +93,7 @@ impl<W: Write> Arrays<W> {
 /// not present there.
 ///
 /// # Errors
-/// Whatever `out` fails with.
+/// Errors of `out`.
 pub fn npz(take: &Take, out: &mut dyn Write) -> io::Result<()> {
     let (n, frames) = (take.actors().len(), take.longest());
     let mut arrays = Arrays::new(out);
@@ -119,7 +119,7 @@ pub fn npz(take: &Take, out: &mut dyn Write) -> io::Result<()> {
     arrays.finish()
 }
 
-/// Hands out as many poses of every actor.
+/// Passes the same number of poses of every actor to `row`.
 fn rows(take: &Take, frames: usize, mut row: impl FnMut(&Pose) -> io::Result<()>) -> io::Result<()> {
     for (a, actor) in take.actors().iter().enumerate() {
         let mut last = Pose::of_rotations(&actor.skeleton, actor.skeleton.offsets[0], [Quat::IDENTITY; NUM_JOINTS]);
@@ -132,11 +132,11 @@ fn rows(take: &Take, frames: usize, mut row: impl FnMut(&Pose) -> io::Result<()>
     Ok(())
 }
 
-/// Writes one actor, while it is there, as AMASS has motion: SMPL's joints in SMPL's order, turns as axis times angle,
+/// Writes one actor, while it is present, as AMASS has motion: SMPL's joints in SMPL's order, turns as axis times angle,
 /// the pelvis in a world with Z up. Hands do not turn and the body is the mean one: turns are the actor's, lengths are not.
 ///
 /// # Errors
-/// Whatever `out` fails with.
+/// Errors of `out`.
 pub fn amass(take: &Take, actor: usize, out: &mut dyn Write) -> io::Result<()> {
     let there = take.actors()[actor].there.clone();
     let mut arrays = Arrays::new(out);

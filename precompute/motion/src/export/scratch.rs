@@ -13,18 +13,18 @@ const MAX_BLOCK: usize = 256;
 /// Tracks of several actors. A track is a run of numbers a frame; all actors have the same tracks.
 pub struct Scratch {
     file: File,
-    /// Where the next block goes (bytes).
+    /// Position of the next block (bytes).
     end: u64,
-    /// Numbers a frame before each track, and past the last one the total (tracks + 1).
+    /// Offset of each track within a frame, and the total behind the last one (numbers, tracks + 1).
     starts: Vec<usize>,
     block_frames: usize,
     actors: Vec<Blocks>,
 }
 
-/// What an actor has on the disk and in memory.
+/// Data of an actor on the disk and in memory.
 #[derive(Default)]
 struct Blocks {
-    /// Where its blocks are (bytes).
+    /// Positions of its blocks (bytes).
     offsets: Vec<u64>,
     num_frames: usize,
     /// The last block, while it is not full: frame by frame.
@@ -32,12 +32,12 @@ struct Blocks {
 }
 
 impl Scratch {
-    /// - `folder`: where the file is made; it has no name and goes with the program.
+    /// - `folder`: folder of the file, which has no name and is removed with the program.
     /// - `widths`: numbers a frame of each track.
-    /// - `together`: how many actors are recorded at the same time.
+    /// - `together`: number of actors that are recorded at the same time.
     ///
     /// # Errors
-    /// Where the folder takes no file.
+    /// Errors of a folder that takes no file.
     pub fn new(folder: &Path, actors: usize, widths: &[usize], together: usize) -> io::Result<Self> {
         let mut starts = vec![0];
         starts.extend(widths.iter().scan(0, |sum, w| {
@@ -53,7 +53,7 @@ impl Scratch {
     /// Adds a frame of an actor: the numbers of all its tracks (total width).
     ///
     /// # Errors
-    /// What the disk says.
+    /// Errors of the disk.
     pub fn push(&mut self, actor: usize, numbers: &[f32]) -> io::Result<()> {
         let width = self.starts[self.starts.len() - 1];
         let blocks = &mut self.actors[actor];
@@ -62,10 +62,10 @@ impl Scratch {
         if blocks.open.len() == width * self.block_frames { self.flush(actor) } else { Ok(()) }
     }
 
-    /// Writes what is left of an actor and frees its memory: it gets no more frames.
+    /// Writes the rest of an actor and frees its memory: it gets no more frames.
     ///
     /// # Errors
-    /// What the disk says.
+    /// Errors of the disk.
     pub fn finish(&mut self, actor: usize) -> io::Result<()> {
         if !self.actors[actor].open.is_empty() {
             self.flush(actor)?;
@@ -120,10 +120,10 @@ impl Scratch {
         file.read_exact(bytemuck::cast_slice_mut(numbers))
     }
 
-    /// Hands out a track of an actor, some frames at a time.
+    /// Passes a track of an actor to `take`, some frames at a time.
     ///
     /// # Errors
-    /// What the disk says, and what `take` fails with.
+    /// Errors of the disk, and of `take`.
     pub fn track(&self, actor: usize, track: usize, mut take: impl FnMut(&[f32]) -> io::Result<()>) -> io::Result<()> {
         let mut numbers = Vec::new();
         for (at, frames) in self.blocks(actor) {
@@ -134,10 +134,10 @@ impl Scratch {
         Ok(())
     }
 
-    /// Hands out every frame of an actor: its number, and the numbers of all tracks (total width).
+    /// Passes every frame of an actor to `take`: its number, and the numbers of all tracks (total width).
     ///
     /// # Errors
-    /// As [`Scratch::track`].
+    /// Errors of [`Scratch::track`].
     pub fn frames(&self, actor: usize, mut take: impl FnMut(usize, &[f32]) -> io::Result<()>) -> io::Result<()> {
         let width = self.starts[self.starts.len() - 1];
         let (mut turned, mut frame, mut number) = (Vec::new(), vec![0.0; width], 0);

@@ -1,4 +1,4 @@
-//! A take: what several characters do on one time line. It is kept in a file, so that length costs no memory.
+//! A take: motion of several characters on one time line. It is kept in a file, so that length costs no memory.
 
 use super::scratch::Scratch;
 use crate::clip::Clip;
@@ -8,9 +8,9 @@ use std::path::Path;
 use throng_base::maths;
 use throng_core::{Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 
-/// Joints that rest nearer to each other than this are where they were: eight of them in a chain stay below 0.1 mm (m).
+/// Distance below which two rest positions of a joint are the same: eight of them in a chain stay below 0.1 mm (m).
 const SAME_PLACE_M: f32 = 5e-6;
-/// Tracks of a take: rotations of all joints, their translations, and whether the character is there.
+/// Tracks of a take: rotations of all joints, their translations, and whether the character is present.
 const WIDTHS: [usize; 2 * NUM_JOINTS + 1] = {
     let mut widths = [3; 2 * NUM_JOINTS + 1];
     let mut j = 0;
@@ -22,7 +22,7 @@ const WIDTHS: [usize; 2 * NUM_JOINTS + 1] = {
     widths
 };
 const NUMBERS: usize = 7 * NUM_JOINTS + 1;
-/// The track that says whether the character is there.
+/// The track of the character's presence.
 pub const THERE: usize = 2 * NUM_JOINTS;
 
 /// The track of a joint's rotations, x, y, z, w.
@@ -45,7 +45,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// Of joints in model space, which the root places in the world.
+    /// A pose of joints in model space, which the root places in the world.
     pub fn of_model(root: Planar, model: &[Mat3x4; NUM_JOINTS]) -> Self {
         let turned: [Quat; NUM_JOINTS] = std::array::from_fn(|j| model[j].rotation().normalize());
         let (mut translations, mut rotations) = ([Vec3::ZERO; NUM_JOINTS], turned);
@@ -68,9 +68,9 @@ impl Pose {
         Self { translations, rotations }
     }
 
-    /// Of a skeleton whose joints only turn.
+    /// A pose of a skeleton whose joints only turn.
     ///
-    /// - `root_position`: of the hips (m).
+    /// - `root_position`: position of the hips (m).
     pub fn of_rotations(skeleton: &Skeleton, root_position: Vec3, rotations: [Quat; NUM_JOINTS]) -> Self {
         let mut translations = skeleton.offsets;
         translations[0] = root_position;
@@ -88,7 +88,7 @@ impl Pose {
         out
     }
 
-    /// From `self` at ratio 0 to `other` at ratio 1.
+    /// Interpolation from `self` at ratio 0 to `other` at ratio 1.
     pub fn towards(&self, other: &Self, ratio: f32) -> Self {
         Self {
             translations: std::array::from_fn(|j| self.translations[j].lerp(other.translations[j], ratio)),
@@ -115,29 +115,29 @@ impl Pose {
     }
 }
 
-/// Who is in a take.
+/// A character of a take.
 #[derive(Clone, Debug)]
 pub struct Actor {
-    /// Its name, the only one of its kind.
+    /// Name, unique in the take.
     pub name: String,
-    /// Its number where it comes from.
+    /// Number in the source.
     pub number: usize,
     /// Rest offsets that its joints keep.
     pub skeleton: Skeleton,
-    /// Which joints leave their rest offsets; the hips do (NUM_JOINTS).
+    /// Joints that leave their rest offsets, the hips among them (NUM_JOINTS).
     pub moves: [bool; NUM_JOINTS],
-    /// Frames in which it is there, from the first to past the last one; it may be away in between.
+    /// Frames from the first to past the last one in which it is present; it may be absent in between.
     pub there: std::ops::Range<usize>,
-    /// True where it is away in any frame.
+    /// True where it is absent in any frame.
     pub is_ever_away: bool,
 }
 
-/// What several characters do, frame by frame.
+/// Motion of several characters, frame by frame.
 pub struct Take {
     actors: Vec<Actor>,
     rate_hz: f64,
     scratch: Scratch,
-    /// Actors are one figure that plays one after the other, as the clips of a bundle do.
+    /// True where actors are one figure that plays one after the other, as the clips of a bundle do.
     is_library: bool,
 }
 
@@ -148,22 +148,22 @@ pub struct TakeWriter {
 }
 
 impl TakeWriter {
-    /// Of characters who are recorded at the same time.
+    /// A take of characters who are recorded at the same time.
     ///
-    /// - `folder`: where the file of the frames is made; it has no name and goes with the program.
+    /// - `folder`: folder of the file of the frames, which has no name and is removed with the program.
     /// - `actors`: numbers, names and skeletons.
     ///
     /// # Errors
-    /// Where the folder takes no file.
+    /// Errors of a folder that takes no file.
     pub fn new(folder: &Path, actors: Vec<(usize, String, Skeleton)>, rate_hz: f64) -> io::Result<Self> {
         let together = actors.len();
         Self::with(folder, actors, rate_hz, together, false)
     }
 
-    /// Of clips of one figure, which are recorded one after the other and ended by [`TakeWriter::finish`].
+    /// A take of clips of one figure, which are recorded one after the other and ended by [`TakeWriter::finish`].
     ///
     /// # Errors
-    /// As [`TakeWriter::new`].
+    /// Errors of [`TakeWriter::new`].
     pub fn library(folder: &Path, clips: Vec<(usize, String, Skeleton)>, rate_hz: f64) -> io::Result<Self> {
         Self::with(folder, clips, rate_hz, 1, true)
     }
@@ -186,17 +186,17 @@ impl TakeWriter {
         Ok(Self { take, before })
     }
 
-    /// Adds a frame of an actor; none where it is away.
+    /// Adds a frame of an actor; `None` where it is absent.
     ///
     /// # Errors
-    /// What the disk says.
+    /// Errors of the disk.
     pub fn push(&mut self, actor: usize, pose: Option<Pose>) -> io::Result<()> {
         let Self { take, before } = self;
         let frame = take.scratch.num_frames(actor);
         let who = &mut take.actors[actor];
         who.is_ever_away |= pose.is_none();
         let Some(mut pose) = pose else {
-            // Away, it stays as it was.
+            // An absent actor keeps its last pose.
             let kept = before[actor].unwrap_or_else(|| {
                 Pose::of_rotations(&who.skeleton, who.skeleton.offsets[0], [Quat::IDENTITY; NUM_JOINTS])
             });
@@ -221,7 +221,7 @@ impl TakeWriter {
     /// Ends an actor, which frees its memory.
     ///
     /// # Errors
-    /// What the disk says.
+    /// Errors of the disk.
     pub fn finish(&mut self, actor: usize) -> io::Result<()> {
         self.take.scratch.finish(actor)
     }
@@ -229,7 +229,7 @@ impl TakeWriter {
     /// The whole take.
     ///
     /// # Errors
-    /// What the disk says.
+    /// Errors of the disk.
     pub fn into_take(mut self) -> io::Result<Take> {
         (0..self.take.actors.len()).try_for_each(|a| self.finish(a))?;
         Ok(self.take)
@@ -237,7 +237,7 @@ impl TakeWriter {
 }
 
 impl Actor {
-    /// Takes over the offsets of the first pose: bodies may be fitted to skeletons of their own.
+    /// Adopts the offsets of the first pose: bodies may be fitted to skeletons of their own.
     fn settle(&mut self, pose: &Pose, frame: usize) {
         self.there = frame..frame + 1;
         let before = self.skeleton.clone();
@@ -250,7 +250,7 @@ impl Actor {
         if self.skeleton == before {
             return;
         }
-        // Its feet stand as far above the ground as such a tall body's do.
+        // Feet stand as far above the ground as those of a body of that height do.
         let taller = self.skeleton.leg_length() / before.leg_length().max(SAME_PLACE_M);
         self.skeleton.tips.iter_mut().for_each(|tip| *tip *= taller);
         let toes = |s: &Skeleton| s.rest_positions()[Joint::LeftToe.index()].y;
@@ -262,7 +262,7 @@ impl Take {
     /// Clips of one set, one after the other.
     ///
     /// # Errors
-    /// What the disk says.
+    /// Errors of the disk.
     pub fn of_clips(folder: &Path, clips: &[Clip], skeleton: &Skeleton) -> io::Result<Self> {
         let actors = clips.iter().enumerate().map(|(i, c)| (i, c.name.clone(), skeleton.clone())).collect();
         let mut writer = TakeWriter::library(folder, actors, clips.first().map_or(30.0, |c| c.rate_hz))?;
@@ -277,7 +277,7 @@ impl Take {
         writer.into_take()
     }
 
-    /// Who is in it.
+    /// The characters of the take.
     pub fn actors(&self) -> &[Actor] {
         &self.actors
     }
@@ -287,7 +287,7 @@ impl Take {
         self.rate_hz
     }
 
-    /// True where actors are clips of one figure, each with a length of its own, and not characters at the same time.
+    /// True where actors are clips of one figure, each with a length of its own, rather than characters at the same time.
     pub fn is_library(&self) -> bool {
         self.is_library
     }
@@ -302,10 +302,11 @@ impl Take {
         (0..self.actors.len()).map(|a| self.num_frames(a)).max().unwrap_or(0)
     }
 
-    /// Hands out every frame of an actor: its number, the pose, and whether the actor is there; away, it stays as it was.
+    /// Passes every frame of an actor to `take`: its number, the pose, and whether the actor is present; absent, it keeps its
+    /// pose.
     ///
     /// # Errors
-    /// What the disk says, and what `take` fails with.
+    /// Errors of the disk, and of `take`.
     pub fn poses(&self, actor: usize, mut take: impl FnMut(usize, &Pose, bool) -> io::Result<()>) -> io::Result<()> {
         self.scratch.frames(actor, |frame, n| take(frame, &Pose::of_numbers(n), n[NUMBERS - 1] > 0.5))
     }

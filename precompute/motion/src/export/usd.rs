@@ -9,7 +9,7 @@ use std::fmt::{Display, Write as _};
 use std::io::{self, Write};
 use throng_core::{Joint, NUM_JOINTS, PlainBody, Skeleton};
 
-/// The one root of what is written.
+/// Name of the only root prim.
 const ROOT: &str = "Crowd";
 
 /// Writes a take. Clips of a library are animations of one figure, which plays the first.
@@ -17,7 +17,7 @@ const ROOT: &str = "Crowd";
 /// - `instances`: characters are instances of a model (no effect on clips).
 ///
 /// # Errors
-/// Whatever `out` fails with.
+/// Errors of `out`.
 pub fn usda(take: &Take, instances: bool, out: &mut dyn Write) -> io::Result<()> {
     let bodies = Bodies::of(take);
     let instances = instances && !take.is_library();
@@ -74,7 +74,7 @@ impl<'a> Bodies<'a> {
     }
 }
 
-/// What an actor is called as a prim.
+/// Name of an actor as a prim.
 fn ident(take: &Take, actor: usize) -> String {
     if take.is_library() { format!("clip_{actor}") } else { format!("character_{}", take.actors()[actor].number) }
 }
@@ -117,7 +117,7 @@ fn write_instance(take: &Take, a: usize, model: usize, out: &mut dyn Write) -> i
     writeln!(out, "        rel skel:animationSource = </{ROOT}/Animations/{name}>\n    }}\n")
 }
 
-/// Says when an actor is away, if it ever is.
+/// Writes when an actor is absent, if it ever is.
 fn write_visibility(take: &Take, a: usize, out: &mut dyn Write) -> io::Result<()> {
     if !take.actors()[a].is_ever_away {
         return Ok(());
@@ -190,7 +190,7 @@ fn write_body(
     depth: usize,
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    // A body that is bound to nothing is for others to refer to.
+    // A body without a binding is written for others to refer to.
     let how = if bound.is_some() { "def" } else { "class" };
     let (tab, body) = (" ".repeat(depth), PlainBody::of(skeleton));
     let vector = |v: &Vec3| format!("({}, {}, {})", v.x, v.y, v.z);
@@ -236,7 +236,7 @@ fn list<T: Display>(items: impl IntoIterator<Item = T>) -> String {
     text + "]"
 }
 
-/// A text as USD writes it.
+/// A text in the notation of USD.
 fn quoted(text: &str) -> String {
     let plain: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     format!("\"{}\"", plain.replace('\\', "\\\\").replace('"', "\\\""))

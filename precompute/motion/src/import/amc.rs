@@ -15,7 +15,7 @@ const HELP: &str = "The file is cut short or damaged: compare it with an intact 
 /// Rate of files that name none: the CMU database was captured at 120 Hz and its files do not say so.
 const DEFAULT_RATE_HZ: f64 = 120.0;
 
-/// What stands before the first frame.
+/// Keywords before the first frame.
 struct Header {
     rate_hz: Option<f64>,
     degrees: bool,

@@ -12,15 +12,15 @@ use std::time::SystemTime;
 use throng_base::file::{MAX_BUNDLE_BYTES, open_file};
 use zip::ZipArchive;
 
-/// What names of archives end with.
+/// Extension of archives.
 pub const EXTENSION: &str = "zip";
 
-/// The archive that a path leads into, and the file in it; nothing where it leads into none.
+/// The archive that a path leads into, and the file in it; `None` where it leads into none.
 pub fn split(path: &Path) -> Option<(PathBuf, String)> {
     split_at(path, |a| has_extension(a, EXTENSION) && a.is_file())
 }
 
-/// The file that stands as a folder in a path, and what is named in it, with `/`.
+/// The file that is used as a folder in a path, and the rest of the path behind it, with `/`.
 pub(super) fn split_at(path: &Path, is_outer: impl Fn(&Path) -> bool) -> Option<(PathBuf, String)> {
     let outer = path.ancestors().skip(1).find(|a| is_outer(a))?;
     let parts = path.strip_prefix(outer).ok()?.components();
@@ -51,7 +51,7 @@ fn is_within(member: &str) -> bool {
 
 /// Reads a file, in a folder or in an archive, at most `max_bytes` long.
 ///
-/// - `what`: what the file holds, with its article, for messages.
+/// - `what`: contents of the file, with an article, for messages.
 ///
 /// # Errors
 /// [`ImportError`] naming the file.
@@ -64,7 +64,7 @@ pub fn read_file(path: &Path, what: &str, max_bytes: u64) -> Result<Vec<u8>, Imp
     Ok(bytes)
 }
 
-/// Length of a file by which limits on what is made of it are set (bytes). In an archive that is no more than [`COUNTED_PER_PACKED`] times
+/// Length of a file by which limits on its contents are set (bytes). In an archive that is at most [`COUNTED_PER_PACKED`] times
 /// its packed length, as zeros and spaces are packed to nearly nothing.
 pub(super) fn counted_bytes(path: &Path, num_bytes: usize) -> usize {
     let packed =
@@ -73,10 +73,10 @@ pub(super) fn counted_bytes(path: &Path, num_bytes: usize) -> usize {
     num_bytes.min(usize::try_from(most).unwrap_or(usize::MAX))
 }
 
-/// As [`read_file`], to a writer.
+/// Reads a file as [`read_file`] does, to a writer.
 ///
 /// # Errors
-/// As [`read_file`].
+/// Errors of [`read_file`].
 pub fn copy_file(path: &Path, what: &str, max_bytes: u64, out: &mut dyn Write) -> Result<(), ImportError> {
     let failed = |source| ImportError::Io { path: path.to_path_buf(), source };
     let Some((archive, member)) = split(path) else {
@@ -105,7 +105,7 @@ pub fn copy_file(path: &Path, what: &str, max_bytes: u64, out: &mut dyn Write) -
     Ok(())
 }
 
-/// An archive file that several read at once.
+/// An archive file that several readers share.
 #[derive(Clone)]
 struct Shared {
     file: Arc<File>,
@@ -144,7 +144,7 @@ impl Seek for Shared {
 /// The archive that was opened last. A build looks at all files of one, and would read its whole list each time.
 struct Last {
     path: PathBuf,
-    /// Of the file: another one may have its place by now.
+    /// Length of the file: another one may have its place by now.
     length: u64,
     written: Option<SystemTime>,
     /// The last bytes, where the list is.

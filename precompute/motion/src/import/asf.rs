@@ -1,8 +1,8 @@
 //! Reads ASF: the skeleton that AMC files move.
 //!
-//! Segments are given by direction and length in global axes; the joint of a segment is where it starts, and the
-//! ends of chains become `NAME_end` joints. So every rest rotation is the identity, and what a segment's own
-//! `axis` C does is to turn its motion R into global axes: the joint rotates by C R C^-1.
+//! Segments are given by direction and length in global axes; the joint of a segment is at its start, and the ends of chains
+//! become `NAME_end` joints. So every rest rotation is the identity, and a segment's own `axis` C turns its motion R into
+//! global axes: the joint rotates by C R C^-1.
 
 use super::scan::{Mark, Scanner, text};
 use super::source::{Axis, MAX_JOINTS, MAX_NAME};
@@ -23,7 +23,7 @@ pub(super) enum Dof {
     Rotate(Axis),
 }
 
-/// What an ASF file says of one joint beyond its place in the skeleton.
+/// Entry of an ASF file for one joint, beyond its place in the skeleton.
 #[derive(Clone, Debug)]
 pub(super) struct AsfJoint {
     /// The numbers of its AMC line, in order. Rotations apply in this order, the first one innermost.
@@ -43,7 +43,7 @@ pub struct Asf {
     pub metres_per_unit: f64,
     /// True where angles are in degrees, unless the AMC file says otherwise.
     pub degrees: bool,
-    /// What the file says of each joint (joints.len()).
+    /// Entry of the file for each joint (joints.len()).
     pub(super) details: Vec<AsfJoint>,
 }
 

@@ -14,7 +14,7 @@ use std::path::Path;
 const HELP_HIERARCHY: &str = "The file is cut short or damaged: export the clip again.";
 const HELP_MOTION: &str = "Every frame is one line with one number per channel: export the clip again.";
 
-/// One number of a frame: which joint it moves, and how.
+/// A number of a frame, with the joint and the axis that it moves.
 struct Channel {
     joint: usize,
     axis: Axis,
@@ -28,9 +28,9 @@ struct Hierarchy {
     open: Option<usize>,
 }
 
-/// Reads a clip from the text of a BVH file; `path` is what errors and the clip's name are made from.
+/// Reads a clip from the text of a BVH file; `path` is for errors and the clip's name.
 ///
-/// Memory is in proportion to the text, whatever counts it names.
+/// Memory is in proportion to the text, whatever counts it contains.
 ///
 /// # Errors
 /// [`ImportError::Syntax`] with line and column, [`ImportError::Content`] where there is no motion.

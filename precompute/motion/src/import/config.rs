@@ -1,4 +1,4 @@
-//! What the user may say about the files instead of having it detected.
+//! Settings by which users override what import detects.
 
 use super::glitches::Glitches;
 use crate::error::{BuildError, check_ranges};
@@ -24,7 +24,7 @@ impl UpAxis {
     }
 }
 
-/// The direction the rest pose looks, once Y is up.
+/// Direction that the rest pose faces, once Y is up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub enum Forward {
     /// Along +Z, the convention of this project.
@@ -54,7 +54,7 @@ impl Forward {
     }
 }
 
-/// Overrides of what import detects, and how it treats faults.
+/// Settings that override what import detects, and the treatment of faults.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ImportConfig {
@@ -73,7 +73,7 @@ pub struct ImportConfig {
     pub profile: Option<String>,
     /// Further skeleton profiles (TOML files), tried before the built-in ones.
     pub profiles: Vec<PathBuf>,
-    /// What becomes of frames that are no motion: pops, jumps, flips, freezes, drop-outs. Each is told in a warning.
+    /// Treatment of frames that are no motion: pops, jumps, flips, freezes, drop-outs. A warning reports each of them.
     pub glitches: Glitches,
     /// True: one bad file stops the build. False: it is named, skipped and counted.
     pub strict: bool,

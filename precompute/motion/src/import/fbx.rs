@@ -13,25 +13,25 @@ use std::path::Path;
 use std::rc::Rc;
 use ufbx::{AllocatorOpts, CoordinateAxes, FileFormat, InheritModeHandling, LoadOpts, SceneRoot};
 
-/// Levels of nodes.
+/// Most levels of nodes.
 const MAX_DEPTH: u32 = 512;
-/// Memory for each byte of a file: arrays are compressed.
+/// Memory for each byte of a file, as arrays are compressed (bytes).
 const MEMORY_PER_BYTE: usize = 64;
 /// Memory for every file (bytes).
 const MEMORY: usize = 64 << 20;
 /// Most memory for any file (bytes).
 const MAX_MEMORY: usize = 4 << 30;
-/// Times are less than this (s).
+/// Bound of times (s).
 const MAX_TIME_S: f64 = 1e6;
-/// Rates are less than this (Hz).
+/// Bound of rates (Hz).
 const MAX_RATE_HZ: f64 = 1e5;
-/// What of a node moves it.
+/// Properties that move a node.
 const MOVING: [&str; 3] = ["Lcl Translation", "Lcl Rotation", "Lcl Scaling"];
 
 /// Reads the clips of an `.fbx` file: one for each animation stack and each skeleton that it moves.
 ///
 /// # Errors
-/// [`ImportError::Content`] with what the library says, or naming the part of the scene that is missing or wrong.
+/// [`ImportError::Content`] with the message of the library, or naming the part of the scene that is missing or wrong.
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<SourceClip>, ImportError> {
     let scene = ufbx::load_memory(bytes, options(bytes.len())).map_err(|e| {
         let message = format!("it is no FBX file that can be read: {}", e.description.as_ref());
@@ -68,7 +68,7 @@ fn options(num_bytes: usize) -> LoadOpts<'static> {
         inherit_mode_handling: InheritModeHandling::Compensate,
         target_axes: CoordinateAxes::right_handed_y_up(),
         target_unit_meters: 1.0,
-        // It reads other formats, too.
+        // The library reads other formats, too.
         file_format: FileFormat::Fbx,
         ..LoadOpts::default()
     }
@@ -138,7 +138,7 @@ impl<'a> Stack<'a> {
         let name = stack.element.name.as_ref();
         let (mut begin, mut end) = (stack.time_begin, stack.time_end);
         if begin >= end {
-            // Where the stack does not say when it is, its keys do.
+            // Where the stack has no times, its keys do.
             begin = known.values().flat_map(|k| k.iter()).copied().fold(f64::INFINITY, f64::min);
             end = known.values().flat_map(|k| k.iter()).copied().fold(f64::NEG_INFINITY, f64::max);
         }

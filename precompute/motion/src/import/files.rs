@@ -1,4 +1,4 @@
-//! Which files to read: folders, patterns and archives become sorted lists, and an AMC file finds its skeleton.
+//! Choice of the files to read: folders, patterns and archives become sorted lists, and an AMC file finds its skeleton.
 
 use super::source::content_error;
 use super::{archive, gltf};
@@ -7,15 +7,15 @@ use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 use throng_base::file::MAX_MOTION_BYTES;
 
-/// What names of motion files end with.
+/// Extensions of motion files.
 pub const EXTENSIONS: [&str; 6] = ["bvh", "amc", "npz", "glb", "gltf", "fbx"];
-/// The same in words.
+/// These extensions in words.
 pub const FORMATS: &str = ".bvh, .amc, .npz, .glb, .gltf or .fbx";
 /// True where this program reads FBX.
 pub const READS_FBX: bool = cfg!(feature = "fbx");
-/// Those that may hold several clips.
+/// Extensions of files that may hold several clips.
 const OF_SEVERAL: [&str; 4] = ["bvh", "fbx", "glb", "gltf"];
-/// Folders within folders that are searched; more is a loop.
+/// Most levels of folders that are searched; more is a loop.
 const MAX_DEPTH: usize = 64;
 /// Stands for any number of folders in a pattern.
 const ANY_FOLDERS: &str = "**";
@@ -23,14 +23,14 @@ const ANY_FOLDERS: &str = "**";
 /// A motion file, and the name that its clip gets.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MotionFile {
-    /// The file; one in an archive is named as if the archive were a folder, a clip of several as if their file were.
+    /// The file; one in an archive has a path as if the archive were a folder, a clip of several as if their file were.
     pub path: PathBuf,
     /// Its path without extension as seen from the folder, archive or pattern that was given, with `/`.
     pub name: String,
 }
 
 impl MotionFile {
-    /// What a clip that was read from it is called.
+    /// Name of a clip that was read from the file.
     pub fn clip_name(&self, clip: &Path) -> String {
         match clip.strip_prefix(&self.path) {
             Ok(within) if !within.as_os_str().is_empty() => format!("{}/{}", self.name, slashed(within)),
@@ -39,8 +39,8 @@ impl MotionFile {
     }
 }
 
-/// The file that a clip of several is in, and what it is called there: `dances.glb/Run` is `Run` in `dances.glb`.
-/// Nothing for the path of a file.
+/// The file that holds a clip of several, and the clip's name in it: `dances.glb/Run` is `Run` in `dances.glb`. `None` for the
+/// path of a file.
 pub fn clip_in_file(path: &Path) -> Option<(PathBuf, String)> {
     archive::split_at(path, |p| may_hold_several(p) && archive::is_file(p))
 }
@@ -124,7 +124,7 @@ fn found(path: &Path) -> Result<(PathBuf, Vec<PathBuf>), ImportError> {
     Ok((parent(path), vec![path.to_path_buf()]))
 }
 
-/// What a clip is called.
+/// Name of a clip.
 fn name(path: &Path, base: &Path) -> String {
     let within = |path: &Path| slashed(&path.strip_prefix(base).unwrap_or(path).with_extension(""));
     match clip_in_file(path) {
@@ -146,7 +146,7 @@ fn motion_in(path: &Path) -> Result<Vec<PathBuf>, ImportError> {
     Ok(members.filter(|p| is_motion(p)).collect())
 }
 
-/// Names that systems and programs keep for themselves.
+/// Names that systems and programs reserve for themselves.
 fn is_hidden(name: &str) -> bool {
     name.starts_with('.') || name == "__MACOSX"
 }
@@ -155,7 +155,7 @@ fn is_hidden(name: &str) -> bool {
 #[derive(Default)]
 struct Search {
     found: Vec<PathBuf>,
-    /// Folders that were searched, with links resolved: links may lead back.
+    /// Folders that were searched, with links resolved, as links may lead back.
     searched: BTreeSet<PathBuf>,
     /// Folders that were matched, each with the number of parts of the pattern that were left: several `**` lead to a folder with
     /// the same parts left in many ways.
@@ -179,12 +179,12 @@ impl Search {
         Ok(())
     }
 
-    /// Keeps a motion file, and those of an archive.
+    /// Keeps a motion file, or those of an archive.
     fn file(&mut self, path: PathBuf) {
         if has_extension(&path, archive::EXTENSION) && path.is_file() {
             match motion_in(&path) {
                 Ok(all) => self.found.extend(all),
-                // Reading it says what is wrong; the other files are no worse for it.
+                // Reading the archive later reports the fault; the other files are not affected.
                 Err(_) => self.found.push(path),
             }
         } else if is_motion(&path) && path.is_file() {
@@ -192,7 +192,7 @@ impl Search {
         }
     }
 
-    /// Finds what matches a pattern, part by part.
+    /// Finds the files that match a pattern, part by part.
     fn matching(&mut self, folder: &Path, pattern: &[String], depth: usize) -> Result<(), ImportError> {
         let Some((part, rest)) = pattern.split_first() else { return Ok(()) };
         if !self.matched.insert((folder.to_owned(), pattern.len())) {
@@ -232,7 +232,7 @@ fn visible(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
     Ok(all)
 }
 
-/// What is in a folder, or at the same place in an archive, sorted.
+/// Contents of a folder, or of the same place in an archive, sorted.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
     if let Some((archive, within)) = archive::split(&folder.join("x")) {
         let within = within.strip_suffix('x').unwrap_or_default().to_owned();
@@ -279,7 +279,7 @@ pub fn read_along(path: &Path, asf: Option<&Path>) -> Vec<PathBuf> {
         }
         _ => Vec::new(),
     };
-    // What is missing is told where the file is read.
+    // A missing file is reported where the motion file is read.
     all.retain(|p| archive::is_file(p));
     all
 }

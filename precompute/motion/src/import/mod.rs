@@ -48,44 +48,44 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 pub use throng_base::file::MAX_MOTION_BYTES;
 
-/// A clip as read, with everything that was found out about it.
+/// A clip as read, with all findings about it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Imported {
     /// The motion: metres, Y up, right-handed; the source's own joints.
     pub clip: RawClip,
-    /// Which source joint plays which role.
+    /// Source joint of each role.
     pub roles: RoleMap,
-    /// What the source's zero pose is.
+    /// Kind of the source's zero pose.
     pub rest_pose: RestPose,
     /// Length of one unit of the file (m).
     pub metres_per_unit: f64,
     /// Axis that points up in the file (the clip itself is Y up).
     pub up: UpAxis,
-    /// Heading the rest pose faces, about +Y; 0 where the rest pose is not a body (rad).
+    /// Heading that the rest pose faces, about +Y; 0 where the rest pose is not a body (rad).
     pub facing: f32,
-    /// Direction that the config says the rest pose faces.
+    /// Direction that the rest pose faces by the config.
     pub forward: Option<Forward>,
     /// Body height estimated from the lengths of the segments (m).
     pub height: f32,
     /// Frames that are no motion, in order; those that were bridged, too.
     pub glitches: Vec<Glitch>,
-    /// One sentence for each thing that was detected: what and why.
+    /// Findings with their reasons, one sentence each.
     pub findings: Vec<String>,
-    /// What is odd but tolerable, naming the file; [`RoleMap::warnings`] included.
+    /// Oddities that are tolerable, naming the file; [`RoleMap::warnings`] included.
     pub warnings: Warnings,
 }
 
 /// All clips of a build, and the files that could not be read.
 #[derive(Debug)]
 pub struct ImportedSet {
-    /// The clips, sorted by path; several of one file as it has them.
+    /// The clips, sorted by path; several of one file in the file's order.
     pub clips: Vec<Imported>,
-    /// Files that were skipped and why, sorted by path.
+    /// Files that were skipped and the reasons, sorted by path.
     pub skipped: Vec<ImportError>,
 }
 
 impl ImportedSet {
-    /// The set, where it holds a clip.
+    /// This set, if it holds a clip.
     ///
     /// # Errors
     /// The first bad file where no file is good.
@@ -96,8 +96,8 @@ impl ImportedSet {
         }
     }
 
-    /// Clips that hold the motion of an earlier one, number by number, whatever their files are called: each with that
-    /// one, as places in the list.
+    /// Clips with the same motion as an earlier one, number by number, whatever the names of their files: pairs of indices of
+    /// both.
     pub fn repeated(&self) -> Vec<[usize; 2]> {
         let hashes: Vec<u64> = self.clips.iter().map(|c| c.clip.motion_hash()).collect();
         let same = |i: usize, j: usize| Ok::<_, ImportError>(self.clips[i].clip.has_motion_of(&self.clips[j].clip));
@@ -106,7 +106,7 @@ impl ImportedSet {
 }
 
 impl Imported {
-    /// What is odd about the clip, but for its skeleton.
+    /// Oddities of the clip, without those of its skeleton.
     pub fn own_warnings(&self) -> impl Iterator<Item = &str> {
         let path = format!("{}: ", self.clip.path.display());
         let of_skeleton = move |w: &str| {
@@ -117,7 +117,7 @@ impl Imported {
     }
 }
 
-/// What is odd about the skeletons of clips, once for all that have one.
+/// Oddities of the skeletons of clips, once for all clips that have one.
 pub fn skeleton_warnings(clips: &[Imported]) -> Vec<String> {
     let mut of = BTreeMap::<&str, Vec<usize>>::new();
     for (i, clip) in clips.iter().enumerate() {
@@ -130,12 +130,12 @@ pub fn skeleton_warnings(clips: &[Imported]) -> Vec<String> {
     of.into_iter().map(told).collect()
 }
 
-/// As [`ImportedSet::repeated`], of clips of which hashes of the motion are known ([`crate::raw::RawClip::motion_hash`]).
+/// Repeated clips as in [`ImportedSet::repeated`], from hashes of their motion ([`crate::raw::RawClip::motion_hash`]).
 ///
 /// - `same`: whether two clips have the same motion; asked where their hashes are the same.
 ///
 /// # Errors
-/// Those of `same`.
+/// Errors of `same`.
 pub fn repeated<E>(hashes: &[u64], same: impl Fn(usize, usize) -> Result<bool, E>) -> Result<Vec<[usize; 2]>, E> {
     let mut seen = BTreeMap::<u64, Vec<usize>>::new();
     let mut out = Vec::new();
@@ -152,23 +152,23 @@ pub fn repeated<E>(hashes: &[u64], same: impl Fn(usize, usize) -> Result<bool, E
     Ok(out)
 }
 
-/// The clips of a motion file, or why there are none.
+/// The clips of a motion file, or the reason why there are none.
 pub type Clips = Result<Vec<Imported>, ImportError>;
 
-/// Reads a motion file, or finds what was made of it before.
+/// Reads a motion file, or finds the stored result of an earlier reading.
 pub type Reader<'a> = dyn Fn(&MotionFile, &dyn Fn() -> Clips) -> Clips + Sync + 'a;
 
-/// Reads all motion files of `paths` (files, folders, archives, patterns, see [`find`]), in parallel. Clips are called as
-/// their files are ([`MotionFile::clip_name`]).
+/// Reads all motion files of `paths` (files, folders, archives, patterns, see [`find`]), in parallel. Clips have the names of
+/// their files ([`MotionFile::clip_name`]).
 ///
-/// - `reader`: asked for every file, and given what reads it.
+/// - `reader`: called for every file, with a function that reads it.
 ///
 /// The result does not depend on the number of threads. A bad file is skipped and kept in
 /// [`ImportedSet::skipped`].
 ///
 /// # Errors
-/// The first bad file (by path) where `config.strict` is set; a path that yields no file; a bad profile; what may be other
-/// next time ([`ImportError::is_passing`]).
+/// The first bad file (by path) where `config.strict` is set; a path that yields no file; a bad profile; errors that may not
+/// occur again ([`ImportError::is_passing`]).
 pub fn read_by(
     reader: &Reader<'_>,
     paths: &[PathBuf],
@@ -201,20 +201,20 @@ pub fn read_by(
     Ok(set)
 }
 
-/// As [`read_by`], where every file is read.
+/// Reads as [`read_by`] does, with every file read anew.
 ///
 /// # Errors
-/// As [`read_by`] and [`ImportedSet::some`].
+/// Errors of [`read_by`] and [`ImportedSet::some`].
 pub fn read(paths: &[PathBuf], config: &ImportConfig, progress: &dyn Progress) -> Result<ImportedSet, ImportError> {
     read_by(&|_, read| read(), paths, config, progress)?.some()
 }
 
-/// Takes clips that were made, not read, the way that files go: each is written as BVH in memory and read again.
+/// Imports clips that were made, not read, in the way of files: each is written as BVH in memory and read again.
 ///
-/// - `folder`: what their paths begin with, in messages and provenance; it need not exist.
+/// - `folder`: folder of their paths, in messages and provenance; it need not exist.
 ///
 /// # Errors
-/// As [`read`].
+/// Errors of [`read`].
 pub fn made(set: &ClipSet, folder: &Path, config: &ImportConfig) -> Result<ImportedSet, ImportError> {
     let profiles = profile::load_profiles(&config.profiles)?;
     let one = |clip: &Clip| {
@@ -276,7 +276,7 @@ pub fn holds_several(path: &Path) -> bool {
 /// of an AMC file, found beside it if absent.
 ///
 /// # Errors
-/// [`ImportError`] as the reader of the format gives it; an unknown extension; a clip that is not there.
+/// Errors of the format's reader; an unknown extension; a clip that does not exist.
 pub fn read_source(path: &Path, asf: Option<&Path>) -> Result<Vec<SourceClip>, ImportError> {
     let Some((file, name)) = clip_in_file(path) else { return read_file(path, asf) };
     let all = read_file(&file, asf)?;

@@ -1,7 +1,7 @@
 //! Reads AMASS and other SMPL motion: `.npz` files of NumPy arrays.
 //!
-//! Such a file holds turns of the joints and the way of the pelvis, but no body: lengths are those of an adult. Its
-//! world has Z up and is turned to Y up here, because the body at rest has Y up.
+//! Such a file holds turns of the joints and the path of the pelvis, but no body: lengths are those of an adult. Its world has
+//! Z up and is turned to Y up here, because the body at rest has Y up.
 
 mod array;
 
@@ -15,11 +15,11 @@ use glam::{DQuat, DVec3, Quat, Vec3};
 use std::path::Path;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
-/// Names that frame rates go by.
+/// Names of the frame rate.
 const RATES: [&str; 4] = ["mocap_framerate", "mocap_frame_rate", "fps", "frame_rate"];
 const HELP: &str = "Save the motion anew with `numpy.savez`: `poses`, `trans` and `mocap_framerate`";
 
-/// Reads a clip from the bytes of an `.npz` file; `path` is what errors and the clip's name are made from.
+/// Reads a clip from the bytes of an `.npz` file; `path` is for errors and the clip's name.
 ///
 /// # Errors
 /// [`ImportError::Content`] naming the array that is missing, damaged or of another shape.
@@ -66,13 +66,13 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
     Ok(SourceClip { clip, declared_metres_per_unit: Some(1.0), findings, warnings: Warnings::default() })
 }
 
-/// An array of turns and how many numbers of a row it has.
+/// An array of turns, and its number of columns.
 struct Turns {
     array: Array,
     width: usize,
 }
 
-/// `poses`, or what newer files part it into.
+/// `poses`, or the arrays into which newer files part it.
 fn poses(arrays: &mut Arrays<'_>) -> Result<Vec<Turns>, String> {
     let parted = !arrays.has("poses") && arrays.has("pose_body");
     let mut of = |name: &str| -> Result<Turns, String> {
@@ -102,7 +102,7 @@ fn rate(arrays: &mut Arrays<'_>) -> Result<(f64, &'static str), String> {
     }
 }
 
-/// The body: a T-pose of the default skeleton, parents first as the files have them.
+/// The body: a T-pose of the default skeleton, parents first in the order of the files.
 fn joints() -> Vec<RawJoint> {
     let skeleton = Skeleton::default();
     let index = |j: Joint| JOINTS.iter().position(|(_, role)| *role == j);

@@ -6,15 +6,15 @@ use crate::raw::{RawClip, RawJoint};
 use glam::{Quat, Vec3};
 use throng_base::maths;
 
-/// A body has at least so many joints, ends of chains not counted.
+/// Least number of joints of a body, without ends of chains.
 const LEAST_JOINTS: usize = 10;
 
 /// The clips of all performers of a file: of each root, or each branch below one, that is a body by itself.
 ///
-/// - returns the clip as it is where there is no more than one.
+/// - returns the clip unchanged where there is no more than one.
 pub(super) fn apart(source: SourceClip) -> Vec<SourceClip> {
     let (clip, roots) = (&source.clip, branches(&source.clip.joints));
-    // What is above the roots moves them; all of them hang on one joint, or on none.
+    // Joints above the roots move them; all roots hang on one joint, or on none.
     let above = roots.first().and_then(|&root| clip.joints[root].parent);
     let above: Vec<(Vec3, Quat)> =
         above.map_or_else(Vec::new, |j| (0..clip.num_frames).map(|f| clip.world_of(j, f)).collect());
@@ -30,7 +30,7 @@ pub(super) fn apart(source: SourceClip) -> Vec<SourceClip> {
     let count = bodies.len();
     let is_twice = |name: &String| names.iter().filter(|n| *n == name).count() > 1;
     let some_twice = names.iter().any(is_twice);
-    // Numbers stand for names that others have, too.
+    // Numbers replace names that other roots have, too.
     let is_number = |name: &str| name.parse().is_ok_and(|n: usize| (1..=count).contains(&n));
     let is_taken = |i: usize| is_twice(&names[i]) || (some_twice && is_number(&names[i]));
     let named = |(i, clip): (usize, RawClip)| {
@@ -45,7 +45,7 @@ pub(super) fn apart(source: SourceClip) -> Vec<SourceClip> {
     bodies.into_iter().enumerate().map(named).collect()
 }
 
-/// The roots, or else the uppermost joints that hang on one joint, where two or more of them carry joints enough for a body.
+/// The roots, or else the uppermost joints that hang on one joint, where two or more of them carry enough joints for a body.
 fn branches(joints: &[RawJoint]) -> Vec<usize> {
     let mut size: Vec<usize> = joints.iter().map(|j| usize::from(!j.is_end)).collect();
     for j in (0..joints.len()).rev() {
@@ -63,9 +63,9 @@ fn branches(joints: &[RawJoint]) -> Vec<usize> {
     at
 }
 
-/// What hangs on a joint, which becomes the root.
+/// The part of a clip below a joint, which becomes the root.
 ///
-/// - `above`: the joint that it hangs on, in the world (num_frames); empty where there is none.
+/// - `above`: world transforms of the joint that it hangs on (num_frames); empty where there is none.
 fn branch(clip: &RawClip, root: usize, above: &[(Vec3, Quat)]) -> RawClip {
     let n = clip.joints.len();
     let mut place = vec![None; n];

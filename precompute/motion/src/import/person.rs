@@ -1,4 +1,4 @@
-//! Refuses what is no person: four legs, sizes that no person has.
+//! Refuses skeletons that are no person: four legs, sizes that no person has.
 
 use super::roles::RoleMap;
 use super::source::content_error;
@@ -8,21 +8,21 @@ use crate::raw::RawClip;
 use glam::Vec3;
 use throng_core::Joint;
 
-/// Frames looked at.
+/// Most frames that are examined.
 const MAX_FRAMES: usize = 48;
 /// Heights of people, small children included (m).
 pub(super) const HEIGHTS: std::ops::RangeInclusive<f32> = 0.85..=2.5;
 /// Heights that a config may ask for by naming the unit (m).
 const MEANT: std::ops::RangeInclusive<f32> = 0.4..=3.5;
-/// Legs shorter than this are none (m).
+/// Length below which legs are not legs (m).
 const SHORTEST_LEG_M: f32 = 0.1;
-/// A height that the offered unit would make (m).
+/// Height that the offered unit would give (m).
 const TYPICAL_HEIGHT: f32 = 1.75;
-/// Farthest from the origin (m).
+/// Largest distance from the origin (m).
 const FARTHEST_M: f32 = 5e3;
-/// Arms of people are shorter than this share of their legs.
+/// Share of the length of their legs below which arms of people stay.
 const LONGEST_ARMS: f32 = 0.95;
-/// Arms and legs point the same way, square to the trunk, in more than this share of the frames of a quadruped.
+/// Share of the frames above which a body is a quadruped: arms and legs point the same way, square to the trunk.
 const MOST_FRAMES: f32 = 0.8;
 
 /// Refuses a body on four legs: arms as long as the legs point the same way as these, square to the trunk.
@@ -71,9 +71,9 @@ fn stands_on_fours(at: impl Fn(Joint) -> Option<Vec3>) -> Option<bool> {
     Some(long && legs.dot(arms) > 0.75 && legs.dot(trunk).abs() < 0.6 && arms.dot(trunk).abs() < 0.6)
 }
 
-/// Refuses a clip in metres that is no person by its size, and offers the unit that would make it one.
+/// Refuses a clip in metres whose size is no person's, and offers the unit that would make it one.
 ///
-/// - `is_meant`: a config names the unit, so that small and large bodies are as they should be.
+/// - `is_meant`: true where a config names the unit, so that small and large bodies are intended.
 ///
 /// # Errors
 /// [`ImportError::Content`] naming the height or the joint.
@@ -116,7 +116,7 @@ pub(super) fn check_size(
 
 /// Refuses a clip in metres that is so far from the origin that single precision would show.
 ///
-/// - `frames`: those that are looked at.
+/// - `frames`: frames that are checked.
 ///
 /// # Errors
 /// [`ImportError::Content`] naming the frame and how far it is.

@@ -19,7 +19,7 @@ const BUILT_IN: [&str; 8] = [
     include_str!("../../../../data/skeletons/smpl.toml"),
 ];
 
-/// How a profile is written.
+/// A profile as it is written.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ProfileFile {
@@ -48,18 +48,19 @@ impl Names {
 /// Roles of a known skeleton.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
-    /// How configs and reports name it.
+    /// Name in configs and reports.
     pub name: String,
-    /// Where such files come from.
+    /// Source of such files.
     pub source: String,
     roles: Vec<(Joint, Names)>,
 }
 
 impl Profile {
-    /// Reads a profile from TOML text; `path` is what errors name.
+    /// Reads a profile from TOML text; `path` is for errors.
     ///
     /// # Errors
-    /// [`ImportError::Content`] for TOML faults, unknown roles, and a file without roles. Roles that are missing are told of the first clip that it fits.
+    /// [`ImportError::Content`] for TOML faults, unknown roles, and a file without roles. Missing roles are reported for the
+    /// first clip that the profile fits.
     pub fn parse(toml_text: &str, path: &Path) -> Result<Self, ImportError> {
         Self::of(&Source::new(toml_text, path))
     }
@@ -68,7 +69,7 @@ impl Profile {
         let help = "See data/skeletons/README.md for how a profile is written.";
         let file: ProfileFile = source.parse(help)?;
         if file.roles.is_empty() {
-            // It would fit every skeleton.
+            // A profile without roles would fit every skeleton.
             return Err(source.at("roles", format!("expected at least one role. {help}")).into());
         }
         let mut roles = Vec::new();
@@ -93,13 +94,13 @@ impl Profile {
         Some(map)
     }
 
-    /// The first role for which the skeleton has no joint, and the names looked for.
+    /// The first role for which the skeleton has no joint, and the names that were tried.
     pub(super) fn first_misfit(&self, joints: &[RawJoint]) -> Option<(Joint, String)> {
         let (role, names) = self.roles.iter().find(|(_, names)| find(joints, names.as_slice()).is_none())?;
         Some((*role, names.as_slice().join("` or `")))
     }
 
-    /// Number of roles it names.
+    /// Number of roles that it names.
     pub(super) fn num_roles(&self) -> usize {
         self.roles.len()
     }
@@ -117,7 +118,7 @@ pub(super) fn plain(name: &str) -> &str {
 /// The profiles of `files`, then the built-in ones.
 ///
 /// # Errors
-/// As [`Profile::parse`], and [`ImportError::Io`].
+/// Errors of [`Profile::parse`], and [`ImportError::Io`].
 pub fn load_profiles(files: &[std::path::PathBuf]) -> Result<Vec<Profile>, ImportError> {
     let mut profiles = Vec::new();
     for path in files {

@@ -1,4 +1,4 @@
-//! Finds out what the zero pose of a source is: a standing body, and which way it faces, or not a body at all.
+//! Classifies the zero pose of a source: a standing body with its heading, or not a body at all.
 
 use super::config::Forward;
 use super::roles::RoleMap;
@@ -7,14 +7,14 @@ use crate::raw::RawClip;
 use glam::{Quat, Vec3};
 use throng_core::Joint;
 
-/// Thighs and shins of a body that stands, and how much of them points down at least: knees may bend by 45 degrees.
+/// Least downward part of thighs and shins of a body that stands: knees may bend by 45 degrees.
 pub(crate) const LEG_DOWN: f32 = 0.7;
 pub(crate) const LEG_SEGMENTS: [(Joint, Joint); 4] = {
     use Joint::*;
     [(LeftThigh, LeftShin), (LeftShin, LeftFoot), (RightThigh, RightShin), (RightShin, RightFoot)]
 };
 
-/// What the pose is that a source skeleton has when all rotations are zero.
+/// Kind of the pose of a source skeleton when all rotations are zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum RestPoseKind {
     /// A body that stands with its arms held out sideways (within 20 degrees).
@@ -26,7 +26,7 @@ pub enum RestPoseKind {
 }
 
 impl RestPoseKind {
-    /// As reports write it.
+    /// Name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::TPose => "t_pose",
@@ -39,13 +39,13 @@ impl RestPoseKind {
 /// The rest pose of a source.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct RestPose {
-    /// What the zero pose is.
+    /// Kind of the zero pose.
     pub kind: RestPoseKind,
-    /// What was found and why.
+    /// Finding, and its reason.
     pub sentence: String,
 }
 
-/// Looks at the zero pose of a clip in metres, Y up; also returns the heading it faces, 0 where it is not a body.
+/// Examines the zero pose of a clip in metres, Y up; also returns the heading it faces, 0 where it is not a body.
 /// (rad)
 pub(super) fn find_rest_pose(clip: &RawClip, roles: &RoleMap, forward: Option<Forward>) -> (RestPose, f32) {
     let world = rest_world(clip);
@@ -71,7 +71,7 @@ pub(super) fn find_rest_pose(clip: &RawClip, roles: &RoleMap, forward: Option<Fo
 /// A zero pose that is a standing body.
 struct Stance {
     kind: RestPoseKind,
-    /// Heading once upright.
+    /// Heading once upright (rad).
     heading: f32,
     sentence: String,
 }
@@ -86,7 +86,7 @@ fn body_axes(world: &[(Vec3, Quat)], roles: &RoleMap) -> Option<(Vec3, Vec3)> {
     Some((up, (across - up * across.dot(up)).try_normalize()?))
 }
 
-/// The stance of the zero pose, or why it is none.
+/// The stance of the zero pose, or the reason why it is none.
 fn stance(world: &[(Vec3, Quat)], roles: &RoleMap) -> Result<Stance, String> {
     use Joint::*;
     let (up, left) = body_axes(world, roles).ok_or("its hips, thighs and head are in one line")?;
@@ -132,7 +132,7 @@ pub(super) fn nearest_axis(v: Vec3) -> Vec3 {
     axes.into_iter().max_by(|a, b| a.dot(v).total_cmp(&b.dot(v))).unwrap_or(Vec3::Y)
 }
 
-/// A heading near a quarter turn is that quarter turn.
+/// Snaps a heading near a quarter turn to it.
 fn snap_heading(heading: f32) -> f32 {
     use std::f32::consts::FRAC_PI_2;
     let quarter = (heading / FRAC_PI_2).round() * FRAC_PI_2;

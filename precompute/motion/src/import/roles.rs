@@ -8,7 +8,7 @@ use crate::raw::{RawClip, RawJoint};
 use std::path::Path;
 use throng_core::{Joint, NUM_JOINTS};
 
-/// Which source joint plays which role of the database skeleton.
+/// Source joint of each role of the database skeleton.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct RoleMap {
     /// Index into the clip's joints by role; `None` where the source has no such joint.
@@ -16,12 +16,12 @@ pub struct RoleMap {
     pub joints: [Option<usize>; NUM_JOINTS],
     /// Name of the profile, or [`RoleMap::BY_SHAPE`].
     pub profile: String,
-    /// What the mapping is unsure of, one sentence each.
+    /// Doubts about the mapping, one sentence each.
     pub warnings: Vec<String>,
 }
 
 impl RoleMap {
-    /// What [`RoleMap::profile`] says where no profile fitted.
+    /// Value of [`RoleMap::profile`] where no profile fitted.
     pub const BY_SHAPE: &str = "found by shape and names";
 
     /// The source joint of a role.
@@ -37,14 +37,14 @@ impl RoleMap {
 
 /// Maps the joints of a clip to roles.
 ///
-/// A profile that fits decides by name; without one, the shape of the skeleton does. Either way the body is held
-/// against its motion: a side that is named wrong is told.
+/// A profile that fits decides by name; without one, the shape of the skeleton does. Either way the body is compared with its
+/// motion: a side that is named wrong is reported.
 ///
 /// - `wanted`: name of the profile to use, whatever else would fit.
 ///
 /// # Errors
-/// [`ImportError::Content`] for what is no person, naming the joints there are, for a body whose sides are swapped, and for
-/// a profile that does not fit.
+/// [`ImportError::Content`] for a skeleton that is no person, naming its joints, for a body whose sides are swapped, and for a
+/// profile that does not fit.
 pub fn assign(clip: &RawClip, profiles: &[Profile], wanted: Option<&str>) -> Result<RoleMap, ImportError> {
     let refuse = |e: NoPerson| content_error(&clip.path, e.message, &e.help);
     let named = match wanted {
@@ -61,7 +61,7 @@ pub fn assign(clip: &RawClip, profiles: &[Profile], wanted: Option<&str>) -> Res
     }
     match shape::of_roles(&Tree::new(clip), &map) {
         Ok(wrong) => wrong.correct(&mut map),
-        // Who names a profile knows what it says.
+        // A user who names a profile knows its contents.
         Err(e) if wanted.is_some() => map.warnings.push(e.message),
         Err(e) => return Err(refuse(e)),
     }

@@ -1,4 +1,4 @@
-//! Reads words and numbers from the bytes of a text file and knows the line and column of each.
+//! Reads words and numbers from the bytes of a text file, with the line and column of each.
 //!
 //! Line ends are LF, CRLF or CR; a byte-order mark is skipped. Nothing is allocated but error messages.
 
@@ -8,7 +8,7 @@ use std::path::Path;
 /// Largest magnitude accepted as a number of a motion file; anything above is a damaged file, and sums of a few
 /// thousand of these are still finite in `f32`.
 const MAX_NUMBER: f64 = 1e9;
-/// What a comma for a point is mended by.
+/// Advice for a decimal comma.
 const HELP_COMMA: &str =
     "Decimals follow a point, not a comma: export the clip again with the language of the program set to English.";
 
@@ -44,7 +44,7 @@ impl<'a> Scanner<'a> {
         Ok(Self { bytes, path, at: Mark { pos, line: 1, line_start: pos } })
     }
 
-    /// The file, as errors name it.
+    /// The file, for errors.
     pub fn path(&self) -> &'a Path {
         self.path
     }
@@ -54,17 +54,17 @@ impl<'a> Scanner<'a> {
         self.bytes.len()
     }
 
-    /// Where the cursor is.
+    /// Position of the cursor.
     pub fn mark(&self) -> Mark {
         self.at
     }
 
-    /// Another cursor, at an earlier place.
+    /// Another cursor, at an earlier position.
     pub fn at_mark(&self, mark: Mark) -> Self {
         Self { bytes: self.bytes, path: self.path, at: mark }
     }
 
-    /// Goes back to an earlier place.
+    /// Goes back to an earlier position.
     pub fn rewind(&mut self, mark: Mark) {
         self.at = mark;
     }
@@ -150,7 +150,7 @@ impl<'a> Scanner<'a> {
         hit
     }
 
-    /// Steps over `keyword`, or says that it is missing.
+    /// Steps over `keyword`, or returns an error that it is missing.
     pub fn expect(&mut self, keyword: &str, help: &str) -> Result<(), ImportError> {
         if self.take(keyword) { Ok(()) } else { Err(self.error(self.at, &format!("`{keyword}`"), help)) }
     }
@@ -166,7 +166,7 @@ impl<'a> Scanner<'a> {
         value.ok_or_else(|| self.error(mark, expected, help))
     }
 
-    /// A number that says how many there are of something.
+    /// A whole number that counts something.
     pub fn count(&mut self, expected: &str, help: &str) -> Result<u64, ImportError> {
         self.at_line_end();
         let mark = self.at;
@@ -179,12 +179,12 @@ impl<'a> Scanner<'a> {
         if self.at_line_end() { Ok(()) } else { Err(self.error(self.at, expected, help)) }
     }
 
-    /// An error about what stands at `mark`.
+    /// An error about the text at `mark`.
     pub fn error(&self, mark: Mark, expected: &str, help: &str) -> ImportError {
         self.error_found(mark, expected, &self.describe(mark), help)
     }
 
-    /// An error at `mark` whose finding is put in words by the caller.
+    /// An error at `mark` whose finding the caller words.
     pub fn error_found(&self, mark: Mark, expected: &str, found: &str, help: &str) -> ImportError {
         let before = &self.bytes[mark.line_start..mark.pos.max(mark.line_start)];
         ImportError::Syntax {

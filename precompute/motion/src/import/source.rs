@@ -1,4 +1,4 @@
-//! Motion as its file has it, before units and axes are settled.
+//! Motion as its file has it, before units and axes are found.
 
 use crate::error::{ImportError, Warnings};
 use crate::raw::{RawClip, RawJoint, SourceFormat};
@@ -11,16 +11,16 @@ pub(crate) const MAX_JOINTS: usize = 4096;
 /// Longest name of a joint or an animation (bytes).
 pub(crate) const MAX_NAME: usize = 1024;
 
-/// A clip in the units and axes of its file, and what the file says about itself.
+/// A clip in the units and axes of its file, with the file's own statements.
 #[derive(Clone, Debug)]
 pub struct SourceClip {
     /// The motion; lengths in the units of the file, axes as in the file.
     pub clip: RawClip,
     /// Length of a unit, where the file names it (m).
     pub declared_metres_per_unit: Option<f64>,
-    /// What was decided while reading and why, one sentence each.
+    /// Decisions while reading and their reasons, one sentence each.
     pub findings: Vec<String>,
-    /// What is odd but tolerable.
+    /// Oddities that are tolerable.
     pub warnings: Warnings,
 }
 
@@ -65,12 +65,12 @@ pub(crate) struct FrameSink {
 }
 
 impl FrameSink {
-    /// Joint transforms that a text of `num_bytes` may make: most of them take several numbers of it.
+    /// Number of joint transforms that a text of `num_bytes` may make: most of them take several numbers of it.
     pub fn budget_of_text(num_bytes: usize) -> usize {
         num_bytes.saturating_mul(2).saturating_add(1 << 20)
     }
 
-    /// Joint transforms that a file of `num_bytes` may make that is compressed: in proportion to it.
+    /// Number of joint transforms that a compressed file of `num_bytes` may make: in proportion to it.
     pub fn budget(num_bytes: usize) -> usize {
         num_bytes.saturating_mul(8).saturating_add(1 << 16)
     }
@@ -89,7 +89,7 @@ impl FrameSink {
         }
     }
 
-    /// Puts the pose under construction back to rest.
+    /// Resets the pose under construction to rest.
     pub fn begin_frame(&mut self) {
         self.translations.copy_from_slice(&self.rest);
         self.rotations.fill(DQuat::IDENTITY);
@@ -136,10 +136,10 @@ impl FrameSink {
     }
 }
 
-/// Names that a warning lists.
+/// Most names that a warning lists.
 const LISTED: usize = 3;
 
-/// Warns of joints of one name.
+/// Warns of joints that share a name.
 pub(crate) fn duplicate_names(joints: &[RawJoint], path: &Path) -> Warnings {
     let mut names: Vec<&str> = joints.iter().map(|j| j.name.as_str()).collect();
     names.sort_unstable();

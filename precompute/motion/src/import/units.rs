@@ -9,7 +9,7 @@ use crate::raw::RawClip;
 use glam::{Quat, Vec3};
 use throng_core::Joint;
 
-/// Units that files are written in (m), and how rare each is. That is added to how far a body in this unit is from the typical height
+/// Units of files (m), and the rarity of each. It is added to the distance of a body in this unit from the typical height
 /// (logarithm of their ratio), and the least sum is taken: a child in centimetres is likelier than a giant in inches.
 const UNITS: [(f64, f64, &str); 7] = [
     (1.0, 0.0, "metres"),
@@ -28,7 +28,7 @@ const ANKLE: f32 = 0.039;
 const HEAD: f32 = 0.115;
 /// From the neck joint to the crown, where there is no head joint.
 const NECK_AND_HEAD: f32 = 0.17;
-/// Frames looked at.
+/// Most frames that are examined.
 const MAX_SAMPLES: usize = 60;
 
 /// Frames spread evenly over a clip, at most `max`.
@@ -75,7 +75,7 @@ fn longest_end(clip: &RawClip, joint: usize) -> f32 {
     ends.map(|(i, _)| clip.translations[i].length()).fold(0.0, f32::max)
 }
 
-/// The length of a unit and a sentence that says why.
+/// The length of a unit, and a sentence with the reason.
 ///
 /// # Errors
 /// [`ImportError::Content`] for a skeleton without size and for an override that is not above 0.
@@ -107,7 +107,7 @@ pub(super) fn find_unit(source: &mut SourceClip, roles: &RoleMap, config: &Impor
     Ok(unit)
 }
 
-/// The up axis and a sentence that says why.
+/// The up axis, and a sentence with the reason.
 pub(super) fn find_up(source: &mut SourceClip, roles: &RoleMap, config: &ImportConfig) -> UpAxis {
     if let Some(up) = config.up {
         source.findings.push(format!("{} is up: given in the config.", up.letter()));

@@ -9,12 +9,12 @@ use crate::import::gltf;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// Parts of a document that name nodes in ways of their own, or are made anew.
+/// Parts of a document that refer to nodes in ways of their own, or are made anew.
 const LEFT_OUT: [&str; 5] = ["animations", "nodes", "skins", "scenes", "scene"];
-/// Extensions of a document that parts of nodes and meshes look things up in.
+/// Extensions of a document that parts of nodes and meshes refer to.
 const LOOKED_UP: [&str; 2] = ["KHR_lights_punctual", "KHR_materials_variants"];
 
-/// A document in which every actor is a copy of the character.
+/// The document in which every actor is a copy of the character.
 pub fn parts(wearer: &Wearer, take: &Take) -> Parts {
     let mut json = wearer.json.clone();
     if let Some(document) = json.as_object_mut() {
@@ -53,7 +53,7 @@ pub fn parts(wearer: &Wearer, take: &Take) -> Parts {
     parts
 }
 
-/// A copy: the node above it, and the places of its nodes.
+/// A copy: the node above it, and the new index of each of its nodes.
 struct Copied {
     holder: usize,
     nodes: BTreeMap<usize, usize>,

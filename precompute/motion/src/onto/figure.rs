@@ -1,4 +1,4 @@
-//! A character that is drawn: its triangles, and the matrices that move them in a pose.
+//! A character for drawing: its triangles, and the matrices that move them in a pose.
 
 use super::moved::Sized;
 use super::surface::Surface;
@@ -17,7 +17,7 @@ pub struct Figure {
     surface: Surface,
     /// Nodes of the character, parents first.
     nodes: Vec<Node>,
-    /// Place in `nodes` of what each frame of the surface hangs on, and the way to there from the mesh at rest.
+    /// Index in `nodes` of the node on which each frame of the surface hangs, and the transform to it from the mesh at rest.
     frames: Vec<(usize, Affine3A)>,
 }
 
@@ -27,9 +27,9 @@ struct Node {
     scale: Vec3,
     rotation: Quat,
     translation: Vec3,
-    /// Place of its rotation among the joints that move.
+    /// Index of its rotation among the joints that move.
     moved: Option<usize>,
-    /// True for the one that carries all that moves.
+    /// True for the node that carries all that moves.
     is_centre: bool,
 }
 
@@ -93,22 +93,22 @@ impl Figure {
         self.frames.iter().map(|(node, _)| carrier(*node)).collect()
     }
 
-    /// What wears the motion.
+    /// The character that wears the motion.
     pub fn wearer(&self) -> &Wearer {
         &self.wearer
     }
 
     /// The matrices of a pose: from the space of the mesh to that of the pose (m), one for each frame of the surface.
     ///
-    /// - `own`: the skeleton whose pose it is; `pose`: its joints.
-    /// - `out`: (num_frames); what is beyond stays as it is.
+    /// - `own`: skeleton of the pose; `pose`: transforms of its joints.
+    /// - `out`: (num_frames); entries beyond stay as they are.
     pub fn wear(&self, own: &Skeleton, pose: &[(Vec3, Quat); NUM_JOINTS], out: &mut [Mat3x4]) {
         let sized = Sized::new(&self.wearer, own);
         let numbers = sized.numbers(&self.wearer, own, pose, None);
         self.place(sized.scale as f32, Some(&numbers), out);
     }
 
-    /// Where corners are in the pose of the file, as large as the file says (m, corners).
+    /// Positions of corners in the pose of the file, in the size of the file (m, corners).
     pub fn rest(&self) -> Vec<Vec3> {
         let mut matrices = vec![Mat3x4::default(); self.frames.len()];
         self.place(self.wearer.metres_per_unit as f32, None, &mut matrices);

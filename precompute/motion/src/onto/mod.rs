@@ -1,9 +1,9 @@
-//! The user's own character wears the motion of a take.
+//! Motion of a take on the user's own character.
 //!
-//! The roles of its joints are found as those of motion files are. Each of these joints turns as the motion's does,
-//! over the difference of the rest poses; twist joints take their share of the twist of a limb; all others stay as they
-//! are at rest. The character is made larger or smaller as a whole, until its legs are as long as those of the motion:
-//! so feet stand where they stood, and everybody keeps its place.
+//! The roles of its joints are found as those of motion files are. Each of these joints turns as the motion's does, over the
+//! difference of the rest poses; twist joints take their share of the twist of a limb; all others stay at rest. The character
+//! is scaled as a whole, until its legs are as long as those of the motion: so feet stand where they stood, and all characters
+//! keep their places.
 
 mod copy;
 mod figure;
@@ -27,15 +27,15 @@ use std::path::Path;
 pub use surface::{Corner, Material, Surface};
 use throng_core::Joint;
 
-/// How to get a file that can be worn.
+/// Advice how to get a file that can be worn.
 const HELP: &str = "Export the character with mesh, skin and textures as one .glb file";
-/// What is above the hips makes them smaller by no more than this factor: numbers in there are of single precision.
+/// Factor by which nodes above the hips may shrink them: numbers in there are of single precision.
 const MOST_SHRUNK: f64 = 1e6;
 
 /// A character that wears motion.
 pub struct Wearer {
     document: Document,
-    /// The same document, with all that only copies need.
+    /// The document as JSON, with the parts that only copies need.
     json: Value,
     buffer: Vec<u8>,
     rig: Rig,
@@ -44,7 +44,7 @@ pub struct Wearer {
     /// Length of a unit of the file (m).
     metres_per_unit: f64,
     moved: Vec<Moved>,
-    /// The joint that carries all that moves.
+    /// Index of the joint that carries all that moves.
     centre: usize,
 }
 
@@ -65,10 +65,10 @@ impl Wearer {
         Self::parse(&archive::read_file(path, "a character", MAX_MOTION_BYTES)?, path, config)
     }
 
-    /// As [`Wearer::open`], of the bytes of a file; `path` is what errors name, and where its buffer lies beside.
+    /// Reads a character as [`Wearer::open`] does, from the bytes of a file; `path` is for errors and for its buffer beside it.
     ///
     /// # Errors
-    /// As [`Wearer::open`].
+    /// Errors of [`Wearer::open`].
     pub fn parse(bytes: &[u8], path: &Path, config: &ImportConfig) -> Result<Self, BuildError> {
         let fail = |what: String| content_error(path, what, HELP);
         let (document, binary) = gltf::document(bytes).map_err(fail)?;
@@ -98,12 +98,12 @@ impl Wearer {
         }
     }
 
-    /// Which joint of the character plays which role.
+    /// Roles, and the joints of the character that play them.
     pub fn pairs(&self) -> impl Iterator<Item = (Joint, &str)> {
         self.roles.pairs(&self.rig.clip.clip.joints)
     }
 
-    /// Names of joints that take their share of a twist.
+    /// Names of joints that take a share of a twist.
     pub fn twists(&self) -> impl Iterator<Item = &str> {
         let twists = self.moved.iter().filter(|m| m.twist().is_some());
         twists.map(|m| self.rig.clip.clip.joints[m.joint].name.as_str())
@@ -114,12 +114,12 @@ impl Wearer {
         self.rig.joints.len()
     }
 
-    /// Puts a take on.
+    /// Dresses the character with a take.
     ///
-    /// - `folder`: where the motion of its joints is kept until it is dropped.
+    /// - `folder`: folder of the file that holds the motion of its joints until it is dropped.
     ///
     /// # Errors
-    /// [`BuildError::Io`] for what the disk says.
+    /// [`BuildError::Io`] for errors of the disk.
     pub fn dress(&self, take: &Take, folder: &Path, progress: &dyn Progress) -> Result<Outfit<'_>, BuildError> {
         let io = |source| BuildError::Io { path: folder.to_path_buf(), source };
         let mut widths = vec![4; self.moved.len()];
@@ -147,12 +147,12 @@ impl Wearer {
         nodes
     }
 
-    /// How much larger it becomes for an actor: as tall as the motion's legs ask for, in metres.
+    /// Scale of the character for an actor: as tall as the motion's legs ask for, in metres.
     fn scale(&self, take: &Take, actor: usize) -> f64 {
         Sized::new(self, &take.actors()[actor].skeleton).scale
     }
 
-    /// The frame that what carries the body is in, and how it is turned, in the file's units.
+    /// Frame of the joint that carries the body, and its rotation, in the file's units.
     fn above_centre(&self) -> (DAffine3, DQuat) {
         let mut nodes = self.rig.above.clone();
         let joints = &self.rig.clip.clip.joints;
@@ -173,10 +173,10 @@ impl Wearer {
 }
 
 impl Outfit<'_> {
-    /// Hands out all numbers by which the character moves.
+    /// Passes all numbers by which the character moves to `look`.
     pub fn numbers(&self, mut look: impl FnMut(&[f32])) {
         for actor in 0..self.scratch.num_actors() {
-            // Reading back what was written fails where the disk does: then there is nothing to look at.
+            // Reading back fails only where the disk does: then there is nothing to pass on.
             _ = self.scratch.frames(actor, |_, numbers| {
                 look(numbers);
                 Ok(())
@@ -187,18 +187,18 @@ impl Outfit<'_> {
     /// The document of the take that it was made for.
     ///
     /// # Errors
-    /// As [`Glb::new`].
+    /// Errors of [`Glb::new`].
     pub fn glb<'a>(&'a self, take: &'a Take) -> Result<Glb<'a>, BuildError> {
         Glb::of(take, copy::parts(self.wearer, take), &self.scratch)
     }
 }
 
-/// The document as it is written.
+/// The complete document as JSON.
 fn whole(bytes: &[u8], path: &Path) -> Result<Value, ImportError> {
     let fail = |what: String| content_error(path, what, HELP);
     let (text, _) = gltf::split(bytes).map_err(fail)?;
     let json: Value = serde_json::from_slice(text).map_err(|e| fail(e.to_string()))?;
-    // What is written into such parts must be what the format says.
+    // Parts that are written must follow the format.
     let mut entries = ["nodes", "skins"].iter().flat_map(|list| json[list].as_array().into_iter().flatten());
     if !json["asset"].is_object() || !entries.all(Value::is_object) {
         return Err(fail("expected objects as `asset`, nodes and skins".into()));

@@ -1,4 +1,4 @@
-//! Which joints of a character move, and how.
+//! Joints of a character that move, and how each does.
 
 use super::Wearer;
 use crate::export::Take;
@@ -11,8 +11,8 @@ use std::io;
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
-/// Segments of limbs whose twist is shared, and the joints at their ends. Thighs and upper arms twist at their begin, shins
-/// and forearms at their end.
+/// Segments of limbs whose twist is shared, and the joints at their ends. Thighs and upper arms twist at their begin, shins and
+/// forearms at their end.
 const LIMBS: [(Joint, Joint, bool); 8] = {
     use Joint::*;
     [
@@ -26,20 +26,20 @@ const LIMBS: [(Joint, Joint, bool); 8] = {
         (RightShin, RightFoot, false),
     ]
 };
-/// Parts of names that joints have which take a share of a twist.
+/// Parts of the names of joints that take a share of a twist.
 const TWIST_NAMES: [&str; 2] = ["twist", "roll"];
 
 /// A joint that moves.
 pub struct Moved {
-    /// Its place in the rig.
+    /// Index in the rig.
     pub joint: usize,
     how: How,
 }
 
 enum How {
-    /// As a role does. What carries all of the body, where that is not the hips' joint, turns as the hips do.
+    /// Turns as a role does. A joint that carries all of the body, where that is not the hips' joint, turns as the hips do.
     Role(Joint),
-    /// With a share of the twist of a limb.
+    /// Turns with a share of the twist of a limb.
     Twist(Twist),
 }
 
@@ -48,9 +48,9 @@ pub struct Twist {
     limb: Joint,
     /// The joint whose twist is shared.
     of: Joint,
-    /// Along the limb in a T-pose, unit.
+    /// Direction along the limb in a T-pose (unit).
     axis: Vec3,
-    /// -1 to 1.
+    /// Share of the twist (-1 to 1).
     share: f32,
 }
 
@@ -63,7 +63,7 @@ impl Moved {
         }
     }
 
-    /// What it twists with, if it does.
+    /// Its share of a twist, if it has one.
     pub fn twist(&self) -> Option<&Twist> {
         match &self.how {
             How::Role(_) => None,
@@ -110,14 +110,14 @@ pub fn find(clip: &RawClip, roles: &RoleMap, fit: &Fit) -> Vec<Moved> {
     out
 }
 
-/// The angle by which a rotation turns about an axis before it swings that (rad).
+/// The angle by which a rotation turns about an axis before it swings the axis (rad).
 fn twist_about(rotation: Quat, axis: Vec3) -> f32 {
     let rotation = if rotation.w < 0.0 { -rotation } else { rotation };
     2.0 * rotation.xyz().dot(axis).atan2(rotation.w)
 }
 
 impl Twist {
-    /// The turn in the world that is added to what the joint hangs on.
+    /// World rotation that is added to that of the joint it hangs on.
     fn turn(&self, model: &[Quat]) -> Quat {
         let above = self.of.parent().map_or(Quat::IDENTITY, |p| model[p.index()]);
         let angle = self.share * twist_about(maths::compose(above.inverse(), model[self.of.index()]), self.axis);
@@ -126,21 +126,21 @@ impl Twist {
     }
 }
 
-/// The character as large as a skeleton asks for.
+/// The character in the size that a skeleton asks for.
 pub struct Sized {
     fit: Fit,
-    /// How much larger the character is than its file says.
+    /// Scale of the character relative to its file.
     pub scale: f64,
-    /// From the world to the frame that the centre is in.
+    /// Transform from the world to the frame of the centre.
     back: DAffine3,
-    /// How that frame is turned.
+    /// Rotation of that frame.
     turn: DQuat,
     /// Joints from the hips' up to below the centre.
     below: Vec<usize>,
 }
 
 impl Sized {
-    /// - `own`: the skeleton whose motion is worn.
+    /// - `own`: skeleton of the motion.
     pub fn new(wearer: &Wearer, own: &Skeleton) -> Self {
         let growth = f64::from(own.leg_length() / wearer.fit.leg_length());
         let (clip, (frame, turn)) = (&wearer.rig.clip.clip, wearer.above_centre());
@@ -155,11 +155,11 @@ impl Sized {
         }
     }
 
-    /// The numbers by which the character moves: rotations of the joints that do, and where the centre is, each in the
+    /// The numbers by which the character moves: rotations of the joints that do, and the position of the centre, each in the
     /// frame of its parent.
     ///
-    /// - `pose`: joints of the skeleton in the world; `before`: the numbers of the frame before, whose signs of rotations
-    ///   are kept.
+    /// - `pose`: world transforms of the skeleton's joints; `before`: numbers of the frame before, whose signs of rotations are
+    ///   kept.
     pub fn numbers(
         &self,
         wearer: &Wearer,
@@ -188,7 +188,7 @@ impl Sized {
     }
 }
 
-/// Keeps how all joints of a character move in a take: rotations of those that do, and where the hips are.
+/// Records the motion of all joints of a character in a take: rotations of those that move, and the position of the hips.
 pub fn wear(wearer: &Wearer, take: &Take, actor: usize, scratch: &mut Scratch) -> io::Result<()> {
     let own = &take.actors()[actor].skeleton;
     let sized = Sized::new(wearer, own);
@@ -202,7 +202,7 @@ pub fn wear(wearer: &Wearer, take: &Take, actor: usize, scratch: &mut Scratch) -
     scratch.finish(actor)
 }
 
-/// How every joint of the rig is turned against its rest in the world.
+/// World rotation of every joint of the rig relative to rest.
 fn turned(wearer: &Wearer, clip: &RawClip, worn: &Worn) -> Vec<DQuat> {
     let mut moved = wearer.moved.iter().peekable();
     let mut world: Vec<DQuat> = Vec::with_capacity(clip.joints.len());

@@ -1,4 +1,4 @@
-//! The triangles of a character, what they look like, and which frames move them.
+//! The triangles of a character, their materials, and the frames that move them.
 
 use super::Wearer;
 use crate::import::gltf::{MAX_BYTES, MAX_PARTS, MAX_TRIANGLES, Primitive, Reader, base64};
@@ -9,36 +9,36 @@ use std::collections::hash_map::Entry;
 
 /// Triangles, not lines or points.
 const TRIANGLES: u32 = 4;
-/// Weights smaller than this say nothing.
+/// Weight below which a joint does not count.
 const MIN_WEIGHT: f32 = 1e-6;
-/// The material of what has none.
+/// Material of parts without one.
 const PLAIN: Material = Material { colour: [0.6, 0.6, 0.6, 1.0], image: None, cutoff: 0.0 };
 
 /// A corner of a character's triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner {
-    /// Place in the space of its mesh (units of the file).
+    /// Position in the space of its mesh (units of the file).
     pub position: Vec3,
-    /// Outwards. Unit, or 0 where the triangles there have no area.
+    /// Normal outwards (unit, or 0 where the triangles there have no area).
     pub normal: Vec3,
-    /// Place in its texture.
+    /// Position in its texture.
     pub texture: Vec2,
     /// Frames that move it, the strongest first.
     pub frames: [u16; 4],
-    /// How much each does (they sum to 1).
+    /// Weight of each frame (they sum to 1).
     pub weights: [f32; 4],
-    /// Place in the list of materials.
+    /// Index in the list of materials.
     pub material: u16,
 }
 
-/// What a surface looks like.
+/// Look of a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Red, green, blue and alpha, linear (0 to 1).
     pub colour: [f32; 4],
-    /// Place in the list of images.
+    /// Index in the list of images.
     pub image: Option<usize>,
-    /// Where alpha is smaller than this there is nothing; 0 for whole surfaces.
+    /// Alpha below which a surface is not drawn; 0 for whole surfaces.
     pub cutoff: f32,
 }
 
@@ -47,20 +47,20 @@ pub struct Material {
 pub struct Surface {
     /// Corners.
     pub corners: Vec<Corner>,
-    /// Three for each triangle, anticlockwise from outside.
+    /// Indices of corners: three for each triangle, anticlockwise from outside.
     pub indices: Vec<u32>,
-    /// What surfaces look like.
+    /// Materials.
     pub materials: Vec<Material>,
     /// Files of images, as they are in the file of the character.
     pub images: Vec<Vec<u8>>,
-    /// What moves corners: a node, and the way from the space of the mesh to the node's at rest.
+    /// Frames that move corners: a node, and the transform from the space of the mesh to the node's at rest.
     pub(super) frames: Vec<(usize, Mat4)>,
 }
 
 impl Surface {
     /// Reads the meshes of a character: those of its skins, and those that hang on its joints.
     ///
-    /// - `places`: of the nodes of the character; `None` for those that are not its own (nodes of the document).
+    /// - `places`: index of each node of the document among the character's; `None` for nodes that are not its own.
     ///
     /// # Errors
     /// The part of the document that is missing or wrong.
@@ -123,7 +123,7 @@ impl Surface {
         Ok(out)
     }
 
-    /// Adds the frames of a skin; returns the first.
+    /// Adds the frames of a skin; returns the index of the first.
     fn bind(&mut self, reader: &Reader<'_>, skin: usize, wearer: &Wearer) -> Result<usize, String> {
         let (start, skin) = (self.frames.len(), &wearer.document.skins[skin]);
         let numbers = skin.inverse_bind_matrices.map(|a| reader.floats(a, "MAT4")).transpose()?;
@@ -137,7 +137,7 @@ impl Surface {
         Ok(start)
     }
 
-    /// - `joints`: frames of the skin; none where all of it hangs on the frame `start`.
+    /// - `joints`: frames of the skin; `None` where all of it hangs on the frame `start`.
     fn primitive(
         &mut self,
         reader: &Reader<'_>,
@@ -207,7 +207,7 @@ impl Surface {
         Ok(())
     }
 
-    /// Place of the material of what has none.
+    /// Index of the material of parts without one.
     fn plain(&mut self) -> usize {
         if self.materials.last() != Some(&PLAIN) {
             self.materials.push(PLAIN);
@@ -237,7 +237,7 @@ fn carried(carriers: &[f32], weights: &[f32], joints: &std::ops::Range<usize>) -
         return Err(format!("JOINTS_0 names joint {j}, the skin has {}", joints.len()));
     }
     if !(sum > MIN_WEIGHT && sum.is_finite()) {
-        // Nothing moves it: it goes with the first joint.
+        // A corner without weights goes with the first joint.
         return Ok(([joints.start as u16, 0, 0, 0], [1.0, 0.0, 0.0, 0.0]));
     }
     let there = |(j, w): (usize, f32)| if w > MIN_WEIGHT { (joints.start + j, w / sum) } else { (joints.start, 0.0) };

@@ -1,4 +1,4 @@
-//! Which way the body part faces in its source joint's axes: one constant rotation per role.
+//! Axes of each body part in its source joint: one constant rotation per role.
 //!
 //! With it the database joint's model-space rotation is the source's times the constant, and is the identity when
 //! the body stands in a T-pose. Where the source's rest pose is a standing body it says how trunk and limbs are
@@ -13,19 +13,20 @@ use throng_core::{Joint, NUM_JOINTS};
 /// Rotation from the database joint's axes to the source joint's, per role.
 pub type Alignment = [Quat; NUM_JOINTS];
 
-/// A rest pose is believed where the hinges of its limbs are this near to those the motion shows (rad).
+/// Largest angle between the hinges of a rest pose's limbs and those that the motion shows, for the rest pose to be trusted
+/// (rad).
 const MAX_HINGE_ERROR: f32 = 0.26;
 
-/// Trunks of rest poses that lean by more stand upright in a T-pose all the same (rad).
+/// Lean of a rest pose's trunk above which it still stands upright in a T-pose (rad).
 const LEANING: f32 = 0.17;
 
-/// Knees of rest poses that bend by more stand on flat feet (rad).
+/// Bend of a rest pose's knees above which they still stand on flat feet (rad).
 const BENT_KNEE: f32 = 0.2;
 
-/// Fewer frames show nothing.
+/// Number of frames below which nothing is shown.
 pub const MIN_SAMPLES: usize = 5;
 
-/// A foot is level sideways while its shin leans sideways by less than this (sine of the angle).
+/// Lean of the shin sideways below which a foot is level sideways (sine of the angle).
 const UPRIGHT_SHIN: f32 = 0.1;
 
 /// The lower legs, left and right.
@@ -61,7 +62,7 @@ pub fn limb_direction(j: Joint) -> Option<Vec3> {
     }
 }
 
-/// The child whose direction a joint of one child turns to.
+/// The child that the direction of a joint is taken from.
 pub fn main_child(j: Joint) -> Option<Joint> {
     use Joint::*;
     Some(match j {
@@ -84,7 +85,7 @@ pub fn main_child(j: Joint) -> Option<Joint> {
     })
 }
 
-/// Trunk joints stand as the rest pose has them; a limb's rest direction is the T-pose's, reached by the shortest arc.
+/// Trunk joints stand as in the rest pose; a limb's rest direction is the T-pose's, reached by the shortest arc.
 fn from_rest(body: &Body) -> Alignment {
     let mut out = [Quat::IDENTITY; NUM_JOINTS];
     let Some(rest) = &body.rest else { return out };
@@ -109,7 +110,7 @@ fn from_rest(body: &Body) -> Alignment {
     out
 }
 
-/// The turn from upright to how the trunk of a rest pose leans, where that is more than bodies do who stand.
+/// The rotation from upright to the lean of a rest pose's trunk, where that is more than that of a standing body.
 fn lean(rest: &RolePose) -> Option<Quat> {
     use Joint::*;
     let at = |j: Joint| rest[j.index()].0;
@@ -151,7 +152,7 @@ fn foot_alignment(body: &Body, side: usize, shin: Joint, foot: Joint, toe: Joint
     frame(up, ahead).unwrap_or(carried)
 }
 
-/// How far a rest pose bends a knee (rad).
+/// Bend of a knee in a rest pose (rad).
 fn knee(rest: &RolePose, shin: Joint, foot: Joint) -> f32 {
     let at = |j: Joint| rest[j.index()].0;
     let thigh = shin.parent().map_or(Vec3::NEG_Y, |thigh| at(shin) - at(thigh));

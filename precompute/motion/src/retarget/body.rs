@@ -1,4 +1,4 @@
-//! What a source skeleton looks like: where its roles sit, how they hang together, sampled over its clips.
+//! Geometry of a source skeleton: the joints of its roles and their hierarchy, sampled over its clips.
 
 use crate::import::{Forward, Imported, LEG_DOWN, LEG_SEGMENTS};
 use crate::raw::RawClip;
@@ -14,11 +14,11 @@ pub type Roles = [Option<usize>; NUM_JOINTS];
 pub struct Source<'a> {
     /// The motion as read.
     pub clip: &'a RawClip,
-    /// Which of its joints plays which role.
+    /// Source joint of each role.
     pub roles: &'a Roles,
-    /// Heading that the rest pose faces where it is given; found from the thighs elsewhere (rad).
+    /// Heading that the rest pose faces where it is given; else it is found from the thighs (rad).
     pub heading: Option<f32>,
-    /// What turns the motion upright where its floor was tilted.
+    /// Rotation that turns the motion upright where its floor was tilted.
     pub turn: Option<Quat>,
 }
 
@@ -32,22 +32,22 @@ impl<'a> From<&'a Imported> for Source<'a> {
 /// World position and rotation of every role; absent roles repeat their nearest present ancestor.
 pub type RolePose = [(Vec3, Quat); NUM_JOINTS];
 
-/// Frames sampled over all clips of a skeleton, to measure what its offsets alone do not say.
+/// Number of frames sampled over all clips of a skeleton, to measure what its offsets alone do not show.
 const MAX_SAMPLES: usize = 3000;
 
-/// A foot slower than this at both ankle and toe may be planted (m/s).
+/// Speed of both ankle and toe below which a foot may be planted (m/s).
 const PLANTED_SPEED: f32 = 0.12;
 
 /// A sampled frame.
 #[derive(Clone, Debug)]
 pub struct Sample {
-    /// The roles.
+    /// World transforms of the roles.
     pub pose: RolePose,
-    /// Whether ankle and toe of the left and of the right foot hardly move.
+    /// True where ankle and toe of the left, and of the right foot hardly move.
     pub still_feet: [bool; 2],
 }
 
-/// The geometry of one source skeleton. What is serialised is what laying a clip takes.
+/// The geometry of one source skeleton. Retargeting a clip needs only the serialised part.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct Body {
     /// Source joint of every role.
@@ -180,7 +180,7 @@ fn mean_offsets(roles: &Roles, samples: &[Sample]) -> [Vec3; NUM_JOINTS] {
     sums.map(|v| (v / samples.len().max(1) as f64).as_vec3())
 }
 
-/// Offset of the child of `joint` that the longest chain hangs on, where it has a length: of a hand the middle finger.
+/// Offset of the child of `joint` that starts the longest chain, where it has a length: the middle finger of a hand.
 fn tip_of(clip: &RawClip, joint: usize) -> Option<Vec3> {
     let n = clip.joints.len();
     let mut reach = vec![0f32; n];
@@ -196,8 +196,8 @@ fn tip_of(clip: &RawClip, joint: usize) -> Option<Vec3> {
     (offset.length() > 0.005).then_some(offset)
 }
 
-/// The pose turned so that its left side is +X, or by the heading that is given, where it is a body that stands, as
-/// import has it.
+/// The pose turned so that its left side is +X, or by the heading that is given, where it is a standing body by the rules of
+/// import.
 fn standing(pose: RolePose, heading: Option<f32>) -> Option<RolePose> {
     let at = |j: Joint| pose[j.index()].0;
     use Joint::*;

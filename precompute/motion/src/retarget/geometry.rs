@@ -11,13 +11,13 @@ use glam::{Mat3, Quat, Vec3};
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS};
 
-/// A frame nearer than this to one square to the joint's axes is taken to be that one (rad).
+/// Angle below which a frame counts as the one square to the joint's axes (rad).
 const SNAP_ANGLE: f32 = 0.6;
 
-/// Joints nearer than this have no direction between them (m).
+/// Distance of joints below which they have no direction between them (m).
 const MIN_SEGMENT: f32 = 0.01;
 
-/// A limb bent less than this shows no hinge (sine of the angle).
+/// Bend of a limb below which it shows no hinge (sine of the angle).
 const MIN_BEND: f32 = 0.25;
 
 /// Aligns all roles but feet and toes.
@@ -46,7 +46,7 @@ pub fn from_geometry(body: &Body) -> Alignment {
     out
 }
 
-/// Up leads to the next joint of the trunk, left is where hips or shoulders have it.
+/// The trunk's frame: up leads to its next joint, left follows hips or shoulders.
 fn trunk(body: &Body, j: Joint) -> Quat {
     use Joint::*;
     let next = Joint::ALL[..=Head.index()]
@@ -82,7 +82,7 @@ fn mean_relative(body: &Body, j: Joint, out: &Alignment) -> Quat {
     )
 }
 
-/// Outwards leads to the upper arm, up is the trunk's on average.
+/// The clavicle's frame: outwards leads to the upper arm, up is the trunk's on average.
 fn clavicle(body: &Body, j: Joint, out: &Alignment) -> Quat {
     let p = anchor(&body.roles, j).index();
     let (child, sign) =
@@ -91,7 +91,7 @@ fn clavicle(body: &Body, j: Joint, out: &Alignment) -> Quat {
     frame_xy(body.offsets[child.index()] * sign, up.unwrap_or(Vec3::Y)).unwrap_or(Quat::IDENTITY)
 }
 
-/// Along the segment, and about it by the hinge at its far (thigh, upper arm) or near end (shin, forearm).
+/// The limb's frame: along the segment, and about it by the hinge at its far (thigh, upper arm) or near end (shin, forearm).
 fn limb(body: &Body, j: Joint, out: &Alignment) -> Quat {
     let Some(t_pose) = limb_direction(j) else { return Quat::IDENTITY };
     let near = mean_relative(body, j, out);
@@ -107,8 +107,8 @@ fn limb(body: &Body, j: Joint, out: &Alignment) -> Quat {
     }
 }
 
-/// The axis about which a limb of that T-pose direction bends: +X for knees; elbows, which bend forwards, turn about
-/// -Y on the left and +Y on the right.
+/// The axis about which a limb of that T-pose direction bends: +X for knees; elbows, which bend forwards, turn about -Y on the
+/// left and +Y on the right.
 pub fn t_pose_hinge(direction: Vec3) -> Vec3 {
     if direction.y == 0.0 { direction.cross(Vec3::Z) } else { Vec3::X }
 }
@@ -157,7 +157,7 @@ fn aim(body: &Body, j: Joint, a: Quat) -> Quat {
     }
 }
 
-/// Turns snapped hips by the shortest arc so that the thighs lie where they do: a tilt would lift one foot.
+/// Turns snapped hips by the shortest arc so that the thighs keep their places: a tilt would lift one foot.
 fn level(body: &Body, a: Quat) -> Quat {
     let across = body.offsets[Joint::LeftThigh.index()] - body.offsets[Joint::RightThigh.index()];
     match across.try_normalize() {

@@ -1,4 +1,4 @@
-//! Where the ground is: one height per clip and one slope per source skeleton, so that feet stand on y = 0.
+//! Height of the ground per clip, and its slope per source skeleton, so that feet stand on y = 0.
 //!
 //! Floors of capture volumes are not level: the first test recordings rise by 1 to 1.5 cm a metre. One that rises more is a
 //! volume that was set up tilted, and people in it lean: all is turned upright. Clips whose floor is another one, or
@@ -10,50 +10,51 @@ use glam::{DMat3, DVec3, Quat, Vec3};
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
-/// Which of the sorted heights of standing feet counts as the ground: low, because feet also stand on things.
+/// Quantile of the heights of standing feet that counts as the ground: low, because feet also stand on things.
 const GROUND_QUANTILE: f32 = 0.25;
 
-/// Floors that slope less than this need no turn of the body (tangent).
+/// Slope of a floor below which the body is not turned (tangent).
 const MAX_SLOPE: f32 = 0.03;
 
-/// Floors slope less than this (tangent): 8 degrees, on top of which measuring errs; more is terrain.
+/// Largest slope of a floor (tangent): 8 degrees, on top of which measuring errs; more is terrain.
 const MAX_TILT: f32 = 0.16;
 
-/// Floors rise and fall by less than this (m/s).
+/// Greatest speed at which a floor rises or falls (m/s).
 const MAX_DRIFT: f32 = 0.03;
 
-/// Feet on a floor are nearer to it than this (m).
+/// Distance from a floor within which feet are on it (m).
 const FLOOR_NOISE: f32 = 0.02;
 
-/// Most feet on a floor that is tilted or moves are nearer to it: those on kerbs and steps are not (m).
+/// Distance from a tilted or moving floor within which most feet on it are: those on kerbs and steps are not (m).
 const TILT_NOISE: f32 = 0.01;
 
-/// A floor fits better where it leaves less than this share of the distances.
+/// Share of the distances below which a floor fits better.
 const CLEARLY: f32 = 0.65;
 
-/// Clips that stay within this say little about the slope; of a tilt, less does, such as the way from foot to foot (m).
+/// Extent of a clip below which it says little about the slope; about a tilt, less does, such as that from foot to foot (m).
 const SLOPE_REACH: f32 = 0.1;
 const TILT_REACH: f32 = 0.05;
 
-/// Feet that are nearer to the floor than these count, round by round, for one whose slope is not known (m).
+/// Distances from the floor within which feet count, round by round, for a floor whose slope is not known (m).
 const NEARER: [f32; 7] = [f32::INFINITY, 0.16, 0.08, 0.04, 0.04, 0.04, 0.04];
 
-/// Places that feet stand at are farther from each other than this, or later where the floor drifts (m, s). So many beyond the first
-/// of each clip tell of a floor: a step up is two places, of two feet each, on one plane. More than the most tell nothing new.
+/// Least distance between places at which feet stand, and least time where the floor drifts (m, s). The least number of places
+/// beyond the first of each clip shows a floor: a step up is two places, of two feet each, on one plane. More than the most
+/// show nothing new.
 const APART: (f32, f32) = (0.15, 1.0);
 const MIN_PLACES: usize = 5;
 const MOST_PLACES: usize = 200;
 
-/// Where feet stand at one moment.
+/// Position of a standing foot at one moment.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// Above where that joint is when the foot stands flat (m).
+    /// Height above that of the joint when the foot stands flat (m).
     pub height: f32,
-    /// What heights go with: x and z (m) and time (s).
+    /// Quantities on which heights depend: x and z (m) and time (s).
     pub place: Vec3,
 }
 
-/// The lowest part of the feet at each frame where it hardly moves. Every frame where there is no such one.
+/// The lowest part of the feet at each frame where it hardly moves; at every frame where there is no such one.
 pub fn standing(motion: &Motion, skeleton: &Skeleton, rate_hz: f64) -> Vec<Point> {
     let frames = motion.root_positions.iter().zip(motion.rotations.chunks(NUM_JOINTS));
     let all = stance::lowest(frames.map(|(root, local)| foot_positions(*root, local, skeleton)), skeleton, rate_hz);
@@ -65,8 +66,8 @@ pub fn standing(motion: &Motion, skeleton: &Skeleton, rate_hz: f64) -> Vec<Point
     if standing.is_empty() { all.iter().map(point).collect() } else { standing }
 }
 
-/// Slope of the floor (rise per metre along x and z; as time goes by none) that clips of one source skeleton share, each
-/// at a height of its own. Zero where the ground is no plane.
+/// Slope of the floor (rise per metre along x and z; none over time) that clips of one source skeleton share, each at a height
+/// of its own. Zero where the ground is no plane.
 pub fn slope(clips: &[&[Point]]) -> Vec3 {
     let gentle = gentle(clips);
     let Some(tilt) = tilt(clips, false).filter(|t| is_steep(*t)) else { return gentle.unwrap_or(Vec3::ZERO) };
@@ -76,7 +77,7 @@ pub fn slope(clips: &[&[Point]]) -> Vec3 {
     }
 }
 
-/// The slope of a floor that hardly has one: least squares, with steps and other outliers dropped.
+/// The slope of a nearly level floor: least squares, with steps and other outliers dropped.
 fn gentle(clips: &[&[Point]]) -> Option<Vec3> {
     let mut slope = Vec3::ZERO;
     for _ in 0..4 {
@@ -86,8 +87,8 @@ fn gentle(clips: &[&[Point]]) -> Option<Vec3> {
     Some(slope)
 }
 
-/// Slope of the floor of one clip, as time goes by (m/s), too: the one its source skeleton shares, but where that one does not
-/// fit and another one does.
+/// Slope of the floor of one clip, including its rise over time (m/s): the shared one of its source skeleton, unless that does
+/// not fit and another one does.
 pub fn own_slope(points: &[Point], shared: Vec3) -> Vec3 {
     let points = &[points];
     let mut best = (shared, spread(points, shared));
@@ -101,12 +102,12 @@ pub fn own_slope(points: &[Point], shared: Vec3) -> Vec3 {
     best.0
 }
 
-/// True for floors of which bodies are turned upright.
+/// True for floors for which bodies are turned upright.
 pub fn is_steep(slope: Vec3) -> bool {
     slope.truncate().length() > MAX_SLOPE
 }
 
-/// The turn that lays a floor level.
+/// The rotation that lays a floor level.
 pub fn upright(slope: Vec3) -> Quat {
     Quat::from_rotation_arc(Vec3::new(-slope.x, 1.0, -slope.y).normalize(), Vec3::Y)
 }
@@ -123,7 +124,7 @@ fn tilt(clips: &[&[Point]], drifts: bool) -> Option<Vec3> {
     (is_floor && share_within(clips, found, TILT_NOISE) > 0.75 && fits()).then_some(found)
 }
 
-/// One round of least squares over the points that are near the floor as it is known (m); time counts where it drifts.
+/// One round of least squares over the points near the present floor (m); time counts where it drifts.
 fn fit(clips: &[&[Point]], slope: Vec3, (near, reach): (f32, f32), drifts: bool) -> Option<Vec3> {
     let (mut squares, mut heights) = (DMat3::ZERO, DVec3::ZERO);
     let mut total = 0usize;
@@ -148,7 +149,7 @@ fn fit(clips: &[&[Point]], slope: Vec3, (near, reach): (f32, f32), drifts: bool)
     (total > 0).then(|| ((squares + DMat3::from_diagonal(DVec3::splat(ridge))).inverse() * heights).as_vec3())
 }
 
-/// Share of the points that are so near to the floors of their clips (m).
+/// Share of the points within a distance of the floors of their clips (m).
 fn share_within(clips: &[&[Point]], slope: Vec3, near: f32) -> f32 {
     let (mut kept, mut total) = (0usize, 0usize);
     for points in clips {
@@ -159,7 +160,7 @@ fn share_within(clips: &[&[Point]], slope: Vec3, near: f32) -> f32 {
     kept as f32 / total.max(1) as f32
 }
 
-/// How far nine in ten points are from the floors of their clips at most (m).
+/// Distance from the floors of their clips within which nine in ten points are (m).
 fn spread(clips: &[&[Point]], slope: Vec3) -> f32 {
     let mut far = Vec::new();
     for points in clips {
@@ -169,14 +170,14 @@ fn spread(clips: &[&[Point]], slope: Vec3) -> f32 {
     quantile(far, 0.9)
 }
 
-/// The height in the middle of those of the points (m).
+/// The median height of the points (m).
 fn level_of(points: &[Point], slope: Vec3) -> f32 {
     let mut heights: Vec<f32> = points.iter().map(|p| above(p, slope)).collect();
     heights.sort_by(f32::total_cmp);
     heights.get(heights.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// The points by the place that they stand at; as time goes by it is another one where the floor drifts.
+/// Groups the points by the place at which they stand; over time it is another one where the floor drifts.
 fn places(points: &[Point], drifts: bool) -> Vec<Vec<&Point>> {
     let mut places: Vec<Vec<&Point>> = Vec::new();
     for p in points {
@@ -193,7 +194,7 @@ fn places(points: &[Point], drifts: bool) -> Vec<Vec<&Point>> {
     places
 }
 
-/// Share of the places at which most feet are near to the floor, however long they stand there.
+/// Share of the places at which most feet are near to the floor, whatever the time they stand there.
 fn share_of_places(clips: &[&[Point]], places: &[Vec<Vec<&Point>>], slope: Vec3) -> f32 {
     let (mut kept, mut total) = (0usize, 0usize);
     for (points, places) in clips.iter().zip(places) {
@@ -205,13 +206,13 @@ fn share_of_places(clips: &[&[Point]], places: &[Vec<Vec<&Point>>], slope: Vec3)
     kept as f32 / total.max(1) as f32
 }
 
-/// Height of the floor of one clip at the origin, given its slope: the lower quartile of where feet stand, which a
-/// bad frame, jumps and steps leave in place (m).
+/// Height of the floor of one clip at the origin, given its slope: the lower quartile of the heights of standing feet, which is
+/// robust to bad frames, jumps and steps (m).
 pub fn height(points: &[Point], slope: Vec3) -> f32 {
     quantile(points.iter().map(|p| above(p, slope)).collect(), GROUND_QUANTILE)
 }
 
-/// Moves the motion down onto y = 0. What slope is left is taken out of heights only: it is too small to turn the body for.
+/// Moves the motion down onto y = 0. The remaining slope is taken out of heights only: it is too small to turn the body for.
 pub fn level(motion: &mut Motion, height: f32, slope: Vec3, rate_hz: f64) {
     for (f, p) in motion.root_positions.iter_mut().enumerate() {
         p.y -= height + slope.dot(Vec3::new(p.x, p.z, (f as f64 / rate_hz) as f32));

@@ -1,4 +1,4 @@
-//! Legs that reach: ankles and toes where the source has them, so that what stands there stands here.
+//! Legs that reach: ankles and toes go where the source has them, so that feet that stand there stand here.
 //!
 //! Legs of other proportions that turn as the source's do put the feet elsewhere at every step, and feet that stand
 //! slide. The knee stays in the plane that the source bends it in; the foot turns as the source's does.
@@ -13,21 +13,20 @@ const LEGS: [[Joint; 4]; 2] = {
     use Joint::*;
     [[LeftThigh, LeftShin, LeftFoot, LeftToe], [RightThigh, RightShin, RightFoot, RightToe]]
 };
-/// A foot stands on its toe where its heel is raised by more than the second of these, on the heel below the first
-/// (sine of the angle).
+/// Rise of the heel below which a foot stands on the heel, and above which it stands on the toe (sine of the angle).
 const RAISED: (f32, f32) = (0.1, 0.5);
-/// A leg reaches fully where its knee is above its ankle by more than the second share of the shin, and turns as the
-/// source's does below the first: who kneels stands on his knees.
+/// Height of the knee above the ankle, as a share of the shin: above the second number the leg reaches fully, below the first
+/// it turns as the source's does, as kneeling people stand on their knees.
 const UPRIGHT: (f32, f32) = (0.15, 0.45);
-/// Feet nearer than this to where they belong stay (m).
+/// Distance from their goal below which feet stay (m).
 const NEAR: f32 = 1e-5;
 
-/// Lays the legs of one skeleton onto another.
+/// Transfers the legs of one skeleton to another.
 pub struct Legs<'a> {
     target: &'a Skeleton,
     scale: f32,
     has_toes: [bool; 2],
-    /// How much higher ankles and toes stand than the source's, once these are scaled (m).
+    /// Height of ankles and toes above the source's scaled ones (m).
     ankle: f32,
     toe: f32,
 }
@@ -43,15 +42,15 @@ impl<'a> Legs<'a> {
         Self { target, scale, has_toes, ankle: higher(2), toe: higher(3) }
     }
 
-    /// How much higher the whole body stands (m).
+    /// Rise of the whole body (m).
     pub fn rise(&self) -> Vec3 {
         Vec3::Y * self.ankle
     }
 
-    /// Turns thighs and shins so that the feet are where the source has them.
+    /// Turns thighs and shins so that the feet are at the places of the source's.
     ///
-    /// - `model`: rotation of every joint in the world.
-    /// - `root`: where the hips are.
+    /// - `model`: world rotation of every joint.
+    /// - `root`: position of the hips.
     pub fn reach(&self, model: &mut [Quat; NUM_JOINTS], root: Vec3, pose: &RolePose) {
         for (leg, has_toe) in LEGS.into_iter().zip(self.has_toes) {
             let [thigh, shin, foot, toe] = leg.map(Joint::index);
@@ -75,7 +74,7 @@ impl<'a> Legs<'a> {
         }
         let (a, b) = (upper.length(), lower.length());
         let (Some(along), Some(to)) = ((upper + lower).try_normalize(), (goal - hip).try_normalize()) else { return };
-        // Of bones shorter than NEAR, the least distance is above the greatest one.
+        // For segments shorter than NEAR, the least distance is above the greatest one.
         let distance = goal.distance(hip).min(a + b).max((a - b).abs() + NEAR);
         let ahead = upper.reject_from_normalized(along).try_normalize();
         let ahead =

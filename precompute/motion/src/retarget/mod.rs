@@ -31,11 +31,11 @@ use std::collections::BTreeMap;
 use throng_core::{Joint, Skeleton};
 pub use wear::{Fit, Worn};
 
-/// How clips are laid onto the database skeleton.
+/// Settings by which clips are put onto the database skeleton.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RetargetConfig {
-    /// Whose proportions the database skeleton has.
+    /// Proportions of the database skeleton.
     pub proportions: Proportions,
     /// Move each clip up or down, as a whole, so that its feet stand on the ground, and take out the slope of the
     /// floor that clips of one source skeleton share, where they show one, up to 8 degrees: above 1.7 the body is turned
@@ -50,7 +50,7 @@ impl Default for RetargetConfig {
     }
 }
 
-/// Whose proportions the database skeleton has.
+/// Proportions of the database skeleton.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Proportions {
@@ -74,7 +74,7 @@ pub struct ExplicitProportions {
 
 /// Longest offset along each axis (m).
 const MAX_OFFSET: f32 = 10.0;
-/// Joints that rest nearer to each other than this are one: files are rounded (m).
+/// Distance below which two rest positions of a joint are one: files are rounded (m).
 const SAME_OFFSET_M: f32 = 1e-4;
 
 impl RetargetConfig {
@@ -91,7 +91,7 @@ impl RetargetConfig {
 }
 
 impl ExplicitProportions {
-    /// The skeleton they describe.
+    /// The skeleton of these offsets.
     ///
     /// # Errors
     /// [`BuildError::Config`] for a name that is no joint, or a leg without length.
@@ -117,11 +117,11 @@ impl ExplicitProportions {
     }
 }
 
-/// Lays every clip onto one database skeleton.
+/// Retargets every clip to one database skeleton.
 ///
-/// Joint rotations are the source's, aligned so that the T-pose is the identity; hips positions are multiplied by
-/// the quotient of the leg lengths; with `align_ground` y = 0 is where the feet stand. A spine joint, clavicle or hand that is not in the source stays rigid with its parent, which keeps the joints
-/// it has where they are.
+/// Joint rotations are the source's, aligned so that the T-pose is the identity; hips positions are multiplied by the quotient
+/// of the leg lengths; with `align_ground` y = 0 is where the feet stand. A spine joint, clavicle or hand that is not in the
+/// source stays rigid with its parent, which keeps the joints it has in place.
 ///
 /// # Errors
 /// [`BuildError::Stage`] when a clip has no hips, thighs, shins or feet, or no legs to measure, and
@@ -149,7 +149,7 @@ fn lay_all(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) ->
 /// where each role hangs rigidly from the joint of its parent role.
 ///
 /// # Errors
-/// As [`onto`].
+/// Errors of [`onto`].
 pub fn skeleton_of(clip: &Imported) -> Result<Skeleton, BuildError> {
     own_skeleton(clip.into())
 }
@@ -162,12 +162,13 @@ fn own_skeleton(source: Source) -> Result<Skeleton, BuildError> {
     Ok(proportions::own(&body, &a))
 }
 
-/// Whose motion clips are: those of one source skeleton, with the same joints and lengths, together; in input order.
+/// Clips by performer: clips of one source skeleton, with the same joints and lengths, together; in input order.
 pub fn performers(clips: &[Imported]) -> Vec<Vec<usize>> {
     group(&clips.iter().map(Source::from).collect::<Vec<_>>())
 }
 
-/// Clips by source skeleton: same joints, rest pose and roles, whatever the ends of chains. Groups and their clips in input order.
+/// Clips by source skeleton: same joints, rest pose and roles, whatever the ends of chains. Groups and their clips in input
+/// order.
 fn group(sources: &[Source]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (i, s) in sources.iter().enumerate() {
@@ -183,7 +184,8 @@ fn group(sources: &[Source]) -> Vec<Vec<usize>> {
     groups
 }
 
-/// Where the hips rest, and what they hang on, may differ: some exporters write there where a take begins.
+/// True for clips of one source skeleton. The rest position of the hips, and their parent, may differ: some exporters write
+/// there where a take begins.
 fn same_rig(a: &Source, b: &Source) -> bool {
     fn joints(c: &RawClip) -> impl Iterator<Item = (usize, &RawJoint)> {
         c.joints.iter().enumerate().filter(|(_, j)| !j.is_end)
@@ -197,7 +199,7 @@ fn same_rig(a: &Source, b: &Source) -> bool {
     joints(a.clip).count() == joints(b.clip).count() && joints(a.clip).zip(joints(b.clip)).all(same)
 }
 
-/// The roles without which there is nothing to lay onto a body.
+/// Checks the roles without which nothing can be retargeted.
 fn check(source: &Source) -> Result<(), BuildError> {
     use Joint::*;
     let fail =

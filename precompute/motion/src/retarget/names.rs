@@ -1,4 +1,4 @@
-//! What clips are called.
+//! Names of clips.
 
 use super::Source;
 use crate::error::Warnings;
@@ -6,7 +6,7 @@ use crate::mirror;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Component;
 
-/// The clips' names; where two are the same, with as many of their folders in front as tell them apart.
+/// Unique names of the clips; where two are the same, as many of their folders in front as tell them apart.
 pub fn unique_names(sources: &[Source], warnings: &mut Warnings) -> Vec<String> {
     let name = |i: usize, depth: usize| {
         let clip = sources[i].clip;
@@ -30,7 +30,7 @@ pub fn unique_names(sources: &[Source], warnings: &mut Warnings) -> Vec<String> 
             break;
         }
     }
-    // Two files of one folder that differ in their extension alone.
+    // Two files of one folder may differ in their extension alone.
     let mut taken = BTreeSet::new();
     for (i, name) in names.iter_mut().enumerate() {
         let mut numbered = (i..).map(|n| format!("{name}~{n}"));
@@ -49,7 +49,7 @@ pub fn unique_names(sources: &[Source], warnings: &mut Warnings) -> Vec<String> 
     names
 }
 
-/// Gives other names to clips that have that of another one's mirrored copy.
+/// Renames clips whose name is that of another one's mirrored copy.
 pub fn tell_from_mirrored(names: &mut [String], warnings: &mut Warnings) {
     let mut taken: BTreeSet<String> = names.iter().cloned().collect();
     for i in 0..names.len() {

@@ -1,4 +1,4 @@
-//! What the clips of a set settle together, so that each can then be laid onto the skeleton by itself.
+//! Decisions that the clips of a set share, so that each clip can then be retargeted by itself.
 
 use super::align::{self, Alignment};
 use super::body::{Body, Source};
@@ -15,10 +15,10 @@ use serde::{Deserialize, Serialize};
 use throng_base::maths;
 use throng_core::Skeleton;
 
-/// The first clips of a source skeleton, up to this length, say what its body and floor are like (s).
+/// Total length of the first clips of a source skeleton from which its body and floor are measured (s).
 const TELLING_S: f64 = 600.0;
 
-/// What laying a clip onto the database skeleton takes besides the clip.
+/// Everything that retargeting a clip needs besides the clip.
 pub struct Plan {
     /// The database skeleton.
     pub skeleton: Skeleton,
@@ -34,19 +34,19 @@ pub struct Plan {
 /// The floor that clips of one source skeleton share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Floor {
-    /// What turns motion upright, where the floor was tilted.
+    /// Rotation that turns motion upright, where the floor was tilted.
     turn: Option<Quat>,
-    /// How it rises along x and z then (per metre), and with time (0).
+    /// Rise of the floor along x and z then (per metre), and over time (0).
     slope: Vec3,
 }
 
-/// Clips of one source skeleton, and what they share.
+/// Clips of one source skeleton, with the data that they share.
 #[derive(Serialize)]
 pub struct Performer {
-    /// Places of its first clips, which alone were measured: a later one changes nothing for the others.
+    /// Indices of its first clips, which alone were measured: a later one changes nothing for the others.
     #[serde(skip)]
     pub telling: Vec<usize>,
-    /// Level until [`Plan::lay_floor`] says otherwise.
+    /// The floor: level until [`Plan::lay_floor`] sets it.
     pub floor: Floor,
     body: Body,
     alignment: Alignment,
@@ -54,7 +54,7 @@ pub struct Performer {
 }
 
 impl Performer {
-    /// - `telling`: places of the clips that [`telling`] names.
+    /// - `telling`: indices of the clips that [`telling`] chooses.
     /// - `sources`: these clips.
     fn new(telling: Vec<usize>, sources: &[Source]) -> Self {
         let body = Body::measure(sources);
@@ -63,13 +63,13 @@ impl Performer {
         Self { telling, floor: Floor::default(), body, alignment, own }
     }
 
-    /// Measured again, upright: a foot is level where it stands.
+    /// The group measured again, upright: a foot is level where it stands.
     fn turned(&self, turn: Quat, sources: &[Source]) -> Self {
         let sources: Vec<Source> = sources.iter().map(|s| Source { turn: Some(turn), ..*s }).collect();
         Self::new(self.telling.clone(), &sources)
     }
 
-    /// A clip on the skeleton, and where its feet stand.
+    /// A clip on the skeleton, and the positions of its standing feet.
     fn transfer(&self, source: &Source, turn: Option<Quat>, skeleton: &Skeleton) -> (Motion, Vec<Point>) {
         let source = Source { turn, ..*source };
         let motion = transfer(source, &self.body, &self.alignment, &self.own, skeleton);
@@ -84,7 +84,7 @@ impl Performer {
     }
 }
 
-/// Of the clips of a source skeleton, those that say what its body and floor are like.
+/// The clips of a source skeleton from which its body and floor are measured.
 fn telling(clips: &[usize], sources: &[Source]) -> Vec<usize> {
     let mut seconds = 0.0;
     let first = |i: &&usize| {
@@ -95,7 +95,7 @@ fn telling(clips: &[usize], sources: &[Source]) -> Vec<usize> {
     clips.iter().take_while(first).copied().collect()
 }
 
-/// Gives the clips at some places, with their motion, to what looks at them.
+/// Passes the clips at some indices, with their motion, to a function that examines them.
 pub type Lender<'a> = dyn Fn(&[usize], &mut dyn FnMut(&[Source])) -> Result<(), BuildError> + Sync + 'a;
 
 /// A [`Lender`] of clips whose motion is in memory.
@@ -107,13 +107,13 @@ pub fn lend<'a>(sources: &'a [Source<'a>]) -> Box<Lender<'a>> {
 }
 
 impl Plan {
-    /// Measures every source skeleton and names the clips; floors are level still.
+    /// Measures every source skeleton and names the clips; floors are still level.
     ///
-    /// - `sources`: all clips; their motion is not looked at.
-    /// - `lender`: asked for the motion of a few clips of each source skeleton.
+    /// - `sources`: all clips; their motion is not used.
+    /// - `lender`: called for the motion of a few clips of each source skeleton.
     ///
     /// # Errors
-    /// As [`super::onto`]; those of `lender`.
+    /// Errors of [`super::onto`] and of `lender`.
     pub fn new(
         sources: &[Source],
         lender: &Lender<'_>,
@@ -167,7 +167,7 @@ impl Plan {
         Ok(floor)
     }
 
-    /// Lays the clips of a source skeleton onto the floor that was found.
+    /// Sets the floor of a source skeleton; where it was tilted, the body is measured again, upright.
     pub fn lay_floor(&mut self, performer: usize, floor: Floor, lender: &Lender<'_>) -> Result<(), BuildError> {
         let p = &mut self.performers[performer];
         if let Some(turn) = floor.turn {
@@ -179,14 +179,14 @@ impl Plan {
         Ok(())
     }
 
-    /// All that laying a clip takes besides the clip and its name, for its key: skeletons, body and floor.
+    /// Everything that retargeting a clip depends on besides the clip and its name, for its key: skeletons, body and floor.
     pub fn basis(&self, clip: usize) -> impl Serialize {
         (&self.skeleton, &self.performers[self.performer_of[clip]], self.align_ground)
     }
 
-    /// Lays a clip onto the skeleton; frames cut as glitches are left out.
+    /// Retargets a clip to the skeleton; frames cut as glitches are left out.
     ///
-    /// - `clip`: its place among the sources of the plan.
+    /// - `clip`: its index among the sources of the plan.
     pub fn lay(&self, clip: usize, imported: &Imported) -> Clip {
         let mut out = self.lay_source(clip, &imported.into());
         leave_out_glitches(&mut out, imported);

@@ -7,7 +7,7 @@ use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
 /// The source's proportions on the database topology.
 ///
-/// Joints that are not in the source lie on the way to the next one it has (spine, clavicle, neck), or where the default
+/// Joints that are not in the source lie between their neighbours that are (spine, clavicle, neck), or where the default
 /// skeleton scaled by leg length has them (hand, toe, head).
 pub fn own(body: &Body, a: &Alignment) -> Skeleton {
     let default = Skeleton::default();
@@ -51,7 +51,7 @@ fn descends(mut d: Joint, from: Joint) -> bool {
     false
 }
 
-/// How far along the way from `start` to `end` the default skeleton has `j` (0 to 1).
+/// Position of `j` along the way from `start` to `end` in the default skeleton (0 to 1).
 fn share(default: &Skeleton, start: Joint, j: Joint, end: Joint) -> f32 {
     let way = |mut to: Joint| {
         let mut length = 0.0;

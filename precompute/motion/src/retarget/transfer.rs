@@ -1,4 +1,4 @@
-//! One clip's motion onto the target skeleton.
+//! Motion of one clip on the target skeleton.
 
 use super::align::{Alignment, main_child};
 use super::body::{Body, RolePose, Source, anchor, role_pose};
@@ -7,10 +7,10 @@ use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
-/// Segments shorter than this have no direction (m).
+/// Length of segments below which they have no direction (m).
 const MIN_SEGMENT: f32 = 0.005;
 
-/// Clavicles and what they carry.
+/// Clavicles, and the joints that they carry.
 pub const SHOULDERS: [(Joint, Joint); 2] =
     [(Joint::LeftClavicle, Joint::LeftUpperArm), (Joint::RightClavicle, Joint::RightUpperArm)];
 
@@ -24,10 +24,10 @@ pub struct Motion {
 
 /// Moves `source` onto `target`; `own` is the target with the source's own proportions.
 ///
-/// Every joint turns as its source does, but clavicles, which move the shoulder as far as the source's do, and legs,
-/// which put the feet where the source's are: what stands there stands here, whatever the proportions. Positions
-/// are multiplied by the quotient of the leg lengths. The middle between the thighs is where the source has it,
-/// because skeletons disagree about where the hips joint lies above it.
+/// Every joint turns as its source does, but clavicles, which move the shoulder as far as the source's do, and legs, which put
+/// the feet at the places of the source's: feet that stand there stand here, whatever the proportions. Positions are multiplied
+/// by the quotient of the leg lengths. The middle between the thighs is where the source has it, because skeletons disagree
+/// about where the hips joint lies above it.
 pub fn transfer(source: Source, body: &Body, a: &Alignment, own: &Skeleton, target: &Skeleton) -> Motion {
     let scale = target.leg_length() / own.leg_length();
     let mut scratch = Vec::new();
@@ -88,8 +88,8 @@ fn model_rotations(pose: &RolePose, body: &Body, a: &Alignment) -> [Quat; NUM_JO
     model
 }
 
-/// The turn from where the joint's rotation alone would lay its segment to where the source has it: the identity
-/// for a rigid source, and the bend of joints without a role or with translations of their own otherwise.
+/// The rotation from the segment's direction by the joint's rotation alone to its direction in the source: the identity for a
+/// rigid source, and the bend of joints without a role or with translations of their own otherwise.
 fn aim(pose: &RolePose, body: &Body, j: Joint) -> Quat {
     let Some(child) = main_child(j).filter(|c| body.has(*c)) else { return Quat::IDENTITY };
     let predicted = pose[j.index()].1 * body.offsets[child.index()];

@@ -1,4 +1,4 @@
-//! Motion of the database skeleton on a body of another make: the way back of retargeting, one pose at a time.
+//! Motion of the database skeleton on a body of another make: the inverse of retargeting, one pose at a time.
 
 use super::align::{self, Alignment};
 use super::body::{Body, Source};
@@ -20,13 +20,13 @@ pub struct Fit {
     has_toes: [bool; 2],
 }
 
-/// A pose of the body that wears it.
+/// A pose of the body that wears the motion.
 pub struct Worn {
-    /// Where its hips are, where it is as tall as the wish was (m).
+    /// Position of its hips, where it is as tall as asked for (m).
     pub hips: Vec3,
-    /// How each role's joint is turned against its rest in the world (NUM_JOINTS).
+    /// World rotation of each role's joint relative to its rest (NUM_JOINTS).
     pub joints: [Quat; NUM_JOINTS],
-    /// How each joint of the database skeleton is turned in the world (NUM_JOINTS).
+    /// World rotation of each joint of the database skeleton (NUM_JOINTS).
     pub model: [Quat; NUM_JOINTS],
 }
 
@@ -50,22 +50,22 @@ impl Fit {
         Self { alignment: [Quat::IDENTITY; NUM_JOINTS], skeleton, has_toes: [true; 2] }
     }
 
-    /// How long its legs are (m).
+    /// Length of its legs (m).
     pub fn leg_length(&self) -> f32 {
         self.skeleton.leg_length()
     }
 
-    /// The body, so much larger.
+    /// The body, scaled by a factor.
     pub fn scaled(&self, by: f32) -> Self {
         let mut skeleton = self.skeleton.clone();
         skeleton.offsets.iter_mut().chain(&mut skeleton.tips).for_each(|o| *o *= by);
         Self { alignment: self.alignment, skeleton, has_toes: self.has_toes }
     }
 
-    /// Lays a pose on the body: every joint turns as it does, but clavicles, which move shoulders as far, and legs, which
-    /// put feet where they were.
+    /// Puts a pose on the body: every joint turns as in the pose, but clavicles, which move shoulders as far, and legs, which
+    /// put the feet at the same places.
     ///
-    /// - `own`: the skeleton whose pose it is, with legs as long; `pose`: its joints in the world.
+    /// - `own`: skeleton of the pose, with legs of equal length; `pose`: world transforms of its joints.
     pub fn wear(&self, own: &Skeleton, pose: &[(Vec3, Quat); NUM_JOINTS]) -> Worn {
         let target = &self.skeleton;
         let mut model = pose.map(|(_, r)| r);
@@ -84,7 +84,7 @@ impl Fit {
         Worn { hips, joints, model }
     }
 
-    /// The way from a joint to another one below it in a T-pose (m).
+    /// The offset of a joint from another one above it in a T-pose (m).
     pub fn way(&self, from: Joint, to: Joint) -> Vec3 {
         let rest = self.skeleton.rest_positions();
         rest[to.index()] - rest[from.index()]

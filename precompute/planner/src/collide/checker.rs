@@ -1,4 +1,4 @@
-//! One look at a linkage and what is around it.
+//! Collision samples: one pose of a linkage at one time, against everything around it.
 
 use super::kept::Kept;
 use crate::linkage::LimbPose;
@@ -8,25 +8,25 @@ use crate::shape::{Segment, Shape};
 use glam::DVec3;
 use throng_base::maths;
 
-/// How far outside limits a pose may be on the way between two that are within (rad).
+/// Tolerated excess of limits on an edge between two poses that are within them (rad).
 pub(super) const LIMIT_TOLERANCE: f64 = 1e-3;
 
-/// Looks for collisions; keeps what it needs from look to look, so that nothing is allocated after the first ones.
+/// Checks linkages for collisions. Buffers are kept from sample to sample, so that nothing is allocated after the first ones.
 #[derive(Clone, Debug, Default)]
 pub struct Checker {
-    /// Looks so far: one pose at one time against everything.
+    /// Number of collision samples so far: one pose at one time against everything.
     pub checks: u64,
-    /// World cores of the parts, and their middles.
+    /// World cores of the parts, and their midpoints.
     cores: Vec<(Segment, DVec3)>,
-    /// Where targets are, and at which look they were put there.
+    /// World cores of driven bodies and their midpoints, with the number of the sample for which they were computed.
     bodies: Vec<(u64, Segment, DVec3)>,
     solids: Vec<(u64, Rigid)>,
-    /// What earlier looks say of parts and meshes.
+    /// Cached results of earlier samples, by part and mesh.
     kept: Kept,
-    /// Breadth-first: intervals still to be proved, and the pairs that are open in each.
+    /// Intervals still to be proved, breadth first, and the pairs that are open in each.
     pub(super) intervals: Vec<super::edge::Interval>,
     pub(super) open: Vec<u16>,
-    /// How far each part gets on half a piece (m).
+    /// Bound on the travel of each part on half a piece (m).
     pub(super) ways: Vec<f64>,
 }
 
@@ -42,7 +42,7 @@ impl Checker {
         self.kept.prepare(problem);
     }
 
-    /// Puts the linkage and its base where they are at a time.
+    /// Computes where the parts of the linkage are for a pose at a time.
     pub(super) fn look(&mut self, problem: &Problem, pose: &LimbPose, time_s: f64) {
         self.checks += 1;
         let placed = problem.chain.place(&problem.base.at(time_s), pose);
@@ -52,7 +52,7 @@ impl Checker {
         }
     }
 
-    /// Distance between the surfaces of a pair where it is below `limit`, else infinite; after [`Checker::look`] (m).
+    /// Distance between the surfaces of a pair where it is below `limit`, else infinite; needs [`Checker::look`] first (m).
     pub(super) fn gap(&mut self, problem: &Problem, pair: &Pair, time_s: f64, limit: f64) -> f64 {
         let part = &problem.parts[pair.part];
         let (core, middle) = self.cores[pair.part];
@@ -61,7 +61,7 @@ impl Checker {
                 let body = &problem.bodies[b];
                 let radii = part.radius + body.radius;
                 let (other, other_middle) = self.body(problem, b, time_s);
-                // The balls around both are farther apart than that, mostly.
+                // The bounding balls are mostly farther apart than that.
                 let apart = middle.distance_squared(other_middle);
                 let far = limit + radii + part.half_length + body.half_length;
                 if far <= 0.0 || apart >= far * far {
@@ -90,9 +90,9 @@ impl Checker {
         }
     }
 
-    /// True where the surfaces of a pair are nearer than `limit`; after [`Checker::look`] (m).
+    /// True where the surfaces of a pair are nearer than `limit`; needs [`Checker::look`] first (m).
     ///
-    /// - `whole`: false asks of a mesh that triangle alone that was near last; `false` then says nothing.
+    /// - `whole`: false tests only the mesh triangle that was near last; a result of `false` then proves nothing.
     pub(super) fn is_nearer(&mut self, problem: &Problem, pair: &Pair, time_s: f64, limit: f64, whole: bool) -> bool {
         let Target::Solid(s) = pair.target else { return self.gap(problem, pair, time_s, limit) < limit };
         let radius = problem.parts[pair.part].radius;
@@ -105,7 +105,7 @@ impl Checker {
         }
     }
 
-    /// The core of a part in the frame of a solid, if the ball around that is near enough.
+    /// Core of a part in the frame of a solid, `None` where the bounding balls are too far apart.
     fn in_reach(&mut self, problem: &Problem, s: usize, part: usize, time_s: f64, limit: f64) -> Option<Segment> {
         let (core, middle) = self.cores[part];
         let part = &problem.parts[part];
@@ -145,7 +145,7 @@ impl Checker {
         })
     }
 
-    /// The pair that is nearer than it may be by the most.
+    /// The pair whose penetration is deepest.
     pub fn deepest(&mut self, problem: &Problem, state: &State) -> Option<Hit> {
         self.prepare_if_other(problem);
         self.look(problem, &state.pose, state.time_s);
@@ -159,7 +159,7 @@ impl Checker {
         worst
     }
 
-    /// Least distance from solids and others that may not be touched, if it is below `limit` (m).
+    /// Least distance from solids and other characters that may not be touched, if it is below `limit` (m).
     pub fn clearance(&mut self, problem: &Problem, state: &State, limit: f64) -> f64 {
         self.prepare_if_other(problem);
         self.look(problem, &state.pose, state.time_s);
@@ -172,7 +172,7 @@ impl Checker {
         open.fold(limit, |least, pair| least.min(self.gap(problem, pair, state.time_s, least)))
     }
 
-    /// Looks are numbered anew for another problem.
+    /// Prepares anew where the problem is another one than before.
     pub(super) fn prepare_if_other(&mut self, problem: &Problem) {
         if !self.kept.is_of(problem) {
             self.prepare(problem);

@@ -1,20 +1,20 @@
-//! The way between two states: is it free all along?
+//! Collision checks of edges: is the straight path between two states free?
 
 use super::checker::{Checker, LIMIT_TOLERANCE};
 use crate::linkage::{LimbPose, MAX_JOINTS};
 use crate::problem::{Problem, State, Target};
 use crate::rotation::{angle, middle};
 
-/// How the way between two states is looked at.
+/// Method by which an edge between two states is checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EdgeCheck {
-    /// Halved again and again until no joint turns farther than that from look to look: what is thinner may be missed
-    /// (the paper's way).
+    /// Bisection until no joint turns farther than the resolution between two collision samples: thinner obstacles may be
+    /// missed (the paper's method).
     Bisection {
-        /// (rad, > 0)
+        /// Largest turn of a joint between samples (rad, > 0).
         resolution_rad: f64,
     },
-    /// Proved free: from how fast everything moves at most it follows how long nothing can meet.
+    /// Proof: bounds on all speeds say for how long nothing can collide.
     Conservative,
 }
 
@@ -23,28 +23,28 @@ pub enum EdgeCheck {
 pub(super) struct Interval {
     from: State,
     to: State,
-    /// In the list of open pairs.
+    /// Range in the list of open pairs.
     first: u32,
     end: u32,
-    /// How often the edge was halved.
+    /// Number of halvings of the edge that lead to this piece.
     level: u32,
     /// Joints whose limits are not proved.
     joints: [bool; MAX_JOINTS],
 }
 
-/// A piece on which nothing moves farther than this, and which is not proved free, counts as blocked (m).
+/// Travel below which a piece that is not proved free counts as blocked (m).
 const FINEST_M: f64 = 2e-4;
-/// The same for limits (rad).
+/// Turn below which a piece whose limits are not proved counts as blocked (rad).
 const FINEST_RAD: f64 = 2e-4;
-/// On pieces of an edge that was halved less often, all of a mesh is searched for what touches.
+/// Number of halvings up to which whole meshes are searched for collisions.
 const SEARCHED_LEVELS: u32 = 3;
-/// An edge is never halved more often.
+/// Most halvings of an edge.
 const MAX_LEVEL: u32 = 40;
 
 impl Checker {
-    /// True where the way is free: time grows, no joint is faster than its limit, limits hold and nothing is too near.
+    /// True where the edge is free: time grows, no joint is faster than its limit, limits hold and nothing is too near.
     ///
-    /// Both ends have to be free: only what is between them is looked at. Joints turn evenly, along shortest arcs.
+    /// Only the inside of the edge is checked: both ends have to be free. Joints turn evenly, along shortest arcs.
     ///
     /// # Source
     /// Shapiro, Kallmann and Faloutsos 2007, section 4.1 (bisection); Schwarzer, Saha and Latombe 2002, *Exact Collision
@@ -83,7 +83,7 @@ impl Checker {
         while let Some(&piece) = self.intervals.get(next) {
             next += 1;
             let turned = most / f64::from(1u32 << piece.level.min(31));
-            // What moves by itself is looked at as often as its frames come.
+            // External motion is sampled as often as its frames come.
             let still = piece.to.time_s - piece.from.time_s < 1.0 / 60.0;
             if (turned <= resolution && still) || piece.level > MAX_LEVEL {
                 continue;
@@ -131,8 +131,8 @@ impl Checker {
         true
     }
 
-    /// False where something is too near in the middle of a piece, or cannot be proved to stay away; pairs that are neither
-    /// proved nor refuted are appended to the open ones.
+    /// Checks the pairs of a piece: false where one is too near in its middle, or cannot be proved to stay away; pairs that are
+    /// neither proved nor refuted are appended to the open ones.
     fn prove_pairs(
         &mut self,
         problem: &Problem,
@@ -143,13 +143,13 @@ impl Checker {
     ) -> bool {
         let (from_s, to_s) = (piece.from.time_s, piece.to.time_s);
         self.look(problem, &at.pose, at.time_s);
-        // How far each part gets at most until the ends of the piece.
+        // Bound on the travel of each part until the ends of the piece.
         self.ways.clear();
         self.ways.extend(problem.parts.iter().map(|part| {
             let turned: f64 = (0..=part.link).map(|j| half_turns[j] * part.reach[j]).sum();
             turned + problem.base.speed(from_s, to_s, part.base_reach) * half_s
         }));
-        // Pairs with the same target are side by side.
+        // Pairs with the same target are adjacent.
         let mut last = (None, 0.0);
         for k in piece.first..piece.end {
             let index = self.open[k as usize];
@@ -173,7 +173,7 @@ impl Checker {
             if !self.is_nearer(problem, pair, at.time_s, pair.gap + way, true) {
                 continue;
             }
-            // What touches ends it early. On short pieces a search for that costs more than it spares.
+            // A collision ends the proof early. On short pieces a search for one costs more than it saves.
             let whole = piece.level < SEARCHED_LEVELS;
             let touches = !pair.may_touch_at(at.time_s) && self.is_nearer(problem, pair, at.time_s, pair.gap, whole);
             if touches || way < FINEST_M {
@@ -185,7 +185,7 @@ impl Checker {
     }
 }
 
-/// Which joints stay open: `None` where one is outside its limits.
+/// Joints whose limits are still to be proved; `None` where one is outside its limits.
 fn prove_limits(
     problem: &Problem,
     pose: &LimbPose,
@@ -206,7 +206,7 @@ fn prove_limits(
     Some(open)
 }
 
-/// Half way in time and in every joint.
+/// Midpoint of an edge: the mean of both times and of every joint angle.
 fn between(a: &State, b: &State, len: usize) -> State {
     let mut pose = a.pose;
     for i in 0..len {

@@ -1,31 +1,31 @@
-//! What earlier looks say of a part and a mesh: how far around a place there is nothing, and which triangle was near. Answers are
-//! the same with it and without, but mostly cost one distance in place of a search.
+//! Cache of collision samples of a part and a mesh: the free distance around the part, and the triangle that was near. Results
+//! are the same with and without it, but mostly cost one distance in place of a search.
 
 use crate::problem::Problem;
 use crate::shape::{Mesh, Segment};
 use glam::DVec3;
 
-/// Stretches of a problem's time of each of which one look is kept.
+/// Number of time intervals of a problem; one sample is cached for each of them.
 const STRETCHES: usize = 64;
 
-/// A look at a part and a mesh.
+/// A cached collision sample of a part and a mesh.
 #[derive(Clone, Copy, Debug)]
 struct Look {
     /// The part's core in the mesh's frame (m).
     core: Segment,
-    /// Nothing is nearer to it than this (m).
+    /// Lower bound of the distance from the core to the mesh (m).
     free_m: f64,
-    /// The triangle that was near last.
+    /// Triangle that was near last.
     near: u32,
 }
 
 const NEVER: Look =
     Look { core: Segment { a: DVec3::ZERO, b: DVec3::ZERO }, free_m: f64::NEG_INFINITY, near: u32::MAX };
 
-/// Looks by mesh, part and stretch of time.
+/// Cached samples by mesh, part and time interval.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kept {
-    /// Of which problem.
+    /// Number of the problem that the samples belong to.
     number: u64,
     looks: Vec<Look>,
 }
@@ -35,7 +35,7 @@ impl Kept {
         self.number == problem.number
     }
 
-    /// Forgets everything.
+    /// Forgets all samples, and makes room for a problem.
     pub fn prepare(&mut self, problem: &Problem) {
         self.number = problem.number;
         self.looks.clear();
@@ -44,7 +44,7 @@ impl Kept {
 
     /// True where a core, in the frame of the mesh, is nearer than `limit` (m).
     ///
-    /// - `whole`: false asks the triangle alone that was near last; its `false` says nothing.
+    /// - `whole`: false tests only the triangle that was near last; a result of `false` then proves nothing.
     pub fn is_nearer(
         &mut self,
         problem: &Problem,

@@ -1,4 +1,4 @@
-//! Whether a linkage is free: at one time, and on the whole way from one state to another.
+//! Collision checks of a linkage: at one time, and along the whole edge from one state to another.
 
 mod checker;
 mod edge;

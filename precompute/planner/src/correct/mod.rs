@@ -1,4 +1,4 @@
-//! Corrects clips: where a limb collides with what is around, it is planned anew.
+//! Correction of clips: a limb that collides with what is around is planned anew.
 
 mod spans;
 #[cfg(test)]
@@ -22,17 +22,18 @@ use throng_motion::Clip;
 pub struct CorrectConfig<'a> {
     /// How plans are made.
     pub plan: PlanConfig,
-    /// What may be spent on each; its rate is the clip's.
+    /// Limits of the effort for each plan; its rate is the clip's.
     pub budget: Budget<'a>,
     /// Time before and after a collision in which the limb gives way (s, > 0).
     pub margin_s: f64,
-    /// Where no way is found the margin grows by half, up to this (s, >= margin_s).
+    /// Largest margin: it grows by half where no path is found (s, >= margin_s).
     pub margin_most_s: f64,
-    /// Where is looked for collisions, and the limb may give way; all of the clip where `None` (s).
+    /// Stretch of the clip that is searched for collisions, and in which the limb may give way; the whole clip where `None`
+    /// (s).
     pub within_s: Option<[f64; 2]>,
-    /// Keeps the trees of every search, where they are to be looked at.
+    /// Keeps the trees of every search, for inspection.
     pub trees: Option<&'a Trees>,
-    /// Plans go on with the trees of the last run.
+    /// Continues with the trees of the last run.
     pub planners: Option<&'a Planners>,
 }
 
@@ -52,7 +53,7 @@ impl Default for CorrectConfig<'_> {
 }
 
 impl CorrectConfig<'_> {
-    /// Plans, and keeps what is to be kept of it.
+    /// Plans, and keeps trees and planner where the configuration asks for it.
     pub(crate) fn run(&self, planner: &mut Planner, problem: &Problem, rate_hz: f64) -> Outcome {
         let mut budget = Budget { rate_hz, ..self.budget };
         if let Some(last) = self.planners.and_then(|p| p.take(problem)) {
@@ -65,71 +66,72 @@ impl CorrectConfig<'_> {
     }
 }
 
-/// Why a stretch stays as it was.
+/// Reason why a stretch stays as it was.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NotCorrected {
-    /// No plan could be asked for.
+    /// The problem is invalid.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// None was found.
+    /// No plan was found.
     #[error("from {from_s:.2} s to {to_s:.2} s: {why}")]
     Unsolved {
         /// (s)
         from_s: f64,
         /// (s)
         to_s: f64,
-        /// Why.
+        /// Reason of the failure.
         why: crate::planner::Unsolved,
     },
     /// The clip begins or ends in the collision.
     #[error("{part} is in {with} up to the clip's {end}: there is no free pose to plan from; move {with}")]
     NoFreeEnd {
-        /// Of the limb.
+        /// Part of the limb.
         part: String,
-        /// What it collides with.
+        /// Obstacle that it collides with.
         with: String,
         /// "start" or "end".
         end: &'static str,
     },
-    /// A foot stands in what it collides with.
+    /// A planted foot is in the obstacle.
     #[error(
         "{part} stands on the ground where it collides with {with} at {time_s:.2} s: planted feet never move; move {with}"
     )]
     Planted {
-        /// Of the limb.
+        /// Part of the limb.
         part: String,
-        /// What it collides with.
+        /// Obstacle that it collides with.
         with: String,
         /// (s)
         time_s: f64,
     },
 }
 
-/// A stretch that was looked at, and what came of it.
+/// A stretch in which a clip collides, and the result of its correction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Corrected {
-    /// Where the clip collides.
+    /// Stretch in which the clip collides.
     pub span: Span,
-    /// What was planned anew (s).
+    /// Window that was planned anew (s).
     pub window_s: [f64; 2],
-    /// The plan, or why there is none.
+    /// The plan, or the reason why there is none.
     pub outcome: Result<Outcome, NotCorrected>,
-    /// Where in that window the rest of the body is in something by itself: the limb gave way, but no plan of it helps there.
+    /// Stretches of that window in which the rest of the body collides by itself: the limb gave way, but no plan of it helps
+    /// there.
     pub driven: Vec<Span>,
 }
 
-/// Corrects one linkage of a clip: finds where it collides, widens each stretch until both ends are free, and plans it in
-/// time with the rest of the motion.
+/// Corrects one linkage of a clip: finds its collisions, widens each stretch until both ends are free, and plans it in time
+/// with the rest of the motion.
 ///
 /// The clip begins at time 0 of what is around. Frames outside of the windows and other joints stay as they are, to the bit.
 ///
-/// - `spec`: what is around; its motion is the clip's, its ends are not looked at.
-/// - returns the clip, and every stretch with what came of it; those that failed are as they were. Where the rest of the
-///   body collides by itself, the limb gives way all the same, and the stretch says so.
+/// - `spec`: the surroundings; its motion is the clip's, its ends are not used.
+/// - returns the clip, and every stretch with its result; those that failed are unchanged. Where the rest of the body collides
+///   by itself, the limb gives way all the same, and the stretch says so.
 ///
 /// # Errors
-/// [`ProblemError`] where the problem is none at all.
+/// [`ProblemError`] where the problem is invalid.
 ///
 /// # Source
 /// Shapiro, Kallmann and Faloutsos 2007, section 6.1.
@@ -147,7 +149,7 @@ pub fn correct(
     let mut free_from_s = from_s;
     for span in collisions(&whole) {
         if span.to_s <= free_from_s {
-            // The plan before took it along.
+            // The plan before already covers this collision.
             continue;
         }
         let last = (to_s * clip.rate_hz + 1e-6) as usize;
@@ -198,13 +200,13 @@ fn planned<'p>(
     }
 }
 
-/// The problem from and to the poses of the motion itself.
+/// The specification from and to the poses of the motion itself.
 fn between<'a>(spec: &ProblemSpec<'a>, motion: &Driven, window_s: [f64; 2]) -> ProblemSpec<'a> {
     let [init, goal] = window_s.map(|time_s| State { pose: motion.limb_pose(spec.linkage, time_s), time_s });
     ProblemSpec { init, goal, admit_ends: true, ..spec.clone() }
 }
 
-/// Looks for the stretch in which a limb may give way.
+/// Finds the window in which a limb may give way.
 struct Window<'a> {
     clip: &'a Clip,
     problem: &'a Problem,
@@ -215,7 +217,7 @@ struct Window<'a> {
 }
 
 impl Window<'_> {
-    /// A collision and a margin to either side, and on to the next frames that are free.
+    /// Window from a margin before a collision to a margin behind it, widened to the next frames that are free.
     fn around(&mut self, span: &Span, margin_s: f64, free_from_s: f64) -> Result<[f64; 2], NotCorrected> {
         let rate = self.clip.rate_hz;
         let last = self.last;
@@ -234,13 +236,13 @@ impl Window<'_> {
         Ok([from, to].map(|f| f as f64 / rate))
     }
 
-    /// From a frame that collides outwards: the wanted one if it is free and no foot is planted on the way, else one
+    /// Searches outwards from a frame that collides: the wanted frame if it is free and no foot is planted before it, else one
     /// nearby, farther out if need be.
     fn free_frame(&mut self, hit: usize, wanted: usize, most: usize) -> Option<usize> {
         let outwards = |from: usize, to: usize| -> Vec<usize> {
             if to >= from { (from..=to).collect() } else { (to..=from).rev().collect() }
         };
-        // Up to the frame at which a foot stands, that one included: there it is as it was.
+        // Up to and including the frame at which a foot is planted: there the pose stays as it was.
         let mut reach = Vec::new();
         for frame in outwards(hit, most) {
             reach.push(frame);
@@ -260,7 +262,7 @@ impl Window<'_> {
         self.checker.deepest(self.problem, &State { pose, time_s }).is_none()
     }
 
-    /// True where the limb is a leg whose foot stands.
+    /// True where the limb is a leg whose foot is planted.
     fn is_planted(&self, frame: usize) -> bool {
         let foot = match self.linkage.limb {
             Limb::LeftLeg => Contacts::LEFT,

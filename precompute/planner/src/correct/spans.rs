@@ -1,30 +1,30 @@
-//! Where a motion collides.
+//! Stretches of a motion that collide.
 
 use crate::collide::Checker;
 use crate::problem::{PRESENT_STEP_S, Problem, State};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// A stretch of time in which the motion itself has a limb in something. The names of the fields are keys of JSON reports.
+/// A stretch of time in which a limb collides by the motion itself. The names of the fields are keys of JSON reports.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Span {
-    /// From when on (s).
+    /// Begin (s).
     pub from_s: f64,
-    /// Until when (s).
+    /// End (s).
     pub to_s: f64,
-    /// Part of the limb, or what it holds, where it is deepest.
+    /// Part of the limb, or held capsule, that is deepest.
     pub part: String,
-    /// What it is in.
+    /// Obstacle that it is in.
     #[serde(rename = "obstacle")]
     pub with: String,
-    /// How deep at most (m).
+    /// Largest depth (m).
     pub depth_m: f64,
 }
 
-/// What is nearer than it may be by less is what rounding makes of a plan (m).
+/// Penetration below which rounding alone may explain it (m).
 const NEGLIGIBLE_M: f64 = 1e-4;
 
-/// Stretches in which the external motion's own poses of the linkage collide, looked at 120 times a second.
+/// Stretches in which the external motion's own poses of the linkage collide, sampled 120 times a second.
 pub fn collisions(problem: &Problem) -> Vec<Span> {
     let mut checker = Checker::default();
     let mut spans: Vec<Span> = Vec::new();

@@ -1,23 +1,23 @@
-//! The hinge in the middle of a limb: which flexion brings the wrist to a distance from the shoulder.
+//! The hinge in the middle of a limb: the flexion that brings the wrist to a distance from the shoulder.
 
 use crate::limits::{Interval, JointLimits, Swing};
 use crate::rotation::about;
 use glam::{DQuat, DVec3};
 use throng_base::maths;
 
-/// Distances that differ by less are the same (m).
+/// Difference below which distances count as the same (m).
 const SAME: f64 = 1e-9;
 
-/// Lengths and axes of elbow or knee, on the side that they are on.
+/// Lengths and axes of elbow or knee, on its own side of the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Elbow {
     /// From shoulder to elbow, in the upper arm's frame (m).
     pub upper: DVec3,
     /// From elbow to wrist, in the forearm's frame (m).
     pub fore: DVec3,
-    /// Of `fore` (unit).
+    /// Direction of `fore` (unit).
     pub along: DVec3,
-    /// What the elbow bends about, at right angles to `fore` (unit).
+    /// Hinge axis, at right angles to `fore` (unit).
     pub axis: DVec3,
     flexion: Interval,
     twist: Interval,
@@ -32,11 +32,11 @@ pub struct Elbow {
 }
 
 impl Elbow {
-    /// `None` where the limits are no hinge's.
+    /// `None` where the limits are not a hinge's.
     pub fn new(upper: DVec3, fore: DVec3, limits: &JointLimits) -> Option<Self> {
         let Swing::Hinge { flexion, .. } = limits.swing else { return None };
         let [axis, _] = limits.axes;
-        // Axes of rotations are turned round by a mirror, but for their part along its normal.
+        // A mirror reverses axes of rotations, except for their part along its normal.
         let axis = if limits.mirrored { DVec3::new(axis.x, -axis.y, -axis.z) } else { axis };
         let along = fore.try_normalize()?;
         let cos = upper.dot(fore);
@@ -51,17 +51,17 @@ impl Elbow {
         Some(out)
     }
 
-    /// Its rotation, without twist.
+    /// Rotation of the joint without twist.
     pub fn rotation(&self, flexion: f64) -> DQuat {
         about(self.axis, flexion)
     }
 
-    /// How far flexion and twist about the forearm are outside their limits (rad).
+    /// Excess of flexion and twist about the forearm over their limits (rad).
     pub fn excess(&self, flexion: f64, twist: f64) -> f64 {
         self.flexion.excess(flexion).max(self.twist_excess(twist))
     }
 
-    /// How far a twist about the forearm is outside its limits (rad).
+    /// Excess of a twist about the forearm over its limits (rad).
     pub fn twist_excess(&self, twist: f64) -> f64 {
         self.twist.excess(if self.mirrored { -twist } else { twist })
     }
@@ -78,10 +78,10 @@ impl Elbow {
         self.distances
     }
 
-    /// The flexion that brings the wrist to a distance, forwards if it can.
+    /// The flexion that brings the wrist to a distance, bent forwards if possible.
     ///
     /// # Errors
-    /// How far the distance is out of reach (m).
+    /// Distance by which the target is out of reach (m).
     pub fn flexion(&self, distance: f64) -> Result<f64, f64> {
         let [nearest, farthest] = self.distances;
         let over = (distance - farthest).max(nearest - distance);

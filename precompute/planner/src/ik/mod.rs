@@ -18,20 +18,21 @@ use throng_core::Joint;
 pub use unreached::Unreached;
 use within::{Fit, HALVES, Quick, Swivels, Twist, widest};
 
-/// Outside limits by less than this counts as on them (rad).
+/// Excess below which a pose counts as within limits (rad).
 const ON_LIMIT: f64 = 1e-7;
 
-/// What is farther outside of limits by a quick look needs no exact one (rad).
+/// Excess over limits by a quick estimate above which no exact check is needed (rad).
 const WELL_OUTSIDE: f64 = 0.05;
-/// What is farther outside has no swivel within limits beside it (rad).
+/// Excess above which no neighbouring swivel is within limits (rad).
 const FAR_OUTSIDE: f64 = 0.3;
 
 /// Solves for the seven degrees of freedom of a limb: three of shoulder or hip, flexion and twist of elbow or knee, swing of
 /// wrist or ankle.
 ///
 /// A place and a rotation are six conditions; the seventh is the swivel angle, by which the elbow turns about the line from
-/// shoulder to wrist. It begins where the present pose has it, and is searched in growing steps to both sides until limits
-/// and a predicate hold; most are told to be inside or outside of limits by some products. Where that finds nothing, the whole circle is looked at finely.
+/// shoulder to wrist. The search begins at the present pose's swivel, and goes in growing steps to both sides until limits and
+/// a predicate hold; a few products classify most swivels as inside or outside of limits. Where that finds nothing, the whole
+/// circle is searched finely.
 ///
 /// # Source
 /// Tolani and Badler 1996, *Real-Time Inverse Kinematics of the Human Arm*; Shapiro, Kallmann and Faloutsos 2007, section 5.
@@ -40,14 +41,14 @@ const FAR_OUTSIDE: f64 = 0.3;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimbIk {
     chain: Chain,
-    /// Of shoulder, elbow and wrist.
+    /// Limits of shoulder, elbow and wrist.
     limits: [JointLimits; 3],
     joints: [Joint; 3],
     elbow: Elbow,
     elbow_twist: Twist,
-    /// Of shoulder and wrist.
+    /// Quick limits of shoulder and wrist.
     quick: [Quick; 2],
-    /// Squares of the least cosines of half a swing of shoulder and wrist.
+    /// Squares of the least cosine of half a swing, of shoulder and wrist.
     widest: [f64; 2],
 }
 
@@ -56,11 +57,11 @@ fn unit([a, b]: [f64; 2]) -> [f64; 2] {
     [a / length, b / length]
 }
 
-/// What does not depend on the swivel.
+/// Parts of a reach that do not depend on the swivel.
 struct Reach {
-    /// Unit, from shoulder to wrist, in the base's frame.
+    /// Direction from shoulder to wrist, in the base's frame (unit).
     line: DVec3,
-    /// Takes the folded arm onto that line.
+    /// Rotation that takes the folded arm onto that line.
     onto: DQuat,
     /// Flexion of the elbow, and its rotation.
     flexion: f64,
@@ -69,19 +70,19 @@ struct Reach {
     hand: DQuat,
 }
 
-/// Where the search over swivels begins.
+/// Swivel at which the search begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Swivel {
-    /// Where the present pose has the elbow.
+    /// The present pose's swivel.
     Present,
-    /// Half way from there down, as arms hang.
+    /// Halfway from the present swivel to the elbow's lowest, as arms hang.
     Low {
-        /// In the frame of the joint that carries the upper arm (unit).
+        /// Downwards in the frame of the joint that carries the upper arm (unit).
         down: DVec3,
     },
 }
 
-/// A pose, and which joint is farthest outside its limits.
+/// A pose, and the joint that is farthest outside its limits.
 #[derive(Clone, Copy)]
 struct Tried {
     pose: [DQuat; 3],
@@ -90,10 +91,10 @@ struct Tried {
 }
 
 impl LimbIk {
-    /// For a chain and the limits of its joints.
+    /// Prepares for a chain and the limits of its joints.
     ///
     /// # Panics
-    /// If the second last joint is no hinge: [`crate::limits::BodyLimits::of_linkage`] gives limits that fit.
+    /// If the second last joint is not a hinge: [`crate::limits::BodyLimits::of_linkage`] gives limits that fit.
     pub fn new(chain: &Chain, limits: &[JointLimits; MAX_JOINTS]) -> Self {
         let first = chain.len() - 3;
         let joints = chain.linkage.limb.joints();
@@ -110,12 +111,12 @@ impl LimbIk {
     ///
     /// - `base`: world transform of the joint that carries the chain.
     /// - `goal`: world transform wanted for the last joint.
-    /// - `present`, `from`: where the swivel begins; a clavicle keeps its rotation.
-    /// - `blocked`: what a pose collides with, if it does.
+    /// - `present`, `from`: where the search over swivels begins; a clavicle keeps its rotation.
+    /// - `blocked`: the obstacle of a pose, if it collides.
     ///
     /// # Errors
-    /// [`Unreached`]: how far out of reach, how far out of which joint's limits at the best swivel, or what was in the way
-    /// of the first swivel within limits.
+    /// [`Unreached`]: distance out of reach, excess over which joint's limits at the best swivel, or the obstacle of the first
+    /// swivel within limits.
     pub fn solve<B>(
         &self,
         base: &Rigid,
@@ -127,7 +128,7 @@ impl LimbIk {
         let first = self.chain.len() - 3;
         let reach = self.reach_of(base, goal, present).map_err(|by_m| Unreached::OutOfReach { by_m })?;
         let [c, s] = self.first_swivel(&reach, present.0[first], from);
-        // The swivel that is least outside limits.
+        // The swivel with the least excess over limits.
         let mut best = (f64::INFINITY, [c, s]);
         let mut in_the_way = None;
         // Within limits: is it free?
@@ -180,10 +181,10 @@ impl LimbIk {
         })
     }
 
-    /// The pose with a certain swivel, if it is within reach and limits.
+    /// The pose with a given swivel, if it is within reach and limits.
     ///
     /// - `present`: a clavicle keeps its rotation.
-    /// - `swivel`: as [`LimbIk::swivel_of`] says it (rad).
+    /// - `swivel`: as [`LimbIk::swivel_of`] defines it (rad).
     pub(crate) fn at_swivel(&self, base: &Rigid, goal: &Rigid, present: &LimbPose, swivel: f64) -> Option<LimbPose> {
         let tried = self.tried(&self.reach_of(base, goal, present).ok()?, half(swivel));
         let first = self.chain.len() - 3;
@@ -192,14 +193,14 @@ impl LimbIk {
         (tried.excess <= ON_LIMIT).then_some(pose)
     }
 
-    /// The swivel of a pose on its way to a goal: one that moves evenly has one that changes evenly (rad).
+    /// The swivel of a pose on its path to a goal: it changes evenly where the pose moves evenly (rad).
     pub(crate) fn swivel_of(&self, base: &Rigid, goal: &Rigid, pose: &LimbPose) -> Option<f64> {
         let reach = self.reach_of(base, goal, pose).ok()?;
         let [cos, sin] = self.first_swivel(&reach, pose.0[self.chain.len() - 3], Swivel::Present);
         Some(2.0 * maths::atan2(sin, cos))
     }
 
-    /// As [`LimbIk::solve`], with nothing in the way.
+    /// Solves as [`LimbIk::solve`] does, without obstacles.
     ///
     /// # Errors
     /// [`Unreached::OutOfReach`] and [`Unreached::OutOfLimits`].
@@ -232,7 +233,7 @@ impl LimbIk {
         Ok(Reach { line, onto: between(folded, line), flexion, bent, hand: local.rotation })
     }
 
-    /// The swivel that leaves the elbow's axis as nearly as it can where the present pose has it, or turned down from there: cosine and
+    /// The swivel that keeps the elbow's axis as near as possible to the present pose's, or to that turned down: cosine and
     /// sine of half of it.
     fn first_swivel(&self, reach: &Reach, shoulder: DQuat, first: Swivel) -> [f64; 2] {
         let across = |v: DVec3| v - reach.line * v.dot(reach.line);
@@ -247,7 +248,7 @@ impl LimbIk {
                 to.normalize_or_zero() + reach.line.cross(across(down)) * side
             }
         };
-        // Where the arm would have to point along that axis, any swivel is as good.
+        // Where the arm points along that axis, every swivel is equally good.
         let to = if to.length_squared() > 1e-6 { to } else { across(shoulder * self.elbow.upper) };
         let (sin, cos) = (from.cross(to).dot(reach.line), from.dot(to));
         let length = (sin * sin + cos * cos).sqrt();
@@ -268,7 +269,7 @@ impl LimbIk {
     fn tried(&self, reach: &Reach, [cos, sin]: [f64; 2]) -> Tried {
         let v = reach.line * sin;
         let shoulder = DQuat::from_xyzw(v.x, v.y, v.z, cos) * reach.onto;
-        // What is left for twist and wrist: twist about the forearm first, then the hand's swing.
+        // The remainder is for twist and wrist: twist about the forearm first, then the hand's swing.
         let rest = (shoulder * reach.bent).inverse() * reach.hand;
         let twisted = twist_about(if rest.w < 0.0 { -rest } else { rest }, self.elbow.along);
         let twist = 2.0 * maths::atan2(twisted.xyz().dot(self.elbow.along), twisted.w);

@@ -1,13 +1,13 @@
-//! In which order swivel angles are tried.
+//! Order in which swivel angles are tried.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 use throng_base::maths;
 
-/// First step to either side, by which share steps grow (rad).
+/// First step to either side (rad), and the factor by which steps grow.
 const FIRST: f64 = 0.06;
 const GROWTH: f64 = 1.2;
-/// Swivels of the fine search.
+/// Number of swivels of the fine search.
 const FINE: usize = 240;
 
 /// Offsets from the present swivel: none, then to both sides in growing steps up to half a turn (rad).
@@ -22,7 +22,7 @@ pub fn offsets() -> impl Iterator<Item = f64> {
     std::iter::once(0.0).chain(sides.flatten())
 }
 
-/// From one to the next (rad).
+/// Step of the fine search (rad).
 const STEP: f64 = 2.0 * PI / FINE as f64;
 
 /// Cosine and sine of half of an offset.
@@ -31,7 +31,7 @@ pub fn half(offset: f64) -> [f64; 2] {
     [cos, sin]
 }
 
-/// Those of the fine search: from the present swivel outwards, to both sides in turn.
+/// Cosines and sines of the fine search: from the present swivel outwards, to both sides in turn.
 static FINELY: LazyLock<[[f64; 2]; FINE]> = LazyLock::new(|| {
     std::array::from_fn(|i| {
         let side = if i % 2 == 0 { -0.5 } else { 0.5 };
@@ -39,10 +39,10 @@ static FINELY: LazyLock<[[f64; 2]; FINE]> = LazyLock::new(|| {
     })
 });
 
-/// Looks at the whole circle finely, and between neighbours for the narrow windows that limits leave.
+/// Searches the whole circle finely, and between neighbours for the narrow windows that limits leave.
 ///
-/// - `try_at`: how far a swivel is outside limits (rad), and its pose if that is good; it is said by cosine and sine of half of
-///   its offset from the present one.
+/// - `try_at`: excess of a swivel over limits (rad), and its pose if that is good; the swivel is given by cosine and sine of
+///   half of its offset from the present one.
 pub fn refined<P>(mut try_at: impl FnMut([f64; 2]) -> (f64, Option<P>)) -> Option<P> {
     let mut outside = [0.0; FINE];
     for (half, out) in FINELY.iter().zip(&mut outside) {
@@ -75,7 +75,7 @@ pub fn refined<P>(mut try_at: impl FnMut([f64; 2]) -> (f64, Option<P>)) -> Optio
     None
 }
 
-/// Golden-section search for the swivel that is least outside, until one is good.
+/// Golden-section search for the swivel with the least excess, until one is good.
 fn golden<P>(mut low: f64, mut high: f64, try_at: &mut impl FnMut(f64) -> (f64, Option<P>)) -> Option<P> {
     const SHARE: f64 = 0.618_033_988_749_894_9;
     let inner = |low: f64, high: f64| [high - SHARE * (high - low), low + SHARE * (high - low)];

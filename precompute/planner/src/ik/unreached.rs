@@ -1,32 +1,32 @@
-//! Why a goal is not reached.
+//! Reasons why a goal is not reached.
 
 use std::fmt::{self, Display, Formatter};
 use throng_core::Joint;
 
-/// Why inverse kinematics found nothing.
+/// Reason why inverse kinematics found no pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Unreached<B> {
-    /// Too far, or too near for the elbow.
+    /// The goal is too far away, or too near for the elbow.
     OutOfReach {
-        /// (m, > 0)
+        /// Distance out of reach (m, > 0).
         by_m: f64,
     },
     /// No swivel is within limits.
     OutOfLimits {
-        /// The joint that is farthest outside at the best swivel.
+        /// The joint with the largest excess at the best swivel.
         joint: Joint,
-        /// (rad, > 0)
+        /// Excess (rad, > 0).
         by_rad: f64,
     },
     /// Every swivel within limits collides.
     Blocked {
-        /// With what the first of them does.
+        /// Obstacle of the first of these swivels.
         by: B,
     },
 }
 
 impl<B> Unreached<B> {
-    /// A number to compare failures by: blocked is nearer than out of limits, that is nearer than out of reach.
+    /// Rank of a failure, to compare failures by: blocked is nearer than out of limits, that is nearer than out of reach.
     pub fn farness(&self) -> f64 {
         match self {
             Self::OutOfReach { by_m } => 100.0 + by_m,
@@ -36,7 +36,7 @@ impl<B> Unreached<B> {
     }
 }
 
-/// What people call a joint.
+/// Everyday name of a joint.
 pub fn plain_name(joint: Joint) -> &'static str {
     match joint {
         Joint::LeftUpperArm | Joint::RightUpperArm => "shoulder",

@@ -1,5 +1,5 @@
-//! Which swivels are within limits, by some products: rotations of shoulder and forearm are linear in cosine and sine of half the
-//! swivel. What is near a limit is left to the exact look.
+//! Quick classification of swivels by limits, with a few products: rotations of shoulder and forearm are linear in cosine and
+//! sine of half the swivel. Swivels near a limit are left to the exact check.
 
 use super::swivel::{half, offsets};
 use super::{LimbIk, Reach};
@@ -10,23 +10,23 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::LazyLock;
 use throng_base::maths;
 
-/// Angles are looked at that exactly here: what is nearer to a limit may be on either side (rad).
+/// Accuracy of the angles here: an angle nearer to a limit may be on either side (rad).
 const ROOM: f64 = 2e-5;
 
-/// Half of each offset that is tried, cosine and sine.
+/// Cosine and sine of half of each offset that is tried.
 pub(super) static HALVES: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| offsets().map(half).collect());
 
-/// Where a rotation is, as seen from limits.
+/// Position of a rotation relative to limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Fit {
     Inside,
     Outside,
-    /// Too near for a quick look.
+    /// The rotation is too near to a limit for a quick check.
     OnEdge,
 }
 
 impl Fit {
-    /// - `excess`: how far outside (rad).
+    /// - `excess`: distance outside the limits, negative inside (rad).
     fn of(excess: f64) -> Self {
         if excess > ROOM {
             Self::Outside
@@ -37,7 +37,7 @@ impl Fit {
         }
     }
 
-    /// Of two conditions.
+    /// Combines two conditions.
     fn and(self, other: Self) -> Self {
         match (self, other) {
             (Self::Outside, _) | (_, Self::Outside) => Self::Outside,
@@ -55,7 +55,7 @@ pub(super) struct Twist {
 }
 
 impl Twist {
-    /// - `turned`: the other way round, as in a mirror.
+    /// - `turned`: true for the other sense of rotation, as in a mirror.
     pub fn new(limits: &JointLimits, turned: bool) -> Self {
         let side = |angle: f64| (angle.abs() < PI - 0.01).then(|| maths::sin(0.5 * angle) / maths::cos(0.5 * angle));
         let sides = |room: f64| {
@@ -65,7 +65,7 @@ impl Twist {
         Self { outside: sides(ROOM), inside: sides(-ROOM) }
     }
 
-    /// - `along`, `w`: part along the axis, and scalar part, of a quaternion.
+    /// - `along`, `w`: component along the axis, and scalar part, of a quaternion.
     fn fit(&self, along: f64, w: f64) -> Fit {
         let (along, w) = if w < 0.0 { (-along, -w) } else { (along, w) };
         let [least, most] = self.outside;
@@ -78,7 +78,7 @@ impl Twist {
     }
 }
 
-/// Limits of a joint, for quick looks.
+/// Limits of a joint, for quick checks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Quick {
     twist: Twist,
@@ -90,9 +90,9 @@ impl Quick {
         Self { twist: Twist::new(limits, false), centre_back: limits.centre.inverse() }
     }
 
-    /// How far outside a rotation is, nearly (rad).
+    /// Approximate excess of a rotation over limits (rad).
     ///
-    /// - `q`: as [`Quick::own`] has it.
+    /// - `q`: in the frame of the limits, from [`Quick::own`].
     fn excess(&self, limits: &JointLimits, q: DQuat) -> f64 {
         let v = q.xyz();
         let along = v.dot(limits.bone);
@@ -100,12 +100,12 @@ impl Quick {
         swing.max(limits.twist.excess(quick_twist(along, q.w)))
     }
 
-    /// A rotation as its limits see it.
+    /// A rotation in the frame of the joint's limits.
     fn own(&self, limits: &JointLimits, q: DQuat) -> DQuat {
         self.centre_back * if limits.mirrored { mirrored(q) } else { q }
     }
 
-    /// - `q`: as [`Quick::own`] has it.
+    /// - `q`: in the frame of the limits, from [`Quick::own`].
     fn fit(&self, limits: &JointLimits, q: DQuat) -> Fit {
         let v = q.xyz();
         let along = v.dot(limits.bone);
@@ -116,16 +116,16 @@ impl Quick {
     }
 }
 
-/// How far outside a swing is; none near half a turn (rad).
+/// Excess of a swing over limits; `None` near half a turn (rad).
 ///
-/// - `v`, `along`, `w`: of a quaternion as its limits see it.
+/// - `v`, `along`, `w`: of a quaternion in the frame of the limits.
 fn swing_excess(limits: &JointLimits, v: DVec3, along: f64, w: f64) -> Option<f64> {
     let across = v - limits.bone * along;
     let (sin, cos) = (across.length(), (along * along + w * w).sqrt());
     if cos < 1e-3 {
         return None;
     }
-    // The swing's rotation vector: what is across, turned back by half the twist.
+    // The swing's rotation vector: the component across the axis, turned back by half the twist.
     let scale = if sin < 1e-9 { 2.0 } else { 2.0 * quick_angle(sin, cos) / sin };
     let swing = (across * w - across.cross(limits.bone) * along) * (scale / cos);
     let [x, y] = limits.axes.map(|a| swing.dot(a));
@@ -157,7 +157,7 @@ fn quick_angle(sin: f64, cos: f64) -> f64 {
     if is_steep { FRAC_PI_2 - angle } else { angle }
 }
 
-/// Two quaternions, which cosine and sine of half the swivel weigh.
+/// A rotation that is linear in cosine and sine of half the swivel: one quaternion for each.
 struct Linear {
     cos: DQuat,
     sin: DQuat,
@@ -168,7 +168,7 @@ impl Linear {
         self.cos * cos + self.sin * sin
     }
 
-    /// The parts along an axis, and the scalar parts: each weighed by cosine and sine.
+    /// Components along an axis, and scalar parts: each for cosine and sine.
     fn twist(&self, axis: DVec3) -> [[f64; 2]; 2] {
         [[self.cos.xyz().dot(axis), self.sin.xyz().dot(axis)], [self.cos.w, self.sin.w]]
     }
@@ -178,16 +178,16 @@ fn weighed([a, b]: [f64; 2], [cos, sin]: [f64; 2]) -> f64 {
     a * cos + b * sin
 }
 
-/// What does not depend on the swivel.
+/// Parts of a reach that do not depend on the swivel, for quick checks.
 pub(super) struct Swivels<'a> {
     ik: &'a LimbIk,
     bent: DQuat,
     shoulder: Linear,
-    /// As its limits see it.
+    /// Shoulder rotation in the frame of its limits.
     own_shoulder: Linear,
     /// Twist and wrist together, in the forearm's frame.
     rest: Linear,
-    /// Of shoulder and rest: the part along the bone, and the scalar part.
+    /// Component along the segment, and scalar part, of shoulder and rest.
     twists: [[[f64; 2]; 2]; 2],
 }
 
@@ -203,13 +203,13 @@ impl<'a> Swivels<'a> {
         Self { ik, bent: reach.bent, shoulder, own_shoulder, rest, twists }
     }
 
-    /// Where a swivel is, and the pose of one that is within limits.
+    /// Position of a swivel relative to limits, and its pose where it is within them.
     ///
-    /// - `half`: cosine and sine of half of it.
+    /// - `half`: cosine and sine of half of the swivel.
     pub fn look(&self, half: [f64; 2]) -> (Fit, [DQuat; 3]) {
         let ik = self.ik;
         let none = [DQuat::IDENTITY; 3];
-        // Twists and how wide swings are come first: they need two products each.
+        // Twists and the sizes of swings come first: they need two products each.
         let [[upper, upper_w], [along, w]] = self.twists.map(|t| t.map(|t| weighed(t, half)));
         let twist = ik.elbow_twist.fit(along, w);
         if twist == Fit::Outside
@@ -240,9 +240,9 @@ impl<'a> Swivels<'a> {
 }
 
 impl Swivels<'_> {
-    /// How far a swivel is outside limits, nearly; of one that is farther outside than `enough`, at least that (rad).
+    /// Approximate excess of a swivel over limits; where it is more than `enough`, a lower bound of it (rad).
     ///
-    /// - `half`: cosine and sine of half of it.
+    /// - `half`: cosine and sine of half of the swivel.
     pub fn excess(&self, half: [f64; 2], enough: f64) -> f64 {
         let ik = self.ik;
         let [along, w] = self.twists[1].map(|t| weighed(t, half));
@@ -266,10 +266,10 @@ impl Swivels<'_> {
     }
 }
 
-/// A swing whose cosine of half its angle has a smaller square is outside limits; nothing is where the joint's own twist, or its
-/// middle, is turned away from the forearm.
+/// Square of the cosine of half the widest swing: a swing with a smaller one is outside limits; 0, so that none is, where the
+/// joint's own twist, or its middle, is turned away from the forearm.
 ///
-/// - `along`: what the twist before it is about, if there is one.
+/// - `along`: axis of the twist before the swing, if there is one.
 pub(super) fn widest(limits: &JointLimits, along: Option<DVec3>) -> f64 {
     let bone = if limits.mirrored { mirrored_direction(limits.bone) } else { limits.bone };
     let is_aligned = along.is_none_or(|a| bone.distance(a) < 1e-9 && limits.centre == DQuat::IDENTITY);

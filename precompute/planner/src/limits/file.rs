@@ -10,13 +10,13 @@ use std::path::Path;
 use throng_base::text::{Source, did_you_mean};
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
-/// What is wrong with a limits file: [`throng_base::Error::Text`] with file, line and column, or why it was not read.
+/// Error of a limits file: [`throng_base::Error::Text`] with file, line and column, or the reason why it was not read.
 pub type LimitsError = throng_base::Error;
 
 const HELP: &str = "See data/skeletons/README.md for how limits are written.";
 const BUILT_IN: &str = include_str!("../../../../data/skeletons/throng.limits.toml");
 
-/// Fastest joint (degrees/s).
+/// Greatest joint speed (degrees/s).
 const MAX_SPEED_DPS: f64 = 10_000.0;
 
 #[derive(Deserialize)]
@@ -50,14 +50,14 @@ enum Kind {
 /// Limits of the joints of a body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyLimits {
-    /// How reports name them.
+    /// Name in reports.
     pub name: String,
-    /// Of each joint; `None` for joints that are never planned.
+    /// Limits of each joint; `None` for joints that are never planned.
     pub joints: [Option<JointLimits>; NUM_JOINTS],
 }
 
 impl BodyLimits {
-    /// The limits that come with the database skeleton, for one of its proportions.
+    /// The built-in limits of the database skeleton, for one of its proportions.
     ///
     /// # Panics
     /// Never: a test reads them.
@@ -117,7 +117,8 @@ impl BodyLimits {
     }
 }
 
-/// Direction of what a joint turns, at rest; of what carries it for a swing, which has nothing behind it to look at.
+/// Direction of the segment behind a joint, at rest; for a swing, which has no segment behind it, that of the segment before
+/// it.
 fn segment(joint: Joint, kind: Kind, skeleton: &Skeleton) -> Option<DVec3> {
     let main_child = match joint {
         Joint::UpperChest => Some(Joint::Neck),
@@ -195,7 +196,7 @@ impl JointEntry {
     }
 }
 
-/// Two of the model's axes that are at right angles to a segment, in the order of their letters, as nearly as it lies.
+/// Two directions at right angles to a segment, near two of the model's axes, in the order of their letters.
 fn across(bone: DVec3) -> [DVec3; 2] {
     let along = bone.abs().max_position();
     let first = if along == 0 { DVec3::Y } else { DVec3::X };

@@ -4,12 +4,12 @@ use crate::rotation::{about, exp, log, mirrored, swing_twist};
 use glam::{DQuat, DVec3};
 use throng_base::maths;
 
-/// From the least to the greatest angle (rad).
+/// Interval from the least to the greatest angle (rad).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// (rad)
+    /// Least angle (rad).
     pub least: f64,
-    /// (rad, >= least)
+    /// Greatest angle (rad, >= least).
     pub most: f64,
 }
 
@@ -19,28 +19,28 @@ impl Interval {
         Self { least, most }
     }
 
-    /// As far to either side (rad).
+    /// Interval from `-most` to `most` (rad).
     pub const fn around_zero(most: f64) -> Self {
         Self { least: -most, most }
     }
 
-    /// How far outside an angle is; negative by how far inside (rad).
+    /// Distance of an angle outside the interval; negative inside (rad).
     pub fn excess(self, angle: f64) -> f64 {
         (self.least - angle).max(angle - self.most)
     }
 
-    /// The part of it that is in another one; the nearest end where there is none.
+    /// Intersection with another interval; the nearest end where there is none.
     pub fn within(self, other: Self) -> Self {
         let least = self.least.max(other.least).min(other.most);
         Self { least, most: self.most.min(other.most).max(least) }
     }
 
-    /// At a share of it.
+    /// Angle at a share of the interval.
     pub fn at(self, share: f64) -> f64 {
         self.least + share * (self.most - self.least)
     }
 
-    /// Its length (rad).
+    /// Length (rad).
     pub fn length(self) -> f64 {
         self.most - self.least
     }
@@ -50,16 +50,16 @@ impl Interval {
     }
 }
 
-/// Which directions a segment may have.
+/// Directions that a segment may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Swing {
     /// Rotation vectors in an ellipse around the middle: its radii about the first and the second axis (rad).
     Ellipse([f64; 2]),
     /// A hinge about the first axis, with a little play about the second one (rad).
     Hinge {
-        /// About the first axis.
+        /// Flexion about the first axis.
         flexion: Interval,
-        /// To either side about the second axis.
+        /// Play to either side about the second axis.
         play: f64,
     },
 }
@@ -69,7 +69,7 @@ pub enum Swing {
 pub struct Coordinates {
     /// Rotation vector of the swing, about the first and the second axis; the first is the flexion of a hinge (rad).
     pub swing: [f64; 2],
-    /// (rad)
+    /// Twist (rad).
     pub twist: f64,
 }
 
@@ -82,19 +82,19 @@ pub struct Coordinates {
 /// Grassia 1998, section 5; Shapiro, Kallmann and Faloutsos 2007, section 4.2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLimits {
-    /// The middle of the range, as seen from the rest pose.
+    /// Middle of the range, relative to the rest pose.
     pub centre: DQuat,
     /// Direction of the segment at rest; twist is about it (unit).
     pub bone: DVec3,
-    /// What swings are measured about, at right angles to the segment (unit).
+    /// Axes about which swings are measured, at right angles to the segment (unit).
     pub axes: [DVec3; 2],
-    /// How far it swings.
+    /// Range of swings.
     pub swing: Swing,
-    /// How far it twists.
+    /// Range of twists.
     pub twist: Interval,
-    /// How fast it turns (rad/s).
+    /// Greatest turning speed (rad/s).
     pub speed: f64,
-    /// True for a joint of the right side: everything above is said of its mirror image.
+    /// True for a joint of the right side: all other fields are those of its mirror image.
     pub mirrored: bool,
 }
 
@@ -102,7 +102,7 @@ pub struct JointLimits {
 pub const MAX_SWING: f64 = 2.8;
 
 impl JointLimits {
-    /// What a rotation is in the joint.
+    /// Coordinates of a rotation within the joint.
     pub fn coordinates(&self, q: DQuat) -> Coordinates {
         let q = if self.mirrored { mirrored(q) } else { q };
         let (swing, twist) = swing_twist(self.centre.inverse() * q, self.bone);
@@ -117,7 +117,7 @@ impl JointLimits {
         if self.mirrored { mirrored(q) } else { q }
     }
 
-    /// How far coordinates are outside; where negative, they are inside by at least that (rad).
+    /// Excess of coordinates over the limits; where negative, they are inside by at least that (rad).
     pub fn excess_of(&self, c: Coordinates) -> f64 {
         let swing = match self.swing {
             Swing::Ellipse(radii) => {
@@ -129,12 +129,12 @@ impl JointLimits {
         swing.max(self.twist.excess(c.twist))
     }
 
-    /// How far a rotation is outside; where negative, it is inside by at least that (rad).
+    /// Excess of a rotation over the limits; where negative, it is inside by at least that (rad).
     pub fn excess(&self, q: DQuat) -> f64 {
         self.excess_of(self.coordinates(q))
     }
 
-    /// By how much [`JointLimits::excess`] grows at most while the joint turns by one radian inside its limits.
+    /// Bound on the growth of [`JointLimits::excess`] for each radian that the joint turns inside its limits.
     ///
     /// A direction at an angle s from the middle, moved on the sphere, moves s / sin s times as far on the map of rotation
     /// vectors; twist changes at most by 1 / cos(s / 2) times the rotation.
@@ -151,10 +151,10 @@ impl JointLimits {
         }
     }
 
-    /// The same limits, widened so far that a rotation is within them, with a little room: a clip's poses are admitted even
-    /// where its performer bent farther. A swing beyond 2.8 rad stays outside.
+    /// These limits, widened until a rotation is within them, with a little room: a clip's poses are admitted even where its
+    /// performer bent farther. A swing beyond 2.8 rad stays outside.
     pub fn admitting(&self, q: DQuat) -> Self {
-        /// (rad)
+        /// Room beyond the rotation (rad).
         const ROOM: f64 = 1e-3;
         let c = self.coordinates(q);
         let mut out = *self;

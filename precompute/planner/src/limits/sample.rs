@@ -1,4 +1,4 @@
-//! Poses at random within limits: bent elbows first, farther as the search goes on.
+//! Random poses within limits: bent elbows first, all of the range as the search goes on.
 
 use super::joint::{Coordinates, Interval, JointLimits, Swing};
 use crate::linkage::{LimbPose, Linkage, MAX_JOINTS};
@@ -17,14 +17,14 @@ pub struct Style {
     pub twist: [Option<Interval>; MAX_JOINTS],
 }
 
-/// Which share of its range a joint is sampled from at first.
+/// Share of its range from which a joint is sampled at first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bias {
-    /// All of it.
+    /// The whole range.
     None,
     /// The share nearest to full flexion; hinges.
     Flexed(f64),
-    /// The share around a middle: joints that only help.
+    /// The share around a middle, for joints that only help.
     Narrow(f64),
 }
 
@@ -34,7 +34,7 @@ pub struct Sampler {
     linkage: Linkage,
     limits: [JointLimits; MAX_JOINTS],
     bias: [Bias; MAX_JOINTS],
-    /// What narrow joints are sampled around.
+    /// Coordinates around which narrow joints are sampled.
     around: [Coordinates; MAX_JOINTS],
     style: Style,
     widen_over: f64,
@@ -44,7 +44,7 @@ impl Sampler {
     /// The paper's heuristics: flexion of elbow and knee from 90 to 100 % of its range at first, wrist, ankle and clavicle
     /// from half of theirs around the present pose, shoulder and hip from all of it.
     ///
-    /// - `widen_over`: after so many draws everything is sampled from all of its range (> 0).
+    /// - `widen_over`: number of draws after which everything is sampled from its whole range (> 0).
     pub fn new(
         linkage: Linkage,
         limits: [JointLimits; MAX_JOINTS],
@@ -64,7 +64,7 @@ impl Sampler {
 
     /// A pose within limits.
     ///
-    /// - `draw`: how many were drawn before: intervals widen with it.
+    /// - `draw`: number of draws before: intervals widen with it.
     pub fn draw(&self, rng: &mut Pcg64Mcg, draw: u32) -> LimbPose {
         let widened = (f64::from(draw) / self.widen_over).min(1.0);
         let mut pose = LimbPose::REST;
@@ -86,7 +86,7 @@ impl Sampler {
         };
         let wanted = |style: Option<Interval>, whole: Interval| style.map_or(whole, |s| s.within(whole));
         let twist = narrow(limits.twist, self.around[i].twist);
-        // Wrist and ankle only swing: that they twist a little in clips is play.
+        // Wrist and ankle only swing: the little twist that they have in clips is play.
         let swings_only = i + 1 == self.linkage.len();
         let twist = if swings_only { 0.0 } else { uniform(rng, wanted(self.style.twist[i], twist)) };
         let [first, second] = self.style.swing[i];
@@ -97,7 +97,7 @@ impl Sampler {
                     Bias::None | Bias::Narrow(_) => 1.0,
                 };
                 let flexed = Interval::new(flexion.at(1.0 - share), flexion.most);
-                // What the user wants counts more than what looks best.
+                // Angles that the user wants come before those that look best.
                 [uniform(rng, first.map_or(flexed, |s| s.within(flexion))), 0.0]
             }
             Swing::Ellipse(radii) => {
@@ -112,7 +112,8 @@ impl Sampler {
     }
 }
 
-/// Uniform in an ellipse as far as it lies in a box; the point of its rim behind one of the box where they hardly meet.
+/// Uniform sample of the intersection of an ellipse and a box; a point of the ellipse's rim behind one of the box where they
+/// hardly meet.
 fn in_ellipse(rng: &mut Pcg64Mcg, radii: [f64; 2], within: [Interval; 2]) -> [f64; 2] {
     const TRIES: usize = 32;
     let mut point = [0.0; 2];
@@ -126,7 +127,7 @@ fn in_ellipse(rng: &mut Pcg64Mcg, radii: [f64; 2], within: [Interval; 2]) -> [f6
     point.map(|x| x / far)
 }
 
-/// From the middle of an ellipse, 1 on its rim.
+/// Distance from the middle of an ellipse, 1 on its rim.
 fn distance(point: [f64; 2], radii: [f64; 2]) -> f64 {
     let [x, y] = [point[0] / radii[0], point[1] / radii[1]];
     (x * x + y * y).sqrt()

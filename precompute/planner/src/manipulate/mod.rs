@@ -1,4 +1,4 @@
-//! Hands and feet that reach for something while the rest of the body does what its clip says.
+//! Hands and feet that reach for a target while the rest of the body follows its clip.
 
 #[cfg(test)]
 mod tests;
@@ -17,28 +17,29 @@ use throng_motion::Clip;
 /// A target to reach in time.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach<'a> {
-    /// Where hand or foot may be at t_b, in the order in which they are tried.
+    /// Transforms allowed for hand or foot at t_b, in the order in which they are tried.
     pub targets: &'a [Rigid],
-    /// When the limb leaves the clip, reaches and is back: t_a < t_b < t_c of the paper, taken to the nearest frames (s).
+    /// Times at which the limb leaves the clip, reaches and is back: t_a < t_b < t_c of the paper, taken to the nearest frames
+    /// (s).
     pub times_s: [f64; 3],
-    /// How long after t_b the limb keeps its pose, as seen from what carries it (s).
+    /// Time after t_b for which the limb keeps its pose, in the frame of the joint that carries it (s).
     pub hold_s: f64,
-    /// What is around on the way back, where that is something else: what was grasped is in the hand.
+    /// Surroundings on the path back, where they differ: a grasped object is in the hand.
     pub back: Option<&'a ProblemSpec<'a>>,
 }
 
-/// What came of a reach.
+/// Result of a reach.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reached {
-    /// Which target.
+    /// Index of the target.
     pub target: usize,
     /// The times, on frames (s).
     pub times_s: [f64; 3],
-    /// The plans there and back.
+    /// Plans of the paths there and back.
     pub outcomes: [Outcome; 2],
 }
 
-/// Why nothing was reached.
+/// Reason why no target was reached.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NotReached {
@@ -47,12 +48,12 @@ pub enum NotReached {
         "expected three ascending times within the clip's 0 to {end_s:.2} s, at least a frame apart, found {times_s:?}"
     )]
     Times {
-        /// What was said (s).
+        /// Times asked for (s).
         times_s: [f64; 3],
         /// Length of the clip (s).
         end_s: f64,
     },
-    /// It would be held for longer than there is time.
+    /// The hold is longer than the time that there is.
     #[error("expected to hold for less than the {most_s:.2} s until the limb is back, found {hold_s} s")]
     Hold {
         /// (s)
@@ -60,33 +61,33 @@ pub enum NotReached {
         /// (s)
         most_s: f64,
     },
-    /// No target is within reach; of the nearest one.
+    /// No target is within reach; data of the nearest one.
     #[error("not reached at {time_s:.2} s: {why}")]
     Target {
         /// (s)
         time_s: f64,
-        /// Of the first target that failed by least, or of the last one.
+        /// Failure of the nearest target: limits and obstacles count as nearer than a distance out of reach.
         why: Unreached<String>,
     },
-    /// No problem to plan.
+    /// The problem is invalid.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// No way.
+    /// No path was found.
     #[error("{what}: {why}")]
     Unsolved {
         /// "there" or "back".
         what: &'static str,
-        /// Why.
+        /// Reason of the failure.
         why: Unsolved,
     },
 }
 
 /// Changes a clip so that a limb reaches a target at t_b and is back in the clip at t_c.
 ///
-/// The pose at t_b comes from inverse kinematics where everything is then; the ways there and back are planned in time with
-/// the rest of the motion. Contacts that the task needs, of the hand with what it grasps, are the spec's to allow.
+/// Inverse kinematics gives the pose at t_b, with everything where it is then; the paths there and back are planned in time
+/// with the rest of the motion. The spec has to allow contacts that the task needs, of the hand with the grasped object.
 ///
-/// - `spec`: what is around; its motion is the clip's, its ends are not looked at.
+/// - `spec`: the surroundings; its motion is the clip's, its ends are not used.
 ///
 /// # Errors
 /// [`NotReached`]; the clip stays as it was.
@@ -134,7 +135,7 @@ fn on_frames(clip: &Clip, times_s: [f64; 3]) -> Result<[f64; 3], NotReached> {
     Ok(frames.map(|f| f / clip.rate_hz))
 }
 
-/// The first target that is reached, and the pose that does.
+/// The first target that is reached, and the pose that reaches it.
 fn reached(problem: &Problem, task: &Reach<'_>, time_s: f64) -> Result<(usize, LimbPose), NotReached> {
     let mut checker = Checker::default();
     let present = problem.present_at(time_s);
@@ -159,7 +160,7 @@ fn reached(problem: &Problem, task: &Reach<'_>, time_s: f64) -> Result<(usize, L
     Err(NotReached::Target { time_s, why })
 }
 
-/// Plans from a spec's start to its goal, into the clip.
+/// Plans from a spec's start to its goal, and writes the motion into the clip.
 pub(crate) fn planned(
     clip: &Clip,
     planner: &mut Planner,

@@ -1,4 +1,4 @@
-//! Planners from run to run of a task, so that a plan goes on where the last one like it ended.
+//! Planners kept from run to run of a task, so that a plan continues where the last one like it ended.
 
 use super::Planner;
 use crate::linkage::Limb;
@@ -6,12 +6,12 @@ use crate::problem::Problem;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-/// A limb, and from when to when it is planned (bits of seconds).
+/// A limb, and the times from and to which it is planned (bits of seconds).
 type Key = (Limb, [u64; 2]);
 
-/// Planners with their trees: those of the last run, which plans begin with, and those of this one.
+/// Planners with their trees: those of the last run, with which plans begin, and those of this one.
 ///
-/// A run that begins without a last one is the same as without any of it.
+/// Without a last run, results are the same as without kept planners.
 #[derive(Debug, Default)]
 pub struct Planners {
     last: Mutex<BTreeMap<Key, Planner>>,
@@ -19,7 +19,7 @@ pub struct Planners {
 }
 
 impl Planners {
-    /// For the next run; what it did not come to is still that of the run before.
+    /// Planners for the next run; plans that this run did not get to keep those of the run before.
     #[must_use]
     pub fn next(&self) -> Self {
         let all = |of: &Mutex<BTreeMap<Key, Planner>>| std::mem::take(&mut *locked(of));
@@ -28,12 +28,12 @@ impl Planners {
         Self { last: Mutex::new(last), now: Mutex::default() }
     }
 
-    /// That of the last run, if there is one that nobody took.
+    /// Takes the last run's planner of this problem, if there is one and nothing has taken it.
     pub(crate) fn take(&self, problem: &Problem) -> Option<Planner> {
         locked(&self.last).remove(&key(problem))
     }
 
-    /// Keeps one for the next run.
+    /// Keeps a planner for the next run.
     pub(crate) fn keep(&self, problem: &Problem, planner: &Planner) {
         locked(&self.now).insert(key(problem), planner.clone());
     }

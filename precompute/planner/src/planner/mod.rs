@@ -17,16 +17,16 @@ use rand_pcg::Pcg64Mcg;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// How plans are made.
+/// Settings of a plan.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlanConfig {
     /// The search.
     pub search: SearchConfig,
-    /// What follows it.
+    /// Smoothing after the search.
     pub smooth: SmoothConfig,
 }
 
-/// How much may be spent on a plan, and what decides chance.
+/// Limits of the effort for a plan, and the random seed.
 #[derive(Clone, Copy, Debug)]
 pub struct Budget<'a> {
     /// Most samples of the search; with this limit alone results are the same on every machine.
@@ -35,12 +35,12 @@ pub struct Budget<'a> {
     pub seconds: Option<f64>,
     /// Stops as soon as it is true; a plan already found is kept.
     pub cancel: Option<&'a AtomicBool>,
-    /// Same seed, same plan.
+    /// Random seed: the same seed gives the same plan.
     pub seed: u64,
     /// Frames a second of the result (Hz, > 0): the clip's.
     pub rate_hz: f64,
-    /// Begins with what is left of the last plan's trees, where it had the same start or goal: things have moved a little
-    /// since. What comes of it then depends on that plan, too.
+    /// True begins with the trees of the last plan, where it had the same start or goal: things have moved a little since. The
+    /// result then depends on that plan, too.
     pub warm: bool,
 }
 
@@ -50,7 +50,7 @@ impl Default for Budget<'_> {
     }
 }
 
-/// Why there is no plan.
+/// Reason why there is no plan.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Unsolved {
@@ -59,43 +59,43 @@ pub enum Unsolved {
     Spent {
         /// Samples drawn.
         draws: u32,
-        /// Between the tree of the start and that of the goal (m).
+        /// Distance between the tree of the start and that of the goal (m).
         nearest_m: f64,
     },
-    /// It was cancelled.
+    /// The plan was cancelled.
     #[error("cancelled after {draws} samples")]
     Cancelled {
         /// Samples drawn.
         draws: u32,
     },
-    /// The frame rate is no rate.
+    /// The frame rate is invalid.
     #[error("expected a rate of 1 to 1000 frames a second; give the clip's")]
     Rate,
 }
 
-/// The generator that a seed stands for.
+/// Random generator of a seed.
 pub fn seeded(seed: u64) -> Pcg64Mcg {
     Pcg64Mcg::seed_from_u64(seed)
 }
 
-/// What came of a plan.
+/// Result of a plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
     /// `None` where there is a motion.
     pub why: Option<Unsolved>,
     /// Nodes of both trees.
     pub nodes: usize,
-    /// Looks at the world.
+    /// Collision samples.
     pub checks: u64,
-    /// Until the first way (s).
+    /// Time until the first path (s).
     pub first_solution_s: f64,
-    /// With smoothing (s).
+    /// Time with smoothing (s).
     pub total_s: f64,
     /// Share of the easing of ends at rest that could be had (0 to 1).
     pub eased: f64,
     /// Frames over which start and goal were blended.
     pub blended: [usize; 2],
-    /// Before and after smoothing.
+    /// Roughness before and after smoothing.
     pub roughness: [Roughness; 2],
 }
 
@@ -108,7 +108,7 @@ impl Outcome {
 
 /// Plans motions of limbs.
 ///
-/// Everything that it needs is kept from plan to plan: nothing is allocated after the first one of its size.
+/// Buffers are kept from plan to plan: nothing is allocated after the first one of its size.
 #[derive(Clone, Debug, Default)]
 pub struct Planner {
     checker: Checker,
@@ -117,17 +117,17 @@ pub struct Planner {
     frames: Vec<LimbPose>,
     spare: Vec<LimbPose>,
     windows: Vec<Window>,
-    /// Of the last plan.
+    /// Time grid of the last plan.
     grid: Option<TimeGrid>,
 }
 
 impl Planner {
-    /// Nothing planned yet.
+    /// A planner without a plan.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Plans a motion from the start to the goal; [`Planner::motion`] has it.
+    /// Plans a motion from the start to the goal, which [`Planner::motion`] then returns.
     pub fn plan(&mut self, problem: &Problem, config: &PlanConfig, budget: &Budget<'_>) -> Outcome {
         let began = Instant::now();
         let checks = self.checker.checks;
@@ -191,7 +191,7 @@ impl Planner {
         outcome.roughness[0] = roughness(frames, len, grid.step_s());
         smoother.straighten(way, &mut self.spare_way, smooth.straighten, rng, &keep_on);
         smoother.frames(way, frames);
-        // Easing hurries what lies between; where corners cannot be rounded there, even time is smoother.
+        // Easing speeds up what lies between the ends; where corners cannot be rounded there, even time is smoother.
         for is_eased in [true, false] {
             if !keep_on() {
                 break;
@@ -205,7 +205,7 @@ impl Planner {
             smoother.round_corners(frames, frames_in(smooth.round_s), spare, &mut self.windows);
             std::mem::swap(frames, spare);
             outcome.blended = smoother.blend_ends(frames, spare, frames_in(smooth.blend_s), outcome.eased > 0.0);
-            // What is straight has no corners that easing could make worse.
+            // A straight path has no corners that easing could make worse.
             let is_straight = way.len() <= 2;
             let jerk_rms = roughness(frames, len, grid.step_s()).jerk_rms;
             if outcome.eased == 0.0 || is_straight || jerk_rms <= outcome.roughness[0].jerk_rms {
@@ -221,7 +221,7 @@ impl Planner {
         Some(LimbMotion { start_s: grid.start_s, step_s: grid.step_s(), frames: &self.frames })
     }
 
-    /// The trees of the last plan, to be looked at.
+    /// The search trees of the last plan, for inspection.
     pub fn search(&self) -> &Search {
         &self.search
     }
@@ -239,8 +239,8 @@ pub struct LimbMotion<'a> {
 }
 
 impl LimbMotion<'_> {
-    /// How different another motion of the same frames is: the mean angle between the poses of joints that turn
-    /// differently in some frame; 0 for the same motion (rad).
+    /// Difference from another motion of the same frames: the mean angle between the poses of joints that turn differently in
+    /// some frame; 0 for the same motion (rad).
     pub fn distance_rad(&self, other: &Self) -> f64 {
         let pairs = || self.frames.iter().zip(other.frames);
         let differs = |i: usize| pairs().any(|(a, b)| a.0[i] != b.0[i]);

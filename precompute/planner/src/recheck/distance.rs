@@ -39,7 +39,7 @@ fn point_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
     p.distance(a + d * share)
 }
 
-/// Surface to surface; negative where they are in each other (m).
+/// Distance from surface to surface; negative where they penetrate (m).
 pub(super) fn to_capsule(c: &Core, other: &Core) -> f64 {
     least(|u| point_segment(c.a.lerp(c.b, u), other.a, other.b)) - c.radius - other.radius
 }
@@ -81,16 +81,16 @@ impl<'a> Bounded<'a> {
     }
 }
 
-/// Surface to surface; negative where they are in each other (m).
+/// Distance from surface to surface; negative where they penetrate (m).
 ///
-/// - `far`: what is farther away may give infinity (m).
+/// - `far`: distances beyond it may be returned as infinity (m).
 pub(super) fn to_solid(c: &Core, Bounded { solid, balls }: &Bounded, time_s: f64, far: f64) -> f64 {
     let place = solid.path.at(time_s);
     let inverse = place.rotation.inverse();
     let [a, b] = [c.a, c.b].map(|p| inverse * (p - place.position));
     let at = |u: f64| a.lerp(b, u);
     let (middle, half_length) = (at(0.5), 0.5 * a.distance(b));
-    // No point of the segment is nearer than its middle by more than half its length.
+    // The nearest point of the segment is at most half its length nearer than its midpoint.
     let within = |limit: f64, from: &dyn Fn(DVec3) -> f64| {
         if from(middle) - half_length > limit { f64::INFINITY } else { least(|u| from(at(u))) }
     };

@@ -1,9 +1,9 @@
-//! Limits, from where a segment points and how it is turned about itself.
+//! Excess over limits, from where a segment points and how it is turned about itself.
 
 use crate::limits::{JointLimits, Swing};
 use glam::{DMat3, DQuat, DVec3, Quat};
 
-/// How far a rotation is outside the limits of its joint; negative by how far inside (rad).
+/// Excess of a rotation over the limits of its joint; negative inside (rad).
 pub(crate) fn outside(limits: &JointLimits, rotation: Quat) -> f64 {
     let q = rotation.as_dquat().normalize();
     // In a mirror at x = 0 a rotation matrix R becomes M R M.
@@ -16,7 +16,7 @@ pub(crate) fn outside(limits: &JointLimits, rotation: Quat) -> f64 {
     let angle = limits.bone.angle_between(to);
     let across = limits.bone.cross(to);
     let swing = across.try_normalize().map_or(DVec3::ZERO, |axis| axis * angle);
-    // What is left is twist: how far an axis across the segment is from where the swing alone would have it.
+    // The rest is twist: the angle of an axis across the segment from where the swing alone would turn it.
     let carried = DQuat::from_rotation_arc(limits.bone, to) * limits.axes[0];
     let found = r * limits.axes[0];
     let twist = carried.cross(found).dot(to).atan2(carried.dot(found));

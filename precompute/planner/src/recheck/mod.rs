@@ -1,4 +1,4 @@
-//! Checks results anew, by other means than the planner's.
+//! Verification of results by means independent of the planner.
 //!
 //! Nothing of the planner's mathematics is used: poses come from the clip's own kinematics in floats, distances from a search
 //! over single triangles, limits from angles of directions. Shared are only the data: shapes, paths, capsules and limits.
@@ -20,89 +20,89 @@ use throng_core::{Joint, NUM_JOINTS, Skeleton};
 use throng_motion::Clip;
 use throng_motion::clip::joint_transforms;
 
-/// Looks a second.
+/// Samples a second (Hz).
 pub(crate) const RATE_HZ: f64 = 1000.0;
-/// Speeds may be above their limit by this share: clips hold floats.
+/// Tolerated excess of speeds, as a share of the limit: clips hold floats.
 const SPEED_TOLERANCE: f64 = 1e-3;
-/// Limits may be left by so much (rad).
+/// Tolerated excess of limits (rad).
 const LIMIT_TOLERANCE: f64 = 5e-3;
 
-/// Somebody else around.
+/// Another character around.
 #[derive(Clone, Copy, Debug)]
 pub struct OtherClip<'a> {
-    /// As allowances call it.
+    /// Name in allowances.
     pub name: &'a str,
-    /// How it moves, from the same moment on.
+    /// Motion, from the same moment on.
     pub clip: &'a Clip,
-    /// Its proportions.
+    /// Proportions.
     pub skeleton: &'a Skeleton,
-    /// How thick it is.
+    /// Capsules of its body.
     pub capsules: &'a [BodyCapsule],
 }
 
-/// What is checked against what.
+/// Inputs of a check.
 #[derive(Clone, Copy, Debug)]
 pub struct Recheck<'a> {
     /// Proportions.
     pub skeleton: &'a Skeleton,
     /// The clip that was changed.
     pub before: &'a Clip,
-    /// What came of it.
+    /// The changed clip.
     pub after: &'a Clip,
-    /// From when to when it may differ (s).
+    /// Begin and end of the span in which it may differ (s).
     pub span_s: [f64; 2],
     /// Joints that may differ, and their limits.
     pub planned: &'a [(Joint, JointLimits)],
-    /// How thick the body is.
+    /// Capsules of the body.
     pub capsules: &'a [BodyCapsule],
-    /// What the last of the planned joints carries.
+    /// Capsules that the last of the planned joints carries.
     pub held: &'a [Held],
-    /// What is around.
+    /// Solids around.
     pub solids: &'a [Solid],
-    /// Who is around.
+    /// Other characters around.
     pub others: &'a [OtherClip<'a>],
-    /// What may touch.
+    /// Contacts that are allowed.
     pub allowed: &'a [Allowed],
-    /// How deep parts may be in solids and others (m).
+    /// Tolerated depth in solids and other characters (m).
     pub penetration_m: f64,
-    /// How deep parts of the own body may be in each other (m).
+    /// Tolerated depth of parts of the own body in each other (m).
     pub self_press_m: f64,
 }
 
-/// What was found wrong.
+/// A fault that was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Violation {
-    /// When (s).
+    /// Time (s).
     pub time_s: f64,
-    /// What, in words.
+    /// Description.
     pub what: String,
 }
 
-/// What a check found.
+/// Result of a check.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecheckReport {
-    /// Everything that is wrong.
+    /// All faults.
     pub violations: Vec<Violation>,
-    /// Deepest in solids and others; 0 where nothing is (m).
+    /// Largest depth in solids and other characters; 0 where there is none (m).
     pub penetration_max_m: f64,
-    /// Least distance from solids and others; infinite without any (m).
+    /// Least distance from solids and other characters; infinite without any (m).
     pub clearance_min_m: f64,
-    /// Farthest outside limits; negative by how far inside (rad).
+    /// Largest excess over limits; negative inside (rad).
     pub outside_limits_rad: f64,
     /// Fastest joint, as a share of its limit.
     pub speed_share: f64,
-    /// How far faces are from what they look at, at most, beyond what necks allow; 0 where nobody looks (rad).
+    /// Largest angle of a face from its gaze target, beyond the reach of the neck; 0 where nobody looks (rad).
     pub gaze_off_rad: f64,
-    /// How much farther the weight is off the feet that stand than the clip has it, at most; 0 where that is not asked for (m).
+    /// Largest distance by which the weight is farther off the planted feet than in the clip; 0 where that is not checked (m).
     pub off_balance_m: f64,
-    /// How far the second hand at something is from where it holds it, at most, between the clip's frames, too (m).
+    /// Largest distance of the second hand at an object from where it holds it, between the clip's frames, too (m).
     pub second_hand_off_m: f64,
-    /// Looks.
+    /// Number of samples.
     pub looks: usize,
 }
 
 impl Default for RecheckReport {
-    /// Nothing was looked at.
+    /// A report before any sample.
     fn default() -> Self {
         Self {
             violations: Vec::new(),
@@ -118,9 +118,9 @@ impl Default for RecheckReport {
     }
 }
 
-/// Outside of spans everything is as it was, to the bit (but for the sign of a quaternion).
+/// Checks that everything outside of spans is as it was, to the bit (but for the sign of a quaternion).
 ///
-/// - `spans`: joints, and from when to when they may differ (s).
+/// - `spans`: joints, and the times from and to which they may differ (s).
 pub fn unchanged(before: &Clip, after: &Clip, spans: &[(Joint, [f64; 2])], report: &mut RecheckReport) {
     let (a, b) = (before, after);
     let mut wrong = |frame: usize, what: String| {
@@ -147,7 +147,7 @@ pub fn unchanged(before: &Clip, after: &Clip, spans: &[(Joint, [f64; 2])], repor
 }
 
 impl Recheck<'_> {
-    /// Looks at the whole span a thousand times a second, and at every frame of the clip outside of it.
+    /// Checks the whole span a thousand times a second, and every frame of the clip outside of it.
     pub fn run(&self) -> RecheckReport {
         let mut report = RecheckReport::default();
         let spans: Vec<(Joint, [f64; 2])> = self.planned.iter().map(|(j, _)| (*j, self.span_s)).collect();
@@ -156,7 +156,7 @@ impl Recheck<'_> {
         report
     }
 
-    /// Looks at the span alone; adds to a report.
+    /// Checks the span alone; adds to a report.
     pub fn look_at_span(&self, report: &mut RecheckReport) {
         self.speeds(report);
         let solids: Vec<Bounded> = self.solids.iter().map(Bounded::new).collect();
@@ -252,7 +252,7 @@ impl Recheck<'_> {
         false
     }
 
-    /// Parts of the limb against the rest of the body, but for neighbours and what fills one place in the rest pose.
+    /// Checks parts of the limb against the rest of the body, but for neighbours and parts that overlap in the rest pose.
     fn look_at_itself(
         &self,
         parts: &[(String, Core)],
@@ -297,7 +297,7 @@ impl Recheck<'_> {
     }
 }
 
-/// Rotations of the joints relative to their parents, in between frames evenly.
+/// Rotations of the joints relative to their parents, interpolated evenly between frames.
 fn turns_at(clip: &Clip, time_s: f64) -> [Quat; NUM_JOINTS] {
     let (frame, share) = frame_at(clip, time_s);
     let next = (frame + 1).min(clip.num_frames() - 1);
@@ -309,7 +309,7 @@ fn frame_at(clip: &Clip, time_s: f64) -> (usize, f32) {
     (at as usize, at.fract() as f32)
 }
 
-/// Where a joint is at any time.
+/// World transform of a joint at any time.
 pub(crate) fn place_at(clip: &Clip, skeleton: &Skeleton, joint: Joint, time_s: f64) -> Rigid {
     let (at, turn) = transforms_at(clip, skeleton, time_s, &turns_at(clip, time_s))[joint.index()];
     Rigid { position: at.as_dvec3(), rotation: turn.as_dquat().normalize() }

@@ -1,4 +1,4 @@
-//! Algorithm 1 of the paper.
+//! The bidirectional search: algorithm 1 of the paper.
 
 use super::grid::TimeGrid;
 use super::tree::{Node, Tree, Weights};
@@ -12,16 +12,16 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use throng_base::maths::slerp;
 
-/// How the search goes.
+/// Settings of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SearchConfig {
     /// How far a tree grows at a time, in the metric (m, > 0).
     pub epsilon_m: f64,
-    /// Of the metric.
+    /// Weights of the metric.
     pub weights: Weights,
-    /// How ways are looked at.
+    /// Method by which edges are checked.
     pub edge: EdgeCheck,
-    /// After so many draws poses are sampled from all of their ranges (> 0).
+    /// Number of draws after which poses are sampled from all of their ranges (> 0).
     pub widen_over: u32,
     /// Angles that the user wants.
     pub style: Style,
@@ -39,14 +39,14 @@ impl Default for SearchConfig {
     }
 }
 
-/// How a search ended.
+/// Result of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Found {
-    /// A way.
+    /// A path was found.
     Way,
-    /// None, within the draws and time there were.
+    /// No path was found within the draws and time that there were.
     Nothing,
-    /// It was told to stop.
+    /// The search was cancelled.
     Cancelled,
 }
 
@@ -54,20 +54,20 @@ pub enum Found {
 #[derive(Clone, Debug, Default)]
 pub struct Search {
     trees: [Tree; 2],
-    /// Landmarks of the way that was found, from the start to the goal.
+    /// Landmarks of the path that was found, from the start to the goal.
     pub way: Vec<State>,
     /// Samples drawn.
     pub draws: u32,
     /// Least distance between the trees where one could have gone on in the other, by places alone (m).
     pub nearest_m: f64,
-    /// Nodes in which the trees met, of that at the start and of that at the goal.
+    /// Nodes in which the trees met: of the tree at the start, and of that at the goal.
     met: Option<[u32; 2]>,
-    /// A tree of the last search, and where its nodes are by now.
+    /// A tree of the last search, and the new index of each of its nodes.
     old: Vec<Node>,
     kept: Vec<Option<u32>>,
 }
 
-/// What is searched, and how.
+/// Inputs of a search.
 #[derive(Clone, Copy)]
 pub(crate) struct Quest<'a> {
     pub problem: &'a Problem,
@@ -75,16 +75,16 @@ pub(crate) struct Quest<'a> {
     pub grid: TimeGrid,
     /// Most samples.
     pub draws: u32,
-    /// Begins with what is left of the last trees.
+    /// True begins with the trees of the last search, as far as they still hold.
     pub warm: bool,
 }
 
-/// What all steps of one search need.
+/// Inputs shared by all steps of one search.
 struct Step<'a> {
     quest: Quest<'a>,
     problem: &'a Problem,
     sampler: Sampler,
-    /// Of what stays upright.
+    /// Inverse kinematics of the limb whose object stays upright.
     ik: Option<LimbIk>,
 }
 
@@ -99,16 +99,16 @@ impl Search {
         self.nodes().map(|nodes| nodes.iter().map(|n| (&n.state, n.parent as usize)))
     }
 
-    /// Of the tree at the start and of that at the goal.
+    /// Nodes of the tree at the start and of that at the goal.
     pub(crate) fn nodes(&self) -> [&[Node]; 2] {
         let [a, b] = &self.trees;
         let (init, goal) = if a.from_goal { (b, a) } else { (a, b) };
         [init, goal].map(|t| &t.nodes[..])
     }
 
-    /// SYNCPLANNER of the paper.
+    /// Runs SYNCPLANNER of the paper.
     ///
-    /// - `keep_on`: asked after each of them: something else than `Way` stops the search.
+    /// - `keep_on`: asked before each sample; a result that it returns stops the search.
     ///
     /// # Source
     /// Shapiro, Kallmann and Faloutsos 2007, algorithm 1. Differs: landmarks are on frames; only nodes from which a sample
@@ -163,10 +163,10 @@ impl Search {
         Found::Nothing
     }
 
-    /// Keeps of the last trees what still holds: nodes that are free, in time, and reached from one that is kept.
+    /// Keeps the part of the last trees that still holds: nodes that are free, in time, and reached from a node that is kept.
     ///
-    /// - `met`: nodes in which they met.
-    /// - returns these, where both are kept.
+    /// - `met`: nodes in which the last trees met.
+    /// - returns these nodes in the new trees, where both are kept.
     fn replant(
         &mut self,
         step: &Step<'_>,
@@ -182,7 +182,7 @@ impl Search {
             std::mem::swap(&mut self.old, &mut tree.nodes);
             tree.plant(root, k == 1);
             self.kept.clear();
-            // Another start or goal is another tree.
+            // A tree with another start or goal is not reused.
             let is_same = self.old.first().is_some_and(|n| n.state == root.state);
             self.kept.push(is_same.then_some(0));
             for node in self.old.iter().skip(1) {
@@ -201,7 +201,7 @@ impl Search {
         ends.map(|ends| ends.map(|i| i as usize))
     }
 
-    /// Joins a node of the first tree with one of the second, if the way between them is free.
+    /// Joins a node of the first tree with one of the second, if the edge between them is free.
     fn connect(&mut self, step: &Step<'_>, in_first: usize, in_second: usize, checker: &mut Checker) -> bool {
         let [a, b] = &self.trees;
         let (first, second) = (&a.nodes[in_first], &b.nodes[in_second]);
@@ -229,7 +229,7 @@ impl Step<'_> {
         Node { state, ends: chain.ends(&self.problem.place(&state)), parent }
     }
 
-    /// True where a node of the last search can be one of this: it is free, and so is the way from its parent.
+    /// True where a node of the last search is still valid: it is free, and so is the edge from its parent.
     fn holds(&self, parent: &State, state: &State, from_goal: bool, checker: &mut Checker) -> bool {
         let grid = &self.quest.grid;
         let is_on_grid = (grid.at(grid.nearest(state.time_s)) - state.time_s).abs() < 1e-9;
@@ -244,8 +244,8 @@ impl Step<'_> {
         self.problem.least_time(&from.pose, &to.pose).0 <= to.time_s - from.time_s + 1e-9
     }
 
-    /// The same hand at the same place, turned so far that what it holds is upright; nothing where no pose does that. As it is where
-    /// nothing has to be.
+    /// The state with the hand at the same place, turned until the object that it holds is upright; `None` where no pose does
+    /// that. Unchanged where nothing has to be upright.
     fn upright(&self, state: State) -> Option<State> {
         let (Some(level), Some(ik)) = (self.problem.level, &self.ik) else { return Some(state) };
         let base = self.problem.base_at(state.time_s);
@@ -276,7 +276,7 @@ impl Step<'_> {
         None
     }
 
-    /// A new node on the way from one of a tree to a sample, if that way is free.
+    /// A new node on the edge from a node of a tree towards a sample, if that edge is free.
     fn expand(&self, tree: &Tree, near: usize, sample: &Node, checker: &mut Checker) -> Option<Node> {
         let from = &tree.nodes[near];
         let d = from.distance(sample, &self.quest.config.weights);
@@ -288,7 +288,7 @@ impl Step<'_> {
             }
         }
         let even = from.state.time_s + share * (sample.state.time_s - from.state.time_s);
-        // No faster than joints turn, and with time left to get to the other end.
+        // The new state is no farther than joints turn in time, and leaves time to get to the other end.
         let least = self.problem.least_time(&from.state.pose, &pose).0;
         let (init, goal) = (&self.problem.init, &self.problem.goal);
         let frame = if tree.from_goal {

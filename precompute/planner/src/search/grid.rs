@@ -10,15 +10,15 @@ pub(crate) struct TimeGrid {
 }
 
 impl TimeGrid {
-    /// At least `rate_hz` times a second; exactly so where the goal is whole frames away.
+    /// A grid of at least `rate_hz` times a second; exactly so where the goal is whole frames away.
     pub fn new(start_s: f64, goal_s: f64, rate_hz: f64) -> Self {
         let frames = (goal_s - start_s) * rate_hz;
-        // A goal that is on a frame but for rounding is on it.
+        // A goal that is on a frame but for rounding counts as on it.
         let steps = if (frames - frames.round()).abs() < 1e-6 { frames.round() } else { frames.ceil() };
         Self { start_s, goal_s, steps: (steps as usize).max(1) }
     }
 
-    /// (s)
+    /// Time between frames (s).
     pub fn step_s(&self) -> f64 {
         (self.goal_s - self.start_s) / self.steps as f64
     }
@@ -33,7 +33,7 @@ impl TimeGrid {
         ((time_s - self.start_s) / self.step_s()).round().clamp(0.0, self.steps as f64) as usize
     }
 
-    /// The first frame that is not before a time, but for rounding; maybe behind the last one.
+    /// The first frame that is not before a time, but for rounding; may lie behind the last one.
     pub fn from(&self, time_s: f64) -> usize {
         ((time_s - self.start_s) / self.step_s() - 1e-9).ceil().max(0.0) as usize
     }

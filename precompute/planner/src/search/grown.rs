@@ -1,4 +1,4 @@
-//! The trees of searches, to be looked at.
+//! Records of search trees, for inspection.
 
 use crate::planner::Planner;
 use crate::problem::Problem;
@@ -8,31 +8,31 @@ use std::sync::{Mutex, PoisonError};
 /// A node of a tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GrownNode {
-    /// Where the end of the hand or foot is (m).
+    /// Position of the end of the hand or foot (m).
     pub at: DVec3,
-    /// When (s).
+    /// Time (s).
     pub time_s: f64,
-    /// The node that it was reached from; the root's is itself.
+    /// Index of the node that it was reached from; the root's is its own.
     pub parent: usize,
 }
 
 /// Both trees of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grown {
-    /// From the start to the goal (s).
+    /// Times of start and goal (s).
     pub window_s: [f64; 2],
     /// The tree at the start, and that at the goal.
     pub trees: [Vec<GrownNode>; 2],
-    /// True where they met.
+    /// True where the trees met.
     pub is_solved: bool,
 }
 
-/// Keeps the trees of all searches that it is given to.
+/// Collects the trees of all searches that it is passed to.
 #[derive(Debug, Default)]
 pub struct Trees(Mutex<Vec<Grown>>);
 
 impl Trees {
-    /// Keeps those of the last plan.
+    /// Keeps the trees of the last plan.
     pub(crate) fn keep(&self, problem: &Problem, planner: &Planner) {
         let last = problem.chain.len() - 1;
         let trees = planner.search().nodes().map(|nodes| {
@@ -48,7 +48,7 @@ impl Trees {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push(grown);
     }
 
-    /// Those kept since the last call, in their order.
+    /// Takes the trees kept since the last call, in their order.
     pub fn take(&self) -> Vec<Grown> {
         std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }

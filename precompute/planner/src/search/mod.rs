@@ -1,4 +1,4 @@
-//! The search for a way: two trees in joints and time.
+//! The search for a path: two trees in joint angles and time.
 
 mod algorithm;
 mod grid;

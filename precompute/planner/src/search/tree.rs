@@ -1,4 +1,4 @@
-//! A tree of states, and the nearest of them.
+//! A tree of states, with the nearest node to a state.
 
 use crate::linkage::MAX_JOINTS;
 use crate::problem::State;
@@ -7,28 +7,28 @@ use glam::DVec3;
 /// Weights of the metric: w_t |t1 - t2| + w_a max_i |p_i1 - p_i2| (Shapiro, Kallmann and Faloutsos 2007, section 4.1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
-    /// Of time (m/s, >= 0).
+    /// Weight of time (m/s, >= 0).
     pub time: f64,
-    /// Of places (> 0).
+    /// Weight of positions (> 0).
     pub place: f64,
 }
 
-/// A state, where it puts the ends of the joints' segments, and what it was reached from.
+/// A state, the ends of its joints' segments, and the node that it was reached from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Node {
     pub state: State,
-    /// World (m).
+    /// Ends of the segments in the world (m).
     pub ends: [DVec3; MAX_JOINTS],
     pub parent: u32,
 }
 
 impl Node {
-    /// The paper's metric (m).
+    /// Distance in the paper's metric (m).
     pub fn distance(&self, other: &Self, weights: &Weights) -> f64 {
         weights.time * (self.state.time_s - other.state.time_s).abs() + weights.place * self.apart(other)
     }
 
-    /// max_i |p_i1 - p_i2| (m).
+    /// Largest distance between ends: max_i |p_i1 - p_i2| (m).
     pub fn apart(&self, other: &Self) -> f64 {
         let squares = self.ends.iter().zip(&other.ends).map(|(a, b)| a.distance_squared(*b));
         squares.fold(0.0, f64::max).sqrt()
@@ -39,12 +39,12 @@ impl Node {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tree {
     pub nodes: Vec<Node>,
-    /// True for the one at the goal, which grows backwards in time.
+    /// True for the tree at the goal, which grows backwards in time.
     pub from_goal: bool,
 }
 
 impl Tree {
-    /// Begins anew.
+    /// Clears the tree, and sets its root.
     pub fn plant(&mut self, root: Node, from_goal: bool) {
         self.nodes.clear();
         self.nodes.push(Node { parent: 0, ..root });
@@ -56,16 +56,16 @@ impl Tree {
         self.nodes.len() - 1
     }
 
-    /// True where `at` is on the side of a node that the tree grows to.
+    /// True where `at` lies on the side of a node in time to which the tree grows.
     pub fn may_grow(&self, node: &Node, at: &Node) -> bool {
         if self.from_goal { at.state.time_s <= node.state.time_s } else { at.state.time_s >= node.state.time_s }
     }
 
-    /// The nearest node to `at` of those that it can be reached from in time; the root is always one.
+    /// The nearest node to `at` among those from which it can be reached in time; the root is always one.
     pub fn nearest(&self, at: &Node, weights: &Weights) -> usize {
         let mut best = (f64::INFINITY, 0);
         for (i, node) in self.nodes.iter().enumerate().filter(|(_, n)| self.may_grow(n, at)) {
-            // Time alone is often enough to see that it is farther.
+            // Time alone often shows that a node is farther.
             if weights.time * (node.state.time_s - at.state.time_s).abs() < best.0 {
                 let d = node.distance(at, weights);
                 if d < best.0 {

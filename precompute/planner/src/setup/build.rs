@@ -1,4 +1,4 @@
-//! Checks and prepares.
+//! Checks and prepares problems.
 
 use super::{Allowed, ProblemError, ProblemSpec, Tether};
 use crate::body::{BodyCapsule, BodyShape};
@@ -16,22 +16,22 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use throng_base::text::did_you_mean;
 use throng_core::Joint;
 
-/// How finely the driven part is looked at for collisions (s).
+/// Interval at which the driven part is checked for collisions (s).
 const DRIVEN_STEP_S: f64 = 1.0 / 60.0;
 /// Longest plan (s).
 const MAX_SECONDS: f64 = 3600.0;
-/// Ends may be outside limits by so little (rad).
+/// Tolerated excess of both ends over limits (rad).
 const AT_LIMIT: f64 = 1e-4;
 
-/// Problems so far; nothing but what is kept of looks depends on it.
+/// Number of the next problem; only cached collision samples depend on it.
 static NUMBERS: AtomicU64 = AtomicU64::new(1);
 
 impl Problem {
     /// Checks a problem and prepares it.
     ///
     /// # Errors
-    /// [`ProblemError`]: numbers that are none, driven parts that collide by themselves, ends that collide or are outside
-    /// limits, too little time.
+    /// [`ProblemError`]: invalid numbers, driven parts that collide by themselves, ends that collide or are outside limits, too
+    /// little time.
     pub fn new(spec: &ProblemSpec<'_>) -> Result<Self, ProblemError> {
         let problem = Self::prepare(spec)?;
         if !spec.admit_driven {
@@ -41,11 +41,11 @@ impl Problem {
         Ok(problem)
     }
 
-    /// Prepares a problem without looking at its ends, so that these can be asked for: whether they are free, or which pose
+    /// Prepares a problem without checking its ends, so that these can be searched: whether they are free, or which pose
     /// reaches a target.
     ///
     /// # Errors
-    /// [`ProblemError`]: numbers that are none, names that nothing has.
+    /// [`ProblemError`]: invalid numbers, unknown names.
     pub fn prepare(spec: &ProblemSpec<'_>) -> Result<Self, ProblemError> {
         check_numbers(spec)?;
         Self::check_names(spec)?;
@@ -90,7 +90,7 @@ impl Problem {
         Ok(problem)
     }
 
-    /// Every allowance names something.
+    /// Checks that every allowance names something.
     fn check_names(spec: &ProblemSpec<'_>) -> Result<(), ProblemError> {
         let joints = Joint::ALL.map(Joint::name);
         let mut parts: Vec<&str> = joints.to_vec();
@@ -112,10 +112,10 @@ impl Problem {
 
     fn all_pairs(&self, spec: &ProblemSpec<'_>) -> Vec<Pair> {
         let others_bend = spec.others.iter().map(|o| o.motion.bend_m(|_| true)).fold(0.0, f64::max);
-        // What carries the limb goes with the trunk.
+        // The joint that carries the limb counts as trunk.
         let own_bend = spec.motion.bend_m(|j| Limb::ALL.iter().all(|l| !l.moves(j)));
         let mut pairs = Vec::new();
-        // The other hand collides by itself; only whether it reaches is asked here. What is upright is a direction.
+        // Collisions of the other hand are checked for itself; here only its reach counts. An upright constraint has no body.
         let asked = [self.tether.as_ref().map(|_| Target::Tether), self.level.map(|_| Target::Level)];
         let asked: Vec<Target> = asked.into_iter().flatten().collect();
         let bodies = self.parts.len() - asked.len();
@@ -147,7 +147,7 @@ impl Problem {
         pairs
     }
 
-    /// True for neighbours along the body, and for parts that fill the same place in the rest pose.
+    /// True for neighbours along the body, and for parts that overlap in the rest pose.
     fn touch_at_rest(&self, spec: &ProblemSpec<'_>, part: &Part, target: Target) -> bool {
         let Target::Body(b) = target else { return false };
         let body = &self.bodies[b];
@@ -169,7 +169,7 @@ impl Problem {
             .any(|c| own.distance(&c.core.map(|p| p + at(c.joint))) < part.radius + c.radius)
     }
 
-    /// The joints that an external motion drives stay clear of solids and of others.
+    /// Checks that the joints that an external motion drives stay clear of solids and of other characters.
     fn check_driven(&self, spec: &ProblemSpec<'_>) -> Result<(), ProblemError> {
         let mut worst: Option<(f64, ProblemError)> = None;
         self.each_driven(spec, |joint, with, time_s, depth_m| {
@@ -181,8 +181,8 @@ impl Problem {
         worst.map_or(Ok(()), |(_, error)| Err(error))
     }
 
-    /// Stretches in which what is not planned is in something by itself, each part with each thing apart, looked at 60
-    /// times a second from the start to the goal.
+    /// Stretches in which the driven part of the body collides by itself, each part with each thing apart, sampled 60 times a
+    /// second from the start to the goal.
     pub fn driven_collisions(&self, spec: &ProblemSpec<'_>) -> Vec<Span> {
         let mut spans: Vec<Span> = Vec::new();
         self.each_driven(spec, |joint, with, time_s, depth_m| {
@@ -202,8 +202,8 @@ impl Problem {
         spans
     }
 
-    /// Tells how deep each driven part is in each thing and in everybody else, time by time; where it is not, or only by
-    /// rounding, nothing or no more than 0.
+    /// Reports how deep each driven part is in each solid and each other character, time by time; where it is in none, or only
+    /// by rounding, there is no call, or one with a depth of at most 0.
     fn each_driven(&self, spec: &ProblemSpec<'_>, mut tell: impl FnMut(Joint, Met<'_>, f64, f64)) {
         let [from, to] = [spec.init.time_s, spec.goal.time_s];
         let steps = ((to - from) / DRIVEN_STEP_S).ceil() as usize;
@@ -253,7 +253,7 @@ impl Problem {
     }
 }
 
-/// What a driven part meets.
+/// Thing that a driven part collides with.
 #[derive(Clone, Copy)]
 enum Met<'a> {
     Solid(&'a PlacedSolid),
@@ -346,7 +346,7 @@ fn limits_of(spec: &ProblemSpec<'_>, chain: &Chain) -> Result<[JointLimits; MAX_
     Ok(limits)
 }
 
-/// Which joint of the chain carries a joint of the body: its own, or the last one for hands' and feet's ends.
+/// Index of the joint of the chain that carries a joint of the body: its own, or the last one for ends of hands and feet.
 fn chain_link(chain: &Chain, joint: Joint) -> Option<usize> {
     let mut at = Some(joint);
     while let Some(j) = at {
@@ -358,13 +358,13 @@ fn chain_link(chain: &Chain, joint: Joint) -> Option<usize> {
     None
 }
 
-/// The capsules of the body that move with the linkage.
+/// Capsules of the body that move with the linkage.
 fn limb_parts(spec: &ProblemSpec<'_>, chain: &Chain) -> Vec<Part> {
     let rest = spec.skeleton.rest_positions();
     let of = |c: &BodyCapsule| {
         let link = chain_link(chain, c.joint)?;
         let carrier = chain.linkage.joints()[link];
-        // Toes stay as they are at rest.
+        // Toes stay in their rest pose.
         let shift = (rest[c.joint.index()] - rest[carrier.index()]).as_dvec3();
         Some(part(chain, c.joint.name().into(), link, c.core.map(|p| p + shift), c.radius))
     };

@@ -1,26 +1,26 @@
-//! What makes a problem impossible before any search.
+//! Faults that make a problem impossible before any search.
 
 use throng_core::Joint;
 
-/// Why a problem cannot be solved, or is none.
+/// Reason why a problem cannot be solved, or is invalid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProblemError {
-    /// A number that is none, or out of range.
+    /// A number is invalid or out of range.
     #[error("{what}: expected {expected}")]
     Value {
-        /// What it is of.
+        /// Name of the quantity.
         what: String,
-        /// What it should be.
+        /// Expected value.
         expected: &'static str,
     },
-    /// A joint of the linkage without limits.
+    /// A joint of the linkage has no limits.
     #[error("{joint} has no limits; add it to the limits file (data/skeletons/README.md says how)")]
     NoLimits {
-        /// Which joint.
+        /// The joint.
         joint: String,
     },
-    /// An allowance that names nothing there is.
+    /// An allowance names something that does not exist.
     #[error("allowed contact: there is no `{name}`.{meant}")]
     Unknown {
         /// The name.
@@ -28,43 +28,43 @@ pub enum ProblemError {
         /// The nearest known name, as a sentence.
         meant: String,
     },
-    /// The joints that are not planned collide: no plan can help.
+    /// Joints that are not planned collide: no plan can help.
     #[error(
         "{part} is {depth_m:.3} m too near {with} at {time_s:.2} s, where the motion itself has it; move {with}, or plan {part} too"
     )]
     DrivenCollides {
-        /// Of the character.
+        /// Part of the character.
         part: String,
-        /// What it collides with.
+        /// Obstacle that it collides with.
         with: String,
-        /// When it is worst (s).
+        /// Time at which the collision is deepest (s).
         time_s: f64,
-        /// By how much (m).
+        /// Depth (m).
         depth_m: f64,
     },
-    /// The linkage collides where it begins or ends.
+    /// The linkage collides at its start or goal.
     #[error("the {end} collides: {part} is {depth_m:.3} m too near {with}; choose another, or allow them to touch")]
     EndCollides {
         /// "start" or "goal".
         end: &'static str,
-        /// Of the linkage.
+        /// Part of the linkage.
         part: String,
-        /// What it collides with.
+        /// Obstacle that it collides with.
         with: String,
-        /// By how much (m).
+        /// Depth (m).
         depth_m: f64,
     },
-    /// Start or goal outside limits.
+    /// Start or goal is outside limits.
     #[error("the {end} is out of limits of {joint} by {by_rad:.2} rad; choose another, or admit it")]
     EndOutOfLimits {
         /// "start" or "goal".
         end: &'static str,
-        /// Which joint.
+        /// The joint.
         joint: String,
-        /// (rad)
+        /// Excess (rad).
         by_rad: f64,
     },
-    /// Too little time.
+    /// There is too little time.
     #[error("{joint} needs at least {least_s:.3} s at its speed limit, but has {given_s:.3} s; give more time")]
     TooLittleTime {
         /// The joint that needs it.

@@ -1,4 +1,4 @@
-//! From what an application says to a checked problem.
+//! From an application's specification to a checked problem.
 
 mod build;
 mod error;

@@ -1,4 +1,4 @@
-//! Problems as applications say them.
+//! Specifications of problems, as applications write them.
 
 use crate::body::BodyShape;
 use crate::driven::Driven;
@@ -12,37 +12,37 @@ use throng_core::{Joint, Skeleton};
 /// Another character.
 #[derive(Clone, Copy, Debug)]
 pub struct Other<'a> {
-    /// How messages and allowances call it.
+    /// Name in messages and allowances.
     pub name: &'a str,
-    /// How it moves.
+    /// Motion.
     pub motion: &'a Driven,
-    /// How thick it is.
+    /// Capsules of its body.
     pub shape: &'a BodyShape,
 }
 
 /// A capsule that hand or foot carries: a stick, a rib of an umbrella.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Held {
-    /// How messages and allowances call it.
+    /// Name in messages and allowances.
     pub name: String,
-    /// In the frame of the linkage's last joint (m).
+    /// Core in the frame of the linkage's last joint (m).
     pub core: Segment,
-    /// (m, > 0)
+    /// Radius (m, > 0).
     pub radius: f64,
 }
 
 /// Two things that may touch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Allowed {
-    /// A joint by its name, or something held; `None` for all of the own body and what it holds.
+    /// Name of a joint or of a held capsule; `None` for all of the own body and what it holds.
     pub part: Option<String>,
-    /// A solid, another character, or a joint of the own body.
+    /// Name of a solid, of another character, or of a joint of the own body.
     pub with: String,
-    /// From when to when (s); `None` for always.
+    /// Time in which they may touch (s); `None` for always.
     pub window_s: Option<[f64; 2]>,
 }
 
-/// The other hand at what is held: a place on the hand or foot that stays within reach of another joint.
+/// Constraint of a second hand at a held object: a place in the frame of the hand or foot stays within reach of another joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tether {
     /// The joint from which it is reached: the other shoulder.
@@ -58,42 +58,42 @@ pub struct Tether {
 pub struct ProblemSpec<'a> {
     /// Proportions of the character.
     pub skeleton: &'a Skeleton,
-    /// Which joints are planned.
+    /// Joints that are planned.
     pub linkage: Linkage,
-    /// How far and how fast they turn.
+    /// Limits of angles and speeds.
     pub limits: &'a BodyLimits,
-    /// What the other joints do, and the planned ones did.
+    /// Motion of all joints, the planned ones as they are before.
     pub motion: &'a Driven,
-    /// How thick the body is.
+    /// Capsules of the body.
     pub shape: &'a BodyShape,
-    /// Where it begins.
+    /// Start of the plan.
     pub init: State,
-    /// Where it ends.
+    /// Goal of the plan.
     pub goal: State,
-    /// What is around.
+    /// Solids around.
     pub solids: &'a [Solid],
-    /// Who is around.
+    /// Other characters around.
     pub others: &'a [Other<'a>],
-    /// What hand or foot carries.
+    /// Capsules that hand or foot carries.
     pub held: &'a [Held],
-    /// What may touch.
+    /// Contacts that are allowed.
     pub allowed: &'a [Allowed],
-    /// Where the other hand is at what is held.
+    /// Constraint of the other hand at the held object.
     pub tether: Option<Tether>,
-    /// What is held stays upright.
+    /// Constraint that keeps the held object upright.
     pub level: Option<Level>,
-    /// How far everything stays from solids and from others (m, >= 0).
+    /// Least distance from solids and other characters (m, >= 0).
     pub clearance_m: f64,
-    /// How deep parts of the own body may press into each other, as flesh does (m, >= 0).
+    /// Depth to which parts of the own body may press into each other, as flesh does (m, >= 0).
     pub self_press_m: f64,
-    /// True widens limits so far that both ends are within them: performers bend farther than books say.
+    /// True widens limits until both ends are within them: performers bend farther than books say.
     pub admit_ends: bool,
-    /// True plans although what is not planned collides by itself: the limb gives way all the same.
+    /// True plans although the driven part of the body collides by itself: the limb gives way all the same.
     pub admit_driven: bool,
 }
 
 impl<'a> ProblemSpec<'a> {
-    /// Of the usual clearances, in an empty world.
+    /// A specification with the usual clearances, in an empty world.
     pub fn new(
         skeleton: &'a Skeleton,
         linkage: Linkage,

@@ -1,4 +1,4 @@
-//! How far a segment is from a box.
+//! Distance between a segment and a box.
 
 use super::segment::Segment;
 use glam::DVec3;

@@ -5,17 +5,17 @@ use super::tree::Tree;
 use super::triangle::{is_farther, square_distance};
 use glam::{DVec3, Vec3};
 
-/// Why triangles are no mesh.
+/// Reason why triangles are not a mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
-    /// Nothing to collide with.
+    /// There are no triangles.
     #[error("the mesh has no triangles; give it some, or leave it out")]
     Empty,
-    /// A corner that is no place.
+    /// A corner is not a valid position.
     #[error("triangle {triangle}: expected finite corners below {limit} m, found {corner}; export the mesh again")]
     Corner {
-        /// Which triangle.
+        /// Index of the triangle.
         triangle: usize,
         /// Its corner.
         corner: Vec3,
@@ -76,7 +76,7 @@ impl Mesh {
         self.ball
     }
 
-    /// Distance of a segment, where it is below `limit`, else infinite (m).
+    /// Distance to a segment, where it is below `limit`, else infinite (m).
     pub fn distance(&self, s: &Segment, limit: f64) -> f64 {
         let mut best = f64::INFINITY;
         let mut nearest = limit;
@@ -90,7 +90,7 @@ impl Mesh {
         best
     }
 
-    /// True where a segment is nearer than `limit`; stops at the first triangle that is (m).
+    /// True where a segment is nearer than `limit`; stops at the first such triangle (m).
     pub fn is_nearer(&self, s: &Segment, limit: f64) -> bool {
         self.first_nearer(s, limit).is_some()
     }
@@ -105,14 +105,14 @@ impl Mesh {
         found
     }
 
-    /// True where a certain triangle is nearer to a segment than `limit`; false for one that is not there (m).
+    /// True where a given triangle is nearer to a segment than `limit`; false for one that does not exist (m).
     pub fn is_triangle_nearer(&self, triangle: u32, s: &Segment, limit: f64) -> bool {
         let corners = self.corners.get(triangle as usize).filter(|_| limit > 0.0);
         corners.is_some_and(|t| square_distance(s, &t.map(|c| c.as_dvec3())) < limit * limit)
     }
 
-    /// Calls `look` with the squared distances of triangles that may be within a limit, which it returns anew, or
-    /// nothing to stop.
+    /// Calls `look` with the squared distances of triangles that may be within a limit; it returns the new limit, or `None` to
+    /// stop.
     fn visit(&self, s: &Segment, limit: f64, mut look: impl FnMut(u32, f64) -> Option<f64>) {
         if limit.is_nan() || limit <= 0.0 {
             return;

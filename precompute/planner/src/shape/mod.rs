@@ -1,4 +1,4 @@
-//! Shapes, and how far segments are from them.
+//! Shapes, and their distances to segments.
 
 mod cuboid;
 mod mesh;
@@ -13,10 +13,10 @@ use cuboid::segment_cuboid;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// The shape of something, in its own frame.
+/// A shape in its own frame.
 #[derive(Clone, Debug)]
 pub enum Shape {
-    /// A ball or a capsule: all within a radius of a segment.
+    /// A ball or a capsule: all points within a radius of a segment.
     Round {
         /// From end to end (m).
         core: Segment,
@@ -25,7 +25,7 @@ pub enum Shape {
     },
     /// A box around the origin.
     Cuboid {
-        /// Half of its size (m, > 0).
+        /// Half size (m, > 0).
         half: DVec3,
     },
     /// A surface of triangles, without an inside.
@@ -45,7 +45,7 @@ impl Shape {
         Self::Cuboid { half: 0.5 * size }
     }
 
-    /// Distance of a segment, where it is below `limit`, else infinite; negative within a ball, 0 within a box (m).
+    /// Distance to a segment, where it is below `limit`, else infinite; negative within a ball, 0 within a box (m).
     pub fn distance(&self, s: &Segment, limit: f64) -> f64 {
         let d = match self {
             Self::Round { core, radius } => s.distance(core) - radius,
@@ -63,7 +63,7 @@ impl Shape {
         }
     }
 
-    /// Middle and radius of a ball that holds it (m).
+    /// Middle and radius of a bounding ball (m).
     pub fn ball_around(&self) -> (DVec3, f64) {
         match self {
             Self::Round { core, radius } => (core.middle(), core.half_length() + radius),

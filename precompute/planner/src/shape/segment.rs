@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// From one point to another, which may be the same (m).
+/// A line segment; a point where both ends are the same (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
     /// (m)
@@ -17,27 +17,27 @@ impl Segment {
         Self { a, b }
     }
 
-    /// Half way (m).
+    /// Midpoint (m).
     pub fn middle(&self) -> DVec3 {
         0.5 * (self.a + self.b)
     }
 
-    /// Half its length (m).
+    /// Half length (m).
     pub fn half_length(&self) -> f64 {
         0.5 * (self.b - self.a).length()
     }
 
-    /// With both ends moved.
+    /// The segment with both ends mapped.
     pub fn map(&self, f: impl Fn(DVec3) -> DVec3) -> Self {
         Self { a: f(self.a), b: f(self.b) }
     }
 
-    /// In between two places of it.
+    /// Interpolates both ends.
     pub fn lerp(&self, to: &Self, share: f64) -> Self {
         Self { a: self.a + (to.a - self.a) * share, b: self.b + (to.b - self.b) * share }
     }
 
-    /// Distance of another segment (m).
+    /// Distance to another segment (m).
     ///
     /// # Source
     /// Ericson 2005, *Real-Time Collision Detection*, section 5.1.9.
@@ -60,7 +60,7 @@ impl Segment {
         } else {
             let b = d1.dot(d2);
             let across = a * e - b * b;
-            // Parallel ones: any point of the one will do.
+            // Of parallel segments, any point of one will do.
             let s = if across > 1e-12 * a * e { ((b * f - c * e) / across).clamp(0.0, 1.0) } else { 0.0 };
             let t = (b * s + f) / e;
             if t < 0.0 {

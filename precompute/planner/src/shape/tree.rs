@@ -1,28 +1,29 @@
-//! A tree of boxes over triangles, four side by side, so that one look is at four of them.
+//! A tree of boxes over triangles; a node has four boxes, which are tested together.
 
 use super::segment::Segment;
 use glam::{Vec3, Vec4};
 
-/// Marks what is a triangle and no node.
+/// Bit that marks an index as a triangle's, not a node's.
 const TRIANGLE: u32 = 1 << 31;
 
-/// Four boxes, and what each holds; the last ones may hold nothing.
+/// A node: four boxes, and the content of each; the last ones may be empty.
 #[derive(Clone, Copy)]
 struct Four {
     /// By axis (m).
     low: [Vec4; 3],
     high: [Vec4; 3],
-    /// A node, or a triangle.
+    /// Index of a node, or of a triangle.
     inner: [u32; 4],
 }
 
-/// Halves along the longest side, over and over: never deeper than the logarithm of the number of triangles to base 4.
+/// Tree that halves triangles along the longest side, over and over: its depth is at most the logarithm of their number to base
+/// 4.
 #[derive(Clone)]
 pub(super) struct Tree {
     nodes: Vec<Four>,
 }
 
-/// Nodes that wait at most: three of each of 16 levels, and one.
+/// Most nodes that wait: three of each of 16 levels, and one.
 const MAX_WAITING: usize = 64;
 
 impl Tree {
@@ -34,7 +35,7 @@ impl Tree {
         out
     }
 
-    /// Appends a node over some triangles and what is below it; returns which it is.
+    /// Appends a node over some triangles, and its descendants; returns its index.
     fn grow(&mut self, triangles: &[[Vec3; 3]], order: &mut [u32]) -> u32 {
         let nothing = Four { low: [Vec4::INFINITY; 3], high: [Vec4::NEG_INFINITY; 3], inner: [TRIANGLE; 4] };
         let at = self.nodes.len();
@@ -56,7 +57,7 @@ impl Tree {
         at as u32
     }
 
-    /// Calls `look` with triangles whose boxes may be within a limit, which it returns anew, or nothing to stop (m).
+    /// Calls `look` with triangles whose boxes may be within a limit; it returns the new limit, or `None` to stop (m).
     pub fn visit(&self, s: &Segment, limit: f64, mut look: impl FnMut(u32) -> Option<f64>) {
         let core = Core::new(s);
         let mut square = core.square(limit);
@@ -83,7 +84,7 @@ impl Tree {
     }
 }
 
-/// Triangles on both sides of the middle one, along the side on which middles are spread the widest.
+/// Halves of the triangles, split at the median along the axis on which their middles are spread the widest.
 fn halves<'a>(triangles: &[[Vec3; 3]], order: &'a mut [u32]) -> (&'a mut [u32], &'a mut [u32]) {
     let half = order.len() / 2;
     if order.len() > 2 {
@@ -96,7 +97,7 @@ fn halves<'a>(triangles: &[[Vec3; 3]], order: &'a mut [u32]) -> (&'a mut [u32], 
     order.split_at_mut(half)
 }
 
-/// A segment in floats, as boxes are, four times side by side, with what rounding may take away from a distance.
+/// A segment in floats, as boxes are, repeated four times, with a bound on what rounding takes away from a distance.
 struct Core {
     a: [Vec4; 3],
     d: [Vec4; 3],
@@ -113,19 +114,19 @@ impl Core {
         let four = |v: Vec3| v.to_array().map(Vec4::splat);
         let square = (b - a).length_squared();
         let over = if square > 1e-12 { 1.0 / square } else { 0.0 };
-        // A few units in the last place of the largest number that there is.
+        // A few units in the last place of the largest number involved.
         let slack = 1e-5 + 4e-6 * a.abs().max_element().max(b.abs().max_element());
         Self { a: four(a), d: four(b - a), low: four(a.min(b)), high: four(a.max(b)), over, slack }
     }
 
-    /// The square of a limit, seen with slack (m^2).
+    /// Square of a limit, widened by the slack (m^2).
     fn square(&self, limit: f64) -> f32 {
         let limit = limit as f32 + self.slack;
         limit * limit
     }
 
-    /// A bit for each box that may be within a limit: by the box around the segment, and as seen along the line from the segment to
-    /// the box's middle.
+    /// Bits of the boxes that may be within a limit: by the box around the segment, and along the line from the segment to the
+    /// box's middle.
     fn near(&self, node: &Four, square: f32) -> u32 {
         let square = Vec4::splat(square);
         let sum = |v: [Vec4; 3]| v[0] + v[1] + v[2];
@@ -137,8 +138,9 @@ impl Core {
         let from = by_axis(|k| 0.5 * (node.low[k] + node.high[k]) - self.a[k]);
         let share = (sum(by_axis(|k| from[k] * self.d[k])) * self.over).clamp(Vec4::ZERO, Vec4::ONE);
         let line = by_axis(|k| from[k] - self.d[k] * share);
-        // No point of the segment is farther along that line than the one nearest to the middle, none of the box nearer than by
-        // half of what the box takes up of it. Both sides are multiplied by the line's length: there is no square root.
+        // Along that line, no point of the segment is farther than the one nearest to the middle, and no point of the box is
+        // nearer than half of the box's extent on it. Both sides are multiplied by the line's length, which spares a square
+        // root.
         let apart = sum(line.map(|v| v * v));
         let rest = (apart - 0.5 * sum(by_axis(|k| line[k].abs() * (node.high[k] - node.low[k])))).max(Vec4::ZERO);
         (near & (rest * rest).cmple(square * apart)).bitmask()

@@ -1,12 +1,12 @@
-//! How far a segment is from a triangle.
+//! Distance between a segment and a triangle.
 
 use super::segment::Segment;
 use glam::DVec3;
 
-/// The square of the distance from a segment to a triangle, which may be a line or a point (m^2).
+/// Squared distance between a segment and a triangle, which may be a line or a point (m^2).
 ///
-/// Nearest are two of: an end of the segment and the inside of the triangle, or the segment and an edge; none where the
-/// segment goes through it.
+/// The nearest points are an end of the segment and the inside of the triangle, or points of the segment and an edge; the
+/// distance is 0 where the segment goes through the triangle.
 pub fn square_distance(s: &Segment, &[a, b, c]: &[DVec3; 3]) -> f64 {
     let normal = (b - a).cross(c - a);
     let square = normal.length_squared();
@@ -32,8 +32,8 @@ pub fn square_distance(s: &Segment, &[a, b, c]: &[DVec3; 3]) -> f64 {
     best
 }
 
-/// True where a triangle is no nearer to a segment than a limit, as seen along the line from the segment to the triangle's middle;
-/// false says nothing.
+/// True where a triangle is no nearer to a segment than a limit, measured along the line from the segment to the triangle's
+/// middle; false proves nothing.
 ///
 /// - `over`: one over the square of the segment's length; 0 for a point.
 /// - `square_limit`: (m^2)

@@ -1,30 +1,30 @@
-//! Starts and stops gently where an end is at rest: speed grows and shrinks like a bell.
+//! Easing: starts and stops gently where an end is at rest; speed grows and shrinks like a bell.
 
 use super::Smoother;
 use crate::linkage::LimbPose;
 use crate::problem::State;
 use crate::rotation::angle;
 
-/// Slower than this, the external motion is at rest (rad/s).
+/// Speed of the external motion below which it is at rest (rad/s).
 const AT_REST: f64 = 0.3;
-/// Over which time that is measured (s).
+/// Time over which that speed is measured (s).
 const MEASURED_S: f64 = 0.05;
-/// Poses closer than this are the same (rad).
+/// Difference below which poses count as the same (rad).
 const SAME: f64 = 1e-3;
-/// How much of the easing is tried, most first.
+/// Shares of the easing that are tried, most first.
 const SHARES: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 
-/// What the motion does at an end of the plan.
+/// State of the motion at an end of the plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct End {
-    /// It is in the external motion's pose.
+    /// True where the end is in the external motion's pose.
     pub follows: bool,
-    /// Nothing moves there, as seen from the trunk.
+    /// True where nothing moves there, relative to the trunk.
     pub at_rest: bool,
 }
 
 impl Smoother<'_> {
-    /// What the motion does at the start or the goal.
+    /// State of the motion at the start or the goal.
     pub(super) fn end(&self, at_goal: bool) -> End {
         let problem = self.problem;
         let end = if at_goal { &problem.goal } else { &problem.init };
@@ -36,11 +36,11 @@ impl Smoother<'_> {
         End { follows, at_rest: !follows || slow }
     }
 
-    /// Frames of the way, passed more slowly at ends that are at rest and faster in between, as far as that is free.
+    /// Frames of the path, passed more slowly at ends that are at rest and faster in between, as far as that is free.
     ///
-    /// Between two ends at rest that is the path of least jerk along a straight way.
+    /// Between two ends at rest that is the path of least jerk along a straight line.
     ///
-    /// - returns the share of the easing that could be had (0 to 1).
+    /// - returns the share of the easing that was possible (0 to 1).
     ///
     /// # Source
     /// Flash and Hogan 1985, *The Coordination of Arm Movements*: x^3 (10 - 15 x + 6 x^2).
@@ -65,7 +65,7 @@ impl Smoother<'_> {
     }
 }
 
-/// From 0 to 1 with no speed and acceleration at ends at rest, and even speed at the others.
+/// Time profile from 0 to 1, with no speed and acceleration at ends at rest, and even speed at the others.
 fn profile(x: f64, [start, goal]: [bool; 2]) -> f64 {
     let from_rest = |x: f64| x * x * x * (6.0 + x * (3.0 * x - 8.0));
     match (start, goal) {
@@ -76,7 +76,7 @@ fn profile(x: f64, [start, goal]: [bool; 2]) -> f64 {
     }
 }
 
-/// From 0 to 1 with velocity and acceleration 0 at both ends.
+/// Time profile from 0 to 1 with velocity and acceleration 0 at both ends.
 pub(crate) fn smoothstep(x: f64) -> f64 {
     x * x * x * (10.0 + x * (6.0 * x - 15.0))
 }

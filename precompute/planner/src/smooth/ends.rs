@@ -1,4 +1,4 @@
-//! Blends both ends of a motion into what is before and after it, in velocity and not in place only.
+//! Blends both ends of a motion into the motion before and after it, in velocity as well as in position.
 
 use super::Smoother;
 use super::ease::smoothstep;
@@ -7,12 +7,12 @@ use throng_base::maths::slerp;
 
 impl Smoother<'_> {
     /// Blends the first and the last frames with the external motion's poses, where the plan begins or ends in its pose, or
-    /// with the end's own pose, where it does not: a reach comes to rest in the trunk's frame. Halves a blend until it is
-    /// free.
+    /// with the end's own pose, where it does not: a reach comes to rest in the trunk's frame. Halves the length of a blend
+    /// until it is free.
     ///
     /// - `eased`: ends that are not in the external motion come to rest already.
     /// - `spare`: scratch.
-    /// - returns over how many frames each end was blended.
+    /// - returns the number of frames over which each end was blended.
     pub fn blend_ends(
         &mut self,
         frames: &mut Vec<LimbPose>,
@@ -30,7 +30,7 @@ impl Smoother<'_> {
         })
     }
 
-    /// Blends one end over some frames; false, and nothing changed, where that is not free.
+    /// Blends one end over some frames; returns false, and changes nothing, where that is not free.
     fn blend_end(
         &mut self,
         frames: &mut Vec<LimbPose>,

@@ -1,4 +1,4 @@
-//! How rough a motion is.
+//! Roughness of a motion.
 
 use crate::linkage::{LimbPose, MAX_JOINTS};
 use crate::rotation::{angle, log};
@@ -9,7 +9,7 @@ use glam::DVec3;
 pub struct Roughness {
     /// Sum of all turns (rad).
     pub length_rad: f64,
-    /// Fastest turn (rad/s).
+    /// Greatest speed of a turn (rad/s).
     pub speed_max: f64,
     /// Largest angular acceleration (rad/s^2).
     pub acceleration_max: f64,
@@ -17,7 +17,7 @@ pub struct Roughness {
     pub jerk_rms: f64,
 }
 
-/// Measures poses that are `step_s` apart; the first `num_joints` joints of each count.
+/// Measures poses that are `step_s` apart; only the first `num_joints` joints of each count.
 pub fn roughness(frames: &[LimbPose], num_joints: usize, step_s: f64) -> Roughness {
     let mut out = Roughness::default();
     let (mut jerks, mut sum) = (0u32, 0.0);

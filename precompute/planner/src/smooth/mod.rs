@@ -1,4 +1,4 @@
-//! From landmarks to a motion that looks like one: straightened, rounded, and blended into what is before and after it.
+//! Smoothing of landmarks into natural motion: straightened, rounded, and blended into the motion before and after it.
 
 mod ease;
 mod ends;
@@ -18,14 +18,14 @@ use crate::problem::{Problem, State};
 use crate::search::TimeGrid;
 use throng_base::maths::slerp;
 
-/// How the way is smoothed.
+/// Settings of smoothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmoothConfig {
-    /// How often two points of the way are drawn to straighten what is between them.
+    /// Number of times that two points of the path are drawn to straighten the part between them.
     pub straighten: u32,
-    /// Corners are rounded over at most that long to either side (s, >= 0).
+    /// Half width of the windows over which corners are rounded, at most (s, >= 0).
     pub round_s: f64,
-    /// Both ends blend over at most that long into what is before and after (s, >= 0).
+    /// Time over which both ends blend into the motion before and after, at most (s, >= 0).
     pub blend_s: f64,
 }
 
@@ -35,7 +35,7 @@ impl Default for SmoothConfig {
     }
 }
 
-/// What smoothing needs: each step keeps free what is.
+/// Inputs of smoothing: each of its steps keeps a free path free.
 pub(crate) struct Smoother<'a> {
     pub problem: &'a Problem,
     pub grid: TimeGrid,
@@ -44,7 +44,7 @@ pub(crate) struct Smoother<'a> {
 }
 
 impl Smoother<'_> {
-    /// The way at a time.
+    /// State of the path at a time.
     fn way_at(&self, way: &[State], time_s: f64) -> State {
         let next = way.partition_point(|s| s.time_s <= time_s);
         let (Some(to), Some(from)) = (way.get(next), next.checked_sub(1).map(|i| &way[i])) else {
@@ -58,16 +58,16 @@ impl Smoother<'_> {
         State { pose, time_s }
     }
 
-    /// Poses of all frames of a way.
+    /// Poses of all frames of a path.
     pub fn frames(&self, way: &[State], out: &mut Vec<LimbPose>) {
         out.clear();
         out.extend((0..=self.grid.steps).map(|f| self.way_at(way, self.grid.at(f)).pose));
     }
 
-    /// True where the way from one frame to the next is free, and the next one, too.
+    /// True where the edge from one frame to the next is free, and the next frame, too.
     fn is_edge_free(&mut self, frames: &[LimbPose], f: usize) -> bool {
         let [from, to] = [f, f + 1].map(|k| State { pose: frames[k], time_s: self.grid.at(k) });
-        // What proves a way proves its ends.
+        // A proof of an edge covers its ends.
         let end_is_free = self.check == EdgeCheck::Conservative || self.checker.is_free(self.problem, &to);
         end_is_free && self.checker.is_way_free(self.problem, &from, &to, self.check)
     }

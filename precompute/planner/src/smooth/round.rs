@@ -4,11 +4,11 @@ use super::Smoother;
 use crate::linkage::{LimbPose, MAX_JOINTS};
 use glam::DQuat;
 
-/// Frames to either side over which one becomes a mean.
+/// Number of frames to either side over which a frame becomes a mean.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Window {
     reach: usize,
-    /// It has changed since its frame was made.
+    /// True where the window has changed since its frame was made.
     is_new: bool,
     is_too_wide: bool,
 }
@@ -23,8 +23,8 @@ impl Window {
 }
 
 impl Smoother<'_> {
-    /// Rounds the corners of `frames` within `window` frames to either side; where the outcome is not free, windows around
-    /// that place halve until it is: without any window a frame stays as it was, and what was free remains so.
+    /// Rounds the corners of `frames` within `window` frames to either side; where the result is not free, windows around that
+    /// place halve until it is: without any window a frame stays as it was, so that a free path remains free.
     ///
     /// A mean over a window turns a jump of velocity into an acceleration of at most that jump over half the window.
     ///
@@ -47,7 +47,7 @@ impl Smoother<'_> {
                 out[f] = self.mean(frames, f, windows[f].reach);
             }
             let mut is_free = true;
-            // Where neither end has changed, nothing has to be proved again.
+            // Where neither end has changed, no new proof is needed.
             let mut was_new = windows[0].is_new;
             for f in 0..last {
                 let is_new = std::mem::replace(&mut was_new, windows[f + 1].is_new);
@@ -68,7 +68,7 @@ impl Smoother<'_> {
                 w.narrow(w.reach / 2);
                 w.is_too_wide = false;
             }
-            // Windows that grow slowly from frame to frame make no corners of their own.
+            // Windows that grow slowly from frame to frame make no new corners.
             for f in 1..=last {
                 let before = windows[f - 1].reach;
                 windows[f].narrow(before + 1);
@@ -78,7 +78,7 @@ impl Smoother<'_> {
         }
     }
 
-    /// Mean rotations of the frames around one, those farther away counting less.
+    /// Mean rotations of the frames around a frame, weighted less with distance.
     fn mean(&self, frames: &[LimbPose], f: usize, window: usize) -> LimbPose {
         let mut pose = frames[f];
         if window == 0 {

@@ -1,4 +1,4 @@
-//! Straightens a way between any two points of it.
+//! Straightens a path between any two points of it.
 
 use super::Smoother;
 use crate::problem::State;
@@ -6,12 +6,12 @@ use crate::rotation::angle;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-/// What shortens the way by less is not looked at: sum of all turns (rad).
+/// Gain below which a shortcut is not tried: sum of all turns (rad).
 const LEAST_GAIN: f64 = 0.05;
 
 impl Smoother<'_> {
-    /// Draws two frames of the way, not necessarily landmarks, and replaces what is between them by even motion where that
-    /// is free; time goes straight, too.
+    /// Draws two frames of the path, not necessarily landmarks, and replaces the part between them by even motion where that is
+    /// free; time becomes even, too.
     ///
     /// - `spare`: scratch.
     ///

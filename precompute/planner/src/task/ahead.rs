@@ -1,4 +1,4 @@
-//! What is known of a task before any search: what limbs reach, how long they need at least, where clips collide.
+//! Facts about a task before any search: targets within reach, least times, collisions of clips.
 
 use super::entries::Deed;
 use super::file::Task;
@@ -21,20 +21,20 @@ use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 use throng_core::{Contacts, Joint};
 
-/// What is known of one thing to do. The names of the fields are keys of JSON reports.
+/// Facts about one step before any search. The names of the fields are keys of JSON reports.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Ahead {
-    /// Its name, or what it does.
+    /// Its name, or its action.
     pub name: String,
-    /// What no search can mend, and the way out.
+    /// Faults that no search can mend, and the way out.
     pub faults: Vec<String>,
-    /// When it is reached; none of corrections (s).
+    /// Time at which the target is reached; none of corrections (s).
     pub at_s: Option<f64>,
-    /// Least time that joints need there and back at their speed limits, of the hand that is there soonest (s).
+    /// Least time that joints need there and back at their speed limits, for the hand that is there soonest (s).
     pub least_s: Option<[f64; 2]>,
-    /// Time that there is (s).
+    /// Time that is given (s).
     pub given_s: Option<[f64; 2]>,
-    /// Hands within reach, within limits and free, and how many grips and turns allow.
+    /// Number of hands within reach, within limits and free, and number that grips and turns allow.
     pub reached: Option<[usize; 2]>,
     /// Stretches in which the limb of a correction collides by the clip itself; in JSON their number.
     #[serde(serialize_with = "number")]
@@ -46,21 +46,21 @@ fn number<S: Serializer>(collisions: &[Span], out: S) -> Result<S::Ok, S::Error>
     collisions.len().serialize(out)
 }
 
-/// What is known of a mesh.
+/// Facts about a mesh.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct MeshAhead {
-    /// Whose it is.
+    /// Name of the thing that it belongs to.
     #[serde(rename = "object")]
     pub thing: String,
     /// Number of triangles.
     pub triangles: usize,
-    /// Edges of one triangle only: where there are any, it has no inside.
+    /// Number of edges of one triangle only: where there are any, the mesh has no inside.
     pub open_edges: usize,
 }
 
 impl Task {
-    /// Looks at everything that can be known before any search, each task by itself: the clips are as they are, and
-    /// what earlier tasks would change is not.
+    /// Examines everything that can be known before any search, each step by itself: clips are as given, and changes by earlier
+    /// steps do not count.
     ///
     /// # Errors
     /// [`NoClips`].
@@ -70,7 +70,7 @@ impl Task {
         Ok(self.steps.iter().map(|step| of_step(&stage, step)).collect())
     }
 
-    /// All meshes.
+    /// Facts about all meshes.
     pub fn meshes(&self) -> Vec<MeshAhead> {
         let of = |thing: &super::file::Thing, shape: &Shape| match shape {
             Shape::Mesh(mesh) => Some(MeshAhead {
@@ -174,7 +174,7 @@ fn visit(stage: &Stage<'_>, step: &Step, out: &mut Ahead) {
                 }
             }
         }
-        // So far the trunk may help.
+        // Up to this distance, a bend of the trunk may help.
         (None, Some(Unreached::OutOfReach { by_m }))
             if stage.task.lean && step.limb.is_arm() && by_m <= lean::MOST_M => {}
         (None, Some(why)) => out.faults.push(format!("not reached at {at_s:.2} s: {why}")),
@@ -187,7 +187,7 @@ fn visit(stage: &Stage<'_>, step: &Step, out: &mut Ahead) {
     }
 }
 
-/// What the clip's poses at both ends are in.
+/// Collisions of the clip's poses at both ends: part and obstacle.
 fn deep_at_ends(problem: &Problem) -> Vec<(String, String)> {
     let mut checker = Checker::default();
     let mut found: Vec<(String, String)> = Vec::new();
@@ -202,13 +202,13 @@ fn deep_at_ends(problem: &Problem) -> Vec<(String, String)> {
     found
 }
 
-/// From and to the clip's own poses.
+/// The specification from and to the clip's own poses.
 fn between<'a>(spec: ProblemSpec<'a>, window_s: [f64; 2]) -> ProblemSpec<'a> {
     let [init, goal] = window_s.map(|time_s| State { pose: spec.motion.limb_pose(spec.linkage, time_s), time_s });
     ProblemSpec { init, goal, admit_ends: true, ..spec }
 }
 
-/// Where a step's object is, or is brought.
+/// Place of a step's object, or the place to which it is brought.
 pub(super) fn target(stage: &Stage<'_>, step: &Step, time_s: f64) -> Rigid {
     match (&step.to, step.object) {
         (Some(to), _) => stage.resolve(to, time_s)[0],
@@ -217,7 +217,8 @@ pub(super) fn target(stage: &Stage<'_>, step: &Step, time_s: f64) -> Rigid {
     }
 }
 
-/// The grips of a step; of what is brought, that with which it was taken, but for the turn, which is not known before it is.
+/// Grips of a step; for an object that is brought, the one with which it was taken, without its turn, which is not known
+/// before.
 pub(super) fn grips_of(task: &Task, step: &Step) -> Vec<Grip> {
     if !step.deed.holds() {
         return step.grips.clone();
@@ -230,7 +231,8 @@ pub(super) fn grips_of(task: &Task, step: &Step) -> Vec<Grip> {
     vec![Grip::Any(at)]
 }
 
-/// What is around a limb that is at its target: the hand may touch what it takes, and what is brought is in the hand.
+/// Surroundings of a limb at its target: the hand may touch the object that it takes, and an object that is brought is in the
+/// hand.
 pub(super) fn around_target(stage: &Stage<'_>, step: &Step, at_s: f64) -> Surroundings {
     let mut around = stage.around(step.character, step.limb, [at_s, at_s]);
     if let Some(name) = step.object.map(|o| stage.task.things[o].name.clone()) {
@@ -246,14 +248,14 @@ pub(super) fn around_target(stage: &Stage<'_>, step: &Step, at_s: f64) -> Surrou
     around
 }
 
-/// Hand and fingers, or foot and toes, may touch something.
+/// Allowances for hand and fingers, or foot and toes, to touch something.
 fn touching<'a>(step: &'a Step, with: &'a str) -> impl Iterator<Item = Allowed> + 'a {
     let limb = step.limb;
     let ends = Joint::ALL.into_iter().filter(move |j| limb.moves(*j) && !limb.joints()[..2].contains(j));
     ends.map(|j| Allowed { part: Some(j.name().into()), with: with.into(), window_s: None })
 }
 
-/// The pose of each hand that a step's grips allow, none where it is not reached; and of those the nearest failure.
+/// The pose of each hand that a step's grips allow, `None` where it is not reached; and the nearest failure of those.
 pub(super) fn reached(
     stage: &Stage<'_>,
     step: &Step,

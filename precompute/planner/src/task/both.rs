@@ -20,18 +20,19 @@ use crate::rotation::Rigid;
 use crate::setup::{Allowed, ProblemSpec, Tether};
 use throng_core::Joint;
 
-/// Ways of the first hand that are tried for one target, each with a seed of its own: the second one cannot follow all.
+/// Number of paths of the first hand that are tried for one target, each with a seed of its own: the second one cannot follow
+/// all.
 const SEEDS: u64 = 16;
-/// So much of the second arm's reach is left over on the way (m).
+/// Part of the second arm's reach that is left over along the path (m).
 const SPARE_M: f64 = 0.01;
 
-/// Ways on which the second hand is farther off between frames come after all others (m).
+/// Offset of the second hand between frames above which a path is tried after all others (m).
 const OFF_M: f64 = 2e-3;
 
-/// A hand that is farther from where it holds something does not hold it (m).
+/// Distance of a hand from its grip above which it does not hold the thing (m).
 const HELD_M: f64 = 1e-3;
 
-/// Who holds a thing.
+/// A character, and the two hands with which it holds a thing.
 #[derive(Clone, Copy)]
 struct Pair {
     who: usize,
@@ -39,17 +40,18 @@ struct Pair {
     second: Follower,
 }
 
-/// Where a limb goes.
+/// End of a limb's path.
 #[derive(Clone, Copy)]
 enum End {
     Hand(Rigid),
-    /// Back to where the clip has it.
+    /// Back into the clip.
     Clip,
 }
 
-/// Both hands come to a thing at one moment and take it; then they keep it as the trunk sees it, until something is done with it.
+/// Moves both hands to a thing, which they take at one moment; they keep it in the trunk's frame until something is done with
+/// it.
 ///
-/// - `hands`: of the step's limb, and of the second one.
+/// - `hands`: goals of the step's limb, and of the second one.
 pub(super) fn grab(
     stage: &mut Stage<'_>,
     step: &Step,
@@ -105,7 +107,7 @@ fn take(
     Ok(plans)
 }
 
-/// Both hands bring a thing to the first of some places for which there is a way that the second one can follow.
+/// Brings a thing with both hands to the first place for which there is a path that the second hand can follow.
 pub(super) fn bring(
     stage: &mut Stage<'_>,
     step: &Step,
@@ -131,7 +133,7 @@ pub(super) fn bring(
     let there = without(stage.around(who, lead, [from_s, at_s]), second.limb);
     let there = Surroundings { level: visit.level, ..there };
     let within = reachable(stage, visit, hands, &there)?;
-    // The second hand, too.
+    // Goals have to be reachable for the second hand, too.
     let there = without(stage.around(who, second.limb, [from_s, at_s]), lead);
     let there = without_thing(there, &name);
     let visit = Visit { limb: second.limb, ..Visit::of(step) };
@@ -184,7 +186,7 @@ fn brought(
     Ok(plans)
 }
 
-/// A limb goes somewhere.
+/// Plans and writes the path of a limb to an end.
 fn way(
     stage: &mut Stage<'_>,
     (who, limb): (usize, Limb),
@@ -220,7 +222,8 @@ fn way(
     Ok(outcome)
 }
 
-/// What both hands hold stays where it is to the clip's end, as nothing came of the step; where that cannot be, the check says so.
+/// Keeps what both hands hold in place to the clip's end, after a step that failed; where that is impossible, the check reports
+/// it.
 pub(super) fn stay(stage: &mut Stage<'_>, step: &Step) {
     let (who, [from_s, at_s, _]) = (step.character, step.times_s);
     let Some((thing, lead, second)) = stage.held_by_both(who, step.limb, [from_s, at_s]) else { return };
@@ -231,7 +234,7 @@ pub(super) fn stay(stage: &mut Stage<'_>, step: &Step) {
     let (end_s, rate_hz) = (stage.actors[who].end_s(), stage.actors[who].clip.rate_hz);
     let from_s = (from_s * rate_hz).round() / rate_hz;
     let mut kept = stage.clone();
-    // What it lies on carries it for longer, too.
+    // Contacts of the thing with its support last longer, too.
     let name = &stage.task.things[thing].name;
     let own = kept.contacts.iter_mut().filter(|c| c.0 == who && c.1 == lead && c.2.part.as_ref() == Some(name));
     own.filter_map(|c| c.2.window_s.as_mut()).filter(|w| w[1] >= from_s).for_each(|w| w[1] = f64::INFINITY);
@@ -240,7 +243,7 @@ pub(super) fn stay(stage: &mut Stage<'_>, step: &Step) {
     }
 }
 
-/// The first arm keeps its pose, and the second one follows.
+/// Keeps the pose of the first arm, while the second one follows.
 fn keep(stage: &mut Stage<'_>, pair: Pair, [at_s, until_s]: [f64; 2]) -> Result<(), Problems> {
     let Pair { who, lead, second } = pair;
     let actor = &stage.actors[who];
@@ -263,7 +266,7 @@ fn keep(stage: &mut Stage<'_>, pair: Pair, [at_s, until_s]: [f64; 2]) -> Result<
     follow(stage, pair, [at_s, until_s], f64::INFINITY)
 }
 
-/// Until when both hands keep what they hold after a step: until the next thing is done with it; on a frame (s).
+/// Time until which both hands keep their object after a step: the next step with it, on a frame (s).
 pub(super) fn until_s(stage: &Stage<'_>, step: &Step, object: usize) -> f64 {
     let (actor, at_s) = (&stage.actors[step.character], step.times_s[1]);
     let next = if step.deed == Deed::Drop || step.deed == Deed::HandOver {
@@ -274,9 +277,9 @@ pub(super) fn until_s(stage: &Stage<'_>, step: &Step, object: usize) -> f64 {
     (next * actor.clip.rate_hz).round() / actor.clip.rate_hz
 }
 
-/// The second hand follows the first one, frame by frame.
+/// Lets the second hand follow the first one, frame by frame.
 ///
-/// - `most_off_m`: between frames, where joints turn evenly, it is off by no more.
+/// - `most_off_m`: its largest offset between frames, where joints turn evenly.
 fn follow(stage: &mut Stage<'_>, pair: Pair, window_s: [f64; 2], most_off_m: f64) -> Result<(), Problems> {
     let Pair { who, lead, second: Follower { limb, grip } } = pair;
     let around = stage.around(who, limb, window_s);
@@ -303,7 +306,7 @@ fn follow(stage: &mut Stage<'_>, pair: Pair, window_s: [f64; 2], most_off_m: f64
     put(stage, (who, limb), window_s, &poses)
 }
 
-/// Puts poses into a clip.
+/// Writes poses into a clip.
 fn put(
     stage: &mut Stage<'_>,
     (who, limb): (usize, Limb),
@@ -319,7 +322,7 @@ fn put(
     Ok(())
 }
 
-/// Where the second hand is reached from, and how far.
+/// Constraint of the second hand: its shoulder, its grip and its reach.
 fn tether(stage: &Stage<'_>, pair: Pair) -> Tether {
     let actor = &stage.actors[pair.who];
     let linkage = Linkage::limb(pair.second.limb);
@@ -330,33 +333,33 @@ fn tether(stage: &Stage<'_>, pair: Pair) -> Tether {
     Tether { from: pair.second.limb.joints()[0], at: pair.second.grip.position, distances_m }
 }
 
-/// Notes that both hands, and what they hold, touch from now on.
+/// Allows contacts of both hands and of what they hold from now on.
 fn hold(stage: &mut Stage<'_>, who: usize, [lead, follow]: [Limb; 2], name: &str, from_s: f64) {
     let moved = Joint::ALL.into_iter().filter(|j| follow.moves(*j));
     let hands = moved.clone().filter(|j| !follow.joints()[..2].contains(j));
     let of_second = hands.map(|j| (follow, Some(j.name().to_owned()), name.to_owned()));
-    // Whether the arm is clear of it is looked at where the second hand follows.
+    // Collisions of the arm with the thing are checked where the second hand follows.
     let of_first = moved.map(|j| (lead, Some(name.to_owned()), j.name().to_owned()));
     let window_s = Some([from_s, f64::INFINITY]);
     let all = of_second.chain(of_first);
     stage.contacts.extend(all.map(|(limb, part, with)| (who, limb, Allowed { part, with, window_s })));
 }
 
-/// And no more.
+/// Ends the contacts of both hands and of what they hold.
 fn let_go(stage: &mut Stage<'_>, pair: Pair, to_s: f64) {
     let of_pair = |c: &&mut (usize, Limb, Allowed)| c.0 == pair.who && [pair.lead, pair.second.limb].contains(&c.1);
     let open = stage.contacts.iter_mut().filter(of_pair).filter_map(|c| c.2.window_s.as_mut());
     open.filter(|w| w[1] == f64::INFINITY).for_each(|w| w[1] = to_s);
 }
 
-/// The other arm comes after this one: it minds where this one is.
+/// Surroundings without the other arm, which is planned after this one and avoids it.
 pub(super) fn without(mut around: Surroundings, arm: Limb) -> Surroundings {
     let joints = Joint::ALL.into_iter().filter(|j| arm.moves(*j));
     around.allowed.extend(joints.map(|j| Allowed { part: None, with: j.name().into(), window_s: None }));
     around
 }
 
-/// Something is not where it is, as it goes along.
+/// Surroundings without a thing that moves along with the limb.
 pub(super) fn without_thing(mut around: Surroundings, name: &str) -> Surroundings {
     around.solids.retain(|s| s.name != name);
     around.allowed.retain(|a| a.with != name && a.part.as_deref() != Some(name));
@@ -374,7 +377,7 @@ fn is_free(stage: &Stage<'_>, who: usize, limb: Limb, [from_s, to_s]: [f64; 2]) 
     }
 }
 
-/// The same, of the second hand.
+/// The failure, with the name of the limb.
 fn of_limb(problems: Problems, limb: Limb) -> Problems {
     let why = format!("{}: {}", limb.name().replace('_', " "), problems.why);
     Problems { why, ..problems }

@@ -1,4 +1,4 @@
-//! The check of everything that a task did, by the means of [`crate::recheck`].
+//! Check of everything that a task did, by the means of [`crate::recheck`].
 
 use super::gaze;
 use super::lean;
@@ -15,24 +15,24 @@ use throng_base::maths;
 use throng_core::{Contacts, Joint};
 use throng_motion::Clip;
 
-/// Grips and targets are kept by so much (m).
+/// Tolerance of grips and targets (m).
 const GRIP_M: f64 = 1e-4;
-/// And turned by so much at most (rad).
+/// Tolerance of their rotations (rad).
 const GRIP_RAD: f64 = 1e-3;
-/// What stays upright does by so much (rad).
+/// Tolerance of objects that stay upright (rad).
 const TILT_RAD: f64 = 5e-3;
-/// Planted feet stay within this (m).
+/// Tolerance of planted feet (m).
 const PLANTED_M: f64 = 1e-3;
-/// Heads turn aside no faster (rad/s).
+/// Greatest speed of heads that turn aside (rad/s).
 const HEAD_RATE: f64 = 5.0;
-/// And face what they look at within this, where necks reach (rad).
+/// Tolerance of gazes, where necks reach (rad).
 const GAZE_RAD: f64 = 0.3;
-/// Limits and speeds of trunks are kept by so much (rad, rad/s).
+/// Tolerance of limits and speeds of trunks (rad, rad/s).
 const LEAN_RAD: f64 = 5e-3;
-/// How deep parts may be in what they do not hold (m).
+/// Tolerated depth of parts in what they do not hold (m).
 const PENETRATION_M: f64 = 1e-3;
 
-/// Checks every limb that was planned, grips and targets, and that all else is as it was.
+/// Checks every limb that was planned, grips and targets, and that all else is unchanged.
 pub(super) fn check(stage: &Stage<'_>) -> RecheckReport {
     let mut report = RecheckReport::default();
     for (who, actor) in stage.actors.iter().enumerate() {
@@ -61,7 +61,7 @@ pub(super) fn check(stage: &Stage<'_>) -> RecheckReport {
     report
 }
 
-/// Windows of one limb that overlap become one, cut where the limb takes or lays down something.
+/// Windows of planned limbs: overlapping ones of a limb are merged, and cut where the limb takes or lays down something.
 fn pieces(stage: &Stage<'_>, who: usize) -> Vec<Planned> {
     let mut out: Vec<Planned> = Vec::new();
     for limb in crate::linkage::Limb::ALL {
@@ -83,13 +83,13 @@ fn pieces(stage: &Stage<'_>, who: usize) -> Vec<Planned> {
 fn look(stage: &Stage<'_>, who: usize, actor: &Actor, piece: &Planned, report: &mut RecheckReport) {
     let linkage = Linkage::limb(piece.limb);
     let Some(limits) = actor.limits.of_linkage(linkage) else { return };
-    // What the clip does at the ends of any plan of the limb is admitted.
+    // Poses of the clip at the ends of any plan of the limb are admitted.
     let ends = stage.planned.iter().filter(|p| p.character == who && p.limb == piece.limb).flat_map(|p| p.ends);
     let admitted = |i: usize| ends.clone().fold(limits[i], |l: JointLimits, end| l.admitting(end.0[i]));
     let planned: Vec<(Joint, JointLimits)> =
         piece.limb.joints().into_iter().enumerate().map(|(i, j)| (j, admitted(i))).collect();
     let mut around = stage.around(who, piece.limb, piece.window_s);
-    // Who may be touched, may touch.
+    // Contacts that another character is allowed with this one hold both ways.
     let name = |i: usize| stage.task.characters[i].name.as_str();
     let touched = stage.contacts.iter().filter(|(by, _, a)| *by != who && a.with == name(who));
     around.allowed.extend(touched.map(|(by, _, a)| Allowed { part: None, with: name(*by).into(), ..a.clone() }));
@@ -119,7 +119,7 @@ fn look(stage: &Stage<'_>, who: usize, actor: &Actor, piece: &Planned, report: &
     recheck.look_at_span(report);
 }
 
-/// Trunks that bend do so within limits, and no faster than they may, or than the clip has them.
+/// Checks that bending trunks stay within limits, and within speed limits or the clip's speed.
 fn trunk(actor: &Actor, leaned: &Leaned, report: &mut RecheckReport) {
     let rate_hz = actor.clip.rate_hz;
     let frames = leaned.window_s.map(|t| ((t * rate_hz).round() as usize).min(actor.clip.num_frames() - 1));
@@ -144,7 +144,7 @@ fn trunk(actor: &Actor, leaned: &Leaned, report: &mut RecheckReport) {
     }
 }
 
-/// How much farther the weight is off the feet than the clip has it, while something was planned.
+/// Measures how much farther the weight is off the feet than in the clip, while something was planned.
 fn balance(actor: &Actor, planned: &[&Planned], report: &mut RecheckReport) {
     let off = |clip: &Clip, f: usize| {
         let rigid =
@@ -162,7 +162,7 @@ fn balance(actor: &Actor, planned: &[&Planned], report: &mut RecheckReport) {
     }
 }
 
-/// Feet that stood, stand where they stood.
+/// Checks that planted feet stay in place.
 fn planted(actor: &Actor, report: &mut RecheckReport) {
     let feet = [(Joint::LeftFoot, Contacts::LEFT), (Joint::RightFoot, Contacts::RIGHT)];
     for (frame, contacts) in actor.before.contacts.iter().enumerate() {
@@ -180,13 +180,14 @@ fn planted(actor: &Actor, report: &mut RecheckReport) {
     }
 }
 
-/// Heads that look aside are where necks allow, turn no faster than they do, and face what they look at as far as that goes.
+/// Checks that heads which look aside stay where necks allow, turn no faster than heads do, and face their target as far as
+/// that goes.
 fn gazes(stage: &Stage<'_>, report: &mut RecheckReport) {
     for look in &stage.looked {
         let actor = &stage.actors[look.character];
         let rate_hz = actor.clip.rate_hz;
         let frames = look.times_s.map(|t| (t * rate_hz).round() as usize);
-        // Turned away from the clip, as seen from the chest (rad).
+        // Rotation of the head away from the clip, relative to the chest.
         let turned = |frame: usize| {
             let [a, b] = [&actor.before, &actor.clip].map(|clip| {
                 let all = clip.joint_transforms(&actor.skeleton, frame);
@@ -209,7 +210,7 @@ fn gazes(stage: &Stage<'_>, report: &mut RecheckReport) {
         let to = (look.at.as_vec3() - head.0).normalize_or(Vec3::Z);
         let face = head.1 * Vec3::Z;
         let off = f64::from(face.angle_between(to));
-        // A neck turns so far from the chest to the sides, up and down; what lies behind that is not faced.
+        // Turn of the neck from the chest to the sides, up and down; a target behind that is not faced.
         let angles = |v: Vec3| [v.x.atan2(v.z), v.y.atan2(v.x.hypot(v.z))].map(f64::from);
         let ([wanted, up], [chest, _]) = (angles(to), angles(chest.1 * Vec3::Z));
         let aside = (wanted - chest + PI).rem_euclid(2.0 * PI) - PI;
@@ -222,7 +223,7 @@ fn gazes(stage: &Stage<'_>, report: &mut RecheckReport) {
     }
 }
 
-/// What has to stay upright does, all the way to where it is brought.
+/// Checks that objects which have to stay upright do so, all the way to their place.
 fn tilts(stage: &Stage<'_>, report: &mut RecheckReport) {
     for step in &stage.task.steps {
         let (Some(level_rad), Some(thing)) = (step.level_rad, step.object) else { continue };
@@ -249,7 +250,7 @@ fn tilts(stage: &Stage<'_>, report: &mut RecheckReport) {
     }
 }
 
-/// Hands are at their targets, and things where they are taken, let go and passed on.
+/// Checks that hands are at their targets, and things where they are taken, let go and passed on.
 fn grips(stage: &Stage<'_>, report: &mut RecheckReport) {
     let mut compare = |time_s: f64, what: String, a: &Rigid, b: &Rigid| {
         let (apart, turned) = (a.position.distance(b.position), angle(a.rotation, b.rotation));
@@ -296,7 +297,7 @@ fn grips(stage: &Stage<'_>, report: &mut RecheckReport) {
     }
 }
 
-/// A joint by the clip's own kinematics, on the nearest frame.
+/// Transform of a joint by the clip's own kinematics, at the nearest frame.
 fn in_clip(actor: &Actor, joint: Joint, time_s: f64) -> Rigid {
     let frame = ((time_s * actor.clip.rate_hz).round().max(0.0) as usize).min(actor.clip.num_frames() - 1);
     let (at, turn) = actor.clip.joint_transforms(&actor.skeleton, frame)[joint.index()];

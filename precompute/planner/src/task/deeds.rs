@@ -1,4 +1,4 @@
-//! One step: a correction, or a limb that goes somewhere and comes back.
+//! Execution of one step: a correction, or a limb that goes to a target and comes back.
 
 use super::both;
 use super::entries::Deed;
@@ -18,23 +18,23 @@ use crate::rotation::Rigid;
 use crate::setup::Allowed;
 use throng_core::Joint;
 
-/// How long before it is reached and after a hand may touch what it reaches for (s).
+/// Time before and after it is reached in which a hand may touch its target (s).
 pub(super) const CONTACT_S: f64 = 0.25;
-/// What cannot be gone on with comes after everything else.
+/// Rank penalty of goals from which the next step is impossible.
 const LATER: usize = 1 << 20;
 
-/// Why a step was not done.
+/// Reason why a step was not done, and the part of it that was.
 #[derive(Clone, Debug)]
 pub(super) struct Problems {
     pub why: String,
     pub nearest_m: Option<f64>,
-    /// The target is out of reach, by so much.
+    /// True where the target is out of reach by `nearest_m`.
     pub is_beyond: bool,
     pub plans: Vec<Outcome>,
     pub spans: Vec<Span>,
-    /// Stretches that stay as they are, and why.
+    /// Stretches that stay in a collision, and why.
     pub left: Vec<Left>,
-    /// What was planned is kept: some stretches of a correction.
+    /// True keeps what was planned: some stretches of a correction.
     pub keep: bool,
 }
 
@@ -54,11 +54,11 @@ impl Problems {
 
 type Did = Result<(Vec<Outcome>, Vec<Span>), Problems>;
 
-/// Does a step; what fails may leave a part of it done.
+/// Runs a step; one that fails may leave a part of it done.
 pub(super) fn do_step(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig<'_>) -> Did {
     let mut config = *config;
     config.plan.search.style = step.style;
-    // Everything happens on frames.
+    // All times are on frames.
     let rate = stage.actors[step.character].clip.rate_hz;
     let step = &Step { times_s: step.times_s.map(|t| (t * rate).round() / rate), ..step.clone() };
     if step.deed == Deed::Correct {
@@ -67,7 +67,7 @@ pub(super) fn do_step(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig
     let leans = stage.task.lean && step.limb.is_arm();
     let before = leans.then(|| stage.clone());
     let mut did = reached(stage, step, &config);
-    // Out of reach by so much, the trunk may help; a little more each time.
+    // Where the target is out of reach, the trunk may help; a little more with each try.
     let (Some(before), Some(by_m)) = (before, did.as_ref().err().filter(|p| p.is_beyond).and_then(|p| p.nearest_m))
     else {
         return did;
@@ -92,7 +92,7 @@ pub(super) fn do_step(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig
     did
 }
 
-/// Looks there, if heads do, and does it.
+/// Turns the head to the target, if heads do, and runs the action.
 fn reached(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig<'_>) -> Did {
     if stage.task.gaze {
         gaze::look(stage, step);
@@ -104,7 +104,7 @@ fn reached(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig<'_>) -> Di
     }
 }
 
-/// Plans each stretch between the moments in which the limb has to be where it is.
+/// Plans each stretch between the moments at which the limb's place is fixed.
 fn corrected(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig<'_>) -> Did {
     let (who, limb) = (step.character, step.limb);
     let rate = stage.actors[who].clip.rate_hz;
@@ -113,7 +113,7 @@ fn corrected(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig<'_>) -> 
     let pins = stage.pins.iter().filter(|p| p.character == who && p.limb == limb).map(|p| p.time_s);
     let mut cuts: Vec<f64> = pins.filter(|t| from < *t && *t < to).chain([from, to]).collect();
     cuts.sort_by(f64::total_cmp);
-    // What both hands hold is not theirs to mend.
+    // Stretches in which both hands hold something are not corrected.
     let is_alone = |w: &&[f64]| stage.held_by_both(who, limb, [w[0], w[1]]).is_none();
     let cuts: Vec<[f64; 2]> = cuts.windows(2).filter(is_alone).map(|w| [w[0], w[1]]).collect();
     let (mut plans, mut spans, mut left) = (Vec::new(), Vec::new(), Vec::new());
@@ -150,7 +150,7 @@ fn corrected(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig<'_>) -> 
     Err(Problems { why: Left::why(&left), nearest_m, is_beyond: false, plans, spans, left, keep: true })
 }
 
-/// What to do where the rest of the body is in something.
+/// Advice for a collision of the rest of the body.
 fn no_help(s: &Span, limb: Limb) -> String {
     let Span { from_s, to_s, part, with, depth_m } = s;
     let other = Limb::ALL.into_iter().find(|l| Joint::from_name(part).is_some_and(|j| l.moves(j)));
@@ -161,7 +161,7 @@ fn no_help(s: &Span, limb: Limb) -> String {
     )
 }
 
-/// Comes to an object, and takes it along if that is wanted.
+/// Moves a limb to an object, and takes it along if that is wanted.
 fn take(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConfig<'_>) -> Did {
     let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
     let name = stage.task.things[object].name.clone();
@@ -187,9 +187,10 @@ fn take(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConfi
     Ok((plans, Vec::new()))
 }
 
-/// Ranks grips lower from which the object cannot be brought where the limb's next tasks with it say, until it is let go.
+/// Lowers the rank of grips with which the object cannot be brought to the places of the limb's next steps with it, until it is
+/// let go.
 ///
-/// - `limb`: the step's, or the second one.
+/// - `limb`: the step's limb, or the second one.
 fn look_ahead(stage: &Stage<'_>, step: &Step, limb: Limb, object: usize, hands: &mut [Goal]) {
     let mut last = step;
     while let Some(next) = next_with(stage, last, object) {
@@ -222,7 +223,7 @@ fn look_ahead_to(stage: &Stage<'_>, step: &Step, next: &Step, limb: Limb, object
     }
 }
 
-/// What the limb does next with an object that it holds by then.
+/// The limb's next step with an object that it holds by then.
 pub(super) fn next_with<'s>(stage: &Stage<'s>, step: &Step, object: usize) -> Option<&'s Step> {
     let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
     let is_next = |s: &&Step| {
@@ -231,13 +232,13 @@ pub(super) fn next_with<'s>(stage: &Stage<'s>, step: &Step, object: usize) -> Op
     stage.task.steps.iter().filter(is_next).min_by(|a, b| a.times_s[1].total_cmp(&b.times_s[1]))
 }
 
-/// In the hand of a goal.
+/// Placement of a thing in the hand of a goal.
 pub(super) fn held(character: usize, limb: Limb, goal: &Goal) -> Whereabouts {
     let offset = goal.hand.local(goal.object);
     Whereabouts::On { character, joint: hand(limb), offset, holder: Some(limb), second: None }
 }
 
-/// A limb that holds something together with the other one does nothing else.
+/// Fails where the limb holds something together with the other one.
 fn alone(stage: &Stage<'_>, who: usize, limb: Limb, window_s: [f64; 2]) -> Result<(), Problems> {
     let Some((thing, ..)) = stage.held_by_both(who, limb, window_s) else { return Ok(()) };
     let (limb, name) = (limb.name().replace('_', " "), &stage.task.things[thing].name);
@@ -261,7 +262,7 @@ fn free_to_take(stage: &Stage<'_>, step: &Step, limb: Limb, object: usize) -> Re
     settled(stage, object, at_s)
 }
 
-/// Nothing happens to it later: what was planned for later would not hold any more.
+/// Fails where the object is used later: what was planned for later would no longer hold.
 fn settled(stage: &Stage<'_>, object: usize, at_s: f64) -> Result<(), Problems> {
     let last = stage.lives[object].last().map_or(f64::NEG_INFINITY, |s| s.from_s);
     if last < at_s {
@@ -273,7 +274,7 @@ fn settled(stage: &Stage<'_>, object: usize, at_s: f64) -> Result<(), Problems> 
     )))
 }
 
-/// Brings what is held to a place; keeps it, lays it down or gives it away.
+/// Brings a held object to a place; keeps it, lays it down or gives it away.
 fn bring(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConfig<'_>) -> Did {
     let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
     let name = stage.task.things[object].name.clone();
@@ -300,7 +301,7 @@ fn bring(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConf
         None => go(stage, Visit::with(step, &hands), &hands, change, config)?,
     };
     if let (Deed::HandOver, Some(receiver)) = (step.deed, &step.receiver) {
-        // The receiver's grasp takes the place of its being laid down.
+        // The receiver's grasp replaces its being laid down.
         stage.lives[object].pop();
         let (who, limb) = (receiver.character, receiver.limb);
         alone(stage, who, limb, [step.times_s[1], step.times_s[2]])?;
@@ -315,7 +316,7 @@ fn bring(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConf
     Ok((plans, Vec::new()))
 }
 
-/// While something is handed over it may touch both hands.
+/// Allows both hands to touch an object while it is handed over.
 fn meet(stage: &mut Stage<'_>, step: &Step, receiver: &Receiver, object: &str) {
     let window_s = Some([step.times_s[1] - CONTACT_S, step.times_s[1] + CONTACT_S]);
     let both = [(step.character, step.limb), (receiver.character, receiver.limb)];
@@ -326,7 +327,7 @@ fn meet(stage: &mut Stage<'_>, step: &Step, receiver: &Receiver, object: &str) {
     }
 }
 
-/// How a thing is once it was let go.
+/// Placement of a thing once it was let go.
 fn laid(
     stage: &Stage<'_>,
     to: &Place,
@@ -353,7 +354,7 @@ fn laid(
     })
 }
 
-/// Notes what a limb, and what it holds, may touch around the moment of a step.
+/// Allows contacts of a limb, and of what it holds, around the moment of a step.
 pub(super) fn touch(stage: &mut Stage<'_>, step: &Step, object: &str, with_object: bool) {
     let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
     let window_s = Some([at_s - CONTACT_S, at_s + CONTACT_S]);

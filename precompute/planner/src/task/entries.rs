@@ -1,4 +1,4 @@
-//! What `TASK.toml` may hold, as it is written.
+//! Entries of `TASK.toml`, as they are written.
 
 use crate::linkage::Limb;
 use schemars::JsonSchema;
@@ -7,26 +7,27 @@ use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::path::PathBuf;
 
-/// A task: a clip, what is around, what limbs have to do.
+/// A task: a clip, its surroundings, and the tasks of limbs.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TaskFile {
     /// The motion to change: a file, or a table.
     pub clip: ClipEntry,
-    /// How messages and `to` call who moves as `clip` says.
+    /// Name in messages and in `to` of the character that moves as `clip` says.
     #[serde(default = "main")]
     pub name: String,
-    /// The character that it wears, with a skin (GLB or glTF), from the task's folder: as thick as that is, it collides.
+    /// File of the character's figure, with a skin (GLB or glTF), from the task's folder; its capsules are as thick as the
+    /// figure.
     pub body: Option<PathBuf>,
-    /// Who else is around.
+    /// Other characters.
     #[serde(default)]
     pub characters: Vec<CharacterEntry>,
-    /// What is around.
+    /// Obstacles and objects.
     #[serde(default)]
     pub scene: SceneEntry,
-    /// What limbs have to do.
+    /// Tasks of limbs.
     pub tasks: Vec<TaskEntry>,
-    /// How plans are made.
+    /// Settings of plans.
     #[serde(default)]
     pub planner: PlannerEntry,
 }
@@ -45,15 +46,15 @@ pub struct ClipEntry {
     pub synth: Option<String>,
     /// Clip of the set; the first one where absent.
     pub clip: Option<String>,
-    /// It walks up to what it does.
+    /// Walking in place of a clip: the character walks up to its tasks.
     pub walk: Option<WalkEntry>,
-    /// Where it begins: that is time 0 of everything (s).
+    /// Begin of the part of the clip that is used, which is time 0 of everything (s).
     pub from_s: f64,
-    /// Where it ends; the clip's end where absent (s).
+    /// End of that part; the clip's end where absent (s).
     pub to_s: Option<f64>,
 }
 
-/// Somebody who walks up to what its tasks without `at_s` are about, with a body of a blend space.
+/// A character that walks up to its tasks without `at_s`, with a body of a blend space.
 #[derive(Clone, Debug, Deserialize, PartialEq, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WalkEntry {
@@ -63,27 +64,27 @@ pub struct WalkEntry {
     pub config: Option<PathBuf>,
     /// Blend space, whose first axis is speed; the bundle's first one where absent.
     pub space: Option<String>,
-    /// Where it stands at first, x and z (m).
+    /// Place at which the character stands at first, x and z (m).
     #[serde(default)]
     pub from: [f64; 2],
-    /// How it looks then: 0 along z, 90 along x (degrees).
+    /// Heading of the character at first: 0 along z, 90 along x (degrees).
     #[serde(default)]
     pub heading_deg: f64,
-    /// How fast it walks (m/s, 0.3 to 4).
+    /// Walking speed (m/s, 0.3 to 4).
     #[serde(default = "walking")]
     pub speed_mps: f64,
-    /// It goes straight on at these speeds in place of walking up to anything: all its tasks have times.
+    /// Speeds of a walk straight on, in place of walking up to anything: all tasks then need times.
     #[serde(default)]
     pub pace: Vec<PaceEntry>,
 }
 
-/// How fast somebody goes at a time; evenly faster or slower in between.
+/// Speed of a character at a time, with even changes in between.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PaceEntry {
-    /// (s)
+    /// Time (s).
     pub t_s: f64,
-    /// (m/s, 0 to 8)
+    /// Speed (m/s, 0 to 8).
     pub speed_mps: f64,
 }
 
@@ -109,12 +110,12 @@ struct ClipTable {
     synth: Option<String>,
     /// Clip of the set; the first one where absent.
     clip: Option<String>,
-    /// It walks up to what it does, in place of a clip.
+    /// Walking in place of a clip: the character walks up to its tasks.
     walk: Option<WalkEntry>,
-    /// Where it begins: that is time 0 of everything (s).
+    /// Begin of the part of the clip that is used, which is time 0 of everything (s).
     #[serde(default)]
     from_s: f64,
-    /// Where it ends; the clip's end where absent (s).
+    /// End of that part; the clip's end where absent (s).
     to_s: Option<f64>,
 }
 
@@ -143,16 +144,17 @@ impl<'de> Deserialize<'de> for ClipEntry {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CharacterEntry {
-    /// How tasks and messages call it.
+    /// Name in tasks and messages.
     pub name: String,
-    /// Its motion.
+    /// Motion.
     pub clip: ClipEntry,
-    /// The character that it wears, with a skin (GLB or glTF), from the task's folder: its triangles are in the others' way.
+    /// File of the character's figure, with a skin (GLB or glTF), from the task's folder; its triangles are obstacles of the
+    /// others.
     pub body: Option<PathBuf>,
-    /// Its motion is moved by so much (m).
+    /// Offset of its motion (m).
     #[serde(default)]
     pub at: [f64; 3],
-    /// And before that turned about the vertical axis (degrees).
+    /// Turn of its motion about the vertical axis, before the offset (degrees).
     #[serde(default)]
     pub heading_deg: f64,
 }
@@ -160,10 +162,10 @@ pub(super) struct CharacterEntry {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SceneEntry {
-    /// What stays, or goes through keys.
+    /// Things that stay, or move through keys.
     #[serde(default)]
     pub obstacles: Vec<ThingEntry>,
-    /// What can be taken.
+    /// Things that can be taken.
     #[serde(default)]
     pub objects: Vec<ThingEntry>,
 }
@@ -171,20 +173,20 @@ pub(super) struct SceneEntry {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ThingEntry {
-    /// How tasks and messages call it.
+    /// Name in tasks and messages.
     pub name: String,
     /// Its shape, or one of them.
     pub shape: Option<ShapeEntry>,
     /// Several shapes that move as one.
     #[serde(default)]
     pub shapes: Vec<ShapeEntry>,
-    /// Where it is (m).
+    /// Position (m).
     #[serde(default)]
     pub at: [f64; 3],
-    /// How it is turned: a rotation vector (degrees).
+    /// Rotation vector (degrees).
     #[serde(default)]
     pub turn_deg: [f64; 3],
-    /// Where it is at times; even and straight in between.
+    /// Places at times, with even motion in straight lines in between.
     #[serde(default)]
     pub keys: Vec<KeyEntry>,
     /// `CHARACTER.JOINT` that carries it from the beginning; `at` and `turn_deg` are seen from there. Objects only.
@@ -196,31 +198,31 @@ pub(super) struct ThingEntry {
 pub(super) enum ShapeEntry {
     /// A ball (m).
     Ball {
-        /// (m, > 0)
+        /// Radius (m, > 0).
         radius: f64,
-        /// Its middle, seen from the object (m).
+        /// Middle, seen from the object (m).
         #[serde(default)]
         at: [f64; 3],
     },
     /// A box around the object's origin (m).
     Box {
-        /// (m, > 0)
+        /// Size (m, > 0).
         size: [f64; 3],
     },
-    /// All within a radius of a line (m).
+    /// All points within a radius of a line (m).
     Capsule {
         /// One end (m).
         from: [f64; 3],
         /// The other end (m).
         to: [f64; 3],
-        /// (m, > 0)
+        /// Radius (m, > 0).
         radius: f64,
     },
     /// Triangles.
     Mesh {
         /// OBJ, glTF or GLB, from the task's folder.
         file: PathBuf,
-        /// Metres that a unit of the file is (0.000001 to 1000000).
+        /// Length of one unit of the file (m, 0.000001 to 1000000).
         #[serde(default = "one")]
         unit_m: f64,
         /// False refuses surfaces with holes, which let nothing through but have no inside.
@@ -236,23 +238,23 @@ fn one() -> f64 {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct KeyEntry {
-    /// (s)
+    /// Time (s).
     pub t_s: f64,
-    /// (m)
+    /// Position (m).
     pub at: [f64; 3],
     /// Rotation vector (degrees).
     #[serde(default)]
     pub turn_deg: [f64; 3],
 }
 
-/// Where the hand holds an object.
+/// A grip: the place of the hand at an object.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct GripEntry {
-    /// Seen from the object: with `turn_deg` the wrist, without it the middle of the hand (m).
+    /// Position seen from the object: with `turn_deg` of the wrist, without it of the middle of the hand (m).
     #[serde(default)]
     pub at: [f64; 3],
-    /// How the hand is turned, as a rotation vector (degrees); any way that is reached where absent.
+    /// Rotation vector of the hand (degrees); any turn that is reached where absent.
     pub turn_deg: Option<[f64; 3]>,
 }
 
@@ -260,24 +262,24 @@ pub(super) struct GripEntry {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PlaceEntry {
-    /// (m)
+    /// Position (m).
     #[serde(default)]
     pub at: [f64; 3],
-    /// How the object is turned, as a rotation vector (degrees); upright, turned in any way that is reached, where absent.
+    /// Rotation vector of the object (degrees); upright, with any turn about the vertical that is reached, where absent.
     pub turn_deg: Option<[f64; 3]>,
-    /// Seen from an obstacle, an object or `CHARACTER.JOINT`; from the world where absent.
+    /// Obstacle, object or `CHARACTER.JOINT` from which the place is seen; the world where absent.
     pub on: Option<String>,
 }
 
-/// Who takes what is handed over.
+/// Receiver of an object that is handed over.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ReceiverEntry {
-    /// Who; the one that gives where absent.
+    /// Character that receives; the one that gives where absent.
     pub character: Option<String>,
-    /// With which arm.
+    /// Receiving arm.
     pub limb: Limb,
-    /// Where its hand holds the object.
+    /// Grips of the receiving hand.
     #[serde(default)]
     pub grips: Vec<GripEntry>,
 }
@@ -288,67 +290,68 @@ pub(super) struct ReceiverEntry {
 pub(super) struct SecondEntry {
     /// The other arm.
     pub limb: Limb,
-    /// Where its hand holds the object.
+    /// Grips of the second hand.
     pub grips: Vec<GripEntry>,
 }
 
-/// Something to do.
+/// A task of a limb.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TaskEntry {
-    /// How reports call it.
+    /// Name in reports.
     pub name: Option<String>,
-    /// Who does it.
+    /// Character that does it.
     pub character: Option<String>,
-    /// With which limb.
+    /// Limb that does it.
     pub limb: Limb,
-    /// What.
+    /// Action.
     #[serde(rename = "do")]
     pub deed: Deed,
-    /// With what.
+    /// Object of the action.
     pub object: Option<String>,
-    /// When it is reached (s); who walks may leave it out, and goes there first.
+    /// Time at which the target is reached (s); a walking character may leave it out, and goes there first.
     pub at_s: Option<f64>,
-    /// From when to when the limb leaves the clip; of `correct`, where it is looked for collisions (s).
+    /// Times from and to which the limb leaves the clip; for `correct`, the stretch that is searched for collisions (s).
     pub window_s: Option<[f64; 2]>,
-    /// How long the limb keeps its pose then, as seen from the trunk (s, 0 to 600).
+    /// Time for which the limb then keeps its pose, relative to the trunk (s, 0 to 600).
     #[serde(default)]
     pub hold_s: f64,
-    /// Where the hand holds the object: tried in this order.
+    /// Grips of the hand on the object, tried in this order.
     #[serde(default)]
     pub grips: Vec<GripEntry>,
-    /// The other hand that takes the object, too; from then on it follows the first one. For `grab`.
+    /// The other hand, which takes the object, too; from then on it follows the first one. For `grab`.
     pub second: Option<SecondEntry>,
-    /// Where the object is brought.
+    /// Place to which the object is brought.
     pub to: Option<PlaceEntry>,
-    /// How far what is held may tilt on the way there, from upright (degrees, more than 0, less than 180); any way where absent.
+    /// Largest tilt of a held object from upright on the way there (degrees, more than 0, less than 180); any tilt where
+    /// absent.
     pub level_deg: Option<f64>,
-    /// Who takes it over.
+    /// Receiver of the object.
     pub receiver: Option<ReceiverEntry>,
-    /// What the limb and what it holds may touch a quarter of a second around `at_s`, beside the object.
+    /// Names of things that the limb and its object may touch a quarter of a second around `at_s`, beside the object itself.
     #[serde(default)]
     pub contacts: Vec<String>,
-    /// Least goes first; as written where equal.
+    /// Order of tasks: the least goes first; equal ones as written.
     #[serde(default)]
     pub priority: i32,
-    /// Angles that are wanted, by joint.
+    /// Preferred angles, by joint.
     #[serde(default)]
     pub style: std::collections::BTreeMap<String, StyleEntry>,
 }
 
-/// Angles of a joint that plans are drawn from.
+/// Preferred angles of a joint, from which plans are sampled.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct StyleEntry {
-    /// From and to, about each of the two axes across the segment (degrees).
+    /// Least and greatest swing about each of the two axes across the segment (degrees).
     pub swing_deg: Option<[[f64; 2]; 2]>,
-    /// Of elbow and knee (degrees).
+    /// Least and greatest flexion of elbow or knee (degrees).
     pub flexion_deg: Option<[f64; 2]>,
-    /// About the segment (degrees).
+    /// Least and greatest twist about the segment (degrees).
     pub twist_deg: Option<[f64; 2]>,
 }
 
-/// What a limb has to do.
+/// Action of a limb.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Deed {
@@ -358,7 +361,7 @@ pub enum Deed {
     Reach,
     /// Touch an object and come back.
     Touch,
-    /// The same, of something that is switched by it.
+    /// Touch an object that is switched by it, and come back.
     Switch,
     /// Take an object along.
     Grab,
@@ -371,7 +374,7 @@ pub enum Deed {
 }
 
 impl Deed {
-    /// As tasks write it.
+    /// Name in tasks.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Correct => "correct",
@@ -391,33 +394,33 @@ impl Deed {
     }
 }
 
-/// How plans are made.
+/// Settings of plans.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct PlannerEntry {
-    /// Same seed, same plans.
+    /// Random seed: the same seed gives the same plans.
     pub seed: u64,
     /// Most samples of a search (0 to 1000000).
     pub draws: u32,
     /// Most time of a plan; results then depend on the machine (s).
     pub budget_s: Option<f64>,
-    /// How far trees grow at a time (m).
+    /// Step by which trees grow (m).
     pub epsilon_m: f64,
-    /// Looks at so many radians in place of proofs, as the paper does.
+    /// Resolution of collision checks by bisection, as in the paper, in place of proofs (radians).
     pub resolution_rad: Option<f64>,
-    /// How far everything stays from obstacles (m).
+    /// Least distance of everything from obstacles (m).
     pub clearance_m: f64,
-    /// Tries to straighten a way (0 to 10000).
+    /// Number of tries to straighten a path (0 to 10000).
     pub straighten: u32,
     /// Time over which corners are rounded (s).
     pub round_s: f64,
     /// Time over which ends are blended (s).
     pub blend_s: f64,
-    /// Heads turn to what limbs reach for, and back, as far as necks allow.
+    /// True turns heads to the targets of limbs, and back, as far as necks allow.
     pub gaze: bool,
-    /// Trunks bend where an arm does not reach otherwise.
+    /// True bends trunks where an arm does not reach otherwise.
     pub lean: bool,
-    /// Hips give way where trunks bend, so that the weight stays over feet that stand; how far it is off them is told.
+    /// True moves hips where trunks bend, so that the weight stays over planted feet, and reports how far it is off them.
     pub balance: bool,
     /// Time before and after a collision in which a limb gives way at first (s).
     pub margin_s: f64,

@@ -1,4 +1,4 @@
-//! `TASK.toml`, checked.
+//! Checked contents of `TASK.toml`.
 
 use super::entries::{CharacterEntry, Deed, PlannerEntry, ShapeEntry, TaskFile, ThingEntry, WalkEntry};
 use super::mesh;
@@ -24,32 +24,32 @@ pub use super::entries::ClipEntry;
 
 const HELP: &str = "A task has `clip`, `[[characters]]`, `[[scene.obstacles]]`, `[[scene.objects]]`, `[[tasks]]` and \
                     `[planner]`; `throng schema --of task` lists every key.";
-/// How far everything is from the middle, or from what it is seen from (m).
+/// Largest distance of anything from the origin, or from what it is seen from (m).
 pub(super) const MOST_M: f64 = 1e4;
-/// How long somebody goes on, or a limb keeps its pose, at most (s).
+/// Longest time that a character goes on, or a limb keeps its pose (s).
 pub(super) const MOST_S: f64 = 600.0;
 /// Most entries of a list.
 pub(super) const MOST: usize = 1000;
 
-/// Somebody of a task.
+/// A character of a task.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Character {
-    /// How tasks and messages call it.
+    /// Name in tasks and messages.
     pub name: String,
-    /// Its motion; a file is seen from the task's folder.
+    /// Motion; the path of a file includes the task's folder.
     pub clip: ClipEntry,
-    /// By how much its motion is moved and turned.
+    /// Offset and turn of its motion.
     pub placed: Rigid,
-    /// What it wears.
+    /// Figure that it wears.
     pub body: Option<Body>,
 }
 
-/// A character with a skin that somebody wears.
+/// A figure with a skin that a character wears.
 #[derive(Clone)]
 pub struct Body {
     /// Its file.
     pub path: PathBuf,
-    /// What is in it.
+    /// Contents of the file.
     pub figure: Arc<Figure>,
 }
 
@@ -76,24 +76,24 @@ impl Body {
 /// An obstacle or an object.
 #[derive(Clone, Debug)]
 pub struct Thing {
-    /// How tasks and messages call it.
+    /// Name in tasks and messages.
     pub name: String,
-    /// All of them in its frame.
+    /// Shapes, all of them in its frame.
     pub shapes: Vec<Shape>,
-    /// Where it is until somebody takes it.
+    /// Place until it is taken.
     pub start: Start,
     /// True where it can be taken.
     pub is_object: bool,
 }
 
-/// Where a thing is at first.
+/// Place of a thing at first.
 #[derive(Clone, Debug)]
 pub enum Start {
-    /// By itself.
+    /// Motion of its own.
     Path(Motion),
     /// Carried by a joint of a character.
     On {
-        /// Which character.
+        /// Index of the character.
         character: usize,
         /// Its joint.
         joint: Joint,
@@ -102,31 +102,31 @@ pub enum Start {
     },
 }
 
-/// A task that was read.
+/// A task as read from a file.
 #[derive(Clone, Debug)]
 pub struct Task {
-    /// Who is there: first the one whose clip it is about.
+    /// Characters: first the one whose clip the task is about.
     pub characters: Vec<Character>,
-    /// What is there.
+    /// Obstacles and objects.
     pub things: Vec<Thing>,
-    /// How plans are made; the rate of the budget is the clip's.
+    /// Settings of plans; the rate of the budget is the clip's.
     pub config: CorrectConfig<'static>,
-    /// How far everything stays from things (m).
+    /// Least distance of everything from things (m).
     pub clearance_m: f64,
-    /// Heads turn to what limbs reach for.
+    /// True turns heads to the targets of limbs.
     pub gaze: bool,
-    /// Trunks bend where an arm does not reach otherwise.
+    /// True bends trunks where an arm does not reach otherwise.
     pub lean: bool,
-    /// Weight is kept over feet that stand where trunks bend, and how far it is off them is told.
+    /// True keeps the weight over planted feet where trunks bend, and reports how far it is off them.
     pub balance: bool,
     pub(super) steps: Vec<Step>,
 }
 
 impl Task {
-    /// Reads a task; the meshes that it names, too.
+    /// Reads a task, and the meshes that it names.
     ///
     /// # Errors
-    /// With file and line: faults of TOML, unknown names, numbers that are not finite, meshes that are none.
+    /// Errors with file and line: faults of TOML, unknown names, numbers that are not finite, invalid meshes.
     pub fn read(path: &Path) -> Result<Self> {
         Self::of(&Source::read(path, "a task")?)
     }
@@ -144,23 +144,23 @@ impl Task {
         schemars::schema_for!(TaskFile)
     }
 
-    /// Number of things to do.
+    /// Number of steps.
     pub fn num_steps(&self) -> usize {
         self.steps.len()
     }
 
-    /// What each thing to do is called.
+    /// Names of the steps.
     pub fn step_names(&self) -> impl Iterator<Item = &str> {
         self.steps.iter().map(|s| s.name.as_str())
     }
 
-    /// When each thing to do is reached; none for corrections, and before somebody has walked there (s).
+    /// Time at which each step reaches its target; none for corrections, and before the character has walked there (s).
     pub fn times_s(&self) -> Vec<Option<f64>> {
         let one = |s: &Step| (s.deed != Deed::Correct && s.is_timed()).then_some(s.times_s[1]);
         self.steps.iter().map(one).collect()
     }
 
-    /// Who does it, with which limb, and from when until it is there, of each thing to do that has a time (s).
+    /// Character and limb of each step that has a time, with the window in which the limb moves to its target (s).
     pub fn ways_there(&self) -> impl Iterator<Item = (usize, Limb, [f64; 2])> + '_ {
         let timed = self.steps.iter().filter(|s| s.deed != Deed::Correct && s.is_timed());
         timed.map(|s| (s.character, s.limb, [s.times_s[0], s.times_s[1]]))
@@ -261,12 +261,12 @@ fn walked(entry: &ClipEntry, walk: &WalkEntry, folder: &Path) -> std::result::Re
     Ok(ClipEntry { walk: Some(walk), ..entry.clone() })
 }
 
-/// Refuses lists that are too long.
+/// Refuses a list that is too long.
 pub(super) fn not_many(list: &str, len: usize) -> std::result::Result<(), String> {
     if len > MOST { Err(format!("{list}: expected {MOST} at most, found {len}")) } else { Ok(()) }
 }
 
-/// True for a place that is finite and within [`MOST_M`].
+/// True for a position that is finite and within [`MOST_M`].
 pub(super) fn is_near(at: &Rigid) -> bool {
     at.is_valid() && at.position.abs().max_element() <= MOST_M
 }

@@ -1,4 +1,4 @@
-//! The second hand at a thing: its arm's swivel over time is searched, as the hand itself is where the first one takes it.
+//! Motion of the second hand at a thing: the first hand fixes its place, and the swivel of its arm over time is searched.
 
 use crate::collide::{Checker, EdgeCheck};
 use crate::ik::{LimbIk, Swivel};
@@ -7,16 +7,16 @@ use crate::problem::{Problem, State};
 use crate::rotation::{Rigid, middle, wrap};
 use std::f64::consts::TAU;
 
-/// Swivels that are looked at on each frame.
+/// Number of swivels that are tried on each frame.
 const SWIVELS: usize = 72;
-/// Of these, an elbow goes on by so many from frame to frame at most.
+/// Largest change of the swivel from frame to frame, in steps between these.
 const MOST_STEPS: usize = 2;
-/// Elbows that leap by more from frame to frame are searched for (rad).
+/// Change of the elbow from frame to frame above which swivels are searched (rad).
 const LEAP_RAD: f64 = 0.1;
 /// Frames to either side over which the swivel is made smooth.
 const SMOOTH: usize = 6;
 
-/// Where the second hand has to be, frame by frame.
+/// Targets of the second hand, frame by frame.
 pub(super) struct Followed<'a> {
     pub problem: &'a Problem,
     /// One for each frame, the first one included.
@@ -25,7 +25,7 @@ pub(super) struct Followed<'a> {
     pub rate_hz: f64,
 }
 
-/// When the hand cannot follow (s), and why.
+/// Time at which the hand cannot follow (s), and the reason.
 pub(super) type Stuck = (f64, String);
 
 impl Followed<'_> {
@@ -33,13 +33,13 @@ impl Followed<'_> {
         State { pose, time_s: self.start_s + k as f64 / self.rate_hz }
     }
 
-    /// Poses of all frames: with the elbow as near as can be to where it was a frame before, or, where it would leap or nothing comes of
-    /// that, along the swivels over time that turn it the least.
+    /// Poses of all frames: with the elbow as near as possible to the frame before, or, where it would leap or that fails,
+    /// along the swivels over time that turn it the least.
     ///
     /// - `first`: the pose of the first frame.
     ///
     /// # Errors
-    /// Where the elbow that is as near as can be cannot go on, and why.
+    /// Time at which the elbow as near as possible to the frame before cannot go on, and the reason.
     pub fn poses(&self, first: &LimbPose) -> Result<Vec<LimbPose>, Stuck> {
         let (mut checker, limits) = (Checker::default(), self.problem.limits());
         let ik = LimbIk::new(self.problem.chain(), limits);
@@ -55,9 +55,9 @@ impl Followed<'_> {
         }
     }
 
-    /// How far the hand is off half way between two frames at most (m), and when (s).
+    /// Largest offset of the hand halfway between two frames (m), and its time (s).
     ///
-    /// - `target`: where it has to be.
+    /// - `target`: transform that the hand should have.
     pub fn most_off(&self, poses: &[LimbPose], target: impl Fn(f64) -> Rigid) -> (f64, f64) {
         let last = self.problem.chain().len() - 1;
         let off = |k: usize| {
@@ -83,7 +83,7 @@ impl Followed<'_> {
         self.free_all_along(poses, checker)
     }
 
-    /// The swivels over time that turn the elbow the least, by dynamic programming, and then smooth.
+    /// Poses along the swivels over time that turn the elbow the least, by dynamic programming, and smoothed.
     fn searched(&self, first: &LimbPose, ik: &LimbIk, checker: &mut Checker) -> Option<Vec<LimbPose>> {
         let step = TAU / SWIVELS as f64;
         let mut at = |k: usize, swivel: f64| {
@@ -93,7 +93,7 @@ impl Followed<'_> {
         let start = ik.swivel_of(&self.base(0), &self.targets[0], first)?;
         let mut costs = [f64::INFINITY; SWIVELS];
         costs[0] = 0.0;
-        // Of each frame and swivel, that of the frame before.
+        // For each frame and swivel, the swivel of the frame before.
         let mut before: Vec<[usize; SWIVELS]> = Vec::new();
         for k in 1..self.targets.len() {
             let (mut next, mut from) = ([f64::INFINITY; SWIVELS], [0; SWIVELS]);
@@ -133,14 +133,14 @@ impl Followed<'_> {
         self.free_all_along(poses, checker).ok()
     }
 
-    /// The same poses, if they are free on the way, too.
+    /// Passes on poses whose motion is free in between, too.
     fn free_all_along(&self, poses: Vec<LimbPose>, checker: &mut Checker) -> Result<Vec<LimbPose>, Stuck> {
         let way = free_all_along(self.problem, checker, &poses, self.start_s, self.rate_hz);
         way.map(|()| poses).map_err(|(t, with)| (t, format!("{with} is in the way")))
     }
 }
 
-/// Else where a motion meets something, or a joint is too fast, and what that is.
+/// Checks that a motion is free; else returns when it collides, or a joint is too fast, and the obstacle or joint.
 pub(super) fn free_all_along(
     problem: &Problem,
     checker: &mut Checker,

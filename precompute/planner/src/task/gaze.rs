@@ -1,4 +1,4 @@
-//! Head and neck turn to what a limb reaches for, and back.
+//! Head and neck turn to the target of a limb, and back.
 
 use super::ahead::target;
 use super::lean::ease;
@@ -9,34 +9,35 @@ use glam::{DQuat, DVec3};
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS};
 
-/// Farthest to the sides, up and down, as seen from the upper chest (rad).
+/// Largest turns to the sides, and up and down, relative to the upper chest (rad).
 pub(super) const FARTHEST: [f64; 2] = [1.2, 0.75];
-/// Beyond this to the side, nobody looks there (rad).
+/// Turn to the side above which a target is not looked at (rad).
 const BEHIND: f64 = 1.9;
-/// Nearer than this to the head, nothing is looked at (m).
+/// Distance from the head below which a target is not looked at (m).
 const NEAR_M: f64 = 0.15;
-/// Share of the turn that the neck has.
+/// Share of the turn that the neck takes.
 const NECK: f64 = 0.45;
-/// Least time in which the head turns there, and fastest turn (s, rad/s).
+/// Least time in which the head turns to a target, and greatest speed of a turn (s, rad/s).
 const LEAST_S: f64 = 0.25;
 const RATE: f64 = 3.5;
-/// The eyes are there so long before the hand is (s).
+/// Time by which the eyes are at the target before the hand (s).
 const AHEAD_S: f64 = 0.1;
-/// And stay there for so long at least, before they turn to something else (s).
+/// Least time for which they stay there, before they turn to something else (s).
 const HELD_S: f64 = 0.1;
-/// Heads turn no faster, whatever they do (rad/s).
+/// Greatest speed of heads (rad/s).
 const TOP_RATE: f64 = 4.2;
-/// What is not faced within this in time is not looked at (rad).
+/// Angle to a target within which it has to be faced in time, or else it is not looked at (rad).
 const NEAR_ENOUGH: f64 = 0.2;
 /// Frames to either side over which corners are rounded.
 const ROUND: usize = 2;
-/// Joints that a gaze moves.
+/// Joints that a gaze turns.
 pub(super) const JOINTS: [Joint; 2] = [Joint::Neck, Joint::Head];
 
-/// Lets a character look at what a step takes, or where it brings it, from some time before it is there until some time after.
+/// Turns a character's head to the object of a step, or to its destination, from some time before the limb is there until some
+/// time after.
 ///
-/// Where it looked at something else just before, it goes on from there; the head turns no faster than heads do. What it could
-/// not face in time, it does not look at.
+/// From another gaze just before, the head goes on directly; it turns no faster than heads do. A target that it could not face
+/// in time is not looked at.
 ///
 /// # Source
 /// Shapiro, Kallmann and Faloutsos 2007 leave the gaze to the application; angles and shares are those of walkers.
@@ -45,7 +46,7 @@ pub(super) fn look(stage: &mut Stage<'_>, step: &Step) {
     if is_on_own_head(stage, step) {
         return;
     }
-    // One thing after the other.
+    // Gazes follow one another.
     let others = || stage.looked.iter().filter(|l| l.character == who);
     if others().any(|l| (l.times_s[1] - at_s).abs() < HELD_S) {
         return;
@@ -65,14 +66,14 @@ pub(super) fn look(stage: &mut Stage<'_>, step: &Step) {
     if most < 1e-3 {
         return;
     }
-    // The eyes are there before the hand is, and go on before it is back.
+    // The eyes arrive before the hand, and leave before it is back.
     let [there_s, back_s] = [at_s - from_s, to_s - at_s];
-    // Eased, it is fastest in the middle: by half more than in the mean.
+    // An eased turn is fastest in the middle: by half more than in the mean.
     let turn_s = (1.5 * most / RATE).max(LEAST_S);
     let up_s = (there_s - AHEAD_S).min(turn_s.max(0.5 * there_s)).max(1.0 / rate_hz);
     let down_s = back_s.min(turn_s.max(0.7 * back_s));
     let share = |t: f64| ease((t - from_s) / up_s) * ease((to_s - t) / down_s);
-    // How far the head is turned from where the clip has it, by now and as it is wanted.
+    // Turn of the head away from the clip, as it is and as it should be.
     let (actor, skeleton) = (&stage.actors[who], &stage.actors[who].skeleton);
     let known = |frame: usize| {
         let before = actor.before.joint_transforms(skeleton, frame)[Joint::Head.index()].1.as_dquat();
@@ -117,7 +118,7 @@ pub(super) fn look(stage: &mut Stage<'_>, step: &Step) {
     stage.looked.push(Looked { character: who, times_s: [time_of(*frames.start()), at_s, time_of(*frames.end())], at });
 }
 
-/// True for what is on the own head, or is brought there: it turns along, and nobody sees it.
+/// True for an object on the character's own head, or brought there: it turns along and is out of sight.
 fn is_on_own_head(stage: &Stage<'_>, step: &Step) -> bool {
     let is_own = |character: usize, joint: Joint| character == step.character && JOINTS.contains(&joint);
     let carried = |thing: usize| match stage.stretch(thing, step.times_s[0]) {
@@ -131,7 +132,7 @@ fn is_on_own_head(stage: &Stage<'_>, step: &Step) -> bool {
     }
 }
 
-/// Turns that change by no more than a step from frame to frame, near those that are wanted; both ends are kept.
+/// Turns that change by at most a step from frame to frame, near the wanted ones; both ends are kept.
 fn slowed(wanted: Vec<[f64; 2]>, ends: [[f64; 2]; 2], step: f64) -> Vec<[f64; 2]> {
     let toward = |from: [f64; 2], to: [f64; 2]| {
         let [a, b] = [to[0] - from[0], to[1] - from[1]];
@@ -149,7 +150,7 @@ fn slowed(wanted: Vec<[f64; 2]>, ends: [[f64; 2]; 2], step: f64) -> Vec<[f64; 2]
         out[i] = toward(out[i + 1], out[i]);
     }
     if maths::hypot(out[0][0] - ends[0][0], out[0][1] - ends[0][1]) > 1e-9 {
-        // There is time for the straight way alone.
+        // There is only time for the straight path.
         let between = |i: usize, k: usize| ends[0][k] + (ends[1][k] - ends[0][k]) * i as f64 / last as f64;
         return (0..=last).map(|i| [between(i, 0), between(i, 1)]).collect();
     }
@@ -163,7 +164,7 @@ fn slowed(wanted: Vec<[f64; 2]>, ends: [[f64; 2]; 2], step: f64) -> Vec<[f64; 2]
     out
 }
 
-/// How far the head is from looking at a thing, within what it can (rad to the left and up).
+/// Turn of the head that would face a thing, within what necks allow (rad to the left and up).
 fn off(stage: &Stage<'_>, step: &Step, time_s: f64) -> [f64; 2] {
     let actor = &stage.actors[step.character];
     let [chest, head] = [Joint::UpperChest, Joint::Head].map(|j| actor.joint(j, time_s));

@@ -1,4 +1,4 @@
-//! Where a hand may be for a grip.
+//! Places of hands for grips.
 
 use super::stage::{Actor, hand, palm};
 use super::step::Grip;
@@ -7,21 +7,21 @@ use crate::rotation::{Rigid, about, angle, between};
 use glam::{DQuat, DVec3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-/// How far a hand that may be turned in any way tilts away from the line from the shoulder (rad).
+/// Tilts of a hand with any turn, away from the line from the shoulder (rad).
 const TILTS: [f64; 5] = [0.0, 0.5, -0.5, 1.0, -1.0];
-/// How far it turns about itself (rad).
+/// Turns of it about itself (rad).
 const ROLLS: [f64; 7] = [0.0, FRAC_PI_4, -FRAC_PI_4, FRAC_PI_2, -FRAC_PI_2, 0.75 * PI, -0.75 * PI];
 
 /// A place for a hand, with the object where it is then.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Goal {
-    /// Goals of a lower rank are wanted more; of one rank, whichever pose looks best.
+    /// Rank: goals of a lower one are preferred; within one rank, the most natural pose.
     pub rank: usize,
     pub hand: Rigid,
     pub object: Rigid,
 }
 
-/// Hands for grips on something at `object`: each grip has its rank.
+/// Goals of hands for grips on something at `object`: each grip has its own rank.
 pub(super) fn goals(grips: &[Grip], object: &Rigid, actor: &Actor, limb: Limb, time_s: f64) -> Vec<Goal> {
     let mut out = Vec::new();
     for (rank, grip) in grips.iter().enumerate() {
@@ -34,8 +34,8 @@ pub(super) fn goals(grips: &[Grip], object: &Rigid, actor: &Actor, limb: Limb, t
     out
 }
 
-/// How unlike people a pose of an arm is: how far the wrist is bent (rad), and how high the elbow is above the middle between
-/// shoulder and hand, in such measure that a hand's breadth counts as half a radian.
+/// Measure of how unnatural a pose of an arm is: the bend of the wrist (rad), and the height of the elbow above the middle
+/// between shoulder and hand, weighted so that a hand's breadth counts as half a radian.
 pub(super) fn awkwardness(chain: &Chain, placed: &[Rigid; MAX_JOINTS], pose: &LimbPose) -> f64 {
     if !chain.linkage.limb.is_arm() {
         return 0.0;
@@ -44,7 +44,7 @@ pub(super) fn awkwardness(chain: &Chain, placed: &[Rigid; MAX_JOINTS], pose: &Li
     angle(pose.0[2], DQuat::IDENTITY) + 5.0 * (elbow - 0.5 * (shoulder + wrist))
 }
 
-/// The hand's middle somewhere, turned in many ways; the least turned first, as seen from the motion.
+/// Transforms of a hand whose middle is at a place, with many turns; the least turned first, relative to the motion.
 fn any_turn(middle: DVec3, actor: &Actor, limb: Limb, time_s: f64) -> Vec<Rigid> {
     let present = actor.joint(hand(limb), time_s).rotation;
     let palm = palm(&actor.skeleton, limb);

@@ -1,4 +1,4 @@
-//! Capsules around shapes: what hands carry is made of these.
+//! Capsules around shapes, of which held objects are made.
 
 use crate::shape::{Segment, Shape};
 use glam::DVec3;

@@ -1,5 +1,4 @@
-//! The trunk bends where an arm cannot reach otherwise, and straightens again; hips give way, so that the weight stays over the
-//! feet.
+//! Bending of the trunk where an arm cannot reach otherwise; hips move with it, so that the weight stays over the feet.
 
 use super::ahead::target;
 use super::deeds::Problems;
@@ -17,50 +16,50 @@ use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 
 /// Joints that bend, from the hips up.
 pub(super) const SPINE: [Joint; 3] = [Joint::Spine, Joint::Chest, Joint::UpperChest];
-/// Joints that turn back, so that arms hang and faces stay up: each keeps such a share of the bend.
+/// Joints that turn back, so that arms hang and faces stay up, with the share of the bend that each keeps.
 const BACK: [(Joint, f64); 3] = [(Joint::Neck, 0.5), (Joint::LeftUpperArm, 0.0), (Joint::RightUpperArm, 0.0)];
-/// What moves where hips give way, beside them.
+/// Joints that move with the hips, beside them.
 pub(super) const LEGS: [Joint; 6] =
     [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot, Joint::RightThigh, Joint::RightShin, Joint::RightFoot];
-/// Nobody bends farther (rad), or for more than this (m).
+/// Largest bend (rad), and largest distance by which bending helps (m).
 const MOST_RAD: f64 = 1.4;
-/// Share of the bend that hips have, where they give way.
+/// Share of the bend that the hips take, where they move.
 const HIPS: f64 = 0.4;
 pub(super) const MOST_M: f64 = 0.5;
-/// Bends are tried in such steps (rad).
+/// Step of the bends that are tried (rad).
 const STEP_RAD: f64 = 0.02;
-/// How much nearer than need be the shoulder comes, one try after the other (m).
+/// Distance by which the shoulder comes nearer than needed, one try after the other (m).
 pub(super) const SPARE_M: [f64; 3] = [0.04, 0.1, 0.18];
-/// How far hips give way, and how far knees bend for it, at most (m).
+/// Largest motion of the hips, largest lowering by bent knees, and its step (m).
 const HIPS_M: f64 = 0.16;
 const LOWER_M: f64 = 0.1;
 const LOWER_STEP_M: f64 = 0.01;
 
-/// Hips and rotations of everything.
+/// Position of the hips, and rotations of all joints.
 pub(super) type Pose = (DVec3, [DQuat; NUM_JOINTS]);
 
-/// How the trunk bends.
+/// A bend of the trunk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bend {
-    /// As the hips see it. Unit.
+    /// Axis in the frame of the hips (unit).
     axis: DVec3,
-    /// Of the upper chest (rad).
+    /// Angle of the upper chest (rad).
     angle: f64,
-    /// Share of it that the hips have.
+    /// Share of the angle that the hips take.
     hips: f64,
 }
 
-/// Who bends, and in what way hips give way.
+/// A character that bends.
 #[derive(Clone, Copy)]
 pub(super) struct Trunk<'a> {
     pub skeleton: &'a Skeleton,
     pub limits: &'a BodyLimits,
-    /// The weight stays where it was; both feet stand.
+    /// True keeps the weight where it was: both feet are planted.
     pub balances: bool,
 }
 
 impl Trunk<'_> {
-    /// The least bend by which a shoulder comes so near to a target, and how far knees bend for it (m).
+    /// The least bend that brings a shoulder within a distance of a target, and the lowering by bent knees (m).
     pub fn needed(&self, pose: &Pose, shoulder: Joint, target: DVec3, far_m: f64) -> Option<(Bend, f64)> {
         let places = placed(self.skeleton, pose.0, &pose.1);
         let (pivot, from) = (places[Joint::Spine.index()].position, places[shoulder.index()].position);
@@ -94,7 +93,7 @@ impl Trunk<'_> {
         None
     }
 
-    /// A pose with a share of a bend; none where legs do not reach the ground then.
+    /// A pose with a share of a bend; `None` where legs do not reach the ground then.
     pub fn posed(&self, pose: &Pose, bend: &Bend, share: f64, lower_m: f64) -> Option<Pose> {
         let turns = bent(&pose.1, bend, share);
         if !self.balances {
@@ -114,7 +113,7 @@ impl Trunk<'_> {
         self.on_feet(out, &before)
     }
 
-    /// Legs so that feet are where they were.
+    /// Moves the legs so that feet stay where they were.
     fn on_feet(&self, (root, mut turns): Pose, before: &[Rigid; NUM_JOINTS]) -> Option<Pose> {
         for limb in [Limb::LeftLeg, Limb::RightLeg] {
             let (linkage, joints) = (Linkage::limb(limb), limb.joints());
@@ -160,9 +159,9 @@ fn bent(turns: &[DQuat; NUM_JOINTS], bend: &Bend, share: f64) -> [DQuat; NUM_JOI
     out
 }
 
-/// Lets a character bend towards what a step reaches for, from when the limb leaves the clip until it is back.
+/// Bends a character towards the target of a step, from when the limb leaves the clip until it is back.
 ///
-/// - `by_m`: so much it is out of reach.
+/// - `by_m`: distance of the target out of reach (m).
 pub(super) fn lean(stage: &mut Stage<'_>, step: &Step, by_m: f64) -> Result<(), Problems> {
     let (who, limb, [from_s, at_s, to_s]) = (step.character, step.limb, step.times_s);
     let held_s = at_s + step.hold_s;

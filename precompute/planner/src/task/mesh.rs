@@ -11,11 +11,11 @@ use throng_motion::import::gltf;
 
 /// Reads a mesh.
 ///
-/// - `unit_m`: metres that a unit of the file is.
-/// - `open`: surfaces with holes are taken, too.
+/// - `unit_m`: length of a unit of the file (m).
+/// - `open`: true accepts surfaces with holes, too.
 ///
 /// # Errors
-/// File, and line of a text, what is wrong with it, and the way out.
+/// The file, and the line of a text, with the fault and the way out.
 pub(super) fn read(path: &Path, unit_m: f64, open: bool) -> Result<Shape, String> {
     let is = |e: &str| path.extension().is_some_and(|x| x.eq_ignore_ascii_case(e));
     let mut triangles = if is("obj") {
@@ -46,8 +46,7 @@ pub(super) fn read(path: &Path, unit_m: f64, open: bool) -> Result<Shape, String
     Ok(Shape::Mesh(Arc::new(mesh)))
 }
 
-/// Leaves one of the triangles that have the same corners in the same order, whichever comes first: others would cost time,
-/// and hide holes.
+/// Keeps the first of triangles that have the same corners in the same order: others would cost time, and hide holes.
 pub(super) fn once_each(triangles: &mut Vec<[Vec3; 3]>) {
     let mut seen = HashSet::new();
     triangles.retain(|t| {
@@ -57,12 +56,12 @@ pub(super) fn once_each(triangles: &mut Vec<[Vec3; 3]>) {
     });
 }
 
-/// A corner, to be compared: zero and minus zero are one place.
+/// Key of a corner for comparison: zero and minus zero are one place.
 fn place(corner: Vec3) -> [u32; 3] {
     (corner + Vec3::ZERO).to_array().map(f32::to_bits)
 }
 
-/// Edges with an odd number of triangles; corners at the same place are one, triangles without an area do not count.
+/// Number of edges with an odd number of triangles; corners at the same place are one, triangles without an area do not count.
 pub(super) fn open_edges(triangles: &[[Vec3; 3]]) -> usize {
     let mut odd: HashMap<[[u32; 3]; 2], bool> = HashMap::new();
     for t in triangles {

@@ -1,4 +1,4 @@
-//! Tasks as files: who and what is there, and what limbs have to do in it.
+//! Tasks as files: characters, things, and actions of limbs.
 
 mod ahead;
 mod both;

@@ -8,7 +8,7 @@ const MAX_CORNERS: usize = 15_000_000;
 /// Positions and faces of a text; polygons become fans of triangles, all else is left out.
 ///
 /// # Errors
-/// Number of the line (from 1), and what is wrong in it.
+/// Number of the line (from 1), and the fault in it.
 pub fn triangles(text: &str) -> Result<Vec<[Vec3; 3]>, (usize, String)> {
     let (mut points, mut out) = (Vec::new(), Vec::new());
     for (i, line) in text.lines().enumerate() {

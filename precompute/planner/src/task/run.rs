@@ -1,4 +1,4 @@
-//! Does what a task says, one thing after the other.
+//! Runs the steps of a task, one after the other.
 
 use super::both;
 use super::deeds::{Problems, do_step};
@@ -15,41 +15,41 @@ use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use throng_motion::Clip;
 
-/// What came of one thing to do.
+/// Result of one step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Done {
     /// The task's name.
     pub name: String,
-    /// Who did it.
+    /// Index of the character.
     pub character: usize,
-    /// With which limb.
+    /// The limb.
     pub limb: Limb,
     /// Every plan that was made.
     pub plans: Vec<Outcome>,
-    /// Where the clip collided, of corrections.
+    /// Stretches in which the clip collided, of corrections.
     pub spans: Vec<Span>,
-    /// Stretches that stay in a collision, and why: what limbs cannot mend, or could not.
+    /// Stretches that stay in a collision, and why: limbs cannot mend them, or found no path.
     pub left: Vec<Left>,
-    /// Why it was not done.
+    /// Reason why it was not done.
     pub why: Option<String>,
-    /// How near it came where it was not done (m).
+    /// Nearest distance to a solution, where it was not done (m).
     pub nearest_m: Option<f64>,
-    /// The trees of its searches, where they were to be kept ([`Watch::keeps_trees`]).
+    /// Trees of its searches, where [`Watch::keeps_trees`] is set.
     pub trees: Vec<Grown>,
 }
 
-/// How a task is done: watched, and perhaps stopped.
+/// Options of a run.
 #[derive(Clone, Copy, Default)]
 pub struct Watch<'a> {
-    /// Seed in place of the file's.
+    /// Random seed in place of the file's.
     pub seed: Option<u64>,
-    /// Stops as soon as it is true: what is not done by then is as it was, and says so.
+    /// Stops the run as soon as it is true: steps that are not done by then leave everything as it was, and say so.
     pub cancel: Option<&'a AtomicBool>,
-    /// Is told how many things were done or tried.
+    /// Called with the number of steps that were done or tried.
     pub tell: Option<&'a dyn Fn(usize)>,
-    /// The trees of all searches are kept.
+    /// True keeps the trees of all searches.
     pub keeps_trees: bool,
-    /// Plans go on where those of the last run ended: things have moved a little since. What comes of it then depends on that
+    /// Planners of the last run, with whose trees plans go on: things have moved a little since. Results then depend on that
     /// run, too.
     pub planners: Option<&'a Planners>,
 }
@@ -57,16 +57,16 @@ pub struct Watch<'a> {
 /// A stretch of a clip that stays in a collision.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Left {
-    /// Where it collides.
+    /// The stretch, and the collision.
     pub span: Span,
-    /// Why it stays so, and the way out.
+    /// Reason why it stays so, and the way out.
     pub why: String,
-    /// True where a part collides that is not the limb's: no motion of it helps.
+    /// True where a part collides that is not the limb's: no motion of the limb helps.
     pub is_driven: bool,
 }
 
 impl Done {
-    /// A correction that was tried again: what the first try did counts, too.
+    /// Adds the results of the first try of a correction that was tried again.
     fn after(&mut self, first: Self) {
         let mut plans = first.plans;
         plans.append(&mut self.plans);
@@ -87,76 +87,76 @@ impl Done {
 }
 
 impl Left {
-    /// All of it in one line.
+    /// Reasons of all stretches in one line.
     pub(super) fn why(all: &[Self]) -> String {
         let each: Vec<&str> = all.iter().map(|l| l.why.as_str()).collect();
         each.join("; ")
     }
 }
 
-/// Where a thing is for a time: with a joint of somebody, on another thing, or by itself.
+/// Placement of a thing for a time: with a joint of a character, on another thing, or by itself.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Attachment {
     /// The thing.
     pub object: String,
-    /// Who carries it.
+    /// Character that carries it.
     pub character: Option<String>,
-    /// The joint that carries it.
+    /// Joint that carries it.
     pub joint: Option<String>,
     /// The other hand that holds it, too.
     pub second: Option<String>,
-    /// The thing that it is on.
+    /// Thing that it is on.
     pub on: Option<String>,
-    /// From then on (s).
+    /// Begin (s).
     pub from_s: f64,
-    /// Until the next one, or to the end (s).
+    /// End: the next placement, or the end of the task (s).
     pub to_s: f64,
-    /// Seen from the joint or the thing, or from the world (m).
+    /// Position relative to the joint or the thing, or in the world (m).
     pub at: [f64; 3],
-    /// As a rotation vector (degrees).
+    /// Rotation vector (degrees).
     pub turn_deg: [f64; 3],
 }
 
-/// Something that was touched or switched.
+/// An event: something was touched or switched.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Event {
     /// The thing.
     pub object: String,
     /// "touch" or "switch".
     pub what: String,
-    /// Who did it.
+    /// Character that did it.
     pub character: String,
-    /// When (s).
+    /// Time (s).
     pub at_s: f64,
 }
 
-/// What came of a task.
+/// Result of a task.
 #[derive(Clone, Debug)]
 pub struct TaskOutcome {
-    /// Of every character: placed in the scene, before and after.
+    /// Clips of every character, placed in the scene: before and after.
     pub clips: Vec<[Clip; 2]>,
-    /// For each thing to do, in the file's order.
+    /// Results of the steps, in the file's order.
     pub done: Vec<Done>,
-    /// Where things are that were taken or carried.
+    /// Placements of things that were taken or carried.
     pub attachments: Vec<Attachment>,
-    /// What was touched and switched.
+    /// Things that were touched and switched.
     pub events: Vec<Event>,
-    /// Who looked at what, where heads do.
+    /// Gazes of characters whose heads turn to targets.
     pub looks: Vec<Looked>,
-    /// What a check by other means found.
+    /// Result of a check by independent means.
     pub recheck: RecheckReport,
-    /// Where everything is, before and after: to be drawn.
+    /// Places of everything, before and after, for drawing.
     pub scenery: [Scenery; 2],
 }
 
 impl TaskOutcome {
-    /// True where everything was done.
+    /// True where all steps were done.
     pub fn is_solved(&self) -> bool {
         self.done.iter().all(|d| d.why.is_none())
     }
 
-    /// How different the motion of another outcome of the same task is: the mean angle between the joints that either
-    /// changed, over the frames that either changed (rad).
+    /// Difference from the motion of another outcome of the same task: the mean angle between the joints that either changed,
+    /// over the frames that either changed (rad).
     pub fn distance_rad(&self, other: &Self) -> f64 {
         let (mut sum, mut count) = (0.0, 0u32);
         for ([before, a], [_, b]) in self.clips.iter().zip(&other.clips) {
@@ -171,50 +171,50 @@ impl TaskOutcome {
     }
 }
 
-/// Clips that a task cannot use.
+/// Reason why a task cannot use clips.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoClips {
-    /// Not one for each character.
+    /// The number of clips is not that of the characters.
     #[error("expected {expected} clips, one for each character, found {found}")]
     Number {
-        /// Characters.
+        /// Number of characters.
         expected: usize,
-        /// Clips.
+        /// Number of clips.
         found: usize,
     },
-    /// Of another rate than the first one.
+    /// The rate of a clip differs from the first one's.
     #[error("`{name}`: expected {expected_hz} frames a second, as the first clip has, found {found_hz}; resample it")]
     Rate {
-        /// Whose.
+        /// Name of the character.
         name: String,
-        /// (Hz)
+        /// Its rate (Hz).
         expected_hz: f64,
-        /// (Hz)
+        /// Rate of the first clip (Hz).
         found_hz: f64,
     },
-    /// Of somebody who has to walk first.
+    /// A character has to walk first.
     #[error("`{name}` walks up to what it does: its clip is made by `Task::walked`, which gives the task its times")]
     NotWalked {
-        /// Whose.
+        /// Name of the character.
         name: String,
     },
-    /// Too short to be moved in.
+    /// A clip is too short to be changed.
     #[error("`{name}`: expected a clip of two frames at least, found {found}")]
     Short {
-        /// Whose.
+        /// Name of the character.
         name: String,
-        /// Frames.
+        /// Number of frames.
         found: usize,
     },
 }
 
 impl Task {
-    /// Does everything by its priority, and in the file's order where it is equal: what comes later sees the limbs as they
-    /// were planned before. What cannot be done is tried once more after all others, and leaves everything as it was;
-    /// where that helps, corrections are looked at again.
+    /// Runs all steps by priority, and in the file's order where it is equal: later ones see the limbs as they were planned
+    /// before. A step that fails is tried once more after all others, and otherwise leaves everything as it was; where that
+    /// helps, corrections are repeated.
     ///
     /// - `clips`: one for each character, in the task's order; frame 0 is at time 0.
-    /// - `seed`: in place of the file's.
+    /// - `seed`: random seed in place of the file's.
     ///
     /// # Errors
     /// [`NoClips`].
@@ -222,7 +222,7 @@ impl Task {
         self.run_watched(clips, &Watch { seed, ..Watch::default() })
     }
 
-    /// As [`Task::run`], but watched.
+    /// Runs a task as [`Task::run`] does, with options.
     ///
     /// # Errors
     /// [`NoClips`].
@@ -270,10 +270,10 @@ impl Task {
         Ok(TaskOutcome { clips, done, attachments, events, looks: stage.looked, recheck, scenery })
     }
 
-    /// Where the limbs of a character collide with the scene: each limb, and stretches of its clip.
+    /// Collisions of a character's limbs with the scene: each limb, and a stretch of its clip.
     ///
     /// # Errors
-    /// [`NoClips`]; problems that are none, as text.
+    /// [`NoClips`]; invalid problems, as text.
     pub fn collisions(&self, clips: &[ActorClip], who: usize) -> Result<Vec<(Limb, Span)>, Box<dyn std::error::Error>> {
         self.check_clips(clips)?;
         let stage = Stage::new(self, clips);
@@ -308,7 +308,7 @@ impl Task {
     }
 }
 
-/// Does a step, or leaves everything as it was.
+/// Runs a step, or leaves everything as it was.
 fn attempt(stage: &mut Stage<'_>, i: usize, config: &CorrectConfig<'_>, is_cancelled: bool) -> Done {
     let step = &stage.task.steps[i];
     let mut done = Done {
@@ -340,7 +340,7 @@ fn attempt(stage: &mut Stage<'_>, i: usize, config: &CorrectConfig<'_>, is_cance
     done
 }
 
-/// How near a search came (m).
+/// Nearest distance of a search to a solution (m).
 pub(super) fn nearest_of(why: &Unsolved) -> Option<f64> {
     match why {
         Unsolved::Spent { nearest_m, .. } => Some(*nearest_m),

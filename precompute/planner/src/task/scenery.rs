@@ -1,4 +1,4 @@
-//! Where everything is, to be drawn and to be put elsewhere.
+//! Places of everything in a task, for drawing and for moving things.
 
 use super::file::{Start, Task};
 use super::run::NoClips;
@@ -9,26 +9,26 @@ use crate::track::Path;
 use glam::DVec3;
 use throng_motion::Clip;
 
-/// Where everything of a task is.
+/// Places of everything in a task.
 #[derive(Clone, Debug, Default)]
 pub struct Scenery {
-    /// Every thing, by its number in the task.
+    /// Motion of every thing, by its index in the task.
     pub paths: Vec<Path>,
-    /// What the place of each thing to do (`to`) is seen from when it is reached; none where there is no such place.
+    /// Frame from which the place (`to`) of each step is seen when it is reached; `None` where there is no such place.
     pub bases: Vec<Option<Rigid>>,
 }
 
-/// Something of a task that can be put elsewhere.
+/// Something of a task that can be moved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Handle {
-    /// An obstacle or an object, by its number.
+    /// An obstacle or an object, by its index.
     Thing(usize),
-    /// The place where a thing to do brings an object, by the number of what is to do.
+    /// The place to which a step brings an object, by the index of the step.
     Place(usize),
 }
 
 impl Scenery {
-    /// The same once [`Task::move_by`] has put something elsewhere.
+    /// Follows a move by [`Task::move_by`].
     pub fn move_by(&mut self, task: &Task, handle: Handle, by: DVec3) {
         let Handle::Thing(thing) = handle else { return };
         if !matches!(task.things[thing].start, Start::Path(_)) {
@@ -55,7 +55,7 @@ impl Scenery {
 }
 
 impl Task {
-    /// Where everything is before anything was planned, and the clips placed in the scene.
+    /// Places of everything before anything was planned, and the clips placed in the scene.
     ///
     /// # Errors
     /// [`NoClips`].
@@ -66,13 +66,13 @@ impl Task {
         Ok((scenery, stage.actors.into_iter().map(|a| a.clip).collect()))
     }
 
-    /// Leaves the clip, reaches, is back, of each thing to do that has a time; of corrections from and to where is looked
-    /// for collisions, which may be the end of time (s).
+    /// Times at which the limb of each step leaves the clip, reaches its target and is back; for corrections, the stretch that
+    /// is searched for collisions, which may reach to the end of time (s). `None` for steps without a time.
     pub fn windows_s(&self) -> Vec<Option<[f64; 3]>> {
         self.steps.iter().map(|s| s.is_timed().then_some(s.times_s)).collect()
     }
 
-    /// What can be put elsewhere: all things that nobody carries from the beginning, and all places that things are
+    /// Everything that can be moved: all things that no character carries from the beginning, and all places that things are
     /// brought to.
     pub fn handles(&self) -> Vec<Handle> {
         let is_free = |i: &usize| matches!(self.things[*i].start, Start::Path(_));
@@ -81,7 +81,7 @@ impl Task {
         things.chain(places).collect()
     }
 
-    /// What a handle is called.
+    /// Name of a handle.
     pub fn name_of(&self, handle: Handle) -> String {
         match handle {
             Handle::Thing(i) => self.things[i].name.clone(),
@@ -89,9 +89,9 @@ impl Task {
         }
     }
 
-    /// Where a handle is by itself, before anything was planned.
+    /// Transform of a handle before anything was planned.
     ///
-    /// - `scenery`: of this task, before.
+    /// - `scenery`: of this task, before anything was planned.
     pub fn place_of(&self, handle: Handle, scenery: &Scenery, time_s: f64) -> Option<Rigid> {
         match handle {
             Handle::Thing(i) => Some(scenery.paths.get(i)?.at(time_s)),
@@ -99,9 +99,9 @@ impl Task {
         }
     }
 
-    /// Puts something elsewhere; keys move along, and what is brought to it does.
+    /// Moves something; keys, and objects that are brought to it, move along.
     ///
-    /// - `by`: in the world (m).
+    /// - `by`: offset in the world (m).
     /// - `scenery`: of this task, before anything was planned.
     pub fn move_by(&mut self, handle: Handle, by: DVec3, scenery: &Scenery) {
         match handle {
@@ -119,8 +119,8 @@ impl Task {
         }
     }
 
-    /// Where a handle is as the file says it, seen from what it stands on: `at` of its table; of what goes through keys, where
-    /// the first one is (m).
+    /// Position of a handle as the file has it, relative to what it stands on: `at` of its table; the first key's for a thing
+    /// that moves through keys (m).
     pub fn at_of(&self, handle: Handle) -> DVec3 {
         match handle {
             Handle::Thing(i) => match &self.things[i].start {

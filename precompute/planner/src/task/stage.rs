@@ -1,4 +1,4 @@
-//! Who and what is there while a task is worked on: clips as they are by now, and where every thing is at every time.
+//! State of a task while it is worked on: clips as they are by now, and the place of every thing at every time.
 
 use super::file::{Character, Start, Task};
 use super::held::capsules;
@@ -21,55 +21,55 @@ use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 use throng_motion::Clip;
 
-/// Ways in which something is turned upright where that is open.
+/// Number of turns that are tried for something upright whose turn is open.
 const NUM_TURNS: u32 = 24;
-/// Things that stand on one another, at most.
+/// Most things that stand on one another.
 const MAX_STACK: usize = 8;
-/// How often a clip is looked through for what a limb is in by itself.
+/// Most passes over a clip that search for collisions of a limb by itself.
 const MOST_LOOKS: usize = 64;
-/// What a limb is in by less stays so (m).
+/// Depth below which a limb may stay in an obstacle (m).
 const PRESS_M: f64 = 0.03;
-/// Room before and after (s).
+/// Time before and after such a collision in which it may stay (s).
 const PRESS_S: f64 = 0.1;
 
-/// A clip and whose it is.
+/// A clip, and the skeleton of its character.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActorClip {
-    /// From time 0 on.
+    /// Motion, from time 0 on.
     pub clip: Clip,
     /// Proportions.
     pub skeleton: Skeleton,
 }
 
-/// Somebody by now.
+/// A character in its present state.
 #[derive(Clone, Debug)]
 pub(super) struct Actor {
     /// The clip as it was, placed in the scene.
     pub before: Clip,
-    /// With what was planned.
+    /// The clip with what was planned.
     pub clip: Clip,
     pub skeleton: Skeleton,
     pub limits: BodyLimits,
     pub shape: BodyShape,
     pub motion: Driven,
-    /// The mesh that it wears, which others meet in place of its capsules.
+    /// Mesh that it wears, which others collide with in place of its capsules.
     pub worn: Option<Worn>,
-    /// What limbs are in by the clip itself, and stay in.
+    /// Collisions of limbs by the clip itself, in which they stay.
     pub pressed: Vec<(Limb, Allowed)>,
 }
 
-/// Where a thing is from a time on.
+/// Placement of a thing from a time on.
 #[derive(Clone, Debug)]
 pub(super) struct Stretch {
     pub from_s: f64,
     pub at: Whereabouts,
 }
 
-/// How a thing moves.
+/// Placement of a thing.
 #[derive(Clone, Debug)]
 pub(super) enum Whereabouts {
     Path(Motion),
-    /// With a joint; `holder` is the arm whose hand it is, `second` the other one that holds it, too.
+    /// Carried by a joint; `holder` is the arm whose hand it is, `second` the other one that holds it, too.
     On {
         character: usize,
         joint: Joint,
@@ -87,7 +87,7 @@ pub(super) enum Whereabouts {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Follower {
     pub limb: Limb,
-    /// Its hand as the first one sees it.
+    /// Transform of its hand, relative to the first one.
     pub grip: Rigid,
 }
 
@@ -101,27 +101,27 @@ pub(super) struct Planned {
     pub ends: [LimbPose; 2],
 }
 
-/// Somebody who looks at what a limb reaches for.
+/// A gaze of a character at the target of a limb.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Looked {
-    /// Who.
+    /// Index of the character.
     pub character: usize,
-    /// When the head leaves the clip, the limb is there, and the head is back (s).
+    /// Times at which the head leaves the clip, the limb is at its target, and the head is back (s).
     pub times_s: [f64; 3],
-    /// What it looks at when the limb is there (m).
+    /// Position of the target when the limb is there (m).
     pub at: DVec3,
 }
 
-/// Somebody whose trunk bends for a limb.
+/// A bend of a character's trunk for a limb.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leaned {
     pub character: usize,
     pub window_s: [f64; 2],
-    /// Hips and legs give way, too.
+    /// True where hips and legs move, too.
     pub moves_hips: bool,
 }
 
-/// Where hand or foot has to be at a time.
+/// Transform that hand or foot has to have at a time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pin {
     pub character: usize,
@@ -130,14 +130,14 @@ pub(super) struct Pin {
     pub target: Rigid,
 }
 
-/// All of it.
+/// State of everything in a task.
 #[derive(Clone, Debug)]
 pub(super) struct Stage<'a> {
     pub task: &'a Task,
     pub actors: Vec<Actor>,
-    /// Of every thing.
+    /// Placements of every thing.
     pub lives: Vec<Vec<Stretch>>,
-    /// What limbs may touch, because of what they do.
+    /// Contacts that limbs are allowed by their actions.
     pub contacts: Vec<(usize, Limb, Allowed)>,
     pub planned: Vec<Planned>,
     pub pins: Vec<Pin>,
@@ -145,7 +145,7 @@ pub(super) struct Stage<'a> {
     pub leaned: Vec<Leaned>,
 }
 
-/// What is around a limb in a stretch of time.
+/// Surroundings of a limb in a stretch of time.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Surroundings {
     pub solids: Vec<Solid>,
@@ -173,14 +173,14 @@ impl Actor {
         actor
     }
 
-    /// What a limb is in by the clip itself and stays in: an upper arm or thigh in the trunk, as flesh gives way; other parts where
-    /// they are hardly in it, or where the clip begins or ends so, as there is no free pose to come from.
+    /// Collisions of a limb by the clip itself, in which it stays: an upper arm or thigh in the trunk, as flesh gives way;
+    /// other parts where they are hardly in it, or where the clip begins or ends so, as there is no free pose to come from.
     fn presses(&self, limb: Limb) -> Vec<(Limb, Allowed)> {
         let mut allowed: Vec<Allowed> = Vec::new();
         let first = limb.joints()[0].name();
-        // From the beginning, and to the end.
+        // Times up to which a collision at the beginning lasts, and from which one at the end does.
         let mut ends = [f64::NEG_INFINITY, f64::INFINITY];
-        // Each look finds what is deepest: what lies behind it comes next.
+        // Each pass finds the deepest collision of a part: the one behind it comes next.
         for _ in 0..MOST_LOOKS {
             let spec = ProblemSpec { allowed: &allowed, ..self.spec(limb) };
             let Ok(problem) = Problem::prepare(&spec) else { break };
@@ -211,14 +211,14 @@ impl Actor {
         allowed.into_iter().map(|a| (limb, a)).collect()
     }
 
-    /// A limb alone, over the whole clip.
+    /// Specification of a limb over the whole clip, in an empty world.
     fn spec(&self, limb: Limb) -> ProblemSpec<'_> {
         let linkage = Linkage::limb(limb);
         let ends = [0.0, self.end_s()].map(|time_s| State { pose: self.motion.limb_pose(linkage, time_s), time_s });
         ProblemSpec::new(&self.skeleton, linkage, &self.limits, &self.motion, &self.shape, ends)
     }
 
-    /// Takes a changed clip.
+    /// Replaces the clip.
     pub fn change(&mut self, clip: Clip) {
         self.motion = driven(&clip, &self.skeleton);
         self.clip = clip;
@@ -228,7 +228,7 @@ impl Actor {
         self.clip.num_frames().saturating_sub(1) as f64 / self.clip.rate_hz
     }
 
-    /// Where a joint is.
+    /// Transform of a joint at a time.
     pub fn joint(&self, joint: Joint, time_s: f64) -> Rigid {
         let places = self.motion.places();
         let [from, to] = self.motion.window_s();
@@ -245,7 +245,7 @@ fn driven(clip: &Clip, skeleton: &Skeleton) -> Driven {
 }
 
 impl<'a> Stage<'a> {
-    /// Everything as it is before anything was planned.
+    /// The state of a task before anything was planned.
     pub fn new(task: &'a Task, clips: &[ActorClip]) -> Self {
         let actors = clips.iter().zip(&task.characters).map(|(c, who)| Actor::new(c, who)).collect();
         let life = |start: &Start| {
@@ -263,24 +263,24 @@ impl<'a> Stage<'a> {
         Self { task, actors, lives, contacts, planned, pins, looked: Vec::new(), leaned: Vec::new() }
     }
 
-    /// The last moment of anybody (s).
+    /// The end of the last clip (s).
     pub fn end_s(&self) -> f64 {
         self.actors.iter().map(Actor::end_s).fold(0.0, f64::max)
     }
 
-    /// How a thing moves at a time; at a change, as after it.
+    /// Placement of a thing at a time; at a change, the one after it.
     pub fn stretch(&self, thing: usize, time_s: f64) -> &Whereabouts {
         let life = &self.lives[thing];
         let i = life.iter().rposition(|s| s.from_s <= time_s + 1e-6).unwrap_or(0);
         &life[i].at
     }
 
-    /// Where a thing is.
+    /// Transform of a thing at a time.
     pub fn place(&self, thing: usize, time_s: f64) -> Rigid {
         self.place_in(self.stretch(thing, time_s), time_s, 0)
     }
 
-    /// Where a thing of such a stretch is.
+    /// Transform of a thing with a placement.
     pub fn place_in(&self, at: &Whereabouts, time_s: f64, depth: usize) -> Rigid {
         match at {
             Whereabouts::Path(path) => path.at(time_s),
@@ -294,7 +294,7 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// What a place is seen from.
+    /// Frame from which a place is seen.
     pub fn base_of(&self, place: &Place, time_s: f64) -> Rigid {
         match place.on {
             Anchor::World => Rigid::IDENTITY,
@@ -303,7 +303,7 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// Where a place is: once, or turned upright in many ways where its turn is open.
+    /// Transforms of a place: one, or many upright ones where its turn is open.
     pub fn resolve(&self, place: &Place, time_s: f64) -> Vec<Rigid> {
         let at = self.base_of(place, time_s).then(place.offset);
         let turns = if place.any_turn { NUM_TURNS } else { 1 };
@@ -311,7 +311,7 @@ impl<'a> Stage<'a> {
         (0..turns).map(|k| at.then(Rigid { position: DVec3::ZERO, rotation: turn(k) })).collect()
     }
 
-    /// The thing in a hand at a time, and where it is seen from there.
+    /// The thing in a hand at a time, and its transform relative to the hand.
     pub fn held_by(&self, who: usize, limb: Limb, time_s: f64) -> Option<(usize, Rigid)> {
         (0..self.lives.len()).find_map(|thing| match self.stretch(thing, time_s) {
             Whereabouts::On { character, holder, offset, .. } if *character == who && *holder == Some(limb) => {
@@ -321,7 +321,8 @@ impl<'a> Stage<'a> {
         })
     }
 
-    /// The thing that two hands hold, one of which is a limb's, at some time of a stretch; who leads, and who follows.
+    /// The thing that two hands hold, one of which is a limb's, at some time of a stretch; the leading hand, and the following
+    /// one.
     pub fn held_by_both(&self, who: usize, limb: Limb, [from_s, to_s]: [f64; 2]) -> Option<(usize, Limb, Follower)> {
         self.lives.iter().enumerate().find_map(|(thing, life)| {
             life.iter().enumerate().find_map(|(i, s)| match &s.at {
@@ -336,12 +337,12 @@ impl<'a> Stage<'a> {
         })
     }
 
-    /// The path of a thing over all of the task.
+    /// Motion of a thing over all of the task.
     pub fn path(&self, thing: usize) -> Motion {
         if let [Stretch { at: Whereabouts::Path(path), .. }] = &self.lives[thing][..] {
             return path.clone();
         }
-        // The samples of a clip, if there is one that moves.
+        // Samples of a clip, if one moves the thing.
         let even = |a: &Actor| match a.motion.clock() {
             Clock::Even { step_s, .. } if a.motion.places().len() > 1 => Some(step_s),
             _ => None,
@@ -353,7 +354,7 @@ impl<'a> Stage<'a> {
         Motion::Track(Arc::new(Track::rigid(clock, samples)))
     }
 
-    /// What is around a limb, and what it may touch.
+    /// Surroundings of a limb, and contacts that it is allowed.
     pub fn around(&self, who: usize, limb: Limb, [from_s, to_s]: [f64; 2]) -> Surroundings {
         let mut out = Surroundings::default();
         let middle = 0.5 * (from_s + to_s);
@@ -407,7 +408,7 @@ impl<'a> Stage<'a> {
         out
     }
 
-    /// Limbs of the character that have tasks of their own are not this one's business.
+    /// Allows contacts of the character's other limbs that have steps of their own: those steps check them.
     fn leave_to_others(&self, who: usize, limb: Limb, out: &mut Surroundings) {
         let receivers = self.task.steps.iter().filter_map(|s| s.receiver.as_ref()).map(|r| (r.character, r.limb));
         let seconds = self.task.steps.iter().filter_map(|s| Some((s.character, s.second.as_ref()?.limb)));
@@ -427,18 +428,18 @@ impl<'a> Stage<'a> {
         all.filter(move |(i, _)| *i != who).map(|(_, (c, actor))| (&c.name, actor))
     }
 
-    /// Everybody else whose mesh is not among what is [around](Stage::around).
+    /// All other characters whose meshes are not part of the [surroundings](Stage::around).
     pub fn other_bodies(&self, who: usize) -> Vec<Other<'_>> {
         let all = self.others(who).filter(|(_, a)| a.worn.is_none());
         all.map(|(name, a)| Other { name, motion: &a.motion, shape: &a.shape }).collect()
     }
 
-    /// Everybody else, as capsules.
+    /// All other characters, as capsules.
     pub fn other_capsules(&self, who: usize) -> Vec<Other<'_>> {
         self.others(who).map(|(name, a)| Other { name, motion: &a.motion, shape: &a.shape }).collect()
     }
 
-    /// A problem of a limb, without ends.
+    /// Specification of a limb's problem, without ends.
     pub fn spec<'s>(
         &'s self,
         who: usize,
@@ -451,7 +452,7 @@ impl<'a> Stage<'a> {
         ProblemSpec { solids, held, allowed, level: *level, others, clearance_m: self.task.clearance_m, ..spec }
     }
 
-    /// Notes that a limb was planned.
+    /// Records that a limb was planned.
     pub fn note(&mut self, character: usize, limb: Limb, window_s: [f64; 2]) {
         let motion = &self.actors[character].motion;
         let ends = window_s.map(|t| motion.limb_pose(Linkage::limb(limb), t));
@@ -468,7 +469,7 @@ pub(super) fn hand(limb: Limb) -> Joint {
     limb.joints()[2]
 }
 
-/// The middle of the hand in the hand's frame: where a fist closes (m).
+/// Middle of the hand in the hand's frame: where a fist closes (m).
 pub(super) fn palm(skeleton: &Skeleton, limb: Limb) -> DVec3 {
     let fore = skeleton.offsets[hand(limb).index()].as_dvec3();
     0.3 * fore

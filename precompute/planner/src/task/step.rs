@@ -1,4 +1,4 @@
-//! One thing to do, checked.
+//! Steps of a task, checked.
 
 use super::entries::{Deed, GripEntry, PlaceEntry, SecondEntry, StyleEntry, TaskEntry};
 use super::file::{Character, MOST_M, MOST_S, Thing, is_near, joint_of, not_many, placed};
@@ -10,22 +10,23 @@ use std::collections::BTreeMap;
 use throng_base::text::did_you_mean;
 use throng_core::Joint;
 
-/// One thing to do.
+/// A step of a task.
 #[derive(Clone, Debug)]
 pub(super) struct Step {
     pub name: String,
     pub character: usize,
     pub limb: Limb,
     pub deed: Deed,
-    /// Which thing.
+    /// Index of the object.
     pub object: Option<usize>,
-    /// Leaves the clip, reaches, is back (s); of corrections, where is looked.
+    /// Times at which the limb leaves the clip, reaches its target and is back (s); of corrections, the stretch that is
+    /// searched.
     pub times_s: [f64; 3],
     pub hold_s: f64,
     pub grips: Vec<Grip>,
     pub second: Option<Second>,
     pub to: Option<Place>,
-    /// How far what is held may tilt on the way there (rad).
+    /// Largest tilt of the held object on the way there (rad).
     pub level_rad: Option<f64>,
     pub receiver: Option<Receiver>,
     pub contacts: Vec<String>,
@@ -33,35 +34,35 @@ pub(super) struct Step {
     pub style: Style,
 }
 
-/// Times of a step that is done once somebody has walked there.
+/// Times of a step before its character has walked there.
 const UNTIMED: [f64; 3] = [f64::NAN; 3];
 
 impl Step {
-    /// False where somebody has to walk there first.
+    /// False where the character has to walk there first.
     pub fn is_timed(&self) -> bool {
         !self.times_s[1].is_nan()
     }
 }
 
-/// Where a hand holds an object, seen from it.
+/// A grip: the place of a hand at an object, relative to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Grip {
-    /// The wrist, turned like that.
+    /// Transform of the wrist.
     Turned(Rigid),
-    /// The middle of the hand, turned in any way (m).
+    /// Position of the middle of the hand, with any turn (m).
     Any(DVec3),
 }
 
-/// A place, seen from something.
+/// A place relative to something.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
     pub on: Anchor,
     pub offset: Rigid,
-    /// Turned about the vertical in any way.
+    /// True for any turn about the vertical.
     pub any_turn: bool,
 }
 
-/// What a place is seen from.
+/// Thing, joint or world from which a place is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Anchor {
     World,
@@ -69,14 +70,14 @@ pub(super) enum Anchor {
     Joint(usize, Joint),
 }
 
-/// The other hand that takes something, too.
+/// The other hand, which takes the object, too.
 #[derive(Clone, Debug)]
 pub(super) struct Second {
     pub limb: Limb,
     pub grips: Vec<Grip>,
 }
 
-/// Who takes over.
+/// Receiver of an object.
 #[derive(Clone, Debug)]
 pub(super) struct Receiver {
     pub character: usize,
@@ -84,7 +85,7 @@ pub(super) struct Receiver {
     pub grips: Vec<Grip>,
 }
 
-/// Checks all tasks of a file; in an error, which one.
+/// Checks all tasks of a file; an error has the index of the task.
 pub(super) fn steps(
     tasks: &[TaskEntry],
     characters: &[Character],
@@ -178,7 +179,7 @@ impl Names<'_> {
         })
     }
 
-    /// True for somebody who walks up to what it does.
+    /// True for a character that walks up to its tasks.
     fn walks_up(&self, name: Option<&str>) -> Result<bool, String> {
         let walk = self.characters[self.character(name)?].clip.walk.as_ref();
         Ok(walk.is_some_and(|w| w.pace.is_empty()))

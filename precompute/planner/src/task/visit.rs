@@ -1,4 +1,4 @@
-//! A limb that leaves the clip, comes to a goal, and comes back.
+//! A limb that leaves the clip, reaches a goal, and comes back.
 
 use super::deeds::{CONTACT_S, Problems};
 use super::grips::{Goal, awkwardness};
@@ -17,27 +17,27 @@ use crate::rotation::Rigid;
 use crate::setup::{Allowed, Level};
 use glam::DVec3;
 
-/// What is so near to a thing carries it, or is beside it: they may touch when it is taken and laid down (m).
+/// Distance below which something supports a thing, or is beside it: they may touch when it is taken and laid down (m).
 const BESIDE_M: f64 = 0.02;
-/// Hands that are within reach and for which plans are tried, at most.
+/// Most hands within reach for which plans are tried.
 pub(super) const TRIES: usize = 6;
 
-/// A thing that changes hands when the goal is reached.
+/// Change of a thing's placement when the goal is reached.
 #[derive(Clone, Copy)]
 pub(super) struct Change<'a> {
     pub thing: usize,
-    /// How it goes on.
+    /// Placement of the thing afterwards.
     pub then: &'a dyn Fn(&Goal) -> Whereabouts,
 }
 
-/// Who comes where and when.
+/// A limb with the times of its path to a goal and back.
 #[derive(Clone, Copy)]
 pub(super) struct Visit {
     pub who: usize,
     pub limb: Limb,
     pub times_s: [f64; 3],
     pub hold_s: f64,
-    /// What it holds stays upright on the way there.
+    /// Constraint that keeps a held object upright on the way there.
     pub level: Option<Level>,
 }
 
@@ -46,7 +46,7 @@ impl Visit {
         Self { who: step.character, limb: step.limb, times_s: step.times_s, hold_s: step.hold_s, level: None }
     }
 
-    /// With something in the hand, as goals have it.
+    /// The visit of a step with the object in the hand, as goals have it.
     pub fn with(step: &Step, goals: &[Goal]) -> Self {
         let up = goals.first().map(|g| g.hand.local(g.object).rotation * DVec3::Y);
         let level = up.zip(step.level_rad).map(|(up, within_rad)| Level { up, within_rad });
@@ -54,7 +54,7 @@ impl Visit {
     }
 }
 
-/// A limb goes to the first of some targets for which there is a way there and back.
+/// Moves a limb to the first of some goals for which there is a path there and back.
 pub(super) fn go(
     stage: &mut Stage<'_>,
     visit: Visit,
@@ -75,9 +75,9 @@ pub(super) fn go(
     })
 }
 
-/// Does the first of some things that can be done; what fails leaves nothing.
+/// Does the first of some alternatives that succeeds; failed ones change nothing.
 ///
-/// - `wrong`: what is said in place of why the first one failed.
+/// - `wrong`: failure that is reported in place of the first one.
 pub(super) fn first_done<'a, C, T>(
     stage: &mut Stage<'a>,
     tries: impl Iterator<Item = C>,
@@ -175,9 +175,9 @@ fn plan(
     Ok(reached.outcomes.to_vec())
 }
 
-/// What is beside a thing, or carries it, may touch it while it is taken or laid down.
+/// Allows a thing to touch its support, and things beside it, while it is taken or laid down.
 ///
-/// - `at_s`, `until_s`: when it is there, and from when on it may be moved away.
+/// - `at_s`, `until_s`: time at which it is there, and time from which it may be moved away.
 pub(super) fn beside(
     stage: &mut Stage<'_>,
     (who, limb): (usize, Limb),

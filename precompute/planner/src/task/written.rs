@@ -1,4 +1,4 @@
-//! What was put elsewhere, written back into a task's text: the numbers that changed and nothing else.
+//! Writes moved things back into a task's text: only the numbers that changed.
 
 use super::file::Task;
 use super::scenery::Handle;
@@ -7,18 +7,18 @@ use std::ops::Range;
 use throng_base::text::Source;
 use throng_base::{Error, Result};
 
-/// What moved by less stays as it is written (m).
+/// Distance below which a move is not written (m).
 const SAME_M: f64 = 5e-5;
-/// Numbers are written that finely (1/m).
+/// Fineness of written numbers (1/m).
 const DIGITS: f64 = 1e4;
 
 impl Task {
-    /// The text of a task's file with things and places where they are by now; comments, spaces and all other numbers stay.
+    /// The text of a task's file with things and places where they are now; comments, spaces and all other numbers stay.
     ///
-    /// - `source`: what the task was read from.
+    /// - `source`: text from which the task was read.
     ///
     /// # Errors
-    /// As [`Task::parse`]; a text that is about other things, or whose numbers are written in a way that is not understood.
+    /// Errors of [`Task::parse`]; a text about other things, or with numbers in an unsupported notation.
     pub fn written(&self, source: &Source) -> Result<String> {
         let before = Self::parse(source.text(), source.path())?;
         if before.handles() != self.handles() {

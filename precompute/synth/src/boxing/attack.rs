@@ -1,11 +1,11 @@
-//! What a combination is thrown at, and how the technique of a blow adapts to it.
+//! Target of a combination, and adaptation of a blow's technique to it.
 
 use super::moves::{Blow, Punch};
 use super::posture::Posture;
 use super::technique::Technique;
 use rand::{Rng, RngExt};
 
-/// Where a blow is meant to land.
+/// Height at which a blow is meant to land.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Level {
     /// Below the chest.
@@ -16,19 +16,19 @@ pub enum Level {
     High,
 }
 
-/// What a combination is thrown at, and how.
+/// Target and manner of a combination.
 #[derive(Clone, Copy, Debug)]
 pub struct Attack {
     /// Direction as seen from the shoulder, left of straight ahead (rad).
     pub azimuth: f64,
-    /// From close (-1) over no lean (0) to a lunge (1).
+    /// Lean: from close (-1) over none (0) to a lunge (1).
     pub reach: f64,
-    /// Time between blows as a share of the usual.
+    /// Time between blows, as a share of the usual.
     pub tempo: f64,
 }
 
 impl Attack {
-    /// The posture of a technique, or a share of the way to it, against a height and a direction: low blows come from
+    /// Adapts the posture of a technique, or a share of the way to it, to a height and a direction: low blows come from
     /// low knees, long ones from a lean over the lead foot, and the trunk turns with the direction.
     pub fn aimed(&self, technique: &Technique, p: Posture, height: f64, azimuth: f64, share: f64) -> Posture {
         let lower = (1.3 - height).clamp(0.0, 0.2);
@@ -47,7 +47,7 @@ impl Attack {
         }
     }
 
-    /// Height of the wrist at the hit. A long blow goes out level, from a low shoulder (m).
+    /// Height of the wrist at the hit. A long blow is level, from a low shoulder (m).
     pub fn height(&self, punch: Punch, level: Level, rng: &mut impl Rng) -> f64 {
         let range = match (punch, level) {
             (Punch::Uppercut, Level::Body) => 1.18..1.28,
@@ -60,13 +60,13 @@ impl Attack {
         rng.random_range(range) - 0.1 * self.reach.max(0.0)
     }
 
-    /// How far the arm stretches at the hit as a share of the usual: bent blows get shorter as the target comes close.
+    /// Stretch of the arm at the hit, as a share of the usual: bent blows get shorter for a close target.
     pub fn stretch(&self, punch: Punch) -> f64 {
         if punch == Punch::Straight { 1.0 } else { 1.0 + 0.26 * self.reach.min(0.0) }
     }
 }
 
-/// From hit to hit (s).
+/// Time from hit to hit (s).
 pub fn gap(earlier: Blow, blow: Blow) -> f64 {
     if earlier.lead == blow.lead {
         return if blow.punch == Punch::Straight { 0.46 } else { 0.56 };

@@ -1,4 +1,4 @@
-//! The body between feet and fists: balanced over the feet, as high as the knees say, turned and leaned as planned.
+//! The body between feet and fists: balanced over the feet, as high as the knees allow, turned and leaned as planned.
 
 use super::super::attitude::Attitude;
 use super::super::foot::FootPose;
@@ -14,15 +14,15 @@ use throng_core::{Joint, Skeleton};
 
 /// Largest upward acceleration of the hips (m/s^2).
 const SPRING: f64 = 14.0;
-/// A bouncing knee: how far it goes, and how often (rad, Hz).
+/// Amplitude and frequency of a bouncing knee (rad, Hz).
 const BOUNCE: (f64, f64) = (0.045, 1.7);
-/// Whoever ducks bends neither knee further, whatever the stance: 110 degrees, thigh a little above level (rad).
+/// Largest flexion of a ducking boxer's knees: 110 degrees, thigh a little above level (rad).
 const DEEPEST: f64 = 1.92;
 
-/// Slower heels stand (m/s).
+/// Largest speed of a standing heel (m/s).
 const HEEL_SPEED: f64 = 0.015;
 
-/// The body at one sample, in the world.
+/// Body of a boxer at one sample, in the world.
 #[derive(Clone, Copy, Debug)]
 pub struct Body {
     /// The facing (rad).
@@ -37,7 +37,7 @@ pub struct Body {
     pub chest: DVec3,
     /// Neck joint (m).
     pub neck: DVec3,
-    /// The frame in which hands are on guard: the neck's place, between facing, head and chest.
+    /// Frame of hands on guard: at the neck, oriented between facing, head and chest.
     pub guard: DQuat,
     /// Both feet.
     pub feet: [FootPose; 2],
@@ -85,7 +85,7 @@ fn feet(script: &Script, postures: &[Posture], times: &[f64], dt: f64) -> Vec<[F
     feet
 }
 
-/// A heel that moves over the ground while the foot turns on its ball does not carry.
+/// Marks heels that move over the ground while the foot turns on its ball as not carrying.
 fn lift_turning_heels(feet: &mut [[FootPose; 2]], i: usize, dt: f64) {
     let ankles: Vec<DVec3> = feet.iter().map(|f| f[i].ankle).collect();
     for (k, pair) in ankles.windows(2).enumerate() {
@@ -96,7 +96,7 @@ fn lift_turning_heels(feet: &mut [[FootPose; 2]], i: usize, dt: f64) {
     }
 }
 
-/// The centre of pressure: under the standing foot while the other one flies, shared as the posture says otherwise.
+/// Centre of pressure: under the standing foot while the other one flies, otherwise shared as in the posture.
 fn pressure(script: &Script, postures: &[Posture], feet: &[[FootPose; 2]], times: &[f64], dt: f64) -> Vec<DVec2> {
     let share: Vec<f64> = times
         .iter()
@@ -115,7 +115,7 @@ fn pressure(script: &Script, postures: &[Posture], feet: &[[FootPose; 2]], times
     feet.iter().zip(share).map(|(f, s)| under(&f[0]) * s + under(&f[1]) * (1.0 - s)).collect()
 }
 
-/// The body over its centre of mass, with the hips at height 0. The hips go back from where the trunk leans.
+/// Body over its centre of mass, with the hips at height 0. The hips move back against the lean of the trunk.
 fn placed(p: &Posture, facing: f64, mass: DVec2, feet: [FootPose; 2], skeleton: &Skeleton) -> Body {
     let ahead = 0.02 - 0.3 * p.pitch.sin() + p.shift[1];
     let aside = 0.14 * p.list.sin() + p.shift[0];
@@ -140,7 +140,7 @@ fn placed(p: &Posture, facing: f64, mass: DVec2, feet: [FootPose; 2], skeleton: 
     Body { facing, root, hips: hips_world, trunk, chest: chest_at, neck: neck_at, guard, feet }
 }
 
-/// Height of the hips joint: as low as the straighter knee says, no leg longer than it is and no knee bent too far.
+/// Height of the hips joint: given by the straighter knee, with no leg overstretched and no knee bent too far (m).
 fn height(bodies: &[Body], postures: &[Posture], skeleton: &Skeleton, dt: f64) -> Vec<f64> {
     let leg = LegShape::of(skeleton);
     let limit: Vec<f64> = bodies

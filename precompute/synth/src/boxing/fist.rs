@@ -1,7 +1,7 @@
-//! The way of each fist: on guard with the body, and out and back on every blow.
+//! Path of each fist: on guard with the body, out and back on every blow.
 //!
 //! A blow is a displacement from the guard that passes its target at full speed in the direction of the blow, so a
-//! straight one comes out straight and a bent one swings around, and the guard moves on underneath.
+//! straight one leaves straight and a bent one swings around, while the guard moves on underneath.
 
 use super::super::arm::ArmShape;
 use super::super::side::{Side, forward};
@@ -14,11 +14,11 @@ use super::technique::{self, Technique};
 use glam::{DQuat, DVec3};
 use throng_core::{Joint, Skeleton};
 
-/// What an arm follows.
+/// Inputs of an arm's motion.
 pub struct ArmTrack<'a> {
-    /// Whose.
+    /// Side of the arm.
     pub side: Side,
-    /// The hand at every sample where it does not strike.
+    /// Pose of the hand without blows, at every sample.
     pub hands: &'a [HandPose],
     /// The body at every sample.
     pub bodies: &'a [Body],
@@ -26,7 +26,7 @@ pub struct ArmTrack<'a> {
     pub dt: f64,
 }
 
-/// An arm's lengths and where it begins.
+/// Lengths and origin of an arm.
 struct Build {
     shape: ArmShape,
     clavicle: DVec3,
@@ -51,7 +51,7 @@ pub struct ArmGoal {
     pub shoulder: DVec3,
     /// Wrist (m).
     pub wrist: DVec3,
-    /// Where the elbow points.
+    /// Direction of the elbow.
     pub pole: DVec3,
     /// Twist of the forearm (rad).
     pub twist: f64,
@@ -91,7 +91,7 @@ fn on_guard(side: Side, body: &Body, hand: &HandPose, build: &Build) -> ArmGoal 
     }
 }
 
-/// One blow as displacements from the guard.
+/// A blow, as displacements from the guard.
 struct Way {
     strike: Strike,
     hit: DVec3,
@@ -137,13 +137,13 @@ impl Way {
     }
 }
 
-/// Where a blow goes, seen from the shoulder.
+/// Target of a blow, relative to the shoulder.
 struct Aim {
     to_target: DVec3,
     velocity: DVec3,
 }
 
-/// The steepest way from the shoulder to a target (sine).
+/// Steepest direction from the shoulder to a target (sine).
 const STEEPEST: f64 = 0.6;
 
 impl Aim {
@@ -154,14 +154,14 @@ impl Aim {
         let ahead = DVec3::new(ahead.x, 0.0, ahead.y);
         let inward = DVec3::Y.cross(ahead) * -strike.blow.side().sign();
         let away = ahead * (1.0 - rise * rise).sqrt() + DVec3::Y * rise;
-        // Straights go out along the arm; bent blows keep their own directions, whatever the height.
+        // Straights go out along the arm; bent blows keep their own directions at any height.
         let out = if strike.blow.punch == Punch::Straight { away } else { ahead };
         let along = inward * technique.along.x + DVec3::Y * technique.along.y + out * technique.along.z;
         Self { to_target: away * length, velocity: along.normalize_or(away) * strike.speed }
     }
 
-    /// Where the wrist is, seen from the shoulder, as the blow ends: straights stretch the arm, bent blows go on
-    /// around the shoulder.
+    /// Position of the wrist at the end of a blow, relative to the shoulder: straights stretch the arm, bent blows
+    /// continue around the shoulder.
     fn end(&self, punch: Punch, follow: f64, arm: &ArmShape) -> DVec3 {
         let away = self.to_target.normalize_or(DVec3::Z);
         if punch == Punch::Straight {

@@ -1,4 +1,4 @@
-//! A boxer's foot: it stands on its ball, lifts its heel, turns on the spot, and glides low to the next place.
+//! A boxer's foot: stands on its ball, lifts its heel, turns on the spot, and glides low to the next place.
 
 use super::super::foot::{FootPose, FootShape};
 use super::super::side::forward;
@@ -6,42 +6,42 @@ use super::super::signal::{bump, cruise};
 use super::super::track::Track;
 use glam::{DVec2, DVec3};
 
-/// One stay of the ball of a foot on the ground.
+/// Contact of the ball of a foot with the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stay {
     /// The ball meets the ground (s).
     pub land: f64,
     /// The ball leaves the ground (s).
     pub lift: f64,
-    /// The ball on the ground plane (x, z) (m).
+    /// Position of the ball on the ground plane (x, z) (m).
     pub ball: DVec2,
 }
 
-/// All stays of one foot, in order, and its heading.
+/// All contacts of one foot, in order, and its heading.
 pub struct BoxerFoot {
     shape: FootShape,
     stays: Vec<Stay>,
     yaw: Track<1>,
 }
 
-/// Heading and heel of a foot at an instant, as the body wants them.
+/// Heading and heel of a foot at an instant, as given by the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stance {
     /// Heading of the foot (rad).
     pub yaw: f64,
-    /// Heel up (rad).
+    /// Lift of the heel (rad).
     pub heel: f64,
 }
 
 /// Share of a flight in which the foot speeds up, and slows down.
 const RAMP: f64 = 0.42;
-/// The heel comes up before the ball does (s).
+/// Time by which the heel leaves the ground before the ball does (s).
 const PEEL: f64 = 0.09;
-/// Heel angle below which the heel carries (rad).
+/// Heel angle below which the heel carries weight (rad).
 const HEEL_DOWN: f64 = 0.006;
 
 impl BoxerFoot {
-    /// A foot that stands with its ankle at `ankle`, and turns by `yaw`.
+    /// A foot standing with its ankle at `ankle` and heading `yaw`.
     pub fn new(shape: FootShape, ankle: DVec2, yaw: f64) -> Self {
         let ball = ankle + forward(yaw) * shape.ball;
         Self { shape, stays: vec![Stay { land: f64::NEG_INFINITY, lift: f64::INFINITY, ball }], yaw: Track::new([yaw]) }
@@ -64,25 +64,25 @@ impl BoxerFoot {
         self.yaw.push(to, [yaw]);
     }
 
-    /// The place of the ankle of the flat foot, and its heading, after the last step.
+    /// Ankle of the flat foot and heading, after the last step.
     pub fn last(&self) -> (DVec2, f64) {
         let yaw = self.yaw.last().1[0];
         (self.stays.last().map_or(DVec2::ZERO, |s| s.ball) - forward(yaw) * self.shape.ball, yaw)
     }
 
-    /// Headings at `times`, which are `dt` apart (rad).
+    /// Headings at `times`, spaced `dt` apart (rad).
     pub fn yaws(&self, times: &[f64], dt: f64) -> Vec<f64> {
         self.yaw.sample(times, &[0.0], 0.012, dt).iter().map(|y| y[0]).collect()
     }
 
-    /// How far flight has come at `t`, or `None` while the foot stands.
+    /// Ratio of the current flight at `t`; `None` while the foot stands.
     pub fn flight(&self, t: f64) -> Option<f64> {
         let (a, b) = self.around(t);
         let b = b.filter(|_| t > a.lift)?;
         Some((t - a.lift) / (b.land - a.lift))
     }
 
-    /// The foot at `t` seconds.
+    /// Pose of the foot at `t` seconds.
     pub fn pose(&self, t: f64, stance: Stance) -> FootPose {
         let (a, next) = self.around(t);
         let (mut ball, mut pitch, mut toe_pitch) = (a.ball, stance.heel, 0.0);
@@ -103,7 +103,7 @@ impl BoxerFoot {
         FootPose { toe_down: planted, heel_down: planted && pitch < HEEL_DOWN, ..posed }
     }
 
-    /// The stay at or before `t` and the next one.
+    /// Contact at or before `t`, and the next one.
     fn around(&self, t: f64) -> (&Stay, Option<&Stay>) {
         let i = self.stays.partition_point(|s| s.land <= t).saturating_sub(1);
         (&self.stays[i], self.stays.get(i + 1))

@@ -1,9 +1,9 @@
 //! A shadow-boxer: orthodox, on guard, always about to move.
 //!
 //! From intention to pose, in this order: `plan` deals footwork, combinations and defences (`moves`), which become
-//! keys, steps and blows (`script`) by the postures of `technique` and `posture`, as `attack` bends them to a target;
-//! `foot` stands and steps, `body` is balanced over the feet and turns as planned, `fist` strikes from wherever the
-//! body has brought the shoulder.
+//! keys, steps and blows (`script`) by the postures of `technique` and `posture`, adapted to a target by `attack`;
+//! `foot` stands and steps, `body` is balanced over the feet and turns as planned, `fist` strikes from the shoulder of
+//! that body.
 
 mod attack;
 mod body;
@@ -31,7 +31,7 @@ use script::Script;
 use throng_core::{Joint, Skeleton, planar::wrap_angle};
 use throng_motion::clip::{Clip, ClipSet};
 
-/// How much earlier each channel of a hand moves than its keys: the elbow and the shoulder lead the fist (s).
+/// Time by which each channel of a hand precedes its keys: the elbow and the shoulder lead the fist (s).
 const HANDS_AHEAD: [f64; posture::HAND] = [0.0, 0.0, 0.0, 0.03, 0.03, 0.03, 0.0, 0.02, 0.03];
 
 /// Makes the `boxing` set: shadow-boxing with footwork in all directions, straights, hooks and uppercuts of both hands
@@ -73,7 +73,7 @@ fn perform(name: String, script: &Script, skeleton: &Skeleton, cfg: &SynthConfig
     clip
 }
 
-/// Strength of the bouncing at every sample: it comes and goes.
+/// Strength of the bouncing at every sample, which varies slowly.
 fn rhythm(duration: f64, samples: &Samples, variation: f64, rng: &mut impl Rng) -> Vec<f64> {
     let (mut t, mut knots) = (0.0, Vec::new());
     while t < duration + 2.0 {

@@ -1,8 +1,8 @@
-//! What a boxer can do: punches and their combinations, defences, footwork.
+//! Repertoire of a boxer: punches and their combinations, defences, footwork.
 
 use super::super::side::Side;
 
-/// A way of punching.
+/// Kind of punch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Punch {
     /// Straight from the shoulder: the jab of the lead hand, the cross of the rear one.
@@ -16,14 +16,14 @@ pub enum Punch {
 /// A punch of one hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Blow {
-    /// The way of punching.
+    /// Kind of punch.
     pub punch: Punch,
     /// True for the lead hand, which is the left one.
     pub lead: bool,
 }
 
 impl Blow {
-    /// The hand.
+    /// Side of the hand.
     pub fn side(self) -> Side {
         if self.lead { Side::Left } else { Side::Right }
     }
@@ -48,7 +48,7 @@ const REAR_HOOK: Blow = Blow { punch: Punch::Hook, lead: false };
 const LEAD_UPPER: Blow = Blow { punch: Punch::Uppercut, lead: true };
 const REAR_UPPER: Blow = Blow { punch: Punch::Uppercut, lead: false };
 
-/// The combinations, of two to four punches. Consecutive hooks and uppercuts change hands, as the hips do.
+/// Combinations of two to four punches. Consecutive hooks and uppercuts change hands, as the hips do.
 pub const COMBINATIONS: [&[Blow]; 22] = [
     &[JAB, CROSS],
     &[JAB, JAB],
@@ -74,7 +74,7 @@ pub const COMBINATIONS: [&[Blow]; 22] = [
     &[LEAD_UPPER, REAR_UPPER, LEAD_HOOK, CROSS],
 ];
 
-/// A way of not being hit.
+/// Kind of defence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Defence {
     /// The head moves off the line, to the left.
@@ -91,16 +91,16 @@ pub enum Defence {
     PullBack,
     /// Both hands come up before the face, elbows together.
     Block,
-    /// The left arm covers the left of the head.
+    /// The left arm covers the left side of the head.
     CoverLeft,
-    /// The right arm covers the right of the head.
+    /// The right arm covers the right side of the head.
     CoverRight,
     /// The rear hand brushes a straight aside.
     Parry,
 }
 
 impl Defence {
-    /// All of them.
+    /// All defences.
     pub const ALL: [Self; 10] = [
         Self::SlipLeft,
         Self::SlipRight,
@@ -134,11 +134,11 @@ impl Defence {
 /// A move of both feet that keeps the stance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shuffle {
-    /// Forward (m).
+    /// Distance forward (m).
     pub forward: f64,
-    /// To the left (m).
+    /// Distance to the left (m).
     pub aside: f64,
-    /// To the left (rad).
+    /// Turn to the left (rad).
     pub turn: f64,
     /// The tag of the move in a clip; small ones have none.
     pub tag: Option<&'static str>,

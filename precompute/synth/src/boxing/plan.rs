@@ -1,4 +1,4 @@
-//! What the boxer intends: footwork, combinations and defences, dealt so that everything comes equally often.
+//! Intentions of the boxer: footwork, combinations and defences, dealt in equal numbers.
 
 use super::super::deck::Deck;
 use super::attack::{self, Attack, Level};
@@ -10,16 +10,16 @@ use glam::DVec2;
 use rand::{Rng, RngExt};
 use throng_core::Skeleton;
 
-/// Standing on guard at both ends of a clip (s).
+/// Time of standing on guard at both ends of a clip (s).
 const STAND: f64 = 0.8;
-/// From the last hit of a combination to the guard (s).
+/// Time from the last hit of a combination to the guard (s).
 const RECOVER: f64 = 0.38;
-/// The body is furthest into a blow this long after the hit: it drives through (s).
+/// Time from the hit to the body's furthest point, as it drives through (s).
 const THROUGH: f64 = 0.1;
-/// The body gathers this long before a later blow of a combination: there is no time for more (s).
+/// Time by which the body gathers before a later blow of a combination (s).
 const IN_BETWEEN: f64 = 0.17;
 
-/// Deals the moves. One boxer serves all clips of a set, so that they are spread evenly over it.
+/// Dealer of moves. One serves all clips of a set, so that moves are spread evenly over it.
 pub struct Boxer {
     combinations: Deck<&'static [Blow]>,
     footwork: Deck<Shuffle>,
@@ -32,7 +32,7 @@ pub struct Boxer {
 }
 
 impl Boxer {
-    /// A boxer whose moves vary by `variation` times the usual amount.
+    /// A dealer whose moves vary by `variation` times the usual amount.
     pub fn new(variation: f64) -> Self {
         use Level::{Body, Head, High};
         Self {
@@ -51,7 +51,7 @@ impl Boxer {
         }
     }
 
-    /// Shadow-boxing of about `seconds`, from guard to guard.
+    /// Script of shadow-boxing for about `seconds`, from guard to guard.
     pub fn shadow_box(&mut self, seconds: f64, skeleton: &Skeleton, rng: &mut impl Rng) -> Script {
         let mut script = Script::new(skeleton);
         let mut now = STAND;
@@ -71,7 +71,7 @@ impl Boxer {
         script
     }
 
-    /// A number around 1.
+    /// Random factor around 1.
     fn vary(&self, amount: f64, rng: &mut impl Rng) -> f64 {
         1.0 + self.variation * amount * rng.random_range(-1.0..1.0)
     }
@@ -96,7 +96,7 @@ impl Boxer {
         let start = now.max(script.feet_free());
         let end = self.step(script, now, &shuffle, rng);
         if shuffle.turn.abs() > 0.5 {
-            // The lead foot turns on its ball: its heel comes off.
+            // The lead foot turns on its ball with its heel lifted.
             let (_, body) = script.body.last();
             let mut up = Posture::of(body);
             up.heels[0] = 0.14;
@@ -119,7 +119,7 @@ impl Boxer {
         script.shuffle(at, shuffle, quickness, error)
     }
 
-    /// Back on guard, never exactly the same.
+    /// Returns to guard, with random variation.
     fn recover(&self, script: &mut Script, t: f64, rng: &mut impl Rng) {
         let mut by = |amount: f64| self.variation * amount * rng.random_range(-1.0..1.0);
         let guard = Posture::GUARD;
@@ -163,7 +163,7 @@ impl Boxer {
         back
     }
 
-    /// A combination, often with a step into it.
+    /// Adds a combination, often with a step into it.
     fn attack(&mut self, script: &mut Script, now: f64, rng: &mut impl Rng) -> f64 {
         let combination = self.combinations.deal(rng);
         let attack =
@@ -184,9 +184,9 @@ impl Boxer {
         end
     }
 
-    /// Steps in where the attack is long.
+    /// Steps in before a long attack.
     ///
-    /// - returns when the first blow hits.
+    /// - returns the time of the first hit.
     fn enter(&self, script: &mut Script, now: f64, first: Blow, attack: &Attack, rng: &mut impl Rng) -> f64 {
         let technique = technique::of(first);
         let ready = technique.load.map_or(technique.extend, |(before, _)| technique.extend.max(before + 0.14));

@@ -1,37 +1,37 @@
-//! How a boxer holds himself, as numbers that can be keyed: the body over the feet, and each hand.
+//! Posture of a boxer, as channels that can be keyed: the body over the feet, and each hand.
 //!
-//! The boxer is orthodox: the left foot and hand lead. Angles and directions are as seen in the *facing* frame, which
-//! stands on the ground and looks at the opponent: X left, Z towards the opponent.
+//! The boxer is orthodox: the left foot and hand lead. Angles and directions are in the *facing* frame, which stands on
+//! the ground and faces the opponent: X left, Z towards the opponent.
 
 use glam::DVec3;
 
-/// Channels of a [`Posture`].
+/// Number of channels of a [`Posture`].
 pub const BODY: usize = 13;
-/// Channels of a [`HandPose`].
+/// Number of channels of a [`HandPose`].
 pub const HAND: usize = 9;
 
-/// The body over the feet.
+/// Posture of the body over the feet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Posture {
     /// Heading of the hips (rad).
     pub hips: f64,
     /// Heading of the upper chest (rad).
     pub chest: f64,
-    /// The trunk leans forward (rad).
+    /// Forward lean of the trunk (rad).
     pub pitch: f64,
-    /// The trunk leans to the right (left side up) (rad).
+    /// Lean of the trunk to the right (left side up) (rad).
     pub list: f64,
-    /// Flexion of the straighter knee: the larger, the lower the body (rad).
+    /// Flexion of the straighter knee: larger is lower (rad).
     pub flexion: f64,
     /// Share of the weight on the lead foot.
     pub weight: f64,
-    /// The hips leave the balance over the feet: to the left and forward (m).
+    /// Shift of the hips from the balance over the feet: to the left and forward (m).
     pub shift: [f64; 2],
-    /// The head nods forward (rad).
+    /// Forward nod of the head (rad).
     pub chin: f64,
-    /// Heel up, left and right foot (rad).
+    /// Lift of the heels, left and right (rad).
     pub heels: [f64; 2],
-    /// The foot turns on its ball, left and right (rad).
+    /// Turn of each foot on its ball, left and right (rad).
     pub pivots: [f64; 2],
 }
 
@@ -50,10 +50,10 @@ impl Posture {
         pivots: [0.0; 2],
     };
 
-    /// How much earlier each channel moves than the hands: a blow begins at the ground (s).
+    /// Time by which each channel precedes the hands: a blow begins at the ground (s).
     pub const AHEAD: [f64; BODY] = [0.055, 0.02, 0.03, 0.03, 0.05, 0.1, 0.04, 0.04, 0.0, 0.065, 0.065, 0.065, 0.065];
 
-    /// The channels.
+    /// Values of the channels.
     pub fn channels(self) -> [f64; BODY] {
         let Self { hips, chest, pitch, list, flexion, weight, shift, chin, heels, pivots } = self;
         let [aside, forward] = shift;
@@ -61,7 +61,7 @@ impl Posture {
         [hips, chest, pitch, list, flexion, weight, aside, forward, chin, lh, rh, lp, rp]
     }
 
-    /// The posture of the channels.
+    /// Posture with given channels.
     pub fn of(c: [f64; BODY]) -> Self {
         let [hips, chest, pitch, list, flexion, weight, aside, forward, chin, lh, rh, lp, rp] = c;
         let shift = [aside, forward];
@@ -69,18 +69,18 @@ impl Posture {
     }
 }
 
-/// One hand while it does not strike, and how its arm is turned.
+/// Pose of a hand that does not strike, and of its arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandPose {
-    /// The wrist as seen from the neck, in a frame that turns with the head and chest (m).
+    /// Wrist relative to the neck, in a frame that turns with the head and chest (m).
     pub guard: DVec3,
-    /// Where the elbow points (direction).
+    /// Direction of the elbow.
     pub pole: DVec3,
     /// Twist of the forearm, palm down positive (rad).
     pub twist: f64,
-    /// The shoulder goes forward (rad).
+    /// Forward turn of the shoulder (rad).
     pub reach: f64,
-    /// The shoulder goes up (rad).
+    /// Upward turn of the shoulder (rad).
     pub shrug: f64,
 }
 
@@ -103,13 +103,13 @@ impl HandPose {
         },
     ];
 
-    /// The channels.
+    /// Values of the channels.
     pub fn channels(self) -> [f64; HAND] {
         let (g, p) = (self.guard, self.pole);
         [g.x, g.y, g.z, p.x, p.y, p.z, self.twist, self.reach, self.shrug]
     }
 
-    /// The pose of the channels.
+    /// Pose with given channels.
     pub fn of(c: [f64; HAND]) -> Self {
         let [x, y, z, px, py, pz, twist, reach, shrug] = c;
         Self { guard: DVec3::new(x, y, z), pole: DVec3::new(px, py, pz), twist, reach, shrug }

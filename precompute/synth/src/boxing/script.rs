@@ -1,4 +1,4 @@
-//! What happens when: the keys, steps and blows that a plan adds up to.
+//! Timeline of a clip: the keys, steps and blows of a plan.
 
 use super::super::foot::FootShape;
 use super::super::side::{Side, forward, leftward};
@@ -11,15 +11,15 @@ use throng_core::Skeleton;
 
 /// Ankles in the stance, left and right: to the left and forward (m).
 pub const ANKLES: [DVec2; 2] = [DVec2::new(0.14, 0.205), DVec2::new(-0.13, -0.215)];
-/// Headings of the feet in the stance (rad).
+/// Headings of the feet in the stance, left and right (rad).
 pub const YAWS: [f64; 2] = [-0.3, -0.86];
-/// Both feet stand between two steps (s).
+/// Time with both feet on the ground between two steps (s).
 const BETWEEN: f64 = 0.035;
 
-/// A blow in time and place.
+/// A blow with its time and target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strike {
-    /// What it is.
+    /// Kind of the blow.
     pub blow: Blow,
     /// The hand leaves the guard (s).
     pub start: f64,
@@ -29,9 +29,9 @@ pub struct Strike {
     pub longest: f64,
     /// The hand is back on guard (s).
     pub back: f64,
-    /// Where it goes, seen from the shoulder: to the left of the facing (rad).
+    /// Direction from the shoulder, to the left of the facing (rad).
     pub azimuth: f64,
-    /// Height of the wrist at the hit, where the arm gets there (m).
+    /// Height of the wrist at the hit, if the arm gets there (m).
     pub height: f64,
     /// Distance from shoulder to wrist at the hit, as a share of the arm's length.
     pub stretch: f64,
@@ -39,11 +39,11 @@ pub struct Strike {
     pub speed: f64,
 }
 
-/// A clip as it is planned.
+/// Timeline of a clip, as planned.
 pub struct Script {
-    /// The body.
+    /// Keys of the body.
     pub body: Track<BODY>,
-    /// Left and right hand where they do not strike.
+    /// Keys of the left and right hand, without blows.
     pub hands: [Track<HAND>; 2],
     /// Heading towards the opponent (rad).
     pub facing: Track<1>,
@@ -60,7 +60,7 @@ pub struct Script {
 }
 
 impl Script {
-    /// On guard at the origin, facing +Z.
+    /// A timeline that begins on guard at the origin, facing +Z.
     pub fn new(skeleton: &Skeleton) -> Self {
         let shape = FootShape::of(skeleton);
         Self {
@@ -76,7 +76,7 @@ impl Script {
         }
     }
 
-    /// When both feet have landed (s).
+    /// Time at which both feet have landed (s).
     pub fn feet_free(&self) -> f64 {
         self.feet_free
     }
@@ -84,8 +84,8 @@ impl Script {
     /// Moves both feet one after the other, the one on the side of the move first, so that they never cross.
     ///
     /// - `quickness`: time of a flight as a share of the usual.
-    /// - `error`: how far each foot misses its place, to the left and forward (m).
-    /// - returns when the second foot has landed.
+    /// - `error`: offset of each foot from its place, to the left and forward (m).
+    /// - returns the landing of the second foot (s).
     pub fn shuffle(&mut self, at: f64, shuffle: &Shuffle, quickness: f64, error: [DVec2; 2]) -> f64 {
         let at = at.max(self.feet_free);
         let travel = shuffle.forward.hypot(shuffle.aside);
@@ -134,7 +134,7 @@ fn first_foot(shuffle: &Shuffle) -> Side {
     if towards_lead >= 0.0 { Side::Left } else { Side::Right }
 }
 
-/// A place of the stance on the ground plane.
+/// Position in the stance, on the ground plane (m).
 fn placed(centre: DVec2, heading: f64, offset: DVec2) -> DVec2 {
     centre + leftward(heading) * offset.x + forward(heading) * offset.y
 }

@@ -1,4 +1,4 @@
-//! How each punch and each defence is done: the postures it goes through, and how the striking arm is turned.
+//! Technique of each punch and each defence: its postures, and the turn of the striking arm.
 
 use super::moves::{Blow, Defence, Punch};
 use super::posture::{HandPose, Posture};
@@ -6,32 +6,32 @@ use glam::DVec3;
 
 const GUARD: Posture = Posture::GUARD;
 
-/// How a blow is struck.
+/// Technique of a blow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Technique {
-    /// The body gathers, some time before the blow lands; straights come from the guard as it is (s).
+    /// Time before the hit and posture in which the body gathers; straights have none (s).
     pub load: Option<(f64, Posture)>,
-    /// The body as the arm is at its longest.
+    /// Posture of the body with the arm at its longest.
     pub strike: Posture,
-    /// The striking arm as it lands.
+    /// Pose of the striking arm at the hit.
     pub arm: HandPose,
-    /// From the guard to the hit (s).
+    /// Time from the guard to the hit (s).
     pub extend: f64,
-    /// From the arm at its longest back to the guard (s).
+    /// Time from the arm at its longest back to the guard (s).
     pub retract: f64,
     /// Distance from shoulder to wrist at the hit, as a share of the arm's length.
     pub stretch: f64,
-    /// The wrist's velocity at the hit: to the other side of the body, up, and away from the shoulder.
-    /// (share of the speed)
+    /// Direction of the wrist at the hit: to the other side of the body, up, and away from the shoulder (share of the
+    /// speed).
     pub along: DVec3,
-    /// Speed of the wrist at the hit, on average (m/s).
+    /// Mean speed of the wrist at the hit (m/s).
     pub speed: f64,
-    /// How far the wrist goes on: straight on to the arm's full length, or around the shoulder (m).
+    /// Distance of follow-through: straight on to the arm's full length, or around the shoulder (m).
     pub follow: f64,
 }
 
 impl Technique {
-    /// From the hit to the arm at its longest: the way is about that of an even deceleration (s).
+    /// Time from the hit to the arm at its longest, by about an even deceleration (s).
     pub fn braking(&self, speed: f64) -> f64 {
         2.2 * self.follow / speed
     }
@@ -190,15 +190,15 @@ fn uppercut(lead: bool) -> Technique {
 /// One moment of a defence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// Since the defence began (s).
+    /// Time since the defence began (s).
     pub time: f64,
-    /// The body.
+    /// Posture of the body.
     pub body: Posture,
-    /// Both hands.
+    /// Poses of both hands.
     pub hands: [HandPose; 2],
 }
 
-/// The moments of a defence. The last one is held for a moment before the guard comes back.
+/// Moments of a defence. The last one is held for a moment before the guard comes back.
 pub fn defend(defence: Defence) -> Vec<Moment> {
     let on_guard = |time: f64, body: Posture| Moment { time, body, hands: HandPose::GUARD };
     let lean = |list: f64, hips: f64, chest: f64, weight: f64| Posture {
@@ -235,7 +235,7 @@ pub fn defend(defence: Defence) -> Vec<Moment> {
     }
 }
 
-/// Behind both gloves; `side` is 1 where the blow is taken by the left arm, -1 by the right one, 0 by both.
+/// Cover behind both gloves; `side` is 1 if the left arm takes the blow, -1 for the right one, 0 for both.
 fn covered(side: f64) -> Moment {
     let [mut left, mut right] = HandPose::GUARD;
     let (at_left, at_right) = (side.max(0.0), (-side).max(0.0));

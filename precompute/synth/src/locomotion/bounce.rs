@@ -1,4 +1,4 @@
-//! The flight of a runner's body: up and down with the steps, falling freely while no foot is on the ground.
+//! Vertical bounce of a runner's body with the steps, in free fall while no foot is on the ground.
 
 use std::f64::consts::PI;
 
@@ -8,8 +8,8 @@ pub const GRAVITY: f64 = 9.81;
 /// Vertical motion over one step. The ground pushes with half a sine wave during the contact, which comes first.
 ///
 /// # Source
-/// Blickhan 1989, *The spring-mass model for running and hopping*: a stiff spring pushes with half a sine wave. How hard
-/// follows from the impulse, which is that of gravity over the whole step.
+/// Blickhan 1989, *The spring-mass model for running and hopping*: a stiff spring pushes with half a sine wave. Its
+/// strength follows from the impulse, which is that of gravity over the whole step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounce {
     /// Time of a step (s).
@@ -24,7 +24,7 @@ impl Bounce {
     /// - `t`: since landing (s, 0 to period).
     pub fn height(&self, t: f64) -> f64 {
         let (period, contact) = (self.period, self.contact);
-        // Lands as fast as it has left, half a flight of gravity.
+        // The landing speed equals the take-off speed: that of half a flight in gravity.
         let landing = -0.5 * GRAVITY * (period - contact);
         let free = landing * t - 0.5 * GRAVITY * t * t;
         // The push, integrated twice.

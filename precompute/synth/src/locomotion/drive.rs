@@ -3,7 +3,7 @@
 use super::super::side::{forward, leftward};
 use glam::DVec2;
 
-/// A constant velocity as the body sees it, and a constant turning rate: the path is a circular arc, a straight line or
+/// A constant velocity in the body's frame, and a constant turning rate: the path is a circular arc, a straight line or
 /// a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drive {
@@ -11,7 +11,7 @@ pub struct Drive {
     pub left: f64,
     /// Speed ahead (m/s).
     pub ahead: f64,
-    /// Turning rate, to the left positive (rad/s).
+    /// Turning rate, positive to the left (rad/s).
     pub gyration: f64,
 }
 
@@ -26,7 +26,7 @@ impl Drive {
         self.gyration * t
     }
 
-    /// Place on the ground (x, z) at `t` seconds; the origin at time 0 (m).
+    /// Position on the ground (x, z) at `t` seconds; the origin at time 0 (m).
     pub fn at(&self, t: f64) -> DVec2 {
         // The chord of an arc has the arc's mean direction.
         let half = 0.5 * self.gyration * t;
@@ -34,19 +34,19 @@ impl Drive {
         (leftward(half) * self.left + forward(half) * self.ahead) * chord
     }
 
-    /// A point as seen from the body at `t` seconds, on the ground (m).
+    /// Ground position of a point given in the body's frame at `t` seconds (m).
     pub fn place(&self, t: f64, left: f64, ahead: f64) -> DVec2 {
         let heading = self.heading(t);
         self.at(t) + leftward(heading) * left + forward(heading) * ahead
     }
 
-    /// A ground point as the body sees it at `t` seconds: to the left, ahead (m).
+    /// A ground point in the body's frame at `t` seconds: to the left, ahead (m).
     pub fn seen(&self, t: f64, point: DVec2) -> DVec2 {
         let (heading, from) = (self.heading(t), point - self.at(t));
         DVec2::new(from.dot(leftward(heading)), from.dot(forward(heading)))
     }
 
-    /// Acceleration towards the middle of the arc: to the left, ahead (m/s^2).
+    /// Acceleration towards the centre of the arc: to the left, ahead (m/s^2).
     pub fn pull(&self) -> DVec2 {
         DVec2::new(self.ahead, -self.left) * self.gyration
     }

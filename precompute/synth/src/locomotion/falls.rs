@@ -1,4 +1,4 @@
-//! Steps laid along a steady path, and the beat that they give.
+//! Footfalls along a steady path, and the phase that they define.
 
 use super::super::side::Side;
 use super::super::walk::roll::Footfall;
@@ -7,22 +7,22 @@ use super::stride::Stride;
 use rand::{Rng, RngExt};
 use std::ops::Range;
 
-/// Footfalls of both feet, which alternate, the left one first.
+/// Alternating footfalls of both feet, the left one first.
 pub struct Falls {
     /// Footfalls of the left and the right foot.
     pub feet: [Vec<Footfall>; 2],
-    /// Landings of both (s).
+    /// Landings of both feet (s).
     lands: Vec<f64>,
 }
 
-/// How much landings vary: in time as a share of the period, in place along and across (m).
+/// Variation of landings: in time as a share of the period, in place along and across (m).
 const TIME_VARIES: f64 = 0.005;
 const PLACE_VARIES: [f64; 2] = [0.004, 0.003];
 
 impl Falls {
-    /// Steps that fill a time and a little more at both ends, beginning anywhere in a cycle.
+    /// Generates steps that fill a time with a margin at both ends, beginning at a random phase.
     ///
-    /// - `outward`: how far from the body's path they are, to the left and ahead (m).
+    /// - `outward`: offset from the body's path, to the left and ahead (m).
     pub fn lay(
         drive: &Drive,
         stride: &Stride,
@@ -60,19 +60,19 @@ impl Falls {
         out
     }
 
-    /// Where in the cycle `t` is, in `[0, 1)`: 0 as the left foot lands, 0.5 as the right one does.
+    /// Phase of the cycle at `t`, in `[0, 1)`: 0 as the left foot lands, 0.5 as the right one does.
     pub fn phase(&self, t: f64) -> f64 {
         (0.5 * self.step(t)).fract()
     }
 
-    /// Steps since the first landing, and how far the present one has got.
+    /// Number of steps since the first landing, including the fraction of the present one.
     pub fn step(&self, t: f64) -> f64 {
         let k = self.lands.partition_point(|l| *l <= t).clamp(1, self.lands.len() - 1) - 1;
         k as f64 + (t - self.lands[k]) / (self.lands[k + 1] - self.lands[k])
     }
 
-    /// The share of the left foot as `(time, share)` knots, for gaits in which both feet carry in turn: all of it while
-    /// the right foot is in the air, none while the left one is, and a straight change of weight between.
+    /// Share of the left foot as `(time, share)` knots, for gaits in which the feet carry in turn: 1 while the right
+    /// foot is in the air, 0 while the left one is, and linear in between.
     pub fn load(&self) -> Vec<(f64, f64)> {
         let mut knots = Vec::new();
         for side in Side::BOTH {

@@ -1,39 +1,39 @@
-//! Manners: how a mood changes posture and movement, whatever the gait.
+//! Manners: changes of posture and movement by mood, for any gait.
 
 /// A manner of moving, as changes to the neutral one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manner {
-    /// As names and tags of clips write it.
+    /// Name in names and tags of clips.
     pub name: &'static str,
-    /// Steps a second over those of a neutral walker of the same speed.
+    /// Ratio of the cadence to that of a neutral walker of the same speed.
     pub cadence: f64,
-    /// Time a foot stands over that of a neutral one.
+    /// Ratio of the stance time to a neutral one.
     pub stance: f64,
-    /// How far the hips sink (m).
+    /// Lowering of the hips (m).
     pub crouch: f64,
-    /// The upper back bends forward (rad).
+    /// Forward bend of the upper back (rad).
     pub slouch: f64,
-    /// The head hangs (rad).
+    /// Forward tilt of the head (rad).
     pub nod: f64,
-    /// The shoulders come forward (rad).
+    /// Forward turn of the shoulders (rad).
     pub protraction: f64,
-    /// The shoulders go up (rad).
+    /// Upward turn of the shoulders (rad).
     pub shrug: f64,
-    /// How far the arms swing, over neutral.
+    /// Ratio of the arm swing to neutral.
     pub arm_swing: f64,
-    /// The elbows bend more (rad).
+    /// Additional flexion of the elbows (rad).
     pub arm_bend: f64,
-    /// The arms are held away from the body (rad).
+    /// Abduction of the arms (rad).
     pub abduction: f64,
-    /// How far the feet roll at heel strike and toe-off, over neutral.
+    /// Ratio of the foot roll at heel strike and toe-off to neutral.
     pub roll: f64,
-    /// How high runners lift knees and heels, over neutral.
+    /// Ratio of the lift of a runner's knees and heels to neutral.
     pub knee_lift: f64,
-    /// Distance between the feet across the path, over neutral.
+    /// Ratio of the distance between the feet across the path to neutral.
     pub width: f64,
-    /// The feet turn out more (rad).
+    /// Additional outward turn of the feet (rad).
     pub toe_out: f64,
-    /// How far the pelvis lists and turns with the steps, over neutral.
+    /// Ratio of the list and turn of the pelvis to neutral.
     pub sway: f64,
 }
 
@@ -57,7 +57,7 @@ pub const NEUTRAL: Manner = Manner {
     sway: 1.0,
 };
 
-/// Every manner.
+/// All manners.
 pub const MANNERS: [Manner; 3] = [
     NEUTRAL,
     Manner {

@@ -1,10 +1,10 @@
-//! Steady locomotion: gaits at several speeds and turning rates, in several manners, every clip the same from its first
+//! Steady locomotion: gaits at several speeds and turning rates, in several manners, each clip uniform from its first
 //! frame to its last.
 //!
-//! `motion_set` lists what there is. An act moves along an even arc (`drive`) with steps (`stride`) laid on it
-//! (`falls`). Who always has a foot on the ground is put together from the parts of the walker (`walker`, `still`);
-//! a runner bounces (`bounce`) and folds its legs (`swing`, `spline`) in `runner`. A `manner` changes the steps, and
-//! `posture` lays it over the body.
+//! `motion_set` lists the acts. An act moves along an even arc (`drive`) with steps (`stride`) placed on it (`falls`).
+//! Gaits with a foot always on the ground are assembled from the parts of the walker (`walker`, `still`); a runner
+//! bounces (`bounce`) and folds its legs (`swing`, `spline`) in `runner`. A `manner` changes the steps, and `posture`
+//! applies it to the body.
 
 mod bounce;
 mod drive;
@@ -30,17 +30,17 @@ use scene::Scene;
 use throng_core::Skeleton;
 use throng_motion::clip::{Clip, ClipSet, Tag};
 
-/// Clips of the whole motion set.
+/// Number of clips of the whole motion set.
 pub const NUM_ACTS: usize = 225;
-/// Length of one clip as `throng synth` makes it: two cycles and a half of the slowest walk (s).
+/// Default length of a clip in `throng synth`: two and a half cycles of the slowest walk (s).
 pub const CLIP_SECONDS: f64 = 4.0;
 
 /// Makes the `locomotion` set, on the default skeleton, with the true foot contacts: walk, jog and run at four speeds
 /// and five turning rates each, standing at ease, turns on the spot, side and back steps, in every manner.
 ///
-/// Every clip lasts `clip_seconds`; as many are made as fill `minutes`, in the order of the motion set, and further takes
-/// of it from its beginning when it has come to its end. A clip is steady throughout, begins anywhere in its cycle, and
-/// has its gait and its manner as tags.
+/// Every clip lasts `clip_seconds`; clips are made in the order of the motion set until they fill `minutes`, with
+/// further takes from its beginning after its end. A clip is steady throughout, begins at a random phase, and is tagged
+/// with its gait and its manner.
 ///
 /// - returns clips such as `walk_neutral_v110_gl08`; see [`Act::name`].
 pub fn locomotion(cfg: &SynthConfig) -> ClipSet {
@@ -53,7 +53,7 @@ pub fn locomotion(cfg: &SynthConfig) -> ClipSet {
 }
 
 fn clip(act: &Act, number: usize, take: usize, cfg: &SynthConfig, skeleton: &Skeleton) -> Clip {
-    // Clips have a generator each, so that any number of threads makes the same.
+    // Each clip has its own generator, so that the result does not depend on the number of threads.
     let mut rng = Pcg64Mcg::seed_from_u64(cfg.seed.wrapping_add((number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)));
     let scene = Scene::new(skeleton.clone(), cfg.clip_seconds, cfg.rate_hz, cfg.variation);
     let poses = match act.gait {

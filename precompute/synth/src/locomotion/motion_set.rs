@@ -1,9 +1,9 @@
-//! What the set holds: gaits at speeds and turning rates.
+//! Contents of the set: gaits at speeds and turning rates.
 
 use super::drive::Drive;
 use super::manner::{MANNERS, Manner};
 
-/// A way to move.
+/// A gait.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gait {
     /// Standing at ease.
@@ -23,7 +23,7 @@ pub enum Gait {
 }
 
 impl Gait {
-    /// As names and tags of clips write it.
+    /// Name in names and tags of clips.
     pub fn name(self) -> &'static str {
         match self {
             Self::Idle => "idle",
@@ -36,24 +36,24 @@ impl Gait {
         }
     }
 
-    /// There are moments at which neither foot is on the ground.
+    /// True for gaits with moments at which neither foot is on the ground.
     pub fn flies(self) -> bool {
         matches!(self, Self::Jog | Self::Run)
     }
 }
 
-/// What one clip shows.
+/// Motion of one clip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Act {
-    /// The way to move.
+    /// Gait.
     pub gait: Gait,
-    /// Manner of it.
+    /// Manner.
     pub manner: &'static Manner,
-    /// Where to, and how fast.
+    /// Velocity and turning rate.
     pub drive: Drive,
 }
 
-/// Speeds and turning rates of the gaits that go ahead (m/s, rad/s).
+/// Speeds and turning rates of forward gaits (m/s, rad/s).
 const AHEAD: [(Gait, [f64; 4], [f64; 2]); 3] = [
     (Gait::Walk, [0.7, 1.1, 1.5, 1.9], [0.4, 0.8]),
     (Gait::Jog, [2.0, 2.35, 2.7, 3.0], [0.4, 0.8]),
@@ -67,7 +67,7 @@ const SIDE: [f64; 2] = [0.3, 0.6];
 const BACK: ([f64; 2], f64) = ([0.4, 0.8], 0.4);
 
 impl Act {
-    /// Everything the set holds, one manner after the other.
+    /// All acts of the set, one manner after the other.
     pub fn all() -> Vec<Self> {
         MANNERS.iter().flat_map(Self::in_manner).collect()
     }
@@ -95,8 +95,8 @@ impl Act {
         out
     }
 
-    /// The name of its clip: gait, manner, speed in cm/s (`v` along, `l` and `r` to a side), turning rate in tenths of
-    /// a radian a second (`gl` to the left, `gr` to the right), and the number of the take from the second one on.
+    /// Name of its clip: gait, manner, speed in cm/s (`v` along, `l` and `r` to a side), turning rate in tenths of a
+    /// radian a second (`gl` to the left, `gr` to the right), and the number of the take from the second one on.
     pub fn name(&self, take: usize) -> String {
         let Self { gait, manner, drive } = self;
         let mut name = format!("{}_{}", gait.name(), manner.name);
@@ -116,7 +116,7 @@ impl Act {
     }
 }
 
-/// Straight, and each rate to the left and to the right.
+/// Zero, and each rate to the left and to the right.
 fn both_ways(rates: &[f64]) -> Vec<f64> {
     std::iter::once(0.0).chain(rates.iter().flat_map(|r| [*r, -r])).collect()
 }

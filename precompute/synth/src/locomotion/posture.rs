@@ -1,4 +1,4 @@
-//! A manner on a body: how the trunk, the shoulders and the arms are carried.
+//! Application of a manner to the body: trunk, shoulders and arms.
 
 use super::super::frame::{ArmPose, BodyPose};
 use super::super::side::{Side, forward};
@@ -6,14 +6,14 @@ use super::manner::Manner;
 use glam::{DQuat, DVec3};
 use throng_core::Planar;
 
-/// How much of the slouch spine, chest, upper chest and neck have.
+/// Shares of the slouch in spine, chest, upper chest and neck.
 const CURVE: [f64; 4] = [0.15, 0.55, 1.0, 1.0];
-/// How far the hips go back as the back bends, so that the body stays over its feet (m/rad).
+/// Backward shift of the hips as the back bends, which keeps the body over its feet (m/rad).
 const BALANCE: f64 = 0.09;
-/// How much of the slouch the arms give back: they hang.
+/// Share of the slouch that is undone in the arms, which hang.
 const HANG: f64 = 0.85;
 
-/// Changes a pose of a neutral body to one of a manner. Feet stay where they are.
+/// Applies a manner to the pose of a neutral body. The feet are unchanged.
 pub fn carry(pose: &mut BodyPose, manner: &Manner) {
     let heading = f64::from(Planar::split(pose.root.as_vec3(), pose.hips.as_quat()).0.heading);
     let back = forward(heading) * (BALANCE * manner.slouch);
@@ -32,7 +32,7 @@ fn carry_arm(arm: &mut ArmPose, side: Side, manner: &Manner) {
     arm.clavicle =
         DQuat::from_rotation_y(-s * manner.protraction) * DQuat::from_rotation_z(s * manner.shrug) * arm.clavicle;
     let hang = DQuat::from_rotation_x(-HANG * manner.slouch);
-    // What turns the shoulder forward must not turn the hanging arm inward.
+    // The forward turn of the shoulder must not turn the hanging arm inward.
     let outward =
         DQuat::from_rotation_z(s * (manner.abduction - manner.shrug)) * DQuat::from_rotation_y(s * manner.protraction);
     arm.upper_arm = hang * outward * arm.upper_arm;

@@ -1,4 +1,4 @@
-//! Jogging and running: the body bounces from foot to foot, leans into its way, and swings its arms bent.
+//! Jogging and running: the body bounces from foot to foot, leans into its path, and swings its bent arms.
 
 use super::super::attitude::Attitude;
 use super::super::foot::FootShape;
@@ -25,12 +25,12 @@ use std::f64::consts::TAU;
 const LEANING_HEIGHT: f64 = 0.72;
 /// Least knee flexion of a leg on the ground (rad).
 const FLEXION: f64 = 0.3;
-/// How much of a manner's crouch runners have, whose hips are low already.
+/// Share of a manner's crouch for runners, as their hips are low already.
 const CROUCH: f64 = 0.4;
-/// How much of the wandering of gaze and arms runners have.
+/// Share of the wandering of gaze and arms for runners.
 const CALM: f64 = 0.3;
-/// Moments in the cycle, of which 0 is the left foot's landing: the left leg is furthest forward, and the body rests on
-/// the left leg.
+/// Phases of the cycle, where 0 is the left foot's landing: the left leg is furthest forward, and the body rests on the
+/// left leg.
 const LEFT_LEG_AHEAD: f64 = 0.93;
 const ON_LEFT_LEG: f64 = 0.17;
 
@@ -64,11 +64,11 @@ pub fn run(act: &Act, scene: &Scene, rng: &mut impl Rng) -> Vec<BodyPose> {
     scene.times.iter().enumerate().map(pose).collect()
 }
 
-/// The leg folds after toe-off, passes under the body bent, lifts the knee and reaches out.
+/// Keys of the leg: folds after toe-off, passes under the body bent, lifts the knee and reaches out.
 ///
 /// # Source
-/// Of the size of the angles in Novacheck 1998, *The biomechanics of running*. Differs: the thigh's are against the
-/// vertical here, not against the pelvis.
+/// Sizes of the angles as in Novacheck 1998, *The biomechanics of running*. Differs: the thigh's are relative to the
+/// vertical here, not to the pelvis.
 fn keys(speed: f64, lift: f64) -> [Key; 3] {
     let faster = speed - 2.0;
     let fold = (1.45 + 0.18 * faster) * lift;
@@ -90,12 +90,12 @@ struct Body<'a> {
 }
 
 impl Body<'_> {
-    /// A wave over the cycle with its crest at `peak`.
+    /// Cosine wave over the cycle with its crest at `peak`.
     fn wave(&self, t: f64, peak: f64) -> f64 {
         (TAU * (self.falls.phase(t) - peak)).cos()
     }
 
-    /// Angle from the vertical at which the body stands on its arc, to the left (rad).
+    /// Lean from the vertical on the arc, to the left (rad).
     fn bank(&self) -> f64 {
         (self.act.drive.pull().x / GRAVITY).atan()
     }
@@ -105,7 +105,7 @@ impl Body<'_> {
         self.level + self.bounce.height(self.falls.step(t).fract() * self.bounce.period)
     }
 
-    /// Hips joint (m).
+    /// Position of the hips joint (m).
     fn position(&self, t: f64) -> DVec3 {
         let p = self.act.drive.place(t, 0.011 * self.wave(t, ON_LEFT_LEG), 0.0);
         DVec3::new(p.x, self.height(t), p.y)
@@ -125,7 +125,7 @@ impl Body<'_> {
         }
     }
 
-    /// The chest turns against the pelvis, and the head keeps to the way.
+    /// Trunk: the chest turns against the pelvis, and the head keeps to the path.
     fn trunk(&self, t: f64, hips: Attitude, drift: &Drift, i: usize) -> TrunkPose {
         let (drive, speed) = (self.act.drive, self.act.drive.ahead);
         let chest = Attitude {
@@ -142,7 +142,7 @@ impl Body<'_> {
         TrunkPose { segments: [hips.mix(chest, 0.3), hips.mix(chest, 0.65), chest, neck, head] }
     }
 
-    /// Bent arms that swing against the legs; the elbow closes in front and opens behind.
+    /// Bent arm that swings against the legs; the elbow closes in front and opens behind.
     fn arm(&self, t: f64, side: Side, chest_pitch: f64, drift: &Drift, i: usize) -> ArmPose {
         let faster = self.act.drive.ahead - 2.0;
         let ahead = LEFT_LEG_AHEAD + if side == Side::Left { 0.5 } else { 0.0 };
@@ -161,7 +161,7 @@ impl Body<'_> {
         .pose(side)
     }
 
-    /// The largest height at landing at which both legs reach the ground, over all contacts.
+    /// Largest height at landing at which both legs reach the ground, over all contacts (m).
     fn highest(&self, scene: &Scene, shape: &FootShape) -> f64 {
         let reach = LegShape::of(&scene.skeleton).reach(FLEXION);
         let limit = |side: Side, fall: &Footfall, t: f64| {

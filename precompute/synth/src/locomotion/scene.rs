@@ -1,13 +1,13 @@
-//! The time in which an act takes place, and what it takes place with.
+//! Sample times of an act, with the skeleton and the amount of variation.
 
 use super::super::frame::Samples;
 use std::ops::Range;
 use throng_core::Skeleton;
 
-/// What is made before and after the clip, so that it is steady from its first frame to its last (s).
+/// Time computed before and after the clip, so that it is steady from its first frame to its last (s).
 const MARGIN: f64 = 2.5;
 
-/// Times at which an act is posed: the clip begins at 0, what lies before and after it is cut off.
+/// Sample times of an act: the clip begins at 0, and the margins before and after it are cut off.
 pub struct Scene {
     /// The body.
     pub skeleton: Skeleton,
@@ -15,14 +15,14 @@ pub struct Scene {
     pub times: Vec<f64>,
     /// Time between samples (s).
     pub dt: f64,
-    /// How much steps and gaze vary, over the usual amount.
+    /// Factor on the usual variation of steps and gaze.
     pub variation: f64,
     /// Samples of the clip's frames.
     frames: Vec<usize>,
 }
 
 impl Scene {
-    /// The scene of a clip of `seconds`, both ends included.
+    /// Samples of a clip of `seconds`, both ends included.
     pub fn new(skeleton: Skeleton, seconds: f64, rate_hz: f64, variation: f64) -> Self {
         let margin = (MARGIN * rate_hz).ceil() as usize;
         let wanted = (seconds * rate_hz).round() as usize + 1;
@@ -33,7 +33,7 @@ impl Scene {
         Self { skeleton, times, dt: samples.dt, variation, frames }
     }
 
-    /// From the first sample to the last (s).
+    /// Time of the first and of the last sample (s).
     pub fn time(&self) -> Range<f64> {
         self.times[0]..self.times[self.times.len() - 1]
     }

@@ -1,9 +1,9 @@
 //! A smooth curve through knots, with given rates at its ends.
 
-/// A cubic spline: continuous in value, rate and acceleration, its rates at both ends given.
+/// A cubic spline: continuous in value, rate and acceleration, with given rates at both ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spline {
-    /// Time and value. Ascending in time, at least two.
+    /// Times and values, at least two, ascending in time.
     knots: Vec<(f64, f64)>,
     rates: Vec<f64>,
 }
@@ -31,7 +31,7 @@ impl Spline {
         Self { knots, rates }
     }
 
-    /// Value at a time; beyond its ends the outer pieces go on.
+    /// Value at a time; extrapolated by the outer pieces.
     pub fn at(&self, t: f64) -> f64 {
         let i = self.knots.partition_point(|k| k.0 <= t).clamp(1, self.knots.len() - 1) - 1;
         let (a, b) = (self.knots[i], self.knots[i + 1]);

@@ -1,4 +1,4 @@
-//! Standing at ease: breath, weight and gaze go and come back.
+//! Standing at ease: periodic breath, weight and gaze.
 
 use super::super::side::Side;
 use super::super::walk::roll::Footfall;
@@ -8,10 +8,10 @@ use glam::DVec2;
 use rand::{Rng, RngExt};
 use std::f64::consts::TAU;
 
-/// After this long everything is as it was: a breath of fifteen a minute (s).
+/// Period of standing: a breath of fifteen a minute (s).
 pub const PERIOD: f64 = 4.0;
 
-/// Standing at ease.
+/// State of standing at ease.
 pub struct Ease {
     variation: f64,
     /// Phases of weight, gaze, nod, arms and breath (rad).
@@ -19,9 +19,9 @@ pub struct Ease {
 }
 
 impl Ease {
-    /// Beginning anywhere in the period.
+    /// Begins at random phases.
     ///
-    /// - `variation`: times the usual amount of shifting and looking.
+    /// - `variation`: factor on the usual amount of shifting and looking.
     pub fn new(variation: f64, rng: &mut impl Rng) -> Self {
         Self { variation, phases: [(); 6].map(|()| rng.random_range(0.0..TAU)) }
     }
@@ -43,7 +43,7 @@ impl Ease {
         }
     }
 
-    /// A wave of the period, a little uneven but for the breath.
+    /// A slightly uneven wave of the period; even for the breath.
     fn wave(&self, k: usize, t: f64) -> f64 {
         let angle = TAU * t / PERIOD + self.phases[k];
         let uneven = if k == 5 { 0.0 } else { 0.35 };
@@ -51,7 +51,7 @@ impl Ease {
     }
 }
 
-/// Where a foot stands, from before `start` to the end.
+/// Contact of a standing foot, from before `start` to the end.
 pub fn fall(side: Side, stride: &Stride, start: f64) -> Footfall {
     Footfall {
         land: start - 2.0,

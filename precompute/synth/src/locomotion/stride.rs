@@ -1,34 +1,34 @@
-//! How the feet step in each gait.
+//! Steps of the feet in each gait.
 
 use super::super::walk::gait::step_at;
 use super::super::walk::wander::{STANDING_WIDTH, TOE_OUT, WALKING_WIDTH};
 use super::motion_set::{Act, Gait};
 
-/// The steps of a steady gait, the same for both feet.
+/// Steps of a steady gait, equal for both feet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stride {
-    /// From landing to landing of the other foot (s).
+    /// Time from landing to landing of the other foot (s).
     pub period: f64,
-    /// A foot is on the ground (s, < 2 period).
+    /// Time for which a foot is on the ground (s, < 2 period).
     pub stance: f64,
-    /// Distance between the feet across the path, both seen while they stand under the body (m).
+    /// Distance between the feet across the path, measured under the body (m).
     pub width: f64,
-    /// Where the ankle is seen then, in front of the body (m).
+    /// Position of the ankle in front of the body at that moment (m).
     pub ahead: f64,
-    /// From landing to standing flat (s).
+    /// Time from landing to standing flat (s).
     pub landing: f64,
-    /// From the heel's rise to the ball's (s).
+    /// Time from the heel's rise to the ball's (s).
     pub rise: f64,
-    /// Toes up at heel strike; below 0 the ball lands first (rad).
+    /// Pitch at heel strike, toes up; negative if the ball lands first (rad).
     pub strike: f64,
-    /// Heel up as the ball rises (rad).
+    /// Pitch as the ball rises, heel up (rad).
     pub push: f64,
-    /// The foot turns out (rad).
+    /// Outward turn of the foot (rad).
     pub toe_out: f64,
 }
 
 impl Stride {
-    /// The stride of an act that goes somewhere or turns.
+    /// Stride of an act that travels or turns.
     pub fn of(act: &Act) -> Self {
         let speed = act.drive.speed();
         let neutral = match act.gait {
@@ -39,7 +39,7 @@ impl Stride {
             Gait::Jog | Gait::Run => run(speed),
         };
         let m = act.manner;
-        // Runners have less choice.
+        // Runners vary less.
         let part = |factor: f64| if act.gait.flies() { 1.0 + 0.4 * (factor - 1.0) } else { factor };
         let (cadence, roll) = (part(m.cadence), part(m.roll));
         let period = neutral.period / cadence;

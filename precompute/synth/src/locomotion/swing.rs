@@ -9,44 +9,44 @@ use super::drive::Drive;
 use super::spline::Spline;
 use glam::{DQuat, DVec2, DVec3};
 
-/// The leg at a moment of the swing.
+/// Key of the leg during the swing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
-    /// Share of the swing that is over.
+    /// Ratio of the swing.
     pub at: f64,
-    /// The thigh swings forward from the vertical (rad).
+    /// Forward angle of the thigh from the vertical (rad).
     pub thigh: f64,
-    /// The knee bends (rad).
+    /// Flexion of the knee (rad).
     pub knee: f64,
-    /// The foot points down from a right angle with the shank (rad).
+    /// Downward angle of the foot from a right angle with the shank (rad).
     pub ankle: f64,
 }
 
-/// What the swings of a runner have in common.
+/// Inputs of a runner's swings.
 pub struct Swing<'a> {
-    /// The way of the body.
+    /// Motion of the body.
     pub drive: Drive,
-    /// The leg at moments between lift and landing, in order.
+    /// Keys of the leg between lift and landing, in order.
     pub keys: [Key; 3],
     /// Hip joint of a side at a time (m).
     pub hip: &'a dyn Fn(Side, f64) -> DVec3,
-    /// How far the body leans to the left (rad).
+    /// Lean of the body to the left (rad).
     pub bank: f64,
     /// Lengths of the leg.
     pub leg: LegShape,
 }
 
-/// One flight: the leg as seen from the body that moves along, and how the foot is tilted.
+/// One flight: the leg relative to the moving body, and the pitch of the foot.
 struct Flight {
-    /// Ankle to the left of the hip (m).
+    /// Offset of the ankle to the left of the hip (m).
     left: Spline,
     /// Angle of the line from the hip to the ankle, forward from the vertical (rad).
     angle: Spline,
     /// Flexion of the knee (rad).
     knee: Spline,
-    /// Heel up (rad).
+    /// Pitch, heel up (rad).
     pitch: Spline,
-    /// Extra height a little after half way, to clear the ground (m).
+    /// Extra height a little after half of the flight, to clear the ground (m).
     clear: f64,
 }
 
@@ -61,12 +61,12 @@ pub struct RunnerFoot {
 
 /// Share of a flight after which the toes are in line with the foot.
 const TOES: f64 = 0.45;
-/// Smallest height of the sole as the leg passes under the body (m).
+/// Least height of the sole as the leg passes under the body (m).
 const CLEARANCE: f64 = 0.02;
-/// The swinging ankle is this much nearer to the middle of the body than the hip (m).
+/// Distance by which the swinging ankle is nearer to the middle of the body than the hip (m).
 const INWARD: f64 = 0.012;
-/// Largest rate of the knee with which a swing begins and ends. A foot pinned to the ground wants more than that of a
-/// nearly straight leg; muscles give way to it (rad/s).
+/// Largest rate of the knee at begin and end of a swing. A foot pinned to the ground would need more of a nearly
+/// straight leg; muscles give way (rad/s).
 const KNEE_RATE: f64 = 5.0;
 
 impl RunnerFoot {
@@ -80,7 +80,7 @@ impl RunnerFoot {
         foot
     }
 
-    /// How much higher flight `i` has to be for its sole to clear the ground (m).
+    /// Extra height that flight `i` needs for its sole to clear the ground (m).
     fn shortfall(&self, i: usize, hip: impl Fn(f64) -> DVec3) -> f64 {
         let (from, to) = (&self.falls[i], &self.falls[i + 1]);
         let moments = (1..40).map(|k| f64::from(k) / 40.0).filter(|u| passing(*u) > 0.4);
@@ -94,7 +94,7 @@ impl RunnerFoot {
 
     /// The foot at `t` seconds.
     ///
-    /// - `hip`: joint of its side then (m).
+    /// - `hip`: joint of its side at that time (m).
     pub fn pose(&self, t: f64, hip: DVec3) -> FootPose {
         let i = self.falls.partition_point(|f| f.land <= t).saturating_sub(1);
         let fall = &self.falls[i];
@@ -124,7 +124,7 @@ impl RunnerFoot {
     }
 }
 
-/// A bump over a flight that is highest after half of it, as the leg passes the standing one.
+/// Bump over a flight, highest at its middle, as the leg passes the standing one.
 fn passing(u: f64) -> f64 {
     early_bump(1.0 - u)
 }
@@ -151,7 +151,7 @@ fn flight(side: Side, shape: &FootShape, from: &Footfall, to: &Footfall, swing: 
 }
 
 impl Key {
-    /// Left, angle, knee and pitch as a flight has them.
+    /// Left, angle, knee and pitch, as channels of a flight.
     fn channels(&self, side: Side, swing: &Swing) -> [f64; 4] {
         let shank = self.thigh - self.knee;
         let ahead = swing.leg.thigh * self.thigh.sin() + swing.leg.shin * shank.sin();

@@ -1,4 +1,4 @@
-//! Gaits with a foot on the ground at all times, put together from the parts of the walker.
+//! Gaits with a foot on the ground at all times, assembled from the parts of the walker.
 
 use super::super::attitude::Attitude;
 use super::super::foot::FootShape;
@@ -20,12 +20,12 @@ use super::still;
 use super::stride::Stride;
 use rand::Rng;
 
-/// How much of the wandering of gaze and arms a steady gait has.
+/// Share of the wandering of gaze and arms for a steady gait.
 const CALM: f64 = 0.3;
 
-/// Poses of steps that go somewhere or turn.
+/// Poses of steps that travel or turn.
 pub fn step(act: &Act, scene: &Scene, rng: &mut impl Rng) -> Vec<BodyPose> {
-    // The feet are as far outside an arc as the centre of mass falls towards its middle.
+    // The feet are outside an arc by as much as the centre of mass falls towards its middle.
     let outward = -act.drive.pull() / pendulum::FREQUENCY.powi(2);
     let falls = Falls::lay(&act.drive, &Stride::of(act), outward, scene.time(), scene.variation, rng);
     let load = falls.load();
@@ -39,7 +39,7 @@ pub fn step(act: &Act, scene: &Scene, rng: &mut impl Rng) -> Vec<BodyPose> {
     poses(act, scene, &steps, &drift)
 }
 
-/// Poses of standing at ease: weight, gaze and breath come back to where they were after [`still::PERIOD`].
+/// Poses of standing at ease: weight, gaze and breath repeat after [`still::PERIOD`].
 pub fn stand(act: &Act, scene: &Scene, rng: &mut impl Rng) -> Vec<BodyPose> {
     let stride = Stride::of(act);
     let shape = FootShape::of(&scene.skeleton);
@@ -69,8 +69,8 @@ fn poses(act: &Act, scene: &Scene, steps: &Footsteps, drift: &Drift) -> Vec<Body
         liveliness: [act.manner.arm_swing; 2],
         dt: *dt,
     });
-    // Knees that bend alike under a tired walker and a tired stander would look like sitting down; fast walking
-    // bends them enough.
+    // Equal flexion for a tired walker and a tired stander would look like sitting down; fast walking bends the knees
+    // enough.
     let speed = act.drive.speed();
     let crouch = act.manner.crouch * (0.35 + speed).min(1.0) * (1.0 - 0.4 * (speed - 1.1).max(0.0));
     let manner = Manner { crouch, ..*act.manner };

@@ -20,14 +20,14 @@ use rand::{Rng, RngExt};
 use throng_core::{Contacts, Skeleton};
 use throng_motion::clip::Clip;
 
-/// What touches the seat, as seen from the hips joint (m).
+/// Point that touches the seat, relative to the hips joint (m).
 pub const BUTTOCKS: DVec3 = DVec3::new(0.0, -0.135, -0.03);
-/// How much of a lean of the chest the hips and the head share.
+/// Shares of the chest's lean in the hips and the head.
 const SHARED: [f64; 2] = [0.5, 0.5];
 /// Smoothing of keyed postures, and of hands (s).
 const SOFT: [f64; 2] = [0.06, 0.035];
 
-/// What the keys say at every sample.
+/// Values of the keys at every sample.
 struct Keyed {
     body: Vec<Posture>,
     head: Vec<Attitude>,
@@ -130,7 +130,7 @@ fn move_hips(pelvis: &mut Pelvis, input: &PelvisInput, keyed: &Keyed) {
         pelvis.position[i] += DVec3::new(shift.x, 0.0, shift.y);
         pelvis.yaw[i] += body.hips.yaw;
         pelvis.pitch[i] += body.hips.pitch + SHARED[0] * keyed.seated[i].lean;
-        // On the seat, lifting a foot does not tilt the hips.
+        // A lifted foot does not tilt the hips of a seated body.
         pelvis.list[i] = pelvis.list[i] * (1.0 - keyed.seated[i].down) + body.hips.list;
     }
     pelvis.stand_up(input);
@@ -143,7 +143,7 @@ fn move_hips(pelvis: &mut Pelvis, input: &PelvisInput, keyed: &Keyed) {
     }
 }
 
-/// Bends the trunk as keyed: the spine shares the turn of the chest, the neck lies between chest and head.
+/// Bends the trunk by the keys: the spine shares the turn of the chest, the neck lies between chest and head.
 fn bend(pose: &mut TrunkPose, body: &Posture, head: Attitude, lean: f64) {
     let add = |a: Attitude, b: Attitude, share: f64| Attitude {
         yaw: a.yaw + share * b.yaw,
@@ -153,7 +153,7 @@ fn bend(pose: &mut TrunkPose, body: &Posture, head: Attitude, lean: f64) {
     let chest = Attitude { pitch: body.chest.pitch + lean, ..body.chest };
     let head = Attitude { pitch: head.pitch + SHARED[1] * lean, ..head };
     let [spine, middle, upper, neck, top] = &mut pose.segments;
-    // The segments already hold their share of the hips' attitude.
+    // The segments already contain their share of the hips' attitude.
     *spine = add(*spine, chest, 0.3);
     *middle = add(*middle, chest, 0.65);
     *upper = add(*upper, chest, 1.0);

@@ -1,21 +1,21 @@
-//! The desk and its chair, as `data/units/office.toml` has them, and how to get around them.
+//! The desk and its chair, as in `data/units/office.toml`, and the space around them.
 
 use glam::{DVec2, DVec3};
 
-/// Where the seat carries: the middle of what touches it (m).
+/// Centre of the carrying area of the seat (m).
 pub const SEAT: DVec3 = DVec3::new(0.0, 0.46, 0.05);
-/// Upper side of the desk (m).
+/// Height of the upper side of the desk (m).
 pub const TOP: f64 = 0.74;
-/// The ankles' distance in front of the middle of the seat before sitting down: between chair and desk (m).
+/// Distance of the ankles in front of the centre of the seat before sitting down, between chair and desk (m).
 pub const BEFORE_SEAT: f64 = 0.285;
 
-/// What must not be walked through: lowest and highest corner on the ground (x, z) (m).
+/// Blocked areas: lowest and highest corner on the ground (x, z) (m).
 const BLOCKED: [[DVec2; 2]; 2] =
     [[DVec2::new(-0.21, -0.24), DVec2::new(0.21, 0.21)], [DVec2::new(-0.7, 0.48), DVec2::new(0.7, 1.18)]];
-/// Room that a walker needs around the chair and around the desk (m).
+/// Clearance of a walker around the chair and around the desk (m).
 const ROOM: [f64; 2] = [0.4, 0.32];
 
-/// How deep a point of a path is within what a walker must keep out of; 0 where there is room (m).
+/// Depth of a point of a path in a blocked area; 0 if free (m).
 pub fn blocked(at: DVec2) -> f64 {
     let depth = |[low, high]: [DVec2; 2], room: f64| {
         let inside = (at - low + room).min(high + room - at);

@@ -8,7 +8,7 @@ use super::visit::{LAP, on};
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
-/// A hand held before the body, left: wrist, pole, twist.
+/// Pose of the left hand before the body: wrist, pole, twist.
 pub const fn held(body: [f64; 3], pole: [f64; 3], twist: f64) -> HandPose {
     HandPose { held: 1.0, body: DVec3::from_array(body), pole: DVec3::from_array(pole), twist, ..HandPose::HANGING }
 }
@@ -23,31 +23,31 @@ const OPEN: HandPose = held([0.32, -0.32, 0.27], [0.5, -1.0, -0.3], -0.7);
 const OFFER: HandPose = held([0.15, -0.32, 0.38], [0.5, -1.0, -0.2], -0.8);
 /// Hand forward, edge down.
 const CHOP: HandPose = held([0.12, -0.24, 0.37], [0.6, -1.0, -0.2], 0.0);
-/// Pointing at the other one.
+/// Pointing at the partner.
 const POINT: HandPose = held([0.1, -0.17, 0.46], [0.6, -1.0, -0.1], 0.9);
 /// Hand on the hip.
 const ON_HIP: HandPose = HandPose { flex: 0.5, ..held([0.245, -0.53, 0.03], [1.0, -0.1, -0.7], 0.9) };
 /// Chin on the hand.
 pub const CHIN: HandPose = HandPose { flex: 0.2, ..held([0.05, -0.09, 0.15], [0.5, -1.0, 0.3], -0.5) };
 
-/// Somebody talks.
+/// A stretch of talking.
 #[derive(Clone, Copy, Debug)]
 pub struct Talk {
-    /// Hands begin to rise (s).
+    /// Time at which the hands begin to rise (s).
     pub from: f64,
-    /// Hands are back (s).
+    /// Time at which the hands are back (s).
     pub to: f64,
-    /// The posture in which he talks.
+    /// Posture while talking.
     pub facing: Posture,
-    /// Heading of the other one as seen by the talker (rad).
+    /// Heading of the partner relative to the talker (rad).
     pub gaze: f64,
-    /// The hands come from the thighs and go back there.
+    /// True if the hands start from the thighs and return there.
     pub seated: bool,
-    /// 0 chats, 1 disputes.
+    /// Mood: 0 for a chat, 1 for a dispute.
     pub heat: f64,
 }
 
-/// What is said with the hands in a phrase.
+/// Phrase of gestures of the hands.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Phrase {
     Beat,
@@ -58,9 +58,9 @@ enum Phrase {
     Chop,
 }
 
-/// Talks: phrases with one hand or both, and listens now and then.
+/// Adds talking: phrases with one hand or both, and listening now and then.
 ///
-/// - returns when the hands are back, which may be a little later than asked (s).
+/// - returns the time at which the hands are back, possibly a little later than requested (s).
 pub fn talk(script: &mut Script, talk: &Talk, rng: &mut impl Rng) -> f64 {
     let speaks = rng.random_range(0..4);
     let free = |side: Side| speaks > 1 || speaks == side.index();
@@ -112,9 +112,9 @@ fn home(talk: &Talk, side: Side, script: &Script, rng: &mut impl Rng) -> HandPos
     on(side, HandPose { body: base.body + jitter, room: lap, ..base })
 }
 
-/// One phrase of one hand from `t` on.
+/// Adds one phrase of one hand, from `t`.
 ///
-/// - returns when it is over.
+/// - returns its end (s).
 fn gesture(script: &mut Script, talk: &Talk, phrase: Phrase, side: Side, t: f64, rng: &mut impl Rng) -> f64 {
     let size = (1.0 + 0.45 * talk.heat) * (1.0 + script.vary(0.2, rng));
     let rest = home(talk, side, script, rng);
@@ -151,7 +151,7 @@ fn gesture(script: &mut Script, talk: &Talk, phrase: Phrase, side: Side, t: f64,
 
 /// Brings a hand to a gesture.
 ///
-/// - returns when it is there, and its pose.
+/// - returns the time of arrival, and the pose.
 fn reached(
     script: &mut Script,
     talk: &Talk,
@@ -177,7 +177,7 @@ fn back(script: &mut Script, side: Side, t: f64, rest: HandPose) -> f64 {
     there
 }
 
-/// A few strokes out of a pose: up slowly, down quickly.
+/// Adds a few strokes around a pose: up slowly, down quickly.
 fn strokes(
     script: &mut Script,
     side: Side,
@@ -201,7 +201,7 @@ fn strokes(
     t + 0.25
 }
 
-/// What head and trunk do in a phrase: nods while listening, emphasis while speaking, a shake in a dispute.
+/// Moves head and trunk in a phrase: nods while listening, emphasis while speaking, a shake in a dispute.
 fn attend(script: &mut Script, talk: &Talk, phrase: Phrase, from: f64, to: f64, rng: &mut impl Rng) {
     let (yaw, list) = (talk.gaze + script.vary(0.07, rng), script.vary(0.06, rng));
     if phrase == Phrase::Listen {
@@ -248,7 +248,7 @@ fn shake(script: &mut Script, from: f64, to: f64, yaw: f64) {
     script.look(t, 0.27, yaw, 0.03, 0.0);
 }
 
-/// Hand on the hip, for waiting.
+/// Pose of a hand on the hip, for waiting.
 pub fn on_hip(side: Side) -> HandPose {
     on(side, ON_HIP)
 }

@@ -1,4 +1,4 @@
-//! Arms between hanging and holding a hand somewhere.
+//! Arms between hanging and holding a hand at a position.
 
 use super::super::arm::ArmShape;
 use super::super::attitude::Attitude;
@@ -8,7 +8,7 @@ use super::posture::HandPose;
 use glam::{DQuat, DVec3};
 use throng_core::{Joint, Skeleton};
 
-/// What hands are held against, at one sample.
+/// Reference frames of held hands, at one sample.
 pub struct Held {
     /// Upper chest joint (m).
     chest: DVec3,
@@ -21,7 +21,7 @@ pub struct Held {
 }
 
 impl Held {
-    /// The chest over the hips.
+    /// Frames of the chest over the hips.
     ///
     /// - `trunk`: world rotations from the spine to the head.
     pub fn over(root: DVec3, hips: DQuat, trunk: [DQuat; 5], chest: Attitude, skeleton: &Skeleton) -> Self {
@@ -36,11 +36,11 @@ impl Held {
 
 /// Twist of a hanging forearm, and the direction of its elbow in the upper arm's frame.
 const HANGING: (f64, DVec3) = (0.15, DVec3::NEG_Z);
-/// The share of being held from which on the arm is all reach. The wrist is on its way from hanging to where it is held
-/// from the beginning, so that only what a hanging arm stretches further than a reaching one is blended over.
+/// Share of holding from which the arm fully reaches. The wrist moves from hanging to its target from the beginning, so
+/// that only the difference in stretch of a hanging and a reaching arm is blended.
 const TAKEN: f64 = 0.25;
 
-/// An arm: hanging where the hand is not held, reaching for its wrist where it is, between them otherwise.
+/// Pose of an arm: hanging if the hand is not held, reaching for its wrist if it is, blended in between.
 pub fn arm(side: Side, held: &Held, hanging: &ArmPose, hand: &HandPose, skeleton: &Skeleton) -> ArmPose {
     if hand.held <= 0.0 {
         return *hanging;
@@ -71,7 +71,7 @@ fn reach(side: Side, held: &Held, hanging: &ArmPose, hand: &HandPose, skeleton: 
     let bent = shape.solve(side, shoulder, goal, pole);
     let forearm = ArmShape::forearm(side, bent.elbow, HANGING.0 + share * (hand.twist - HANGING.0));
     let along = bent.upper_arm * forearm * (DVec3::X * s);
-    // A hand that is put down lies level, however steep the forearm comes down.
+    // A hand that is put down lies level, however steep the forearm is.
     let level = hand.placed * hand.twist.sin().max(0.0) * along.y.clamp(-0.9, 0.9).asin();
     ArmPose {
         clavicle,

@@ -1,10 +1,10 @@
-//! People in an office: at the desk, and standing about.
+//! People in an office: at the desk, and standing.
 //!
-//! From intention to pose, in this order: `visit` (with `work`), `stand` (with `gesture`) and `partners` say what happens, as steps,
-//! stays on the chair (`seat`) and keys of trunk, head and hands (`posture`) in a `script`; `route` finds the way around
-//! the furniture of `desk`; `assemble` walks the steps with the walker's own body, moves it by the keys and onto the
-//! chair, and `hands` puts the hands where they are wanted. With no keys the body is the walker's, to the bit, so that
-//! its stands and steps are those of the `walk` set.
+//! From intention to pose, in this order: `visit` (with `work`), `stand` (with `gesture`) and `partners` write the
+//! events, as steps, stays on the chair (`seat`) and keys of trunk, head and hands (`posture`) in a `script`; `route`
+//! plans paths around the furniture of `desk`; `assemble` walks the steps with the walker's own body, moves it by the
+//! keys and onto the chair, and `hands` moves the hands to their positions. Without keys the body is the walker's, to
+//! the bit, so that its stands and steps are those of the `walk` set.
 
 pub(super) mod assemble;
 pub(super) mod desk;
@@ -29,18 +29,18 @@ use throng_core::Skeleton;
 use throng_motion::clip::ClipSet;
 use visit::Visitor;
 
-/// Share of the set that takes place at the desk.
+/// Share of the set at the desk.
 const AT_DESK: f64 = 7.0 / 13.0;
-/// Whatever two people do together is shown once in so many minutes of the rest, and once at least (min).
+/// Minutes of the set, apart from pairs, for each showing of all activities of two people; there is at least one (min).
 const MINUTES_A_PAIR: f64 = 6.0;
 
 /// Makes the `office` set: walking up to a desk from all sides, sitting down, working, chatting there, standing up and
 /// walking away; and idling, chatting, disputing and presenting while standing; on the default skeleton, with the true
 /// contacts and a tag on everything that happens.
 ///
-/// - returns clips `office_desk_00`, ..., around the desk of `data/environments/office_source.toml`,
-///   `office_stand_00`, ..., on empty ground, and `office_pair_00_a` with `office_pair_00_b`, ... of two who chat, dispute,
-///   shake hands, hand something over, or dance, in one room, which come on top of `minutes`; all begin and end standing.
+/// - returns clips `office_desk_00`, ..., around the desk of `data/environments/office_source.toml`, `office_stand_00`,
+///   ..., on empty ground, and `office_pair_00_a` with `office_pair_00_b`, ... of two people who chat, dispute, shake
+///   hands, hand something over, or dance, in one room, in addition to `minutes`; all begin and end standing.
 pub fn office(cfg: &SynthConfig) -> ClipSet {
     let mut set = ClipSet { skeleton: Skeleton::default(), clips: Vec::new() };
     let mut rng = Pcg64Mcg::seed_from_u64(cfg.seed);
@@ -61,9 +61,9 @@ pub fn office(cfg: &SynthConfig) -> ClipSet {
     set
 }
 
-/// Adds clips until they last `seconds`, and one at least.
+/// Adds clips until they last `seconds`, at least one.
 ///
-/// - returns how long they are together (s).
+/// - returns their total length (s).
 fn fill(
     set: &mut ClipSet,
     name: &str,

@@ -1,4 +1,4 @@
-//! What two people do together: they stand face to face and chat, dispute, shake hands, hand something over, or dance.
+//! Activities of two people: they stand face to face and chat, dispute, shake hands, hand something over, or dance.
 
 use super::super::attitude::Attitude;
 use super::super::side::{Side, leftward};
@@ -14,17 +14,17 @@ use std::f64::consts::PI;
 
 /// Distance between the two (m).
 const APART: f64 = 0.9;
-/// Both stand this long before and after (s).
+/// Time for which both stand before and after (s).
 const BEFORE: f64 = 1.5;
-/// Wrists of hands that grip each other are this far from the middle: aside, up and back (m).
+/// Offset of the wrists of hands that grip each other from the midpoint: aside, up and back (m).
 const GRIP: DVec3 = DVec3::new(0.03, 1.0, 0.085);
-/// The same of hands at the two ends of what is handed over (m).
+/// Offset of the wrists of hands at the two ends of a handed-over thing from the midpoint (m).
 const ENDS: DVec3 = DVec3::new(0.0, 1.02, 0.13);
 
-/// Pitch of a head that looks another one in the face: who stands by itself looks a little down (rad).
+/// Pitch of a head that looks a partner in the face; a person alone looks a little down (rad).
 const FACE: f64 = -0.09;
 
-/// What two people do together.
+/// An activity of two people.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Together {
     Chat,
@@ -35,10 +35,10 @@ pub enum Together {
 }
 
 impl Together {
-    /// All of them.
+    /// All activities.
     pub const ALL: [Self; 5] = [Self::Chat, Self::Dispute, Self::Handshake, Self::Handover, Self::Dance];
 
-    /// Its tag.
+    /// Tag of the activity.
     pub fn name(self) -> &'static str {
         match self {
             Self::Chat => "chat",
@@ -50,7 +50,7 @@ impl Together {
     }
 }
 
-/// The scripts of the two, equally long: from neutral stand to neutral stand. The first one faces +Z.
+/// Scripts of the two, equally long: from neutral stand to neutral stand. The first one faces +Z.
 pub fn together(what: Together, variation: f64, rng: &mut impl Rng) -> [Script; 2] {
     let stance = |k: usize| {
         let side = if k == 0 { -1.0 } else { 1.0 };
@@ -78,18 +78,18 @@ pub fn together(what: Together, variation: f64, rng: &mut impl Rng) -> [Script; 
     two
 }
 
-/// A nod, before and after.
+/// Adds a nod, before and after an activity.
 fn greet(s: &mut Script, at: f64) {
     s.look(at, 0.25, 0.0, FACE + 0.16, 0.0);
     face(s, at + 0.35, 0.3);
 }
 
-/// Looks the other one in the face at `t`, setting out `over` seconds before.
+/// Looks at the partner's face at `t`, starting `over` seconds before.
 fn face(s: &mut Script, t: f64, over: f64) {
     s.look(t, over, 0.0, FACE, 0.0);
 }
 
-/// A wrist of the right hand at a point on the way to the other one: aside (to the right), up and back from the middle.
+/// Pose of the right hand with its wrist between the two: aside (to the right), up and back from the midpoint.
 fn met(k: usize, DVec3 { x, y, z }: DVec3, twist: f64) -> HandPose {
     let turn = if k == 0 { -1.0 } else { 1.0 };
     let pose = on(Side::Right, held([0.1, -0.35, 0.3], [0.35, -1.0, -0.2], twist));
@@ -100,7 +100,7 @@ fn chest(yaw: f64, pitch: f64) -> Posture {
     Posture { chest: Attitude { yaw, pitch, list: 0.0 }, ..Posture::default() }
 }
 
-/// One speaks and the other one listens and nods, in turns; in a dispute they do not wait for each other.
+/// One person speaks while the other one listens and nods, in turns; in a dispute the turns overlap.
 fn talk(two: &mut [Script; 2], heat: f64, rng: &mut impl Rng) {
     let from = two[0].now();
     let facing = [0, 1].map(|k: usize| {
@@ -138,7 +138,7 @@ fn talk(two: &mut [Script; 2], heat: f64, rng: &mut impl Rng) {
     }
 }
 
-/// Nods now and then.
+/// Adds occasional nods.
 fn nod(s: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
     let mut t = from;
     while t < to - 0.6 {
@@ -149,7 +149,7 @@ fn nod(s: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
     }
 }
 
-/// Hands meet in the middle, go up and down together, and part. A glance goes to the hands before they meet.
+/// Hands meet at the midpoint, go up and down together, and part. Both glance at the hands before they meet.
 fn shake_hands(two: &mut [Script; 2], rng: &mut impl Rng) {
     let from = two[0].now();
     let beats: Vec<f64> = [0.035, -0.04, 0.03, -0.035, 0.0].iter().map(|u| u * rng.random_range(0.8..1.2)).collect();
@@ -171,13 +171,13 @@ fn shake_hands(two: &mut [Script; 2], rng: &mut impl Rng) {
     }
 }
 
-/// The first one holds something out, the second one takes it.
+/// The first person holds something out, the second one takes it.
 fn hand_over(two: &mut [Script; 2], rng: &mut impl Rng) {
     let from = two[0].now();
     let near = on(Side::Right, held([0.1, -0.36, 0.24], [0.5, -1.0, -0.3], -0.5));
     let meet = from + 1.9 + rng.random_range(0.0..0.3);
     let [giver, taker] = two;
-    // It comes up to the belly, is looked at, and is held out.
+    // The thing comes up to the belly, is looked at, and is held out.
     giver.hand(Side::Right, from + 0.8, 0.75, near);
     giver.look(from + 0.7, 0.5, 0.0, 0.3, 0.0);
     face(giver, from + 1.4, 0.4);
@@ -199,7 +199,7 @@ fn hand_over(two: &mut [Script; 2], rng: &mut impl Rng) {
     two.iter_mut().for_each(|s| s.wait_until(meet + 2.9));
 }
 
-/// They hold each other's hands and step aside together, forth and back.
+/// Both hold each other's hands and step aside together, forth and back.
 fn dance(two: &mut [Script; 2]) {
     let from = two[0].now();
     for (k, s) in two.iter_mut().enumerate() {
@@ -210,7 +210,7 @@ fn dance(two: &mut [Script; 2]) {
         face(s, from + 0.8, 0.5);
         s.wait_until(from + 1.1);
         let home = s.stance();
-        // The same way in the room: left for one is right for the other.
+        // Equal direction in the room: left for one is right for the other.
         let way = leftward(0.0) * 0.22;
         let lead = if k == 0 { Side::Left } else { Side::Right };
         for there in [1.0, 0.0, -1.0, 0.0, 1.0, 0.0] {

@@ -1,67 +1,67 @@
-//! Postures in an office, as numbers that can be keyed: all of them zero in a neutral stand.
+//! Postures in an office, as channels that can be keyed: all zero in a neutral stand.
 
 use super::super::attitude::Attitude;
 use glam::DVec3;
 
-/// Channels of a [`Posture`].
+/// Number of channels of a [`Posture`].
 pub const BODY: usize = 9;
-/// Channels of an [`Attitude`] of the head.
+/// Number of channels of an [`Attitude`] of the head.
 pub const HEAD: usize = 3;
-/// Channels of a [`HandPose`].
+/// Number of channels of a [`HandPose`].
 pub const HAND: usize = 15;
 
-/// Hips and chest, on top of what balance and walking make of them.
+/// Posture of hips and chest, in addition to balance and walking.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Posture {
-    /// The hips turn.
+    /// Turn of the hips.
     pub hips: Attitude,
-    /// The upper chest turns in the world, which the spine shares evenly.
+    /// Turn of the upper chest in the world, which the spine shares evenly.
     pub chest: Attitude,
-    /// The hips move over the feet: to the left and forward (m).
+    /// Shift of the hips over the feet: to the left and forward (m).
     pub shift: [f64; 2],
-    /// The hips sink (m).
+    /// Lowering of the hips (m).
     pub dip: f64,
 }
 
 impl Posture {
-    /// The channels.
+    /// Values of the channels.
     pub fn channels(self) -> [f64; BODY] {
         let Self { hips: h, chest: c, shift: [x, z], dip } = self;
         [h.yaw, h.pitch, h.list, c.yaw, c.pitch, c.list, x, z, dip]
     }
 
-    /// The posture of the channels.
+    /// Posture with given channels.
     pub fn of([hy, hp, hl, cy, cp, cl, x, z, dip]: [f64; BODY]) -> Self {
         let hips = Attitude { yaw: hy, pitch: hp, list: hl };
         Self { hips, chest: Attitude { yaw: cy, pitch: cp, list: cl }, shift: [x, z], dip }
     }
 }
 
-/// One hand: hanging as in walking, held somewhere before the body, or put somewhere in the room.
+/// Pose of one hand: hanging as in walking, held before the body, or placed in the room.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandPose {
-    /// 0 hangs and swings, 1 is held.
+    /// Share of being held: 0 hangs and swings, 1 is held.
     pub held: f64,
-    /// Wrist as seen from the neck, in a frame that turns with the chest (m).
+    /// Wrist relative to the neck, in a frame that turns with the chest (m).
     pub body: DVec3,
     /// Wrist in the room (m).
     pub room: DVec3,
-    /// 0 follows `body`, 1 follows `room`.
+    /// Share of the room: 0 follows `body`, 1 follows `room`.
     pub placed: f64,
-    /// Where the elbow points, in the frame that turns with the chest.
+    /// Direction of the elbow, in the frame that turns with the chest.
     pub pole: DVec3,
     /// Twist of the forearm: 0 thumb up, positive palm down (rad).
     pub twist: f64,
-    /// The hand bends towards its palm (rad).
+    /// Flexion of the hand towards its palm (rad).
     pub flex: f64,
-    /// The shoulder goes forward (rad).
+    /// Forward turn of the shoulder (rad).
     pub reach: f64,
-    /// The shoulder goes up (rad).
+    /// Upward turn of the shoulder (rad).
     pub shrug: f64,
 }
 
 impl HandPose {
-    /// Hanging; where it would be held is in front of the belly.
+    /// A hanging hand; its held position is in front of the belly.
     pub const HANGING: Self = Self {
         held: 0.0,
         body: DVec3::new(0.16, -0.42, 0.2),
@@ -74,20 +74,20 @@ impl HandPose {
         shrug: 0.0,
     };
 
-    /// The channels.
+    /// Values of the channels.
     pub fn channels(self) -> [f64; HAND] {
         let Self { held, body: b, room: r, placed, pole: p, twist, flex, reach, shrug } = self;
         [held, b.x, b.y, b.z, r.x, r.y, r.z, placed, p.x, p.y, p.z, twist, flex, reach, shrug]
     }
 
-    /// The pose of the channels.
+    /// Pose with given channels.
     pub fn of(c: [f64; HAND]) -> Self {
         let [held, bx, by, bz, rx, ry, rz, placed, px, py, pz, twist, flex, reach, shrug] = c;
         let (body, room, pole) = (DVec3::new(bx, by, bz), DVec3::new(rx, ry, rz), DVec3::new(px, py, pz));
         Self { held, body, room, placed, pole, twist, flex, reach, shrug }
     }
 
-    /// The same pose of the other hand.
+    /// Equal pose of the other hand.
     pub fn mirrored(self) -> Self {
         let flip = |v: DVec3| DVec3::new(-v.x, v.y, v.z);
         Self { body: flip(self.body), room: flip(self.room), pole: flip(self.pole), ..self }

@@ -1,4 +1,4 @@
-//! Walking from here to there on a curve that keeps clear of furniture.
+//! Walking along a curve that avoids furniture.
 
 use super::super::side::Side;
 use super::super::walk::footsteps::Stance;
@@ -14,11 +14,11 @@ use throng_core::planar::wrap_angle;
 #[derive(Clone, Copy, Debug)]
 struct Curve([DVec2; 4]);
 
-/// Curves tried before the best one is walked.
+/// Number of random curves among which the best is walked.
 const TRIES: usize = 32;
-/// Points at which a curve is looked at.
+/// Number of sample points on a curve.
 const POINTS: usize = 48;
-/// Bending that a path may have without being thought worse (rad/m).
+/// Largest curvature of a path without penalty (rad/m).
 const BENDING: f64 = 1.1;
 
 impl Curve {
@@ -39,7 +39,7 @@ impl Curve {
         way.x.atan2(way.y)
     }
 
-    /// Points spaced evenly in the parameter, with the distance gone so far.
+    /// Points spaced evenly in the parameter, with the distance travelled so far.
     fn lengths(&self) -> Vec<(f64, f64)> {
         let mut gone = 0.0;
         (0..=POINTS)
@@ -53,7 +53,7 @@ impl Curve {
             .collect()
     }
 
-    /// How bad it is to walk this: furniture in the way, and sharp bends.
+    /// Penalty of a curve: furniture in the way, and sharp bends.
     fn penalty(&self, blocked: &impl Fn(DVec2) -> f64) -> f64 {
         let lengths = self.lengths();
         let in_the_way: f64 = lengths.iter().map(|(_, u)| blocked(self.at(*u))).sum();
@@ -65,20 +65,20 @@ impl Curve {
     }
 }
 
-/// Where to go, and how.
+/// Goal of a walk.
 pub struct Goal {
-    /// The place (m).
+    /// Position (m).
     pub at: DVec2,
-    /// Headings of the last step that are good (rad).
+    /// Acceptable headings of the last step (rad).
     pub arrive: Range<f64>,
-    /// Speed on the way (m/s).
+    /// Speed of walking (m/s).
     pub cruise: f64,
 }
 
 /// Walks from a stand to a stand.
 ///
-/// - `blocked`: how deep a point is within what is in the way (m).
-/// - returns when the first foot leaves the ground (s).
+/// - `blocked`: depth of a point in obstacles (m).
+/// - returns the time at which the first foot leaves the ground (s).
 pub fn walk(script: &mut Script, goal: &Goal, blocked: impl Fn(DVec2) -> f64, rng: &mut impl Rng) -> f64 {
     let from = script.stance();
     let curve = choose(from, goal, blocked, rng);
@@ -115,7 +115,7 @@ fn choose(from: Stance, goal: &Goal, blocked: impl Fn(DVec2) -> f64, rng: &mut i
     best.1
 }
 
-/// Lengths of the steps, as shares of the usual length: two to get going, one to slow down.
+/// Lengths of the steps, as shares of the usual length: two to start, one to slow down.
 fn shares(distance: f64, usual: f64) -> Vec<f64> {
     let mut shares = vec![0.72, 0.62];
     while shares.iter().sum::<f64>() * usual < distance - 0.45 * usual {
@@ -155,7 +155,7 @@ fn follow(script: &mut Script, curve: &Curve, cruise: f64, rng: &mut impl Rng) {
     script.step(Step { double_support: 0.17, ..Step::aside(side, to) });
 }
 
-/// Timing of a step on the way.
+/// Timing of a walking step.
 fn shape(cruise: f64, bend: f64, starts: bool, stops: bool) -> StepShape {
     let usual = turning_step_at(cruise, bend);
     if stops {
@@ -167,7 +167,7 @@ fn shape(cruise: f64, bend: f64, starts: bool, stops: bool) -> StepShape {
     }
 }
 
-/// Parameter of a curve after a distance.
+/// Parameter of a curve at a travelled distance.
 fn at_length(lengths: &[(f64, f64)], gone: f64) -> f64 {
     super::super::signal::interpolate(lengths, gone)
 }

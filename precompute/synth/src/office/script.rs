@@ -1,4 +1,4 @@
-//! What happens in a clip: steps, stays on the chair, keys of trunk, head and hands, and what to call it all.
+//! Timeline of a clip: steps, stays on the chair, keys of trunk, head and hands, and tags.
 
 use super::super::attitude::Attitude;
 use super::super::side::{Side, forward, leftward};
@@ -12,9 +12,9 @@ use glam::DVec2;
 use rand::{Rng, RngExt};
 use throng_core::planar::wrap_angle;
 
-/// A script grows by what is to happen next.
+/// Timeline of a clip, to which events are appended.
 pub struct Script {
-    /// Where the clip begins, standing.
+    /// Initial stance.
     pub start: Stance,
     /// The steps.
     pub steps: Vec<Intent>,
@@ -26,31 +26,31 @@ pub struct Script {
     pub hands: [Track<HAND>; 2],
     /// Stays on the chair, in order.
     pub sittings: Vec<Sitting>,
-    /// When the left and the right hand rest on something (s).
+    /// Times in which the left and the right hand rest on something (s).
     pub rests: [Vec<[f64; 2]>; 2],
-    /// Names of what happens, from when to when (s).
+    /// Tags: name, begin and end (s).
     pub tags: Vec<(&'static str, f64, f64)>,
-    /// How much everything varies.
+    /// Factor on the usual variation.
     pub variation: f64,
     stance: Stance,
     landed: f64,
     now: f64,
 }
 
-/// A single step as [`Script::step`] takes it.
+/// A single step, as taken by [`Script::step`].
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     /// The foot.
     pub side: Side,
-    /// Where the feet stand after it, or will once the other one has followed.
+    /// Stance after the step, once the other foot has followed.
     pub to: Stance,
     /// Distance of the ankles across (m).
     pub width: f64,
-    /// How far the foot turns out (rad).
+    /// Outward turn of the foot (rad).
     pub toe_out: f64,
     /// Time from landing to landing (s).
     pub period: f64,
-    /// Time both feet carry at the beginning (s).
+    /// Time on both feet at the beginning (s).
     pub double_support: f64,
 }
 
@@ -61,16 +61,16 @@ impl Step {
     }
 }
 
-/// Longest part of a heading change in place that one step takes (rad).
+/// Largest turn in place by one step of the inner foot, for small and for large heading changes (rad).
 const OPENING: [f64; 2] = [0.85, 1.1];
-/// The same of the outer foot (rad).
+/// Largest turn in place by one step of the outer foot (rad).
 const CLOSING: f64 = 0.3;
 
 /// Least stand between two steps of the same foot (s).
 const LANDED: f64 = 0.15;
 
 impl Script {
-    /// A script that begins standing.
+    /// A timeline that begins standing.
     pub fn new(start: Stance, variation: f64) -> Self {
         let hand = HandPose::HANGING;
         Self {
@@ -89,17 +89,17 @@ impl Script {
         }
     }
 
-    /// The end of what happens so far (s).
+    /// End of the events so far (s).
     pub fn now(&self) -> f64 {
         self.now
     }
 
-    /// Where the feet stand now.
+    /// Current stance.
     pub fn stance(&self) -> Stance {
         self.stance
     }
 
-    /// How long to stand after the last step (s).
+    /// Duration of the stand after the last step (s).
     pub fn last_stand(&self) -> f64 {
         LAST_STAND.max(self.now - self.landed + 1.1)
     }
@@ -109,24 +109,24 @@ impl Script {
         self.landed + self.last_stand()
     }
 
-    /// Nothing more happens until `t`.
+    /// Extends the timeline to `t`.
     pub fn wait_until(&mut self, t: f64) {
         self.now = self.now.max(t);
     }
 
-    /// Between `-amount` and `amount`, as far as things vary.
+    /// Random offset between `-amount` and `amount`, scaled by the variation.
     pub fn vary(&self, amount: f64, rng: &mut impl Rng) -> f64 {
         self.variation * amount * rng.random_range(-1.0..1.0)
     }
 
-    /// Takes a step; waits before it where something else goes on until later than the last landing.
+    /// Takes a step, after waiting for events that last longer than the last landing.
     pub fn step(&mut self, step: Step) {
         let turn = f64::from(wrap_angle((step.to.heading - self.stance.heading) as f32));
         let along = self.stance.heading + 0.5 * turn;
         let way = step.to.at - self.stance.at;
         let shape =
             StepShape { length: way.dot(forward(along)), period: step.period, double_support: step.double_support };
-        // A foot that has just landed carries a while before it steps again.
+        // A foot that has just landed carries for a while before it steps again.
         let again = self.steps.last().is_some_and(|s| s.side == step.side);
         let waits = self.now - self.landed;
         let pause = if waits > 0.02 {
@@ -154,17 +154,17 @@ impl Script {
         self.steps.push(intent);
     }
 
-    /// When the next step lifts its foot, where it comes after standing still (s).
+    /// Time at which the next step lifts its foot, if after standing still (s).
     pub fn next_lift(&self) -> f64 {
         self.now.max(self.landed) + SHIFT
     }
 
-    /// The foot that can step at once, where the script is in the middle of stepping.
+    /// Foot that can step at once, in the middle of stepping.
     pub fn free_foot(&self) -> Option<Side> {
         self.steps.last().filter(|_| self.now <= self.landed + 0.02).map(|s| s.side.other())
     }
 
-    /// A hand rests on something from a little after `from` until a little before `to`.
+    /// Rests a hand on something from a little after `from` until a little before `to`.
     pub fn rest(&mut self, side: Side, from: f64, to: f64) {
         if to - from > 0.4 {
             self.rests[side.index()].push([from + 0.1, to - 0.12]);
@@ -188,9 +188,9 @@ impl Script {
         }
     }
 
-    /// Goes sideways to a stance in steps that close, turning as it goes.
+    /// Steps sideways to a stance in closing steps, turning meanwhile.
     ///
-    /// - `path`: point at each share of the way (m).
+    /// - `path`: position at each share of the way (m).
     pub fn side_step(&mut self, to: Stance, path: impl Fn(f64) -> DVec2, rng: &mut impl Rng) {
         const STRIDE: f64 = 0.3;
         let from = self.stance;
@@ -208,43 +208,43 @@ impl Script {
         }
     }
 
-    /// Hips and chest get to a posture at `t`, setting out `over` seconds before.
+    /// Brings hips and chest to a posture at `t`, starting `over` seconds before.
     pub fn pose(&mut self, t: f64, over: f64, posture: Posture) {
         self.body.hold(t - over);
         self.body.push(t, posture.channels());
     }
 
-    /// The head gets to an attitude at `t`, setting out `over` seconds before.
+    /// Brings the head to an attitude at `t`, starting `over` seconds before.
     pub fn look(&mut self, t: f64, over: f64, yaw: f64, pitch: f64, list: f64) {
         self.head.hold(t - over);
         self.head.push(t, [yaw, pitch, list]);
     }
 
-    /// The attitude of the head at the last key.
+    /// Attitude of the head at the last key.
     pub fn head(&self) -> Attitude {
         let [yaw, pitch, list] = self.head.last().1;
         Attitude { yaw, pitch, list }
     }
 
-    /// A hand gets to a pose at `t`, setting out `over` seconds before or where its last key is.
+    /// Brings a hand to a pose at `t`, starting `over` seconds before, or at its last key.
     pub fn hand(&mut self, side: Side, t: f64, over: f64, pose: HandPose) {
         let track = &mut self.hands[side.index()];
         track.hold(t - over);
         track.push(t, pose.channels());
     }
 
-    /// The pose of a hand at its last key.
+    /// Pose of a hand at its last key.
     pub fn hand_now(&self, side: Side) -> HandPose {
         HandPose::of(self.hands[side.index()].last().1)
     }
 
-    /// Lets a hand hang from `t - over` on until `t`; it forgets where it was held.
+    /// Lets a hand hang from `t - over` until `t`, forgetting its held position.
     pub fn let_hang(&mut self, side: Side, t: f64, over: f64) {
         let last = self.hand_now(side);
         self.hand(side, t, over, HandPose { held: 0.0, flex: 0.0, reach: 0.0, shrug: 0.0, ..last });
     }
 
-    /// Back to the neutral stand at `t`.
+    /// Returns to the neutral stand at `t`.
     pub fn relax(&mut self, t: f64, over: f64) {
         self.pose(t, over, Posture::default());
         self.look(t, over, 0.0, 0.0, 0.0);
@@ -253,7 +253,7 @@ impl Script {
         }
     }
 
-    /// Names what happens from `from` to now.
+    /// Tags the time from `from` to now.
     pub fn tag(&mut self, name: &'static str, from: f64) {
         self.tags.push((name, from, self.now));
     }

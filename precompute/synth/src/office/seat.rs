@@ -1,32 +1,32 @@
-//! Sitting down and standing up: when the hips go back and down, and how the trunk leans to keep its weight over
-//! the feet.
+//! Sitting down and standing up: timing of the hips' motion back and down, and lean of the trunk that keeps its weight
+//! over the feet.
 //!
 //! Rising begins with the trunk, which leans forward while the seat still carries; the hips leave the seat when the
 //! weight is over the feet; hips and trunk then straighten together (Schenkman et al. 1990, *Whole-body movements
-//! during rising to standing from sitting*). Sitting down is the same backwards, only that the trunk leans and the
-//! hips go back from the first moment on.
+//! during rising to standing from sitting*). Sitting down is the reverse, except that the trunk leans and the hips go
+//! back from the first moment on.
 
 use super::super::signal::{End, cruise, quintic};
 
-/// One stay on a chair.
+/// A stay on a chair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sitting {
-    /// Sitting down, from the first bending of the knees until the trunk is upright again (s).
+    /// Time of sitting down, from the first bending of the knees until the trunk is upright again (s).
     pub down: [f64; 2],
-    /// Standing up, from the first leaning of the trunk until it is upright (s).
+    /// Time of standing up, from the first leaning of the trunk until it is upright (s).
     pub up: [f64; 2],
 }
 
-/// How far the body is seated.
+/// Degree to which the body is seated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seated {
-    /// The hips over the ground: 0 over the feet, 1 over the seat.
+    /// Horizontal position of the hips: 0 over the feet, 1 over the seat.
     pub back: f64,
-    /// The hips in height: 0 standing, 1 on the seat.
+    /// Height of the hips: 0 standing, 1 on the seat.
     pub down: f64,
     /// Forward lean of the chest that keeps the balance (rad).
     pub lean: f64,
-    /// The seat carries.
+    /// True if the seat carries.
     pub carried: bool,
 }
 
@@ -36,7 +36,7 @@ const LEAN: [f64; 2] = [0.62, 0.72];
 const TOUCH: [f64; 2] = [0.8, 0.34];
 
 impl Sitting {
-    /// The state at `t` seconds.
+    /// State at `t` seconds.
     pub fn at(&self, t: f64) -> Seated {
         let share = |span: [f64; 2]| ((t - span[0]) / (span[1] - span[0])).clamp(0.0, 1.0);
         let (down, up) = (share(self.down), share(self.up));
@@ -50,7 +50,7 @@ impl Sitting {
     }
 }
 
-/// From 0 up to 1 at `top`, and back to 0 at 1, at rest at all three.
+/// Rises from 0 to 1 at `top`, and falls back to 0 at 1, at rest at all three.
 fn swell(u: f64, top: f64) -> f64 {
     if u < top {
         quintic(End::still(0.0), End::still(1.0), top, u)

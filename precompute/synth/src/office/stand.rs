@@ -1,4 +1,4 @@
-//! What people do standing about: they wait, chat, dispute and present, and stand still between.
+//! Behaviours of standing people: they wait, chat, dispute and present, and stand still in between.
 
 use super::super::attitude::Attitude;
 use super::super::deck::Deck;
@@ -19,7 +19,7 @@ enum Behaviour {
     Present(Side),
 }
 
-/// Deals behaviours. One serves all clips of a set, so that they come equally often.
+/// Dealer of behaviours. One serves all clips of a set, so that they come equally often.
 pub struct Stander {
     behaviours: Deck<Behaviour>,
     idling: Deck<Idling>,
@@ -29,7 +29,7 @@ pub struct Stander {
 /// Headings of the partner in a talk (rad).
 const PARTNERS: [f64; 7] = [0.0, 0.0, 0.15, -0.15, 0.35, -0.35, 0.0];
 
-/// What a waiting character does.
+/// Activity of a waiting character.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Idling {
     LookAround,
@@ -58,7 +58,7 @@ impl Stander {
         Self { behaviours: Deck::new(&behaviours), idling: Deck::new(&idling), partners: Deck::new(&PARTNERS) }
     }
 
-    /// Behaviours for about `seconds`, from neutral stand to neutral stand.
+    /// Timeline of behaviours for about `seconds`, from neutral stand to neutral stand.
     pub fn stand(&mut self, seconds: f64, variation: f64, rng: &mut impl Rng) -> Script {
         let mut script = Script::new(Stance::default(), variation);
         while script.now() < seconds - 1.5 || script.now() == 0.0 {
@@ -151,7 +151,7 @@ impl Stander {
     }
 }
 
-/// The weight on one leg: its hip out and up, the shoulders the other way.
+/// Posture with the weight on one leg: its hip out and up, the shoulders tilted the other way.
 pub fn lean_on(side: Side, script: &Script, rng: &mut impl Rng) -> Posture {
     let s = side.sign();
     let out = 0.036 + script.vary(0.012, rng);
@@ -163,14 +163,14 @@ pub fn lean_on(side: Side, script: &Script, rng: &mut impl Rng) -> Posture {
     }
 }
 
-/// A hand held before the body, left.
+/// Pose of the left hand before the body.
 fn pose(body: [f64; 3], pole: [f64; 3], twist: f64) -> HandPose {
     HandPose { held: 1.0, body: body.into(), pole: pole.into(), twist, ..HandPose::HANGING }
 }
 
 /// Raises the left wrist, looks at it and lets it down.
 ///
-/// - returns when the eyes are free (s).
+/// - returns the time at which the eyes are free (s).
 pub fn look_at_watch(script: &mut Script, from: f64, rng: &mut impl Rng) -> f64 {
     let watch = pose([0.06, -0.27, 0.27], [0.9, -0.7, 0.0], 1.2);
     let at = from + rng.random_range(0.6..1.2);
@@ -184,7 +184,7 @@ pub fn look_at_watch(script: &mut Script, from: f64, rng: &mut impl Rng) -> f64 
 
 /// Scratches the head.
 ///
-/// - returns when the head is free (s).
+/// - returns the time at which the head is free (s).
 fn scratch(script: &mut Script, side: Side, from: f64) -> f64 {
     let head = on(side, pose([0.09, 0.09, 0.1], [0.9, -0.6, 0.2], 0.3));
     script.hand(side, from + 1.0, 0.95, head);
@@ -200,7 +200,7 @@ fn scratch(script: &mut Script, side: Side, from: f64) -> f64 {
 
 /// Bends backwards a little, the hands on the hips.
 ///
-/// - returns when the head is free (s).
+/// - returns the time at which the head is free (s).
 fn stretch(script: &mut Script, from: f64) -> f64 {
     let lean = |pitch: f64| Attitude { pitch, ..Attitude::default() };
     let back = Posture { hips: lean(-0.03), chest: lean(-0.09), shift: [0.0, 0.025], dip: 0.0 };
@@ -214,7 +214,7 @@ fn stretch(script: &mut Script, from: f64) -> f64 {
     from + 2.6
 }
 
-/// Turns the head here and there.
+/// Turns the head to and fro.
 pub fn look_around(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
     let mut t = from + 0.3;
     while t < to - 0.7 {
@@ -225,7 +225,7 @@ pub fn look_around(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) 
     }
 }
 
-/// Steps half aside, points to what is on a wall at one side, looks from it to the listeners, and steps back.
+/// Steps half aside, points at a wall on one side, looks from it to the listeners, and steps back.
 fn present(script: &mut Script, side: Side, from: f64, to: f64, rng: &mut impl Rng) -> &'static str {
     let s = side.sign();
     let home = script.stance();
@@ -248,7 +248,7 @@ fn present(script: &mut Script, side: Side, from: f64, to: f64, rng: &mut impl R
     "present"
 }
 
-/// The arm at the wall's side points and sweeps; the other one hangs or helps.
+/// Points and sweeps with the arm at the wall's side; the other one hangs or helps.
 fn show(script: &mut Script, side: Side, from: f64, to: f64, rng: &mut impl Rng) {
     let s = side.sign();
     let points = [[0.5, -0.1, 0.24], [0.46, 0.06, 0.26], [0.52, -0.22, 0.2], [0.4, -0.02, 0.34]]

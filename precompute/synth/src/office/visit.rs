@@ -14,20 +14,20 @@ use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use std::f64::consts::PI;
 
-/// Distances from the chair at which clips begin and people stop after walking away (m).
+/// Distances from the chair at which clips begin, and at which people stop after walking away (m).
 const AWAY: [f64; 2] = [1.6, 2.5];
-/// Directions from the chair to go to and to come from, in degrees from straight behind it, left positive: all but
-/// where the desk is.
+/// Directions to and from the chair, in degrees from straight behind it, positive to the left: all except that of the
+/// desk.
 const DIRECTIONS: [f64; 14] =
     [0.0, 18.0, -18.0, 36.0, -36.0, 54.0, -54.0, 72.0, -72.0, 90.0, -90.0, 108.0, -108.0, 8.0];
 /// Speeds (m/s).
 const SPEEDS: [f64; 4] = [0.8, 0.95, 1.1, 1.2];
-/// Where the feet are in sitting: the ankles in front of the middle of the seat (m).
+/// Distance of the ankles in front of the centre of the seat in sitting (m).
 const UNDER_KNEES: f64 = 0.47;
-/// The same before he rises (m).
+/// Distance of the ankles in front of the centre of the seat before rising (m).
 const DRAWN_BACK: f64 = 0.29;
 
-/// How the trunk is held in sitting: a little slumped.
+/// Posture of the trunk in sitting: a little slumped.
 pub const SITTING: Posture = Posture {
     hips: Attitude { yaw: 0.0, pitch: -0.14, list: 0.0 },
     chest: Attitude { yaw: 0.0, pitch: 0.07, list: 0.0 },
@@ -35,12 +35,12 @@ pub const SITTING: Posture = Posture {
     dip: 0.0,
 };
 
-/// No turn or lean of its own.
+/// Attitude without turn or lean.
 const UPRIGHT: Attitude = Attitude { yaw: 0.0, pitch: 0.0, list: 0.0 };
-/// The hips held back between chair and desk, so that the thighs pass the desk's edge.
+/// Posture between chair and desk: the hips held back, so that the thighs pass the desk's edge.
 const SQUEEZED: Posture = Posture { hips: UPRIGHT, chest: UPRIGHT, shift: [0.0, -0.025], dip: 0.0 };
 
-/// Hands on the thighs, left; [`HandPose::mirrored`] for the right one.
+/// Hand on the thigh, left; [`HandPose::mirrored`] for the right one.
 pub const LAP: HandPose = HandPose {
     held: 1.0,
     room: DVec3::new(0.14, 0.655, 0.31),
@@ -50,7 +50,7 @@ pub const LAP: HandPose = HandPose {
     ..HandPose::HANGING
 };
 
-/// Deals visits. One visitor serves all clips of a set, so that ways and work are spread evenly.
+/// Dealer of visits. One serves all clips of a set, so that directions and work are spread evenly.
 pub struct Visitor {
     ways: [Deck<f64>; 2],
     sides: [Deck<Side>; 2],
@@ -69,7 +69,7 @@ impl Visitor {
         }
     }
 
-    /// Visits for about `seconds`, from standing to standing.
+    /// Timeline of visits for about `seconds`, from standing to standing.
     pub fn visits(&mut self, seconds: f64, variation: f64, rng: &mut impl Rng) -> Script {
         let at = self.place(0, rng);
         let mut script = Script::new(Stance { at, heading: rng.random_range(-PI..PI) }, variation);
@@ -92,7 +92,7 @@ impl Visitor {
         }
     }
 
-    /// A place away from the chair.
+    /// A position away from the chair.
     fn place(&mut self, deck: usize, rng: &mut impl Rng) -> DVec2 {
         let direction = (self.ways[deck].deal(rng) + rng.random_range(-9.0..9.0)).to_radians();
         let distance = rng.random_range(AWAY[0]..AWAY[1]);
@@ -102,7 +102,7 @@ impl Visitor {
     /// Walks up to a side of the chair and steps in front of it.
     fn come(&mut self, script: &mut Script, rng: &mut impl Rng) {
         let from = script.stance().at;
-        // Around the chair only where it is not far.
+        // Around the chair only if that is not far.
         let dealt = self.sides[0].deal(rng);
         let side = if from.x.abs() > 0.8 { Side::inside(from.x) } else { dealt };
         let s = side.sign();
@@ -132,7 +132,7 @@ impl Visitor {
         script.wait_until(script.now() + rng.random_range(0.05..0.4));
     }
 
-    /// Sits down, works, and gets ready to stand up again.
+    /// Sits down, works, and prepares to stand up again.
     fn stay(&mut self, script: &mut Script, work: f64, rng: &mut impl Rng) {
         let [begin, end] = take_seat(script, true, rng);
         script.tags.push(("sit_down", begin, end));
@@ -159,8 +159,8 @@ impl Visitor {
 
 /// Sits down and puts the feet under the knees.
 ///
-/// - `at_desk`: a hand may take hold of its edge.
-/// - returns from when to when he sits down (s).
+/// - `at_desk`: allows a hand to take hold of the desk's edge.
+/// - returns begin and end of sitting down (s).
 pub fn take_seat(script: &mut Script, at_desk: bool, rng: &mut impl Rng) -> [f64; 2] {
     let begin = script.now();
     let end = begin + 2.0 + script.vary(0.25, rng);
@@ -173,8 +173,8 @@ pub fn take_seat(script: &mut Script, at_desk: bool, rng: &mut impl Rng) -> [f64
 
 /// Draws the feet back and stands up.
 ///
-/// - `at_desk`: a hand may push off its edge.
-/// - returns from when to when (s).
+/// - `at_desk`: allows a hand to push off the desk's edge.
+/// - returns begin and end of rising (s).
 pub fn rise(script: &mut Script, at_desk: bool, rng: &mut impl Rng) -> [f64; 2] {
     let ready = script.now();
     let heading = script.vary(0.04, rng);
@@ -188,7 +188,7 @@ pub fn rise(script: &mut Script, at_desk: bool, rng: &mut impl Rng) -> [f64; 2] 
     [ready, end]
 }
 
-/// Sideways out to where the way behind is free, turning a little outwards.
+/// Steps sideways to where the path behind is free, turning a little outwards.
 fn step_out(script: &mut Script, side: Side, rng: &mut impl Rng) {
     let from = script.stance().at;
     let out = DVec2::new(side.sign() * rng.random_range(0.6..0.7), rng.random_range(0.1..0.2));
@@ -201,7 +201,7 @@ fn step_out(script: &mut Script, side: Side, rng: &mut impl Rng) {
     script.pose(script.now(), 0.8, Posture::default());
 }
 
-/// Puts one foot after the other to a distance in front of the seat.
+/// Places one foot after the other at a distance in front of the seat.
 fn place_feet(script: &mut Script, first: Side, ahead: f64, heading: f64, rng: &mut impl Rng) {
     let ahead = ahead + script.vary(0.02, rng);
     let to = Stance { at: DVec2::new(script.stance().at.x, ahead), heading };
@@ -212,7 +212,7 @@ fn place_feet(script: &mut Script, first: Side, ahead: f64, heading: f64, rng: &
     }
 }
 
-/// Trunk and hands while sitting down: the hands come to the thighs, or one takes hold of the desk.
+/// Moves trunk and hands while sitting down: the hands to the thighs, or one to the desk.
 fn sit_down(script: &mut Script, begin: f64, end: f64, at_desk: bool, rng: &mut impl Rng) {
     let over = end - begin;
     script.pose(end, 0.55 * over, SITTING);
@@ -239,7 +239,7 @@ fn sit_down(script: &mut Script, begin: f64, end: f64, at_desk: bool, rng: &mut 
     script.wait_until(end);
 }
 
-/// Trunk and hands while standing up: pushing off the thighs, or off the desk with one hand.
+/// Moves trunk and hands while standing up: pushes off the thighs, or off the desk with one hand.
 fn stand_up(script: &mut Script, begin: f64, end: f64, at_desk: bool, rng: &mut impl Rng) {
     let over = end - begin;
     script.pose(begin + 0.75 * over, 0.75 * over, SQUEEZED);
@@ -264,7 +264,7 @@ fn stand_up(script: &mut Script, begin: f64, end: f64, at_desk: bool, rng: &mut 
     script.wait_until(end);
 }
 
-/// A pose of the left hand, for either side.
+/// Mirrors a pose of the left hand for the right side.
 pub fn on(side: Side, pose: HandPose) -> HandPose {
     if side == Side::Left { pose } else { pose.mirrored() }
 }

@@ -13,10 +13,10 @@ use super::visit::{LAP, SITTING, on};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 
-/// Height of a wrist whose hand lies on the desk (m).
+/// Height of the wrist of a hand on the desk (m).
 const WRIST: f64 = TOP + 0.035;
 
-/// What can be done at a desk.
+/// A task at the desk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Task {
     Type,
@@ -26,7 +26,7 @@ enum Task {
     Chat(Side),
 }
 
-/// Deals tasks.
+/// Dealer of tasks.
 pub struct Worker {
     tasks: Deck<Task>,
 }
@@ -41,7 +41,7 @@ impl Worker {
     }
 }
 
-/// A hand that lies on the near edge of the desk, left; `aside` metres from the middle.
+/// Left hand on the near edge of the desk, `aside` metres from its middle.
 pub fn edge(aside: f64) -> HandPose {
     HandPose {
         held: 1.0,
@@ -53,7 +53,7 @@ pub fn edge(aside: f64) -> HandPose {
     }
 }
 
-/// A hand over the keyboard, left.
+/// Left hand over the keyboard.
 fn keys() -> HandPose {
     HandPose { room: DVec3::new(0.11, WRIST + 0.012, 0.515), flex: -0.05, ..edge(0.0) }
 }
@@ -95,7 +95,7 @@ pub fn work(worker: &mut Worker, script: &mut Script, begin: f64, end: f64, rng:
     close(script, "work", began, t + 1.0);
 }
 
-/// Moves one foot under the desk a little.
+/// Moves one foot a little under the desk.
 fn move_foot(script: &mut Script, t: f64, rng: &mut impl Rng) {
     script.wait_until(t);
     let side = Side::BOTH[usize::from(rng.random_bool(0.5))];
@@ -110,14 +110,14 @@ fn close(script: &mut Script, name: &'static str, from: f64, to: f64) {
     }
 }
 
-/// True where a hand is at or over the desk rather than on the thigh or in the air.
+/// True for a hand at or over the desk, rather than on the thigh or in the air.
 fn at_desk(hand: &HandPose) -> bool {
     hand.placed > 0.5 && hand.room.y > TOP
 }
 
-/// Brings a hand onto the desk, over its edge rather than through it.
+/// Moves a hand onto the desk, over its edge rather than through it.
 ///
-/// - returns when it is there.
+/// - returns the time of arrival (s).
 fn to_desk(script: &mut Script, side: Side, t: f64, pose: HandPose, rng: &mut impl Rng) -> f64 {
     let now = script.hand_now(side);
     if at_desk(&now) {
@@ -134,7 +134,7 @@ fn to_desk(script: &mut Script, side: Side, t: f64, pose: HandPose, rng: &mut im
     start + 0.95
 }
 
-/// Brings a hand back onto the thigh.
+/// Moves a hand back onto the thigh.
 fn to_lap(script: &mut Script, side: Side, t: f64, rng: &mut impl Rng) -> f64 {
     let now = script.hand_now(side);
     let lap = on(side, LAP);
@@ -160,7 +160,7 @@ fn sit(script: &mut Script, t: f64, over: f64, lean: f64, turn: f64, rng: &mut i
     script.pose(t + over, over, posture);
 }
 
-/// Small movements of the head over what the eyes follow.
+/// Small movements of the head that follow the eyes.
 fn watch(script: &mut Script, from: f64, to: f64, [yaw, pitch]: [f64; 2], rng: &mut impl Rng) {
     let mut t = from + 0.7;
     while t < to - 0.3 {
@@ -170,7 +170,7 @@ fn watch(script: &mut Script, from: f64, to: f64, [yaw, pitch]: [f64; 2], rng: &
     }
 }
 
-/// Both hands on the keyboard: bursts of strokes, with the fingers' work seen as small movements of the hands.
+/// Types with both hands on the keyboard: bursts of strokes, shown as small movements of the hands.
 fn type_text(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
     sit(script, from, 1.1, 0.18, 0.0, rng);
     watch(script, from, to, [0.0, 0.2], rng);
@@ -194,7 +194,7 @@ fn type_text(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
     }
 }
 
-/// One hand on the mouse, the other one on the desk or on the thigh.
+/// Uses the mouse with one hand, with the other one on the desk or on the thigh.
 fn use_mouse(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
     sit(script, from, 1.1, 0.1, -0.05, rng);
     watch(script, from, to, [0.0, 0.12], rng);
@@ -221,7 +221,7 @@ fn use_mouse(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
     script.rest(Side::Right, touched, to);
 }
 
-/// Leans towards the screen, the forearms on the desk, now and then with the chin on a hand.
+/// Leans towards the screen, with the forearms on the desk, and now and then the chin on a hand.
 fn read(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
     let thinker = rng.random_bool(0.5).then(|| Side::BOTH[usize::from(rng.random_bool(0.5))]);
     sit(script, from, 1.3, 0.24, thinker.map_or(0.0, |s| -0.1 * s.sign()), rng);
@@ -241,7 +241,7 @@ fn read(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
     }
 }
 
-/// Leans back, the hands on the thighs.
+/// Leans back, with the hands on the thighs.
 fn lean_back(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
     let back = Posture {
         hips: Attitude { pitch: -0.34, ..Attitude::default() },
@@ -259,7 +259,7 @@ fn lean_back(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
 
 /// Turns to a visitor beside the desk and talks.
 ///
-/// - returns when it is over (s).
+/// - returns the end (s).
 fn chat(script: &mut Script, side: Side, from: f64, to: f64, rng: &mut impl Rng) -> f64 {
     let turn = side.sign() * (0.5 + script.vary(0.12, rng));
     let turned = Posture {
@@ -269,7 +269,7 @@ fn chat(script: &mut Script, side: Side, from: f64, to: f64, rng: &mut impl Rng)
     };
     script.pose(from + 1.1, 1.1, turned);
     script.look(from + 0.8, 0.8, 1.5 * turn, 0.0, 0.0);
-    // The hands leave the desk before they talk.
+    // The hands leave the desk before talking.
     let ready = Side::BOTH.map(|s| to_lap(script, s, from, rng)).into_iter().fold(from, f64::max);
     let (begin, gaze) = (ready.max(from + 1.1), 1.5 * turn);
     let talk = Talk { from: begin, to: to - 0.9, facing: turned, gaze, seated: true, heat: 0.0 };

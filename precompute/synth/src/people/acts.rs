@@ -1,4 +1,4 @@
-//! Each act as a script.
+//! Scripts of the acts.
 
 use super::super::attitude::Attitude;
 use super::super::office::desk::BEFORE_SEAT;
@@ -12,20 +12,20 @@ use super::super::walk::footsteps::Stance;
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 
-/// What a clip shows.
+/// Act of a clip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Act {
     /// Waves with a hand.
     Wave(Side),
-    /// Nods to somebody, a hand half raised.
+    /// Nods to a partner, with a hand half raised.
     Nod(Side),
     /// Gives the right hand.
     Handshake,
-    /// Looks at something before him.
+    /// Looks at something in front.
     Look(Rest),
     /// Hands something over and takes something.
     Buy(Side),
-    /// Talks to somebody before him, in a mood from calm (0) to heated (1).
+    /// Talks to a partner, in a mood from calm (0) to heated (1).
     Chat(f64),
     /// Sits down, sits and stands up.
     Sit,
@@ -33,13 +33,13 @@ pub enum Act {
     Queue(Rest),
     /// Throws the arms up.
     Cheer,
-    /// Takes a thing that lies before him.
+    /// Takes a thing in front.
     Take(Side, Height),
-    /// Puts a thing that he holds before him.
+    /// Puts down a thing in front.
     Put(Side, Height),
 }
 
-/// How high a thing lies.
+/// Height of a thing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Height {
     /// On a table.
@@ -48,44 +48,44 @@ pub enum Height {
     Shelf,
 }
 
-/// What hands do meanwhile.
+/// Resting position of the hands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rest {
-    /// They hang.
+    /// Hanging.
     Hang,
     /// Clasped before the belly.
     Clasp,
-    /// One on the hip.
+    /// One hand on the hip.
     Hip(Side),
-    /// One at the chin, the other under its elbow.
+    /// One hand at the chin, the other under its elbow.
     Chin(Side),
-    /// One is raised now and then, to look at the watch.
+    /// One hand raised now and then, to look at the watch.
     Watch,
 }
 
-/// Standing before an act begins (s).
+/// Time of standing before an act (s).
 const BEFORE_S: f64 = 0.6;
 
 /// Forearm up beside the head, palm ahead.
 const WAVE: HandPose = held([0.33, 0.1, 0.24], [0.7, -1.0, 0.0], 1.5);
 /// Hand half up, palm ahead.
 const HALF: HandPose = held([0.27, -0.12, 0.3], [0.6, -1.0, -0.2], 1.2);
-/// Given to somebody half a step away.
+/// Hand given to a partner half a step away.
 const GIVEN: HandPose = HandPose { reach: 0.22, ..held([0.045, -0.3, 0.45], [0.35, -1.0, -0.2], 0.05) };
-/// Over a counter, palm down and palm up.
+/// Hand over a counter, palm down and palm up.
 const OVER: HandPose = HandPose { reach: 0.2, ..held([0.12, -0.3, 0.46], [0.5, -1.0, -0.2], 0.7) };
 const UNDER: HandPose = HandPose { reach: 0.15, ..held([0.12, -0.34, 0.43], [0.5, -1.0, -0.2], -0.9) };
-/// Around a thing on a table, and on a shelf; carried beside the hip.
+/// Hand around a thing on a table, and on a shelf; carrying it beside the hip.
 const ON_TABLE: HandPose = HandPose { reach: 0.2, ..held([0.15, -0.52, 0.4], [0.7, -0.8, -0.4], 0.25) };
 const ON_SHELF: HandPose = HandPose { reach: 0.25, ..held([0.14, -0.28, 0.46], [0.7, -1.0, -0.2], 0.2) };
 const CARRIED: HandPose = held([0.2, -0.42, 0.16], [0.5, -1.0, -0.5], 0.4);
-/// At a bag or a pocket.
+/// Hand at a bag or a pocket.
 const POCKET: HandPose = held([0.2, -0.48, 0.1], [0.6, -0.6, -0.8], 0.9);
-/// Clasped before the belly.
+/// Hands clasped before the belly.
 const CLASP: HandPose = held([0.055, -0.49, 0.21], [0.8, -0.9, -0.5], 0.5);
-/// Under the elbow of the other arm.
+/// Hand under the elbow of the other arm.
 const UNDER_ELBOW: HandPose = held([-0.02, -0.32, 0.19], [0.9, -0.9, -0.2], 0.4);
-/// Over the head.
+/// Hand over the head.
 const UP: HandPose = HandPose { shrug: 0.25, ..held([0.34, 0.38, 0.1], [1.0, -0.4, -0.1], 1.2) };
 
 impl Act {
@@ -124,7 +124,7 @@ impl Act {
         Self::Put(Side::Left, Height::Shelf),
     ];
 
-    /// What it is called.
+    /// Tag of the act.
     pub fn tag(self) -> &'static str {
         match self {
             Self::Wave(_) | Self::Nod(_) => "greet",
@@ -142,7 +142,7 @@ impl Act {
 
     /// The script of a clip.
     ///
-    /// - `variation`: times the usual differences.
+    /// - `variation`: factor on the usual variation.
     pub fn script(self, variation: f64, rng: &mut impl Rng) -> Script {
         let at = if self == Self::Sit { DVec2::new(0.0, BEFORE_SEAT) } else { DVec2::ZERO };
         let mut script = Script::new(Stance { at, heading: 0.0 }, variation);
@@ -169,15 +169,15 @@ impl Act {
     }
 }
 
-/// From when to when an act may go on (s).
+/// Begin and end of the part of an act that may loop (s).
 type Looped = Option<[f64; 2]>;
 
-/// The chest leans and turns.
+/// Posture with the chest leaned and turned.
 fn chest(yaw: f64, pitch: f64) -> Posture {
     Posture { chest: Attitude { yaw, pitch, list: 0.0 }, ..Posture::default() }
 }
 
-/// Brings everything back to rest.
+/// Returns everything to rest.
 fn end(s: &mut Script, t: f64, over: f64) {
     s.relax(t + over, over);
     s.wait_until(t + over);
@@ -253,8 +253,8 @@ fn buy(s: &mut Script, side: Side, rng: &mut impl Rng) -> Looped {
     None
 }
 
-/// Takes a thing, or puts it down. The tag of the hand goes from the grasp to the end of what is shown, or from its begin to
-/// where the thing is let go.
+/// Takes a thing, or puts it down. The hand is tagged from the grasp to the end of the act, or from its begin to the
+/// release.
 fn handle(s: &mut Script, side: Side, height: Height, takes: bool, rng: &mut impl Rng) -> Looped {
     let begin = 0.5 * BEFORE_S;
     let from = s.now();
@@ -307,7 +307,7 @@ fn sit(s: &mut Script, rng: &mut impl Rng) -> Looped {
     Some([seated + 0.1, rises])
 }
 
-/// Stands with the weight now on one leg and now on the other; looks at what is ahead, or about.
+/// Stands with the weight on alternating legs, and looks ahead or about.
 fn stand(s: &mut Script, rest: Rest, long: f64, ahead: bool, rng: &mut impl Rng) -> Looped {
     let from = s.now();
     let sides = if rng.random_bool(0.5) { Side::BOTH } else { [Side::Right, Side::Left] };
@@ -329,9 +329,9 @@ fn stand(s: &mut Script, rest: Rest, long: f64, ahead: bool, rng: &mut impl Rng)
     Some([ready, to])
 }
 
-/// Brings the hands where they rest.
+/// Moves the hands to their resting position.
 ///
-/// - returns when they are there (s).
+/// - returns the time of arrival (s).
 fn take(s: &mut Script, rest: Rest, from: f64) -> f64 {
     let there = from + 1.1;
     match rest {

@@ -1,7 +1,7 @@
-//! What people do when they stand: greeting, shaking hands, looking at things, buying, chatting, sitting down, waiting in a
-//! queue, cheering, taking things and putting them down, one clip each.
+//! Activities of standing people: greeting, shaking hands, looking at things, buying, chatting, sitting down, waiting
+//! in a queue, cheering, taking things and putting them down, one clip each.
 //!
-//! `acts` writes each as a script, in the words of the office (`super::office`), which also poses the body.
+//! `acts` writes each as a script of the office (`super::office`), which also poses the body.
 
 mod acts;
 
@@ -13,16 +13,16 @@ use rand_pcg::Pcg64Mcg;
 use throng_core::Skeleton;
 use throng_motion::clip::ClipSet;
 
-/// Length of the list as `throng synth` makes it (min).
+/// Default length of the list in `throng synth` (min).
 pub const MINUTES: f64 = 4.7;
 
 /// Makes the `people` set, on the default skeleton, with the true contacts. Every clip begins and ends standing at ease
-/// and has two tags: what it shows (`greet`, `handshake`, `look`, `buy`, `chat`, `sit`, `queue`, `cheer`), and `loop` for
-/// the part that may go on, where there is one. Who takes (`take`) or puts down a thing (`put`) has a tag for the hand in which
-/// it is: `left_hand` or `right_hand`. As many are made as fill `minutes`, in the order of the list, again from
-/// its beginning when it has come to its end.
+/// and has two tags: its activity (`greet`, `handshake`, `look`, `buy`, `chat`, `sit`, `queue`, `cheer`), and `loop`
+/// for the part that may loop, if any. For taking (`take`) and putting down a thing (`put`), a third tag names the hand
+/// that holds it: `left_hand` or `right_hand`. Clips are made in the order of the list until they fill `minutes`,
+/// beginning again after its end.
 ///
-/// - returns clips such as `people_greet_00`; on the chair of the office's desk where somebody sits.
+/// - returns clips such as `people_greet_00`; for sitting, on the chair of the office's desk.
 pub fn people(cfg: &SynthConfig) -> ClipSet {
     let mut set = ClipSet { skeleton: Skeleton::default(), clips: Vec::new() };
     let mut spent = 0.0;

@@ -1,4 +1,4 @@
-//! What slides and ladders need of a body beyond walking: hips, trunk and arms as keyed channels, hands that hold on.
+//! Body parts for slides and ladders: hips, trunk and arms as keyed channels, and hands that hold on.
 
 use super::super::arm::ArmShape;
 use super::super::attitude::Attitude;
@@ -9,39 +9,39 @@ use super::moment::{ease, mix_arms};
 use glam::{DQuat, DVec3};
 use throng_core::{Joint, Skeleton};
 
-/// Channels of a [`Carriage`].
+/// Number of channels of a [`Carriage`].
 pub const CHANNELS: usize = 11;
-/// The palm's distance from the wrist (m).
+/// Distance of the palm from the wrist (m).
 const PALM: f64 = 0.065;
-/// A palm closer than this to its place holds on (m).
+/// Distance of a palm from its hold below which it holds on (m).
 const HOLDS: f64 = 0.008;
 
-/// Hips and trunk, relative to a way: a ladder, or the bed of a slide.
+/// Posture of hips and trunk, relative to a path: a ladder, or the bed of a slide.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Carriage {
-    /// Hips along the way, off it and to its left (m).
+    /// Hips along the path, off it and to its left (m).
     pub place: DVec3,
     /// Forward tilt and list of the hips (rad).
     pub hips: [f64; 2],
     /// Yaw, forward tilt and list of the chest (rad).
     pub chest: [f64; 3],
-    /// The same of the head.
+    /// Yaw, forward tilt and list of the head (rad).
     pub head: [f64; 3],
 }
 
 impl Carriage {
-    /// Standing at ease.
+    /// Posture of standing at ease.
     pub fn standing(place: DVec3) -> Self {
         Self { place, hips: [0.04, 0.0], chest: [0.0, 0.02, 0.0], head: [0.0, 0.06, 0.0] }
     }
 
-    /// The channels.
+    /// Values of the channels.
     pub fn channels(self) -> [f64; CHANNELS] {
         let Self { place: p, hips: h, chest: c, head: d } = self;
         [p.x, p.y, p.z, h[0], h[1], c[0], c[1], c[2], d[0], d[1], d[2]]
     }
 
-    /// The carriage of the channels.
+    /// Posture with given channels.
     pub fn of(c: [f64; CHANNELS]) -> Self {
         let [x, y, z, h0, h1, c0, c1, c2, d0, d1, d2] = c;
         Self { place: DVec3::new(x, y, z), hips: [h0, h1], chest: [c0, c1, c2], head: [d0, d1, d2] }
@@ -59,54 +59,54 @@ impl Carriage {
     }
 }
 
-/// A hand's stay.
+/// A hand's contact with a hold.
 #[derive(Clone, Debug)]
 pub struct Grip {
-    /// When the hand gets there (s).
+    /// Time of arrival (s).
     pub land: f64,
-    /// When it leaves (s).
+    /// Time of release (s).
     pub lift: f64,
-    /// Where the palm is.
+    /// Position of the palm.
     pub hold: Hold,
-    /// Where the elbow points (direction).
+    /// Direction of the elbow.
     pub pole: DVec3,
     /// Twist of the forearm, palm down positive (rad).
     pub twist: f64,
 }
 
-/// What a hand stays at.
+/// Position that a hand holds on to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Hold {
-    /// A place in the world (m).
+    /// Fixed in the world (m).
     Still(DVec3),
-    /// A place that goes along with the body: along the way from the hips, off it and to its left (m).
+    /// Moving with the body: along the path from the hips, off it and to its left (m).
     Along(DVec3),
 }
 
-/// One hand over time: hanging, holding on here and there, hanging.
+/// Motion of one hand: hanging, holding on here and there, hanging.
 pub struct HandTrack {
-    /// Whose.
+    /// Side of the hand.
     pub side: Side,
-    /// The stays, in order.
+    /// Contacts, in order.
     pub grips: Vec<Grip>,
-    /// Time to get to the first stay, and from the last one (s).
+    /// Time to reach the first contact, and to return from the last one (s).
     pub reach: f64,
-    /// How far the hand takes a detour between stays (m).
+    /// Detour of the hand between contacts (m).
     pub detour: DVec3,
 }
 
-/// What a hand is to do at an instant.
+/// Goal of a hand at an instant.
 struct Goal {
     palm: DVec3,
     pole: DVec3,
     twist: f64,
-    /// Share of holding on, against hanging.
+    /// Share of holding on, as opposed to hanging.
     share: f64,
-    /// Stays where it is.
+    /// True if the hold is fixed.
     still: bool,
 }
 
-/// The body that an arm belongs to.
+/// Trunk that an arm belongs to.
 pub struct Trunk<'a> {
     /// Hips joint (m).
     pub root: DVec3,
@@ -117,7 +117,7 @@ pub struct Trunk<'a> {
 }
 
 impl Trunk<'_> {
-    /// The joint of a clavicle (m).
+    /// Position of a clavicle's joint (m).
     fn clavicle(&self, side: Side, skeleton: &Skeleton) -> DVec3 {
         let offset = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
         self.root
@@ -129,10 +129,10 @@ impl Trunk<'_> {
 }
 
 impl HandTrack {
-    /// The arm at `t` seconds, and whether it holds on.
+    /// Pose of the arm at `t` seconds, and whether it holds on.
     ///
-    /// - `hanging`: the arm where it does not.
-    /// - `along`: a place that goes along with the body, in the world.
+    /// - `hanging`: pose of the hanging arm.
+    /// - `along`: maps a position that moves with the body to the world.
     pub fn arm(
         &self,
         t: f64,
@@ -169,14 +169,14 @@ impl HandTrack {
         })
     }
 
-    /// The arm that brings the palm to its place, and by how much it misses (m).
+    /// Pose of the arm that brings the palm to its hold, and the remaining distance (m).
     fn hold(&self, goal: &Goal, trunk: &Trunk, skeleton: &Skeleton) -> (ArmPose, f64) {
         let [_, upper, fore, hand] = self.side.arm();
         let offset = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
         let shape = ArmShape { upper_arm: offset(fore).length(), forearm: offset(hand).length() };
         let (s, base) = (self.side.sign(), trunk.clavicle(self.side, skeleton));
         let towards = trunk.segments[2].inverse() * (goal.palm - base);
-        // The shoulder goes along: up with a raised hand, forward with one in front.
+        // The shoulder follows: up with a raised hand, forward with one in front.
         let (raise, forward) = (0.35 * (towards.y / 0.6).clamp(-0.15, 1.0), 0.3 * (towards.z / 0.6).clamp(-0.5, 1.0));
         let clavicle = DQuat::from_rotation_y(-s * forward) * DQuat::from_rotation_z(s * raise);
         let shoulder = base + trunk.segments[2] * clavicle * offset(upper);

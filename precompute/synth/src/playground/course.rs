@@ -1,4 +1,4 @@
-//! The way down a slide: the line in the middle of its bed, by distance over the ground.
+//! Course of a slide: the centre line of its bed, by distance over the ground.
 
 use super::super::side::{forward, leftward};
 use super::super::walk::footsteps::Stance;
@@ -7,68 +7,68 @@ use std::f64::consts::FRAC_PI_2;
 
 /// Height of the lower end over the ground (m).
 pub const END_HEIGHT: f64 = 0.3;
-/// The bed flattens out over this distance (m).
+/// Length over which the bed flattens out (m).
 const FLATTENING: f64 = 0.8;
-/// Level part at the lower end (m).
+/// Length of the level part at the lower end (m).
 const RUN_OUT: f64 = 0.4;
 /// Height of the sides over the bed (m).
 pub const SIDE_HEIGHT: f64 = 0.12;
 /// Distance of the middle of a side from the middle of the bed (m).
 pub const SIDE_ASIDE: f64 = 0.32;
-/// Edges are rounded off for what slides over them, over this distance to each side (m).
+/// Distance to each side over which edges are rounded off for sliding (m).
 const ROUNDING: f64 = 0.14;
 
 /// A slide, from the deck before it to the ground behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Course {
-    /// Its upper edge.
+    /// Upper edge.
     pub start: Stance,
-    /// Height of its upper edge (m).
+    /// Height of the upper edge (m).
     pub level: f64,
-    /// Drop over distance of the even part.
+    /// Slope of the even part: drop over distance.
     slope: f64,
-    /// Distance at which a quarter circle to the left begins, and its radius (m).
+    /// Distance at which a quarter circle to the left begins, and its radius; `None` for a straight slide (m).
     bend: Option<(f64, f64)>,
 }
 
-/// A place on a course.
+/// A point of a course.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoursePoint {
-    /// On the bed (m).
+    /// Position on the bed (m).
     pub at: DVec3,
-    /// Direction of the way down (rad).
+    /// Downhill heading (rad).
     pub heading: f64,
-    /// Angle downwards (rad).
+    /// Downward angle (rad).
     pub pitch: f64,
 }
 
 impl CoursePoint {
-    /// The horizontal direction to the left.
+    /// Horizontal direction to the left.
     pub fn left(&self) -> DVec3 {
         let l = leftward(self.heading);
         DVec3::new(l.x, 0.0, l.y)
     }
 
-    /// The direction away from the bed.
+    /// Direction away from the bed.
     pub fn normal(&self) -> DVec3 {
         let f = forward(self.heading);
         let (sin, cos) = self.pitch.sin_cos();
         DVec3::new(f.x * sin, cos, f.y * sin)
     }
 
-    /// A point beside the line: to the left along the ground and off the bed (m).
+    /// A point off the centre line: to the left along the ground, and off the bed (m).
     pub fn beside(&self, left: f64, up: f64) -> DVec3 {
         self.at + self.left() * left + self.normal() * up
     }
 }
 
 impl Course {
-    /// A straight slide of pieces that drop three for every four metres.
+    /// A straight slide of pieces that drop three metres in four.
     pub fn straight(start: Stance, level: f64) -> Self {
         Self { start, level, slope: 0.75, bend: None }
     }
 
-    /// The curved slide.
+    /// A curved slide.
     pub fn curved(start: Stance, level: f64) -> Self {
         Self { start, level, slope: 0.7, bend: Some((0.4, 1.5)) }
     }
@@ -83,13 +83,13 @@ impl Course {
         self.even() + FLATTENING + RUN_OUT
     }
 
-    /// Height of the bed; level with the deck before its upper edge, and beyond its end as at it (m).
+    /// Height of the bed; that of the deck before its upper edge, and that of its end beyond it (m).
     pub fn height(&self, s: f64) -> f64 {
         let u = (s - self.even()).clamp(0.0, FLATTENING);
         self.level - self.slope * s.clamp(0.0, self.even()) - self.slope * (u - u * u / (2.0 * FLATTENING))
     }
 
-    /// Over the ground: place and heading.
+    /// Position and heading on the ground.
     pub fn plan(&self, s: f64) -> Stance {
         let Stance { at, heading } = self.start;
         let Some((from, radius)) = self.bend else { return Stance { at: at + forward(heading) * s, heading } };
@@ -100,7 +100,7 @@ impl Course {
         Stance { at: at + to_left + ahead + forward(heading + turn) * after, heading: heading + turn }
     }
 
-    /// The place at a distance, its edges rounded off (m).
+    /// Point at a distance, with rounded edges (m).
     pub fn point(&self, s: f64) -> CoursePoint {
         const SAMPLES: i32 = 8;
         let plan = self.plan(s);
@@ -114,13 +114,13 @@ impl Course {
         CoursePoint { at: DVec3::new(plan.at.x, height, plan.at.y), heading, pitch: drop.atan() }
     }
 
-    /// Whether the way bends to the left here.
+    /// True if the course bends to the left there.
     pub fn bends(&self, s: f64) -> bool {
         self.bend.is_some_and(|(from, radius)| (from..from + radius * FRAC_PI_2).contains(&s))
     }
 }
 
-/// The ground place of a point (m).
+/// Ground position of a point (m).
 pub fn flat(p: DVec3) -> DVec2 {
     DVec2::new(p.x, p.z)
 }

@@ -1,31 +1,32 @@
-//! The gym that the motion takes place in: where its stairs, ladder, decks and slides stand, and how large they are.
+//! Gym in which the motion takes place: positions and dimensions of its stairs, ladder, decks and slides.
 //!
-//! The numbers are those of `data/units/playground.toml` and `data/environments/playground.toml`; a test compares them.
+//! The numbers equal those of `data/units/playground.toml` and `data/environments/playground.toml`; a test compares
+//! them.
 
 use super::super::walk::footsteps::Stance;
 use glam::DVec2;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// From one level to the next (m).
+/// Height from one level to the next (m).
 pub const LEVEL: f64 = 2.1;
 /// Height of a step of the stairs (m).
 pub const RISE: f64 = 0.175;
-/// Depth of a tread (m).
+/// Depth of a step of the stairs (m).
 pub const GOING: f64 = 2.8 / 12.0;
-/// From rung to rung (m).
+/// Distance from rung to rung (m).
 pub const RUNG: f64 = 0.3;
 /// Radius of a rung (m).
 pub const RUNG_RADIUS: f64 = 0.016;
-/// Rungs and rails stand this far before the deck's edge (m).
+/// Distance of rungs and rails before the deck's edge (m).
 pub const LADDER_FRONT: f64 = 0.08;
-/// Half the distance between the rails (m).
+/// Distance of each rail from the middle of the ladder (m).
 pub const RAIL_ASIDE: f64 = 0.25;
 /// Upper end of the rails (m).
 pub const RAIL_TOP: f64 = 3.0;
-/// Half the width of stairs (m).
+/// Distance of each side of stairs from their middle (m).
 const STAIRS_ASIDE: f64 = 0.6;
 
-/// A way up by stairs; all climb towards +Z.
+/// A flight of stairs; all climb towards +Z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stairs {
     /// The foot of the first riser (x, z) (m).
@@ -59,7 +60,7 @@ pub struct Deck {
 }
 
 impl Deck {
-    /// True within it, at least `margin` metres from its edges.
+    /// True if a point is within the deck, at least `margin` metres from its edges.
     pub fn contains(&self, p: DVec2, margin: f64) -> bool {
         p.cmpge(self.min + margin).all() && p.cmple(self.max - margin).all()
     }
@@ -75,16 +76,16 @@ pub const STAIRS_A: Stairs = Stairs { foot: DVec2::new(0.0, -4.2), num_steps: 12
 pub const STAIRS_B: Stairs = Stairs { foot: DVec2::new(-5.6, -4.2), num_steps: 24 };
 /// The ladder to deck A; climbers face +Z.
 pub const LADDER: DVec2 = DVec2::new(2.8, -1.4);
-/// Upper edges of the slides and the directions in which they go down.
+/// Upper edge of the straight slide of deck A, and its direction.
 pub const SLIDE_A: Stance = Stance { at: DVec2::new(0.0, 4.2), heading: 0.0 };
-/// As [`SLIDE_A`], the curved one.
+/// Upper edge of the curved slide, and its direction.
 pub const SLIDE_CURVED: Stance = Stance { at: DVec2::new(4.2, 2.8), heading: FRAC_PI_2 };
-/// As [`SLIDE_A`], the long one of deck B.
+/// Upper edge of the long slide of deck B, and its direction.
 pub const SLIDE_B: Stance = Stance { at: DVec2::new(-8.4, 4.2), heading: 0.0 };
 
-/// Height of what a foot stands on (m).
+/// Height of the ground under a foot (m).
 ///
-/// Nobody walks beneath a deck.
+/// The ground beneath decks is not walked on.
 pub fn ground(p: DVec2) -> f64 {
     let deck = [DECK_A, DECK_B].into_iter().find(|d| d.contains(p, 0.0)).map(|d| d.level);
     deck.or_else(|| [STAIRS_A, STAIRS_B].into_iter().find_map(|s| s.tread(p))).unwrap_or(0.0)
@@ -92,10 +93,10 @@ pub fn ground(p: DVec2) -> f64 {
 
 /// Room for the elbows (m).
 pub const ELBOWS: f64 = 0.45;
-/// Characters keep at least this distance from what stands there and from edges (m).
+/// Least distance of characters from obstacles and edges (m).
 pub const CLOSE: f64 = 0.2;
 
-/// True where a point of the ground is at least `room` metres from all that stands there.
+/// True if a point of the ground is at least `room` metres from all obstacles.
 pub fn is_free(p: DVec2, room: f64) -> bool {
     let stairs = |s: Stairs| (s.foot - DVec2::X * STAIRS_ASIDE, s.end() + DVec2::X * STAIRS_ASIDE);
     let taken = [
@@ -110,7 +111,7 @@ pub fn is_free(p: DVec2, room: f64) -> bool {
     taken.iter().all(|(min, max)| !(p.cmpgt(*min - room).all() && p.cmplt(*max + room).all()))
 }
 
-/// Where a walker's path is as he stands on the `k`-th tread on the way up; the ground before the stairs is tread 0.
+/// Stance on the `k`-th step of the stairs on the way up; the ground before the stairs is step 0.
 pub fn tread_up(stairs: &Stairs, aside: f64, k: usize) -> Stance {
     // The heel hangs over, so that the toes have room before the next riser.
     const HEEL_IN: f64 = 0.003;
@@ -118,10 +119,10 @@ pub fn tread_up(stairs: &Stairs, aside: f64, k: usize) -> Stance {
     Stance { at: stairs.foot + DVec2::new(aside, along), heading: 0.0 }
 }
 
-/// As [`tread_up`], on the way down: tread 0 is the deck before the stairs, tread 1 the first one, level with the deck,
-/// and the last one the ground.
+/// Stance on the `k`-th step of the stairs on the way down: step 0 is the deck before the stairs, step 1 the first one,
+/// level with the deck, and the last one the ground.
 pub fn tread_down(stairs: &Stairs, aside: f64, k: usize) -> Stance {
-    // Heels close to the risers, toes over the edge a little.
+    // Heels close to the risers, toes a little over the edge.
     const HEEL_IN: f64 = 0.056;
     let along = if k == 0 { -0.26 } else { GOING * (k - 1) as f64 + HEEL_IN };
     Stance { at: stairs.end() + DVec2::new(aside, -along), heading: PI }

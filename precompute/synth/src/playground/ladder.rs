@@ -1,4 +1,4 @@
-//! Climbing the ladder: a foot and the opposite hand at a time, a rung for every step of a foot.
+//! Climbing the ladder: a foot and the opposite hand at a time, with a rung for every step of a foot.
 
 use super::super::foot::{FootPose, FootShape};
 use super::super::frame::BodyPose;
@@ -13,23 +13,23 @@ use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use throng_core::{Contacts, Skeleton};
 
-/// Where a climber stands before climbing (m).
+/// Position of a climber before climbing, relative to the deck's edge (m).
 pub const FOOT: f64 = -0.44;
-/// Where he stands when he has got up (m).
+/// Position of a climber after climbing, relative to the deck's edge (m).
 pub const HEAD: f64 = 0.24;
 /// Rungs below the deck.
 const RUNGS: usize = 6;
 /// Distance of the hips from the rungs in climbing (m).
 const HIPS_OFF: f64 = 0.36;
-/// Standing before the hands go up (s).
+/// Time of standing before the hands go up (s).
 const LEAD: f64 = 0.4;
 
-/// A stand at the ladder, `along` metres from the deck's edge.
+/// Stance at the ladder, `along` metres from the deck's edge.
 pub fn stance(along: f64) -> Stance {
     Stance { at: LADDER + DVec2::Y * along, heading: 0.0 }
 }
 
-/// One stay of a foot.
+/// Contact of a foot.
 #[derive(Clone, Copy)]
 struct Stay {
     land: f64,
@@ -37,7 +37,7 @@ struct Stay {
     foot: FootPose,
 }
 
-/// A climb as planned.
+/// Plan of a climb.
 struct Climb {
     feet: [Vec<Stay>; 2],
     hands: [HandTrack; 2],
@@ -47,7 +47,7 @@ struct Climb {
 
 /// Climbs from one stand to another.
 ///
-/// - `from`, `to`: how he stands before and after.
+/// - `from`, `to`: poses before and after.
 /// - returns the moments, `dt` seconds apart.
 pub fn climb(from: &BodyPose, to: &BodyPose, skeleton: &Skeleton, dt: f64, rng: &mut impl Rng) -> Vec<Moment> {
     let plan = plan(from, to, skeleton, rng);
@@ -86,7 +86,7 @@ fn moment(
     Moment { body: BodyPose { root, hips, trunk, arms, feet, knees: [0.0; 2] }, knees, held, seat: None }
 }
 
-/// A point at the ladder: to the left, up, and ahead of the deck's edge.
+/// World position of a point at the ladder: to the left, up, and ahead of the deck's edge.
 fn world(aside: f64, up: f64, along: f64) -> DVec3 {
     DVec3::new(LADDER.x + aside, up, LADDER.y + along)
 }
@@ -95,7 +95,7 @@ fn plan(from: &BodyPose, to: &BodyPose, skeleton: &Skeleton, rng: &mut impl Rng)
     let shape = FootShape::of(skeleton);
     let pace = rng.random_range(0.9..1.1);
     let first = if rng.random_bool(0.5) { Side::Left } else { Side::Right };
-    // Half cycle `h` begins at `starts[h]`: a foot goes up a rung beyond the other one.
+    // The half cycle `h` begins at `starts[h]`: a foot goes up a rung beyond the other one.
     let mut starts = vec![LEAD + 0.7];
     for h in 0..RUNGS + 2 {
         let length = if h >= RUNGS { 1.0 } else { 0.82 };
@@ -110,7 +110,7 @@ fn plan(from: &BodyPose, to: &BodyPose, skeleton: &Skeleton, rng: &mut impl Rng)
     Climb { feet, hands, body, duration }
 }
 
-/// The stays of a foot: the ground, every other rung, the deck.
+/// Contacts of a foot: the ground, every other rung, the deck.
 fn feet_of(
     side: Side,
     [ground, deck]: [FootPose; 2],
@@ -139,7 +139,7 @@ fn feet_of(
     stays
 }
 
-/// A foot at an instant.
+/// Pose of a foot at an instant.
 fn foot(stays: &[Stay], t: f64, shape: &FootShape) -> FootPose {
     let i = stays.partition_point(|s| s.land <= t).saturating_sub(1);
     let (a, Some(b)) = (&stays[i], stays.get(i + 1)) else { return stays[i].foot };
@@ -161,13 +161,13 @@ fn foot(stays: &[Stay], t: f64, shape: &FootShape) -> FootPose {
     FootPose { ground: mix(a.ground, b.ground), ..shape.posed(ball, mix_turn(a.yaw, b.yaw, w), 0.0, pitch, toes) }
 }
 
-/// The stays of a hand: rungs, then the rails. The hand goes with the opposite foot, four and a half rungs above it.
+/// Contacts of a hand: rungs, then the rails. The hand moves with the opposite foot, four and a half rungs above it.
 fn hands_of(side: Side, starts: &[f64], mover: impl Fn(usize) -> Side) -> HandTrack {
     let s = side.sign();
     let grip = |land: f64, lift: f64, height: f64| {
         // At the top the body passes between the hands, elbows out.
         let (on_rail, at_top) = (height > LEVEL + 0.1, height > RAIL_TOP - 0.1);
-        // The bone of the hand passes behind what the palm lies on.
+        // The bones of the hand pass behind the surface that the palm touches.
         let behind = RUNG_RADIUS + 0.026;
         let (aside, along) = if on_rail { (RAIL_ASIDE - 0.02, behind + 0.012) } else { (0.19, behind) };
         Grip {
@@ -194,7 +194,7 @@ fn hands_of(side: Side, starts: &[f64], mover: impl Fn(usize) -> Side) -> HandTr
     HandTrack { side, grips, reach: 0.62, detour: DVec3::new(0.03 * s, 0.03, -0.07) }
 }
 
-/// Hips and trunk: to the ladder, up by a rung for every half cycle, over the edge, upright.
+/// Keys of hips and trunk: to the ladder, up by a rung for every half cycle, over the edge, upright.
 fn carriages(from: &BodyPose, to: &BodyPose, starts: &[f64], mover: impl Fn(usize) -> Side) -> Track<CHANNELS> {
     let local = |p: DVec3| DVec3::new(p.z - LADDER.y, p.y, p.x - LADDER.x);
     let (a, b) = (local(from.root), local(to.root));
@@ -207,7 +207,7 @@ fn carriages(from: &BodyPose, to: &BodyPose, starts: &[f64], mover: impl Fn(usiz
         chest: [-0.05 * to_foot, 0.12, -0.04 * to_foot],
         head: [0.0, -0.18, 0.0],
     };
-    // The weight goes to the standing foot, opposite to the one that moves.
+    // The weight moves to the standing foot, opposite to the moving one.
     let ready = climbing(1.0, mover(0).other().sign());
     body.push(starts[0], Carriage { place: DVec3::new(off + 0.02, a.y - 0.01, ready.place.z), ..ready }.channels());
     for h in 1..=RUNGS {

@@ -1,8 +1,8 @@
 //! Climbing stairs and a ladder and sliding in a gym of known geometry.
 //!
-//! From intention to pose: `plan` deals rounds through the gym (`gym`), `route` walks them with the steps of the
-//! `walk` rig, on treads where there are stairs; `ladder` and `slide` (down a `course`) take over from a stand and end
-//! in one, with the body of `body`; `moment` lets one pass into the next.
+//! From intention to pose: `plan` deals rounds through the gym (`gym`), `route` walks them with the steps of the `walk`
+//! rig, including stairs; `ladder` and `slide` (down a `course`) begin and end in a stand, with the body of `body`;
+//! `moment` blends one motion into the next.
 
 mod body;
 mod course;
@@ -25,11 +25,11 @@ use route::Route;
 use throng_core::{Contacts, Skeleton};
 use throng_motion::clip::{Clip, ClipSet, Tag, runs};
 
-/// One motion passes into the next over this time (s).
+/// Time over which one motion is blended into the next (s).
 const OVERLAP: f64 = 0.4;
-/// Slower hips stand still (m/s).
+/// Largest speed of the hips in standing still (m/s).
 const STILL: f64 = 0.12;
-/// Shorter stands are not worth a tag (s).
+/// Shortest stand that gets a tag (s).
 const STAND: f64 = 0.6;
 
 /// Makes the `playground` set: walking on the ground and on decks, stairs up and down, climbing a ladder up and down,
@@ -54,14 +54,14 @@ pub fn playground(cfg: &SynthConfig) -> ClipSet {
     ClipSet { skeleton, clips }
 }
 
-/// A stretch of a clip with a name (s).
+/// A named stretch of a clip (s).
 struct Mark {
     name: &'static str,
     from: f64,
     to: f64,
 }
 
-/// Makes a clip from the legs of a visit.
+/// Makes a clip of the legs of a visit.
 fn perform(name: String, legs: &[Leg], skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Clip {
     let grid = Samples::of(1.0, cfg.rate_hz);
     let walks: Vec<_> = legs.iter().map(|leg| walked(leg, skeleton, cfg, rng)).collect();
@@ -83,22 +83,22 @@ fn perform(name: String, legs: &[Leg], skeleton: &Skeleton, cfg: &SynthConfig, r
     clip(name, &moments, grid.per_frame, &marks, skeleton, cfg)
 }
 
-/// The moments of a walk, and when it is on stairs.
+/// Moments of a walk, and the times on stairs.
 type Walked = (Vec<Moment>, Vec<(f64, f64)>);
 
-/// Walks a leg, where it is a walk.
+/// Moments of a leg, if it is a walk.
 fn walked(leg: &Leg, skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Option<Walked> {
     let Leg::Walk(route) = leg else { return None };
     let shape = FootShape::of(skeleton);
     let last = rng.random_range(0.9..1.7);
     let steps = footsteps::place_on(shape, route.start, &route.walk.steps, last, gym::ground, rng);
-    // Whole tenths of a second, so that what follows begins at the same time at every rate.
+    // Whole tenths of a second, so that the next motion begins at the same time at every rate.
     let samples = Samples::of((10.0 * steps.duration).floor() / 10.0 + 1e-6, cfg.rate_hz);
     let poses = assemble::poses(&steps, skeleton, &samples, cfg.variation, rng);
     Some((poses.into_iter().map(Moment::upright).collect(), on_stairs(route)))
 }
 
-/// When a walk is on stairs (s).
+/// Times of a walk on stairs (s).
 fn on_stairs(route: &Route) -> Vec<(f64, f64)> {
     let mut times = Vec::with_capacity(route.walk.steps.len());
     let mut last = 0.0;
@@ -110,7 +110,7 @@ fn on_stairs(route: &Route) -> Vec<(f64, f64)> {
     route.stairs.iter().map(|r| (times[r.start].0, times[r.end - 1].1)).collect()
 }
 
-/// The moments of a leg that is not a walk, between two that are.
+/// Moments of a leg other than a walk, between two walks.
 fn act(
     leg: &Leg,
     ends: [&Option<Walked>; 2],
@@ -124,7 +124,7 @@ fn act(
     let moments = match leg {
         Leg::Walk(_) => return Vec::new(),
         Leg::ClimbUp => ladder::climb(&from.body, &to.body, skeleton, dt, rng),
-        // Down is up, backwards.
+        // Climbing down is climbing up in reverse.
         Leg::ClimbDown => ladder::climb(&to.body, &from.body, skeleton, dt, rng).into_iter().rev().collect(),
         Leg::Slide(course) => {
             let descent = slide::slide(course, &from.body, &to.body, skeleton, dt, rng);
@@ -137,7 +137,7 @@ fn act(
     moments
 }
 
-/// Every `per_frame`-th moment as a frame, with its contacts, support and tags.
+/// Clip of every `per_frame`-th moment, with contacts, support and tags.
 fn clip(
     name: String,
     moments: &[Moment],
@@ -158,7 +158,7 @@ fn clip(
     clip
 }
 
-/// Stretches on both feet, at rest.
+/// Tags of stretches at rest on both feet.
 fn stands(clip: &Clip) -> Vec<Tag> {
     let feet = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
     let still = |f: usize| {

@@ -1,4 +1,4 @@
-//! A body at one instant on its way through the gym, and how one motion passes over into the next.
+//! A body at one instant in the gym, and the blending of motions.
 
 use super::super::foot::FootPose;
 use super::super::frame::{ArmPose, BodyPose};
@@ -13,28 +13,28 @@ use throng_core::planar::wrap_angle;
 pub struct Moment {
     /// The pose; the headings of the knees are not used.
     pub body: BodyPose,
-    /// Where the knees point, left and right (direction).
+    /// Directions of the knees, left and right.
     pub knees: [DVec3; 2],
-    /// What touches beside the feet.
+    /// Contacts other than those of the feet.
     pub held: Contacts,
-    /// Height of the seat's place, where it carries (m).
+    /// Height of the seat's contact, while it carries (m).
     pub seat: Option<f64>,
 }
 
 impl Moment {
-    /// Somebody on his feet.
+    /// Moment of a body on its feet.
     pub fn upright(body: BodyPose) -> Self {
         let knees = body.knees.map(ahead);
         Self { body, knees, held: Contacts::NONE, seat: None }
     }
 
-    /// Height of the lowest thing that a foot or the seat is planted on (m).
+    /// Height of the lowest contact of a foot or the seat (m).
     pub fn support(&self) -> Option<f64> {
         let feet = self.body.feet.iter().filter(|f| f.heel_down || f.toe_down).map(|f| f.ground);
         feet.chain(self.seat).reduce(f64::min)
     }
 
-    /// On the way from this moment to another one.
+    /// Interpolates between this moment and another one.
     pub fn mix(&self, to: &Self, share: f64) -> Self {
         let (a, b) = (&self.body, &to.body);
         let near = if share < 0.5 { self } else { to };
@@ -51,7 +51,7 @@ impl Moment {
     }
 }
 
-/// On the way from one arm to another one.
+/// Interpolates between two poses of an arm.
 pub fn mix_arms(a: &ArmPose, b: &ArmPose, share: f64) -> ArmPose {
     ArmPose {
         clavicle: a.clavicle.slerp(b.clavicle, share),
@@ -61,7 +61,7 @@ pub fn mix_arms(a: &ArmPose, b: &ArmPose, share: f64) -> ArmPose {
     }
 }
 
-/// On the way from one foot to another one; what carries in both carries.
+/// Interpolates between two poses of a foot; a part carries if it carries in both.
 fn mix_feet(a: &FootPose, b: &FootPose, share: f64) -> FootPose {
     let mix = |a: f64, b: f64| a + (b - a) * share;
     FootPose {
@@ -77,7 +77,7 @@ fn mix_feet(a: &FootPose, b: &FootPose, share: f64) -> FootPose {
     }
 }
 
-/// Lets `next` follow `first`: over the last and first `overlap` moments, the one passes into the other.
+/// Appends `next` to `first`, crossfading over `overlap` moments.
 pub fn join(first: &mut Vec<Moment>, next: Vec<Moment>, overlap: usize) {
     let overlap = overlap.min(first.len()).min(next.len());
     let start = first.len() - overlap;
@@ -88,23 +88,23 @@ pub fn join(first: &mut Vec<Moment>, next: Vec<Moment>, overlap: usize) {
     first.extend(next.into_iter().skip(overlap));
 }
 
-/// On the way from one heading to another one, the shorter way round.
+/// Interpolates between two headings, the shorter way round.
 pub fn mix_turn(a: f64, b: f64, share: f64) -> f64 {
     a + f64::from(wrap_angle((b - a) as f32)) * share
 }
 
-/// From 0 to 1 over `u` in `[0, 1]`, at rest at both ends.
+/// Smooth step from 0 to 1 over `u` in `[0, 1]`, at rest at both ends.
 pub fn ease(u: f64) -> f64 {
     quintic(End::still(0.0), End::still(1.0), 1.0, u.clamp(0.0, 1.0))
 }
 
-/// The horizontal direction of a heading.
+/// Horizontal direction of a heading.
 pub fn ahead(heading: f64) -> DVec3 {
     let f = forward(heading);
     DVec3::new(f.x, 0.0, f.y)
 }
 
-/// The horizontal direction to the left of a heading.
+/// Horizontal direction to the left of a heading.
 pub fn left(heading: f64) -> DVec3 {
     let l = leftward(heading);
     DVec3::new(l.x, 0.0, l.y)

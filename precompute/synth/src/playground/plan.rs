@@ -1,4 +1,4 @@
-//! What a visitor of the gym does: walk to a way up, go up, walk about on the deck, come down some way, and again.
+//! Plan of a visitor of the gym: walks to an ascent, goes up, walks about on the deck, comes down, and repeats.
 
 use super::super::deck::Deck as Pile;
 use super::super::walk::footsteps::Stance;
@@ -12,17 +12,17 @@ use std::f64::consts::PI;
 
 /// A part of a visit.
 pub enum Leg {
-    /// On foot, stairs included.
+    /// Walking, including stairs.
     Walk(Box<Route>),
-    /// Up the ladder.
+    /// Climbing up the ladder.
     ClimbUp,
-    /// Down the ladder.
+    /// Climbing down the ladder.
     ClimbDown,
-    /// Down a slide.
+    /// Sliding down a slide.
     Slide(Course),
 }
 
-/// A way up.
+/// Kind of ascent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Up {
     StairsA,
@@ -30,7 +30,7 @@ enum Up {
     StairsB,
 }
 
-/// A way down.
+/// Kind of descent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Down {
     Slide,
@@ -39,7 +39,7 @@ enum Down {
     Stairs,
 }
 
-/// Places from which the ground can be seen between all that stands there (m).
+/// Waypoints from which the ground between obstacles is visible (m).
 const LOOKOUTS: [DVec2; 11] = [
     DVec2::new(-2.8, 9.0),
     DVec2::new(-2.8, 1.4),
@@ -54,7 +54,7 @@ const LOOKOUTS: [DVec2; 11] = [
     DVec2::new(1.4, -6.0),
 ];
 
-/// Deals visits; one serves all clips of a set, so that everything occurs about equally often.
+/// Dealer of visits. One serves all clips of a set, so that everything occurs about equally often.
 pub struct Visitor {
     ups: Pile<Up>,
     downs_a: Pile<Down>,
@@ -62,7 +62,7 @@ pub struct Visitor {
     variation: f64,
 }
 
-/// A visit so far.
+/// A visit under construction.
 struct Visit<'a, R: Rng> {
     legs: Vec<Leg>,
     route: Route,
@@ -71,7 +71,7 @@ struct Visit<'a, R: Rng> {
 }
 
 impl Visitor {
-    /// A visitor whose steps vary by `variation` times the usual amount.
+    /// A dealer of visits whose steps vary by `variation` times the usual amount.
     pub fn new(variation: f64) -> Self {
         Self {
             ups: Pile::new(&[Up::StairsA, Up::Ladder, Up::StairsA, Up::Ladder, Up::StairsB]),
@@ -81,7 +81,7 @@ impl Visitor {
         }
     }
 
-    /// The legs of a visit of at least `seconds`, walks and others in turn, from standing to standing.
+    /// Legs of a visit of at least `seconds`, alternately walks and others, from standing to standing.
     pub fn visit(&mut self, seconds: f64, rng: &mut impl Rng) -> Vec<Leg> {
         let at = DVec2::new(rng.random_range(-9.0..6.0), rng.random_range(-8.5..-5.8));
         let start = Stance { at, heading: rng.random_range(-PI..PI) };
@@ -94,7 +94,7 @@ impl Visitor {
         visit.leave()
     }
 
-    /// Up and down again.
+    /// Adds an ascent and a descent.
     fn round(&mut self, visit: &mut Visit<impl Rng>) {
         let up = self.ups.deal(visit.rng);
         let deck = match up {
@@ -119,7 +119,7 @@ impl Visitor {
 }
 
 impl<R: Rng> Visit<'_, R> {
-    /// Ends the walk, does something else, and stands at `next`.
+    /// Ends the walk, adds another leg, and stands at `next`.
     fn act(&mut self, leg: Leg, next: Stance) {
         let walk = std::mem::replace(&mut self.route, Route::from(next, self.variation, self.rng));
         self.legs.push(Leg::Walk(Box::new(walk)));
@@ -137,7 +137,7 @@ impl<R: Rng> Visit<'_, R> {
         self.walk(goal, arrival, &on_ground);
     }
 
-    /// Walks on a deck to a stance, now and then with a stop on the way.
+    /// Walks on a deck to a stance, occasionally with a stop on the way.
     fn stroll(&mut self, goal: Stance, deck: &Deck, arrival: Arrival) {
         let against = |p: DVec2| against(deck.contains(p, CLOSE), deck.contains(p, ELBOWS));
         let begin = self.route.at.at;
@@ -152,7 +152,7 @@ impl<R: Rng> Visit<'_, R> {
         self.walk(goal, arrival, &against);
     }
 
-    /// Walks to a stance; close to it and to where it begins, anything goes.
+    /// Walks to a stance; close to both ends there are no penalties.
     fn walk(&mut self, goal: Stance, arrival: Arrival, against: Against) {
         let begin = self.route.at.at;
         let near = |p: DVec2| (p - goal.at).length() < 0.6 || (p - begin).length() < 0.6;
@@ -162,12 +162,12 @@ impl<R: Rng> Visit<'_, R> {
         }
     }
 
-    /// True before anything has happened.
+    /// True at the beginning.
     fn is_fresh(&self) -> bool {
         self.legs.is_empty() && self.route.walk.steps.is_empty()
     }
 
-    /// How long it takes so far, about (s).
+    /// Approximate duration so far (s).
     fn seconds(&self) -> f64 {
         let leg = |leg: &Leg| match leg {
             Leg::Walk(route) => route.seconds(),
@@ -219,7 +219,7 @@ impl<R: Rng> Visit<'_, R> {
         self.act(Leg::Slide(course), slide::beyond(&course));
     }
 
-    /// Goes a few steps further and stops.
+    /// Walks a few steps further and stops.
     fn leave(mut self) -> Vec<Leg> {
         let at = self.route.at;
         let to_lookout = |p: &DVec2| (*p - at.at).length();
@@ -232,12 +232,12 @@ impl<R: Rng> Visit<'_, R> {
     }
 }
 
-/// What speaks against a place on the ground.
+/// Penalty of a place on the ground.
 fn on_ground(p: DVec2) -> f64 {
     against(gym::is_free(p, CLOSE), gym::is_free(p, ELBOWS))
 }
 
-/// What speaks against a place that is possible, and comfortable.
+/// Penalty of a place that may be impossible, or uncomfortable.
 fn against(possible: bool, comfortable: bool) -> f64 {
     match (possible, comfortable) {
         (false, _) => 100.0,
@@ -250,7 +250,7 @@ fn jittered(p: DVec2, rng: &mut impl Rng) -> DVec2 {
     p + DVec2::new(rng.random_range(-0.35..0.35), rng.random_range(-0.35..0.35))
 }
 
-/// The shortest way over the ground by lookouts, without its ends.
+/// Shortest path over the ground by waypoints, without its ends.
 fn way(from: DVec2, to: DVec2) -> Vec<DVec2> {
     let mut nodes = vec![from, to];
     nodes.extend(LOOKOUTS);
@@ -279,7 +279,7 @@ fn way(from: DVec2, to: DVec2) -> Vec<DVec2> {
     out
 }
 
-/// True where nothing stands between two places; close to either, people come and go.
+/// True if no obstacle is between two places; obstacles close to either end are ignored.
 fn sees(a: DVec2, b: DVec2) -> bool {
     let length = (b - a).length();
     (1..(length / 0.15) as usize).all(|k| {

@@ -1,7 +1,7 @@
-//! Walks that end exactly where they should: before the stairs, a ladder, a slide.
+//! Walks that end at an exact place and heading: before the stairs, a ladder, a slide.
 //!
-//! The walker's own steps and turns are kept. Of many ways to arrive, each a leg, a turn, a leg, the one is taken whose
-//! straight steps have to be stretched least for the last step to fall into place.
+//! The walker's own steps and turns are kept. Of many possible paths, each of straight legs and turns, the one is taken
+//! whose straight steps have to be stretched least for the last step to arrive.
 
 use super::super::side::{Side, forward};
 use super::super::walk::footsteps::{Stance, timing};
@@ -15,27 +15,27 @@ use std::f64::consts::PI;
 use std::ops::Range;
 use throng_core::planar::wrap_angle;
 
-/// Steps are stretched or shortened by no more than this share.
+/// Largest stretch of steps, as a share of their length.
 const STRETCH: f64 = 0.22;
 
-/// What speaks against every step, so that detours are short.
+/// Penalty of every step, so that detours are short.
 const WAY: f64 = 0.06;
 
-/// How a walk comes to its end.
+/// End of a walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrival {
     /// Stops and stands.
     Stand,
-    /// Is about to go on.
+    /// Ends walking, about to go on.
     Pass,
 }
 
-/// A walk with its way so far.
+/// A walk, with its path so far.
 #[derive(Clone, Debug)]
 pub struct Route {
-    /// Where it began.
+    /// Initial stance.
     pub start: Stance,
-    /// Where its path is.
+    /// Current stance of the path.
     pub at: Stance,
     /// The steps.
     pub walk: Walk,
@@ -45,11 +45,11 @@ pub struct Route {
     cruise: f64,
 }
 
-/// What speaks against a place of the path, 0 where nothing does.
+/// Penalty function of places on a path, 0 for free ones.
 pub type Against<'a> = &'a dyn Fn(DVec2) -> f64;
 
 impl Route {
-    /// Stands.
+    /// A walk that begins standing.
     pub fn from(start: Stance, variation: f64, rng: &mut impl Rng) -> Self {
         let cruise = SPEEDS[rng.random_range(1..5)];
         let mut walk = Walk::new(variation);
@@ -62,12 +62,12 @@ impl Route {
         self.walk.speed == 0.0
     }
 
-    /// How long it takes so far (s).
+    /// Duration so far (s).
     pub fn seconds(&self) -> f64 {
         self.walk.steps.iter().fold(0.0, |last, step| timing(step, last).1)
     }
 
-    /// Steps taken since `first` move the path.
+    /// Moves the path by the steps taken since `first`.
     fn catch_up(&mut self, first: usize) {
         self.at = self.walk.steps[first..].iter().fold(self.at, |at, step| at.after(step));
     }
@@ -87,9 +87,9 @@ impl Route {
         }
     }
 
-    /// Walks to a place and heading. Where it was to pass and cannot, it stands.
+    /// Walks to a place and heading. If passing there is impossible, it stops there.
     ///
-    /// - `against`: what speaks against the places on the way; a stretch of all steps by a tenth counts 0.1.
+    /// - `against`: penalty of places on the path; a stretch of all steps by a tenth counts 0.1.
     pub fn to(&mut self, goal: Stance, arrival: Arrival, against: Against, rng: &mut impl Rng) {
         let seed = rng.random();
         let mut best: Option<(f64, Self)> = None;
@@ -104,7 +104,7 @@ impl Route {
         }
     }
 
-    /// A way to arrive, and what speaks against it.
+    /// Tries a plan of arrival; returns its penalty and the resulting walk.
     fn tried(&self, plan: &Plan, goal: Stance, against: Against, seed: u64) -> (f64, Self) {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let mut route = self.clone();
@@ -132,7 +132,8 @@ impl Route {
         (cost + 0.02 * (plan.first.abs() + plan.second.abs()) + plan.cost, route)
     }
 
-    /// Stretches the steps of two groups so that the last one arrives; what that takes, and what is in the way.
+    /// Stretches the steps of two groups so that the last one arrives; returns the penalty of stretching and of the
+    /// path.
     fn arrive(&mut self, begin: usize, groups: &[Range<usize>; 2], goal: Stance, against: Against) -> f64 {
         self.straighten(begin, groups[1].start, goal.heading);
         let end = self.walk.steps[begin..].iter().fold(self.at, |at, s| at.after(s)).at;
@@ -160,7 +161,7 @@ impl Route {
         cost
     }
 
-    /// Gives what turns have left over to the last of them.
+    /// Adds the remaining heading error of turns to the last of them.
     fn straighten(&mut self, begin: usize, last: usize, heading: f64) {
         let end = self.walk.steps[begin..].iter().fold(self.at, |at, s| at.after(s)).heading;
         if let Some(step) = self.walk.steps[..last].last_mut() {
@@ -168,7 +169,7 @@ impl Route {
         }
     }
 
-    /// How far the steps of a group go.
+    /// Displacement by the steps of a group.
     fn travel(&self, begin: usize, group: &Range<usize>) -> DVec2 {
         let (mut at, mut sum) = (self.at, DVec2::ZERO);
         for (i, step) in self.walk.steps.iter().enumerate().skip(begin) {
@@ -236,7 +237,7 @@ impl Route {
     }
 }
 
-/// A way to arrive: a turn, straight steps, another turn, straight steps, and maybe a last turn on the spot.
+/// A plan of arrival: a turn, straight steps, another turn, straight steps, and possibly a last turn on the spot.
 struct Plan {
     first: f64,
     second: f64,
@@ -244,13 +245,13 @@ struct Plan {
     steps: [usize; 2],
     arrival: Arrival,
     last: f64,
-    /// What speaks against it.
+    /// Penalty of the plan.
     cost: f64,
 }
 
-/// Ways from a stance to another one that come near. Where passing is too hard, one may stand.
+/// Plans from a stance that come near another one. If passing is too hard, it may stand.
 ///
-/// - `length`: of a step (m).
+/// - `length`: length of a step (m).
 fn plans(from: Stance, goal: Stance, arrival: Arrival, length: f64) -> impl Iterator<Item = Plan> {
     const BENDS: [f64; 15] = [0.0, 0.15, -0.15, 0.3, -0.3, 0.5, -0.5, 0.75, -0.75, 1.0, -1.0, 1.3, -1.3, 1.6, -1.6];
     const LAST: [f64; 6] = [1.0, -1.0, 1.8, -1.8, 2.6, -2.6];
@@ -271,7 +272,7 @@ fn plans(from: Stance, goal: Stance, arrival: Arrival, length: f64) -> impl Iter
     })
 }
 
-/// The turn from a stance to a place (rad).
+/// Turn from a stance towards a place (rad).
 fn bearing(from: Stance, to: DVec2) -> f64 {
     let way = to - from.at;
     f64::from(wrap_angle((way.x.atan2(way.y) - from.heading) as f32))

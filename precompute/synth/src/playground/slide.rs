@@ -14,72 +14,72 @@ use rand::{Rng, RngExt};
 use std::ops::Range;
 use throng_core::{Contacts, Skeleton};
 
-/// Where a character stands before it sits down, in front of the upper edge (m).
+/// Position before sitting down, relative to the upper edge (m).
 const BEFORE: f64 = -0.24;
-/// Where he gets up, beyond the lower end (m).
+/// Position after getting up, beyond the lower end (m).
 const BEYOND: f64 = 0.25;
-/// Where the hips come down on the deck (m).
+/// Position at which the hips come down on the deck, relative to the upper edge (m).
 const SEATED: f64 = -0.6;
 /// Height of the hips joint over the bed (m).
 const SEAT: f64 = 0.13;
-/// Hips come to rest this far before the lower end (m).
+/// Distance of the hips at rest from the lower end (m).
 const REST: f64 = 0.17;
-/// How far the heels slide ahead of the hips, as the crow flies (m).
+/// Straight distance of the sliding heels ahead of the hips (m).
 const LEGS: f64 = 0.78;
 /// Height of a sliding ankle over the bed (m).
 const HEEL: f64 = 0.08;
-/// Friction of trousers on steel.
+/// Coefficient of friction of trousers on steel.
 const FRICTION: f64 = 0.47;
-/// What the air and the sides take, by the square of the speed (1/m).
+/// Drag of the air and the sides, by the square of the speed (1/m).
 const DRAG: f64 = 0.17;
-/// How hard the feet brake at the end (m/s^2).
+/// Deceleration by the feet at the end (m/s^2).
 const BRAKING: f64 = 3.2;
-/// Steps of the sliding motion (s).
+/// Time step of the sliding motion (s).
 const STEP: f64 = 1.0 / 480.0;
 
-/// Where to stand before a slide.
+/// Stance before a slide.
 pub fn before(course: &Course) -> Stance {
     course.plan(BEFORE)
 }
 
-/// Where one stands after it.
+/// Stance after a slide.
 pub fn beyond(course: &Course) -> Stance {
     course.plan(course.length() + BEYOND)
 }
 
-/// A way down, with the seconds of what happens in it.
+/// Motion down a slide, with its times.
 pub struct Descent {
-    /// The moments, as far apart as asked.
+    /// Moments, at the requested spacing.
     pub moments: Vec<Moment>,
-    /// Sitting (s).
+    /// Time of sitting (s).
     pub sits: Range<f64>,
-    /// Sliding (s).
+    /// Time of sliding (s).
     pub slides: Range<f64>,
 }
 
-/// When what happens (s).
+/// Times of the events on a slide (s).
 struct Times {
-    /// The seat touches the deck.
+    /// Seat touches the deck.
     seat: f64,
-    /// The hips begin to move to the edge.
+    /// Hips begin to move to the edge.
     scoot: f64,
-    /// They are over it.
+    /// Hips pass the edge.
     go: f64,
-    /// The feet stand at the lower end, left and right.
+    /// Feet stand at the lower end, left and right.
     plant: [f64; 2],
-    /// The hips are at rest.
+    /// Hips are at rest.
     stop: f64,
-    /// The seat leaves the bed.
+    /// Seat leaves the bed.
     rise: f64,
-    /// Upright.
+    /// Body is upright.
     up: f64,
 }
 
-/// Everything about a way down but the pose.
+/// Data of a descent, without its poses.
 struct Ride<'a> {
     course: &'a Course,
     times: Times,
-    /// Hips by time from the start of the scoot (m).
+    /// Distances of the hips by time from the start of the scoot (m).
     hips: Vec<f64>,
     hands: [HandTrack; 2],
     body: Track<CHANNELS>,
@@ -88,7 +88,7 @@ struct Ride<'a> {
 
 /// Sits down, slides and gets up.
 ///
-/// - `from`, `to`: how he stands before and after.
+/// - `from`, `to`: poses before and after.
 pub fn slide(
     course: &Course,
     from: &BodyPose,
@@ -107,9 +107,10 @@ pub fn slide(
     Descent { moments, sits: 0.5..t.up, slides: t.scoot + 0.35..t.stop }
 }
 
-/// Where the hips are from the scoot on, every [`STEP`], until they rest.
+/// Distances of the hips from the scoot until they rest, every [`STEP`] (m).
 ///
-/// Pulled to the edge, then by gravity against friction, and braked by the feet so as to rest before the lower end.
+/// Pulled to the edge, then driven by gravity against friction, and braked by the feet so as to rest before the lower
+/// end.
 fn glide(course: &Course, scoot: f64) -> Vec<f64> {
     const PUSHED: f64 = 0.7;
     let start = -0.03;
@@ -160,7 +161,7 @@ fn plan<'a>(course: &'a Course, from: &BodyPose, to: &BodyPose, rng: &mut impl R
     Ride { course, times, hips, hands, body, first }
 }
 
-/// Along a course, above the deck or the lower end, and to the left, of a point in the world.
+/// Coordinates of a world point relative to a course: along it, above the deck or the lower end, and to the left (m).
 fn along(course: &Course, origin: f64, p: DVec3) -> DVec3 {
     let plan = course.plan(origin);
     let d = flat(p) - plan.at;
@@ -170,8 +171,8 @@ fn along(course: &Course, origin: f64, p: DVec3) -> DVec3 {
     DVec3::new(origin + dot(f), p.y - course.height(origin), dot(left))
 }
 
-/// Hips and trunk: down onto the deck, back on the way down, forward and up at the end. The first channel counts only
-/// before the scoot and after the stop.
+/// Keys of hips and trunk: down onto the deck, back during the slide, forward and up at the end. The first channel
+/// counts only before the scoot and after the stop.
 fn carriages(course: &Course, from: &BodyPose, to: &BodyPose, t: &Times, rng: &mut impl Rng) -> Track<CHANNELS> {
     let (a, b) = (along(course, BEFORE, from.root), along(course, course.length(), to.root));
     let end = course.length() - REST;
@@ -212,7 +213,8 @@ fn carriages(course: &Course, from: &BodyPose, to: &BodyPose, t: &Times, rng: &m
     body
 }
 
-/// Hands: on the deck beside the seat, on the sides to pull, along the sides on the way, pushing off at the end.
+/// Motion of a hand: on the deck beside the seat, on the sides to pull, along the sides while sliding, pushing off at
+/// the end.
 fn hands(side: Side, course: &Course, t: &Times) -> HandTrack {
     let s = side.sign();
     let late = if side == Side::Left { 0.06 } else { 0.0 };
@@ -241,7 +243,7 @@ fn hands(side: Side, course: &Course, t: &Times) -> HandTrack {
 }
 
 impl Ride<'_> {
-    /// Distance of the hips (m).
+    /// Distance of the hips along the course (m).
     fn hips_at(&self, t: f64) -> f64 {
         let k = ((t - self.times.scoot) / STEP).max(0.0);
         let (i, last) = (k as usize, self.hips.len() - 1);
@@ -249,7 +251,7 @@ impl Ride<'_> {
         a + (b - a) * (k - k.floor())
     }
 
-    /// What was keyed, with the hips where they slide.
+    /// Keyed posture, with the hips at their sliding position.
     fn carried(&self, t: f64, keyed: Carriage) -> Carriage {
         let mut out = keyed;
         let into = ease((t - self.times.scoot + 0.2) / 0.2);
@@ -285,7 +287,7 @@ impl Ride<'_> {
         Moment { body: BodyPose { root, hips, trunk, arms, feet, knees: [at.heading; 2] }, knees, held, seat }
     }
 
-    /// A foot: on the deck, over the edge, sliding ahead, down to the ground.
+    /// Pose of a foot: on the deck, over the edge, sliding ahead, down to the ground.
     fn foot(&self, side: Side, t: f64, hips: f64, ends: [&BodyPose; 2], skeleton: &Skeleton) -> FootPose {
         let shape = FootShape::of(skeleton);
         let i = side.index();
@@ -311,7 +313,7 @@ impl Ride<'_> {
         sliding
     }
 
-    /// Distance of heels that are a leg's length ahead of the hips (m).
+    /// Distance along the course of heels a leg's length ahead of the hips (m).
     fn heels(&self, hips: f64) -> f64 {
         let height = |s: f64| self.course.point(s).at.y;
         (0..6).fold(hips + LEGS, |s, _| {
@@ -320,7 +322,7 @@ impl Ride<'_> {
         })
     }
 
-    /// A foot that slides on its heel ahead of the hips.
+    /// Pose of a foot that slides on its heel ahead of the hips.
     fn sliding(&self, side: Side, hips: f64, shape: &FootShape) -> FootPose {
         let s = self.heels(hips);
         let at: CoursePoint = self.course.point(s.min(self.course.length() + 0.3));
@@ -332,7 +334,7 @@ impl Ride<'_> {
     }
 }
 
-/// On the way from one foot to another, raised by `up`.
+/// Interpolates between two poses of a foot, raised by `up`.
 fn mix(a: &FootPose, b: &FootPose, w: f64, up: f64, shape: &FootShape) -> FootPose {
     let mix = |a: f64, b: f64| a + (b - a) * w;
     let ankle = a.ankle.lerp(b.ankle, w) + DVec3::Y * up;

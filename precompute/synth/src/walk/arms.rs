@@ -1,4 +1,4 @@
-//! Arms: hanging at the sides, swinging against the legs, bending more the faster the walk.
+//! Arms: hanging at the sides, swinging against the legs, with more flexion in faster walks.
 
 use super::super::frame::ArmPose;
 use super::super::side::Side;
@@ -7,23 +7,23 @@ use super::trunk::{Drift, TrunkPose};
 use glam::DQuat;
 use std::f64::consts::FRAC_PI_2;
 
-/// What the arms follow.
+/// Inputs of the arms' motion.
 pub struct ArmInput<'a> {
     /// Distance of the left ankle in front of the right one (m).
     pub apart: &'a [f64],
     /// Speed (m/s).
     pub speed: &'a [f64],
-    /// What they hang from.
+    /// Trunk that carries the arms.
     pub trunk: &'a [TrunkPose],
     /// Breathing and slow changes of posture.
     pub drift: &'a Drift,
-    /// How far the arms swing and bend, 1 on average, left and right.
+    /// Factor on swing and flexion, 1 on average, left and right.
     pub liveliness: [f64; 2],
     /// Time between samples (s).
     pub dt: f64,
 }
 
-/// Swings both arms, at every sample left and right.
+/// Poses of both arms at every sample, left and right.
 pub fn swing(input: &ArmInput) -> Vec<[ArmPose; 2]> {
     let frames = |seconds: f64| (seconds / input.dt).round() as usize;
     let follow = smooth(&shifted(input.apart, -0.05, input.dt), frames(0.05));
@@ -35,7 +35,7 @@ fn arm(input: &ArmInput, side: Side, i: usize, follow: f64, trail: f64) -> ArmPo
     let (s, speed) = (side.sign(), input.speed[i]);
     let lively = input.liveliness[side.index()];
     let vigour = lively * 0.6 * (speed / 1.3).max(0.0).powf(0.45).min(1.3);
-    // Forward (positive) when the other foot is in front.
+    // Forward (positive) while the other foot is in front.
     let drift = input.drift.arms[side.index()][i];
     let swing = -s * follow * vigour + drift;
     let bend = -s * trail * vigour + 1.5 * drift;
@@ -56,27 +56,27 @@ fn arm(input: &ArmInput, side: Side, i: usize, follow: f64, trail: f64) -> ArmPo
     angles.pose(side)
 }
 
-/// How an arm is held, the same for both sides: all zero, it hangs straight down beside an upright chest.
+/// Angles of an arm, equal for both sides: at zero it hangs straight down beside an upright chest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ArmAngles {
-    /// The upper arm swings forward (rad).
+    /// Forward swing of the upper arm (rad).
     pub swing: f64,
-    /// The upper arm is held away from the body (rad).
+    /// Abduction of the upper arm (rad).
     pub abduction: f64,
-    /// The upper arm turns about itself, which brings the forearm in (rad).
+    /// Turn of the upper arm about its own axis, which brings the forearm in (rad).
     pub turn_in: f64,
-    /// The elbow bends (rad, >= 0).
+    /// Flexion of the elbow (rad, >= 0).
     pub flexion: f64,
-    /// The shoulder goes forward (rad).
+    /// Forward turn of the shoulder (rad).
     pub protraction: f64,
-    /// The shoulder goes up (rad).
+    /// Upward turn of the shoulder (rad).
     pub shrug: f64,
-    /// The hand bends towards its palm (rad).
+    /// Flexion of the hand towards its palm (rad).
     pub wrist: f64,
 }
 
 impl ArmAngles {
-    /// The rotations of that arm.
+    /// Joint rotations of that arm.
     pub fn pose(&self, side: Side) -> ArmPose {
         let s = side.sign();
         let hang = DQuat::from_rotation_x(-self.swing)
@@ -91,7 +91,7 @@ impl ArmAngles {
     }
 }
 
-/// The larger of `x` and `floor`, without a corner.
+/// Smooth maximum of `x` and `floor`.
 fn soft_floor(x: f64, floor: f64) -> f64 {
     const ROUNDING: f64 = 0.06;
     0.5 * (x + floor + (x - floor).hypot(ROUNDING))

@@ -1,4 +1,4 @@
-//! Puts the parts of the walker together, sample by sample, into a clip.
+//! Assembles the parts of the walker, sample by sample, into a clip.
 
 use super::super::SynthConfig;
 use super::super::attitude::Attitude;
@@ -34,7 +34,7 @@ pub fn clip(name: String, steps: &Footsteps, skeleton: &Skeleton, cfg: &SynthCon
     clip
 }
 
-/// The walker at every sample.
+/// Poses of the walker at every sample.
 pub fn poses(
     steps: &Footsteps,
     skeleton: &Skeleton,
@@ -82,7 +82,7 @@ pub fn speed(mass: &[DVec2], dt: f64) -> Vec<f64> {
     smooth(&raw, (0.13 / dt).round() as usize)
 }
 
-/// Slow random changes of gaze, and breathing. Who walks looks around less.
+/// Slow random changes of gaze, and breathing. A walker looks around less.
 pub fn drift(duration: f64, times: &[f64], dt: f64, speed: &[f64], variation: f64, rng: &mut impl Rng) -> Drift {
     let frames = |seconds: f64| (seconds / dt).round() as usize;
     let mut wander = |amount: f64, every: f64| -> Vec<f64> {
@@ -102,7 +102,7 @@ pub fn drift(duration: f64, times: &[f64], dt: f64, speed: &[f64], variation: f6
     Drift { gaze: calm(gaze), nod: calm(nod), arms: arms.map(calm), breath }
 }
 
-/// The pose of one sample.
+/// Pose of one sample.
 fn pose(signals: &Signals, i: usize) -> BodyPose {
     let hips = signals.pelvis.rotation(i);
     let root = signals.pelvis.position[i];

@@ -1,8 +1,8 @@
 //! The centre of mass, balanced over the feet as a linear inverted pendulum.
 //!
-//! The centre of pressure follows from where the feet stand and how the weight moves from one to the other; the
-//! pendulum turns it into a centre of mass that sways over the standing foot, shifts before the first step, speeds
-//! up and slows down within each step, and leans into starts, stops and turns, all without a rule for any of them.
+//! The centre of pressure follows from the stance of the feet and the transfer of weight between them; the pendulum
+//! turns it into a centre of mass that sways over the standing foot, shifts before the first step, speeds up and slows
+//! down within each step, and leans into starts, stops and turns, without further rules.
 
 use super::super::foot::FootShape;
 use super::super::pendulum::pendulum;
@@ -28,7 +28,7 @@ fn centre_of_pressure(steps: &Footsteps, shape: &FootShape, t: f64) -> DVec2 {
     under(Side::Left) * share + under(Side::Right) * (1.0 - share)
 }
 
-/// The pressure under one foot moves from the heel over the middle, where it stays in standing, to the ball.
+/// Pressure under one foot, which moves from the heel over the middle, where it stays in standing, to the ball.
 fn pressure_under(fall: &Footfall, shape: &FootShape, t: f64) -> DVec2 {
     const ROLL: f64 = 0.25;
     let flat = fall.flat + 0.05;

@@ -1,4 +1,4 @@
-//! A foot over time: its stays on the ground, and how it swings from each to the next.
+//! A foot over time: its footfalls, and its swings between them.
 
 use super::super::foot::{FootPose, FootShape};
 use super::super::side::{Side, forward, leftward};
@@ -6,14 +6,14 @@ use super::super::signal::{End, bump, cruise, early_bump, quintic};
 use super::roll::{Footfall, ball_flat, ball_landing, push_pitch, standing, strike_pitch};
 use glam::{DVec2, DVec3};
 
-/// The flight between two footfalls, beyond what its ends say.
+/// The flight between two footfalls, beyond the data of its ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Flight {
-    /// Height the foot is drawn up to, early in the flight (m).
+    /// Height to which the foot is drawn up, early in the flight (m).
     raise: f64,
-    /// Extra height half way, to clear the ground (m).
+    /// Extra height at half of the flight, to clear the ground (m).
     clear: f64,
-    /// Detour half way, around the standing foot (m).
+    /// Detour at half of the flight, around the standing foot (m).
     detour: DVec2,
 }
 
@@ -25,22 +25,22 @@ pub struct FootTrack {
     flights: Vec<Flight>,
 }
 
-/// Smallest height of the sole in the middle of a flight (m).
+/// Least height of the sole in the middle of a flight (m).
 const CLEARANCE: f64 = 0.015;
-/// How far the toes hang half way through a flight, as a share of the heel's rise at toe-off: the foot follows the
-/// shank rather than the ground.
+/// Droop of the toes at half of a flight, as a share of the heel's rise at toe-off: the foot follows the shank rather
+/// than the ground.
 const HANG: f64 = 0.38;
 /// Share of a flight in which the foot speeds up, and slows down.
 const RAMP: f64 = 0.36;
-/// Smaller differences in height are uneven ground rather than stairs (m).
+/// Largest difference in height that is uneven ground rather than stairs (m).
 const STAIR: f64 = 0.05;
-/// Smallest distance of a swinging ankle or ball from the standing one (m).
+/// Least distance of a swinging ankle or ball from the standing one (m).
 const PASSING: f64 = 0.105;
 
 impl FootTrack {
-    /// A foot that stands on `falls` in turn and flies around the other foot's falls.
+    /// A foot that stands on `falls` in turn and swings around the other foot's falls.
     ///
-    /// - `ground`: its height anywhere on the way (m).
+    /// - `ground`: height anywhere on the path (m).
     pub fn new(
         side: Side,
         shape: FootShape,
@@ -98,25 +98,25 @@ impl FootTrack {
         FootPose { ground: angle(a.ground, b.ground), ..posed }
     }
 
-    /// Moments spread over flight `i`, with their bumps.
+    /// Times spread over flight `i`, with their bumps.
     fn moments(&self, i: usize) -> impl Iterator<Item = (f64, f64)> + use<> {
         let (lift, land) = (self.falls[i].lift, self.falls[i + 1].land);
         (1..40).map(move |k| f64::from(k) / 40.0).map(move |u| (lift + u * (land - lift), bump(u)))
     }
 
-    /// How high the foot is drawn up in flight `i`: more the further it goes.
+    /// Height to which the foot is drawn up in flight `i`: more in longer flights (m).
     fn raise(&self, i: usize) -> f64 {
         let travel = (self.falls[i + 1].ankle - self.falls[i].ankle).length();
         0.015 + 0.016 * (travel / 1.4).min(1.0)
     }
 
-    /// How much higher flight `i` has to be for its sole to clear the ground.
+    /// Extra height that flight `i` needs for its sole to clear the ground (m).
     fn clear(&self, i: usize, ground: &impl Fn(DVec2) -> f64) -> f64 {
         let missing = |t: f64| CLEARANCE - self.shape.sole(&self.flying(i, t), ground);
         self.moments(i).filter(|m| m.1 > 0.3).map(|(t, b)| missing(t) / b).fold(0.0, f64::max)
     }
 
-    /// How far flight `i` has to step aside from the standing foot.
+    /// Sideways detour of flight `i` around the standing foot (m).
     fn detour(&self, i: usize, standing: &Footfall) -> DVec2 {
         let (a, b) = (&self.falls[i], &self.falls[i + 1]);
         let heading = 0.5 * (a.heading + b.heading);
@@ -140,8 +140,8 @@ impl FootTrack {
     }
 }
 
-/// How far a flight has got across and up: on stairs it first clears the step and then goes over it, or the other way
-/// round on the way down.
+/// Progress of a flight across and up: upstairs it first clears the step and then moves over it, downstairs the
+/// reverse.
 fn stair_pace(rise: f64, u: f64) -> (f64, f64) {
     let early = |power: f64| 1.0 - (1.0 - u).max(0.0).powf(power);
     let late = |power: f64| u.max(0.0).powf(power);

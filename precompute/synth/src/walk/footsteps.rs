@@ -1,4 +1,4 @@
-//! Lays intended steps on the ground and in time: footfalls of both feet, and which foot carries how much.
+//! Placement of intended steps on the ground and in time: footfalls of both feet, and their shares of the weight.
 
 use super::super::foot::FootShape;
 use super::super::side::{Side, forward, leftward};
@@ -11,9 +11,9 @@ use rand::{Rng, RngExt};
 
 /// Time to bring the weight onto one foot before the first step after a pause (s).
 pub const SHIFT: f64 = 0.5;
-/// Time to settle on both feet after the last step (s).
+/// Time to come to rest on both feet after the last step (s).
 const SETTLE: f64 = 0.45;
-/// Standing at the end of a clip (s).
+/// Duration of the stand at the end of a clip (s).
 pub const LAST_STAND: f64 = 1.6;
 
 /// Both feet over a whole clip.
@@ -26,17 +26,17 @@ pub struct Footsteps {
     pub duration: f64,
 }
 
-/// Where a pair of feet stands side by side.
+/// Stance of a pair of feet side by side.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stance {
-    /// Between the ankles on the ground plane (x, z) (m).
+    /// Midpoint of the ankles on the ground plane (x, z) (m).
     pub at: DVec2,
     /// Heading (rad).
     pub heading: f64,
 }
 
 impl Stance {
-    /// The stance after a step: the path bends evenly over the step, and is moved aside.
+    /// Stance after a step: the path bends evenly over the step, and is moved aside.
     pub fn after(self, step: &Intent) -> Self {
         let along = self.heading + 0.5 * step.turn;
         let at = self.at + forward(along) * step.shape.length + leftward(along) * step.aside;
@@ -49,13 +49,13 @@ impl Stance {
     }
 }
 
-/// When a step lifts and lands, given the landing before it (s).
+/// Lift and landing of a step, given the previous landing (s).
 pub fn timing(step: &Intent, last: f64) -> (f64, f64) {
     let wait = if step.pause > 0.0 { step.pause + SHIFT } else { step.shape.double_support };
     (last + wait, last + wait + step.shape.swing())
 }
 
-/// A step in time and place.
+/// A step with its time and place.
 struct Placed {
     side: Side,
     lift: f64,
@@ -66,14 +66,14 @@ struct Placed {
     toe_out: f64,
 }
 
-/// Lays out steps from a stand on even ground, and stands on for `last` seconds after them.
+/// Places steps from a stand on even ground, followed by a stand of `last` seconds.
 pub fn place(shape: FootShape, start: Stance, intents: &[Intent], last: f64, rng: &mut impl Rng) -> Footsteps {
     place_on(shape, start, intents, last, |_| 0.0, rng)
 }
 
-/// Lays out steps from a stand, and stands on for `last` seconds after them.
+/// Places steps from a stand, followed by a stand of `last` seconds.
 ///
-/// - `ground`: its height anywhere on the way (m).
+/// - `ground`: height anywhere on the path (m).
 pub fn place_on(
     shape: FootShape,
     start: Stance,
@@ -96,7 +96,7 @@ pub fn place_on(
     Footsteps { feet: tracks, load: load_knots(&placed, duration, rng), duration }
 }
 
-/// Where and when every step lands.
+/// Time and place of every step's landing.
 fn placed(start: Stance, intents: &[Intent]) -> Vec<Placed> {
     let (mut stance, mut last) = (start, 0.0);
     let mut out = Vec::with_capacity(intents.len());
@@ -117,7 +117,7 @@ fn placed(start: Stance, intents: &[Intent]) -> Vec<Placed> {
     out
 }
 
-/// The footfalls of one foot, from the stand before the first step to the stand after the last one.
+/// Footfalls of one foot, from the stand before the first step to the stand after the last one.
 fn falls_of(side: Side, start: Stance, placed: &[Placed]) -> Vec<Footfall> {
     let mut falls = vec![Footfall {
         land: -2.0,
@@ -155,7 +155,7 @@ fn falls_of(side: Side, start: Stance, placed: &[Placed]) -> Vec<Footfall> {
     falls
 }
 
-/// Raises the footfalls of one foot to the ground, and lands flat on the way up and on the ball on the way down.
+/// Raises the footfalls of one foot to the ground; they land flat on the way up and on the ball on the way down.
 fn step_on(falls: &mut [Footfall], shape: &FootShape, ground: &impl Fn(DVec2) -> f64) {
     for i in 0..falls.len() {
         let fall = falls[i];
@@ -169,7 +169,7 @@ fn step_on(falls: &mut [Footfall], shape: &FootShape, ground: &impl Fn(DVec2) ->
     }
 }
 
-/// Completes a footfall with how it is left for the next step.
+/// Completes a footfall with its departure for the next step.
 fn leave_with(fall: &mut Footfall, step: &Placed, travel: f64) {
     fall.lift = step.lift;
     let rise = 0.46 * step.shape.period;
@@ -177,8 +177,8 @@ fn leave_with(fall: &mut Footfall, step: &Placed, travel: f64) {
     fall.push = 0.2 + 0.5 * (travel.max(0.0) / 1.45).min(1.0);
 }
 
-/// The share of the left foot: none while it is in the air, all while the right one is, and between them a
-/// straight change of weight, or a stand on both with the weight shifting now and then.
+/// Share of the left foot: 0 while it is in the air, 1 while the right one is, and in between linear, or standing on
+/// both with occasional shifts of the weight.
 fn load_knots(placed: &[Placed], duration: f64, rng: &mut impl Rng) -> Vec<(f64, f64)> {
     let share_on = |side: Side| if side == Side::Left { 1.0 } else { 0.0 };
     let mut knots = vec![(0.0, 0.5)];
@@ -193,7 +193,7 @@ fn load_knots(placed: &[Placed], duration: f64, rng: &mut impl Rng) -> Vec<(f64,
     knots
 }
 
-/// Weight shifts of a stand between two times; none where the time is too short to settle.
+/// Weight shifts of a stand between two times; none if it is too short.
 fn stand_knots(knots: &mut Vec<(f64, f64)>, from: f64, to: f64, rng: &mut impl Rng) {
     let mut t = from + SETTLE;
     while t < to {

@@ -1,18 +1,18 @@
-//! How steps depend on walking speed and turning.
+//! Dependence of steps on walking speed and turning.
 
-/// How one step is taken: its length and its timing.
+/// Shape of a step: its length and its timing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepShape {
     /// Distance from foot to foot along the path (m).
     pub length: f64,
     /// Time from landing to landing (s).
     pub period: f64,
-    /// Time both feet carry at the beginning of the step (s, < period).
+    /// Time on both feet at the beginning of the step (s, < period).
     pub double_support: f64,
 }
 
 impl StepShape {
-    /// Time the foot is in the air (s).
+    /// Time in the air (s).
     pub fn swing(&self) -> f64 {
         self.period - self.double_support
     }
@@ -21,7 +21,7 @@ impl StepShape {
 /// Step length over cadence, nearly the same for an adult at every comfortable speed (m/(steps/min)).
 const WALK_RATIO: f64 = 0.0061;
 
-/// The step of level, straight walking at a speed.
+/// Step of level, straight walking at a speed.
 ///
 /// - `speed`: (m/s, > 0)
 ///
@@ -37,7 +37,7 @@ pub fn step_at(speed: f64) -> StepShape {
     StepShape { length, period, double_support: (2.0 * stance - 1.0) * period }
 }
 
-/// The step of walking at a speed through a turn of `turn` radians a step: shorter and a little slower.
+/// Step of walking at a speed through a turn of `turn` radians a step: shorter and a little slower.
 pub fn turning_step_at(speed: f64, turn: f64) -> StepShape {
     let sharpness = (turn.abs() / 0.8).min(1.0);
     let straight = step_at(speed);
@@ -49,7 +49,7 @@ pub fn turning_step_at(speed: f64, turn: f64) -> StepShape {
     }
 }
 
-/// The step of turning in place. Larger angles take a little longer.
+/// Step of turning in place. Larger angles take a little longer.
 pub fn pivot_step(turn: f64) -> StepShape {
     StepShape { length: 0.0, period: 0.54 + 0.06 * turn.abs().min(1.2), double_support: 0.15 }
 }

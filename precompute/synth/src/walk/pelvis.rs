@@ -14,17 +14,17 @@ use throng_core::{Joint, Skeleton};
 pub struct Pelvis {
     /// Heading of the body, without the swing of the steps (rad).
     pub heading: Vec<f64>,
-    /// Axial rotation on top of the heading, left positive (rad).
+    /// Axial rotation relative to the heading, positive to the left (rad).
     pub yaw: Vec<f64>,
     /// Forward tilt (rad).
     pub pitch: Vec<f64>,
-    /// Left side up (rad).
+    /// List, left side up (rad).
     pub list: Vec<f64>,
     /// Hips joint (m).
     pub position: Vec<DVec3>,
     /// Distance of the left ankle in front of the right one, along the heading (m).
     pub apart: Vec<f64>,
-    /// How fast the ground rises under the feet (m/s).
+    /// Rate at which the ground rises under the feet (m/s).
     pub climb: Vec<f64>,
 }
 
@@ -43,7 +43,7 @@ impl Pelvis {
     }
 }
 
-/// What the pelvis is made from.
+/// Inputs of the pelvis's motion.
 pub struct PelvisInput {
     /// Both feet at every sample.
     pub feet: Vec<[FootPose; 2]>,
@@ -60,7 +60,7 @@ pub struct PelvisInput {
 }
 
 impl PelvisInput {
-    /// Of steps, at times that are `dt` apart (s).
+    /// Inputs from footsteps, sampled at times `dt` apart (s).
     pub fn new(steps: &Footsteps, skeleton: &Skeleton, times: &[f64], dt: f64) -> Self {
         Self {
             feet: times.iter().map(|&t| [0, 1].map(|s: usize| steps.feet[s].pose(t))).collect(),
@@ -75,15 +75,13 @@ impl PelvisInput {
 
 /// Largest upward acceleration of the hips (m/s^2).
 const BOB: f64 = 8.0;
-/// The hips rise by no more than this above where the longest steps take them: brisk walkers bend the standing knee.
-/// (m)
+/// Largest rise of the hips above their height in the longest steps: brisk walkers bend the standing knee (m).
 const RISE: f64 = 0.055;
 /// Least knee flexion of a leg under the body (rad).
 const STANDING_FLEXION: f64 = 0.11;
-/// Least knee flexion of a leg that reaches out: the more bent, the rounder its turn from stretching to bending.
-/// (rad)
+/// Least knee flexion of a reaching leg: larger values round its turn from stretching to bending (rad).
 const REACHING_FLEXION: f64 = 0.22;
-/// How far the hips joint is in front of the centre of mass in standing, and what a speed adds: in walking, the
+/// Offset of the hips joint in front of the centre of mass in standing, and its increase with speed: in walking, the
 /// pelvis is pushed forward over the leading foot (m, s).
 const HIPS_FORWARD: [f64; 2] = [-0.035, 0.026];
 
@@ -114,7 +112,7 @@ pub fn follow(input: &PelvisInput, speed: &[f64]) -> Pelvis {
     out
 }
 
-/// The unloaded side drops, most soon after its foot has left the ground.
+/// List of the pelvis: the unloaded side drops, most soon after its foot has left the ground (rad).
 fn list(input: &PelvisInput, speed: &[f64]) -> Vec<f64> {
     let frames = |seconds: f64| (seconds / input.dt).round() as usize;
     let load = smooth(&input.load, frames(0.035));
@@ -125,7 +123,7 @@ fn list(input: &PelvisInput, speed: &[f64]) -> Vec<f64> {
     smooth(&early, frames(0.02))
 }
 
-/// Height of the ground under both feet, as it rises and falls over a step or two.
+/// Height of the ground under both feet, smoothed over a step or two (m).
 fn ground(input: &PelvisInput) -> Vec<f64> {
     let mean: Vec<f64> = input.feet.iter().map(|f| 0.5 * (f[0].ground + f[1].ground)).collect();
     smooth(&mean, (0.15 / input.dt).round() as usize)
@@ -140,7 +138,7 @@ fn rate(x: &[f64], dt: f64) -> Vec<f64> {
     out
 }
 
-/// As high as both legs reach, rounded off: never above what the least flexion of either knee allows.
+/// Greatest smooth height that both legs reach: never above the limit by the least flexion of either knee (m).
 fn height(input: &PelvisInput, pelvis: &Pelvis) -> Vec<f64> {
     let limit: Vec<f64> = (0..input.feet.len())
         .map(|i| {
@@ -156,7 +154,7 @@ fn height(input: &PelvisInput, pelvis: &Pelvis) -> Vec<f64> {
     smooth_below(&limit, BOB, rounding, input.dt)
 }
 
-/// Least value within `radius` samples.
+/// Minimum within `radius` samples.
 fn lowest_within(x: &[f64], radius: usize) -> Vec<f64> {
     (0..x.len())
         .map(|i| {
@@ -166,7 +164,7 @@ fn lowest_within(x: &[f64], radius: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Height of the hips joint at which one leg is as straight as it may be.
+/// Height of the hips joint at which one leg has its least flexion (m).
 fn leg_limit(input: &PelvisInput, pelvis: &Pelvis, i: usize, rotation: DQuat, side: Side) -> f64 {
     let offset = rotation * input.hips[side.index()];
     let ankle = input.feet[i][side.index()].ankle;

@@ -5,16 +5,16 @@ use super::super::side::forward;
 use super::super::signal::{End, quintic};
 use glam::{DQuat, DVec2, DVec3};
 
-/// One stay of a foot on the ground, from heel strike to toe-off.
+/// Contact of a foot with the ground, from heel strike to toe-off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Footfall {
-    /// Heel strike (s).
+    /// Time of heel strike (s).
     pub land: f64,
-    /// The foot is flat (s).
+    /// Time from which the foot is flat (s).
     pub flat: f64,
-    /// The heel leaves the ground (s).
+    /// Time at which the heel leaves the ground (s).
     pub heel_off: f64,
-    /// Toe-off (s).
+    /// Time of toe-off (s).
     pub lift: f64,
     /// Ankle of the flat foot on the ground plane (x, z) (m).
     pub ankle: DVec2,
@@ -24,13 +24,13 @@ pub struct Footfall {
     pub heading: f64,
     /// Heading of the foot (rad).
     pub yaw: f64,
-    /// Toes up at heel strike; below 0 the ball lands first, the heel this far up (rad).
+    /// Pitch at heel strike, toes up; if negative the ball lands first, with the heel up (rad).
     pub strike: f64,
-    /// Heel up at toe-off (rad).
+    /// Pitch at toe-off, heel up (rad).
     pub push: f64,
 }
 
-/// The foot during one of its stays, and smoothly continued for a moment before and after it.
+/// Pose of the foot during a contact, continued smoothly for a moment before and after it.
 pub fn standing(shape: &FootShape, fall: &Footfall, t: f64) -> FootPose {
     let (pitch, toe_pitch) = if t < fall.flat {
         let p = strike_pitch(fall, t);
@@ -59,20 +59,20 @@ pub fn ball_landing(shape: &FootShape, fall: &Footfall, t: f64) -> DVec3 {
     DVec3::new(heel.x, fall.ground, heel.y) + rotation * DVec3::new(0.0, shape.ball_height, shape.heel + shape.ball)
 }
 
-/// Ball of the foot where it stands.
+/// Ball of the standing foot.
 pub fn ball_flat(shape: &FootShape, fall: &Footfall) -> DVec3 {
     let p = fall.ankle + forward(fall.yaw) * shape.ball;
     DVec3::new(p.x, fall.ground + shape.ball_height, p.y)
 }
 
-/// Pitch while the foot rolls over its heel: lands turning down, ends flat and at rest (rad).
+/// Pitch while the foot rolls over its heel: begins turning down, ends flat and at rest (rad).
 pub fn strike_pitch(fall: &Footfall, t: f64) -> f64 {
     let duration = fall.flat - fall.land;
     let from = End::moving(-fall.strike, 1.1 * fall.strike / duration);
     quintic(from, End::still(0.0), duration, t - fall.land)
 }
 
-/// Pitch while the foot rolls over its ball: begins at rest, leaves turning (rad).
+/// Pitch while the foot rolls over its ball: begins at rest, ends turning (rad).
 pub fn push_pitch(fall: &Footfall, t: f64) -> f64 {
     let duration = fall.lift - fall.heel_off;
     quintic(End::still(0.0), End::moving(fall.push, 2.2 * fall.push / duration), duration, t - fall.heel_off)

@@ -22,17 +22,17 @@ impl TrunkPose {
 
 /// Slow wandering of attention and posture, different in every clip.
 pub struct Drift {
-    /// Looking left and right (rad).
+    /// Angle of looking left and right (rad).
     pub gaze: Vec<f64>,
-    /// Looking up and down (rad).
+    /// Angle of looking up and down (rad).
     pub nod: Vec<f64>,
-    /// Left and right arm hanging further forward or back (rad).
+    /// Forward angle of the left and right hanging arm (rad).
     pub arms: [Vec<f64>; 2],
     /// Breathing, from -1 (out) to 1 (in).
     pub breath: Vec<f64>,
 }
 
-/// Holds the trunk up over the pelvis at every sample.
+/// Poses of the trunk over the pelvis at every sample.
 ///
 /// - `speed`: (m/s)
 /// - `mass`: centre of mass on the ground (m).
@@ -44,7 +44,7 @@ pub fn balance(pelvis: &Pelvis, speed: &[f64], mass: &[DVec2], drift: &Drift, dt
     let (surge, sideways) = lean(pelvis, mass, dt);
     let bob = bob(pelvis, frames(0.35));
     let out = (0..speed.len()).map(|i| {
-        // Up stairs the trunk leans in; up and down the eyes are on the steps.
+        // Upstairs the trunk leans in; on all stairs the eyes are on the steps.
         let stoop = 0.4 * pelvis.climb[i].max(0.0);
         let hips = Attitude { yaw: pelvis.heading[i] + pelvis.yaw[i], pitch: pelvis.pitch[i], list: pelvis.list[i] };
         let chest = Attitude {
@@ -63,13 +63,13 @@ pub fn balance(pelvis: &Pelvis, speed: &[f64], mass: &[DVec2], drift: &Drift, dt
     out.collect()
 }
 
-/// The head nods down as the body rises and up as it sinks, which keeps the gaze on its point (rad).
+/// Nod of the head that keeps the gaze steady: down as the body rises, up as it sinks (rad).
 fn bob(pelvis: &Pelvis, radius: usize) -> Vec<f64> {
     let height: Vec<f64> = pelvis.position.iter().map(|p| p.y).collect();
     smooth(&height, radius).iter().zip(&height).map(|(slow, h)| 1.1 * (h - slow)).collect()
 }
 
-/// Forward tilt and list that lean into the body's acceleration over a step or so.
+/// Forward tilt and list that lean into the body's acceleration over a step or so (rad).
 fn lean(pelvis: &Pelvis, mass: &[DVec2], dt: f64) -> (Vec<f64>, Vec<f64>) {
     let radius = (0.16 / dt).round() as usize;
     let axis = |f: fn(&DVec2) -> f64| {

@@ -1,24 +1,24 @@
-//! What the walker intends: a seeded sequence of steps that stands, starts, walks, turns and stops.
+//! Intentions of the walker: a seeded sequence of steps that stands, starts, walks, turns and stops.
 
 use super::super::deck::Deck;
 use super::super::side::Side;
 use super::gait::{StepShape, pivot_step, step_at, turning_step_at};
 use rand::{Rng, RngExt};
 
-/// One step as intended, relative to the one before.
+/// An intended step, relative to the previous one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intent {
     /// The foot that steps.
     pub side: Side,
-    /// Standing still before the step begins; 0 inside a walk (s).
+    /// Time of standing still before the step; 0 inside a walk (s).
     pub pause: f64,
     /// Change of the path's heading (rad).
     pub turn: f64,
-    /// How far the path moves to the left beside its bend; 0 in walking (m).
+    /// Sideways shift of the path to the left, beside its bend; 0 in walking (m).
     pub aside: f64,
     /// Distance between the feet across the path (m).
     pub width: f64,
-    /// How far the foot turns out from the path (rad).
+    /// Outward turn of the foot from the path (rad).
     pub toe_out: f64,
     /// Length and timing.
     pub shape: StepShape,
@@ -28,8 +28,8 @@ pub struct Intent {
 pub const SPEEDS: [f64; 6] = [0.65, 0.95, 1.2, 1.35, 1.5, 1.75];
 /// Heading changes to start with, in degrees; the last ones are made on the spot.
 const FIRST_TURNS: [f64; 12] = [0.0, 0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0, 135.0, -135.0, 180.0, -180.0];
-/// Turns on the way: heading change, and its mean share a step, in degrees; each to the left and to the right.
-/// Long turns are not gentle, which would take a long time to say little new.
+/// Turns on the way: heading change, and its mean share a step, in degrees; each to the left and to the right. Long
+/// turns are not gentle, as they would take a long time with little variety.
 const TURNS: [(f64, f64); 14] = [
     (0.0, 11.0),
     (0.0, 11.0),
@@ -48,13 +48,13 @@ const TURNS: [(f64, f64); 14] = [
 ];
 /// Distance between the feet across the path in walking (m).
 pub const WALKING_WIDTH: f64 = 0.115;
-/// Feet turn out by this much (rad).
+/// Outward turn of the feet (rad).
 pub const TOE_OUT: f64 = 0.12;
-/// The same in standing (m).
+/// Distance between the feet in standing (m).
 pub const STANDING_WIDTH: f64 = 0.185;
 
-/// Deals episodes: stand, start into a turn, walk, turn, walk, stop. One wanderer serves all clips of a set,
-/// so that turns and speeds are spread evenly over the set.
+/// Dealer of episodes: stand, start into a turn, walk, turn, walk, stop. One serves all clips of a set, so that turns
+/// and speeds are spread evenly over the set.
 pub struct Wanderer {
     speeds: Deck<f64>,
     first_turns: Deck<f64>,
@@ -66,7 +66,7 @@ pub struct Wanderer {
 }
 
 impl Wanderer {
-    /// A wanderer whose steps vary by `variation` times the usual amount.
+    /// A dealer whose steps vary by `variation` times the usual amount.
     pub fn new(variation: f64) -> Self {
         Self {
             speeds: Deck::new(&SPEEDS),
@@ -88,7 +88,7 @@ impl Wanderer {
         walk.steps
     }
 
-    /// Stand, set off, some legs of turning and walking, stop.
+    /// Adds an episode: stand, set off, some legs of turning and walking, stop.
     fn episode(&mut self, walk: &mut Walk, rng: &mut impl Rng) {
         walk.pause = rng.random_range(0.6..1.9);
         let first = self.first_turns.deal(rng).to_radians();
@@ -116,7 +116,7 @@ impl Wanderer {
     }
 }
 
-/// The steps so far and what the next one starts from.
+/// Steps so far, with the initial state of the next one.
 #[derive(Clone, Debug)]
 pub struct Walk {
     /// The steps.
@@ -124,7 +124,7 @@ pub struct Walk {
     seconds: f64,
     /// The foot that steps next.
     pub next: Side,
-    /// Standing still before the next step (s).
+    /// Time of standing still before the next step (s).
     pub pause: f64,
     /// Speed (m/s).
     pub speed: f64,
@@ -132,12 +132,12 @@ pub struct Walk {
 }
 
 impl Walk {
-    /// Stands, the left foot first.
+    /// Begins standing, with the left foot next.
     pub fn new(variation: f64) -> Self {
         Self { steps: Vec::new(), seconds: 0.0, next: Side::Left, pause: 0.0, speed: 0.0, variation }
     }
 
-    /// One step.
+    /// Adds one step.
     pub fn step(&mut self, turn: f64, width: f64, shape: StepShape, rng: &mut impl Rng) {
         let mut vary = |amount: f64| 1.0 + self.variation * amount * rng.random_range(-1.0..1.0);
         let time = vary(0.025);
@@ -154,10 +154,10 @@ impl Walk {
         self.next = self.next.other();
     }
 
-    /// Two steps up to `cruise`, turning by `turn` on the way.
+    /// Adds two steps up to `cruise`, turning by `turn` meanwhile.
     ///
-    /// The first step reaches about three quarters of the length (Breniere and Do 1986 find the steady state
-    /// after one to three steps).
+    /// The first step covers about three quarters of the length (Breniere and Do 1986 find the steady state after one
+    /// to three steps).
     pub fn start(&mut self, cruise: f64, turn: f64, rng: &mut impl Rng) {
         let mut left = turn;
         for part in [0.72, 0.92] {
@@ -171,7 +171,7 @@ impl Walk {
         self.turn(left, 0.6, cruise, rng);
     }
 
-    /// Steps straight ahead, approaching `cruise`.
+    /// Adds steps straight ahead, approaching `cruise`.
     pub fn straight(&mut self, num_steps: usize, cruise: f64, rng: &mut impl Rng) {
         for _ in 0..num_steps {
             self.speed += (cruise - self.speed).clamp(-0.35, 0.3);
@@ -179,7 +179,7 @@ impl Walk {
         }
     }
 
-    /// Steps through a turn by `angle`, `rate` a step on average: more with the inner foot than with the outer.
+    /// Adds steps through a turn by `angle`, `rate` a step on average: more with the inner foot than with the outer.
     pub fn turn(&mut self, angle: f64, rate: f64, cruise: f64, rng: &mut impl Rng) {
         let mut left = angle;
         while left.abs() > 0.02 {
@@ -196,7 +196,7 @@ impl Walk {
         }
     }
 
-    /// A shorter step, and one that closes the feet.
+    /// Adds a shorter step, and one that closes the feet.
     pub fn stop(&mut self, rng: &mut impl Rng) {
         let shape = step_at(self.speed);
         if self.speed > 1.1 {
@@ -211,7 +211,7 @@ impl Walk {
         self.speed = 0.0;
     }
 
-    /// Steps on the spot: the inner foot opens, the outer one follows, and the feet end side by side.
+    /// Adds steps on the spot: the inner foot opens, the outer one follows, and the feet end side by side.
     pub fn turn_in_place(&mut self, angle: f64, rng: &mut impl Rng) {
         let opening = if angle.abs() > 1.2 { 1.1 } else { 0.85 };
         let mut left = angle;
@@ -228,14 +228,13 @@ impl Walk {
     }
 }
 
-/// A heading change no larger than `most`, nor than the hips allow for the stepping foot: opening is easier
-/// than crossing.
+/// Heading change limited to `most` and to what the hips allow for the stepping foot: opening is easier than crossing.
 pub fn limited(turn: f64, foot: Side, most: f64) -> f64 {
     let most = most.min(if foot == Side::inside(turn) { 0.9 } else { 0.55 });
     turn.clamp(-most, most)
 }
 
-/// Speed through a turn: sharp ones are taken slowly.
+/// Speed through a turn: slower in sharp ones.
 fn turn_speed(cruise: f64, rate: f64) -> f64 {
     cruise.min(1.75 - 1.05 * rate)
 }

@@ -1,5 +1,5 @@
-//! Cross-fading without time-warping: what blending is measured against. The nearest example plays at its own rate, and
-//! where another one becomes the nearest, the two are faded over, whatever their feet do.
+//! Cross-fading without time-warping, the baseline of blending. The nearest example plays at its own rate; when another
+//! example becomes the nearest, the two are cross-faded without regard to their feet.
 
 use glam::{Quat, Vec3};
 use throng_lab::slip::Soles;
@@ -10,19 +10,19 @@ use throng_runtime::{Contacts, Joint, NUM_JOINTS, Skeleton};
 
 /// Ankle and ball of both feet.
 const FEET: [[Joint; 2]; 2] = [[Joint::LeftFoot, Joint::LeftToe], [Joint::RightFoot, Joint::RightToe]];
-/// Time of a fade (s).
+/// Duration of a fade (s).
 const FADE_S: f32 = 0.3;
-/// Height of heel over ball, and of ball over heel, up to which both stand (m).
+/// Largest height difference of heel and ball at which both stand (m).
 const FLAT_M: f32 = 0.005;
 
-/// An example that plays.
+/// A playing example.
 #[derive(Clone, Copy, Debug, Default)]
 struct Playing {
     example: usize,
     phase: f32,
 }
 
-/// One character.
+/// A character whose examples are cross-faded.
 #[derive(Clone, Debug)]
 pub(super) struct CrossFade {
     now: Playing,
@@ -34,12 +34,12 @@ pub(super) struct CrossFade {
     pub joints: [Vec3; NUM_JOINTS],
     /// Feet on the ground, of the example that is faded in.
     pub contacts: Contacts,
-    /// What the feet stand on.
+    /// Soles of both feet.
     pub soles: Soles,
 }
 
 impl CrossFade {
-    /// Playing the first example.
+    /// Starts with the first example.
     pub fn new(space: &BlendSpace) -> Self {
         Self {
             now: Playing::default(),
@@ -52,7 +52,7 @@ impl CrossFade {
         }
     }
 
-    /// Moves on by `dt_s` to a sample of the trajectory.
+    /// Advances by `dt_s` to a sample of the trajectory.
     ///
     /// # Errors
     /// None for a space that was checked when its bundle was opened.
@@ -111,7 +111,7 @@ fn nearest(space: &BlendSpace, parameters: &[f32; MAX_AXES]) -> usize {
     all.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i)
 }
 
-/// Parts of the feet on the ground: of a foot that is, those that are no higher than the other.
+/// Planted parts of the feet: of a planted foot, heel and ball unless one is higher than the other.
 ///
 /// - `balls`: heights of the balls of flat feet (m).
 fn contacts(posture: &Posture, soles: &Soles, balls: [f32; 2]) -> Contacts {

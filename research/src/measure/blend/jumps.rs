@@ -1,4 +1,4 @@
-//! How bodies move while the parameters asked of them jump.
+//! Smoothness of bodies while the parameters of their blend space jump.
 
 use super::cross_fade::CrossFade;
 use super::{STEP_S, advance, control, random_parameters};
@@ -11,24 +11,24 @@ use throng_runtime::blend::BlendSpace;
 use throng_runtime::walkers::{WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::{Bundle, Cast, Contacts, Inline, NUM_JOINTS, Planar};
 
-/// Characters that are looked at, and for how long (s).
+/// Number of measured characters, and for how long (s).
 const LOOKED_AT: usize = 32;
 const SECONDS: f32 = 40.0;
 /// Time between jumps (s).
 const JUMP_S: f32 = 2.0;
-/// Acceleration counts for so long after a jump (s).
+/// Time after a jump in which acceleration counts (s).
 const AFTER_S: f32 = 0.5;
 
-/// Where bodies come from.
+/// Method that animates a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Motion {
-    /// Walkers: weights, incremental time-warping, retargeting.
+    /// Blended walkers: weights, incremental time-warping, retargeting.
     Blended,
     /// The nearest example, cross-faded.
     CrossFaded,
 }
 
-/// What was seen.
+/// Figures of one method.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Jumps {
     /// 95th percentile of the slip of planted feet, as [`SlipMeter`] measures it (m/s).
@@ -39,7 +39,7 @@ pub(super) struct Jumps {
     pub acceleration: f64,
 }
 
-/// Lets characters follow paths whose speed, turning rate and style jump to a place drawn at random every two seconds.
+/// Lets characters follow paths whose speed, turning rate and style jump to a random point every two seconds.
 ///
 /// # Errors
 /// [`BuildError::Stage`] where the space is broken.
@@ -91,7 +91,7 @@ impl Body {
     }
 }
 
-/// One character at one moment.
+/// Joints and feet of one character at one time.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     joints: [Vec3; NUM_JOINTS],

@@ -1,4 +1,4 @@
-//! What blending costs, and how it moves beside cross-fading the same examples.
+//! Cost of blending, and its quality beside cross-fading the same examples.
 
 mod cross_fade;
 mod jumps;
@@ -40,7 +40,7 @@ pub struct BlendFigures {
     pub joints: usize,
     /// Postures a second: weights, generic time, blending.
     pub postures_per_second: f64,
-    /// The same with retargeting to bodies of other sizes, up to joint matrices.
+    /// Postures a second with retargeting to bodies of other sizes, up to joint matrices.
     pub retargeted_per_second: f64,
     /// Copying a posture as blending writes it.
     pub memcpy_ns_per_posture: f64,
@@ -59,15 +59,15 @@ pub struct BlendFigures {
     /// 95th percentile of the slip of planted feet while parameters jump: how fast the slower of heel and ball moves over
     /// the ground (m/s).
     pub foot_slip_p95_mps: f64,
-    /// The same where the nearest examples are cross-faded without time-warping.
+    /// 95th percentile of the slip of planted feet where the nearest examples are cross-faded without time-warping (m/s).
     pub crossfade_foot_slip_p95_mps: f64,
     /// Fastest change of a knee's angle while parameters jump (rad/s).
     pub knee_rate_max_radps: f64,
-    /// The same where examples are cross-faded.
+    /// Fastest change of a knee's angle where examples are cross-faded (rad/s).
     pub crossfade_knee_rate_max_radps: f64,
     /// Largest acceleration of a joint within half a second of a jump (m/s^2).
     pub joint_acceleration_max_mps2: f64,
-    /// The same where examples are cross-faded.
+    /// Largest acceleration of a joint after a jump where examples are cross-faded (m/s^2).
     pub crossfade_joint_acceleration_max_mps2: f64,
 }
 
@@ -115,7 +115,7 @@ fn table_len(space: &BlendSpace) -> u64 {
     space.axes().iter().map(|a| u64::from(a.num_knots)).product::<u64>() * space.stride() as u64
 }
 
-/// Points drawn from the whole box.
+/// Random points of the parameter box.
 fn random_parameters(space: &BlendSpace) -> Vec<[f32; MAX_AXES]> {
     let mut rng = Pcg64Mcg::seed_from_u64(3);
     let mut draw = || {
@@ -128,7 +128,7 @@ fn random_parameters(space: &BlendSpace) -> Vec<[f32; MAX_AXES]> {
     (0..CHARACTERS).map(|_| draw()).collect()
 }
 
-/// The settings that a space was made with, which the bundle keeps.
+/// Settings that a space was built with, from the config in the bundle.
 fn config_of(tables: &Bundle, name: &str) -> Result<BlendConfig, BuildError> {
     let config = BuildConfig::parse(&tables.meta().config, Path::new("the config in the bundle"))?;
     let all = throng_bake::examples::spaces(&config.blend)?;
@@ -229,14 +229,14 @@ fn retargeted(
     Ok(())
 }
 
-/// What a walker is told to have these parameters.
+/// Control at the start that gives a walker these parameters.
 fn control(space: &BlendSpace, parameters: &[f32; MAX_AXES], at: Planar) -> Control {
     let mut out = Control { position: Some(Vec2::new(at.x, at.z)), heading: Some(at.heading), ..Control::default() };
     advance(space, &mut out, parameters, 0.0);
     out
 }
 
-/// Moves a control on along its path.
+/// Advances a control along its path.
 fn advance(space: &BlendSpace, control: &mut Control, parameters: &[f32; MAX_AXES], dt_s: f32) {
     let value = |kind| space.axis_of(kind).map_or(0.0, |a| parameters[a]);
     let (ahead, left, turning) = (value(axis::SPEED), value(axis::SIDE), value(axis::GYRATION));

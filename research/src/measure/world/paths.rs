@@ -1,4 +1,4 @@
-//! What planning paths costs, and how much longer they are than the best ones.
+//! Cost of path planning, and length of the planned paths relative to the best ones.
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -7,12 +7,12 @@ use std::time::Instant;
 use throng_runtime::world::plan::{Plan, Planner, Target};
 use throng_runtime::world::{Node, Step, WorldGraph};
 
-/// Paths that are planned, and those of them that are compared with a plain search.
+/// Number of planned paths, and how many of them are compared with a plain search.
 const PATHS: usize = 40;
 const COMPARED: usize = 24;
-/// Larger worlds are not searched through (nodes).
+/// Largest world for the plain search (nodes).
 const MAX_SEARCHED: usize = 2_500_000;
-/// Steps of a path that are kept.
+/// Most steps of a path.
 const MAX_STEPS: usize = 4096;
 
 /// Figures of path planning.
@@ -22,35 +22,35 @@ pub struct PathFigures {
     pub found: usize,
     /// Time to open the world's file and make a planner (s).
     pub first_seconds: f64,
-    /// Time to plan one, on average (s).
+    /// Time to plan a path, on average (s).
     pub seconds_mean: f64,
-    /// Time to plan one, at most (s).
+    /// Time to plan a path, at most (s).
     pub seconds_max: f64,
-    /// Instances that the path leads from and to which took longest.
+    /// First and last instance of the path that took longest to plan.
     pub slowest: [u32; 2],
     /// Length of the paths, on average (m).
     pub length_mean_m: f64,
-    /// Length of the longest (m).
+    /// Length of the longest path (m).
     pub length_max_m: f64,
-    /// Time they take to walk, on average (s).
+    /// Time to walk the paths, on average (s).
     pub duration_mean_s: f64,
-    /// Ways opened in the upper layer, on average.
+    /// Instance states that the upper layer opened, on average.
     pub opened_instances_mean: f64,
     /// Nodes opened in the lower layer, on average.
     pub opened_nodes_mean: f64,
-    /// Time to walk over what no way takes less than, at most.
+    /// Time to walk a path over the lower bound of any path, at most.
     pub over_bound_max: f64,
-    /// Paths that were compared with Dijkstra's over the whole world.
+    /// Paths that were compared with Dijkstra's algorithm over the whole world.
     pub compared: usize,
-    /// Time to walk over that of Dijkstra's, on average and at most; none in worlds too large to search through.
+    /// Time to walk over that of the shortest path, mean; none in worlds too large for the search.
     pub over_dijkstra_mean: Option<f64>,
-    /// See `over_dijkstra_mean`.
+    /// Time to walk over that of the shortest path, at most.
     pub over_dijkstra_max: Option<f64>,
-    /// Instances that the worst of those leads from and to.
+    /// First and last instance of the worst of those paths.
     pub worst: Option<[u32; 2]>,
 }
 
-/// Plans paths between places drawn at random, as well as is promised, and soon.
+/// Plans paths between random places: within the bound of the default planner, and for a quick answer.
 pub(super) fn measure(graph: &WorldGraph, rate_hz: f64, open_seconds: f64) -> (PathFigures, PathFigures) {
     let rests: Vec<Node> = (0..graph.num_instances() as u32).filter_map(|i| graph.rest_cells(i).next()).collect();
     let mut rng = Pcg64Mcg::seed_from_u64(1);
@@ -69,7 +69,7 @@ pub(super) fn measure(graph: &WorldGraph, rate_hz: f64, open_seconds: f64) -> (P
     (PathFigures { first_seconds, ..promised }, PathFigures { first_seconds, ..soon })
 }
 
-/// Figures of one way to plan.
+/// Figures of one planning method.
 fn figures(
     pairs: &[[Node; 2]],
     best: &[Option<u32>],
@@ -112,13 +112,13 @@ fn figures(
     out
 }
 
-/// Frames of the shortest way between two nodes, over the whole world: Dijkstra with buckets of whole frames (Dial 1969).
+/// Frames of the shortest path between two nodes over the whole world: Dijkstra with buckets of whole frames (Dial 1969).
 fn dijkstra(graph: &WorldGraph, from: Node, to: Node) -> Option<u32> {
     let mut first = vec![0];
     (0..graph.num_instances() as u32).for_each(|i| first.push(first[i as usize] + graph.cells(i).len()));
     let number = |n: Node| first[n.instance as usize] + n.cell as usize;
     let mut best = vec![u32::MAX; graph.num_nodes()];
-    // No step takes longer than its offsets can tell.
+    // No step takes longer than its offsets can represent.
     let mut buckets = vec![Vec::new(); usize::from(u16::MAX) + 1];
     let (mut open, mut frames) = (1, 0u32);
     best[number(from)] = 0;

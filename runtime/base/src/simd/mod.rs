@@ -28,29 +28,29 @@ pub const LANES: usize = 8;
 pub trait Lanes:
     Copy + Debug + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
-    /// The same number in every lane.
+    /// Vector with the same number in every lane.
     fn splat(v: f32) -> Self;
-    /// From memory.
+    /// Loads a vector from memory.
     fn load(a: &[f32; LANES]) -> Self;
-    /// To memory.
+    /// Stores the vector to memory.
     fn store(self, a: &mut [f32; LANES]);
-    /// The smaller; `o` where they cannot be compared.
+    /// Minimum in each lane; `o` where the two cannot be compared.
     fn min(self, o: Self) -> Self;
-    /// The larger; `o` where they cannot be compared.
+    /// Maximum in each lane; `o` where the two cannot be compared.
     fn max(self, o: Self) -> Self;
-    /// Without its sign.
+    /// Absolute value.
     fn abs(self) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
     /// Nearest integer, ties to even (|self| < 2^31).
     fn round(self) -> Self;
-    /// Times 2 to the power of an integer-valued exponent (self and the result are normal numbers).
+    /// Product with 2 to the power of an integer-valued exponent (self and the result are normal numbers).
     fn times_exp2(self, exponent: Self) -> Self;
-    /// Lane by lane: `if a < b { yes } else { no }`.
+    /// Choice in each lane: `if a < b { yes } else { no }`.
     fn select_lt(a: Self, b: Self, yes: Self, no: Self) -> Self;
     /// True where any lane of `self` is greater than that of `o`.
     fn any_gt(self, o: Self) -> bool;
-    /// Bit i is set where lane i of `self` is less than that of `o`.
+    /// Mask of lanes: bit i is set where lane i of `self` is less than that of `o`.
     fn bits_lt(self, o: Self) -> u8;
     /// Four vectors as one row of four for each lane.
     fn rows(m: [Self; 4]) -> [[f32; 4]; LANES];
@@ -58,7 +58,7 @@ pub trait Lanes:
     fn columns(rows: [&[f32; 4]; LANES]) -> [Self; 4];
     /// Two numbers of a table for each lane, `stride` apart: at `row * row_len + offset` and `stride` further.
     ///
-    /// What would lie beyond the table reads the last place instead, so that nothing is checked lane by lane.
+    /// Indices beyond the table read its last entry instead, so that no lane needs a check.
     ///
     /// - `rows`: the bits of each lane are an unsigned integer.
     /// - `offsets`: integer-valued (0 to 2^24).
@@ -75,13 +75,13 @@ pub trait Lanes:
     /// Eight integers as floats.
     fn integers(a: &[i16; LANES]) -> Self;
 
-    /// From an array.
+    /// Vector of an array.
     #[inline(always)]
     fn from_array(a: [f32; LANES]) -> Self {
         Self::load(&a)
     }
 
-    /// To an array.
+    /// Array of the lanes.
     #[inline(always)]
     fn to_array(self) -> [f32; LANES] {
         let mut a = [0.0; LANES];
@@ -92,10 +92,10 @@ pub trait Lanes:
 
 /// Work that is generic over [`Lanes`].
 pub trait Work {
-    /// What it returns.
+    /// Result of the work.
     type Output;
-    /// Does it. Everything it calls must be inlined (`#[inline(always)]`) to profit. A closure of lanes that is called twice is
-    /// a function without vectors.
+    /// Does the work. Everything it calls must be inlined (`#[inline(always)]`) to profit. A closure on lanes that is called twice
+    /// is compiled as a function without vectors.
     fn run<F: Lanes>(self) -> Self::Output;
 }
 

@@ -4,7 +4,7 @@ use super::Lanes;
 use glam::Vec3;
 use std::ops::{Add, Mul, Sub};
 
-/// A vector a lane.
+/// Vectors of three coordinates, one per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct V<F> {
     /// First coordinates.
@@ -16,13 +16,13 @@ pub struct V<F> {
 }
 
 impl<F: Lanes> V<F> {
-    /// Of its coordinates.
+    /// Vectors with given coordinates.
     #[inline(always)]
     pub fn new(x: F, y: F, z: F) -> Self {
         Self { x, y, z }
     }
 
-    /// The same vector in every lane.
+    /// Vectors that are equal in all lanes.
     #[inline(always)]
     pub fn splat(v: Vec3) -> Self {
         Self::new(F::splat(v.x), F::splat(v.y), F::splat(v.z))
@@ -46,7 +46,7 @@ impl<F: Lanes> V<F> {
         self.dot(self).sqrt()
     }
 
-    /// From this to another, by a share of the way.
+    /// Linear interpolation from this vector to another.
     #[inline(always)]
     pub fn mix(self, other: Self, share: F) -> Self {
         self * (F::splat(1.0) - share) + other * share
@@ -83,7 +83,7 @@ impl<F: Lanes> Mul<F> for V<F> {
     }
 }
 
-/// A quaternion a lane, (v, w).
+/// Quaternions (v, w), one per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Q<F> {
     /// Vector part.
@@ -93,7 +93,7 @@ pub struct Q<F> {
 }
 
 impl<F: Lanes> Q<F> {
-    /// Of its vector and scalar parts.
+    /// Quaternions with given vector and scalar parts.
     #[inline(always)]
     pub fn new(v: V<F>, w: F) -> Self {
         Self { v, w }
@@ -106,13 +106,13 @@ impl<F: Lanes> Q<F> {
         Self::new(self.v * s, self.w * s)
     }
 
-    /// The opposite rotation, of a unit quaternion.
+    /// Inverse rotation of a unit quaternion.
     #[inline(always)]
     pub fn conjugate(self) -> Self {
         Self::new(V::new(-self.v.x, -self.v.y, -self.v.z), self.w)
     }
 
-    /// The vector turned by a unit quaternion.
+    /// Vector rotated by this unit quaternion.
     #[inline(always)]
     pub fn rotate(self, p: V<F>) -> V<F> {
         let t = self.v.cross(p);

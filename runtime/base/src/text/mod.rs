@@ -12,13 +12,13 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 use value::{Fault, Value};
 
-/// Most brackets and braces of a text that stand in each other.
+/// Deepest nesting of brackets and braces in a text.
 const MOST_DEPTH: usize = 32;
 
-/// Most bytes of what is said of a text: a message may quote what stands there, however long it is.
+/// Most bytes of a message about a text, which may quote any part of it.
 const MOST_SAID: usize = 2000;
 
-/// What is said of a text, with `...` in place of the middle of a long one.
+/// Message about a text, with `...` in place of the middle of a long one.
 pub fn brief(said: String) -> String {
     if said.len() <= MOST_SAID {
         return said;
@@ -28,17 +28,17 @@ pub fn brief(said: String) -> String {
     format!("{} ... {}", &said[..begin], &said[end..])
 }
 
-/// Text for a terminal: what would steer it, as names in files of others may, stands there as its code (`\u{1b}`).
+/// Text for a terminal, with control characters, which may stand in names of foreign files, replaced by their codes (`\u{1b}`).
 pub fn plain(text: &str) -> Cow<'_, str> {
     escape_controls(text, |c| c.escape_default().to_string())
 }
 
-/// JSON for a terminal: the same characters stand there as escapes of JSON (`\u007f`), so that it means what it did.
+/// JSON for a terminal, with control characters replaced by escapes of JSON (`\u007f`), so that its meaning stays.
 pub fn plain_json(json: &str) -> Cow<'_, str> {
     escape_controls(json, |c| format!("\\u{:04x}", u32::from(c)))
 }
 
-/// Text with codes in place of controls other than ends of lines and tabs, and of what turns the direction of letters.
+/// Text with codes in place of marks of writing direction and of control characters other than line ends and tabs.
 fn escape_controls(text: &str, code: impl Fn(char) -> String) -> Cow<'_, str> {
     let steers = |c: char| match c {
         '\n' | '\t' => false,
@@ -51,7 +51,7 @@ fn escape_controls(text: &str, code: impl Fn(char) -> String) -> Cow<'_, str> {
     Cow::Owned(text.chars().map(|c| if steers(c) { code(c) } else { c.to_string() }).collect())
 }
 
-/// A TOML text, and the file that it stands in.
+/// TOML text with the path of its file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Source {
     path: PathBuf,
@@ -71,7 +71,7 @@ impl Source {
         })
     }
 
-    /// A text; `path` is what messages call it.
+    /// Source with a given text; messages name it `path`.
     pub fn new(text: &str, path: &Path) -> Self {
         Self { path: path.to_path_buf(), text: text.into() }
     }
@@ -86,7 +86,7 @@ impl Source {
         &self.text
     }
 
-    /// The struct that the text stands for; `help` ends messages that name no nearest key.
+    /// Parses the text into a struct; `help` ends messages that name no nearest key.
     ///
     /// # Errors
     /// [`Error::Text`].
@@ -106,7 +106,7 @@ impl Source {
             })
     }
 
-    /// An error at bytes of the text.
+    /// Error at a range of bytes of the text.
     pub fn error(&self, span: Range<usize>, why: String) -> Error {
         let before = self.text.get(..span.start).unwrap_or_default();
         let line = before.matches('\n').count() + 1;
@@ -114,13 +114,13 @@ impl Source {
         Error::Text { path: self.path.clone(), line, column, why: brief(why) }
     }
 
-    /// An error at a key such as `groups[0].place`, or at the last part of it that stands in the text.
+    /// Error at a key such as `groups[0].place`, or at the last part of the key that the text has.
     pub fn at(&self, key: &str, why: String) -> Error {
         let span = self.table().and_then(|t| find(&t, key)).unwrap_or(0..0);
         self.error(span, why)
     }
 
-    /// An error at a byte of the text that a key's value holds, such as an expression in quotes; otherwise as [`Source::at`].
+    /// Error at a byte of a key's value, such as an expression in quotes; as [`Source::at`] where the text lacks the key.
     pub fn within(&self, key: &str, byte: usize, why: String) -> Error {
         let Some(table) = self.table() else { return self.error(0..0, why) };
         match value(&table, key) {
@@ -134,7 +134,7 @@ impl Source {
         value(&self.table()?, key)
     }
 
-    /// Bytes of the name of such a key; `None` where it is not in the text.
+    /// Bytes of the name of a key such as `groups[0].place[1]`; `None` where it is not in the text.
     pub fn key(&self, key: &str) -> Option<Range<usize>> {
         self.value(key)?;
         find(&self.table()?, key)
@@ -154,7 +154,7 @@ impl Source {
     }
 }
 
-/// The byte of the first bracket or brace that stands too deep in others: whoever reads them calls itself for each.
+/// Byte of the first bracket or brace that is nested too deeply for a recursive reader.
 fn too_deep(text: &[u8]) -> Option<usize> {
     let (mut at, mut open) = (0, Vec::new());
     while let Some(&byte) = text.get(at) {
@@ -169,7 +169,7 @@ fn too_deep(text: &[u8]) -> Option<usize> {
     None
 }
 
-/// Bytes of the token that begins a text, as the parser takes texts apart.
+/// Length of the token that begins a text, as the parser splits texts (bytes).
 fn token(text: &[u8]) -> usize {
     let until = |ends: &[u8]| text.iter().position(|b| ends.contains(b)).unwrap_or(text.len());
     match text[0] {
@@ -179,7 +179,7 @@ fn token(text: &[u8]) -> usize {
     }
 }
 
-/// Bytes of the string that begins a text.
+/// Length of the string literal that begins a text (bytes).
 fn string(text: &[u8]) -> usize {
     let (quote, is_long) = (text[0], text.starts_with(&[text[0]; 3]));
     let end = &text[..if is_long { 3 } else { 1 }];
@@ -196,11 +196,11 @@ fn string(text: &[u8]) -> usize {
     at + text[at..].iter().take(if is_long { 2 } else { 0 }).take_while(|&&b| b == quote).count()
 }
 
-/// A name, its value, and what of a key comes after the name.
+/// Name, value, and the part of a key after the name.
 type Entry<'t, 'k, 'a> = (&'t Spanned<Cow<'a, str>>, &'t Spanned<DeValue<'a>>, &'k str);
 
-/// The entry of a table that a key begins with, and what comes after its name. Names in quotes may have dots: the longest
-/// one that fits is it.
+/// Entry of a table that a key begins with, and the part of the key after its name. Names in quotes may have dots: the
+/// longest one that fits is taken.
 fn entry<'t, 'k, 'a>(table: &'t DeTable<'a>, key: &'k str) -> Option<Entry<'t, 'k, 'a>> {
     let fits = table.iter().filter_map(|(name, value)| {
         let more = key.strip_prefix(name.get_ref().as_ref())?;
@@ -209,7 +209,7 @@ fn entry<'t, 'k, 'a>(table: &'t DeTable<'a>, key: &'k str) -> Option<Entry<'t, '
     fits.min_by_key(|(.., more)| more.len())
 }
 
-/// Bytes of a key, or of the last part of it that is there.
+/// Bytes of a key, or of the last part of it that exists.
 fn find(table: &DeTable<'_>, key: &str) -> Option<Range<usize>> {
     let (at, value, more) = entry(table, key)?;
     let (first, rest) = more.split_once('.').unwrap_or((more, ""));
@@ -226,7 +226,7 @@ fn find(table: &DeTable<'_>, key: &str) -> Option<Range<usize>> {
     }
 }
 
-/// Bytes of the value of a key, if all of the key is there.
+/// Bytes of the value of a key, if the whole key exists.
 fn value(table: &DeTable<'_>, key: &str) -> Option<Range<usize>> {
     let (_, mut value, more) = entry(table, key)?;
     let (first, rest) = more.split_once('.').unwrap_or((more, ""));
@@ -241,13 +241,13 @@ fn value(table: &DeTable<'_>, key: &str) -> Option<Range<usize>> {
     }
 }
 
-/// The key that a message such as "unknown field `a`, expected one of `b`, `c`" most likely meant.
+/// Known key most like the unknown one of a message such as "unknown field `a`, expected one of `b`, `c`".
 fn nearest_key(message: &str) -> Option<&str> {
     let mut quoted = message.strip_prefix("unknown ")?.split('`').skip(1).step_by(2);
     nearest(quoted.next()?, quoted)
 }
 
-/// The known name that is most like a word (Jaro and Winkler); `None` where none is like it.
+/// Known name most like a word (Jaro and Winkler); `None` where none is similar.
 fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     // Comparing takes as many steps as the product of their lengths.
     const LONGEST: usize = 200;
@@ -258,7 +258,7 @@ fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&
     likeness.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|&(likeness, _)| likeness > 0.75).map(|(_, name)| name)
 }
 
-/// " Did you mean `NAME`?" for the end of a message about an unknown word; empty where no known name is like it.
+/// Hint " Did you mean `NAME`?" for the end of a message about an unknown word; empty where no known name is similar.
 pub fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     nearest(word, known).map_or_else(String::new, |name| format!(" Did you mean `{name}`?"))
 }

@@ -1,5 +1,5 @@
-//! Structs from parsed TOML. The reader of the `toml` crate makes four copies of the code of every struct (for tables,
-//! for places, for dates, for values); this one makes one.
+//! Deserializer of structs from parsed TOML. The one of the `toml` crate compiles the code of every struct four times (for
+//! tables, spans, dates and values), this one once.
 
 use serde::de::value::StrDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, EnumAccess, Error as _, IntoDeserializer};
@@ -8,7 +8,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeString, DeValue};
 
-/// What is wrong, and where in the text, if that is known yet.
+/// Fault of a text, with its place where that is known.
 #[derive(Debug)]
 pub(super) struct Fault {
     pub why: String,
@@ -16,7 +16,7 @@ pub(super) struct Fault {
 }
 
 impl Fault {
-    /// The same with a place, unless it has a closer one.
+    /// Fault with a place, which stays as it is where it has one already.
     fn at(self, span: &Range<usize>) -> Self {
         Self { span: self.span.or_else(|| Some(span.clone())), ..self }
     }
@@ -36,7 +36,7 @@ impl serde::de::Error for Fault {
     }
 }
 
-/// A value, and its bytes in the text.
+/// Value with its range of bytes in the text.
 pub(super) struct Value<'t> {
     pub value: &'t DeValue<'t>,
     pub span: Range<usize>,
@@ -84,7 +84,7 @@ impl<'de> Deserializer<'de> for Value<'_> {
         visitor.visit_newtype_struct(self)
     }
 
-    /// A string is a variant without content; a table with one key, one with content.
+    /// Reads a string as a variant without content, and a table with one key as a variant with content.
     fn deserialize_enum<V: Visitor<'de>>(
         self,
         _: &'static str,

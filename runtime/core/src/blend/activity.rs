@@ -21,7 +21,7 @@ pub struct ActivityId(pub u32);
 pub struct Activity {
     /// Unique name.
     pub name: String,
-    /// What it is asked for by; several activities may have one tag.
+    /// Tag by which the activity is requested; several activities may share one.
     pub tag: String,
     /// First row in [`crate::Bundle::frames`].
     pub first_frame: usize,
@@ -31,7 +31,7 @@ pub struct Activity {
     pub duration_s: f32,
     /// Begin and end of the part that goes on until the activity is to end (s).
     pub looped_s: Option<[f32; 2]>,
-    /// From when to when the left and the right hand hold a thing; to infinity where it stays in the hand (s).
+    /// Interval in which the left and the right hand hold an object; infinite end where it stays in the hand (s).
     pub held_s: [Option<[f32; 2]>; 2],
     /// The body sits in the middle of it: it stands up before it walks away.
     pub is_seated: bool,
@@ -43,7 +43,7 @@ pub struct ActivitySet {
     activities: Arc<[Activity]>,
     frames: Table<FrameRow>,
     contacts: Table<Contacts>,
-    /// One, or none where there are no activities.
+    /// Rotation code of the frames: one element, or none where there are no activities.
     code: Table<RotationCode>,
     skeleton: Skeleton,
     rate_hz: f32,
@@ -60,12 +60,12 @@ pub(crate) struct Sample {
     pub contacts: [f32; 2],
 }
 
-/// Where an arm is (m).
+/// Position of an arm (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmPlaces {
-    /// Its upper end.
+    /// Upper end of the arm.
     pub shoulder: Vec3,
-    /// Its lower end.
+    /// Lower end of the arm.
     pub wrist: Vec3,
     /// Beyond the wrist along the forearm.
     pub palm: Vec3,
@@ -105,22 +105,22 @@ impl ActivitySet {
         }
     }
 
-    /// All of them, by number.
+    /// All activities, by number.
     pub fn all(&self) -> &[Activity] {
         &self.activities
     }
 
-    /// One of them.
+    /// Activity of an id.
     pub fn get(&self, id: ActivityId) -> Option<&Activity> {
         self.activities.get(id.0 as usize)
     }
 
-    /// Those of a tag.
+    /// Ids of all activities with a tag.
     pub fn tagged<'a>(&'a self, tag: &'a str) -> impl Iterator<Item = ActivityId> + 'a {
         (0..).map(ActivityId).zip(self.all()).filter(move |(_, a)| a.tag == tag).map(|(id, _)| id)
     }
 
-    /// The one of a name.
+    /// Id of the activity of a name.
     ///
     /// # Errors
     /// [`Error::Unknown`] with the names there are.
@@ -130,7 +130,7 @@ impl ActivitySet {
         found.map(|(id, _)| id).ok_or_else(|| Error::Unknown { what: "activity", name: name.into(), known: known() })
     }
 
-    /// Where an arm of a body is at a time of an activity, as seen from where the root stood when it began.
+    /// Position of an arm of a body at a time of an activity, relative to the root at the start of the activity.
     ///
     /// - `side`: 0 left, 1 right.
     pub fn arm(&self, activity: &Activity, side: usize, seconds: f32, body: &Skeleton) -> ArmPlaces {
@@ -173,9 +173,9 @@ impl ActivitySet {
         Sample { rotations, hips: Vec3::new(root.x, mix(a.height, b.height), root.z), contacts }
     }
 
-    /// Lays a sample over a posture of a blend.
+    /// Blends a sample of an activity into a posture.
     ///
-    /// - `share`: how much of it (0 to 1).
+    /// - `share`: weight of the sample (0 to 1).
     pub(crate) fn lay(&self, sample: &Sample, share: f32, posture: &mut Posture) {
         for (j, rotation) in sample.rotations.iter().enumerate() {
             posture.set_rotation(j, between(posture.rotation(Joint::ALL[j]), *rotation, share));
@@ -208,9 +208,9 @@ impl ActivitySet {
 }
 
 impl Sample {
-    /// Between this and another one.
+    /// Interpolation between this sample and another one.
     ///
-    /// - `share`: of the other (0 to 1).
+    /// - `share`: weight of the other sample (0 to 1).
     pub fn mix(&self, other: &Self, share: f32) -> Self {
         let contact = |side: usize| self.contacts[side] + (other.contacts[side] - self.contacts[side]) * share;
         Self {

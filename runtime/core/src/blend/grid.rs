@@ -35,7 +35,7 @@ struct Simplices {
 }
 
 impl WeightGrid {
-    /// All its rows (number of knots * stride).
+    /// Rows of all knots (number of knots * stride).
     pub fn table(&self) -> &[f32] {
         &self.table
     }
@@ -101,7 +101,7 @@ impl WeightGrid {
         self.interpolate_all(std::slice::from_ref(parameters), out);
     }
 
-    /// As [`Self::interpolate`], at many points; surplus points or rows are ignored.
+    /// Interpolates at many points, see [`Self::interpolate`]; surplus points or rows are ignored.
     ///
     /// - `out`: (parameters.len() * stride)
     pub fn interpolate_all(&self, parameters: &[[f32; MAX_AXES]], out: &mut [f32]) {

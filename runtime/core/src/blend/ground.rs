@@ -26,7 +26,7 @@ pub struct HeightField {
 pub struct Ground {
     /// (m)
     pub height: f32,
-    /// How it rises along x and along z.
+    /// Slope along x and along z.
     pub slope: [f32; 2],
 }
 
@@ -34,7 +34,7 @@ impl Ground {
     /// Level, at height 0.
     pub const LEVEL: Self = Self { height: 0.0, slope: [0.0; 2] };
 
-    /// Its unit normal.
+    /// Unit normal of the ground.
     pub fn normal(&self) -> Vec3 {
         Vec3::new(-self.slope[0], 1.0, -self.slope[1]).normalize()
     }

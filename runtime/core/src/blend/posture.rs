@@ -27,7 +27,7 @@ pub struct Posture {
 }
 
 impl Default for Posture {
-    /// All rotations are the identity.
+    /// Identity for all rotations.
     fn default() -> Self {
         let zero = [0.0; PADDED_JOINTS];
         Self { rotations: [zero, zero, zero, [1.0; PADDED_JOINTS]], channels: [0.0; REST] }
@@ -60,9 +60,9 @@ impl Posture {
 /// The rows of the posture tables around a generic time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
-    /// The row at or before, and the one after.
+    /// Row at or before the time, and the row after it.
     pub rows: [usize; 2],
-    /// How far between them, 0 to 1.
+    /// Ratio between the two rows, 0 to 1.
     pub ratio: f32,
 }
 

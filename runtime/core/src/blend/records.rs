@@ -24,11 +24,11 @@ pub mod axis {
     pub const GYRATION: u32 = 3;
 }
 
-/// One axis of a blend space.
+/// Axis of a blend space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct AxisRecord {
-    /// One of [`axis`].
+    /// Kind of the axis, see [`axis`].
     pub kind: u32,
     /// Knots of the weight table along it (>= 2).
     pub num_knots: u32,
@@ -105,7 +105,7 @@ pub struct ExampleRecord {
 }
 
 impl ExampleRecord {
-    /// Both feet stay on the ground.
+    /// Flag of an example whose feet both stay on the ground.
     pub const IS_STILL: u32 = 1;
     /// Left and right are exchanged against the clip as captured.
     pub const IS_MIRRORED: u32 = 2;
@@ -145,22 +145,22 @@ pub mod channel {
     pub const HIPS: usize = 3 * PADDED_JOINTS;
     /// Left ankle (the joint `LeftFoot`), relative to the hips, in the facing frame.
     pub const LEFT_ANKLE: usize = HIPS + 3;
-    /// Right ankle, likewise.
+    /// Right ankle (the joint `RightFoot`), in the same frame.
     pub const RIGHT_ANKLE: usize = HIPS + 6;
-    /// Left hand's joint, likewise.
+    /// Left hand's joint, in the same frame.
     pub const LEFT_HAND: usize = HIPS + 9;
-    /// Right hand's joint, likewise.
+    /// Right hand's joint, in the same frame.
     pub const RIGHT_HAND: usize = HIPS + 12;
     /// Seconds that pass per unit of generic time: positive, constant between keytimes (Kim, Kim and Shin 2003a,
     /// section 4.2.2) (s).
     pub const RATE: usize = HIPS + 15;
     /// 1 while the left foot stands on the ground, else 0.
     pub const LEFT_CONTACT: usize = HIPS + 16;
-    /// The right foot, likewise.
+    /// 1 while the right foot stands on the ground, else 0.
     pub const RIGHT_CONTACT: usize = HIPS + 17;
     /// 1 while the left hand touches something, else 0.
     pub const LEFT_TOUCH: usize = HIPS + 18;
-    /// The right hand, likewise.
+    /// 1 while the right hand touches something, else 0.
     pub const RIGHT_TOUCH: usize = HIPS + 19;
     /// Velocity along the arc: to the left, ahead (m/s).
     pub const VELOCITY: usize = HIPS + 20;

@@ -80,17 +80,17 @@ impl BlendSpace {
         Ok(Self { record, examples, grid, references, channels, timing, slopes, name, skeleton, hash, activities })
     }
 
-    /// The same space, whose bodies can do these things when they stand.
+    /// Adds activities that bodies may perform while they stand.
     pub fn with_activities(self, activities: ActivitySet) -> Self {
         Self { activities, ..self }
     }
 
-    /// What bodies can do when they stand.
+    /// Activities that bodies may perform while they stand.
     pub fn activities(&self) -> &ActivitySet {
         &self.activities
     }
 
-    /// Its name in the bundle.
+    /// Name of the space in the bundle.
     pub fn name(&self) -> &str {
         &self.name
     }

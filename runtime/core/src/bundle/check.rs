@@ -20,17 +20,17 @@ use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 /// numbers are too coarse to be saved (m, rad).
 const FARTHEST: f32 = 1e4;
 
-/// A root leaps no farther from one frame to the next, nor from one node of a sweep to the next: ways that are farther apart
-/// than this are told from ways that meet too coarsely (m).
+/// Largest distance of a root from one frame to the next, and from one node of a sweep to the next: beyond it, paths
+/// that are too far apart cannot be told from paths that touch (m).
 const LEAP: f32 = 100.0;
 
 /// Joints are nearer to their parents (m).
 const LONGEST_BONE: f32 = 10.0;
 
-/// Where segments and sweeps lead is where their frames do, up to rounding (m, rad).
+/// Largest deviation of segments and sweeps from the frames that they stand for, by rounding (m, rad).
 const ASTRAY: f32 = 0.02;
 
-/// Planar root of a frame as seen from another one (both < number of frames).
+/// Planar root of a frame relative to another frame (both < number of frames).
 fn seen(t: &Bundle, from: u32, frame: u32) -> Planar {
     let [from, to] = [from, frame].map(|f| {
         let [x, z, heading] = t.frames()[f as usize].planar;
@@ -206,7 +206,7 @@ mod tests {
     use crate::format::{AlignedBytes, Layout, RotationCode, Tag};
     use crate::graph::MotionSegment;
 
-    /// What is said of a bundle with other rows in a section.
+    /// Error message of a bundle whose section has been changed.
     fn refusal<T: bytemuck::Pod>(tag: Tag, change: impl FnOnce(&mut [T])) -> String {
         let mut bytes = AlignedBytes::from_slice(&made_up::bytes(&[], false));
         let range = Layout::read(bytes.as_slice(), false).unwrap().section::<T>(tag).unwrap();

@@ -21,7 +21,7 @@ use std::path::Path;
 use std::sync::{Arc, OnceLock};
 use throng_base::{Error, Hash128, Result};
 
-/// What the files hold, for messages.
+/// Description of the files' content, for messages.
 const WHAT: &str = "a bundle";
 
 /// An open bundle. A clone is cheap, and all clones share one file; nothing is copied but META and the skeleton.
@@ -35,7 +35,7 @@ pub struct Bundle {
     policies: Arc<[PolicyTable]>,
 }
 
-/// What the clones of a bundle share.
+/// Data shared by all clones of a bundle.
 #[derive(Debug)]
 struct Shared {
     storage: Arc<Storage>,
@@ -60,23 +60,23 @@ impl Bundle {
         Self::new(Storage::read(path.as_ref(), WHAT)?, true)
     }
 
-    /// As [`Bundle::open`], but mapped: of use where several processes share one bundle of many megabytes. To check it, all
-    /// of it is read here once, and may be dropped from memory again.
+    /// Maps and checks a file, as [`Bundle::open`] reads it: useful where several processes share one bundle of many
+    /// megabytes. The check reads all of it once; the system may drop the pages from memory again.
     ///
     /// # Errors
     /// As [`Bundle::open`].
     ///
     /// # Safety
-    /// For as long as the bundle, a clone or anything made with it lives, nobody writes into the file or cuts it short, in
-    /// this process or another: numbers that were checked would change, or reading them end the process. A new file may be
-    /// renamed over it, as all writers of this workspace do.
+    /// For as long as the bundle, a clone or anything made with it lives, the file must not be written into or cut
+    /// short, in this process or another: numbers that were checked would change, or reading them would end the
+    /// process. Renaming a new file over it is fine; all writers of this workspace do so.
     #[allow(unsafe_code)]
     pub unsafe fn map(path: impl AsRef<Path>) -> Result<Self, FormatError> {
         // SAFETY: the caller promises what is asked for.
         Self::new(unsafe { Storage::map(path.as_ref(), WHAT) }?, true)
     }
 
-    /// As [`Bundle::map`], without comparing the sections' checksums, as [`Bundle::open_unverified`].
+    /// Maps a file as [`Bundle::map`] does, without comparing the sections' checksums, see [`Bundle::open_unverified`].
     ///
     /// # Errors
     /// As [`Bundle::open`].
@@ -89,8 +89,8 @@ impl Bundle {
         Self::new(unsafe { Storage::map(path.as_ref(), WHAT) }?, false)
     }
 
-    /// As [`Bundle::open`], without comparing the sections' checksums. Everything that a view relies on for its
-    /// safety is checked all the same.
+    /// Reads a file as [`Bundle::open`] does, without comparing the sections' checksums. Everything that a view relies
+    /// on for its safety is still checked.
     ///
     /// # Errors
     /// As [`Bundle::open`].
@@ -98,7 +98,7 @@ impl Bundle {
         Self::new(Storage::read(path.as_ref(), WHAT)?, false)
     }
 
-    /// As [`Bundle::open`], of bytes in memory.
+    /// Checks and opens a bundle in memory, see [`Bundle::open`].
     ///
     /// # Errors
     /// As [`Bundle::open`].
@@ -106,7 +106,7 @@ impl Bundle {
         Self::new(Storage::Memory(bytes), true)
     }
 
-    /// As [`Bundle::open_unverified`], of bytes in memory.
+    /// Opens a bundle in memory without comparing the sections' checksums, see [`Bundle::open_unverified`].
     ///
     /// # Errors
     /// As [`Bundle::open`].
@@ -178,7 +178,7 @@ impl Bundle {
         Ok(bundle)
     }
 
-    /// What the bundle says of itself.
+    /// Metadata of the bundle: names, rates, sources.
     pub fn meta(&self) -> &Meta {
         &self.shared.meta
     }
@@ -198,7 +198,7 @@ impl Bundle {
         &self.shared.sections.frames
     }
 
-    /// How the rotations of [`Bundle::frames`] are packed.
+    /// Code by which the rotations of [`Bundle::frames`] are packed.
     pub fn rotation_code(&self) -> &RotationCode {
         &self.shared.sections.rotation_code[0]
     }
@@ -228,7 +228,7 @@ impl Bundle {
         &self.policies
     }
 
-    /// What is stored of each policy beside its tables (policies().len()).
+    /// Record of each policy beside its tables (policies().len()).
     pub fn policy_records(&self) -> &[PolicyRecord] {
         &self.shared.sections.policies
     }
@@ -305,7 +305,7 @@ impl Bundle {
     }
 
     /// Bytes of a section, and the length of one of its elements (bytes); none where there is no such section. For
-    /// those who read rows by themselves, such as arrays of other languages.
+    /// callers that read the rows themselves, such as arrays of other languages.
     pub fn section_bytes(&self, tag: Tag) -> Option<(&[u8], usize)> {
         let (_, element, range) = self.shared.ranges.iter().find(|s| s.0 == tag)?;
         Some((&self.shared.storage.bytes()[range.clone()], *element))

@@ -36,7 +36,7 @@ pub(super) fn open(t: &Bundle) -> Result<Vec<PolicyTable>, FormatError> {
     }
 }
 
-/// Where the rows of the next policy begin.
+/// First rows of the next policy in each section.
 #[derive(Default)]
 struct Next {
     segments: usize,

@@ -27,7 +27,7 @@ macro_rules! sections {
         }
 
         impl Sections {
-            /// Finds them in a file whose frame was checked.
+            /// Finds all sections in a file whose frame was checked.
             pub fn new(storage: &Arc<Storage>, layout: &Layout) -> Result<Self, FormatError> {
                 Ok(Self { $($field: Table::of_file(storage, &layout.section::<$row>(tags::$tag)?),)+ })
             }
@@ -38,13 +38,13 @@ macro_rules! sections {
 sections! {
     /// [`crate::format::Meta`], encoded.
     META = b"META", meta: u8;
-    /// One [`crate::format::SkeletonRecord`].
+    /// One element: a [`crate::format::SkeletonRecord`].
     SKELETON = b"SKEL", skeleton: SkeletonRecord;
     /// [`crate::format::ClipRecord`] per clip.
     CLIPS = b"CLIP", clips: ClipRecord;
     /// [`crate::format::FrameRow`] per frame.
     FRAMES = b"FRAM", frames: FrameRow;
-    /// One [`crate::format::RotationCode`].
+    /// One element: a [`crate::format::RotationCode`].
     ROTATION_CODE = b"RCOD", rotation_code: RotationCode;
     /// [`crate::Contacts`] per frame.
     CONTACTS = b"CONT", contacts: Contacts;

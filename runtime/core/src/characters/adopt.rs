@@ -12,7 +12,7 @@ use glam::{Quat, Vec3};
 use throng_base::{Result, maths};
 
 /// Gives every character the state of the new bundle with the nearest pose; the difference of the poses decays as after
-/// a transition. Nothing has changed where it fails.
+/// a transition. Nothing has changed after an error.
 pub(super) fn adopt(cast: &mut PolicyCharacters, new: &Bundle) -> Result<Adopted> {
     let motion_set = MotionSet::new(new);
     let names = &cast.bundle.meta().behaviours;
@@ -57,7 +57,7 @@ fn state_poses(motion_set: &MotionSet) -> Vec<[Mat3x4; NUM_JOINTS]> {
     poses
 }
 
-/// The state whose joints are nearest to a pose, and the farthest of them (m); without a pose, the first state.
+/// State whose joints are nearest to a pose, and the largest distance of a joint (m); without a pose, the first state.
 fn nearest(shown: Option<&[Mat3x4; NUM_JOINTS]>, poses: &[[Mat3x4; NUM_JOINTS]]) -> (usize, f32) {
     let Some(shown) = shown else { return (0, 0.0) };
     let squares = |pose: &[Mat3x4; NUM_JOINTS]| -> [f32; NUM_JOINTS] {
@@ -68,7 +68,7 @@ fn nearest(shown: Option<&[Mat3x4; NUM_JOINTS]>, poses: &[[Mat3x4; NUM_JOINTS]])
     (state, squares(&poses[state]).into_iter().fold(0.0, f32::max).sqrt())
 }
 
-/// What is shown differs from the new pose by offsets, which decay.
+/// Stores the difference between the visible pose and the new one as offsets, which decay.
 fn ease(characters: &mut Characters, at: usize, shown: &[Mat3x4; NUM_JOINTS], pose: &[Mat3x4; NUM_JOINTS]) {
     let (block, body, lane) = characters.lane_mut(at);
     body.awake = 1;

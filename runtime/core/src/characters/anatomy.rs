@@ -1,4 +1,4 @@
-//! What inverse kinematics needs to know of the skeleton, taken from it once.
+//! Constants of the skeleton that inverse kinematics needs, computed once.
 
 use crate::pose::Leg;
 use crate::skeleton::Skeleton;

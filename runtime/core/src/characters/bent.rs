@@ -1,8 +1,8 @@
 //! Bent paths: the heading of an action changes evenly over it, the linear path editing of Lee, Choi and Lee (2006),
 //! section 6.
 //!
-//! The path consists of short pieces, each turned by what the heading has changed by in its middle, so that it is the same
-//! whatever the steps of time are.
+//! The path consists of short pieces, each turned by the change of heading in its middle, so that it does not depend on
+//! the time steps.
 
 use super::block::Block;
 use super::motion_set::MotionSet;
@@ -10,15 +10,15 @@ use crate::planar::Planar;
 use crate::stops::PIECE_FRAMES;
 use glam::Vec2;
 
-/// Where a piece begins, and how it is turned.
+/// Piece of a bent path: its start and its turn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
-    /// Its first frame, and the one after it (frames).
+    /// First frame of the piece, and the frame after its last (frames).
     pub frames: [f32; 2],
-    /// Where it begins as captured, and bent, as seen from the segment's first frame (m).
+    /// Start as captured and as bent, relative to the segment's first frame (m).
     captured: Vec2,
     pub begin: Vec2,
-    /// Where it ends, bent (m).
+    /// End as bent (m).
     pub end: Vec2,
     /// (rad)
     turn: f32,
@@ -43,7 +43,7 @@ pub(super) fn pieces(motion_set: &MotionSet, segment: u32, bend: f32) -> impl It
     })
 }
 
-/// Lays the clip of a lane so that the root is on its bent path.
+/// Moves the clip of a lane so that the root is on its bent path.
 pub(super) fn place(b: &mut Block, lane: usize, motion_set: &MotionSet) {
     let frame = b.time[lane].clamp(0.0, b.length[lane] as f32);
     let last = |p: &Piece| p.frames[1] >= frame;

@@ -22,13 +22,13 @@ pub(crate) const ROTATION_CODES: f32 = 32767.0;
 /// Codes of their rate of change a unit: up to 16, which is 64 rad/s; what is faster is cut off.
 pub(crate) const VELOCITY_CODES: f32 = 2048.0;
 
-/// Stands where a segment is played that was not chosen.
+/// Marks a segment that was not chosen.
 pub(crate) const NO_STATE: u32 = u32::MAX;
 
-/// Stands for the segment of a character that was laid on a scheduled clip.
+/// Marks a character that plays a scheduled clip instead of a segment.
 pub(crate) const LAID: u32 = u32::MAX;
 
-/// Puts the vector of one lane in codes.
+/// Writes the vector of one lane as codes.
 pub(crate) fn encode(v: &mut Code3, lane: usize, codes: f32, to: Vec3) {
     for (axis, value) in v.iter_mut().zip(to.to_array()) {
         axis[lane] = (value * codes).round().clamp(-32767.0, 32767.0) as i16;
@@ -55,7 +55,7 @@ pub(crate) fn load_codes<F: Lanes>(v: &Code3) -> V<F> {
 pub(crate) struct Offsets {
     pub rotation: [Code3; NUM_JOINTS],
     pub rotation_velocity: [Code3; NUM_JOINTS],
-    /// Of the hips, in model space (m, m/s).
+    /// Offset of the hips and its rate, in model space (m, m/s).
     pub root: Lane3,
     pub root_velocity: Lane3,
 }
@@ -73,15 +73,15 @@ impl Offsets {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub(crate) struct Block {
-    /// What random choices depend on, beside the seed and their number.
+    /// Name by which random choices are drawn, beside the seed and their number.
     pub name: [u64; LANES],
-    /// Segment that is played; [`LAID`] where it is a scheduled clip.
+    /// Segment that is played; [`LAID`] for a scheduled clip.
     pub segment: [u32; LANES],
     /// First frame row of the segment or scheduled clip.
     pub first: [u32; LANES],
     /// Frames after it (> 0, but in lanes without a character).
     pub length: [u32; LANES],
-    /// Time since the first frame; below 0 only where a scheduled clip was laid long before the last one ends (frames).
+    /// Time since the first frame; below 0 only for a clip that was scheduled long before the last one ends (frames).
     pub time: Lane,
     /// Planar transform from the clip to the world: x, z, heading (m, m, rad).
     pub clip_to_world: Lane3,
@@ -89,17 +89,18 @@ pub(crate) struct Block {
     pub root: Lane3,
     /// Height of the clip's ground in the world, at time `drift_from` (m).
     pub lift: Lane,
-    /// What a scheduled clip adds to place and lift for every frame after `drift_from`, along the world's axes (m/frame).
+    /// Drift of place and lift that a scheduled clip adds per frame after `drift_from`, along the world's axes
+    /// (m/frame).
     pub drift: Lane3,
-    /// The same to the heading (rad/frame).
+    /// Drift of the heading, likewise (rad/frame).
     pub turn: Lane,
     /// (frames)
     pub drift_from: Lane,
-    /// How fast the action is bent (rad/frame).
+    /// Rate at which the action is bent (rad/frame).
     pub bend: Lane,
-    /// How the segment is played, see [`super::pace`].
+    /// Pace of the segment, see [`super::pace`].
     pub pace: [u32; LANES],
-    /// How long one who is held waits until it chooses again (frames).
+    /// Time until a held character chooses again (frames).
     pub wait: Lane,
     /// Choices in a row at which nothing was clear.
     pub blocked: [u32; LANES],
@@ -113,14 +114,14 @@ pub(crate) struct Block {
     pub choice_root: Lane3,
     /// Contacts at the last step.
     pub contacts: [Contacts; LANES],
-    /// Frame row that the last transition left, and the one that it went to.
+    /// Last frame row before the last transition, and first one after it.
     pub change: [[u32; LANES]; 2],
 }
 
-/// What eight characters differ by from what they play. Only blocks that are posed have one that counts.
+/// Differences of eight bodies from their clips. Only those of posed blocks count.
 ///
-/// Memory of many is only taken from the system when it is written, which allocators promise for no more than 16 bytes of
-/// alignment. They begin large pieces 16 bytes into a page; with 48 more, all that follows lies on lines of the cache.
+/// The system provides memory for many only as it is written, which allocators promise for no more than 16 bytes of
+/// alignment. They begin large pieces 16 bytes into a page; with 48 more, all that follows lies on cache lines.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, Zeroable)]
 #[repr(C)]
 pub(crate) struct Body {
@@ -155,7 +156,7 @@ impl Body {
         }
     }
 
-    /// Takes the value of one lane of another, which may be asleep.
+    /// Copies a lane from another block, which may be asleep.
     pub fn take_lane(&mut self, lane: usize, from: &Self, from_lane: usize) {
         match from.awake {
             1 => self.take(lane, from, from_lane),
@@ -207,7 +208,7 @@ impl Block {
         planar(&self.clip_to_world, lane)
     }
 
-    /// What is added for every frame in one lane (m/frame).
+    /// Drift of one lane per frame (m/frame).
     pub fn drift(&self, lane: usize) -> Vec3 {
         get(&self.drift, lane)
     }
@@ -226,7 +227,7 @@ impl Block {
         Planar::new(end.x + drift.x * frames, end.z + drift.z * frames, heading)
     }
 
-    /// Puts a character at the end of a segment, on the frame of the state there.
+    /// Places a character at the end of a segment, on the frame of the state there.
     pub fn start(&mut self, lane: usize, motion_set: &MotionSet, root: Planar, frame: u32, segment: u32) {
         self.set_segment(lane, segment, &motion_set.graph.segments[segment as usize]);
         self.time[lane] = self.length[lane] as f32;

@@ -12,7 +12,7 @@ pub const MAX_BLOWS: usize = 4;
 /// An effective hit that a character has reached or is about to reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blow {
-    /// Who strikes.
+    /// Striking character.
     pub character: u32,
     /// Number of the hit in [`crate::Bundle::hits`].
     pub hit: u32,
@@ -31,7 +31,7 @@ pub struct Blow {
 }
 
 impl Blow {
-    /// Stands in memory that holds no blow.
+    /// Placeholder in memory that holds no blow.
     pub const NONE: Self = Self {
         character: 0,
         hit: 0,
@@ -43,7 +43,7 @@ impl Blow {
         force: 0.0,
     };
 
-    /// The blow of a hit, by a character whose clip is laid in the world by `clip_to_world`.
+    /// Blow of a hit, by a character whose clip is placed in the world by `clip_to_world`.
     pub(crate) fn new(motion_set: &MotionSet, character: u32, hit: u32, clip_to_world: Planar) -> Self {
         let h = &motion_set.hits[hit as usize];
         let root = clip_to_world.compose(motion_set.planar(h.frame));
@@ -61,7 +61,7 @@ impl Blow {
     }
 }
 
-/// A hit that was passed, and where the clip lay then.
+/// A hit that was passed, and the placement of the clip at that time.
 #[derive(Clone, Copy, Debug)]
 struct Passed {
     character: u32,
@@ -111,9 +111,9 @@ impl PassedHits {
         }
     }
 
-    /// Puts the hits in the order of characters, and those of one character in the order they were passed.
+    /// Sorts the hits by character, and those of one character by time.
     ///
-    /// They nearly are: only a character that changed its segment within the step has hits in two places.
+    /// They nearly are sorted: only a character that changed its segment within the step has hits in two places.
     pub fn sort(&mut self) {
         for i in 1..self.len {
             let mut at = i;
@@ -143,7 +143,7 @@ impl Blows {
         self.slots.len()
     }
 
-    /// Takes the blows of a step from its ranges.
+    /// Collects the blows of a step from its ranges.
     pub fn gather(&mut self, ranges: &[PassedHits], motion_set: &MotionSet) {
         self.len = 0;
         for p in ranges.iter().flat_map(|r| &r.slots[..r.len]) {

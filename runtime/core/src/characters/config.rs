@@ -1,47 +1,47 @@
-//! How characters move.
+//! Settings of characters.
 
 use super::{AvoidConfig, FootLockConfig, ReactionConfig};
 use throng_base::Result;
 use throng_base::error::check;
 use throng_base::limits::{BEND, TEMPERATURE};
 
-/// How a character chooses among the actions of its state.
+/// Method by which a character chooses among the actions of its state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Choice {
     /// The stored best action of the nearest cell: a single load, whatever the policy's region. Needs exactly one goal;
-    /// more are looked ahead.
+    /// with more, the character looks ahead.
     BestAction,
-    /// One-step look-ahead over values, then one of the best few at random; 0 always takes the best.
+    /// One-step look-ahead over values, then a random one of the best few; temperature 0 always takes the best.
     LookAhead {
         /// See [`crate::policy::RankedActions::choose`] (>= 0).
         temperature: f32,
     },
 }
 
-/// How characters move.
+/// Settings of characters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CharactersConfig {
     /// Seed of random choices.
     pub seed: u64,
-    /// Number of the first character: random choices depend on the seed and on who chooses, so that characters who are
-    /// split into several casts choose as they would together.
+    /// Number of the first character. Random choices depend on the seed and on this number, so that characters split
+    /// into several groups choose as they would together.
     pub first_number: u64,
-    /// How actions are chosen.
+    /// Method of choosing actions.
     pub choice: Choice,
     /// Time in which the offset of a transition halves (s, > 0).
     pub half_life_s: f32,
-    /// How feet are locked.
+    /// Settings of the foot lock.
     pub foot_lock: FootLockConfig,
-    /// How struck characters give way, see [`super::Characters::push`].
+    /// Reaction of struck characters, see [`super::Characters::push`].
     pub reaction: ReactionConfig,
-    /// How far a walked action may be bent towards the target; 0 leaves motion as captured (Lee, Choi and Lee 2006, section 6, linear
-    /// path editing) (rad/m, >= 0).
+    /// Largest bending of a walked action towards the target; 0 leaves motion as captured (Lee, Choi and Lee 2006,
+    /// section 6, linear path editing) (rad/m, >= 0).
     pub bend_rad_per_m: f32,
-    /// How characters make way for each other and for walls; without it they take no notice of anybody.
+    /// Avoidance of other characters and walls; without it characters ignore both.
     pub avoid: Option<AvoidConfig>,
     /// Also write local transforms.
     pub local_transforms: bool,
-    /// Also write an [`super::Instance`] of everybody.
+    /// True to also write an [`super::Instance`] of every character.
     pub instances: bool,
     /// Also measure where the time of a step goes, see [`super::Characters::times`].
     pub timed: bool,

@@ -1,4 +1,4 @@
-//! Control: a character that has come to the end of its segment chooses the next action.
+//! Control: a character at the end of its segment chooses the next action.
 
 use super::avoid::Plan;
 use super::bent;
@@ -26,7 +26,7 @@ pub(crate) const MAX_GOALS: usize = 4;
 pub(crate) struct OwnGoal {
     pub policy: usize,
     pub weight: f32,
-    /// In the world (m).
+    /// Target in the world (m).
     pub target: Vec3,
 }
 
@@ -56,8 +56,8 @@ struct Pending {
 
 /// Lets every character of a range choose until each is inside a segment.
 ///
-/// - `first`: number of the range's first character, which random choices depend on.
-/// - `passed`: takes the hits that new segments begin with.
+/// - `first`: number of the range's first character, on which random choices depend.
+/// - `passed`: receives the hits at the start of new segments.
 /// - `orders`: of all characters.
 pub(crate) fn choose(
     (blocks, bodies): (&mut [Block], &mut [Body]),
@@ -80,7 +80,7 @@ pub(crate) fn choose(
         num_goals: 0,
     };
     let mut from = 0;
-    // Each pass handles up to a batch; a character whose next segment is over at once waits for another pass.
+    // Each pass handles up to a batch; a character whose next segment ends at once waits for another pass.
     while from < count {
         pending.len = 0;
         let mut next = from;
@@ -219,7 +219,7 @@ pub(crate) struct Begin {
     pub left: f32,
 }
 
-/// Lets a character begin a segment where its last one ends; the jump of the pose, where there is one, is to be eased.
+/// Starts a segment at the end of the last one; returns the jump of the pose to ease, if there is one.
 pub(crate) fn begin(b: &mut Block, begin: &Begin, passed: &mut PassedHits, motion_set: &MotionSet) -> Option<Change> {
     let (lane, id) = (begin.at % LANES, begin.plan.segment);
     let new = &motion_set.graph.segments[id as usize];
@@ -254,7 +254,7 @@ pub(crate) fn begin(b: &mut Block, begin: &Begin, passed: &mut PassedHits, motio
     Some(Change { from, to: new.start, age_s, ..Change::default() })
 }
 
-/// What a choice draws, in [0, 1).
+/// Random number of a choice, in [0, 1).
 pub(crate) fn draw(b: &Block, lane: usize, config: &CharactersConfig) -> f32 {
     let number = config.first_number.wrapping_add(b.name[lane]);
     uniform(config.seed, number, u64::from(b.num_choices[lane]))
@@ -286,9 +286,10 @@ pub(crate) fn play(
     }
 }
 
-/// How fast an action is bent so that it ends nearer to facing the target, within the limit (rad/frame).
+/// Rate at which an action is bent so that it ends nearer to facing the target, within the limit (rad/frame).
 ///
-/// The linear path editing of Lee, Choi and Lee (2006), section 6: the change of heading grows linearly over the action.
+/// The linear path editing of Lee, Choi and Lee (2006), section 6: the change of heading grows linearly over the
+/// action.
 pub(crate) fn bend(displacement: Planar, num_frames: u32, target: Vec3, limit_rad_per_m: f32) -> f32 {
     let path = maths::hypot(displacement.x, displacement.z);
     let limit = limit_rad_per_m * path;

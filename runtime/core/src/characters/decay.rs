@@ -61,7 +61,7 @@ pub(crate) fn add_offsets<F: Lanes>(pose: &mut LanePose<F>, block: &Block, body:
     }
     let age = F::load(&block.age_s);
     let mut decay = Decay::new(age, half_life_s);
-    // A lane whose offsets are settled has none, whatever its neighbours do.
+    // A lane whose offsets have decayed has none, whatever its neighbours hold.
     let (kept, zero) = (F::splat(HALF_LIVES_KEPT * half_life_s), F::splat(0.0));
     decay.position = F::select_lt(kept, age, zero, decay.position);
     decay.velocity = F::select_lt(kept, age, zero, decay.velocity);

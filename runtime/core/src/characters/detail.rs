@@ -1,4 +1,4 @@
-//! Level of detail: who is near is posed whole, who is far leaves a record of 32 bytes.
+//! Level of detail: near characters are posed whole, far ones leave a record of 32 bytes.
 
 use super::block::{Block, Body};
 use super::decay::{Decay, HALF_LIVES_KEPT};
@@ -11,18 +11,18 @@ use throng_base::Result;
 use throng_base::error::check;
 use throng_base::simd::{LANES, Lanes};
 
-/// What a GPU needs to pose a character from the frame rows of its bundle (32 bytes).
+/// Record from which a GPU poses a character with the frame rows of its bundle (32 bytes).
 ///
-/// The pose is `mix(mix(row_a, row_a + 1, frac), mix(row_b, row_b + 1, frac), blend)`: what is played, and what a
-/// transition left and fades out. It stands at (x, y, z) and is turned by the heading.
+/// The pose is `mix(mix(row_a, row_a + 1, frac), mix(row_b, row_b + 1, frac), blend)`: the motion that is played, and
+/// the one that a transition left and fades out. It is placed at (x, y, z) and turned by the heading.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Instance {
-    /// Frame row; the one after it is of the same clip, or `frac` is 0.
+    /// Frame row; the next row is of the same clip, or `frac` is 0.
     pub row_a: u32,
     /// Frame row of what fades out; `row_a` where nothing does.
     pub row_b: u32,
-    /// How far to the next rows, and the weight of `row_b` (65535 is 1).
+    /// Ratio to the next rows, and the weight of `row_b` (65535 is 1).
     pub frac_blend: [u16; 2],
     /// Number of the character's place, for looks; below the capacity.
     pub variant: u32,
@@ -38,7 +38,7 @@ pub struct Instance {
 
 const _: () = assert!(size_of::<Instance>() == 32);
 
-/// How much of a character is computed.
+/// Extent to which a character is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
     /// Pose, transitions, reactions, feet that stay in place.
@@ -50,9 +50,9 @@ pub enum Level {
     Record,
 }
 
-/// Where characters are looked at from, and who is near enough for what. Characters go where they would go without it.
+/// Viewpoint and distances that decide the level of each character. Levels do not change where characters go.
 ///
-/// Eight characters who are neighbours in memory have one level: that of the nearest.
+/// Eight characters that are neighbours in memory have one level: that of the nearest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detail {
     /// x and z of the eye (m).
@@ -64,7 +64,7 @@ pub struct Detail {
 }
 
 impl Detail {
-    /// Everybody is a record.
+    /// Records alone for all characters.
     pub const RECORDS: Self = Self { eye: Vec2::ZERO, full_m: -1.0, posed_m: -1.0 };
 
     pub(super) fn check(&self) -> Result<()> {
@@ -93,7 +93,7 @@ impl Detail {
     }
 }
 
-/// Lets a body wake or sleep, as its block's level wants.
+/// Wakes a body or lets it sleep, as its block's level requires.
 pub(super) fn set_awake(level: Level, block: &Block, body: &mut Body, motion_set: &MotionSet, half_life_s: f32) {
     match (level, body.awake) {
         (Level::Record, 1) => *body = Body::ZERO,

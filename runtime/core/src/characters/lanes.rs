@@ -6,9 +6,9 @@ use crate::contacts::Contacts;
 use crate::pose::FootLock;
 use throng_base::simd::LANES;
 
-/// What has a value for each of eight characters.
+/// Data with a value for each of eight characters.
 pub(super) trait Lanewise {
-    /// Takes the value of one lane of another.
+    /// Copies the value of one lane from another one.
     fn take(&mut self, lane: usize, from: &Self, from_lane: usize);
 
     /// True where every number of a lane is finite and below 1e7.

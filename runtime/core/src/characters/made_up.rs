@@ -22,7 +22,7 @@ pub fn tables() -> Bundle {
     tables_with(&[])
 }
 
-/// The same with effective hits.
+/// Made-up bundle with effective hits.
 pub fn tables_with(hits: &[HitRecord]) -> Bundle {
     Bundle::from_bytes(AlignedBytes::from_slice(&bytes(hits, false))).unwrap()
 }

@@ -63,7 +63,7 @@ use times::{Clock, Laps, Phase};
 /// Most behaviours weighed against each other in one step.
 pub const MAX_GOALS: usize = control::MAX_GOALS;
 
-/// Where a character starts.
+/// Start of a character.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
     /// Planar root in the world.
@@ -84,10 +84,10 @@ pub struct Start {
 pub struct Characters {
     config: CharactersConfig,
     num_characters: usize,
-    /// Characters that choose for themselves; the others are laid on scheduled clips.
+    /// Number of characters that choose for themselves; the others play scheduled clips.
     num_choosers: usize,
     num_segments: usize,
-    /// Of the bundle's content.
+    /// Bundle whose content is played.
     bundle: Bundle,
     blocks: Vec<Block>,
     /// (blocks)
@@ -100,12 +100,12 @@ pub struct Characters {
     matrices: Vec<Mat3x4>,
     locals: Vec<LocalTransform>,
     instances: Vec<Instance>,
-    /// Where characters make way.
+    /// Collision avoidance, if it is on.
     avoiding: Option<Box<Avoiding>>,
     times: StepTimes,
 }
 
-/// What a character knew when it took its action.
+/// State and root of a character when it chose its action.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LastChoice {
     /// State it was in.
@@ -115,11 +115,11 @@ pub struct LastChoice {
 }
 
 impl Characters {
-    /// Puts a character at every start. Poses are there after the first step.
+    /// Places a character at every start. Poses are there after the first step.
     ///
     /// # Errors
-    /// [`Error::Index`] for a state that does not exist, [`Error::Value`] for a start that is not finite or a setting out
-    /// of its range, [`Error::Occupied`] for characters that are to make way and start in each other's.
+    /// [`Error::Index`] for a state that does not exist, [`Error::Value`] for a start that is not finite or a setting
+    /// out of its range, [`Error::Occupied`] for characters with collision avoidance that start inside each other.
     pub fn new(motion_set: &MotionSet, config: CharactersConfig, starts: &[Start]) -> Result<Self> {
         let mut out = Self::with_capacity(motion_set, config, starts.len())?;
         let arrivals = arrivals(motion_set);
@@ -153,7 +153,7 @@ impl Characters {
             num_segments: motion_set.graph.segments.len(),
             bundle: motion_set.bundle.clone(),
             blocks: vec![Block::ZERO; num_blocks],
-            // Memory that nobody is posed in is never written, and takes no room.
+            // Memory for bodies that are never posed is never written, and takes no room.
             bodies: zeroed_vec(num_blocks),
             levels: vec![Level::Full; num_blocks],
             detail: None,
@@ -174,16 +174,17 @@ impl Characters {
 
     /// Moves every character on by `dt_s` on this thread. Allocates nothing.
     ///
-    /// - `orders`: (num_characters, or none where all are laid on scheduled clips)
+    /// - `orders`: (num_characters, or none where all play scheduled clips)
     ///
     /// # Errors
-    /// [`Error`] where `dt_s` is not in `0..=1`, orders do not fit, or the motion set is another bundle's;
-    /// nothing has moved then.
+    /// [`Error`] where `dt_s` is not in `0..=1`, orders do not fit, or the motion set is another bundle's; nothing has
+    /// moved then.
     pub fn step(&mut self, motion_set: &MotionSet, dt_s: f32, orders: &[Order]) -> Result<()> {
         self.step_on(motion_set, dt_s, orders, &Inline)
     }
 
-    /// As [`Characters::step`], on threads of the caller's choice. The result is the same, bit by bit.
+    /// Moves every character on, on threads of the caller's choice. The result equals that of [`Characters::step`] bit
+    /// by bit.
     ///
     /// # Errors
     /// As [`Characters::step`].
@@ -201,7 +202,7 @@ impl Characters {
         Ok(())
     }
 
-    /// One step of what was checked.
+    /// Takes one step with checked arguments.
     pub(super) fn run(&mut self, motion_set: &MotionSet, dt_s: f32, orders: &[Order], run: &dyn Run) {
         let clock = self.config.timed.then(Clock::default);
         let config = self.config;
@@ -215,7 +216,7 @@ impl Characters {
         }
         match (&mut self.avoiding, &config.avoid) {
             (Some(avoiding), Some(avoid)) => {
-                // All move on; they choose one after the other; all take their poses.
+                // First all move on, then they choose one after the other, then all are posed.
                 let blocks = self.blocks[..n.div_ceil(LANES)].chunks_mut(RANGE_BLOCKS);
                 let parts = blocks.zip(&mut self.passed).enumerate();
                 run_each(run, parts, |(i, (blocks, passed))| {
@@ -252,10 +253,11 @@ impl Characters {
         })
     }
 
-    /// Where characters are looked at from at the next steps; none lets everybody be posed whole.
+    /// Sets viewpoint and distances of the level of detail from the next step on; with none, all characters are posed
+    /// whole.
     ///
     /// # Errors
-    /// [`Error::Value`] for distances that are none.
+    /// [`Error::Value`] for invalid distances.
     pub fn set_detail(&mut self, detail: Option<Detail>) -> Result<()> {
         detail.map_or(Ok(()), |detail| detail.check())?;
         self.detail = detail;
@@ -263,12 +265,12 @@ impl Characters {
         Ok(())
     }
 
-    /// How much of a character the last step computed (character < num_characters).
+    /// Level at which the last step computed a character (character < num_characters).
     pub fn level(&self, character: usize) -> Level {
         self.levels[character / LANES]
     }
 
-    /// Records of all characters, whatever their level; empty unless the config asks for them (num_characters).
+    /// Records of all characters, whatever their level; empty unless the config requests them (num_characters).
     pub fn instances(&self) -> &[Instance] {
         &self.instances[..self.num_characters.min(self.instances.len())]
     }
@@ -283,8 +285,8 @@ impl Characters {
         self.blocks[character / LANES].contacts[character % LANES]
     }
 
-    /// Segment that a character plays, and the time within it; `u32::MAX` where it is laid on a [`ScheduledClip`].
-    /// (frames, character < num_characters)
+    /// Segment that a character plays, and the time within it; `u32::MAX` for a [`ScheduledClip`]. (frames, character <
+    /// num_characters)
     pub fn segment(&self, character: usize) -> (u32, f32) {
         let (b, lane) = (&self.blocks[character / LANES], character % LANES);
         (b.segment[lane], b.time[lane])
@@ -295,20 +297,21 @@ impl Characters {
         self.blocks[character / LANES].num_choices[character % LANES]
     }
 
-    /// What the action a character plays was chosen by; none before the first choice and after [`Characters::play`].
-    /// The choice lies as far back as [`Characters::segment`] has played (character < num_characters).
+    /// State and root at the choice of the action that a character plays; none before the first choice and after
+    /// [`Characters::play`]. The choice lies as far back as [`Characters::segment`] has played (character <
+    /// num_characters).
     pub fn last_choice(&self, character: usize) -> Option<LastChoice> {
         let (b, lane) = (&self.blocks[character / LANES], character % LANES);
         let state = b.choice_state[lane];
         (state != block::NO_STATE).then(|| LastChoice { state, root: b.choice_root(lane) })
     }
 
-    /// Lets a character leave what it plays and start a segment from where it stands, with a smooth transition.
-    /// After the segment it chooses for itself again.
+    /// Starts a segment from where a character stands, with a smooth transition from what it plays. After the segment
+    /// it chooses for itself again.
     ///
     /// # Errors
-    /// [`Error::Index`] for a character or segment that does not exist, [`Error::OtherBundle`] as
-    /// [`Characters::step`], [`Error::Occupied`] where it makes way and the ground is another's; nothing has changed then.
+    /// [`Error::Index`] for a character or segment that does not exist, [`Error::OtherBundle`] as [`Characters::step`],
+    /// [`Error::Occupied`] where collision avoidance is on and the ground is another's; nothing has changed then.
     pub fn play(&mut self, motion_set: &MotionSet, character: usize, segment: u32) -> Result<()> {
         self.check_bundle(motion_set)?;
         check_index("character", None, character, self.num_characters)?;
@@ -344,8 +347,8 @@ impl Characters {
         Some((Blow::new(motion_set, character as u32, hit, place), frames(hit) / motion_set.rate_hz))
     }
 
-    /// How far the motion that a character plays moves a point of it within a time, or until its action ends; further
-    /// bending of the path left out (m, in the world, character < num_characters).
+    /// Displacement of a point of a character by the motion that it plays, within a time or until its action ends,
+    /// without further bending of the path (m, in the world, character < num_characters).
     ///
     /// - `offset`: of the point, in the joint's own frame (m).
     pub fn travel(&self, motion_set: &MotionSet, character: usize, joint: Joint, offset: Vec3, ahead_s: f32) -> Vec3 {
@@ -413,9 +416,9 @@ impl Characters {
         &self.matrices[..self.num_characters * NUM_JOINTS]
     }
 
-    /// What of each character's feet is planted, by number, and joints of all characters in model space, and relative to
-    /// their parents where the config asks for that, to be displaced after a step; the next one poses everybody anew.
-    /// (num_characters * NUM_JOINTS, and as many or 0)
+    /// Planted parts of each character's feet, by number, and joints of all characters in model space, and relative to
+    /// their parents where the config requests that, to be displaced after a step; the next step poses every character
+    /// anew. (num_characters * NUM_JOINTS, and as many or 0)
     pub fn poses_mut(&mut self) -> (impl Fn(usize) -> Contacts + Sync, &mut [Mat3x4], &mut [LocalTransform]) {
         let num = self.num_characters * NUM_JOINTS;
         let num_locals = num.min(self.locals.len());
@@ -451,7 +454,7 @@ impl Characters {
     }
 }
 
-/// A place whose ground, or that of the stop from there, is another's.
+/// Error of a place whose ground, or that of the stop from there, is another's.
 fn in_the_way(who: Id) -> Error {
     Error::Occupied { who, by: "another character, who is there or on the way there, or a wall".into() }
 }

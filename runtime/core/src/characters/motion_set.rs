@@ -1,4 +1,4 @@
-//! What a step reads of a bundle, checked once.
+//! Views of a bundle that a step reads, checked once.
 
 use crate::bundle::Bundle;
 use crate::contacts::Contacts;
@@ -20,7 +20,7 @@ use throng_base::maths;
 /// Everything of a bundle that characters need to move. Owned: it keeps the bundle's file open; clones are cheap.
 #[derive(Clone, Debug)]
 pub struct MotionSet {
-    /// Those of the bundle, and zeros up to a window's length.
+    /// Frames of the bundle, padded with zeros to a window's length.
     pub(crate) frames: Table<FrameRow>,
     pub(crate) rotation_code: Arc<RotationCode>,
     pub(crate) contacts: Table<Contacts>,
@@ -28,21 +28,21 @@ pub struct MotionSet {
     /// Frames that the clip has after each, 255 where there are more (frames).
     left: Arc<[u8]>,
     pub(crate) hits: Table<HitRecord>,
-    /// First hit of each segment, and the one after its last (number of segments).
+    /// First hit of each segment, and the hit after its last (number of segments).
     segment_hits: Table<[u32; 2]>,
     pub(crate) graph: MotionGraph,
     pub(crate) stops: StopTables,
     pub(crate) policies: Arc<[PolicyTable]>,
     pub(crate) skeleton: Skeleton,
     pub(crate) anatomy: Anatomy,
-    /// What all of it was taken from.
+    /// Bundle that all views are taken from.
     pub(crate) bundle: Bundle,
     /// Frames a second (Hz).
     pub rate_hz: f32,
 }
 
 impl MotionSet {
-    /// Takes what is needed of an open bundle.
+    /// Takes the needed views of an open bundle.
     pub fn new(tables: &Bundle) -> Self {
         Self {
             frames: at_least(tables.frames(), WINDOW),
@@ -94,7 +94,7 @@ impl MotionSet {
         first..end
     }
 
-    /// Those of them after a time since its start (frames).
+    /// Hits of a segment after a time since its start (frames).
     pub(crate) fn hits_after(&self, segment: u32, time: f32) -> std::ops::Range<u32> {
         let (start, all) = (self.graph.segments[segment as usize].start, self.hits_of(segment));
         let hits = &self.hits[all.start as usize..all.end as usize];
@@ -111,7 +111,7 @@ impl MotionSet {
         self.clips.partition_point(|c| c.first_frame <= frame) - 1
     }
 
-    /// Where a point of a joint is in a frame, within its clip (m).
+    /// Position of a point of a joint in a frame, within its clip (m).
     ///
     /// - `offset`: of the point, in the joint's own frame (m).
     pub fn point(&self, frame: u32, joint: Joint, offset: Vec3) -> Vec3 {

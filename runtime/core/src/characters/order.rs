@@ -1,4 +1,4 @@
-//! What one character is to do: behaviours, what each counts, and the target they are about.
+//! Orders of one character: behaviours, their weights, and the target they are about.
 
 use super::control::MAX_GOALS;
 use super::motion_set::MotionSet;
@@ -35,12 +35,12 @@ impl Policy {
         Order::aim(self.number, target)
     }
 
-    /// Its number in the bundle.
+    /// Number of the policy in the bundle.
     pub fn number(&self) -> usize {
         self.number
     }
 
-    /// Its values and actions, to ask without characters.
+    /// Values and actions of the policy, for queries without characters.
     pub fn table(&self) -> &PolicyTable {
         &self.table
     }
@@ -53,7 +53,7 @@ pub struct Order {
     weights: [f32; MAX_GOALS],
     num_goals: u32,
     target: Vec3,
-    /// What policies on space-time grids are about.
+    /// Target of policies on space-time grids.
     threat: Vec3,
 }
 
@@ -67,7 +67,7 @@ impl Order {
         threat: Vec3::ZERO,
     };
 
-    /// One behaviour.
+    /// Order of one behaviour.
     ///
     /// - `policy`: its number, see [`crate::Bundle::find_policy`].
     /// - `target`: in the world; for a space-time grid with the time left as y (m, s).
@@ -87,19 +87,19 @@ impl Order {
         self
     }
 
-    /// The same behaviours around another target (m).
+    /// Replaces the target of all behaviours (m).
     pub fn around(self, target: Vec3) -> Self {
         Self { target, threat: target, ..self }
     }
 
-    /// The same behaviours, those on space-time grids around a place of their own.
+    /// Gives behaviours on space-time grids a target of their own.
     ///
     /// - `threat`: x and z of the place, y the seconds left (m, s, m).
     pub fn threatened(self, threat: Vec3) -> Self {
         Self { threat, ..self }
     }
 
-    /// The same behaviours with other weights (policies().len()).
+    /// Replaces the weights of the behaviours (policies().len()).
     ///
     /// # Errors
     /// [`Error::Length`].
@@ -113,7 +113,7 @@ impl Order {
         Ok(self)
     }
 
-    /// What a policy of it is about (m).
+    /// Target of one of its policies (m).
     pub(super) fn about(&self, policy: &PolicyTable) -> Vec3 {
         if policy.grid().is_space_time() { self.threat } else { self.target }
     }
@@ -128,12 +128,12 @@ impl Order {
         &self.policies[..(self.num_goals as usize).min(MAX_GOALS)]
     }
 
-    /// What each counts (policies().len()).
+    /// Weight of each policy (policies().len()).
     pub fn weights(&self) -> &[f32] {
         &self.weights[..self.policies().len()]
     }
 
-    /// The same with other numbers of policies.
+    /// Replaces the numbers of the policies.
     pub(crate) fn renumbered(mut self, number: impl Fn(u32) -> Result<u32>) -> Result<Self> {
         for policy in self.policies.iter_mut().take(self.num_goals as usize) {
             *policy = number(*policy)?;
@@ -151,7 +151,7 @@ impl Order {
         self.check_target(who)
     }
 
-    /// What it is about, alone.
+    /// Checks the targets alone.
     pub(super) fn check_target(&self, who: Option<Id>) -> Result<()> {
         let (Vec3 { x, y, z }, threat) = (self.target, self.threat);
         let largest = if threat.is_nan() { f32::NAN } else { threat.abs().max_element() };

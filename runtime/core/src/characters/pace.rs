@@ -1,14 +1,14 @@
-//! How fast a segment is played: at its own rate, ever more slowly to a stand, from a stand on, or in place.
+//! Pace of a segment: at its own rate, slowing to a stand, starting from a stand, or in place.
 
-/// At its own rate.
+/// Played at its own rate.
 pub const NORMAL: u32 = 0;
 /// Ever more slowly, in twice its time; one is held at its end.
 pub const SLOWING: u32 = 1;
-/// From a hold on, ever faster, in twice its time.
+/// Accelerates from a hold, over twice its time.
 pub const STARTING: u32 = 2;
 /// The last frame is held.
 pub const HELD: u32 = 3;
-/// At its own rate, but the root is back where it was at the end.
+/// Played at its own rate, but the root stays at its final place.
 pub const IN_PLACE: u32 = 4;
 
 /// Frame at a time since the segment began (both in frames; 0 to 2 `length` where its pace changes).
@@ -16,7 +16,7 @@ pub fn frame(pace: u32, length: f32, time: f32) -> f32 {
     let by_square = |t: f32| t * t / (4.0 * length);
     match pace {
         _ if !(pace == SLOWING || pace == STARTING) => time,
-        // From there on at its own rate, as what is left over of a step.
+        // From there on the rest of a step is played at its own rate.
         _ if time >= 2.0 * length => time - length,
         SLOWING => length - by_square(2.0 * length - time),
         _ => by_square(time),
@@ -34,10 +34,10 @@ pub fn time(pace: u32, length: f32, frame: f32) -> f32 {
     }
 }
 
-/// Frame some time after another one (both in frames, `passed` >= 0).
+/// Frame some time after another frame (both in frames, `passed` >= 0).
 pub fn after(pace: u32, length: f32, from: f32, passed: f32) -> f32 {
     let to = frame(pace, length, time(pace, length, from) + passed);
-    // So near to a stand that no number lies between: with short steps it would never come to its end.
+    // No number lies between this frame and the stand: with short steps it would never reach its end.
     if pace == SLOWING && passed > 0.0 && to <= from { length.max(from) } else { to }
 }
 

@@ -19,10 +19,10 @@ use throng_base::limits::STEP_S;
 use throng_base::simd::LANES;
 use throng_base::{Error, Hash128, Id, Result, Run, SnapshotKind};
 
-/// One is where it was sent within this distance (m).
+/// Distance from the target within which a character has arrived (m).
 pub const ARRIVED_M: f32 = 0.5;
 
-/// How a character enters.
+/// Start of a character.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spawn {
     /// Planar root in the world.
@@ -32,7 +32,7 @@ pub struct Spawn {
 }
 
 impl Spawn {
-    /// Stands there.
+    /// Start in a standing state.
     pub fn standing(root: Planar) -> Self {
         Self { root, state: None }
     }
@@ -88,7 +88,7 @@ impl PolicyCharacters {
         self.roster.capacity()
     }
 
-    /// What moves them.
+    /// Motion set that all characters play.
     pub fn motion_set(&self) -> &MotionSet {
         &self.motion_set
     }
@@ -119,7 +119,7 @@ impl PolicyCharacters {
         &self.characters
     }
 
-    /// Everybody's planar root, and what [`Characters::poses_mut`] gives.
+    /// Planar roots of all characters, and the result of [`Characters::poses_mut`].
     pub fn poses_mut(
         &mut self,
     ) -> (&[Planar], impl Fn(usize) -> Contacts + Sync, &mut [Mat3x4], &mut [LocalTransform]) {
@@ -183,38 +183,38 @@ impl PolicyCharacters {
         Ok(())
     }
 
-    /// What stands for good, see [`Characters::set_walls`].
+    /// Sets the walls, see [`Characters::set_walls`].
     pub fn set_walls(&mut self, walls: &[Rod]) {
         self.characters.set_walls(walls);
     }
 
-    /// Whom others move, see [`Characters::mind`].
+    /// Sets the external obstacles, see [`Characters::mind`].
     pub fn mind<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
         self.characters.mind(others);
     }
 
-    /// Whoever enters from now on stands still until [`PolicyCharacters::settle`], so that many can enter near each other,
-    /// in any order.
+    /// Lets all characters that enter from now on stand still until [`PolicyCharacters::settle`], so that many can
+    /// enter near each other, in any order.
     pub fn gather(&mut self) {
         self.gathers = true;
     }
 
-    /// Lets all who have come since [`PolicyCharacters::gather`] begin, those who make way one after the other: who has no
-    /// room for the stop from its state is held in it until there is some.
+    /// Lets all characters that entered since [`PolicyCharacters::gather`] begin, with collision avoidance one after
+    /// the other: a character without room for the stop from its state is held in the state until there is room.
     pub fn settle(&mut self) {
         self.gathers = false;
         self.characters.reserve_all(&self.motion_set);
     }
 
-    /// Where characters are looked at from, see [`Characters::set_detail`].
+    /// Sets viewpoint and distances of the level of detail, see [`Characters::set_detail`].
     ///
     /// # Errors
-    /// As there.
+    /// As [`Characters::set_detail`].
     pub fn set_detail(&mut self, detail: Option<Detail>) -> Result<()> {
         self.characters.set_detail(detail)
     }
 
-    /// A record of everybody for GPUs, in the order of bodies; empty unless [`CharactersConfig::instances`].
+    /// Record of every character for GPUs, in the order of bodies; empty unless [`CharactersConfig::instances`].
     pub fn instances(&self) -> &[Instance] {
         self.characters.instances()
     }
@@ -224,10 +224,11 @@ impl PolicyCharacters {
         self.characters.hold_ground(&self.motion_set, out);
     }
 
-    /// Lets a character leave what it plays and start a segment, see [`Characters::play`].
+    /// Starts a segment from where a character stands, see [`Characters::play`].
     ///
     /// # Errors
-    /// [`Error::Gone`], [`Error::Index`] for a segment that does not exist, or [`Error::Occupied`] as [`Characters::play`].
+    /// [`Error::Gone`], [`Error::Index`] for a segment that does not exist, or [`Error::Occupied`] as
+    /// [`Characters::play`].
     pub fn play(&mut self, id: Id, segment: u32) -> Result<()> {
         check_index("segment", Some(id), segment as usize, self.motion_set.graph().segments.len())?;
         let at = self.roster.row(id)?;
@@ -237,7 +238,7 @@ impl PolicyCharacters {
         })
     }
 
-    /// State of the motion graph in which characters stand who enter without one.
+    /// State of the motion graph in which characters stand that enter without one.
     pub fn standing(&self) -> u32 {
         self.motion_set.graph().states.iter().position(|s| s.standing == 1).unwrap_or(0) as u32
     }
@@ -258,7 +259,7 @@ impl PolicyCharacters {
         SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 5, setup: setup.finish() }
     }
 
-    /// Why a state cannot be that of these characters; nothing where it can.
+    /// Reason why a state cannot be that of these characters; none where it can.
     fn refuse(&self, blocks: &[Block], bodies: &[Body], roster: &Roster, orders: &[Order]) -> Option<String> {
         let n = roster.ids().len();
         if (orders.len(), blocks.len(), bodies.len()) != (n, n.div_ceil(LANES), n.div_ceil(LANES)) {
@@ -274,7 +275,7 @@ impl PolicyCharacters {
             if let Err(e) = order.check(Some(*id), &self.motion_set) {
                 return Some(e.to_string());
             }
-            // Scheduled clips are for those whom others move.
+            // Scheduled clips are for characters that a caller moves.
             let is_laid = blocks[at / LANES].segment[at % LANES] == LAID;
             if is_laid || !is_sound(blocks, bodies, &self.motion_set, at, name(*id)) {
                 return Some(format!(
@@ -289,7 +290,7 @@ impl PolicyCharacters {
     }
 }
 
-/// What random choices depend on beside the seed and their number.
+/// Name by which random choices are drawn, beside the seed and their number.
 fn name(id: Id) -> u64 {
     u64::from(id.generation) << 32 | u64::from(id.index)
 }
@@ -303,11 +304,11 @@ impl Cast for PolicyCharacters {
     type Order = Order;
     type Event = Blow;
 
-    /// Its pose is there after the next step.
+    /// Spawns a character, whose pose is there after the next step.
     ///
     /// # Errors
-    /// As [`Cast::spawn`]; [`Error::Occupied`] where it is to make way, and its place is on another's way. Where there is
-    /// no room for the stop from its state, it is held in it until there is room for an action.
+    /// As [`Cast::spawn`]; [`Error::Occupied`] where collision avoidance is on and its place is on another's path. A
+    /// character without room for the stop from its state is held in the state until there is room for an action.
     fn spawn(&mut self, start: Spawn) -> Result<Id> {
         let next = Some(self.roster.next()?);
         let state = start.state.unwrap_or_else(|| self.standing());
@@ -417,7 +418,7 @@ impl Cast for PolicyCharacters {
         Ok(())
     }
 
-    /// Everybody takes the state of the new motion graph whose pose is nearest to its own.
+    /// Moves every character to the state of the new motion graph whose pose is nearest to its own.
     fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
         super::adopt::adopt(self, new)
     }

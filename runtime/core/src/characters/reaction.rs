@@ -14,7 +14,7 @@ use throng_base::error::check;
 use throng_base::maths;
 use throng_base::simd::{LANES, Lanes, Q, V};
 
-/// How struck characters give way.
+/// Settings of the reaction of struck characters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReactionConfig {
     /// False leaves bodies as the clips move them.
@@ -66,7 +66,7 @@ impl ReactionConfig {
     }
 }
 
-/// How much faster the force of a push fades than the spring comes back.
+/// Decay rate of the force of a push over that of the spring.
 const FORCE_RATE: f32 = 4.0;
 /// Time from the peak to half of it, of a spring of rate 1 after a force that fades at [`FORCE_RATE`].
 const HALF_TIME: f32 = 1.694_567;
@@ -74,12 +74,12 @@ const HALF_TIME: f32 = 1.694_567;
 const FORCE: f32 = 11.308_286;
 /// Largest displacement that a velocity of 1 leads to, for the same spring: 1 / e.
 const REACH_OF_VELOCITY: f32 = 0.367_879_44;
-/// Displacement below which a spring has come to rest (m).
+/// Displacement below which a spring is at rest (m).
 const AT_REST_M: f32 = 1e-4;
-/// Displacements and their velocities stay far below these, whatever the config is (m, m/s).
+/// Bounds that displacements and their velocities never reach, whatever the config (m, m/s).
 const FARTHEST_M: f32 = 1e3;
 const FASTEST_MPS: f32 = 1e4;
-/// How far the face turns away with a displacement of the head (rad/m).
+/// Turn of the face away from a displacement of the head (rad/m).
 const TURN_RAD_PER_M: f32 = 4.0;
 /// Joints that a reaction turns or carries: hips, spine, neck, head and both arms.
 const NUM_UPPER: usize = Joint::RightHand.index() + 1;
@@ -146,7 +146,7 @@ impl Spring {
     }
 }
 
-/// What a tick does to every spring: `x'' + 2 r x' + r^2 x = f`, `f' = -4 r f`, solved in closed form.
+/// Effect of a tick on every spring: `x'' + 2 r x' + r^2 x = f`, `f' = -4 r f`, solved in closed form.
 pub(crate) struct Step {
     dt_s: f32,
     rate: f32,
@@ -171,9 +171,9 @@ impl Step {
 pub(crate) struct Reaction {
     /// 1 where a character reacts, else 0.
     pub(super) active: Lane,
-    /// Of the upper trunk.
+    /// Spring of the upper trunk.
     pub(super) trunk: Spring,
-    /// Of the head, over the trunk.
+    /// Spring of the head, relative to the trunk.
     pub(super) head: Spring,
 }
 
@@ -262,7 +262,7 @@ fn displace<F: Lanes>(
     }
 }
 
-/// How far every joint of the upper body turns, in model space, so that neck and head come to lie where they should.
+/// Turn of every joint of the upper body, in model space, that brings neck and head to their targets.
 #[inline(always)]
 fn upper_turns<F: Lanes>(
     anatomy: &Anatomy,
@@ -307,8 +307,8 @@ fn upper_turns<F: Lanes>(
 /// captured motion is.
 const NEWTON_STEPS: usize = 3;
 
-/// Turns each link of a chain by the same angle more than the one before it, so that the chain's end moves by `by`,
-/// as far as links that keep their lengths can (m).
+/// Turns each link of a chain by the same angle more than the one before it, so that the chain's end moves by `by`, as
+/// far as links that keep their lengths can (m).
 #[inline(always)]
 fn bend<F: Lanes, const N: usize>(links: [V<F>; N], by: V<F>) -> [Q<F>; N] {
     let (mut straight, mut angle, mut bent) = (V::splat(Vec3::ZERO), V::splat(Vec3::ZERO), links);

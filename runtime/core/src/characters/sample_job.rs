@@ -16,8 +16,7 @@ pub struct SampleJob<'a> {
     pub motion_set: &'a MotionSet,
     /// Row of each pose (< number of rows).
     pub frames: &'a [u32],
-    /// How far to the next row, which must be of the same clip for the pose to make sense (0 to 1).
-    /// (frames.len())
+    /// Ratio to the next row, which must be of the same clip for the pose to make sense (0 to 1). (frames.len())
     pub ratios: &'a [f32],
     /// Output: joints in model space, above the planar root (frames.len() * NUM_JOINTS).
     pub matrices: &'a mut [Mat3x4],

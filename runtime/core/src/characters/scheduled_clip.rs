@@ -14,11 +14,11 @@ use throng_base::Result;
 use throng_base::error::{check, check_index};
 use throng_base::simd::LANES;
 
-/// A stretch of one clip, laid in the world.
+/// A stretch of one clip, placed in the world.
 ///
-/// The planar root of frame k is that of the clip, laid so that frame `from_offset` is at `root`, plus the share
-/// (k - from_offset) / (num_frames - from_offset) of `missing`: position and heading each change linearly, nothing is
-/// bent (Lee, Choi and Lee 2006, section 6).
+/// The planar root of frame k is that of the clip, placed so that frame `from_offset` is at `root`, plus the share (k -
+/// from_offset) / (num_frames - from_offset) of `missing`: position and heading each change linearly, nothing is bent
+/// (Lee, Choi and Lee 2006, section 6).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ScheduledClip {
     /// First frame row.
@@ -31,7 +31,7 @@ pub struct ScheduledClip {
     pub root: Planar,
     /// Height of the clip's ground in the world at that frame (m).
     pub lift: f32,
-    /// What is added until the last frame: along the world's axes, and about the vertical; y is to the lift.
+    /// Displacement added by the last frame: along the world's axes, and about the vertical; y is added to the lift.
     pub missing: Placement,
 }
 
@@ -60,7 +60,7 @@ impl ScheduledClip {
         Ok(())
     }
 
-    /// Puts it in a block; time and age are left as they are.
+    /// Writes it into a block; time and age are left as they are.
     fn put(&self, b: &mut Block, lane: usize, motion_set: &MotionSet) {
         let (m, share) = (self.missing, 1.0 / (self.num_frames - self.from_offset) as f32);
         b.segment[lane] = LAID;
@@ -77,12 +77,12 @@ impl ScheduledClip {
 }
 
 impl Characters {
-    /// Puts characters on scheduled clips, each at the frame it begins at. They choose nothing: the caller lays them on
-    /// the next scheduled clip before the last one ends. Poses are there after the first step.
+    /// Starts characters on scheduled clips, each at the clip's first frame. They choose nothing: the caller schedules
+    /// the next clip before the last one ends. Poses are there after the first step.
     ///
     /// # Errors
-    /// [`throng_base::Error::Index`] or [`throng_base::Error::Value`] for a scheduled clip that leaves its clip or is not finite, or a setting
-    /// out of its range.
+    /// [`throng_base::Error::Index`] or [`throng_base::Error::Value`] for a scheduled clip that leaves its clip or is
+    /// not finite, or a setting out of its range.
     pub fn new_laid(
         motion_set: &MotionSet,
         config: CharactersConfig,
@@ -93,8 +93,8 @@ impl Characters {
         Ok(out)
     }
 
-    /// One more, after the last one, on a scheduled clip; see [`Characters::new_laid`]. Its pose is there after the next
-    /// step. Allocates nothing.
+    /// Adds a character on a scheduled clip after the last one; see [`Characters::new_laid`]. Its pose is there after
+    /// the next step. Allocates nothing.
     ///
     /// # Errors
     /// As [`Characters::lay`], and [`throng_base::Error::Index`] beyond the capacity; nothing has changed then.
@@ -109,7 +109,7 @@ impl Characters {
         Ok(())
     }
 
-    /// Puts a character on a scheduled clip at once, with free feet and without a transition.
+    /// Starts a scheduled clip at once, with free feet and without a transition.
     ///
     /// # Errors
     /// As [`Characters::lay`].
@@ -137,16 +137,17 @@ impl Characters {
         Ok(())
     }
 
-    /// Lays a character on a scheduled clip, which it changes to exactly where what it plays ends.
+    /// Schedules a clip, to which a character changes exactly at the end of what it plays.
     ///
-    /// Call it before the step in which that comes to its end; the time that is left over then is spent on the scheduled clip.
-    /// Where [`ScheduledClip::root`] is [`Characters::scheduled_end`], nothing jumps: rotations, height and velocities go over
-    /// smoothly. A scheduled clip that is over within the same step may be followed by another one at once. Without another
-    /// scheduled clip, a character stays at the end of its last one.
+    /// Call it before the step that reaches that end; the rest of the step is spent on the scheduled clip. Where
+    /// [`ScheduledClip::root`] is [`Characters::scheduled_end`], nothing jumps: rotations, height and velocities
+    /// continue smoothly. A scheduled clip that ends within the same step may be followed by another one at once.
+    /// Without another scheduled clip, a character stays at the end of its last one.
     ///
     /// # Errors
-    /// [`throng_base::Error::Index`] or [`throng_base::Error::Value`] for a character that does not exist or a scheduled clip that leaves its
-    /// clip or is not finite, [`throng_base::Error::OtherBundle`] as [`Characters::step`]; nothing has changed then.
+    /// [`throng_base::Error::Index`] or [`throng_base::Error::Value`] for a character that does not exist or a
+    /// scheduled clip that leaves its clip or is not finite, [`throng_base::Error::OtherBundle`] as
+    /// [`Characters::step`]; nothing has changed then.
     pub fn lay(&mut self, motion_set: &MotionSet, character: usize, scheduled_clip: &ScheduledClip) -> Result<()> {
         self.check_bundle(motion_set)?;
         check_index("character", None, character, self.num_characters)?;
@@ -159,11 +160,11 @@ impl Characters {
         Ok(())
     }
 
-    /// Lets what a character plays end in so many frames, sooner than it would, so that it can go on with something else
-    /// there. Characters that are cut with the same `left_frames` are in step afterwards: of what is played, less than
-    /// a frame is skipped for that. What has fewer frames left is not changed.
+    /// Shortens what a character plays, so that it can go on with something else. Characters that are cut with the same
+    /// `left_frames` are in step afterwards: less than a frame is skipped for that. Motion with fewer frames left is
+    /// not changed.
     ///
-    /// - `left_frames`: rounded to 1/1024, so that it is exact (frames, 0 to 1).
+    /// - `left_frames`: remaining frames, rounded to 1/1024, so that they are exact (frames, 0 to 1).
     ///
     /// (character < num_characters)
     pub fn cut(&mut self, character: usize, left_frames: f32) {
@@ -176,8 +177,7 @@ impl Characters {
         }
     }
 
-    /// Where what a character plays will end, if it was not bent on the way.
-    /// (character < num_characters)
+    /// Planar root at the end of what a character plays, unless it is bent. (character < num_characters)
     pub fn scheduled_end(&self, motion_set: &MotionSet, character: usize) -> Planar {
         self.blocks[character / LANES].end(character % LANES, motion_set)
     }

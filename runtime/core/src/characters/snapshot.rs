@@ -12,9 +12,9 @@ use serde::{Deserialize, Serialize};
 use throng_base::simd::LANES;
 use throng_base::{Error, Result};
 
-/// What is laid begins no later than this (s).
+/// Longest time until a scheduled clip begins (s).
 const LONGEST_S: f32 = 1e3;
-/// What is added to a clip comes to less than this (m, rad).
+/// Bound of offsets that are added to a clip (m, rad).
 const MOST_ADDED: f32 = 1.1e6;
 /// An action is bent by half a turn at most (rad).
 const MOST_BENT: f32 = 3.2;
@@ -51,8 +51,8 @@ impl Characters {
         CharactersSnapshot { blocks, bodies, num_characters, bundle }
     }
 
-    /// Goes back to a snapshot. Steps from there repeat those of the saved characters bit by bit where config and goals
-    /// are the same; poses are those of then, but for rounding. There are no blows until the next step.
+    /// Restores a snapshot. Steps from there repeat those of the saved characters bit by bit where config and goals are
+    /// the same; poses are those of the snapshot up to rounding. There are no blows until the next step.
     ///
     /// # Errors
     /// [`Error::Snapshot`] where it is of another number of characters or another bundle, or damaged; nothing has
@@ -66,7 +66,7 @@ impl Characters {
         self.restore_any(motion_set, snapshot)
     }
 
-    /// As [`Characters::restore`], for any number within the capacity.
+    /// Restores a snapshot of any number of characters within the capacity, see [`Characters::restore`].
     ///
     /// # Errors
     /// As [`Characters::restore`].
@@ -94,11 +94,11 @@ impl Characters {
         Ok(())
     }
 
-    /// One of those who are to make way whose path meets another's, if there is any
-    /// (blocks: n / 8, rounded up, sound).
+    /// A character with collision avoidance whose path meets another path, if there is any (blocks: n / 8, rounded up,
+    /// sound).
     pub(super) fn meeting(&self, motion_set: &MotionSet, blocks: &[Block], n: usize) -> Option<usize> {
         let mut avoiding = self.avoiding.clone()?;
-        // Those whom others move are where they are at another time.
+        // External obstacles were at other places at the time of the snapshot.
         avoiding.book.outsiders_mut().set(std::iter::empty());
         avoiding.rebuild(blocks, n, motion_set)
     }
@@ -111,7 +111,7 @@ impl Characters {
         (blocks, bodies)
     }
 
-    /// Takes the state of `n` characters (blocks, bodies: n / 8, rounded up; there is room).
+    /// Sets the state of `n` characters (blocks, bodies: n / 8, rounded up; there is room).
     pub(super) fn set_state(&mut self, blocks: &[Block], bodies: &[Body], n: usize) {
         self.blocks.fill(Block::ZERO);
         self.blocks[..blocks.len()].copy_from_slice(blocks);
@@ -151,7 +151,7 @@ fn clear_beyond(blocks: &mut [Block], bodies: &mut [Body], n: usize) {
 pub(super) fn is_sound(blocks: &[Block], bodies: &[Body], motion_set: &MotionSet, at: usize, name: u64) -> bool {
     let (mut b, lane) = (blocks[at / LANES], at % LANES);
     let (first, length) = (b.first[lane], b.length[lane]);
-    // Who is laid on clips chooses nothing.
+    // A character on scheduled clips chooses nothing.
     let named = b.name[lane] == name || b.segment[lane] == LAID;
     let (exists, earliest) = match b.segment[lane] {
         LAID => {
@@ -167,7 +167,7 @@ pub(super) fn is_sound(blocks: &[Block], bodies: &[Body], motion_set: &MotionSet
     };
     let state = b.choice_state[lane];
     let chose = state == NO_STATE || (state as usize) < motion_set.graph.states.len();
-    // Endless before the first transition, and below 0 where a scheduled clip is laid but has not begun.
+    // Endless before the first transition, and below 0 for a clip that is scheduled but has not begun.
     let aged = b.age_s[lane] > -LONGEST_S;
     b.age_s[lane] = 0.0;
     let paced = b.pace[lane] <= pace::IN_PLACE && b.wait[lane].abs() <= 1e3;

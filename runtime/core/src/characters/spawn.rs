@@ -33,7 +33,7 @@ impl Characters {
         self.num_choosers += 1;
     }
 
-    /// Nobody is at a place, and none of its memory is written that never was (at < capacity).
+    /// Empties a row, without writing memory that was never written (at < capacity).
     pub(super) fn clear(&mut self, at: usize) {
         self.blocks[at / LANES].take(at % LANES, &Block::ZERO, 0);
         self.bodies[at / LANES].clear(at % LANES);
@@ -45,7 +45,7 @@ impl Characters {
         }
     }
 
-    /// One leaves, and the last one takes its place (at < num_characters).
+    /// Removes a character; the last one takes its row (at < num_characters).
     pub fn leave(&mut self, at: usize) {
         let last = self.num_characters - 1;
         self.num_choosers -= usize::from(self.blocks[at / LANES].segment[at % LANES] != LAID);
@@ -84,9 +84,9 @@ impl Characters {
         self.reserve(motion_set, at)
     }
 
-    /// Reserves the paths of all who have come and not begun at once: each is held, which takes no more than its place,
-    /// until there is room for the stop from its state. One whose place is another's, if there is any (none without
-    /// avoidance).
+    /// Reserves the paths of all characters that have entered and not begun, all at once: each is held, which takes no
+    /// more than its place, until there is room for the stop from its state. Returns one whose place is another's, if
+    /// there is any (none without avoidance).
     pub(super) fn reserve_all(&mut self, motion_set: &MotionSet) -> Option<usize> {
         let n = self.num_characters;
         self.avoiding.as_ref()?;
@@ -111,8 +111,8 @@ impl Characters {
         b.choice_state[lane] == NO_STATE && b.time[lane] >= b.length[lane] as f32
     }
 
-    /// Reserves the path of one that was put somewhere; false where it meets another's or a wall
-    /// (at < num_characters, always true without avoidance).
+    /// Reserves the path of a character that was moved; false where it meets another path or a wall (at <
+    /// num_characters, always true without avoidance).
     pub(super) fn reserve(&mut self, motion_set: &MotionSet, at: usize) -> bool {
         let n = self.num_characters;
         self.avoiding.as_mut().is_none_or(|a| a.reserve(&self.blocks, n, motion_set, at))
@@ -126,7 +126,7 @@ impl Characters {
         b.wait[lane] = 0.0;
     }
 
-    /// Puts one elsewhere, with free feet (at < num_characters).
+    /// Moves a character elsewhere, with free feet (at < num_characters).
     pub(super) fn put(&mut self, motion_set: &MotionSet, at: usize, root: Planar) {
         let (b, lane) = (&mut self.blocks[at / LANES], at % LANES);
         // What it plays goes on as captured from here.
@@ -145,7 +145,7 @@ impl Characters {
         }
     }
 
-    /// What random choices of one depend on (at < num_characters).
+    /// Name by which the random choices of a character are drawn (at < num_characters).
     pub(super) fn name(&self, at: usize) -> u64 {
         self.blocks[at / LANES].name[at % LANES]
     }
@@ -160,7 +160,7 @@ impl Characters {
         self.pose(at).first_chunk().filter(|pose| pose[0] != Mat3x4::default())
     }
 
-    /// Takes over what does not belong to a bundle, from characters in the same order (at < num_characters).
+    /// Copies state that does not depend on the bundle, from characters in the same order (at < num_characters).
     pub(super) fn carry_over(&mut self, old: &Self, at: usize) {
         let (from, lane) = (&old.blocks[at / LANES], at % LANES);
         self.blocks[at / LANES].num_choices[lane] = from.num_choices[lane];

@@ -25,13 +25,13 @@ use throng_base::simd::{Functions, LANES, Lanes, Work, dispatch};
 /// Blocks of a range: 128 characters, whose state and poses fit the cache of a core.
 pub(crate) const RANGE_BLOCKS: usize = 16;
 
-/// What all ranges of a tick share.
+/// Inputs of one tick, shared by all ranges.
 pub(crate) struct Tick<'a> {
     pub dt_s: f32,
     pub motion_set: &'a MotionSet,
     pub config: &'a CharactersConfig,
     pub orders: &'a [Order],
-    /// Where times are added up, if they are wanted.
+    /// Sums of the times of each phase, if they are measured.
     pub clock: Option<&'a Clock>,
 }
 
@@ -86,7 +86,7 @@ pub(crate) fn pose_all(range: Range<'_>, tick: &Tick<'_>) {
 struct Pose<'a, 't> {
     range: Range<'a>,
     tick: &'a Tick<'t>,
-    /// Of reactions and of feet.
+    /// Steps of reactions and of foot locks.
     steps: (reaction::Step, LockStep),
 }
 
@@ -111,14 +111,14 @@ impl Work for Pose<'_, '_> {
     }
 }
 
-/// How a block is shown.
+/// Outputs of a block.
 struct Shown<'a> {
     level: Level,
     /// (characters, or 0)
     records: &'a mut [Instance],
 }
 
-/// Moves time on, turns the path of characters whose action is bent, and notes the hits that are passed.
+/// Moves time on, turns the path of characters with bent actions, and notes the hits that are passed.
 fn advance(blocks: &mut [Block], passed: &mut PassedHits, first: usize, count: usize, tick: &Tick<'_>) {
     let frames = tick.dt_s * tick.motion_set.rate_hz;
     for character in 0..count {
@@ -160,7 +160,7 @@ fn pose<F: Lanes>(
     let mut laps = Laps::start(tick.clock);
     let mut spots = [Spot::default(); LANES];
     for (lane, spot) in spots.iter_mut().enumerate() {
-        // The last frame of a clip has none after it, so it is reached from the one before.
+        // The last frame of a clip has no successor, so it is reached from the one before.
         let time = block.time[lane].max(0.0);
         let whole = (time as u32).min(block.length[lane].saturating_sub(1));
         let frame = block.first[lane] + whole;

@@ -1,4 +1,4 @@
-//! Where the time of a step goes.
+//! Times of the phases of a step.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::Instant;
@@ -35,7 +35,7 @@ impl StepTimes {
         ]
     }
 
-    /// All phases together (s).
+    /// Sum of all phases (s).
     pub fn total_s(&self) -> f64 {
         self.phases().iter().map(|p| p.1).sum()
     }
@@ -80,7 +80,7 @@ impl<'a> Laps<'a> {
         Self { running: clock.map(|c| (c, Instant::now())) }
     }
 
-    /// Gives the time since the last reading to a phase.
+    /// Adds the time since the last reading to a phase.
     #[inline(always)]
     pub fn end(&mut self, phase: Phase) {
         if let Some((clock, since)) = &mut self.running {

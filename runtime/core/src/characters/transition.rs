@@ -25,18 +25,18 @@ pub(crate) struct Change {
     pub to: u32,
     /// Age of the old offsets at the change (s).
     pub age_s: f32,
-    /// How much higher the ground of the old motion is (m).
+    /// Height of the old motion's ground over that of the new one (m).
     pub lift: f32,
-    /// How much faster the old motion drifts, in the frame of the root (m/frame).
+    /// Drift of the old motion relative to the new one, in the frame of the root (m/frame).
     pub drift: Vec3,
 }
 
-/// Replaces the offsets of up to eight characters, whose bodies are awake. Equal characters must not stand in one group.
+/// Replaces the offsets of up to eight characters, whose bodies are awake. A group must not hold a character twice.
 pub(crate) fn start(group: &[Change], motion_set: &MotionSet, half_life_s: f32, bodies: &mut [Body]) {
     dispatch(Start { group, motion_set, half_life_s, bodies });
 }
 
-/// Lets the bodies of a block be posed: feet are free, and the last transition of each is as it would have been.
+/// Wakes the bodies of a block: feet are free, and the last transition of each is as if it had always been posed.
 pub(crate) fn wake(block: &Block, body: &mut Body, motion_set: &MotionSet, half_life_s: f32) {
     *body = Body { awake: 1, reaction: body.reaction, ..Body::ZERO };
     let mut changes = [Change::default(); LANES];
@@ -111,7 +111,7 @@ struct Knot<'a, F> {
     /// The neighbours; the row itself where it is the first or the last one of its clip.
     before: [&'a FrameRow; LANES],
     after: [&'a FrameRow; LANES],
-    /// From one neighbour to the other (1/s).
+    /// Rate from one neighbour to the other (1/s).
     rate: F,
 }
 
@@ -129,7 +129,7 @@ impl<'a, F: Lanes> Knot<'a, F> {
         }
     }
 
-    /// How fast a joint turns there, the tangent of the curve through the rows. The hips turn with the planar root, too.
+    /// Rate at which a joint turns, the tangent of the curve through the rows. The hips turn with the planar root, too.
     #[inline(always)]
     fn turning(&self, motion_set: &MotionSet, joint: usize) -> V<F> {
         let before = motion_set.rotation_code.of_rows::<F>(&self.before, joint);
@@ -143,13 +143,13 @@ impl<'a, F: Lanes> Knot<'a, F> {
         turn * self.rate
     }
 
-    /// Of the hips (m).
+    /// Height of the hips (m).
     #[inline(always)]
     fn height(&self) -> F {
         F::load(&self.at.map(|r| r.height))
     }
 
-    /// How fast the hips move, in the frame of the planar root (m/s).
+    /// Velocity of the hips, in the frame of the planar root (m/s).
     #[inline(always)]
     fn moving(&self) -> V<F> {
         let step: [Vec3; LANES] = std::array::from_fn(|l| {

@@ -1,12 +1,12 @@
-//! Why a file is not a bundle this code can use.
+//! Errors of files that are no bundles this code can use.
 
 use super::Tag;
 use std::path::PathBuf;
 
-/// The way out of every fault.
+/// Remedy of every fault, for messages.
 const AGAIN: &str = "Make it again with `throng build` (a bundle) or `throng stitch` (a world).";
 
-/// Why a file was refused. Every message ends with the way out.
+/// Reason why a file was refused. Every message ends with a remedy.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum FormatError {
@@ -15,13 +15,13 @@ pub enum FormatError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// Not a regular file, or one that is far too long.
     #[error("the file {why}")]
     File {
-        /// What it is, and what was expected.
+        /// Kind of the file, and the kind that was expected.
         why: String,
     },
     /// The file is shorter than the header or not the length the header gives.
@@ -35,19 +35,19 @@ pub enum FormatError {
     /// The first bytes are not a bundle's.
     #[error("this is not a Throng {what}: it begins with {got:02x?}. {AGAIN}")]
     Magic {
-        /// What the file should be.
+        /// Expected kind of file.
         what: &'static str,
-        /// What was found.
+        /// First bytes of the file.
         got: [u8; 8],
     },
     /// Written by another version.
     #[error("the {what} has format version {got}, this program reads version {expected}. {AGAIN}")]
     Version {
-        /// What the file is.
+        /// Kind of the file.
         what: &'static str,
         /// The version that is read.
         expected: u32,
-        /// What was found.
+        /// Version of the file.
         got: u32,
     },
     /// A checksum differs.
@@ -65,9 +65,9 @@ pub enum FormatError {
     Section {
         /// The section.
         tag: Tag,
-        /// Its start (bytes).
+        /// Start of the section (bytes).
         offset: u64,
-        /// Its length (bytes).
+        /// Length of the section (bytes).
         byte_len: u64,
         /// Length of the file (bytes).
         file_len: u64,
@@ -81,7 +81,7 @@ pub enum FormatError {
     /// The file's layout breaks a rule (order, overlap, padding, duplicates).
     #[error("{message}. {AGAIN}")]
     Layout {
-        /// What is wrong and where.
+        /// Broken rule and its place.
         message: String,
     },
     /// A record holds a value that cannot be: an index past its table, a number that is not finite.
@@ -91,7 +91,7 @@ pub enum FormatError {
         tag: Tag,
         /// The element.
         index: usize,
-        /// What is wrong.
+        /// Defect of the value.
         message: String,
     },
 }

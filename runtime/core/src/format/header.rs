@@ -9,10 +9,10 @@ pub const MAGIC: [u8; 8] = *b"\x89THRONG\n";
 /// The version this code writes and reads.
 pub const VERSION: u32 = 7;
 
-/// What a file with the frame of a bundle holds.
+/// Kind of a file that has the frame of a bundle.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
-    /// What such a file is called in messages.
+    /// Name of the kind in messages.
     pub what: &'static str,
     /// First bytes.
     pub magic: [u8; 8],
@@ -69,11 +69,11 @@ impl Header {
     }
 }
 
-/// One row of the section table.
+/// Row of the section table.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Section {
-    /// What the section holds.
+    /// Tag of the section's content.
     pub tag: Tag,
     /// Size of one element (bytes, > 0).
     pub elem_size: u32,

@@ -7,7 +7,7 @@ use std::ops::Range;
 /// Most sections a bundle may have; a larger count is damage.
 const MAX_SECTIONS: u32 = 1024;
 
-/// Where the sections of a checked file lie.
+/// Byte ranges of the sections of a checked file.
 #[derive(Debug)]
 pub struct Layout {
     sections: Vec<(Section, Range<usize>)>,
@@ -19,7 +19,7 @@ impl Layout {
         Self::read_kind(bytes, checksums, Kind::BUNDLE)
     }
 
-    /// The same of a file of another kind.
+    /// Checks the frame of a file of another kind.
     pub fn read_kind(bytes: &[u8], checksums: bool, kind: Kind) -> Result<Self, FormatError> {
         let header = read_header(bytes, kind)?;
         let table_end = size_of::<Header>() + header.num_sections as usize * size_of::<Section>();

@@ -12,7 +12,7 @@ const MOST_META: usize = 16 << 20;
 /// Lowest and highest frame rate of a bundle: within it, a step plays a bounded number of segments (Hz).
 const RATES_HZ: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
 
-/// What a bundle says of itself.
+/// Metadata of a bundle.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Meta {
     /// The database's name.
@@ -33,7 +33,7 @@ pub struct Meta {
     pub hit_tags: Vec<String>,
     /// The motion patches, in the order of their records.
     pub patches: Vec<PatchMeta>,
-    /// What links of patches show, see [`crate::patch::LinkRecord::tag`].
+    /// Tags of the actions that links of patches show, see [`crate::patch::LinkRecord::tag`].
     pub link_tags: Vec<String>,
     /// The unit objects that patches consist of, as TOML.
     pub units: String,
@@ -45,8 +45,8 @@ pub struct Meta {
     pub frames_in: u64,
     /// Frames that its actions play.
     pub frames_kept: u64,
-    /// What bodies can do beside moving about, see [`crate::blend::ActivitySet`]. Written after all else, and only where there is
-    /// anything, so that files without it stay as they were.
+    /// Activities of bodies beside locomotion, see [`crate::blend::ActivitySet`]. Written after all else, and only
+    /// where there are any, so that files without activities stay as they were.
     #[serde(skip)]
     pub activities: Vec<ActivityMeta>,
 }
@@ -65,7 +65,7 @@ pub struct SourceMeta {
 /// A clip and what is known of it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ClipMeta {
-    /// Its name.
+    /// Name of the clip.
     pub name: String,
     /// File it came from.
     pub source: String,
@@ -100,9 +100,9 @@ pub struct BlendMeta {
 pub struct ActivityMeta {
     /// Unique name.
     pub name: String,
-    /// What it is asked for by; several activities may have one tag.
+    /// Tag by which the activity is requested; several activities may share one.
     pub tag: String,
-    /// Its clip.
+    /// Clip of the activity.
     pub clip: u32,
     /// First frame within the clip.
     pub first_frame: u32,
@@ -139,7 +139,7 @@ pub fn decode<T: DeserializeOwned>(tag: &str, bytes: &[u8]) -> Result<T, FormatE
     }
 }
 
-/// As [`decode`], with the bytes that follow.
+/// Decodes the first value of some bytes as [`decode`] does, and returns the bytes after it.
 fn decode_first<'a, T: DeserializeOwned>(tag: &str, bytes: &'a [u8]) -> Result<(T, &'a [u8]), FormatError> {
     let config = bincode::config::standard().with_limit::<LIMIT>();
     match bincode::serde::decode_from_slice(bytes, config) {

@@ -4,7 +4,7 @@ use crate::skeleton::{NUM_JOINTS, Skeleton};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-/// One frame of motion: 96 bytes.
+/// Frame of motion: 96 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct FrameRow {

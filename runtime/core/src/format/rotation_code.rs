@@ -1,4 +1,4 @@
-//! How the rotations of a frame are packed into 80 bytes.
+//! Packing of the rotations of a frame into 80 bytes.
 //!
 //! Each joint has a field of bits with a number of steps above a lowest value for each of x, y and z of its quaternion,
 //! relative to a rotation in the middle of all that the joint does; w follows from unit length. Where no middle keeps w
@@ -28,7 +28,7 @@ const WIDE_W: f32 = 0.5;
 const LEAST_DOT: f32 = -0.25;
 /// Curves through rows of unit length come nearer to zero than this by cancelling each other out.
 const LEAST_SQUARE: f32 = 1e-12;
-/// How far what a hand, a toe or the head turns counts as lying from it (m): little, since no joint hangs on them.
+/// Distance that a hand, a toe or the head counts for where nothing hangs on the joint (m): small.
 const TIP_M: f32 = 0.03;
 
 /// The field of one joint.
@@ -39,7 +39,7 @@ pub struct JointCode {
     pub centre: [f32; 4],
     /// Lowest value of x, y, z and w.
     pub low: [f32; 4],
-    /// Of x, y, z and w (>= 0).
+    /// Step of x, y, z and w (>= 0).
     pub step: [f32; 4],
     /// First bit of the field (0 to 640).
     pub at: u32,
@@ -112,9 +112,9 @@ impl JointCode {
         !self.stores_w() || self.coded(row).dot(self.coded(next)) > LEAST_DOT
     }
 
-    /// Puts a rotation into its field, as near as it goes.
+    /// Writes a rotation into its field, as exactly as possible.
     ///
-    /// - `before`: its neighbour; on the same side as this where w is stored.
+    /// - `before`: the rotation of the frame before; this one is put on the same side where w is stored.
     fn put(&self, rotation: Quat, before: Option<&FrameRow>, row: &mut FrameRow) {
         let mut coded = maths::compose(Quat::from_array(self.centre).conjugate(), rotation);
         let other_side = match before {
@@ -141,12 +141,12 @@ impl JointCode {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct RotationCode {
-    /// One field a joint (NUM_JOINTS).
+    /// Code of each joint (NUM_JOINTS).
     pub joints: [JointCode; NUM_JOINTS],
 }
 
 impl RotationCode {
-    /// The code of the rest pose: whatever is in a row, its rotations are identities.
+    /// Code of the rest pose: its rotations are identities for any row.
     pub fn rest() -> Self {
         Self::fit(&Skeleton::default(), 0, |_, _| Quat::IDENTITY)
     }
@@ -161,9 +161,9 @@ impl RotationCode {
         code
     }
 
-    /// As [`RotationCode::fit`], which has no more than the rotations of one joint in memory.
+    /// Fits a code as [`RotationCode::fit`] does, with the rotations of no more than one joint in memory.
     ///
-    /// - `of_joint`: its rotations in all frames; asked once for every joint, in their order.
+    /// - `of_joint`: its rotations in all frames; called once for every joint, in their order.
     ///
     /// # Errors
     /// Those of `of_joint`.
@@ -209,7 +209,7 @@ impl RotationCode {
     /// Packs the rotations of a frame.
     ///
     /// - `before`: the frame before it in the clip.
-    /// - `row`: whose rotations are set.
+    /// - `row`: the row that receives the rotations.
     pub fn encode(&self, local: &[Quat; NUM_JOINTS], before: Option<&FrameRow>, row: &mut FrameRow) {
         let (mut wanted, mut shown) = (*local, *local);
         for (j, code) in self.joints.iter().enumerate() {
@@ -290,8 +290,8 @@ fn word(row: &FrameRow, byte: usize) -> u64 {
     u64::from_le_bytes(*bytes)
 }
 
-/// The middle and the lowest and widest of each component, as a code without bits whose steps are whole ranges; and the
-/// smallest w of what derives it (1 where it is stored).
+/// Centre, lowest value and range of each component, as a code without bits whose steps are whole ranges; and the
+/// smallest w that is derived (1 where w is stored).
 fn ranges_of(rotations: &[Quat]) -> (JointCode, f32) {
     let (centre, least) = centre(rotations);
     let stores_w = least < LEAST_W;
@@ -341,7 +341,7 @@ fn centre(rotations: &[Quat]) -> (Quat, f32) {
     best
 }
 
-/// How far what a joint turns lies from it: its longest bone (m).
+/// Largest distance of the parts that a joint turns: its longest segment (m).
 fn reaches(skeleton: &Skeleton) -> [f32; NUM_JOINTS] {
     let mut reach = [TIP_M; NUM_JOINTS];
     for j in Joint::ALL {

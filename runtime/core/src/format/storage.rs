@@ -59,15 +59,15 @@ pub enum Storage {
 }
 
 impl Storage {
-    /// Reads a file into read-only pages of this process. Whatever happens to the file afterwards does not reach them.
-    /// Of a file whose header is damaged or none, which is refused for that, no more than the header is read.
+    /// Reads a file into read-only pages of this process, which later changes of the file do not reach. A file whose
+    /// header is missing or damaged is refused after its header alone.
     ///
-    /// - `what`: what the file holds, with its article, for messages ("a bundle").
+    /// - `what`: content of the file, with its article, for messages ("a bundle").
     ///
     /// # Errors
-    /// [`FormatError::Io`] where it cannot be read, [`FormatError::File`] for what is no regular file,
-    /// [`FormatError::Length`] for an empty one, for one whose header gives another length, and for one that is cut short
-    /// meanwhile.
+    /// [`FormatError::Io`] where it cannot be read, [`FormatError::File`] for anything but a regular file,
+    /// [`FormatError::Length`] for an empty one, for one whose header gives another length, and for one that is cut
+    /// short meanwhile.
     pub fn read(path: &Path, what: &str) -> Result<Self, FormatError> {
         let io = |source| FormatError::Io { path: path.to_path_buf(), source };
         let (mut file, length) = open(path, what)?;
@@ -94,14 +94,15 @@ impl Storage {
         Ok(Self::Mapped(pages.make_read_only().map_err(io)?))
     }
 
-    /// Maps a file: pages come in as they are touched, and all processes that map it share them.
+    /// Maps a file: pages are loaded when they are touched, and all processes that map it share them.
     ///
     /// # Errors
     /// As [`Storage::read`].
     ///
     /// # Safety
-    /// For as long as the storage or a [`super::Table`] of it lives, nobody writes into the file or cuts it short, in this
-    /// process or another. A file that is replaced by renaming another one over it stays whole for those that map it.
+    /// For as long as the storage or a [`super::Table`] of it lives, the file must not be written into or cut short, in
+    /// this process or another. A file that is replaced by renaming another one over it stays whole for processes that
+    /// map it.
     pub unsafe fn map(path: &Path, what: &str) -> Result<Self, FormatError> {
         let (file, _) = open(path, what)?;
         // SAFETY: the caller promises that the bytes do not change.
@@ -109,7 +110,7 @@ impl Storage {
         map.map(Self::Mapped).map_err(|source| FormatError::Io { path: path.to_path_buf(), source })
     }
 
-    /// All bytes.
+    /// Bytes of the whole file.
     pub fn bytes(&self) -> &[u8] {
         match self {
             Self::Mapped(m) => m,

@@ -1,4 +1,4 @@
-//! Rows of a file that stay readable for as long as somebody holds them.
+//! Tables: rows of a file that stay readable for as long as they are held.
 #![allow(unsafe_code)]
 
 use super::Storage;
@@ -25,7 +25,7 @@ unsafe impl<T: Send + Sync> Send for Table<T> {}
 unsafe impl<T: Send + Sync> Sync for Table<T> {}
 
 impl<T> Table<T> {
-    /// The rows in a range of bytes of a file, whose bounds and element size were checked.
+    /// Table of the rows in a range of bytes of a file, whose bounds and element size were checked.
     pub fn of_file(storage: &Arc<Storage>, bytes: &Range<usize>) -> Self
     where
         T: Pod,
@@ -34,7 +34,7 @@ impl<T> Table<T> {
         Self { first: NonNull::from(rows).cast(), len: rows.len(), keep: Some(storage.clone()) }
     }
 
-    /// Some of the rows, or none where they are not all there.
+    /// Table of a range of the rows, or none where the range is out of bounds.
     pub fn part(&self, rows: Range<usize>) -> Option<Self> {
         let rows = self.get(rows)?;
         Some(Self { first: NonNull::from(rows).cast(), len: rows.len(), keep: self.keep.clone() })

@@ -1,4 +1,4 @@
-//! Lays sections out as a bundle.
+//! Writer of bundles: arranges sections in a file.
 
 use super::{ALIGN, Header, Kind, Section, Tag, crc32, crc32_of};
 use bytemuck::{Pod, Zeroable};
@@ -36,12 +36,12 @@ impl<'a> BundleWriter<'a> {
         self.section_bytes::<T>(tag, bytemuck::cast_slice(records).to_vec());
     }
 
-    /// As [`BundleWriter::section`], of records of which the bytes are there already.
+    /// Adds a section of records that are bytes already, see [`BundleWriter::section`].
     pub fn section_bytes<T: Pod>(&mut self, tag: Tag, records: Vec<u8>) {
         self.sections.push(Parts { tag, elem_size: size_of::<T>() as u32, bytes: vec![records.into()] });
     }
 
-    /// As [`BundleWriter::section`], of records in several slices, of which no copy is made.
+    /// Adds a section of records in several slices, without a copy, see [`BundleWriter::section`].
     pub fn section_of<T: Pod>(&mut self, tag: Tag, records: impl Iterator<Item = &'a [T]>) {
         let bytes = records.map(|records| bytemuck::cast_slice(records).into()).collect();
         self.sections.push(Parts { tag, elem_size: size_of::<T>() as u32, bytes });
@@ -61,7 +61,7 @@ impl<'a> BundleWriter<'a> {
         self.write_kind(out, Kind::BUNDLE)
     }
 
-    /// The same of a file of another kind.
+    /// Writes a file of another kind.
     pub fn write_kind(&self, out: &mut impl Write, kind: Kind) -> io::Result<()> {
         let mut end = (size_of::<Header>() + self.sections.len() * size_of::<Section>()) as u64;
         let mut table = Vec::with_capacity(self.sections.len());

@@ -18,7 +18,7 @@ pub struct Patches {
     pub cells: Table<CellRecord>,
     /// Links of all patches.
     pub links: Table<LinkRecord>,
-    /// What two people do together, ascending.
+    /// Pairs of links for two people, ascending.
     pub pairs: Table<PairRecord>,
 }
 

@@ -4,12 +4,12 @@ use crate::placement::Placement;
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 
-/// Stands where there is no cell, edge or instance.
+/// Marks an absent cell, edge or instance.
 pub const NONE: u32 = u32::MAX;
 
-/// A patch that is laid over its units' places and connects to others where they overlap.
+/// Kind of a patch that is placed over the places of its units and connects to others where they overlap.
 pub const KIND_BLOCK: u32 = 0;
-/// A patch that is laid side by side with copies of itself and connects to them across its edges.
+/// Kind of a patch that is placed side by side with copies of itself and connects to them across its edges.
 pub const KIND_TILE: u32 = 1;
 
 /// One motion patch: a building block and the motion embedded in it, as a graph of cells and links (Lee, Choi and Lee 2006, sections 4, 6).
@@ -45,13 +45,13 @@ pub struct PatchRecord {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(C)]
 pub struct EdgeRecord {
-    /// Where the neighbour across it stands, as seen from the tile; its heading is 0 (m).
+    /// Position of the neighbour across the edge, relative to the tile; its heading is 0 (m).
     pub step: [f32; 3],
     /// The opposite edge, within the patch: what leaves across this one enters the neighbour across that one.
     pub opposite: u32,
 }
 
-/// Where links of a patch meet: places, headings and poses that are alike.
+/// Meeting point of a patch's links: alike places, headings and poses.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(C)]
 pub struct CellRecord {
@@ -106,8 +106,8 @@ pub struct LinkRecord {
     pub frame: u32,
     /// Frames played (> 0).
     pub num_frames: u16,
-    /// What it shows: 0 nothing in particular, else 1 + index into [`crate::format::Meta::link_tags`]; with
-    /// [`LinkRecord::FOR_TWO`] where it is one side of a [`PairRecord`].
+    /// Tag of the action that it shows: 0 for none, else 1 + index into [`crate::format::Meta::link_tags`]; with
+    /// [`LinkRecord::FOR_TWO`] for one side of a [`PairRecord`].
     pub tag: u16,
     /// Planar root of the first frame in the patch's frame; y is the height of the clip's ground.
     pub start: Placement,
@@ -118,7 +118,7 @@ pub struct LinkRecord {
 const _: () = assert!(size_of::<LinkRecord>() == 48);
 
 impl LinkRecord {
-    /// Bit of a tag: two people do this together. Nobody takes such a link alone.
+    /// Bit of a tag of an action of two people, whose links are never taken by one alone.
     pub const FOR_TWO: u16 = 1 << 15;
 
     /// True for one side of what two people do together.
@@ -127,8 +127,8 @@ impl LinkRecord {
     }
 }
 
-/// What two people do together across an edge of a tile, as they were captured together: one plays a link of the tile, the
-/// other one at the same time a link of the copy beyond the edge.
+/// Joint action of two people across an edge of a tile, as they were captured together: one plays a link of the tile,
+/// the partner at the same time a link of the copy beyond the edge.
 ///
 /// Both links have the same number of frames and the same tag, with [`LinkRecord::FOR_TWO`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable, Serialize, Deserialize)]
@@ -136,10 +136,10 @@ impl LinkRecord {
 pub struct PairRecord {
     /// Number of the patch: a tile.
     pub patch: u32,
-    /// Edge, within the patch, beyond which the other one is.
+    /// Edge, within the patch, beyond which the partner is.
     pub edge: u32,
-    /// The link of the one who is in the tile, within the patch.
+    /// Link of the person in the tile, within the patch.
     pub link: u32,
-    /// The link of the other one, within the patch.
+    /// Link of the partner, within the patch.
     pub partner_link: u32,
 }

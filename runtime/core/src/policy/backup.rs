@@ -110,7 +110,7 @@ impl PolicyTable {
 /// Eight targets on the ground, in the frame of a segment's start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GroundTargets {
-    /// To the left (m).
+    /// Coordinate to the left (m).
     pub x: [f32; LANES],
     /// Ahead (m).
     pub z: [f32; LANES],

@@ -17,7 +17,7 @@ pub struct BestActionJob<'a> {
     pub states: &'a [u32],
     /// Target of each character in its own frame: +Z ahead, +X left (m).
     pub targets: &'a [Vec3],
-    /// Which choice to take, 0 for the best; the best one if there is no such choice.
+    /// Rank of the choice to take, 0 for the best; the best one if there is no such choice.
     pub choice: u8,
     /// Output: action as an index within the state's actions.
     pub actions: &'a mut [u8],

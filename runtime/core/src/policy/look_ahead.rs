@@ -9,7 +9,7 @@ use throng_base::error::{check, check_index, check_length};
 use throng_base::simd::{LANES, Lanes, Work, dispatch};
 use throng_base::{Error, Id, Result};
 
-/// One behaviour of a look-ahead.
+/// Goal of a look-ahead: one behaviour.
 #[derive(Clone, Copy, Debug)]
 pub struct Goal<'a> {
     /// The behaviour's policy.
@@ -99,7 +99,7 @@ impl Work for LookAheadJob<'_> {
 /// Groups of eight actions a state may have.
 pub(super) const MAX_GROUPS: usize = MAX_ACTIONS.div_ceil(LANES);
 
-/// What all actions of a query share.
+/// Values of one query, shared by all its actions.
 #[derive(Clone, Copy)]
 struct Query {
     /// The target in grid coordinates; a look-ahead has clamped it to the grid.
@@ -218,8 +218,8 @@ impl PolicyTable {
         self.scores_at(state, self.grid.clamp(self.to_grid(target)), scores)
     }
 
-    /// As [`Self::action_scores`], but a target beyond the grid is not clamped: rewards are exact, and values fall with
-    /// the distance from the grid.
+    /// Scores all actions as [`Self::action_scores`] does, without clamping a target beyond the grid: rewards are
+    /// exact, and values fall with the distance from the grid.
     ///
     /// - `target`: the time left in a space-time grid is not negative.
     ///

@@ -67,7 +67,7 @@ pub fn nearest_index(t: f32, last: u32) -> u32 {
 mod tests {
     use super::*;
 
-    /// Miri is slow: it looks at one number in so many.
+    /// Miri is slow: only every STEP-th number is tested.
     const STEP: usize = if cfg!(miri) { 1999 } else { 1 };
 
     #[test]

@@ -63,7 +63,7 @@ impl RankedActions {
     /// likely than the best.
     ///
     /// - `temperature`: 0 always gives the best (>= 0).
-    /// - `random`: uniform, the caller's (0 to 1).
+    /// - `random`: a uniform random number from the caller (0 to 1).
     pub fn choose(&self, temperature: f32, random: f32) -> u8 {
         let unit = temperature * self.scores[0].abs();
         if unit.is_nan() || unit <= 0.0 {

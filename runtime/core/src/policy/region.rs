@@ -1,4 +1,4 @@
-//! Where a behaviour is active.
+//! Active region of a behaviour.
 
 use super::maths::angle_of;
 use bytemuck::{Pod, Zeroable};
@@ -29,7 +29,7 @@ impl Default for RegionRecord {
 }
 
 impl RegionRecord {
-    /// All targets.
+    /// Region that holds all targets.
     pub const EVERYWHERE: Self = Self { distance: [0.0, 1e6], angle: [-PI, PI], height: [-1e6, 1e6] };
 
     /// Checks the bounds.

@@ -36,9 +36,9 @@ pub struct RewardRecord {
     pub gain: f32,
     /// Height of the target on a space-time grid, where a target's Y is the time left (m).
     pub height: f32,
-    /// What a transition costs: an action is worth `exp(-transition_cost * distance^2)` of what it were without, for the
-    /// distance between the frame it leaves and the one it goes on from (1/rad^2, >= 0; 0 where gain is negative).
-    /// Acceleration grows with the distance, and far transitions are worse than two near ones.
+    /// Cost of a transition: the value of an action is multiplied by `exp(-transition_cost * distance^2)`, for the
+    /// distance between the frame it leaves and the frame it goes on from (1/rad^2, >= 0; 0 where gain is negative).
+    /// Acceleration grows with the distance, and one far transition is worse than two near ones.
     pub transition_cost: f32,
     /// Zero.
     pub reserved: u32,
@@ -121,7 +121,7 @@ impl Reward {
         F::select_lt(F::splat(1.0), ratio, F::splat(0.0), F::splat(1.0))
     }
 
-    /// What a transition leaves of an action's score, see [`RewardRecord::transition_cost`].
+    /// Factor on an action's score after a transition, see [`RewardRecord::transition_cost`].
     ///
     /// - `distance`: between the frames it joins (rad, >= 0).
     #[inline(always)]

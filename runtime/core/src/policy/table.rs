@@ -23,9 +23,9 @@ pub const MAX_ACTIONS: usize = 255;
 pub struct PolicyRecord {
     /// Grid of the target; in an adaptive policy the finest one.
     pub grid: GridRecord,
-    /// How the samples of a [`SegmentRecord`] become a reward.
+    /// Reward of the samples of a [`SegmentRecord`].
     pub reward: RewardRecord,
-    /// Where the behaviour is active.
+    /// Active region of the behaviour.
     pub region: RegionRecord,
     /// Centre of the grid in the character's frame: x, z (m).
     pub centre: [f32; 2],
@@ -50,7 +50,7 @@ pub struct PolicyRecord {
 }
 const _: () = assert!(size_of::<PolicyRecord>() == 144);
 
-/// What a policy stores of a segment, one cache line. Actions of many states share a segment.
+/// Data of a segment in a policy, one cache line. Actions of many states share a segment.
 ///
 /// Positions and the displacement are relative to the grid's centre, [`PolicyRecord::centre`].
 #[repr(C)]
@@ -174,9 +174,9 @@ impl ActionTable {
 pub struct PolicySlices {
     /// Motion of each segment (num_segments).
     pub segments: Table<SegmentRecord>,
-    /// On a space-time grid, the path of the guarded point over each segment (num_segments, 0 on other grids).
+    /// Path of the guarded point over each segment, on a space-time grid (num_segments, 0 on other grids).
     pub paths: Table<PathRecord>,
-    /// In an adaptive policy, the resolution of each state (num_states, 0 in other policies).
+    /// Resolution of each state, in an adaptive policy (num_states, 0 in other policies).
     pub state_grids: Table<StateGridRecord>,
     /// Value of each (state, cell) (num_states * num_cells, or the cells of all state grids).
     pub values: Table<f32>,
@@ -267,7 +267,7 @@ impl PolicyTable {
         &self.reward
     }
 
-    /// Where the behaviour is active, in the character's frame.
+    /// Active region of the behaviour, in the character's frame.
     pub fn region(&self) -> &RegionRecord {
         &self.region
     }
@@ -309,7 +309,7 @@ impl PolicyTable {
         &self.segments
     }
 
-    /// On a space-time grid, the path of the guarded point over each segment; else empty.
+    /// Path of the guarded point over each segment, on a space-time grid; else empty.
     pub fn paths(&self) -> &[PathRecord] {
         &self.paths
     }

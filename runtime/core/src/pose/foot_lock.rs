@@ -1,8 +1,8 @@
 //! Feet that do not slide: while a part of a foot is planted, its motion over the ground is taken away.
 //!
-//! Each foot carries two corrections in world space: of where its ankle is, and of the way from there to its toe. While
-//! heel or toe is planted, corrections change by the opposite of what the planted part moved since the last step, so that
-//! both stay where they are; what nothing holds decays. There is no moment at which anything jumps. The leg reaches the
+//! Each foot carries two corrections in world space: of its ankle, and of the vector from there to its toe. While heel
+//! or toe is planted, corrections change by the opposite of the motion of the planted part since the last step, so that
+//! both stay where they are; free corrections decay. There is no moment at which anything jumps. The leg reaches the
 //! corrected ankle by analytic inverse kinematics, and the foot turns about it.
 
 use super::hierarchy::ModelPose;
@@ -12,22 +12,22 @@ use super::placement::Placement;
 use throng_base::maths;
 use throng_base::simd::{LANES, Lanes, V};
 
-/// How feet are locked.
+/// Settings of the foot lock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FootLockConfig {
     /// False leaves the feet as the clips and transitions move them.
     pub enabled: bool,
     /// Time in which the correction of a foot in the air halves (s, > 0).
     pub half_life_s: f32,
-    /// The same for a planted foot, over the ground: slow enough not to be seen, so that a character that stands
-    /// for long comes back to how its clips stand (s, > 0).
+    /// Half-life of the correction of a planted foot, over the ground: slow enough not to be visible, so that a
+    /// character that stands for long returns to the stance of its clips (s, > 0).
     pub planted_half_life_s: f32,
     /// Fastest that a planted foot comes back, over the ground (m/s, > 0).
     pub planted_return_mps: f32,
     /// Largest horizontal correction; a foot that would need more slides (m).
     pub max_correction_m: f32,
-    /// How high over the ground the toe of a foot in the air passes at least where it is fast: transitions would let it
-    /// skim the ground. 0 leaves it where it is (m, >= 0).
+    /// Smallest height over the ground of the toe of a foot in the air while it is fast: transitions would let it skim
+    /// the ground. 0 leaves it as it is (m, >= 0).
     pub swing_clearance_m: f32,
 }
 
@@ -47,11 +47,11 @@ impl Default for FootLockConfig {
 /// Time in which the vertical correction of a planted foot halves, and its turn where heel or toe alone is planted (s).
 const PLANTED_HEIGHT_HALF_LIFE_S: f32 = 0.3;
 
-/// Fastest that the correction of a foot in the air goes, over the ground (m/s).
+/// Largest speed of the correction of a foot in the air, over the ground (m/s).
 const RELEASED_MPS: f32 = 1.2;
 
-/// Largest correction of the way from ankle to toe, as a share of it: a foot that would turn by more than about 30 degrees
-/// slides.
+/// Largest correction of the vector from ankle to toe, as a share of it: a foot that would turn by more than about 30
+/// degrees slides.
 const MAX_TURN: f32 = 0.5;
 
 /// Speed over the ground at which a toe begins to clear it, and at which it clears it wholly (m/s).
@@ -63,11 +63,11 @@ const RAISED_MPS: f32 = 0.8;
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize, bytemuck::Zeroable)]
 #[repr(C)]
 pub(crate) struct FootLock {
-    /// What is added to the foot's position, in world space (m).
+    /// Correction of the foot's position, in world space (m).
     pub correction: Lane3,
-    /// What is added to the way from ankle to toe, in world space (m).
+    /// Correction of the vector from ankle to toe, in world space (m).
     pub turn: Lane3,
-    /// Where ankle and toe were sampled at the last step, in world space (m).
+    /// Sampled positions of ankle and toe at the last step, in world space (m).
     pub ankle: Lane3,
     pub toe: Lane3,
     /// 1 where heel, toe were planted at the last step, else 0.
@@ -86,17 +86,17 @@ impl FootLock {
     };
 }
 
-/// What a tick does to every lock.
+/// Effect of a tick on every lock.
 pub(crate) struct LockStep {
     /// Shares of a correction that are left in the air, of a planted foot, and of its height.
     in_air: f32,
     planted: f32,
     height: f32,
-    /// Farthest that a planted foot and one in the air come back, and that a toe is raised (m).
+    /// Largest displacements in a tick by which a planted foot and one in the air come back, and a toe is raised (m).
     returned: f32,
     released: f32,
     raised: f32,
-    /// Ways over the ground from and at which a toe clears it (m).
+    /// Distances over the ground in a tick from which a toe begins to clear it and from which it wholly does (m).
     swing: [f32; 2],
     max_correction: f32,
     clearance: f32,
@@ -118,10 +118,10 @@ impl LockStep {
         }
     }
 
-    /// A correction a tick later. Over the ground what is held comes back slowly, and what is free, fast; neither goes
-    /// beyond the limit.
+    /// A correction a tick later. Over the ground, that of a planted foot comes back slowly, and a free one fast;
+    /// neither exceeds the limit.
     ///
-    /// - `free`: share that is left of what nothing holds.
+    /// - `free`: share of a free correction that remains.
     ///
     /// A function and no closure: those are compiled without the processor's vectors.
     #[inline(always)]
@@ -131,7 +131,7 @@ impl LockStep {
         let slow = (length * F::splat(self.planted)).max(length - F::splat(self.returned));
         let fast = (length * free).max(length - F::splat(self.released));
         let scale = F::select_lt(is_held, half, fast, slow).min(limit) / length.max(F::splat(1e-9));
-        // A held foot eases to the height that its clip has it at.
+        // A planted foot eases to its height in the clip.
         V { x: v.x * scale, y: v.y * F::select_lt(is_held, half, free, F::splat(self.height)), z: v.z * scale }
     }
 }
@@ -161,7 +161,7 @@ pub(crate) fn lock_foot<F: Lanes>(
     }
 }
 
-/// The corrections of the ankle, and of the way from there to the toe.
+/// Corrections of the ankle, and of the vector from there to the toe.
 #[inline(always)]
 fn update<F: Lanes>(
     leg: &Leg,
@@ -179,7 +179,8 @@ fn update<F: Lanes>(
     let held = hold_heel.max(hold_toe);
     let (ankle_moved, toe_moved) = (ankle - load(&lock.ankle), toe - load(&lock.toe));
 
-    // Where both parts hold, the way between them does; about one that holds, the foot turns back gently.
+    // Where both parts are planted, the vector between them is kept; about a single planted part, the foot turns back
+    // gently.
     let both = hold_heel * hold_toe;
     let (was, old_turn) = (load(&lock.correction), load(&lock.turn));
     let (in_air, way) = (F::splat(step.in_air), toe - ankle);

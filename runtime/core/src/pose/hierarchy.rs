@@ -1,4 +1,4 @@
-//! From local rotations to model space, for eight characters, and out into matrices.
+//! Transform hierarchy: from local rotations to model space, for eight characters, and on to matrices.
 
 use super::matrix::{LocalTransform, Mat3x4};
 use super::sample::LanePose;
@@ -31,7 +31,7 @@ pub(crate) struct ModelPose<F> {
     pub positions: [V<F>; NUM_JOINTS],
 }
 
-/// Applies the hierarchy; `offset` tells how far each joint lies from its parent in rest pose.
+/// Applies the hierarchy; `offset` returns the position of each joint relative to its parent in rest pose.
 #[inline(always)]
 pub(crate) fn to_model<F: Lanes>(offset: impl Fn(usize) -> V<F>, pose: LanePose<F>) -> ModelPose<F> {
     let LanePose { root, mut rotations } = pose;

@@ -14,7 +14,7 @@ pub(crate) fn get(v: &Lane3, lane: usize) -> Vec3 {
     Vec3::new(v[0][lane], v[1][lane], v[2][lane])
 }
 
-/// Puts the vector of one lane.
+/// Writes the vector of one lane.
 pub(crate) fn set(v: &mut Lane3, lane: usize, to: Vec3) {
     for (axis, value) in v.iter_mut().zip(to.to_array()) {
         axis[lane] = value;

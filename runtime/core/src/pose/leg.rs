@@ -43,10 +43,10 @@ impl Leg {
     }
 }
 
-/// Where the knee of a leg (or the elbow of an arm) lies that begins at `start` and ends `d` away in a direction.
+/// Position of the knee of a leg (or the elbow of an arm) that begins at `start` and ends `d` away in a direction.
 ///
 /// - `lengths`: of the upper and the lower part (m).
-/// - `pole`: where the knee points; along the direction it is free.
+/// - `pole`: direction of the knee; its component along the leg has no effect.
 #[inline(always)]
 pub(crate) fn bend<F: Lanes>(start: V<F>, direction: V<F>, d: F, [l1, l2]: [F; 2], pole: V<F>) -> V<F> {
     let pole = pole - direction * pole.dot(direction);
@@ -88,7 +88,7 @@ pub(crate) fn move_leg<F: Lanes>(leg: &Leg, correction: V<F>, pose: &mut ModelPo
     pose.positions[leg.foot] = chosen_v(amount, ankle, new_ankle);
 }
 
-/// Turns the foot about its ankle by what changes the way to its toe by `turn` (model space).
+/// Turns the foot about its ankle, so that the vector to its toe changes by `turn` (model space).
 #[inline(always)]
 pub(crate) fn turn_foot<F: Lanes>(leg: &Leg, turn: V<F>, pose: &mut ModelPose<F>) {
     let (ankle, toe) = (pose.positions[leg.foot], pose.positions[leg.toe]);
@@ -100,13 +100,13 @@ pub(crate) fn turn_foot<F: Lanes>(leg: &Leg, turn: V<F>, pose: &mut ModelPose<F>
     pose.positions[leg.toe] = chosen_v(amount, toe, toe + turn);
 }
 
-/// `new` where a correction is one (m^2).
+/// Vector `new` where the correction is not negligible, else `old` (`amount`: m^2).
 #[inline(always)]
 fn chosen_v<F: Lanes>(amount: F, old: V<F>, new: V<F>) -> V<F> {
     V::select_lt(F::splat(NO_CORRECTION), amount, new, old)
 }
 
-/// Likewise.
+/// Rotation `new` where the correction is not negligible, else `old` (`amount`: m^2).
 #[inline(always)]
 fn chosen_q<F: Lanes>(amount: F, old: Q<F>, new: Q<F>) -> Q<F> {
     Q::new(chosen_v(amount, old.v, new.v), F::select_lt(F::splat(NO_CORRECTION), amount, new.w, old.w))

@@ -23,7 +23,7 @@ impl Mat3x4 {
         Self { rows: [row(m.x_axis, translation.x), row(m.y_axis, translation.y), row(m.z_axis, translation.z)] }
     }
 
-    /// The same as a 4x4 matrix.
+    /// The matrix as a 4x4 matrix.
     pub fn to_mat4(&self) -> Mat4 {
         let [a, b, c] = self.rows;
         Mat4::from_cols_array_2d(&[a, b, c, [0.0, 0.0, 0.0, 1.0]]).transpose()

@@ -1,4 +1,4 @@
-//! Where characters stand: from model space to the world and back.
+//! Placement of eight characters: from model space to the world and back.
 
 use throng_base::simd::{Lanes, V};
 

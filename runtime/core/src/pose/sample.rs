@@ -10,29 +10,29 @@ use throng_base::simd::{Array, LANES, Lanes, Q, V};
 /// Rows that a pose is made of.
 pub(crate) const WINDOW: usize = 4;
 
-/// Where eight characters are in the database.
+/// Frame rows and weights of eight characters.
 pub(crate) struct Cursor<'a, F> {
     /// Rows that follow each other, of each.
     pub rows: [&'a [FrameRow; WINDOW]; LANES],
-    /// How their rotations are packed.
+    /// Code by which the rotations are packed.
     pub code: &'a RotationCode,
     /// Weights of the rows; they add up to 1.
     pub weights: [F; WINDOW],
 }
 
-/// Where one character is.
+/// Position of one character in the database: a frame row and the ratio to the next.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Spot {
     /// The row at or before.
     pub frame: usize,
-    /// How far to the next row, 0 to 1.
+    /// Ratio to the next row, 0 to 1.
     pub ratio: f32,
     /// True where the clip has a row before, and one after the next.
     pub has: [bool; 2],
 }
 
 impl Spot {
-    /// First row of a window of those that count, and their weights in it.
+    /// First row of a window that covers all rows with a weight, and the weights in the window.
     ///
     /// - `num_rows`: of the database (>= 4).
     /// - `weights`: of the row before, the rows here and next, and the one after.
@@ -64,7 +64,7 @@ fn weights<F: Lanes>(ratio: F) -> [F; WINDOW] {
 }
 
 impl<'a, F: Lanes> Cursor<'a, F> {
-    /// At eight places in the rows of a database (frames.len() >= 4).
+    /// Cursor at eight positions in the rows of a database (frames.len() >= 4).
     #[inline(always)]
     pub fn at(spots: &[Spot; LANES], frames: &'a [FrameRow], code: &'a RotationCode) -> Self {
         let mut ratio = [0.0; LANES];
@@ -120,7 +120,7 @@ fn window_at(frames: &[FrameRow], first: usize) -> &[FrameRow; WINDOW] {
     rows.try_into().unwrap_or_else(|_| unreachable!("it is as long as a window"))
 }
 
-/// Where a place is one number: the same weights.
+/// Samples a single number of the rows, with the same weights.
 pub(crate) fn number(spot: Spot, num_rows: usize, of: impl Fn(usize) -> f32) -> f32 {
     let inside = weights(Array::splat(spot.ratio)).map(|w| w.to_array()[0]);
     let (first, weights) = match spot.has {
@@ -156,7 +156,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Weights by the four cubics as they are printed, with missing points put in.
+    /// Weights by the four cubics as printed, with missing points filled in.
     fn plain(t: f32, has: [bool; 2]) -> [f32; 4] {
         let (t2, t3) = (t * t, t * t * t);
         let w = [t2 - 0.5 * t - 0.5 * t3, 1.0 - 2.5 * t2 + 1.5 * t3, 0.5 * t + 2.0 * t2 - 1.5 * t3, 0.5 * (t3 - t2)];

@@ -1,8 +1,8 @@
-//! Reservations: the ground that everybody needs until the end of what they do and for the stop that may follow.
+//! Reservations: the ground that every character needs until the end of its action and for the stop that may follow.
 //!
-//! Whoever takes a new path takes one that meets no other. All paths end in a place to stay at for good, so that nobody
-//! ever has to leave the path they have: whatever anybody wants, no two discs overlap (the argument of the event-driven
-//! crowds of Kim, Kim and Shin 2003, section 2, for motion that cannot be stopped at once).
+//! A new path may be taken only if it meets no other one. All paths end in a place to stay at for good, so that no
+//! character ever has to leave its path: no two discs overlap, whatever the characters choose (the argument of the
+//! event-driven crowds of Kim, Kim and Shin 2003, section 2, for motion that cannot be stopped at once).
 
 mod path;
 
@@ -13,9 +13,9 @@ pub use throng_base::ground::{Bounds, Held, Outsider, Outsiders, Rod};
 
 const NONE: u32 = u32::MAX;
 
-/// The paths of all who are on the ground, by number.
+/// Paths of all characters on the ground, by number.
 ///
-/// All memory is allocated in [`Reservations::with_capacity`], but for walls.
+/// All memory is allocated in [`Reservations::with_capacity`], except for walls.
 #[derive(Clone, Debug)]
 pub struct Reservations {
     /// Most nodes of a path.
@@ -25,7 +25,7 @@ pub struct Reservations {
     grid: BoxGrid,
     walls: Vec<(Rod, Bounds)>,
     outsiders: Outsiders,
-    /// How far members of one group may come into each other's discs (m).
+    /// Depth to which the discs of members of one group may overlap (m).
     group_depth_m: f32,
 }
 
@@ -33,7 +33,7 @@ pub struct Reservations {
 struct Slot {
     num_nodes: u32,
     elapsed_s: f32,
-    /// Those of one group may come nearer to each other.
+    /// Group, whose members may come nearer to each other.
     group: u32,
     velocity: Vec2,
 }
@@ -45,12 +45,12 @@ impl Slot {
 /// Paths that touched when they were taken may be found this deep in each other later (m).
 pub const ROUNDING_M: f32 = 0.002;
 
-/// A path that somebody might take.
+/// Path that a character might take.
 #[derive(Clone, Debug, Default)]
 pub struct Path {
-    /// Its nodes, from now on (at least one).
+    /// Nodes of the path, from now on (at least one).
     pub nodes: Vec<PathNode>,
-    /// Where its motion goes on the whole, as others see it (m/s).
+    /// Mean velocity of its motion, for others to avoid (m/s).
     pub velocity: Vec2,
 }
 
@@ -74,41 +74,41 @@ impl Reservations {
         self.room
     }
 
-    /// What stands for good.
+    /// Walls.
     pub fn walls(&self) -> impl Iterator<Item = &Rod> {
         self.walls.iter().map(|w| &w.0)
     }
 
-    /// Replaces what stands for good.
+    /// Replaces the walls.
     pub fn set_walls(&mut self, walls: &[Rod]) {
         self.walls = walls.iter().map(|w| (*w, w.bounds())).collect();
     }
 
-    /// Whom others move.
+    /// External obstacles.
     pub fn outsiders(&self) -> &Outsiders {
         &self.outsiders
     }
 
-    /// As [`Reservations::outsiders`], to say where they are now.
+    /// External obstacles, to update their positions.
     pub fn outsiders_mut(&mut self) -> &mut Outsiders {
         &mut self.outsiders
     }
 
-    /// Takes over walls and outsiders.
+    /// Copies walls and external obstacles.
     pub fn surround_as(&mut self, other: &Self) {
         self.walls.clone_from(&other.walls);
         self.outsiders.clone_from(&other.outsiders);
     }
 
-    /// Nobody is there any more; walls and outsiders stay.
+    /// Removes all paths; walls and external obstacles stay.
     pub fn clear(&mut self) {
         self.slots.fill(Slot::FREE);
         self.grid.clear();
     }
 
-    /// Reserves a path in place of the one before (who < capacity; 1 to `room` nodes).
+    /// Reserves a path in place of the previous one (who < capacity; 1 to `room` nodes).
     ///
-    /// - `elapsed_s`: since it began (s).
+    /// - `elapsed_s`: time since the path began (s).
     pub fn set(&mut self, who: usize, path: &Path, elapsed_s: f32) {
         self.nodes[who * self.room..][..path.nodes.len()].copy_from_slice(&path.nodes);
         let (num_nodes, group) = (path.nodes.len() as u32, self.slots[who].group);
@@ -116,7 +116,7 @@ impl Reservations {
         self.grid.set(who, bounds(&path.nodes));
     }
 
-    /// Gives up a path; its group stays.
+    /// Removes a path; its group stays.
     pub fn remove(&mut self, who: usize) {
         self.slots[who] = Slot { group: self.slots[who].group, ..Slot::FREE };
         self.grid.remove(who);
@@ -127,30 +127,30 @@ impl Reservations {
         self.slots[who].elapsed_s = elapsed_s;
     }
 
-    /// How far members of one group may come into each other's discs (m, >= 0).
+    /// Sets the depth to which the discs of members of one group may overlap (m, >= 0).
     pub fn set_group_depth(&mut self, depth_m: f32) {
         self.group_depth_m = depth_m;
     }
 
-    /// Puts one into a group, whose members may come nearer to each other.
+    /// Moves a character into a group, whose members may come nearer to each other.
     pub fn set_group(&mut self, who: usize, group: Option<u32>) {
         self.slots[who].group = group.unwrap_or(NONE);
     }
 
-    /// The path of one who has one.
+    /// Path of a character that has one.
     pub fn path(&self, who: usize) -> Moving<'_> {
         let slot = &self.slots[who];
         let nodes = &self.nodes[who * self.room..][..slot.num_nodes as usize];
         Moving { nodes, elapsed_s: slot.elapsed_s }
     }
 
-    /// Where the motion of one goes on the whole (m/s).
+    /// Mean velocity of a character's motion (m/s).
     pub fn velocity(&self, who: usize) -> Vec2 {
         self.slots[who].velocity
     }
 
-    /// Calls `found` for everybody else whose path has a place in the box and who is not of the same group, in no order,
-    /// until it returns false.
+    /// Calls `found` for every other character whose path has a place in the box and whose group is another one, in no
+    /// order, until it returns false.
     pub fn near(&self, who: usize, bounds: &Bounds, mut found: impl FnMut(usize) -> bool) {
         self.grid.near(bounds, |at| at == who || self.are_together(who, at) || found(at));
     }
@@ -159,17 +159,17 @@ impl Reservations {
         self.slots[a].group != NONE && self.slots[a].group == self.slots[b].group
     }
 
-    /// True where a path from now on meets no wall, nobody else's path and no ground that an outsider holds. Those of its group
-    /// count where one is not too deep in them as it is.
+    /// True if a path from now on meets no wall, no other path and no region reserved by an external obstacle. Members
+    /// of its group are ignored while it is already too deep inside one of them.
     ///
-    /// - `ago_s`: how long ago now is for the others (s).
+    /// - `ago_s`: time since the start of the path, for the others (s).
     pub fn is_clear(&self, who: usize, path: &Path, ago_s: f32) -> bool {
         let own = Moving { nodes: &path.nodes, elapsed_s: 0.0 };
         let is_deep = || !self.is_apart(who, &self.path(who), 0.0, ROUNDING_M);
         self.meets_none(who, &own, ago_s, 0.0) && (self.is_apart(who, &own, ago_s, 0.0) || is_deep())
     }
 
-    /// True where a path leads no deeper into those of the same group than it may, by more than `slack_m` (m).
+    /// True if a path leads no deeper into members of its group than allowed, within `slack_m` (m).
     fn is_apart(&self, who: usize, own: &Moving<'_>, ago_s: f32, slack_m: f32) -> bool {
         let mut apart = true;
         if self.slots[who].group != NONE && !own.nodes.is_empty() {
@@ -185,7 +185,8 @@ impl Reservations {
         apart
     }
 
-    /// As [`Reservations::is_clear`], for a path that is under way; nobody may come nearer than `room_m`, but of its own group (m).
+    /// True if a path that has begun meets nothing, see [`Reservations::is_clear`]; others, except members of its
+    /// group, must stay `room_m` away (m).
     pub fn meets_none(&self, who: usize, own: &Moving<'_>, ago_s: f32, room_m: f32) -> bool {
         let bounds = bounds(own.nodes);
         if self.walls.iter().any(|(wall, around)| around.meets(&bounds) && own.meets_rod(wall)) {
@@ -237,7 +238,7 @@ mod tests {
             true
         });
         assert_eq!(seen, 0, "they do not turn aside for each other");
-        // One who is too deep in another may go on.
+        // A character that is too deep inside another one may go on.
         book.set(1, &at(0.2), 0.0);
         assert!(book.is_clear(1, &at(0.3), 0.0));
         book.remove(1);

@@ -1,4 +1,4 @@
-//! Where somebody will be: a disc whose centre moves from node to node, evenly in time, and stays at the last one for good.
+//! Predicted path: a disc whose centre moves from node to node, evenly in time, and stays at the last one for good.
 
 use glam::Vec2;
 use throng_base::ground::{Rod, nearest_squared};
@@ -6,9 +6,9 @@ use throng_base::ground::{Rod, nearest_squared};
 /// A place at a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Zeroable)]
 pub struct PathNode {
-    /// Since the path began (s).
+    /// Time since the path began (s).
     pub time_s: f32,
-    /// Where the centre is (m).
+    /// Centre of the disc (m).
     pub place: Vec2,
     /// Radius of the disc from here on (m).
     pub radius_m: f32,
@@ -21,20 +21,20 @@ impl PathNode {
     }
 }
 
-/// A path that is under way (at least one node).
+/// Path that has begun (at least one node).
 #[derive(Clone, Copy, Debug)]
 pub struct Moving<'a> {
-    /// Its nodes, ascending in time.
+    /// Nodes of the path, ascending in time.
     pub nodes: &'a [PathNode],
     /// Time since it began (s).
     pub elapsed_s: f32,
 }
 
-/// Nodes that one rod of held ground is about, at most.
+/// Most nodes that one capsule of a reserved region encloses.
 const HELD_NODES: usize = 6;
 
 impl Moving<'_> {
-    /// Most rods of ground that a path of so many nodes holds.
+    /// Largest number of capsules that a path of so many nodes reserves.
     pub fn most_held(nodes: usize) -> usize {
         nodes.div_ceil(HELD_NODES)
     }
@@ -44,7 +44,7 @@ impl Moving<'_> {
         self.nodes.partition_point(|n| n.time_s <= time_s).saturating_sub(1)
     }
 
-    /// Where it is at a time since it began, which is after a node and not after the next one (s, m).
+    /// Position at a time since the path began, which is after a node and not after the next one (s, m).
     fn at(&self, node: usize, time_s: f32) -> Vec2 {
         let from = self.nodes[node];
         match self.nodes.get(node + 1) {
@@ -55,7 +55,7 @@ impl Moving<'_> {
         }
     }
 
-    /// Where it is now (m).
+    /// Position now (m).
     pub fn now(&self) -> Vec2 {
         self.at(self.after(self.elapsed_s), self.elapsed_s)
     }
@@ -66,7 +66,7 @@ impl Moving<'_> {
         let (mut i, mut j) = (self.after(self.elapsed_s), other.after(other.elapsed_s));
         let (mut p, mut q) = (self.at(i, self.elapsed_s), other.at(j, other.elapsed_s));
         loop {
-            // Time from now until either comes to its next node.
+            // Time from now until either path reaches its next node.
             let left = |m: &Moving<'_>, k: usize| m.nodes.get(k + 1).map_or(f32::INFINITY, |n| n.time_s - m.elapsed_s);
             let (to_p, to_q) = (left(self, i), left(other, j));
             let until_s = to_p.min(to_q);
@@ -89,7 +89,7 @@ impl Moving<'_> {
         self.rods().any(|own| own.meets(rod))
     }
 
-    /// Adds the ground that it takes from now on: a few rods, each around some of its nodes.
+    /// Adds the region that it reserves from now on: a few capsules, each around some of its nodes.
     pub fn hold(&self, out: &mut Vec<Rod>) {
         let mut around: Option<(Rod, usize)> = None;
         let mut places = [Vec2::ZERO; HELD_NODES];
@@ -107,7 +107,7 @@ impl Moving<'_> {
         out.extend(around.map(|(whole, n)| widened(whole, &places[..n])));
     }
 
-    /// All ground that it takes from now on, from node to node.
+    /// Capsules of all ground that it covers from now on, from node to node.
     pub fn rods(&self) -> impl Iterator<Item = Rod> + '_ {
         let first = self.after(self.elapsed_s);
         let mut from = self.now();
@@ -118,7 +118,7 @@ impl Moving<'_> {
     }
 }
 
-/// A rod that holds its discs about some places too.
+/// Capsule that also holds its discs about some places.
 fn widened(rod: Rod, places: &[Vec2]) -> Rod {
     let line = Rod { radius_m: 0.0, ..rod };
     let off = places.iter().map(|p| line.distance(*p)).fold(0.0, f32::max);
@@ -143,7 +143,7 @@ mod tests {
         })
     }
 
-    /// Where a disc is, and its radius.
+    /// Centre and radius of the disc at a time.
     fn disc(nodes: &[PathNode], time_s: f32) -> (Vec2, f32) {
         for w in nodes.windows(2) {
             if time_s < w[1].time_s {
@@ -177,7 +177,7 @@ mod tests {
             let (meets, gap) = (p.meets(&q, 0.0), (0..9000).map(gap).fold(f32::INFINITY, f32::min));
             prop_assert_eq!(meets, q.meets(&p, 0.0));
             prop_assert!(gap >= 0.0 || meets, "{gap} m apart, and not seen");
-            // Between two samples nobody comes nearer by more than both can move.
+            // Between two samples the discs come nearer by no more than both can move.
             prop_assert!(gap <= 0.3 || !meets, "{gap} m apart, but seen");
             prop_assert!(gap >= 0.0 || bounds(&a).meets(&bounds(&b)));
         }

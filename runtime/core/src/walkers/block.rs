@@ -7,15 +7,15 @@ use crate::pose::{Lane, Lane3};
 use serde::{Deserialize, Serialize};
 use throng_base::simd::LANES;
 
-/// How far shares and cosines may be out of their ranges.
+/// Tolerance of the ranges of shares and cosines.
 const ROUNDING: f32 = 1e-3;
 
-/// One foot of eight walkers.
+/// Feet of eight walkers on one side.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Foot {
     /// Offset of the ankle from its position in the examples, in world space (m).
     pub offset: Lane3,
-    /// How fast that changes (m/s).
+    /// Rate of the offset (m/s).
     pub offset_rate: Lane3,
     /// Sine and cosine of the foot's turn about the vertical.
     pub turn: [Lane; 2],
@@ -26,7 +26,7 @@ pub(crate) struct Foot {
     pub down: Lane,
     /// Height above its position in the examples (m).
     pub rise: Lane,
-    /// How fast that changes (m/s).
+    /// Rate of the rise (m/s).
     pub rise_rate: Lane,
     /// Height over the ground in the examples, at the last step (m).
     pub height: Lane,
@@ -90,7 +90,7 @@ pub(crate) struct Block {
     pub travel: [Lane; 2],
     /// Position in the parameter box, eased.
     pub parameters: [[f32; MAX_AXES]; LANES],
-    /// How fast it moves (1/s).
+    /// Rate of the parameters (1/s).
     pub parameter_rates: [[f32; MAX_AXES]; LANES],
     /// Position in the parameter box that was asked for at the last step.
     pub asked: [[f32; MAX_AXES]; LANES],
@@ -101,7 +101,7 @@ pub(crate) struct Block {
     pub base_rate: Lane,
     /// Lowering of the hips so that both legs reach (m).
     pub drop: Lane,
-    /// How fast that changes (m/s).
+    /// Rate of the lowering (m/s).
     pub drop_rate: Lane,
     /// 0 until the first step.
     pub placed: Lane,
@@ -163,7 +163,7 @@ impl Block {
         is_near && is_share(&self.phase) && is_share(&self.placed) && self.feet.iter().all(|foot| foot.can_be(lane))
     }
 
-    /// Puts the root of a lane elsewhere; its feet forget where they stood.
+    /// Moves the root of a lane elsewhere and clears the state of its feet.
     pub fn place(&mut self, lane: usize, root: Planar) {
         for (axis, value) in self.root.iter_mut().zip([root.x, root.z, root.heading]) {
             axis[lane] = value;

@@ -39,7 +39,7 @@ pub(crate) struct LaneBody {
     pub offsets: [Lane3; NUM_JOINTS],
     /// Length of the legs over those of the database skeleton.
     pub scale: Lane,
-    /// Its square root: the scale of speeds and times.
+    /// Square root of the scale: the scale of speeds and times.
     pub pace: Lane,
     /// Added to the examples' height of the hips after scaling (m).
     pub lift: Lane,
@@ -66,14 +66,14 @@ impl LaneBody {
         }
     };
 
-    /// The same body in all lanes.
+    /// One body in all lanes.
     pub fn of(body: &Skeleton) -> Self {
         let mut out = Self::ZERO;
         (0..LANES).for_each(|lane| out.put(lane, body, body));
         out
     }
 
-    /// Puts a body in one lane.
+    /// Writes a body into one lane.
     pub fn put(&mut self, lane: usize, body: &Skeleton, database: &Skeleton) {
         let [scale, lift] = body.hips_over(database);
         for (offset, &v) in self.offsets.iter_mut().zip(&body.offsets) {

@@ -19,7 +19,7 @@ pub enum WalkerEvent {
     LeftFootDown,
     /// The right foot came down.
     RightFootDown,
-    /// What it performed is over: played, cut short, or given up before it began.
+    /// End of a performance: played, cut short, or given up before it began.
     Performed,
 }
 
@@ -165,7 +165,7 @@ impl Cast for Walkers {
     }
 
     /// Takes the blend space of the same name. Feet ease over; joint angles, which follow the new examples, change at
-    /// once, and so do parameters where the space has other axes. Activities of names that are gone are given up.
+    /// once, and so do parameters where the space has other axes. Activities whose names are gone are given up.
     fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
         let space = new.blend(self.space.name())?;
         if self.is_database_body {

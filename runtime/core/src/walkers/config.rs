@@ -1,4 +1,4 @@
-//! What walkers are told: settings, starts and orders, and the limits of their numbers.
+//! Settings, starts and orders of walkers, and the limits of their numbers.
 
 use super::body::{ARMS, LEGS};
 use crate::blend::MAX_AXES;
@@ -13,7 +13,7 @@ use throng_base::{Id, Result};
 /// Limit of positions, speeds and angles (m, m/s, rad).
 const FAR: f32 = 1e6;
 
-/// How walkers move.
+/// Settings of walkers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WalkersConfig {
     /// Half-life of the difference between the parameters asked for and those blended, after a jump. Parameters that
@@ -53,7 +53,7 @@ impl Default for WalkersConfig {
     }
 }
 
-/// Where and how a walker begins.
+/// Start of a walker.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WalkerStart {
     /// Number of its body (< number of bodies).
@@ -83,18 +83,18 @@ pub struct Control {
     /// A point in the world that head and neck turn to, and the chest a little, while it lies within 70 degrees to the
     /// sides and 35 degrees up and down of where the body faces (m).
     pub look_at: Option<Vec3>,
-    /// What the left and the right hand reach for.
+    /// Targets of the left and the right hand.
     pub hands: [Option<Reach>; 2],
 }
 
-/// Where a palm is taken, by turning upper arm and forearm; the hand keeps its direction.
+/// Target of a palm, reached by turning upper arm and forearm; the hand keeps its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reach {
     /// A place in the world (m), and how far the palm is taken there (0 to 1): the trunk leans and hips sink for it as far, where
     /// the arm is too short.
     pub place: (Vec3, f32),
-    /// A place as seen from the root, on the ground below the hips (m), and how far the palm is taken there (0 to 1, and no more
-    /// than the other one leaves).
+    /// A place relative to the root, on the ground below the hips (m), and the weight with which the palm is taken
+    /// there (0 to 1, and no more than the other one leaves).
     pub level: (Vec3, f32),
 }
 
@@ -104,7 +104,8 @@ impl Control {
         Self { velocity, ..Self::default() }
     }
 
-    /// Takes the position at the end of a step that starts at `root`, and turns on where no position is given.
+    /// Takes the position at the end of a step that starts at `root`, and continues the turn where no position is
+    /// given.
     pub(super) fn take_position(&mut self, root: Planar, dt_s: f32) -> Vec2 {
         if let Some(position) = self.position.take() {
             return position;

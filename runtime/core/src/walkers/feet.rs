@@ -1,9 +1,9 @@
-//! Where the feet go: to where the examples have them, but not while they are planted (Kim, Kim and Shin 2003a, section
-//! 4.2.4).
+//! Foot placement: feet go where the examples have them, except while they are planted (Kim, Kim and Shin 2003a,
+//! section 4.2.4).
 //!
-//! Each foot carries an offset and a turn about the vertical. While it is planted they undo whatever the part that
-//! bears the weight would move over the ground, which rolls from the heel to the ball; in the air they fade. A foot
-//! that has been left too far behind takes a step. Nothing jumps at any of these moments.
+//! Each foot carries an offset and a turn about the vertical. While it is planted they undo any motion over the ground
+//! of the part that bears the weight, which rolls from the heel to the ball; in the air they fade. A foot that is left
+//! too far behind takes a step. Nothing jumps at any of these moments.
 
 use super::block::Foot;
 use super::body::LaneLeg;
@@ -20,12 +20,12 @@ const SETTLED_M: f32 = 0.002;
 const NEAR_M: f32 = 0.06;
 /// Height that a foot is lifted to in a step of its own (m).
 const STEP_HEIGHT_M: f32 = 0.06;
-/// Offset past which a foot is not brought back but forgotten: the character was put elsewhere (m).
+/// Offset beyond which a foot is reset, not brought back: the character was moved elsewhere (m).
 const LOST_M: f32 = 1.2;
 /// Cosine of the turn of a planted foot from which it takes a step.
 const LARGEST_TURN_COS: f32 = 0.75;
 
-/// What one foot's move depends on.
+/// Inputs of the placement of one foot.
 pub(crate) struct Tread<'a, F> {
     pub leg: &'a LaneLeg,
     pub place: &'a Placement<F>,
@@ -35,17 +35,17 @@ pub(crate) struct Tread<'a, F> {
     pub ground: Footing<F>,
     /// 1 where the examples have the foot on the ground.
     pub contact: F,
-    /// How much the foot's place matters, 0 to 1.
+    /// Importance of the foot's position, 0 to 1.
     pub importance: F,
     /// Time of the tick (s).
     pub dt_s: F,
     /// Ticks a second; 0 for a tick of no time (1/s).
     pub rate: F,
-    /// What is left of a turn in the air after the tick.
+    /// Share of a turn in the air that remains after the tick.
     pub keep: F,
-    /// How an offset fades in the air.
+    /// Spring by which an offset fades in the air.
     pub air: &'a Spring,
-    /// How a foot comes down to the ground.
+    /// Spring by which a foot comes down to the ground.
     pub landing: &'a Spring,
     /// Time of a step (s).
     pub step_s: F,
@@ -63,7 +63,7 @@ pub(crate) struct Sole<F> {
     pub toe: Q<F>,
 }
 
-/// Which parts of a foot bear: heel, ball; 1 or 0.
+/// Bearing parts of a foot: heel, ball; 1 or 0.
 pub(crate) type Bearing = [Lane; 2];
 
 /// Moves a foot from where the examples have it to where it goes.
@@ -74,7 +74,7 @@ pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>
     let (heel, ball) = (wanted.foot.rotate(load(&t.leg.heel)), wanted.foot.rotate(load(&t.leg.ball)));
     let share = ball_share(t.leg, t.scale, over_ground(t, heel), over_ground(t, ball));
     let stepping = F::select_lt(F::load(&foot.step), one, one, zero);
-    // Nobody stands on a foot that is far from the ground.
+    // A foot that is far from the ground does not bear.
     let near = F::select_lt(F::load(&foot.height) + F::load(&foot.rise), F::splat(NEAR_M) * t.scale, one, zero);
     let down = t.contact * (one - stepping) * near;
     let held = down * F::load(&foot.down);
@@ -104,7 +104,7 @@ pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>
     (sole, [heel.to_array(), ball.to_array()])
 }
 
-/// Lays the sole along the slope of the ground, as far as the foot's place matters.
+/// Tilts the sole along the slope of the ground, in proportion to the importance of the foot's position.
 #[inline(always)]
 fn tilt<F: Lanes>(t: &Tread<'_, F>, sole: Sole<F>) -> Sole<F> {
     let [_, x, z] = t.ground.plane;
@@ -124,7 +124,7 @@ pub(crate) fn ball_share<F: Lanes>(leg: &LaneLeg, scale: F, heel: F, ball: F) ->
     share.max(F::splat(0.0)).min(F::splat(1.0))
 }
 
-/// How much a vector rises over the slope of the ground.
+/// Rise of a vector along the slope of the ground.
 #[inline(always)]
 fn over_ground<F: Lanes>(t: &Tread<'_, F>, v: V<F>) -> F {
     v.y - t.ground.plane[1] * v.x - t.ground.plane[2] * v.z
@@ -187,10 +187,8 @@ fn offset_of<F: Lanes>(
     t.place.vector_to_model(offset)
 }
 
-/// How much the foot has to rise: onto the ground where it is planted, out of it anywhere, and up in a step of its own;
-/// and how high it is over the ground then.
-///
-/// What it was raised by fades in the air, so that a foot that is let go moves up as slowly as it began.
+/// Rise of the foot: onto the ground where it is planted, out of it anywhere, and up in a step of its own; and its
+/// height over the ground then. The rise fades in the air, so that a released foot moves up as slowly as it began.
 #[inline(always)]
 fn rise<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, down: F, ankle: V<F>, [heel, ball]: [V<F>; 2]) -> [F; 2] {
     let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
@@ -220,7 +218,7 @@ fn bend_toe<F: Lanes>(t: &Tread<'_, F>, sole: &Sole<F>, ball: V<F>) -> Q<F> {
     Q::between(tip, bent) * sole.toe
 }
 
-/// Begins a step where a planted foot has been left too far behind, or moves one on.
+/// Begins a corrective step where a planted foot has been left too far behind, or advances one.
 #[inline(always)]
 fn progress<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, down: F, offset: V<F>, turn_cos: F) {
     let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));

@@ -1,8 +1,8 @@
-//! The ground that a foot is held over: a plane through what lies below its heel and below its ball.
+//! Ground below a foot: a plane through the ground below its heel and below its ball.
 //!
-//! A plane at the ankle alone flips where the ankle passes a crease. Heel and ball find their own ground, and so does the
-//! slope to the side. In the air the plane follows what the foot passes next, so that a foot rises before a step and never
-//! jumps. A planted foot keeps its places, and so its plane comes to rest.
+//! A plane at the ankle alone flips where the ankle passes a crease. Heel and ball find their own ground, and so does
+//! the slope to the side. In the air the plane follows the ground that the foot passes next, so that a foot rises
+//! before a step and never jumps. A planted foot keeps its position, and so its plane comes to rest.
 
 use super::block::Foot;
 use super::body::LaneLeg;
@@ -16,21 +16,21 @@ use throng_base::simd::{LANES, Lanes, V};
 
 /// Steepest plane along a foot, and to its side. Over an edge a foot stands on the higher side.
 const STEEPEST: [f32; 2] = [0.35, 0.35];
-/// Moments at which the ground ahead of a foot in the air is looked at (s).
+/// Times ahead at which the ground before a foot in the air is sampled (s).
 const AHEAD_S: [f32; 2] = [0.05, 0.1];
-/// Distance of the two places whose heights give the slope to the side (m).
+/// Distance of the two points whose heights give the slope to the side (m).
 const WIDTH_M: f32 = 0.1;
-/// How far the plane may still be from the ground where it counts as come to rest (m).
+/// Distance between plane and ground below which the plane counts as at rest (m).
 const SETTLED_M: f32 = 0.0015;
 /// Distance from the ground up to which a part of a foot stands (m).
 const STANDING_M: f32 = 0.005;
-/// Places along the heading whose mean height the hips are held over, from the root (m).
+/// Points along the heading over whose mean height the hips are held, from the root (m).
 const BASE_M: [f32; 5] = [-0.3, -0.15, 0.0, 0.15, 0.3];
 /// Time in which a difference to the ground below a foot halves, in the air and planted (s).
 pub(crate) const HALF_LIVES_S: [f32; 2] = [0.03, 0.015];
 /// Time in which a difference to the ground below the hips halves (s).
 pub(crate) const BASE_HALF_LIFE_S: f32 = 0.08;
-/// By how much hips that follow so come later than the ground (s).
+/// Lag of the hips behind the ground by that half-life (s).
 const BASE_LAG_S: f32 = BASE_HALF_LIFE_S / std::f32::consts::LN_2;
 
 /// The plane below the feet of eight walkers.
@@ -50,7 +50,7 @@ impl<F: Lanes> Footing<F> {
     }
 }
 
-/// Where a foot is, as far as its ground depends on it.
+/// Position of a foot, as far as its ground depends on it.
 pub(crate) struct Over<'a, F> {
     pub leg: &'a LaneLeg,
     pub place: &'a Placement<F>,
@@ -133,7 +133,7 @@ pub(crate) fn follow<F: Lanes>(
     Footing { plane: [height, slopes.x, slopes.z], settled }
 }
 
-/// Height of the ground that somebody's hips are held over (m): the mean along a stride, a little ahead.
+/// Height of the ground over which hips are held (m): the mean along a stride, a little ahead.
 ///
 /// - `speed`: (m/s)
 pub(crate) fn base(ground: &HeightField, root: Planar, speed: f32) -> f32 {

@@ -10,12 +10,12 @@ use glam::{Quat, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
 
-/// Farthest that is looked to a side and up or down of where the body faces (rad).
+/// Largest angles of the gaze to a side and up or down of where the body faces (rad).
 const RANGE: [f32; 2] = [70.0 * RADIANS, 35.0 * RADIANS];
 const RADIANS: f32 = std::f32::consts::PI / 180.0;
-/// Nearer than this to the head, nothing is looked at (m).
+/// Distance from the head below which a point is not looked at (m).
 const NEAR_M: f32 = 0.2;
-/// Time in which half of the way to another direction is made (s).
+/// Time in which half of the turn to another direction is made (s).
 const HALF_LIFE_S: f32 = 0.16;
 /// Fastest turn, and most that it changes (rad/s, rad/s^2).
 const RATE: f32 = 4.0;
@@ -26,19 +26,19 @@ const NONE: f32 = 1e-4;
 const CHEST: f32 = 0.2;
 const NECK: f32 = 0.55;
 
-/// From the hips to the head.
+/// Joints from the hips to the head.
 const CHAIN: [Joint; 6] = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest, Joint::Neck, Joint::Head];
 
-/// How far a walker looks aside of where its posture does.
+/// Turn of a walker's gaze from where its posture faces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Gaze {
-    /// To the left and up (rad).
+    /// Angles to the left and up (rad).
     off: [f32; 2],
-    /// How fast that changes (rad/s).
+    /// Rates of the angles (rad/s).
     rate: [f32; 2],
 }
 
-/// What gazes of a step have in common.
+/// Constants of one step, shared by all gazes.
 pub(crate) struct Eyes {
     spring: Spring,
     dt_s: f32,
@@ -138,7 +138,7 @@ impl Trunk {
         out
     }
 
-    /// Where the head is then (m).
+    /// Position of the head for a turn (m).
     fn head(&self, off: [f32; 2], chest: f32, forward: [f32; 2]) -> Vec3 {
         let turned = self.turned(off, chest, forward);
         (1..6).fold(self.hips, |at, k| at + maths::rotate(turned[k - 1], self.offsets[k]))

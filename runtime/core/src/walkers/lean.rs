@@ -15,7 +15,7 @@ use throng_base::simd::{Lanes, Q, V};
 const MOST: f32 = 0.1768;
 /// Share of a lean that is made at the waist; the rest is made below the chest.
 const AT_WAIST: f32 = 0.5;
-/// Up, and towards what is reached: how a trunk leans before hips sink (cosine and sine of 0.8 rad).
+/// Largest lean of a trunk before hips sink: up, and towards the target (cosine and sine of 0.8 rad).
 const BEFORE_SINKING: [f32; 2] = [0.6967, 0.7174];
 /// Furthest that hips sink (m, of the database skeleton).
 const LOWEST_M: f32 = 0.5;
@@ -25,9 +25,9 @@ const LEVEL: f32 = 0.3;
 const ABOVE: [RangeInclusive<usize>; 2] =
     [Joint::Spine as usize..=Joint::RightHand as usize, Joint::Chest as usize..=Joint::RightHand as usize];
 
-/// How far hips sink for a hand that comes to `to` (m).
+/// Distance by which hips sink for a hand that reaches `to` (m).
 ///
-/// - `share`: how far it is taken there (0 to 1).
+/// - `share`: weight with which the hand is taken there (0 to 1).
 #[inline(always)]
 pub(crate) fn sink<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, share: F, pose: &ModelPose<F>) -> F {
     let (zero, tiny) = (F::splat(0.0), F::splat(1e-3));

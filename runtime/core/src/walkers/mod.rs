@@ -74,25 +74,25 @@ pub struct Walkers {
     block_weights: Vec<f32>,
 }
 
-/// All that the next steps depend on, row by row.
+/// State on which the next steps depend, row by row.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct State {
     roster: Roster,
     /// Number of each body.
     bodies: Vec<u32>,
     orders: Vec<Control>,
-    /// Has had an order.
+    /// True for walkers that have had an order.
     ordered: Vec<bool>,
     acts: Vec<Act>,
     blocks: Vec<Block>,
 }
 
-/// What a walker does beside moving about.
+/// Activity of a walker beside locomotion.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Act {
     acting: Acting,
     gaze: Gaze,
-    /// Its performance ended in the last step.
+    /// True if its performance ended in the last step.
     has_ended: bool,
 }
 
@@ -190,16 +190,17 @@ impl Walkers {
         self.state.blocks[row / LANES].contacts[row % LANES]
     }
 
-    /// Begins, changes or ends what a walker does beside moving about.
+    /// Begins, changes or ends a walker's activity beside locomotion.
     ///
-    /// It comes to a stand, turns to the heading, and plays the activity; feet that stand stay where they are. Until it is
-    /// over it keeps its heading, and its place where the order gives no position. It ends at its end; with `None`
-    /// or another performance, which follows it; and when the order asks for more than 0.3 m/s. Who sits stands up
-    /// first: [`Walkers::performing`] says until when to wait. [`WalkerEvent::Performed`] tells when it is over.
+    /// The walker comes to a stand, turns to the heading, and plays the activity; standing feet stay in place. Until
+    /// the activity is over it keeps its heading, and its place where the order gives no position. The activity ends at
+    /// its end; with `None` or another performance, which follows it; and when the order requests more than 0.3 m/s. A
+    /// walker that sits stands up first: [`Walkers::performing`] shows until when to wait. [`WalkerEvent::Performed`]
+    /// reports the end.
     ///
     /// # Errors
-    /// [`Error::Gone`](throng_base::Error::Gone), [`Error::Index`](throng_base::Error::Index) for an activity that is not in
-    /// [`BlendSpace::activities`], [`Error::Value`](throng_base::Error::Value) for a heading that is no number.
+    /// [`Error::Gone`](throng_base::Error::Gone), [`Error::Index`](throng_base::Error::Index) for an activity that is
+    /// not in [`BlendSpace::activities`], [`Error::Value`](throng_base::Error::Value) for a heading that is no number.
     pub fn perform(&mut self, id: Id, performance: Option<Performance>) -> Result<()> {
         let row = self.row(id)?;
         performance.map_or(Ok(()), |p| p.check(self.space.activities()))?;
@@ -208,8 +209,7 @@ impl Walkers {
         Ok(())
     }
 
-    /// What a walker performs, and how far it has come; none where it moves as blended, or will in a moment
-    /// (row < len).
+    /// Performance of a walker and its progress; none while it moves as blended, or is about to (row < len).
     pub fn performing(&self, row: usize) -> Option<Performing> {
         self.state.acts[row].acting.performing()
     }
@@ -319,7 +319,7 @@ impl Walkers {
         }
     }
 
-    /// Makes rows of what is written for as many as there are.
+    /// Resizes the output rows to the number of walkers.
     fn resize(&mut self) {
         let n = self.len();
         self.roots.resize(n, Planar::IDENTITY);
@@ -333,7 +333,7 @@ impl Walkers {
         }
     }
 
-    /// Puts the body of a row in its lane.
+    /// Writes the body of a row into its lane.
     fn put_body(&mut self, row: usize) {
         let body = &self.skeletons[self.state.bodies[row] as usize];
         self.bodies[row / LANES].put(row % LANES, body, self.space.skeleton());

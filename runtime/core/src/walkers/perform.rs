@@ -1,7 +1,7 @@
-//! What walkers do when they stand: they turn to a heading, play an activity of the bundle, and go on as blended.
+//! Performances of standing walkers: they turn to a heading, play an activity of the bundle, and go on as blended.
 //!
-//! A share of the activity's posture is laid over the blended one, before it is put on the body and on the ground: feet
-//! that stand stay where they are, whatever is blended. The share is pulled by a spring, so that its rate never jumps.
+//! The activity's posture is mixed into the blended one by a share, before it is put on the body and on the ground:
+//! standing feet stay in place. A spring pulls the share, so that its rate never jumps.
 
 use super::Control;
 use super::block::Block;
@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 const WALKING_MPS: f32 = 0.3;
 /// Time in which half of a change from the blend to an activity, or back, is made (s).
 const HALF_LIFE_S: f32 = 0.09;
-/// How long before its end an activity begins to fade (s).
+/// Time before its end at which an activity begins to fade (s).
 const LEAD_S: f32 = 0.25;
 /// Time of a change from one place of an activity to another (s).
 const CROSS_S: f32 = 0.35;
@@ -29,18 +29,18 @@ const STANDING_MPS: f32 = 0.15;
 /// An activity to perform.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Performance {
-    /// Which, of [`crate::blend::BlendSpace::activities`].
+    /// Activity to perform, one of [`crate::blend::BlendSpace::activities`].
     pub activity: ActivityId,
     /// Heading to turn to first; `None` is that of the body (rad).
     pub heading: Option<f32>,
 }
 
-/// How far a performance has come.
+/// Progress of a performance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Performing {
     /// The activity.
     pub activity: ActivityId,
-    /// Which part of it.
+    /// Current part of the performance.
     pub part: Part,
     /// Time within the activity; 0 until it begins (s).
     pub seconds: f32,
@@ -49,16 +49,16 @@ pub struct Performing {
 /// A part of a performance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Part {
-    /// None: the body moves as blended.
+    /// No performance: the body moves as blended.
     #[default]
     Idle,
-    /// It comes to a stand and turns.
+    /// Stopping and turning.
     Turn,
-    /// Up to the looped part, or all of an activity without.
+    /// Start of the activity up to the looped part, or all of an activity without one.
     Begin,
-    /// What goes on until it is to end.
+    /// Looped part, until the activity is to end.
     Loop,
-    /// After the looped part.
+    /// Rest of the activity after the looped part.
     End,
     /// The activity is over and fades.
     Fade,
@@ -69,23 +69,23 @@ pub enum Part {
 pub(crate) struct Acting {
     activity: u32,
     part: Part,
-    /// That it keeps (rad).
+    /// Heading that the body keeps (rad).
     heading: f32,
     /// Time within the activity, and within what is left behind (s).
     seconds: f32,
     left: f32,
     /// Share of what is left behind, before it is eased.
     cross: f32,
-    /// It ends as soon as it can.
+    /// True where the activity ends as soon as possible.
     is_ending: bool,
     /// Share of the activity in the posture.
     share: f32,
-    /// How fast that changes (1/s).
+    /// Rate of the share (1/s).
     rate: f32,
     next: Option<Performance>,
 }
 
-/// What the performances of a step have in common.
+/// Constants of one step, shared by all performances.
 pub(crate) struct Stage<'a> {
     pub activities: &'a ActivitySet,
     axes: &'a [AxisRecord],
@@ -110,7 +110,7 @@ impl<'a> Stage<'a> {
 }
 
 impl Acting {
-    /// Begins, ends or changes what is done.
+    /// Begins, ends or changes the performance.
     ///
     /// - `heading`: of the body (rad).
     pub fn perform(&mut self, order: Option<Performance>, heading: f32) {
@@ -128,7 +128,7 @@ impl Acting {
         *self = Self { activity: p.activity.0, part: Part::Turn, heading, ..Self::default() };
     }
 
-    /// How far it has come; none where nothing is performed.
+    /// Progress of the performance; none where there is no performance.
     pub fn performing(&self) -> Option<Performing> {
         let is_on = !matches!(self.part, Part::Idle | Part::Fade);
         is_on.then_some(Performing { activity: ActivityId(self.activity), part: self.part, seconds: self.seconds })
@@ -140,7 +140,7 @@ impl Acting {
         self.part == Part::Idle
     }
 
-    /// What the body is steered by: it stands and keeps its heading while it performs.
+    /// Order for steering while a body performs: it stands and keeps its heading.
     pub fn lead(&self, control: &Control, stage: &Stage<'_>) -> Control {
         if self.performing().is_none() || walks(control) && !self.holds(stage) {
             return *control;
@@ -148,7 +148,7 @@ impl Acting {
         Control { velocity: Vec2::ZERO, heading: Some(self.heading), turning_rate: None, ..*control }
     }
 
-    /// It sits, or is about to, and has to stand up first.
+    /// True if the body sits, or is about to, and has to stand up first.
     fn holds(&self, stage: &Stage<'_>) -> bool {
         self.part != Part::Turn && stage.activities.get(ActivityId(self.activity)).is_some_and(|a| a.is_seated)
     }
@@ -214,12 +214,12 @@ impl Acting {
         }
     }
 
-    /// Goes on from another time; what is left behind fades.
+    /// Continues at another time of the activity; the previous pose fades.
     fn jump(&mut self, to: f32) {
         (self.left, self.seconds, self.cross) = (self.seconds, to, 1.0);
     }
 
-    /// Lays what is performed over a blended posture.
+    /// Mixes the performance into a blended posture.
     ///
     /// - returns its share.
     pub fn lay(&self, activities: &ActivitySet, posture: &mut Posture) -> f32 {
@@ -237,7 +237,7 @@ impl Acting {
         now.mix(&activities.sample(activity, self.left), eased)
     }
 
-    /// The same performance by other activities: given up where there is none of its name.
+    /// Continues the performance with other activities; it is given up where none has its name.
     pub fn adopt(&mut self, old: &ActivitySet, new: &ActivitySet) {
         let now = old.get(ActivityId(self.activity)).and_then(|a| new.named(&a.name).ok());
         match now {
@@ -261,7 +261,7 @@ impl Acting {
 }
 
 impl Activity {
-    /// When it begins to fade, where nothing ends it before (s).
+    /// Time at which the activity begins to fade, unless something ends it before (s).
     pub fn fades_s(&self) -> f32 {
         (self.duration_s - LEAD_S).max(0.0)
     }

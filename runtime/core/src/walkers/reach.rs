@@ -12,12 +12,12 @@ use crate::skeleton::NUM_JOINTS;
 use glam::{Vec2, Vec3};
 use throng_base::simd::{Functions, LANES, Lanes, Q, V};
 
-/// Share of a leg's length past which it gives way softly, and what it never passes.
+/// Share of a leg's length beyond which its distance is softened, and the share that it never exceeds.
 const SOFT: f32 = 0.97;
 const HARD: f32 = 0.999;
 /// Share of a leg's length past which a planted foot is released: it does not quite reach it any more.
 const STRETCH: f32 = 1.0;
-/// How far ahead of the ankle the hip is where a heel may wholly rise to lengthen a leg (m, of the database
+/// Distance of the hip ahead of the ankle at which a heel may wholly rise to lengthen a leg (m, of the database
 /// skeleton).
 const TRAILING_M: f32 = 0.1;
 /// Rise of the heel up to which it still bears (m).
@@ -59,10 +59,10 @@ pub(crate) fn lower<F: Lanes>(
     }
 }
 
-/// Raises the heel over the ball, which stays where it is, where the leg is too short for a flat foot that trails: as
-/// anybody does before the foot leaves the ground.
+/// Raises the heel over the ball, which stays in place, where the leg is too short for a trailing flat foot, as people
+/// do before the foot leaves the ground.
 ///
-/// - `bearing`: its heel does not bear where it has risen.
+/// - `bearing`: its heel no longer bears where it has risen.
 #[inline(always)]
 pub(crate) fn tiptoe<F: Lanes>(
     body: &LaneBody,
@@ -103,10 +103,10 @@ pub(crate) fn stretched<F: Lanes>(body: &LaneBody, side: usize, sole: &Sole<F>, 
     F::select_lt(reach, distance, F::splat(1.0), F::splat(0.0))
 }
 
-/// Keeps the knee of a leg whose foot is in the air from bending or stretching faster than knees do: the foot comes a
-/// little later. Where a leg is nearly straight, a little way of the foot turns the knee far.
+/// Limits the rate of the knee of a leg whose foot is in the air: the foot comes a little later. Where a leg is nearly
+/// straight, a small displacement of the foot turns the knee far.
 ///
-/// - `change`: most that the knee may turn in this tick (rad).
+/// - `change`: largest turn of the knee in this tick (rad).
 #[inline(always)]
 pub(crate) fn slow_knee<F: Lanes>(
     body: &LaneBody,
@@ -159,7 +159,7 @@ pub(crate) fn reach_hand<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, touch
     let hand = pose.positions[arm[2]];
     let before = arm.map(|j| (pose.positions[j], pose.rotations[j]));
     reach(arm, lengths, hint, hand + (to - hand) * touch, pose);
-    // Arms that touch nothing stay as they are, whatever the other lanes do.
+    // Arms without a target stay as they are, whatever the other lanes do.
     let zero = F::splat(0.0);
     for (j, (position, rotation)) in arm.into_iter().zip(before) {
         pose.positions[j] = V::select_lt(zero, touch, pose.positions[j], position);
@@ -168,16 +168,17 @@ pub(crate) fn reach_hand<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, touch
     }
 }
 
-/// What the hands of eight characters are taken to.
+/// Targets of the hands of eight characters.
 pub(crate) struct Hands {
-    /// Of left and right palm, x, y, z in model space (m), and the share: a place in the world, for which the trunk leans.
+    /// Position of the left and right palm in model space (m), and its weight: a place in the world, for which the
+    /// trunk leans.
     place: [([Lane; 3], Lane); 2],
-    /// The same with what goes with the body.
+    /// Position and weight of a palm target that moves with the body.
     to: [([Lane; 3], Lane); 2],
 }
 
 impl Hands {
-    /// Of the characters of a block; none where no hand reaches for anything.
+    /// Hand targets of the characters of a block; none where no hand has one.
     pub fn of(controls: &[Control], block: &Block) -> Option<Self> {
         if controls.iter().all(|c| c.hands == [None; 2]) {
             return None;
@@ -203,7 +204,7 @@ impl Hands {
         Some(out)
     }
 
-    /// How far hips sink so that hands come to what lies low (m).
+    /// Distance by which hips sink so that hands reach low targets (m).
     #[inline(always)]
     pub fn sink<F: Lanes>(&self, body: &LaneBody, pose: &ModelPose<F>) -> F {
         let of = |side: usize| {
@@ -248,7 +249,7 @@ fn hang<F: Lanes>(joints: [usize; 3], arm: &[(V<F>, Q<F>); 3], leans: F, pose: &
     }
 }
 
-/// Where a wrist goes so that the palm comes to a place.
+/// Position of a wrist that brings the palm to a place.
 #[inline(always)]
 fn wrist<F: Lanes>(body: &LaneBody, side: usize, place: &[Lane; 3], pose: &ModelPose<F>) -> V<F> {
     let hand = ARMS[side][2].index();
@@ -268,7 +269,7 @@ fn both<F: Lanes>(lengths: &[Lane; 2]) -> [F; 2] {
     [F::load(&lengths[0]), F::load(&lengths[1])]
 }
 
-/// Turns both parts of a limb so that its end comes to a place, its middle staying in the plane that it bends in.
+/// Turns both parts of a limb so that its end reaches a place, its middle staying in the plane in which the limb bends.
 #[inline(always)]
 fn reach<F: Lanes>([upper, lower, end]: [usize; 3], lengths: [F; 2], hint: V<F>, to: V<F>, pose: &mut ModelPose<F>) {
     let (start, middle, was) = (pose.positions[upper], pose.positions[lower], pose.positions[end]);

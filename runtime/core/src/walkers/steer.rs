@@ -1,4 +1,4 @@
-//! From a trajectory to a position in the parameter box: heading, speeds and turning rate, eased.
+//! Steering: from a trajectory to a position in the parameter box, with heading, speeds and turning rate eased.
 
 use super::block::Block;
 use super::body::LaneBody;
@@ -19,14 +19,14 @@ const STRIDING_MPS: f32 = 0.3;
 /// Fastest change of a parameter that is followed without delay, in widths of the box per second.
 const STEADY_PER_S: f32 = 0.8;
 
-/// What all walkers share in a step.
+/// Constants of one step, shared by all walkers.
 pub(crate) struct Steering<'a> {
     pub axes: &'a [AxisRecord],
     /// Parameters are clamped to the box.
     clamped: bool,
-    /// There are examples of side steps.
+    /// True where there are examples of side steps.
     sideways: bool,
-    /// There are examples of back steps.
+    /// True where there are examples of back steps.
     backward: bool,
     dt_s: f32,
     /// Share of a difference that is left after the step.
@@ -97,8 +97,8 @@ impl<'a> Steering<'a> {
             // Without side steps, the body has to face along or against the movement.
             Some(heading) if self.backward && wrap_angle(travel - heading).abs() > FRAC_PI_2 => travel + PI,
             None if speed < MOVING_MPS => block.aim[lane],
-            // The forward direction of the blend is laid on the trajectory's tangent (Kim, Kim and Shin 2003a, section
-            // 4.2.3).
+            // The forward direction of the blend is aligned with the trajectory's tangent (Kim, Kim and Shin 2003a,
+            // section 4.2.3).
             _ => travel - lean(block.travel, lane),
         }
     }

@@ -48,7 +48,7 @@ const LANDING_HALF_LIFE_S: f32 = 0.02;
 /// Share of the blend that has a foot on the ground from which it is planted, and down to which it stays.
 const PLANTED: [f32; 2] = [0.65, 0.35];
 
-/// What all ranges of a step share.
+/// Inputs of one step, shared by all ranges.
 pub(crate) struct Tick<'a> {
     space: &'a BlendSpace,
     config: &'a WalkersConfig,
@@ -57,15 +57,15 @@ pub(crate) struct Tick<'a> {
     dt_s: f32,
     /// Ticks a second; 0 for a tick of no time (1/s).
     rate: f32,
-    /// What is left of a foot's turn in the air.
+    /// Share of a foot's turn in the air that remains after the step.
     keep: f32,
-    /// How a foot's offset fades in the air.
+    /// Spring by which a foot's offset fades in the air.
     air: Spring,
-    /// How a foot comes down to the ground.
+    /// Spring by which a foot comes down to the ground.
     landing: Spring,
-    /// How the hips are lowered.
+    /// Spring that lowers the hips.
     drop: Spring,
-    /// How the ground below feet and hips changes.
+    /// Springs of the ground below feet and hips.
     footing: [Spring; 2],
     base: Spring,
     stage: Stage<'a>,
@@ -99,7 +99,7 @@ impl<'a> Tick<'a> {
 pub(crate) struct Range<'a> {
     pub blocks: &'a mut [Block],
     pub bodies: &'a [LaneBody],
-    /// One per walker; the last block may have empty lanes.
+    /// Order of each walker; the last block may have empty lanes.
     pub controls: &'a mut [Control],
     /// (controls.len())
     pub acts: &'a mut [Act],
@@ -131,7 +131,7 @@ pub(crate) fn step(range: Range<'_>, tick: &Tick<'_>) {
     dispatch(Blend { range, tick });
 }
 
-/// What follows steering, for all blocks of a range.
+/// Work after steering, for all blocks of a range.
 struct Blend<'a, 't> {
     range: Range<'a>,
     tick: &'a Tick<'t>,
@@ -177,9 +177,9 @@ impl Work for Blend<'_, '_> {
 }
 
 impl Act {
-    /// Lays what is performed over a blended posture, and turns its head.
+    /// Mixes the performance into a blended posture, and turns its head.
     ///
-    /// - returns the share of what is performed.
+    /// - returns the share of the performance.
     #[inline(always)]
     fn lay(
         &mut self,
@@ -255,7 +255,7 @@ fn transpose<F: Lanes>(postures: &[Posture; LANES]) -> Transposed<F> {
     }
 }
 
-/// Puts the postures on the bodies and on the ground (Kim, Kim and Shin 2003a, sections 4.2.3 and 4.2.4).
+/// Retargets the postures to the bodies and to the ground (Kim, Kim and Shin 2003a, sections 4.2.3 and 4.2.4).
 #[inline(always)]
 fn retarget<F: Lanes>(
     block: &mut Block,
@@ -300,7 +300,7 @@ fn retarget<F: Lanes>(
     model
 }
 
-/// Lets a planted foot that the leg does not reach go, to take a step to where it belongs.
+/// Releases a planted foot that the leg does not reach, so that it takes a step to where it belongs.
 #[inline(always)]
 fn release<F: Lanes>(foot: &mut Foot, bearing: &mut Bearing, stretched: F) {
     let (zero, half) = (F::splat(0.0), F::splat(0.5));
@@ -311,7 +311,7 @@ fn release<F: Lanes>(foot: &mut Foot, bearing: &mut Bearing, stretched: F) {
     }
 }
 
-/// Where eight characters stand. The hips follow the ground smoothly.
+/// Placement of eight characters in the world. The hips follow the ground smoothly.
 #[inline(always)]
 fn placement<F: Lanes>(block: &mut Block, tick: &Tick<'_>) -> Placement<F> {
     if tick.ground.is_flat() {
@@ -332,9 +332,10 @@ fn placement<F: Lanes>(block: &mut Block, tick: &Tick<'_>) -> Placement<F> {
     Placement { x: F::load(x), y: F::load(&block.base), z: F::load(z), sin, cos }
 }
 
-/// Where one foot goes, and which of its parts bear.
+/// Position and bearing parts of one foot.
 ///
-/// The examples' ankle is scaled to the body, and taken as far as its place matters; else the joint angles have it.
+/// The examples' ankle is scaled to the body, and taken in proportion to the importance of its position; the joint
+/// angles give the rest.
 #[inline(always)]
 #[expect(
     clippy::too_many_arguments,
@@ -370,7 +371,7 @@ fn plant<F: Lanes>(
     };
     ankle.y = ankle.y + ground.plane[0];
     let other = &block.feet[1 - side];
-    // Who stands brings a foot back that is only a little off.
+    // A standing walker brings back a foot that is only a little off.
     let going = (F::load(&block.speed) * F::splat(2.0)).min(one);
     let share = F::splat(STANDING_REACH) + going * F::splat(1.0 - STANDING_REACH);
     let [plants, stays] = PLANTED.map(F::splat);

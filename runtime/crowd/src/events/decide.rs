@@ -1,4 +1,4 @@
-//! What an agent does at its event.
+//! Decision of an agent at its event.
 
 use crate::events::schemes::{Meeting, SchemeRef};
 use crate::routes::guide::Guide;
@@ -23,25 +23,25 @@ use serde::{Deserialize, Serialize};
 use throng_base::ground::{Bounds, Outsiders};
 use throng_base::simd::LANES;
 
-/// Longest plan of an agent near somebody whom others move: those may do something else at any time (s).
+/// Longest plan of an agent near an external obstacle, whose motion may change at any time (s).
 const LOOK_AGAIN_S: f32 = 0.25;
 
 /// Longest plan of an agent that walks together with others (s).
 const TOGETHER_S: f32 = 0.4;
 
-/// Why an agent acts next.
+/// Cause of an agent's next event.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Cause {
-    /// Its bound leaves its region.
+    /// The bound leaves its region.
     #[default]
     Region,
-    /// Its bound touches that of an agent.
+    /// The bound touches that of an agent.
     Agent(u32),
-    /// Its bound touches an obstacle.
+    /// The bound touches an obstacle.
     Obstacle(u32),
 }
 
-/// What the crowd knows of an agent beside its plan.
+/// State of an agent beside its plan.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct AgentState<V> {
     pub route: u32,
@@ -55,7 +55,7 @@ pub(crate) struct AgentState<V> {
     pub cause: Cause,
     /// Shortest distance left along the route since it stepped back last (m).
     pub least_left: f32,
-    /// When it made progress last (s).
+    /// Time at which it last made progress (s).
     pub progressed_at: f64,
     /// Unit vector along which it wants to go, as others see it; zero at its goal.
     pub intent: V,
@@ -63,9 +63,9 @@ pub(crate) struct AgentState<V> {
     pub is_stuck: bool,
     /// A moving obstacle is in its place.
     pub is_struck: bool,
-    /// It acts before its plan ends, see `Engine::woken_at`.
+    /// True where it acts before its plan ends, see `Engine::woken_at`.
     pub is_woken: bool,
-    /// It has acted so, and keeps its plan to its end.
+    /// True where it has acted so, and keeps its plan to its end.
     pub goes_on: bool,
 }
 
@@ -98,7 +98,7 @@ pub(crate) struct Decision<V> {
     pub struck_by: u32,
 }
 
-/// What the force field wants an agent to do, before the safety rule.
+/// Desired motion of an agent by the force field, before the safety rule.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DesiredMotion<V> {
     pub state: AgentState<V>,
@@ -107,13 +107,13 @@ pub(crate) struct DesiredMotion<V> {
     pub acceleration: V,
     /// Region around its cell, which it must not leave.
     pub region: (V, V),
-    /// The first agent whose bound its own touches.
+    /// First contact of its bound with that of another agent.
     pub meeting: Meeting<V>,
     /// Longest plan: near its goal, not so long that it would pass it (s).
     pub longest: f32,
 }
 
-/// Decides for agents at a time; holds all that they may look at.
+/// Decides for agents at a time; holds all that a decision may read.
 pub(crate) struct Decider<'a, V> {
     pub scenery: &'a Scenery<V>,
     pub cells: &'a Cells<V>,
@@ -125,7 +125,7 @@ pub(crate) struct Decider<'a, V> {
 }
 
 impl<V: Space> Decider<'_, V> {
-    /// What the force field wants an agent to do; with a scheme, also finds what a plan needs.
+    /// Desired motion of an agent by the force field; with a scheme, also collects the inputs of a plan.
     pub fn desired_motion(
         &self,
         agent: u32,
@@ -162,7 +162,7 @@ impl<V: Space> Decider<'_, V> {
         DesiredMotion { state, fresh, acceleration: total(&f).at_most(old.limit), region, meeting, longest }
     }
 
-    /// A new plan for an agent; `None` if it has to keep the one it has.
+    /// New plan for an agent; `None` if it has to keep the present one.
     pub fn decide(&self, agent: u32, scheme: SchemeRef<'_>, scratch: &mut Scratch<V>) -> Option<Decision<V>> {
         let old = self.cells.plan(agent);
         let DesiredMotion { mut state, fresh, acceleration, region, meeting, longest } =
@@ -249,7 +249,7 @@ impl<V: Space> Decider<'_, V> {
         Forces { taken: plan.acceleration, ..f }
     }
 
-    /// What agents find their ways by.
+    /// Guide by which agents find their paths.
     pub fn guide(&self) -> Guide<'_, V> {
         let Scenery { streets, goals, steering, .. } = self.scenery;
         Guide { streets: streets.as_ref(), goals, grid: self.grid, steering }
@@ -284,16 +284,16 @@ impl<V: Space> Decider<'_, V> {
         }
     }
 
-    /// Where an agent wants to go.
+    /// Steering state of an agent: its position, goal and desired speed.
     pub fn walker(&self, state: &AgentState<V>, plan: &Plan<V>, position: V, velocity: V) -> Walker<V> {
         let path = &self.scenery.paths[state.route as usize];
         let field = &self.scenery.fields[state.field as usize];
         let (desired, distance) = (state.cursor.aim - position).unit_and_length();
         let mut speed = state.speed;
         if path.at_end() == AtEnd::Stay && state.cursor.rest == 0.0 {
-            // Comes to rest at the goal.
+            // The agent comes to rest at the goal.
             speed = speed.min(distance / (2.0 * field.relaxation_s));
-            // At its goal it gives way to agents that pass.
+            // At its goal the agent yields to others that pass.
             speed *= (distance / path.arrival_radius()).min(1.0);
         }
         let centre = plan.position + plan.velocity * (self.time - plan.start) as f32;
@@ -310,7 +310,8 @@ impl<V: Space> Decider<'_, V> {
         }
     }
 
-    /// Makes a blocked agent step back if others can only pass then, or by chance; true where it yields its ground to others.
+    /// Makes a blocked agent step back if others can only pass then, or by chance; true where it yields its ground to
+    /// others.
     fn give_way(&self, agent: u32, state: &AgentState<V>, walker: &mut Walker<V>) -> bool {
         let (waited, steering) = (self.time - state.progressed_at, &self.scenery.steering);
         if waited < steering.patience_on_left_s || state.is_there {
@@ -338,7 +339,7 @@ impl<V: Space> Decider<'_, V> {
         yields
     }
 
-    /// Lets an agent keep to its place among those it walks together with; true where it does.
+    /// Steers an agent to its place in its group; true where it has one.
     fn keep_company(&self, agent: u32, state: &AgentState<V>, walker: &mut Walker<V>) -> bool {
         let Some(bond) = self.bonds.of(agent).filter(|b| b.companions[0] != NONE) else { return false };
         if V::DIMENSIONS == 3 || walker.retreats || state.is_there || walker.speed == 0.0 {
@@ -349,7 +350,7 @@ impl<V: Space> Decider<'_, V> {
         let mut num = 0;
         for index in bond.companions() {
             let its = &self.states[index as usize];
-            // Nobody waits for those who are there already, or have nowhere to go.
+            // Companions that have arrived, or have no goal, are not waited for.
             if !its.is_there {
                 let offset = self.cells.plan(index).at(self.time).0 - walker.position;
                 others[num] = Companion { index, offset, intent: its.intent, speed: its.speed };
@@ -408,7 +409,7 @@ impl<V: Space> Decider<'_, V> {
         }
     }
 
-    /// Adds those whom others move to what an agent sees; true where there are any.
+    /// Adds the external obstacles that an agent sees; true where there are any.
     fn sees_outsiders(&self, me: &Walker<V>, scratch: &mut Scratch<V>) -> bool {
         if self.outsiders.is_empty() {
             return false;
@@ -421,7 +422,7 @@ impl<V: Space> Decider<'_, V> {
             scratch.seen.push(Seen { offset, velocity, distance: offset.length(), radii, yields: false });
             true
         });
-        // In an order that does not depend on that of the grid.
+        // Sorts them independently of the grid's order.
         scratch.seen[before..].sort_by(|a, b| {
             let key = |s: &Seen<V>| (s.distance, s.offset.coordinates());
             let ((d, x), (e, y)) = (key(a), key(b));
@@ -430,7 +431,7 @@ impl<V: Space> Decider<'_, V> {
         scratch.seen.len() > before
     }
 
-    /// When a bound touches an obstacle, if that is before `first`.
+    /// Time at which a bound touches an obstacle, if that is before `first`.
     #[inline]
     pub fn first_obstacle(&self, bound: &Bound<V>, near: &[u32], mut first: (Cause, f32)) -> (Cause, f32) {
         for &s in near {
@@ -443,7 +444,7 @@ impl<V: Space> Decider<'_, V> {
             let plan = mover.plan(self.time, 1.0);
             let still = Bound { limit: 0.0, ..Bound::from(&plan) };
             let contact = bound.first_contact(&still, self.time, first.1);
-            // Its motion is known up to the next point of its way; the agent looks again there.
+            // The obstacle's motion is known up to the next point of its path; the agent decides again there.
             let known = (plan.end - self.time) as f32;
             let (cause, time) =
                 if contact <= known { (Cause::Obstacle(mover.obstacle), contact) } else { (Cause::Region, known) };

@@ -21,7 +21,7 @@ use throng_base::ground::Outsiders;
 /// to prefetch, with 16 000 it saves 4 to 11 %, with 100 000 a quarter to a third.
 const FEW: usize = if cfg!(test) { 0 } else { 12_000 };
 
-/// Events after which the engine returns, so that they can be told before there are more.
+/// Number of events after which the engine returns, so that they can be reported before there are more.
 const FULL: usize = 1024;
 
 /// A crowd in two or three dimensions. See [`crate::Crowd`].
@@ -41,9 +41,9 @@ pub(crate) struct Engine<V> {
     /// Places that are free, the next one last.
     pub free: Vec<u32>,
     pub grid: DensityGrid<V>,
-    /// Whom others move.
+    /// External obstacles.
     pub outsiders: Outsiders,
-    /// How often the grid was filled so far.
+    /// Number of times that the grid was filled so far.
     pub refreshes: u64,
     pub now: f64,
     pub counts: Counts,
@@ -62,10 +62,10 @@ pub(crate) struct Engine<V> {
 }
 
 impl<V: Space> Engine<V> {
-    /// Puts all agents at their starts, and takes all memory that [`Engine::run`] needs.
+    /// Places all agents at their starts, and takes all memory that [`Engine::run`] needs.
     ///
     /// # Errors
-    /// [`CrowdError`] for a setting out of its range, or a start or subgoal that cannot be.
+    /// [`CrowdError`] for a setting out of its range, or an impossible start or subgoal.
     pub fn new(setup: Setup<V>) -> Result<Self, CrowdError> {
         let (scenery, cells, grid) = Scenery::new(&setup)?;
         let capacity = setup.config.capacity.max(setup.agents.len());
@@ -104,7 +104,7 @@ impl<V: Space> Engine<V> {
         Ok(engine)
     }
 
-    /// Lets time pass until `until_s`, or until there are many events to tell; true where it came to the end.
+    /// Advances time to `until_s`, or until there are many events to report; true where it reached the end.
     ///
     /// # Errors
     /// [`CrowdError::Other`] for a time in the past, [`CrowdError::Stalled`].
@@ -145,7 +145,7 @@ impl<V: Space> Engine<V> {
         Ok(true)
     }
 
-    /// True where events have to be told before there are more, or a signal has to be answered.
+    /// True where events have to be reported before there are more, or a signal has to be answered.
     pub fn is_full(&self) -> bool {
         self.events.len() >= FULL || !self.sensors.signals.is_empty()
     }
@@ -165,7 +165,7 @@ impl<V: Space> Engine<V> {
         Id { index, generation: self.states[index as usize].generation }
     }
 
-    /// Takes an agent out of cells and queue; its place is not free yet.
+    /// Removes an agent from cells and queue; its place is not free yet.
     pub fn take_out(&mut self, index: u32) {
         let state = &mut self.states[index as usize];
         self.cells.remove(state.cell, index);
@@ -176,7 +176,7 @@ impl<V: Space> Engine<V> {
         self.bonds.forget(index);
     }
 
-    /// When the grid is filled next: times do not depend on calls.
+    /// Time at which the grid is filled next, which does not depend on calls.
     pub fn next_refresh(&self) -> f64 {
         self.refreshes as f64 * self.scenery.steering.refresh_s
     }
@@ -196,7 +196,7 @@ impl<V: Space> Engine<V> {
         if self.next_refresh() > time {
             return None;
         }
-        // Nobody acts between refreshes that are due together: the last one shows what all of them would.
+        // No agent acts between refreshes that are due together: the last one shows the same as all of them.
         self.refreshes = (time / self.scenery.steering.refresh_s) as u64;
         let now = self.next_refresh();
         self.refreshes += 1;
@@ -216,7 +216,8 @@ impl<V: Space> Engine<V> {
         Some((position, velocity, state.intent))
     }
 
-    /// The next event of an agent, and of the agent whose bound it touches; that one, if it acted too.
+    /// Processes the next event of an agent, and of the agent whose bound it touches; returns that one, if it acted
+    /// too.
     pub fn process_event(&mut self, agent: u32) -> Result<Option<u32>, CrowdError> {
         let cause = self.cause(agent);
         let partner = self.partner(cause);
@@ -231,8 +232,8 @@ impl<V: Space> Engine<V> {
         Ok(renewed)
     }
 
-    /// True if the partner of a colliding event acts too: it has not acted since the agent did, so that its bound is the
-    /// one that is touched, nor within the smallest interval.
+    /// True if the partner of a colliding event acts too: it has not acted since the agent did, so that its present
+    /// bound is the touched one, nor within the smallest interval.
     pub fn is_renewed_with(&self, partner: u32, agent: u32, time: f64) -> bool {
         if self.states[partner as usize].cell == NONE {
             return false;
@@ -241,7 +242,7 @@ impl<V: Space> Engine<V> {
         start <= self.cells.plan(agent).start && time - start >= f64::from(self.scenery.interval)
     }
 
-    /// Lets an agent take a new plan; false where it has to keep the one it has.
+    /// Lets an agent take a new plan; false where it has to keep the present one.
     pub fn decide(&mut self, agent: u32, scheme: SchemeRef<'_>) -> bool {
         let Self { scenery, cells, states, grid, outsiders, bonds, scratch, .. } = self;
         let decider = Decider { scenery, cells, states, grid, outsiders, bonds, time: self.now };
@@ -256,13 +257,14 @@ impl<V: Space> Engine<V> {
         true
     }
 
-    /// Why an agent acts when it is due.
+    /// Cause of an agent's due event.
     pub fn cause(&self, agent: u32) -> Cause {
         let state = &self.states[agent as usize];
         if state.is_woken { Cause::Region } else { state.cause }
     }
 
-    /// When an agent that was woken by a time acts: as soon as it may. `None` where its plan ends about then.
+    /// Time at which an agent that was woken at a time acts: as soon as possible. `None` where its plan ends about
+    /// then.
     pub fn woken_at(&self, plan: &Plan<V>, now: f64) -> Option<f64> {
         let interval = f64::from(self.scenery.interval);
         let soonest = now.max(plan.start + interval);
@@ -270,19 +272,19 @@ impl<V: Space> Engine<V> {
         (soonest + interval < plan.end).then_some(soonest)
     }
 
-    /// When an agent with a plan acts next, unless another one makes it act before.
+    /// Time at which an agent with a plan acts next, unless another one makes it act before.
     pub fn due(&self, plan: &Plan<V>) -> f64 {
         let is_woken = self.states[plan.index as usize].is_woken;
         is_woken.then(|| self.woken_at(plan, self.now)).flatten().unwrap_or(plan.end)
     }
 
-    /// True for an event of an agent that is still to come: it has not acted since it was put into the queue.
+    /// True for an event of an agent that is still to come: it has not acted since the event was queued.
     pub fn is_due(&self, agent: u32, time: f64) -> bool {
         let state = &self.states[agent as usize];
         state.cell != NONE && (state.is_woken || self.cells.plan(agent).end == time)
     }
 
-    /// Lets an agent keep its plan to its end: others rely on it, and nothing else that is safe was found.
+    /// Lets an agent keep its plan to its end: others rely on it, and no other safe plan was found.
     pub fn go_on(&mut self, agent: u32) {
         let state = &mut self.states[agent as usize];
         if std::mem::take(&mut state.is_woken) {

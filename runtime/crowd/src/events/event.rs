@@ -3,86 +3,86 @@
 use serde::{Deserialize, Serialize};
 use throng_base::Id;
 
-/// What made an agent act, or what it did.
+/// Kind of an event: its cause, or its effect.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EventKind {
-    /// Its bound touched the side of its region, or it was woken.
+    /// The bound touched the side of its region, or the agent was woken.
     Resetting,
-    /// Its bound touched that of another agent; both are renewed, unless the other one was in the meantime.
+    /// The bound touched that of another agent; both are renewed, unless the other one was in the meantime.
     Colliding {
-        /// The other one.
+        /// The other agent.
         other: Id,
     },
-    /// Its bound touched an obstacle.
+    /// The bound touched an obstacle.
     Meeting {
         /// Number in [`crate::Setup::obstacles`].
         obstacle: usize,
     },
-    /// Its bound touched a face, and occupies the cells behind it (`Scheme::Occupancy`).
+    /// The bound touched a face, and occupies the cells behind it (`Scheme::Occupancy`).
     Entering,
-    /// Its bound occupies the cells behind a face no more (`Scheme::Occupancy`).
+    /// The bound no longer occupies the cells behind a face (`Scheme::Occupancy`).
     Leaving,
-    /// It touches another one, and neither moves relative to the other (`Scheme::Occupancy`).
+    /// The agent touches another one, and neither moves relative to the other (`Scheme::Occupancy`).
     Contacting {
-        /// The other one.
+        /// The other agent.
         other: Id,
     },
-    /// It moves relative to another one that it touched (`Scheme::Occupancy`).
+    /// The agent moves relative to another one that it touched (`Scheme::Occupancy`).
     Separating {
-        /// The other one.
+        /// The other agent.
         other: Id,
     },
-    /// It was at the end of its route.
+    /// The agent was at the end of its route.
     Arrived,
-    /// It left the crowd at the end of its route, see [`crate::AtEnd::Leave`].
+    /// The agent left the crowd at the end of its route, see [`crate::AtEnd::Leave`].
     Left,
     /// An obstacle that moves ran into it.
     Struck {
         /// Number in [`crate::Setup::obstacles`].
         obstacle: usize,
     },
-    /// It and another one, one of whom tells what the other hears, have come near each other; told once, of the one with the
-    /// smaller number. See [`crate::Senses::meet_m`].
+    /// The agent and another one have come near each other, and one sends on a channel that the other receives;
+    /// reported once, for the agent with the smaller number. See [`crate::Senses::meet_m`].
     Met {
-        /// The other one.
+        /// The other agent.
         other: Id,
     },
-    /// It has come to a zone.
+    /// The agent entered a zone.
     CameTo {
         /// Number in [`crate::Senses::zones`].
         zone: usize,
     },
-    /// It has gone from a zone.
+    /// The agent left a zone.
     WentFrom {
         /// Number in [`crate::Senses::zones`].
         zone: usize,
     },
-    /// It has crossed the side of a cell of [`crate::Senses::cell_m`]: coordinates of the one that it left, and of the new one.
+    /// The agent crossed the side of a cell of [`crate::Senses::cell_m`].
     Crossed {
-        /// Where it was.
+        /// Coordinates of the cell that it left.
         from: [i32; 2],
-        /// Where it is.
+        /// Coordinates of the cell that it entered.
         to: [i32; 2],
     },
-    /// It is the time that [`crate::Crowd::set_timer`] named.
+    /// The time set by [`crate::Crowd::set_timer`] has come.
     Timer,
-    /// It has made no progress for some time, see [`crate::SteeringConfig::stuck_after_s`].
+    /// The agent has made no progress for some time, see [`crate::SteeringConfig::stuck_after_s`].
     Stuck,
 }
 
 /// An event of an agent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
-    /// When (s).
+    /// Time of the event (s).
     pub time: f64,
     /// The agent.
     pub agent: Id,
-    /// What.
+    /// Kind of the event.
     pub kind: EventKind,
 }
 
-/// How many events there were so far.
+/// Numbers of events so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counts {
     /// See [`EventKind::Resetting`].
@@ -107,7 +107,7 @@ pub struct Counts {
     pub struck: u64,
     /// See [`EventKind::Stuck`].
     pub stuck: u64,
-    /// What agents sensed beside each other's bounds; each meeting counts once.
+    /// Number of events of [`crate::Senses`]; each meeting counts once.
     pub sensed: u64,
     /// See [`EventKind::Timer`].
     pub timers: u64,
@@ -122,8 +122,8 @@ pub struct Counts {
 }
 
 impl EventKind {
-    /// True for what ends [`crate::Crowd::advance_to_signal`]: what is sensed, timers, and for those who want it how far they
-    /// have come.
+    /// True for events that end [`crate::Crowd::advance_to_signal`]: sensed events, timers, and for agents that sense
+    /// them, arrivals and the like.
     pub(crate) fn is_signal(self, arrivals: bool) -> bool {
         match self {
             Self::Met { .. } | Self::CameTo { .. } | Self::WentFrom { .. } | Self::Crossed { .. } | Self::Timer => true,
@@ -143,7 +143,7 @@ impl Counts {
         of_events.iter().chain(&others).all(|&count| count < most)
     }
 
-    /// Those of two parts of a crowd together.
+    /// Sum of the counts of two parts of a crowd.
     pub(crate) fn plus(&self, other: &Self) -> Self {
         Self {
             resetting: self.resetting + other.resetting,

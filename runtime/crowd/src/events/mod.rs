@@ -1,4 +1,4 @@
-//! Who acts when, and what an event does.
+//! Events: their schedule and their processing.
 
 #[cfg(feature = "baselines")]
 pub(crate) mod baselines;

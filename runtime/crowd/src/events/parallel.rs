@@ -1,10 +1,10 @@
 //! Independent events on several threads.
 //!
-//! No event causes another one within the smallest interval, so that all events of a shorter window of time are known at
-//! its start. Each of them reads and changes agents in cells next to its own; events that share no such cell commute.
-//! They are put into levels: an event comes after all earlier ones that share a cell with it, and those of one level
-//! are decided at the same time. Their results are applied in the order of levels, and told in the order of time. So
-//! the result is that of one event after the other.
+//! No event causes another one within the smallest interval, so that all events of a shorter window of time are known
+//! at its start. Each of them reads and changes agents in cells next to its own; events that share no such cell
+//! commute. They are sorted into levels: an event comes after all earlier ones that share a cell with it, and those of
+//! one level are decided at the same time. Their results are applied in the order of levels, and reported in the order
+//! of time. So the result is that of one event after the other.
 
 use crate::error::CrowdError;
 use crate::events::decide::{Decision, Scratch};
@@ -39,9 +39,9 @@ struct Item {
 #[derive(Debug)]
 pub(crate) struct Windows<V> {
     items: Vec<Item>,
-    /// Who decides in each event of a level.
+    /// Deciding agent of each event of a level.
     who: Vec<u32>,
-    /// Whom each makes act after it.
+    /// Partner that acts after each of them.
     partners: Vec<u32>,
     /// Each is used by one thread at a time: no lock is waited for.
     parts: Vec<Mutex<Part<V>>>,
@@ -83,11 +83,11 @@ struct Part<V> {
 }
 
 impl<V: Space> Engine<V> {
-    /// As [`Engine::run`], in parts that `run` runs; the result is the same, bit by bit.
+    /// Runs the engine in parts that `run` runs; the result equals that of [`Engine::run`] bit by bit.
     ///
     /// # Errors
     /// As [`Engine::run`]. Some agents that act a little after those of a [`CrowdError::Stalled`] may have acted before
-    /// it was seen.
+    /// it was detected.
     pub fn run_parallel(&mut self, until_s: f64, run: &dyn Run) -> Result<bool, CrowdError> {
         #[cfg(feature = "baselines")]
         if self.baseline.is_some() {
@@ -121,7 +121,7 @@ impl<V: Space> Engine<V> {
         done
     }
 
-    /// All events from a time to the end of a window, which is not after another time.
+    /// Processes all events from a time to the end of a window, which is not after another time.
     fn window(
         &mut self,
         (time, until_s): (f64, f64),
@@ -165,7 +165,8 @@ impl<V: Space> Engine<V> {
         self.free.extend(windows.left.drain(..).map(|(_, agent)| agent));
     }
 
-    /// Puts those of a window that was not ended back into the queue: at their times if they have not acted, otherwise at the ends of their plans.
+    /// Puts the events of a window that was not completed back into the queue: at their times if the agents have not
+    /// acted, otherwise at the ends of their plans.
     fn put_back(&mut self, items: &[Item]) {
         for &Item { agent, time, .. } in items {
             if self.states[agent as usize].cell != NONE {
@@ -185,7 +186,7 @@ impl<V: Space> Engine<V> {
         Ok(())
     }
 
-    /// Gives every event its level, and sorts by it.
+    /// Assigns every event its level, and sorts the events by it.
     fn sort_by_level(&self, windows: &mut Windows<V>) {
         if windows.base > u32::MAX / 2 {
             windows.levels.fill(0);
@@ -197,7 +198,7 @@ impl<V: Space> Engine<V> {
             let mut level = base;
             let agents = [item.agent, item.partner];
             let here = agents.iter().copied().filter(|&m| m != NONE);
-            // Some look at others that are far away.
+            // Some agents look at others that are far away.
             let afar = here.clone().filter_map(|m| self.bonds.of(m)).flat_map(|bond| bond.agents());
             let afar = afar.filter(|&m| self.states[m as usize].cell != NONE);
             let cells = here.chain(afar).map(|m| self.cells.coordinates(self.cells.plan(m).at(item.time).0));

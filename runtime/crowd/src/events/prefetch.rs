@@ -11,7 +11,7 @@ use crate::steering::far_field::prefetch_coming;
 use crate::{NONE, Space};
 use throng_base::prefetch;
 
-/// How far the next events have been prepared.
+/// Progress in preparing the next events.
 #[derive(Clone, Debug)]
 pub(crate) struct Prefetcher {
     scout: Scout,

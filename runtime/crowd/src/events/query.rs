@@ -1,4 +1,4 @@
-//! What can be asked of a crowd between its events.
+//! Queries of a crowd between its events.
 
 use crate::events::decide::{Decider, Scratch};
 use crate::events::engine::Engine;
@@ -92,14 +92,14 @@ impl<V: Space> Engine<V> {
         })
     }
 
-    /// Who walks together with an agent.
+    /// Companions of an agent.
     pub fn companions(&self, id: Id) -> [Option<Id>; MOST_COMPANIONS] {
         let bond = self.bonds.of(id.index).filter(|_| self.check_id(id).is_ok());
         let companions = bond.map_or([NONE; MOST_COMPANIONS], |b| b.companions);
         companions.map(|c| Some(c).filter(|&c| c != NONE).map(|c| self.id(c)))
     }
 
-    /// The nearest agent in front of another one, in its own cell or one next to it.
+    /// Nearest agent in front of another one, in its own cell or one next to it.
     fn in_front_of(&self, id: Id, position: V) -> Option<Id> {
         let ahead = self.desired_direction(id)?;
         let mut nearest = (f32::INFINITY, None);
@@ -115,7 +115,7 @@ impl<V: Space> Engine<V> {
         nearest.1
     }
 
-    /// What an agent may look at.
+    /// Decider with all data that a decision may read.
     pub fn decider(&self, time: f64) -> Decider<'_, V> {
         let Self { scenery, cells, states, grid, outsiders, bonds, .. } = self;
         Decider { scenery, cells, states, grid, outsiders, bonds, time }

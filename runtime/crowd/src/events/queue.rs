@@ -7,7 +7,7 @@ use throng_base::prefetch;
 /// Time that one turn of the calendar takes. Longer than most intervals between events, so that a page holds few
 /// entries of later turns (s).
 const TURN_S: f64 = 2.0;
-/// How many pages after the one that is open a scout looks at.
+/// Number of pages after the open one that a scout looks at.
 const SCOUTED: u64 = 4;
 
 /// Next event of every agent, in the exact order of time and then of number.
@@ -22,7 +22,7 @@ pub(crate) struct Calendar {
     entries: Vec<Entry>,
     /// Agents of the page that is open, the earliest last, if it is sorted.
     open: Vec<u32>,
-    /// Nothing was put in since it was sorted.
+    /// True where nothing was added since it was sorted.
     is_sorted: bool,
     /// Number of the page that is open; entries of all pages before it are in it too.
     page: u64,
@@ -33,16 +33,17 @@ pub(crate) struct Calendar {
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     time: f64,
-    /// In the list of its page.
+    /// Next agent in the list of its page.
     next: u32,
-    /// Likewise; [`NONE`] for the first, [`NOWHERE`] without an event, [`OPEN`] in the page that is open.
+    /// Previous agent in that list; [`NONE`] for the first, [`NOWHERE`] without an event, [`OPEN`] in the page that is
+    /// open.
     previous: u32,
 }
 
 const NOWHERE: u32 = NONE - 1;
 const OPEN: u32 = NONE - 2;
 
-/// How far [`Calendar::scout`] has looked.
+/// Progress of [`Calendar::scout`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scout {
     page: u64,
@@ -84,7 +85,7 @@ impl Calendar {
         self.len = 0;
     }
 
-    /// Sets the event of an agent, in place of the one it had (0 <= time < 2e9).
+    /// Sets the event of an agent, in place of the previous one (0 <= time < 2e9).
     pub fn set(&mut self, agent: u32, time: f64) {
         self.remove(agent);
         let m = agent as usize;

@@ -6,7 +6,7 @@ use crate::safety::reach::Reach;
 use crate::safety::rule::{Candidate, Violation, lever, violation_of_held, violation_of_solid};
 use crate::space::plan::Plan;
 
-/// Speed with which everybody may give way, whatever they want (m/s).
+/// Speed that every agent may reach while it yields, whatever its desired speed (m/s).
 const SLOWEST_MPS: f32 = 0.5;
 
 impl<V: Space> Decider<'_, V> {

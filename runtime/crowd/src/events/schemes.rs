@@ -1,4 +1,4 @@
-//! When an agent acts next: the scheme of Kim, Kim and Shin (2003b), and where another one takes its place.
+//! Schedule of an agent's next event: the scheme of Kim, Kim and Shin (2003b), and the interface of others.
 
 use crate::Space;
 #[cfg(feature = "baselines")]
@@ -11,7 +11,7 @@ use crate::space::plan::Plan;
 use crate::steering::neighbours::{Row, Rows};
 use throng_base::simd::{Lanes, Work, dispatch};
 
-/// How an agent at an event finds out when it acts next.
+/// Scheme by which an agent at an event computes its next one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SchemeRef<'a> {
     /// Lists of the bounds in each cell (Kim, Kim and Shin 2003a, section 2).
@@ -22,7 +22,7 @@ pub(crate) struct SchemeRef<'a> {
 /// in, so that it can only meet agents registered in neighbouring cells.
 pub(crate) const REGISTRATION: SchemeRef<'static> = SchemeRef { lists: None };
 
-/// There are no lists.
+/// Stand-in for lists that do not exist in this build.
 #[cfg(not(feature = "baselines"))]
 #[derive(Debug)]
 pub(crate) enum Occupancy {}
@@ -35,9 +35,9 @@ impl Occupancy {
 }
 
 impl SchemeRef<'_> {
-    /// When the bound of a new plan touches something first, and what.
+    /// First contact of a new plan's bound: its cause and its time.
     ///
-    /// - `meeting`: what the neighbour query found.
+    /// - `meeting`: result of the neighbour query.
     #[inline]
     pub fn first_event<V: Space>(
         self,
@@ -54,25 +54,25 @@ impl SchemeRef<'_> {
     }
 }
 
-/// The first neighbour whose bound an agent's bound touches. At an event it is known where everybody
-/// is, so that all bounds are taken as made then: a contact is never found late, and later than with old bounds.
+/// First contact of an agent's bound with that of a neighbour. At an event all positions are known, so that all bounds
+/// are taken as made then: a contact is never found late, and later than with old bounds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Meeting<V> {
     /// Bound of the agent, made at its event.
     pub bound: Bound<V>,
-    /// What ends its plan, and after which time (s); later contacts do not matter.
+    /// Cause that ends its plan, and the time until then (s); later contacts do not matter.
     pub first: (Cause, f32),
 }
 
 impl<V: Space> Meeting<V> {
-    /// Without neighbours yet: when the bound of a plan leaves its region, if it has one.
+    /// Contact before any neighbours: the time at which the bound of a plan leaves its region, if it has one.
     #[inline]
     pub fn new(fresh: &Plan<V>, region: Option<(V, V)>) -> Self {
         let bound = Bound::from(fresh);
         Self { bound, first: (Cause::Region, region.map_or(f32::INFINITY, |r| bound.first_exit(r.0, r.1))) }
     }
 
-    /// Finds the first contact among the neighbours; few of them are looked at closely.
+    /// Finds the first contact among the neighbours; few of them are compared exactly.
     pub fn look(&mut self, cells: &Cells<V>, rows: &Rows) {
         dispatch(Look { meeting: self, cells, rows });
     }

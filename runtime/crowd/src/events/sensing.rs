@@ -9,7 +9,7 @@ use crate::{EventKind, Id, NONE, Space};
 use throng_base::ground::Bounds;
 
 impl<V: Space> Engine<V> {
-    /// What an agent senses from now on.
+    /// Sets the senses of an agent.
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
@@ -48,7 +48,7 @@ impl<V: Space> Engine<V> {
         self.queue_senses(agent);
     }
 
-    /// Puts what an agent senses next, and its timer, into the queue: after the events of the engine at the same time.
+    /// Queues the next sensed event of an agent, and its timer: after the events of the engine at the same time.
     fn queue_senses(&mut self, agent: u32) {
         let num = self.states.len() as u32;
         let own = &self.sensors.of[agent as usize];
@@ -57,7 +57,7 @@ impl<V: Space> Engine<V> {
         }
     }
 
-    /// Looks for what an agent with a new plan, or with new senses, senses next.
+    /// Finds the next sensed event of an agent with a new plan, or with new senses.
     pub fn look_about(&mut self, agent: u32) {
         let sense = self.sensors.of[agent as usize].sense;
         if sense == (Sense { arrivals: sense.arrivals, ..Sense::default() }) || self.states[agent as usize].cell == NONE
@@ -126,7 +126,7 @@ impl<V: Space> Engine<V> {
         self.queue_senses(agent);
     }
 
-    /// When an agent and another one meet, until one of them takes a new plan.
+    /// Time at which an agent and another one meet, until one of them takes a new plan.
     fn meets(&self, plan: &Plan<V>, other: u32, now: f64, at_once: bool) -> Option<f64> {
         let meet_m = self.sensors.senses.meet_m;
         let theirs = self.cells.plan(other);
@@ -190,7 +190,7 @@ impl<V: Space> Engine<V> {
         self.look_about(agent);
     }
 
-    /// Looks for everybody, as after a step of everybody.
+    /// Finds the next sensed event of every agent, as after a step of all.
     #[cfg(feature = "baselines")]
     pub fn look_about_all(&mut self) {
         for agent in 0..self.states.len() as u32 {
@@ -200,7 +200,7 @@ impl<V: Space> Engine<V> {
         }
     }
 
-    /// Makes what is not saved, after a snapshot.
+    /// Restores state that is not saved, after a snapshot.
     pub fn relink_senses(&mut self) {
         self.sensors.boxes.clear();
         self.sensors.signals.clear();

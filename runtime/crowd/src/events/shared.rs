@@ -1,11 +1,11 @@
 //! One crowd in several processes, each of which moves the agents of a region of its own.
 //!
-//! A region is a stripe of cells. As in `parallel.rs`, all events of a window are known at its start, and two of them matter to
-//! each other only where they share a cell around their agents. Each rank knows its own events and those of others that
-//! touch its region or a margin of [`MARGIN`] cells around it, and keeps the agents of the margin, ghosts, as their rank
-//! has them. It processes its events in the order of time, but for those that have to wait for one of another rank.
-//! Then all ranks exchange what has changed in each other's margins, and go on with those that waited. So the motion is
-//! that of one process, bit by bit, and the safety rule compares the same plans.
+//! A region is a stripe of cells. As in `parallel.rs`, all events of a window are known at its start, and two of them
+//! affect each other only where they share a cell around their agents. Each rank knows its own events and those of
+//! others that touch its region or a margin of [`MARGIN`] cells around it, and keeps the agents of the margin, ghosts,
+//! as their rank has them. It processes its events in the order of time, except those that have to wait for one of
+//! another rank. Then all ranks exchange the changes in each other's margins, and go on with the events that waited. So
+//! the motion is that of one process, bit by bit, and the safety rule compares the same plans.
 
 use crate::error::CrowdError;
 use crate::events::decide::AgentState;
@@ -16,8 +16,8 @@ use crate::{Counts, NONE, Space};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use throng_base::{Comm, Error, out_of_step};
 
-/// How many cells around its own a rank knows: its agents decide up to a cell away from where they are registered, whom
-/// they meet up to two cells away, and either looks a cell farther.
+/// Number of cells around its own that a rank knows: its agents decide up to a cell away from where they are
+/// registered, the agents they meet up to two cells away, and either looks a cell farther.
 const MARGIN: usize = 3;
 /// Overlaps below this are those of rounding (m).
 const TOUCH_M: f32 = 1e-4;
@@ -30,16 +30,16 @@ pub(crate) struct SharedEngine<V> {
     axis: usize,
     /// Rank of each coordinate of cells along the axis.
     owner: Vec<usize>,
-    /// Of each rank, which coordinates it knows, and which are next to those.
+    /// Coordinates that each rank knows, and coordinates next to those.
     known: Vec<Vec<bool>>,
     reached: Vec<Vec<bool>>,
     rank: usize,
     pub handed_over: u64,
     /// Places that were free at the start.
     num_free: usize,
-    /// Who left the crowd by an event of this rank.
+    /// Agents that left the crowd by an event of this rank.
     left: Vec<Left<V>>,
-    /// Of each cell: the last pass in which an event that waits was found in it.
+    /// Last pass in which a waiting event was found in each cell.
     waits: Vec<u32>,
     pass: u32,
 }
@@ -49,18 +49,18 @@ pub(crate) struct SharedEngine<V> {
 struct Item {
     time: f64,
     agent: u32,
-    /// Cells of the agent and of whom it may make act too, at that time; [`NONE`] without one.
+    /// Cells of the agent and of the partner that it may make act too, at that time; [`NONE`] without one.
     cells: [u32; 2],
     rank: usize,
     is_done: bool,
 }
 
-/// What became of an agent.
+/// Changed state of an agent.
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "V: Space")]
 struct Changed<V> {
     plan: Plan<V>,
-    /// Its cell is [`NONE`] where it left.
+    /// State of the agent; its cell is [`NONE`] where it left.
     state: AgentState<V>,
 }
 
@@ -69,30 +69,30 @@ struct Changed<V> {
 #[serde(bound = "V: Space")]
 struct Left<V> {
     time: f64,
-    /// Whose event it was, and whether it was the other one that left.
+    /// Agent of the event, and whether its partner is the one that left.
     by: (u32, bool),
     agent: u32,
     state: AgentState<V>,
 }
 
-/// What a rank tells another one after a pass.
+/// Message of a rank to another one after a pass.
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "V: Space")]
 struct Told<V> {
-    /// How many of its events still wait.
+    /// Number of its events that still wait.
     waiting: usize,
     /// Agents whose events are done.
     done: Vec<u32>,
     changed: Vec<Changed<V>>,
 }
 
-/// What a rank has at the end, for the rank that puts all together.
+/// State of a rank at the end, for the rank that joins all of them.
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "V: Space")]
 struct Gathered<V> {
     counts: Counts,
     left: Vec<Left<V>>,
-    /// In the order of cells and of agents in them.
+    /// Agents in the order of cells, and of their place in them.
     agents: Vec<Changed<V>>,
 }
 
@@ -138,7 +138,7 @@ impl<V: Space> SharedEngine<V> {
         let owner: Vec<usize> = num_at
             .iter()
             .map(|num| {
-                // Of a coordinate that two ranks could have, the one that has more of it.
+                // A coordinate that two ranks could have goes to the one with the larger part of it.
                 let middle = before + num / 2;
                 before += num;
                 (middle * num_ranks / all.max(1)).min(num_ranks - 1)
@@ -185,7 +185,7 @@ impl<V: Space> SharedEngine<V> {
         self.known[rank][self.engine.cells.folded(cell, self.axis)]
     }
 
-    /// True where an agent is there and this rank's.
+    /// True for an agent that is in the crowd and belongs to this rank.
     fn is_own(&self, agent: u32) -> bool {
         let cell = self.engine.states[agent as usize].cell;
         cell != NONE && self.owner_of(cell) == self.rank
@@ -196,7 +196,7 @@ impl<V: Space> SharedEngine<V> {
         (0..self.engine.states.len() as u32).filter(|&m| self.is_own(m)).count()
     }
 
-    /// Lets time pass until `until_s`.
+    /// Advances time to `until_s`.
     ///
     /// # Errors
     /// As [`Engine::run`], and [`Error::Rank`].
@@ -215,7 +215,8 @@ impl<V: Space> SharedEngine<V> {
         Ok(())
     }
 
-    /// As [`Engine::refresh_grid_until`], with the agents of all ranks: they are added in the order of their numbers.
+    /// Refreshes the grid, see [`Engine::refresh_grid_until`], with the agents of all ranks, which are added in the
+    /// order of their numbers.
     fn refresh_grid_until(&mut self, time: f64, comm: &dyn Comm) -> Result<(), CrowdError> {
         let Some(now) = self.engine.begin_refresh(time) else { return Ok(()) };
         let own = (0..self.engine.states.len() as u32).filter(|&m| self.is_own(m));
@@ -229,7 +230,7 @@ impl<V: Space> SharedEngine<V> {
         Ok(())
     }
 
-    /// All events from a time to the end of a window, which is not after another time.
+    /// Processes all events from a time to the end of a window, which is not after another time.
     fn window(&mut self, (time, until_s): (f64, f64), comm: &dyn Comm) -> Result<(), CrowdError> {
         let end = (time + WINDOW * f64::from(self.engine.scenery.interval)).min(until_s);
         let mut items = Vec::new();
@@ -260,12 +261,12 @@ impl<V: Space> SharedEngine<V> {
         let engine = &self.engine;
         let cell = |agent: u32| engine.cells.number(engine.cells.coordinates(engine.cells.plan(agent).at(time).0));
         let partner = engine.partner(engine.cause(agent));
-        // Who has acted since, or is to have acted by then, will not act again.
+        // A partner that has acted since, or is to act by then, will not act again.
         let partner = partner.filter(|&p| engine.is_renewed_with(p, agent, time));
         Item { time, agent, cells: [cell(agent), partner.map_or(NONE, cell)], rank: self.rank, is_done: false }
     }
 
-    /// Calls `f` with every cell that an event may look at or change.
+    /// Calls `f` with every cell that an event may read or change.
     fn around(&self, item: &Item, mut f: impl FnMut(u32)) {
         let cells = &self.engine.cells;
         for cell in item.cells.into_iter().filter(|&c| c != NONE) {
@@ -273,13 +274,14 @@ impl<V: Space> SharedEngine<V> {
         }
     }
 
-    /// True where an event may look at or change what a rank knows.
+    /// True where an event may read or change data that a rank knows.
     fn touches(&self, item: &Item, rank: usize) -> bool {
         let at = |&cell: &u32| cell != NONE && self.reached[rank][self.engine.cells.folded(cell, self.axis)];
         item.cells.iter().any(at)
     }
 
-    /// Processes the events of this rank that need not wait, and tells the others; true where nobody waits any more.
+    /// Processes the events of this rank that need not wait, and informs the others; true where no event waits any
+    /// more.
     fn pass(&mut self, items: &mut [Item], place_of: &[(u32, usize)], comm: &dyn Comm) -> Result<bool, CrowdError> {
         self.pass = match self.pass.checked_add(1) {
             Some(pass) => pass,
@@ -357,7 +359,7 @@ impl<V: Space> SharedEngine<V> {
         Changed { plan: self.engine.cells.plan(agent), state: self.engine.states[agent as usize] }
     }
 
-    /// Does with an agent what another rank did.
+    /// Applies the change of an agent by another rank.
     fn take_over(&mut self, changed: &Changed<V>) {
         let Changed { plan, state } = changed;
         let from = self.engine.states[plan.index as usize].cell;
@@ -376,7 +378,7 @@ impl<V: Space> SharedEngine<V> {
         }
     }
 
-    /// How many agents of this rank overlap another one now. Looks at discs alone, whatever the safety rule says.
+    /// Number of agents of this rank that overlap another one now. Tests discs alone, independently of the safety rule.
     pub fn overlaps(&self) -> u64 {
         let engine = &self.engine;
         let overlaps = |agent: u32| {

@@ -32,7 +32,7 @@ type Kept<V> = Option<(Baseline, V)>;
 #[cfg(feature = "baselines")]
 type Kept<V> = Option<Baseline<V>>;
 
-/// All that time changes.
+/// State that changes with time.
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "V: Space")]
 struct Saved<V> {
@@ -44,33 +44,33 @@ struct Saved<V> {
     /// Routes of agents that stay where they are.
     staying: Vec<u32>,
     own_routes: Vec<u32>,
-    /// In the order in which they are put back into the cells.
+    /// Plans in the order in which they are put back into the cells.
     plans: Vec<Plan<V>>,
     grid: DensityGrid<V>,
     refreshes: u64,
-    /// What obstacles are open.
+    /// States of the doors.
     doors: Vec<Door>,
-    /// Of those who sense anything.
+    /// Sensing agents and their states.
     sensing: Vec<(u32, Sensing)>,
-    /// Of those who care for anything.
+    /// Agents with relationships.
     bonds: Vec<(u32, Bond<V>)>,
     baseline: Kept<V>,
 }
 
 /// No agent can have walked farther from the starts (m).
 const FARTHEST_M: f32 = 1e6;
-/// By how much rounding may bring a speed or an acceleration beyond its limit, as a factor. More would not do: no agent
-/// is looked for as far away as a faster one could come from, see [`crate::safety::reach`].
+/// Factor by which rounding may bring a speed or an acceleration beyond its limit. More would not do: the search for
+/// neighbours does not reach as far as a faster agent could come from, see [`crate::safety::reach`].
 const ROUNDING: f32 = 1.0 + 1e-5;
-/// With streets, each subgoal takes a search over all corners: there are so many for each agent and for each of some routes
-/// that were added, beside those of the setup.
+/// Number of subgoals for each agent and for each of some routes that were added, beside those of the setup: with
+/// streets, each subgoal takes a search over all corners.
 const SUBGOALS_EACH: usize = 64;
 const MORE_ROUTES: usize = 64;
 /// Longest that a unit vector may be.
 const UNIT: f32 = 1.001;
 
 impl<V: Space> Engine<V> {
-    /// What a snapshot of this crowd is.
+    /// Kind of a snapshot of this crowd.
     fn snapshot_kind(&self) -> SnapshotKind {
         SnapshotKind { what: "crowd", tag: *b"CRWD", version: VERSION, setup: self.setup_hash }
     }
@@ -122,7 +122,8 @@ impl<V: Space> Engine<V> {
         self.snapshot_kind().write(&saved, out);
     }
 
-    /// Goes back to a state of a crowd that was made with the same setup. What follows is what followed then, bit by bit.
+    /// Restores a state of a crowd that was made with the same setup. It continues from there as it did then, bit by
+    /// bit.
     ///
     /// # Errors
     /// [`Error::Snapshot`]; nothing has changed then.
@@ -175,7 +176,7 @@ impl<V: Space> Engine<V> {
         of_plans.into_iter().all(|s| (s.cursor.leg as usize) < paths[s.route as usize].num_legs())
     }
 
-    /// Puts a state that was checked in place of this one.
+    /// Replaces the state by a checked one.
     fn take_over(&mut self, saved: Saved<V>) {
         (self.now, self.counts, self.states) = (saved.now, saved.counts, saved.states);
         (self.grid, self.refreshes, self.own_routes) = (saved.grid, saved.refreshes, saved.own_routes);
@@ -207,7 +208,7 @@ impl<V: Space> Engine<V> {
         }
     }
 
-    /// Why a state cannot be one of this crowd.
+    /// Reason why a state cannot be one of this crowd.
     fn check_saved(&self, saved: &Saved<V>) -> Result<(), String> {
         if [saved.states.len(), saved.own_routes.len()] != [self.states.len(); 2] {
             return Err(format!("it holds {} agents, this crowd {}", saved.states.len(), self.states.len()));
@@ -250,7 +251,7 @@ impl<V: Space> Engine<V> {
         self.check_safety(saved)
     }
 
-    /// Routes of their own are those of one agent each, whom alone they lead; and all subgoals can be looked for.
+    /// Checks routes: own routes are used by one agent each, and all subgoals can be searched for.
     fn check_routes(&self, saved: &Saved<V>) -> Result<(), String> {
         let mut owners = vec![NONE; saved.routes.len()];
         for (agent, &route) in (0u32..).zip(&saved.own_routes).filter(|(_, r)| **r != NONE) {
@@ -274,8 +275,7 @@ impl<V: Space> Engine<V> {
         Ok(())
     }
 
-    /// The safety rule, which a newcomer is checked for too, of all that are kept: who would overlap somebody or an
-    /// obstacle was never there.
+    /// Checks the safety rule, as for a newcomer, for all saved agents: none may overlap another one or an obstacle.
     fn check_safety(&self, saved: &Saved<V>) -> Result<(), String> {
         #[cfg(feature = "baselines")]
         if self.baseline.as_ref().is_some_and(Baseline::lets_overlap) {
@@ -319,7 +319,7 @@ impl<V: Space> Engine<V> {
         let fits = match (&saved.baseline, &self.baseline) {
             (None, None) => true,
             (Some(kept), Some(own)) => {
-                // Nobody is woken there.
+                // These schemes wake no agents.
                 !saved.states.iter().any(|m| m.is_woken) && kept.fits(own, self.cells.side(), saved.now, plan)
             }
             _ => false,
@@ -327,7 +327,7 @@ impl<V: Space> Engine<V> {
         if fits { Ok(()) } else { Err("it is of another scheme, or damaged".to_owned()) }
     }
 
-    /// Looks at the grid that time allows, and counts that leave room for more.
+    /// Checks that the grid fits the time, and that counts leave room for more.
     fn may_have_seen(&self, saved: &Saved<V>) -> bool {
         saved.refreshes as f64 <= saved.now / self.scenery.steering.refresh_s + 1.0 && saved.counts.is_below(1 << 62)
     }
@@ -356,7 +356,7 @@ impl<V: Space> Engine<V> {
             && (now..=plan.start + self.longest_plan(plan.limit)).contains(&plan.end)
     }
 
-    /// What an agent remembers fits this crowd.
+    /// Checks that an agent's state fits this crowd.
     fn may_be(&self, state: &AgentState<V>, num_routes: usize) -> bool {
         let cause = match state.cause {
             Cause::Agent(other) => (other as usize) < self.states.len(),
@@ -409,7 +409,7 @@ mod tests {
     use crate::{AtEnd, Go, Obstacle};
     use glam::{Vec2, Vec3};
 
-    /// What becomes of a snapshot of a crowd that was changed by hand.
+    /// Restores a snapshot of a crowd that was changed by hand.
     fn restored(change: impl FnOnce(&mut Engine<Vec2>)) -> Result<(), CrowdError> {
         let mut crowd = Engine::new(crossing::<Vec2>(20, 8.0)).unwrap();
         crowd.advance(1.0, &mut |_| {}).unwrap();

@@ -1,4 +1,4 @@
-//! Who enters the crowd, leaves it, is moved elsewhere and is sent somewhere.
+//! Entry, removal, displacement and orders of agents.
 
 use crate::error::{CrowdError, check};
 use crate::events::decide::{AgentState, Cause};
@@ -15,7 +15,7 @@ use throng_base::Error;
 use throng_base::error::check_index;
 
 impl<V: Space> Engine<V> {
-    /// Lets an agent enter, now.
+    /// Spawns an agent, now.
     ///
     /// # Errors
     /// [`CrowdError`] for a place that is taken, a full crowd, or a setting out of its range; nothing has changed then.
@@ -132,7 +132,7 @@ impl<V: Space> Engine<V> {
         error.map_or(Ok(()), Err)
     }
 
-    /// Takes an agent out, now.
+    /// Removes an agent, now.
     ///
     /// # Errors
     /// [`Error::Gone`].
@@ -145,10 +145,10 @@ impl<V: Space> Engine<V> {
         Ok(())
     }
 
-    /// Puts an agent elsewhere, at rest. It goes on with its order from there, or stays without one.
+    /// Moves an agent elsewhere, at rest. It goes on with its order from there, or stays without one.
     ///
     /// # Errors
-    /// [`CrowdError`] for a place that is taken or out of range, or from which no way leads to its goal; nothing has
+    /// [`CrowdError`] for a place that is taken or out of range, or from which no path leads to its goal; nothing has
     /// changed then.
     pub fn place(&mut self, id: Id, position: V) -> Result<(), CrowdError> {
         self.check_id(id)?;
@@ -199,7 +199,7 @@ impl<V: Space> Engine<V> {
     /// Gives an agent an order, from its next event on.
     ///
     /// # Errors
-    /// [`Error::NoWay`], and [`CrowdError`] for an order that cannot be; nothing has changed then.
+    /// [`Error::NoWay`], and [`CrowdError`] for an impossible order; nothing has changed then.
     pub fn order(&mut self, id: Id, order: &Go<V>) -> Result<(), CrowdError> {
         self.check_id(id)?;
         let speed = order.speed_mps.unwrap_or(self.states[id.index()].speed);
@@ -222,7 +222,7 @@ impl<V: Space> Engine<V> {
             }
         };
         if !matches!(order.way, Way::Route(_)) {
-            // Whatever route it was on before, it begins this one.
+            // The agent begins this route, whatever its previous one.
             self.states[id.index()].route = NONE;
         }
         let kept = self.states[id.index()];
@@ -259,12 +259,12 @@ impl<V: Space> Engine<V> {
         let mut doors = self.scenery.doors.clone();
         doors[obstacle] = if open { Door::Open } else { Door::Closed };
         self.scenery.set_doors(&doors, &self.cells)?;
-        // Everybody looks for the way again at the next event.
+        // Every agent plans its path again at its next event.
         self.states.iter_mut().for_each(|s| s.cursor.look_at = 0.0);
         Ok(())
     }
 
-    /// What draws an agent near or drives it away, from its next event on.
+    /// Sets an interest that attracts or repels an agent, from its next event on.
     ///
     /// # Errors
     /// [`Error::Gone`], [`Error::Index`], [`Error::Value`].
@@ -297,7 +297,8 @@ impl<V: Space> Engine<V> {
         Ok(())
     }
 
-    /// Lets an agent act as soon as it may, once for each plan. Others rely on that: it keeps it where nothing else is safe.
+    /// Lets an agent act as soon as possible, once for each plan. Others rely on the plan: the agent keeps it where no
+    /// other one is safe.
     ///
     /// # Errors
     /// [`Error::Gone`].
@@ -315,7 +316,7 @@ impl<V: Space> Engine<V> {
         Ok(())
     }
 
-    /// A way leads from a place to a goal, as far as the crowd knows its streets.
+    /// Checks that a path leads from a place to a goal, as far as the crowd knows its streets.
     ///
     /// - `number`: that of the goal.
     fn check_way(&self, id: Id, from: V, goal: V, number: u32) -> Result<(), CrowdError> {
@@ -345,7 +346,7 @@ impl<V: Space> Engine<V> {
         Ok(route)
     }
 
-    /// Takes memory for a goal of a route of its own, when that has its first one.
+    /// Takes memory for a goal of an agent's own route, for its first one.
     fn reserve_goal(&mut self, route: usize) {
         let Scenery { paths, goals, streets, .. } = &mut self.scenery;
         if let Some(streets) = streets.as_ref().filter(|_| paths[route].goals.capacity() == 0) {
@@ -360,7 +361,7 @@ impl<V: Space> Engine<V> {
         paths[number].goals.drain(..).for_each(|g| goals.release(g));
     }
 
-    /// Where an agent begins on a route.
+    /// Cursor of an agent at the start of a route.
     fn begin(&self, route: usize, x: V, radius: f32) -> Cursor<V> {
         let path = &self.scenery.paths[route];
         let mut cursor = path.begin(x);
@@ -389,14 +390,14 @@ impl<V: Space> Engine<V> {
         *own as usize
     }
 
-    /// Takes memory for the first routes of those to come.
+    /// Takes memory for the first routes of agents to come.
     pub fn fill_spare(&mut self) {
         let missing = self.own_routes.iter().take(self.room).filter(|&&own| own == NONE).count();
         self.spare.resize_with(missing, || Path::staying(V::default()));
         self.scenery.paths.reserve(missing);
     }
 
-    /// Gives an agent a route of its own, in place of the last one of that place: memory does not grow, however often
+    /// Gives an agent a route of its own, which replaces the last one of its place: memory does not grow, however often
     /// agents are sent. Returns its number.
     fn set_own_route(&mut self, index: u32, route: &Route<V>) -> Result<usize, CrowdError> {
         let own = self.own_routes[index as usize];

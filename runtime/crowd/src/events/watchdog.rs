@@ -6,8 +6,8 @@ use throng_base::prefetch;
 /// Time after which the count begins anew (s).
 const COUNTED_S: f64 = 1.0;
 
-/// Counts the events of every agent, and tells if one has more than the smallest interval allows: time would hardly
-/// pass any more.
+/// Counts the events of every agent, and reports an agent with more of them than the smallest interval allows: time
+/// would hardly pass any more.
 #[derive(Clone, Debug)]
 pub(crate) struct Watchdog {
     most: u32,
@@ -18,7 +18,7 @@ pub(crate) struct Watchdog {
 struct Count {
     since: f64,
     events: u32,
-    /// The other one of the last event.
+    /// Partner in the last event.
     partner: u32,
 }
 
@@ -29,14 +29,14 @@ pub(crate) struct Storm {
     pub partner: u32,
     pub events: u32,
     pub most: u32,
-    /// In which time (s).
+    /// Time in which they happened (s).
     pub seconds: f64,
 }
 
 impl Watchdog {
     /// For agents with numbers below `capacity`, with at most so many events in each smallest interval.
     pub fn new(capacity: usize, interval: f32, per_interval: u32) -> Self {
-        // One more interval than fits, as the first event of those that are counted comes at its start.
+        // One more interval than fits, as the first counted event comes at the start of one.
         let most = per_interval * ((COUNTED_S / f64::from(interval)).ceil() as u32 + 1);
         Self { most, counts: vec![Count { since: f64::NEG_INFINITY, events: 0, partner: NONE }; capacity] }
     }
@@ -96,7 +96,7 @@ mod tests {
         let mut dog = Watchdog::new(3, 0.1, 1);
         assert_eq!(dog.note(2, 1, 3.0), Ok(()));
         let storm = (0..100).find_map(|i| {
-            // The wall between two events with the other one does not hide it.
+            // The wall between two events with the partner does not hide it.
             let partner = if i % 3 == 2 { NONE } else { 0 };
             dog.note(1, partner, 4.0 + f64::from(i) * 1e-3).err()
         });

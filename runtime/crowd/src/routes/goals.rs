@@ -1,16 +1,16 @@
-//! Goals of agents, and how far they are from everywhere: found once, and shared by all who go there.
+//! Goals of agents, with their distances from everywhere: computed once, and shared by all agents on the way there.
 
 use crate::routes::streets::{Costs, NoWay, Open, Streets};
 use glam::{Vec3, Vec3Swizzles};
 use std::collections::{BinaryHeap, HashMap, VecDeque};
 
-/// All goals of a crowd that knows its streets. Those that nobody goes to any more are kept until their memory is needed.
+/// Goals of a crowd that knows its streets. Unused goals are kept until their memory is needed.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Goals {
     all: Vec<Goal>,
-    /// Those that are known, by place.
+    /// Numbers of known goals, by place.
     known: HashMap<[u32; 3], u32>,
-    /// Those that nobody goes to, the oldest first, and some that somebody goes to again.
+    /// Unused goals, the oldest first, and some that are in use again.
     idle: VecDeque<u32>,
     /// Goals for which there is memory.
     reserved: usize,
@@ -27,12 +27,12 @@ struct Goal {
 }
 
 impl Goals {
-    /// How far a goal is.
+    /// Distances of a goal.
     pub fn costs(&self, number: u32) -> &Costs {
         &self.all[number as usize].costs
     }
 
-    /// Takes memory for one more that is a goal at the same time, and for one that is looked at before the last is released.
+    /// Takes memory for one more goal in use, and for one that is computed before the last is released.
     pub fn reserve(&mut self, streets: &Streets) {
         self.reserved += 1;
         let [points, waiting] = streets.sizes();
@@ -52,7 +52,7 @@ impl Goals {
         number
     }
 
-    /// Finds out how far a goal is that is not known, in the place of one that nobody goes to.
+    /// Computes the distances of a new goal, in place of an unused one.
     fn find(&mut self, streets: &Streets, place: Vec3, key: [u32; 3]) -> u32 {
         let number = loop {
             let Some(number) = self.idle.pop_front() else {
@@ -74,7 +74,7 @@ impl Goals {
         number as u32
     }
 
-    /// One user less.
+    /// Releases a goal for one user.
     pub fn release(&mut self, number: u32) {
         let goal = &mut self.all[number as usize];
         goal.users -= 1;
@@ -83,7 +83,7 @@ impl Goals {
         }
     }
 
-    /// Checks that a way leads to a goal.
+    /// Checks that a path leads to a goal.
     ///
     /// # Errors
     /// [`NoWay`].
@@ -91,7 +91,7 @@ impl Goals {
         streets.check_way(from.xz(), self.costs(number))
     }
 
-    /// Finds all ways anew, as a door has opened or closed.
+    /// Finds all paths anew, as a door has opened or closed.
     ///
     /// - `is_new`: it is a door for the first time.
     pub fn find_again(&mut self, streets: &Streets, is_new: bool) {

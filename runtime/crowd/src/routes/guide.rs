@@ -1,15 +1,15 @@
-//! Where an agent aims: at its goal where it sees it, otherwise at the place across the way at the next corner by which
-//! it expects to be there first.
+//! Aim of an agent: its goal where it sees it, otherwise the place across the path at the next corner by which it
+//! expects to arrive first.
 //!
-//! The way round a corner is a line from the corner to the other side. An agent compares places along it, and along those
-//! of other corners by which it is not much farther: the length of the way by each, and the time that those cost who are
-//! there or come toward it, as the density grid tells. So the shortest way is taken where nobody is, the whole width of
-//! a bend or a row of doors where many are, and those who come the other way are left room. (Least expected time: Hoogendoorn
-//! and Bovy 2004, with what an agent sees in place of an equilibrium.)
+//! The path round a corner crosses a line from the corner to the other side. An agent compares places along this line,
+//! and along those of other corners with paths that are not much longer: the length of the path by each, and the delay
+//! by agents that are there or come toward it, as the density grid shows. So the shortest path is taken where there are
+//! no others, the whole width of a bend or a row of doors where there are many, and oncoming agents are left room.
+//! (Least expected time: Hoogendoorn and Bovy 2004, with the agent's view in place of an equilibrium.)
 //!
-//! An agent that sees its goal compares too, if many come: else all would leave the outer half of a bend as soon as they see
-//! along it, and walk across those who come. The straight way then is one of the ways, by the place where it crosses the
-//! line at a corner.
+//! An agent that sees its goal compares too, if many come: else all would leave the outer half of a bend as soon as
+//! they see along it, and walk across oncoming agents. The straight path then is one of the paths, by the place where
+//! it crosses the line at a corner.
 
 use crate::Space;
 use crate::routes::goals::Goals;
@@ -21,7 +21,7 @@ use crate::steering::far_field::coming;
 use crate::steering::retreat::Gate;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 
-/// What an agent that looks for its way knows.
+/// Inputs of an agent's path search.
 pub(crate) struct Guide<'a, V> {
     pub streets: Option<&'a Streets>,
     pub goals: &'a Goals,
@@ -31,13 +31,13 @@ pub(crate) struct Guide<'a, V> {
 
 /// Most places that are compared at a corner.
 const PLACES: usize = 8;
-/// Squares beyond a place within which those count who come.
+/// Number of squares beyond a place within which oncoming agents count.
 const BEYOND: u32 = 4;
 /// Nearer than this to the ends of the line at a corner counts as on it (m).
 const EDGE_M: f32 = 1.0;
 
 impl<V: Space> Guide<'_, V> {
-    /// Looks for the way of an agent at `x`.
+    /// Finds the aim of an agent at `x`.
     pub fn look(&self, path: &Path<V>, cursor: &mut Cursor<V>, x: V, radius: f32) {
         let (target, rest) = path.target(cursor.leg, x, radius);
         let before = cursor.aim;
@@ -57,7 +57,7 @@ impl<V: Space> Guide<'_, V> {
         let longer = self.steering.detour_m;
         let me = (from.xz(), radius, longer);
         let mut num = streets.corners_ahead(me, (goal.xz(), costs, false), &mut corners);
-        // Where all ways lead through closed doors, it waits before one.
+        // Where all paths lead through closed doors, the agent waits before one.
         let through = num == 0 && !sees_it;
         if through {
             if streets.sees_place(from.xz(), to.xz(), radius.min(costs.near), true) {
@@ -71,7 +71,7 @@ impl<V: Space> Guide<'_, V> {
         let mut straight_on = f32::INFINITY;
         for corner in corners[..num].iter().flatten() {
             let straight = from.xz().distance(corner.at) + corner.at.distance(corner.next);
-            // The way past the corner, along which others count that go it or come.
+            // The path past the corner, along which agents in both directions count.
             let across = corner.out.perp();
             let along = if (corner.next - from.xz()).dot(across) >= 0.0 { across } else { -across };
             let step = self.steering.place_m;
@@ -113,7 +113,7 @@ impl<V: Space> Guide<'_, V> {
         }
     }
 
-    /// The narrow place near by through which the way of an agent at `x` leads next.
+    /// Next narrow place near by on the path of an agent at `x`.
     pub fn gate(&self, path: &Path<V>, cursor: &Cursor<V>, x: V, radius: f32) -> Option<Gate<V>> {
         let (streets, costs) = self.streets.zip(path.goal_of(cursor.leg).map(|n| self.goals.costs(n)))?;
         let (goal, _) = path.subgoal(cursor.leg);
@@ -130,7 +130,7 @@ impl<V: Space> Guide<'_, V> {
         Some(Gate { at: over_ground(at), along: over_ground(along) })
     }
 
-    /// What those who are on the last metres of the way to a place, or come from there, cost (m).
+    /// Cost of the agents on the last metres of the path to a place, and of those that come from there (m).
     fn delay(&self, from: Vec2, at: Vec2, along: Vec2) -> f32 {
         let steering = self.steering;
         let (toward, distance) = Space::unit_and_length(at - from);
@@ -149,15 +149,16 @@ impl<V: Space> Guide<'_, V> {
         cost
     }
 
-    /// What those cost who come toward a place from beyond it: a door that others stream out of is left to them (m).
+    /// Cost of the agents that come toward a place from beyond it: a door that others stream out of is left to them
+    /// (m).
     fn delay_beyond(&self, at: Vec2, along: Vec2) -> f32 {
         let (place, direction) = (over_ground::<V>(at) * self.grid.per_m(), over_ground::<V>(along));
         let opposed = (1..=BEYOND).map(|k| self.grid.square(place + direction * k as f32).opposed(direction));
-        // One is left out: it may be the agent itself.
+        // One is left out, which may be the agent itself.
         self.steering.beyond_cost_m * (opposed.sum::<f32>() - 1.0).max(0.0)
     }
 
-    /// True where somebody comes along a straight way.
+    /// True where others come along a straight line.
     fn is_anybody_coming(&self, x: V, way: Vec2) -> bool {
         let (ahead, length) = Space::unit_and_length(way);
         coming(self.grid, x, over_ground(ahead), length, self.steering)[0] > 0.0
@@ -168,7 +169,7 @@ fn over_ground<V: Space>(v: Vec2) -> V {
     V::from_world(Vec3::new(v.x, 0.0, v.y))
 }
 
-/// Where a straight way crosses the line at a corner, and how far out that is; None where it does not.
+/// Point where a straight line crosses the line at a corner, and its distance from the corner; None where it does not.
 fn crossing(from: Vec2, way: Vec2, corner: &Corner) -> Option<(Vec2, f32)> {
     let (off, across) = (corner.at - from, way.perp_dot(corner.out));
     let (share, out) = (off.perp_dot(corner.out) / across, off.perp_dot(way) / across);

@@ -1,4 +1,4 @@
-//! Where agents go: orders, routes, routes made ready, and ways round obstacles.
+//! Routes of agents: orders, routes, prepared routes, and paths round obstacles.
 
 pub(crate) mod goals;
 pub(crate) mod guide;

@@ -1,4 +1,4 @@
-//! What an agent is told to do, and how far it has come.
+//! Orders of agents, and their progress.
 
 use crate::AtEnd;
 use glam::Vec3;
@@ -13,10 +13,10 @@ pub struct Go<V = Vec3> {
     pub(crate) speed_mps: Option<f32>,
 }
 
-/// Where an order leads.
+/// Destination of an order.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Way<V> {
-    /// To a goal, round obstacles where the crowd knows its streets.
+    /// A goal, reached round obstacles where the crowd knows its streets.
     To(V),
     /// Through subgoals.
     Along(Vec<V>),
@@ -29,7 +29,7 @@ impl<V> Go<V> {
         Self { way, at_end: AtEnd::Stay, arrival_m: 0.5, speed_mps: None }
     }
 
-    /// To a goal (m): round obstacles where the crowd knows its streets, otherwise straight.
+    /// Order to go to a goal (m): round obstacles where the crowd knows its streets, otherwise straight.
     pub fn to(goal: V) -> Self {
         Self::new(Way::To(goal))
     }
@@ -44,25 +44,25 @@ impl<V> Go<V> {
         Self::new(Way::Route(number))
     }
 
-    /// What is done at the end; [`AtEnd::Stay`] unless told otherwise.
+    /// Sets the action at the end; by default [`AtEnd::Stay`].
     pub fn then(mut self, at_end: AtEnd) -> Self {
         self.at_end = at_end;
         self
     }
 
-    /// How near to the goal counts as being there (m, > 0); 0.5 m unless told otherwise.
+    /// Sets the distance from the goal within which the agent has arrived (m, > 0); by default 0.5 m.
     pub fn within(mut self, arrival_m: f32) -> Self {
         self.arrival_m = arrival_m;
         self
     }
 
-    /// Desired speed from now on (m/s, >= 0); the one it has unless told otherwise.
+    /// Sets the desired speed from now on (m/s, >= 0); by default it does not change.
     pub fn at_speed(mut self, speed_mps: f32) -> Self {
         self.speed_mps = Some(speed_mps);
         self
     }
 
-    /// The same in another space.
+    /// Converts it to another space.
     pub(crate) fn map<W>(self, f: impl Fn(V) -> W) -> Go<W> {
         let Self { way, at_end, arrival_m, speed_mps } = self;
         let way = match way {
@@ -74,17 +74,17 @@ impl<V> Go<V> {
     }
 }
 
-/// How far an agent has come. It never says that there is no way: [`crate::Crowd::order`] refuses such an order.
+/// Progress of an agent. There is no status for an unreachable goal: [`crate::Crowd::order`] refuses such an order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Status {
-    /// On its way.
+    /// Moving towards the goal.
     Going {
-        /// Way that is left along its route (m).
+        /// Remaining distance along its route (m).
         left_m: f32,
     },
     /// At the end of its route, or at its place without an order.
     There,
-    /// It has made no progress for some time, see [`crate::SteeringConfig::stuck_after_s`].
+    /// No progress for some time, see [`crate::SteeringConfig::stuck_after_s`].
     Blocked {
         /// The nearest agent in front of it, if there is one within its sight.
         by: Option<Id>,

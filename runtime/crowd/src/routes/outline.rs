@@ -1,4 +1,4 @@
-//! Outlines of what stands in the way, from above: for ways round it.
+//! Outlines of obstacles, from above: for paths round them.
 
 use crate::Obstacle;
 use glam::{Vec2, Vec3, Vec3Swizzles};
@@ -8,9 +8,9 @@ use throng_base::maths;
 /// Something solid, from above.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Outline {
-    /// All that is within `radius` of a line; a disc where its ends are one.
+    /// All points within `radius` of a line; a disc where its ends are one.
     Wall {
-        /// One end (m).
+        /// First end (m).
         from: Vec2,
         /// The other end (m).
         to: Vec2,
@@ -22,9 +22,10 @@ pub(crate) enum Outline {
 }
 
 impl Outline {
-    /// Of an obstacle; none of one that moves, and in the air none of what can be passed above or below.
+    /// Outline of an obstacle; none of a moving one, and in the air none of an obstacle that can be passed above or
+    /// below.
     ///
-    /// - `heights`: lowest and highest that agents in the air are (m); `None` on the ground.
+    /// - `heights`: lowest and highest position of agents in the air (m); `None` on the ground.
     pub fn of(obstacle: &Obstacle, heights: Option<[f32; 2]>) -> Option<Self> {
         let spans = |low: Vec3, high: Vec3, radius: f32| {
             heights.is_none_or(|[lowest, highest]| {

@@ -1,4 +1,4 @@
-//! Routes made ready: lines across the way at each subgoal, and the goals of whoever finds its own way there.
+//! Prepared routes: lines across the path at each subgoal, and the goals of agents that find their own paths.
 
 use crate::error::check;
 use crate::space::solid::{Solid, is_inside};
@@ -6,35 +6,35 @@ use crate::{AtEnd, NONE, Obstacle, Route, Space};
 use serde::{Deserialize, Serialize};
 use throng_base::{Result, prefetch};
 
-/// Farthest that a line across the way reaches to either side (m).
+/// Largest extent of a line across the path to either side (m).
 const WIDEST_M: f32 = 20.0;
 /// Most subgoals between an agent and its goal if it is to go there straight.
 const MOST_PASSED: usize = 64;
-/// How near to its place an agent stays that has no order (m).
+/// Distance from its place within which an agent without an order stays (m).
 const STAY_M: f32 = 0.5;
 
-/// Where an agent is on its route.
+/// Position of an agent on its route.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Cursor<V> {
     /// The subgoal that it goes to.
     pub leg: u32,
-    /// Way that is left from where it aims at (m).
+    /// Remaining distance from its aim on (m).
     pub rest: f32,
-    /// What it aims at (m).
+    /// Aim (m).
     pub aim: V,
-    /// When it looks for its way again (s).
+    /// Time at which it plans its path again (s).
     pub look_at: f64,
 }
 
-/// A route made ready. What steers is the line across the way at each subgoal and not the subgoal: agents keep their
+/// Prepared route. Agents steer to the line across the path at each subgoal and not to the subgoal: they keep their
 /// distance from the line through the subgoals, and pass anywhere between the walls.
 #[derive(Clone, Debug)]
 pub(crate) struct Path<V> {
     pub route: Route<V>,
     legs: Vec<Leg<V>>,
-    /// Of each subgoal: its number among the goals of the crowd; none where there are no streets.
+    /// Number of each subgoal among the goals of the crowd; none where there are no streets.
     pub goals: Vec<u32>,
-    /// It is that of an agent that stays where it is, which does not look for ways.
+    /// True for an agent that stays where it is, which does not plan paths.
     pub stays: bool,
     /// Number of the only agent that may be on it; [`NONE`] where all may be.
     pub owner: u32,
@@ -48,9 +48,9 @@ struct Leg<V> {
     along: V,
     /// Across the line that is to be passed: half-way between this leg and the next.
     normal: V,
-    /// How far it is free to the left and to the right of the subgoal (m).
+    /// Free distance to the left and to the right of the subgoal (m).
     free: [f32; 2],
-    /// From the subgoal to the end of the route, along its legs (m).
+    /// Distance from the subgoal to the end of the route, along its legs (m).
     rest: f32,
 }
 
@@ -60,7 +60,7 @@ impl<V: Space> Leg<V> {
         Self { to: at, along: V::default(), normal: V::default(), free: [0.0; 2], rest: 0.0 }
     }
 
-    /// How far a place is to the right of the subgoal, in the direction of the line across the way.
+    /// Offset of a place to the right of the subgoal, in the direction of the line across the path.
     fn side(&self, off: V) -> f32 {
         if V::DIMENSIONS == 2 {
             off.dot(self.normal.right())
@@ -100,7 +100,7 @@ impl<V: Space> Path<V> {
         self.stays = false;
     }
 
-    /// Checks a goal and how near to it is there.
+    /// Checks a goal and its arrival radius.
     ///
     /// # Errors
     /// [`throng_base::Error::Value`].
@@ -111,9 +111,9 @@ impl<V: Space> Path<V> {
         check("route.arrival_radius", n, arrival_radius, good, "above 0 and below 1e6")
     }
 
-    /// Makes a route ready.
+    /// Prepares a route.
     ///
-    /// - `solids`: what stands, between which the way is as wide as it can be.
+    /// - `solids`: static obstacles, between which the path is as wide as it can be.
     ///
     /// # Errors
     /// [`throng_base::Error::Value`] for a route without subgoals or with numbers that are out of range.
@@ -134,7 +134,7 @@ impl<V: Space> Path<V> {
                 let out = if i + 1 < num || is_round { ahead(i) } else { V::default() };
                 let along = if i > 0 || is_round { ahead((i + num - 1) % num) } else { out };
                 let (normal, bend) = (along + out).unit_and_length();
-                // Where the way turns back there is no line half-way.
+                // Where the path turns back there is no line half-way.
                 let normal = if bend > 0.3 { normal } else { along };
                 let free = [-1.0, 1.0].map(|side| free_way(points[i], normal.right() * side, solids));
                 Leg { to: points[i], along, normal, free, rest: 0.0 }
@@ -151,7 +151,7 @@ impl<V: Space> Path<V> {
         self.legs.iter().map(|l| l.to)
     }
 
-    /// The leg on which an agent at `x` begins: the one that it is nearest to.
+    /// Cursor of an agent at `x`, on the leg that it is nearest to.
     pub fn begin(&self, x: V) -> Cursor<V> {
         let is_round = self.is_round();
         let first = usize::from(!is_round && self.legs.len() > 1);
@@ -179,7 +179,7 @@ impl<V: Space> Path<V> {
         self.legs.len()
     }
 
-    /// Goes on to the next subgoals where the line at one is passed; true where it began again.
+    /// Advances to the next subgoals where the line at one is passed; true where it began again.
     pub fn pass(&self, cursor: &mut Cursor<V>, x: V) -> bool {
         let mut again = false;
         for _ in 0..self.legs.len() {
@@ -194,8 +194,9 @@ impl<V: Space> Path<V> {
         again
     }
 
-    /// What an agent goes for on its leg where nothing is in between: the goal where it can go there straight, otherwise
-    /// the line at the subgoal, as far beside the subgoal as it is beside the leg. Also its number, and the way from there.
+    /// Aim of an agent on its leg without obstacles in between: the goal where it can go there straight, otherwise a
+    /// point on the line at the subgoal, as far beside the subgoal as the agent is beside the leg. Also the remaining
+    /// distance from there.
     pub fn target(&self, leg: u32, x: V, radius: f32) -> (V, f32) {
         let at = leg as usize;
         let last = self.legs.len() - 1;
@@ -224,12 +225,12 @@ impl<V: Space> Path<V> {
         (own.to + own.normal.right() * side, own.rest)
     }
 
-    /// Number of a subgoal among the goals of the crowd; none where agents do not look for their ways.
+    /// Number of a subgoal among the goals of the crowd; none where agents do not plan paths.
     pub fn goal_of(&self, leg: u32) -> Option<u32> {
         self.goals.get(leg as usize).copied()
     }
 
-    /// A subgoal, and the way from it to the end (m).
+    /// Subgoal, and the distance from it to the end (m).
     pub fn subgoal(&self, leg: u32) -> (V, f32) {
         let leg = &self.legs[leg as usize];
         (leg.to, leg.rest)
@@ -243,7 +244,7 @@ impl<V: Space> Path<V> {
         }
     }
 
-    /// Way that is left (m).
+    /// Remaining distance (m).
     pub fn left(&self, cursor: &Cursor<V>, x: V) -> f32 {
         (cursor.aim - x).length() + cursor.rest
     }
@@ -277,10 +278,10 @@ pub(crate) fn is_in<V: Space>(goal: V, obstacle: &Obstacle<V>, solids: &[Solid<V
     polygon || solids.iter().any(|s| s.away(goal).1 <= 0.0)
 }
 
-/// How far it is free from a place along a unit vector (m).
+/// Free distance from a place along a unit vector (m).
 fn free_way<V: Space>(from: V, along: V, solids: &[Solid<V>]) -> f32 {
     let mut way = 0.0;
-    // Goes on to the nearest thing, whichever side it is on, and looks again.
+    // Moves on by the distance of the nearest solid on any side, and repeats.
     while way < WIDEST_M && V::DIMENSIONS == 2 {
         let x = from + along * way;
         let nearest = solids.iter().map(|s| s.away(x).1).fold(WIDEST_M, f32::min);

@@ -1,9 +1,9 @@
-//! Where agents go.
+//! Routes of agents.
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// What an agent does at the end of its route.
+/// Action of an agent at the end of its route.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AtEnd {
@@ -16,21 +16,22 @@ pub enum AtEnd {
     Again,
 }
 
-/// A way through subgoals. Agents pass the line across the way at each, anywhere between the walls. Differs from Kim, Kim and
-/// Shin (2003b, section 2.2, driving force), whose agents follow a spline: a crowd on one would not use the width of the way.
+/// Route through subgoals. Agents pass the line across the path at each, anywhere between the walls. Differs from Kim,
+/// Kim and Shin (2003b, section 2.2, driving force), whose agents follow a spline: a crowd on one would not use the
+/// width of the path.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Route<V = Vec3> {
-    /// Where it leads, in order; an agent begins on the leg that it is nearest to. A single one is a goal that is gone to
+    /// Subgoals, in order; an agent begins on the leg that it is nearest to. A single one is a goal that is reached
     /// straight, or round obstacles where the crowd knows its streets (m, >= 1).
     pub subgoals: Vec<V>,
-    /// How near to the last subgoal is there (m, > 0).
+    /// Distance from the last subgoal within which an agent has arrived (m, > 0).
     pub arrival_radius: f32,
-    /// What is done then.
+    /// Action at the end.
     pub at_end: AtEnd,
 }
 
 impl<V> Route<V> {
-    /// The same in another space.
+    /// Converts it to another space.
     pub fn map<W>(self, f: impl Fn(V) -> W) -> Route<W> {
         let Self { subgoals, arrival_radius, at_end } = self;
         Route { subgoals: subgoals.into_iter().map(f).collect(), arrival_radius, at_end }

@@ -1,4 +1,5 @@
-//! Time-varying bounds: where an agent can be, whatever it does (Kim, Kim and Shin 2003a, eq. 3 and 4, Kim, Kim and Shin (2003b), eq. 3 and 4).
+//! Time-varying bounds: the region that an agent can reach by any motion (Kim, Kim and Shin 2003a, eq. 3 and 4, Kim,
+//! Kim and Shin (2003b), eq. 3 and 4).
 
 use crate::Space;
 use crate::space::plan::Plan;
@@ -21,11 +22,11 @@ pub(crate) fn narrowest_cell(radius: f32, limit: f32, seconds: f32) -> f32 {
     2.002 * (radius + 0.5 * limit * seconds * seconds) / WIDEST
 }
 
-/// A disc or ball that moves with the velocity of its agent at the last event, and grows so that it holds the agent
-/// whatever that does with its largest acceleration.
+/// Disc or ball that moves with the velocity of its agent at the last event, and grows so that it holds the agent for
+/// any motion within its largest acceleration.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bound<V> {
-    /// When it was made (s).
+    /// Time at which it was made (s).
     pub start: f64,
     /// Centre then (m).
     pub position: V,
@@ -60,12 +61,12 @@ impl<V: Space> Bound<V> {
         (self.position + self.velocity * dt, self.radius + 0.5 * self.limit * dt * dt)
     }
 
-    /// When two bounds touch first, never later than they do; `time` itself where they touch already. At most `within`
+    /// Time of the first contact of two bounds, never late; `time` itself where they touch already. At most `within`
     /// seconds are looked ahead: later contacts give a time from then on.
     ///
-    /// The distance of two centres that move straight is a convex function of time, so that its tangent is never
-    /// above it; less the radii, whose growth is known exactly, that leaves a quadratic whose root cannot be late. From
-    /// there the next tangent is taken.
+    /// The distance of two centres that move straight is a convex function of time, so that its tangent is never above
+    /// it; less the radii, whose growth is known exactly, that leaves a quadratic whose root cannot be late. From there
+    /// the next tangent is taken.
     #[inline]
     pub fn first_contact(&self, other: &Self, time: f64, within: f32) -> f32 {
         let (age, other_age) = ((time - self.start) as f32, (time - other.start) as f32);
@@ -77,14 +78,14 @@ impl<V: Space> Bound<V> {
         approach((apart, velocity), (radii, rate, growth), within)
     }
 
-    /// As [`Bound::first_contact`] of two that were both made at the time that is looked from on: the other one is
-    /// `offset` away, has a velocity and, together with this one, radii and growth.
+    /// First contact of two bounds that are both made now, see [`Bound::first_contact`]: the other one is `offset`
+    /// away, has a velocity and, together with this one, radii and growth.
     #[inline]
     pub fn first_meeting(&self, offset: V, velocity: V, radii: f32, growth: f32, within: f32) -> f32 {
         approach((offset, velocity - self.velocity), (radii, 0.0, growth), within)
     }
 
-    /// When a bound touches a solid that stands, as [`Bound::first_contact`].
+    /// Time at which a bound touches a static solid, see [`Bound::first_contact`].
     pub fn first_contact_with(&self, solid: &Solid<V>, time: f64, within: f32) -> f32 {
         let age = (time - self.start) as f32;
         let centre = self.position + self.velocity * age;
@@ -96,7 +97,7 @@ impl<V: Space> Bound<V> {
         })
     }
 
-    /// When a bound made at `start` leaves a box along the axes: exact, from [`Bound::start`] on.
+    /// Time at which a bound made at `start` leaves a box along the axes: exact, from [`Bound::start`] on.
     #[inline]
     pub fn first_exit(&self, min: V, max: V) -> f32 {
         let (x, v) = (self.position.coordinates(), self.velocity.coordinates());
@@ -139,7 +140,7 @@ pub(crate) fn fall(gap: f32, rate: f32, growth: f32) -> f32 {
     }
 }
 
-/// As [`fall`], for eight; a little less or more for rounding (growth > 0).
+/// Result of [`fall`] for eight, up to rounding (growth > 0).
 #[inline(always)]
 pub(crate) fn fall_each<F: Lanes>(gap: F, rate: F, growth: F) -> F {
     let zero = F::splat(0.0);

@@ -1,8 +1,8 @@
-//! Whether plans of unknown origin keep the safety rule, as those of a snapshot must.
+//! Check of the safety rule for plans of unknown origin, such as those of a snapshot.
 //!
-//! A new plan is compared by a rule that is quick and sometimes says no where there is room (`others.rs`). Kept plans
-//! were taken at different times, so that the quick rule may say no to a pair that it once let be. Such pairs are looked at
-//! step by step, with steps so short that no stop region comes farther than the room there is.
+//! A new plan is compared by a rule that is quick and sometimes refuses where there is room (`others.rs`). Saved plans
+//! were taken at different times, so that the quick rule may refuse a pair that it once allowed. Such pairs are
+//! compared step by step, with steps so short that no stop region moves farther than the room there is.
 
 use crate::Space;
 use crate::safety::others::violation;
@@ -10,9 +10,9 @@ use crate::safety::rule::{Candidate, MARGIN, clearance, violation_of_solid};
 use crate::space::plan::Plan;
 use crate::space::solid::Solid;
 
-/// Shortest step, as a way of the stop regions (m).
+/// Shortest step, as a displacement of the stop regions (m).
 const STEP_M: f32 = 2e-4;
-/// What rounding may differ by, as a share of a number.
+/// Relative error allowed for rounding.
 const ROUNDING: f32 = 1e-3;
 
 /// Room that rounding may have cost (m).
@@ -20,7 +20,7 @@ fn rounding<V: Space>(plan: &Plan<V>) -> f32 {
     MARGIN + 8.0 * f32::EPSILON * plan.position.length()
 }
 
-/// The same agent at a time, at most at the end of its plan, as if it stood still in its motion.
+/// Plan of the agent as if it stood still from a time on, at most from the end of its plan.
 fn still<V: Space>(plan: &Plan<V>, time: f64) -> Plan<V> {
     let (position, velocity) = plan.at(time.min(plan.end));
     Plan { position, velocity, ..*plan }
@@ -32,7 +32,7 @@ fn from<V: Space>(plan: &Plan<V>, time: f64) -> Plan<V> {
     Plan { start: time, moving, ..still(plan, time) }
 }
 
-/// How fast the ends of its stop region move at most, from a time on (m/s).
+/// Largest speed of the ends of its stop region, from a time on (m/s).
 fn pace<V: Space>(plan: &Plan<V>, time: f64) -> f32 {
     // The speed of a parabola is largest at an end; the far end moves at |v| (1 + |a| / A) at most.
     let speed = still(plan, time).velocity.length().max(still(plan, plan.end).velocity.length());
@@ -55,7 +55,7 @@ pub(crate) fn is_within<V: Space>(plan: &Plan<V>, min: V, max: V) -> bool {
     let room = V::from_coordinates([rounding(plan); 3]);
     let (min, max) = (min - room, max + room);
     if plan.moving < f32::INFINITY {
-        // All that it sweeps lies between these two.
+        // Its sweep lies between these two.
         let (from, to) = plan.stop_region(0.0);
         let free = (from.min(to) - min).min(max - from.max(to)).coordinates();
         return free.iter().take(V::DIMENSIONS).all(|&f| f >= plan.radius);
@@ -94,7 +94,7 @@ pub(crate) fn is_clear_of<V: Space>(plan: &Plan<V>, solid: &Solid<V>, now: f64) 
     each_step(now, plan.end, pace(plan, now), room, least)
 }
 
-/// True where there is room at every time; the next one is looked at before what moves can have used it up.
+/// True where there is room at every time; each step ends before the motion can have used the room up.
 fn each_step(now: f64, end: f64, pace: f32, room: impl Fn(f64) -> f32, least: f32) -> bool {
     let mut time = now;
     loop {

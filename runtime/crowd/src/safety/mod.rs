@@ -1,4 +1,5 @@
-//! Why no two agents ever overlap: the rule, the bounds on when two can meet, and the pairs that are compared.
+//! Safety, so that no two agents ever overlap: the rule, the bounds on when two can meet, and the pairs that are
+//! compared.
 
 pub(crate) mod bound;
 pub(crate) mod kept;

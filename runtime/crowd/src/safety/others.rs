@@ -19,7 +19,7 @@ struct Block {
     axes: [Axis; 3],
 }
 
-/// One coordinate of eight motions.
+/// Coordinate of eight motions along one axis.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
 struct Axis {
@@ -42,7 +42,7 @@ impl Block {
         }
     }
 
-    /// Puts a plan in a place.
+    /// Writes a plan into a lane.
     #[inline]
     fn put<V: Space>(&mut self, i: usize, plan: &Plan<V>) {
         (self.start[i], self.end[i]) = (plan.start, plan.end);
@@ -61,21 +61,21 @@ impl Block {
 #[repr(C, align(64))]
 struct Pack {
     plans: Block,
-    /// From the start of each plan to now, and from now to its end (s).
+    /// Time from the start of each plan to now, and from now to its end (s).
     age: Eight,
     until: Eight,
     /// Ends of the stop region now and at the end (m).
     now: [[Eight; 3]; 2],
     end: [[Eight; 3]; 2],
-    /// As [`Candidate::curve`].
+    /// Bound of each plan's swerve, see [`Candidate::curve`].
     curve: Eight,
-    /// 1 for one whose stop region is on a line, otherwise 0.
+    /// 1 for a plan whose stop region is on a line, otherwise 0.
     straight: Eight,
-    /// How far they stay from the centre of the agent that looks (m).
+    /// Distance that they keep from the centre of the deciding agent (m).
     free: Eight,
 }
 
-/// All plans that a plan may be in conflict with.
+/// Plans that a plan may be in conflict with.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Others {
     packs: Vec<Pack>,
@@ -88,7 +88,7 @@ impl Others {
         Self { packs: Vec::with_capacity(capacity.div_ceil(LANES)), len: 0 }
     }
 
-    /// Nobody.
+    /// Removes all plans.
     pub fn clear(&mut self) {
         self.len = 0;
     }
@@ -251,7 +251,7 @@ impl<V: Space, F: Lanes> Pair<V, F> {
         };
         let my_end = [Vectors::splat(me.end.0), Vectors::splat(me.end.1)];
         let its_end = [Vectors::load(&pack.end[0]), Vectors::load(&pack.end[1])];
-        // Both at the earlier of the two ends.
+        // Positions of both at the earlier of the two ends.
         let (mine, its) = (my_plan.stop_region(early), plans.stop_region(F::load(&pack.age) + early));
         let mine = [
             Vectors::select_lt(until, length, mine[0], my_end[0]),
@@ -276,7 +276,7 @@ impl<V: Space, F: Lanes> Pair<V, F> {
         }
     }
 
-    /// What is missing along a normal.
+    /// Missing distance along a normal.
     #[inline(always)]
     fn along(&self, n: Vectors<V, F>) -> F {
         let [m0, m1, m2] = [least(&self.mine[0], n), least(&self.mine[1], n), least(&self.mine[2], n)];
@@ -285,7 +285,7 @@ impl<V: Space, F: Lanes> Pair<V, F> {
         let my_bend = self.bend * (two * n.dot(self.my_acceleration).max(zero) + self.my_curve);
         let its_bend = self.bend * (two * (-n.dot(self.its_acceleration)).max(zero) + self.its_curve);
         let moving = (m0 - o0).min(m1 - o1).min(m2 - o2) - my_bend - its_bend;
-        // All the room that the one ever takes from all that the other one does; lines need no bend here.
+        // The sweeps of both over all times; lines need no bend here.
         let my_least = m0.min(m1).min(m2) - my_bend * self.my_bends;
         let its_most = o0.max(o1).max(o2) + its_bend * self.its_bends;
         // Agents that are nearest now and only separate may do so, even if rounding has left a little less room than the
@@ -295,15 +295,15 @@ impl<V: Space, F: Lanes> Pair<V, F> {
         self.radii - moving.max(my_least - its_most + spared)
     }
 
-    /// What is missing to the rule, and the normal along which that is least; none where nothing is to any of some.
+    /// Missing distance to the rule, and the normal along which it is least; none where it is zero for any of `some`.
     ///
-    /// The stop regions are apart at all times if a plane with some normal n parts them at all times. Between two of the
-    /// times now, min(T_k, T_j) and max(T_k, T_j), their ends move along curves that are at most L^2 / 8 times their second
-    /// derivative away from their chords, so that it is enough to look at these three times with some room: for the centre
-    /// the second derivative is a; for the other end a (1 + v.a / |v| A) + v (...), of which the part along a is at most 2
-    /// a, and the rest at most |a|^2 / 2A. Two normals are tried: where the line of relative motion is nearest, and the
-    /// line of centres.
-    /// Or all that the one ever sweeps is apart from all that the other one does: so agents that touch may separate.
+    /// The stop regions are apart at all times if a plane with some normal n parts them at all times. Between two of
+    /// the times now, min(T_k, T_j) and max(T_k, T_j), their ends move along curves that are at most L^2 / 8 times
+    /// their second derivative away from their chords, so that it is enough to look at these three times with some
+    /// room: for the centre the second derivative is a; for the other end a (1 + v.a / |v| A) + v (...), of which the
+    /// part along a is at most 2 a, and the rest at most |a|^2 / 2A. Two normals are tried: where the line of relative
+    /// motion is nearest, and the line of centres. Or the whole sweep of the one is apart from the whole sweep of the
+    /// other: so agents that touch may separate.
     #[inline(always)]
     fn violation(&self, some: u8) -> Option<(F, Vectors<V, F>)> {
         let zero = F::splat(0.0);
@@ -321,13 +321,13 @@ impl<V: Space, F: Lanes> Pair<V, F> {
     }
 }
 
-/// How far stop regions reach at least along some directions.
+/// Smallest extent of stop regions along some directions.
 #[inline(always)]
 fn least<V: Space, F: Lanes>(sides: &Sides<V, F>, along: Vectors<V, F>) -> F {
     along.dot(sides[0]).min(along.dot(sides[1]))
 }
 
-/// How far they reach at most.
+/// Largest extent of stop regions along some directions.
 #[inline(always)]
 fn most<V: Space, F: Lanes>(sides: &Sides<V, F>, along: Vectors<V, F>) -> F {
     along.dot(sides[0]).max(along.dot(sides[1]))

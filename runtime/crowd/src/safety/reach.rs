@@ -1,4 +1,4 @@
-//! Which stop regions a plan may reach: a first look that leaves few plans to compare exactly.
+//! Stop regions that a plan may reach: a coarse test that leaves few plans to compare exactly.
 
 use crate::Space;
 use crate::safety::others::Others;
@@ -16,11 +16,11 @@ pub(crate) struct Reach<'a, V> {
     pub cells: &'a Cells<V>,
     /// Largest speed of any agent (m/s).
     pub fastest: f32,
-    /// Where it starts.
+    /// Start of the plan.
     pub fresh: &'a Plan<V>,
-    /// How long it is at most (s).
+    /// Largest length of the plan (s).
     pub length: f32,
-    /// How far from its centre its stop region comes at most, to its edge (m).
+    /// Largest distance of its stop region's edge from its centre (m).
     pub mine: f32,
 }
 
@@ -40,8 +40,8 @@ impl<'a, V: Space> Reach<'a, V> {
     }
 }
 
-/// How far along some direction a stop region comes within a time: of an agent with a part of its velocity along that
-/// direction and a limit of acceleration.
+/// Largest extent of a stop region along some direction within a time, for an agent with a part of its velocity along
+/// that direction and a limit of acceleration.
 ///
 /// - `stopping`: half the time in which it stops from the largest speed that it can have at the end (s).
 #[inline(always)]

@@ -1,7 +1,7 @@
-//! The safety rule: why no two agents ever overlap.
+//! The safety rule, with the proof that no two agents ever overlap.
 //!
-//! The *stop region* S(s) of an agent at time s is what its disc or ball sweeps if it brakes with all its force from s
-//! on: all within its radius of the line from x to x + v|v| / 2A. An agent that brakes never leaves the stop
+//! The *stop region* S(s) of an agent at time s is the sweep of its disc or ball if it brakes with all its force from s
+//! on: all points within its radius of the line from x to x + v|v| / 2A. An agent that brakes never leaves the stop
 //! region it had when it began to.
 //!
 //! Plans are made at different times. Let T be the end of an agent's plan, at which it acts at the latest; its plan until then is
@@ -15,7 +15,7 @@
 //!   the old plan says.
 //! - Before T_k (another agent's colliding event, or when it is woken) k may take a plan for which the
 //!   invariant holds, and otherwise keeps the one it has to its end T_k; then nothing has changed. To brake is *not*
-//!   always right here: others may have been told that k will be gone.
+//!   always right here: others may rely on k being gone by then.
 //! - A newcomer is refused unless the invariant holds for a plan of braking; an agent that leaves takes its conditions away.
 //!
 //! By induction over the events, no two agents ever overlap. Nothing is asked of the forces.
@@ -27,11 +27,11 @@
 //! the largest speed. `spawn` refuses faster agents, and `candidate` makes no plan that ends faster; in between, the speed of an
 //! agent that keeps its acceleration is never above that at both ends.
 //!
-//! Ground that others hold, who are moved by something else, is treated as an obstacle that stands: they keep clear of
+//! A region that an external obstacle reserves is treated as a static obstacle: external obstacles keep out of
 //! [`Candidate::held`] in turn, which holds S_k(min(s, T_k)) for all s from now on.
 //!
-//! Obstacles that move do not give way; they are taken for agents that never brake, over the time of a plan and of
-//! braking after it, though not beyond the next point of their way. A trapped agent may still be struck.
+//! Moving obstacles do not yield; they are taken for agents that never brake, over the time of a plan and of braking
+//! after it, though not beyond the next point of their path. A trapped agent may still be struck.
 
 use crate::Space;
 use crate::space::plan::{Plan, stop};
@@ -45,7 +45,7 @@ pub(crate) const MARGIN: f32 = 1e-4;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Candidate<V> {
     pub plan: Plan<V>,
-    /// Until its end (s).
+    /// Time until its end (s).
     pub length: f32,
     pub now: Segment<V>,
     pub end: Segment<V>,
@@ -54,15 +54,15 @@ pub(crate) struct Candidate<V> {
     pub is_straight: bool,
 }
 
-/// Both ends of a stop region.
+/// Ends of a stop region.
 pub(crate) type Segment<V> = (V, V);
 
-/// By how much the safety rule is violated.
+/// Violation of the safety rule.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Violation<V> {
-    /// Unit vector away from what is in the way.
+    /// Unit vector away from the obstruction.
     pub away: V,
-    /// How much farther that way the stop region would have to be (m, > 0).
+    /// Distance by which the stop region would have to be farther in that direction (m, > 0).
     pub depth: f32,
 }
 
@@ -87,7 +87,8 @@ impl<V: Space> Candidate<V> {
         Self { length, now, end, curve: curve(&plan), is_straight: is_straight(&plan), plan }
     }
 
-    /// How far from where its centre is now it may come, with braking at the end: to its own edge, and a little more (m).
+    /// Largest distance that it may reach from its present centre, with braking at the end: to its own edge, and a
+    /// little more (m).
     #[inline]
     pub fn reach(&self) -> f32 {
         reach(self.now, self.end, self.length, &self.plan, self.curve) + self.plan.radius + MARGIN
@@ -106,7 +107,7 @@ impl<V: Space> Candidate<V> {
 }
 
 impl<V: Space> Candidate<V> {
-    /// All ground that it takes until its end and for braking after it: a rod.
+    /// Capsule of the ground that it takes until its end and for braking after it.
     pub fn held(&self) -> Rod {
         let line = Rod { from: self.now.0.on_ground(), to: self.end.1.on_ground(), radius_m: 0.0 };
         let off = line.distance(self.now.1.on_ground()).max(line.distance(self.end.0.on_ground()));
@@ -118,14 +119,14 @@ impl<V: Space> Candidate<V> {
         self.held().bounds()
     }
 
-    /// How far the ends of its stop region come from the lines between where they are now and at its end (m).
+    /// Largest distance of the ends of its stop region from the lines between their positions now and at its end (m).
     fn swerve(&self) -> f32 {
         self.length * self.length * (0.25 * self.plan.acceleration.length() + 0.125 * self.curve)
     }
 }
 
-/// Violation of the rule between a plan and ground that somebody else holds; `None` if it holds. Who is on such ground
-/// already, as somebody who gives way to nobody has come, may leave it.
+/// Violation of the rule between a plan and a region that an external obstacle reserves; `None` if there is none. An
+/// agent inside such a region already, because an obstacle that never yields has come, may leave it.
 pub(crate) fn violation_of_held<V: Space>(me: &Candidate<V>, ground: &Rod) -> Option<Violation<V>> {
     let Rod { from, to, radius_m } = *ground;
     let solid = Solid::Rod { from: V::over_ground(from), to: V::over_ground(to), radius: radius_m };
@@ -137,7 +138,7 @@ pub(crate) fn violation_of_held<V: Space>(me: &Candidate<V>, ground: &Rod) -> Op
     violation_of_solid(me, &solid)
 }
 
-/// How far the ends of a stop region come from where the centre is now, within a time.
+/// Largest distance of the ends of a stop region from the present centre, within a time.
 #[inline]
 fn reach<V: Space>(now: (V, V), end: (V, V), within: f32, plan: &Plan<V>, curve: f32) -> f32 {
     let far = |x: V| (x - now.0).length_squared();
@@ -145,7 +146,7 @@ fn reach<V: Space>(now: (V, V), end: (V, V), within: f32, plan: &Plan<V>, curve:
     farthest.sqrt() + 0.125 * within * within * (2.0 * plan.acceleration.length() + curve)
 }
 
-/// How far a stop region reaches at least along a direction.
+/// Smallest extent of a stop region along a direction.
 #[inline]
 fn least<V: Space>(ends: (V, V), along: V) -> f32 {
     along.dot(ends.0).min(along.dot(ends.1))
@@ -177,14 +178,15 @@ pub(crate) fn violation_of_solid<V: Space>(me: &Candidate<V>, solid: &Solid<V>) 
     best.or(Some(Violation { away: me.plan.velocity.unit_and_length().0 * -1.0, depth: me.plan.radius }))
 }
 
-/// How far a change of the acceleration by 1 m/s2 moves the far end of the stop region at the end of a plan, at least.
+/// Smallest displacement of the far end of the stop region at the end of a plan by a change of the acceleration by 1
+/// m/s2.
 #[inline]
 pub(crate) fn lever<V: Space>(me: &Candidate<V>) -> f32 {
     let v = me.plan.velocity + me.plan.acceleration * me.length;
     me.length * (0.5 * me.length + 0.5 * v.length() / me.plan.limit)
 }
 
-/// Room between two stop regions that stand; below zero where they overlap. For agents that are put somewhere.
+/// Gap between two standing stop regions; below zero where they overlap. For agents that are moved elsewhere.
 pub(crate) fn clearance<V: Space>(a: &Plan<V>, b: &Plan<V>) -> f32 {
     let ends = |p: &Plan<V>| (p.position, stop(p.position, p.velocity, p.limit));
     let ((a0, a1), (b0, b1)) = (ends(a), ends(b));
@@ -256,7 +258,7 @@ mod tests {
         Ok(())
     }
 
-    /// The largest violation is found, whatever plans were there before.
+    /// The largest violation is found for any plans added before.
     fn finds_the_worst<V: Space>(me: Plan<V>, before: &[Plan<V>], others: &[Plan<V>]) -> Result<(), TestCaseError> {
         let me = Candidate::new(me);
         let mut all = Others::default();
@@ -300,7 +302,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(3000))]
 
-        /// Until its end, and while it brakes at any time before.
+        /// The region holds the agent until its end, and while it brakes at any time before.
         #[test]
         fn held_ground_holds_the_agent_whenever_it_brakes(me in plan::<Vec2>(0)) {
             let candidate = Candidate::new(me);

@@ -1,4 +1,5 @@
-//! When two parabolas come within a distance of each other, or apart: by conservative advancement, so that no crossing is missed.
+//! Times at which two parabolas come within a distance of each other, or apart: by conservative advancement, so that no
+//! crossing is missed.
 
 use crate::Space;
 use crate::space::plan::Plan;
@@ -6,7 +7,7 @@ use crate::space::plan::Plan;
 /// Shortest advance (s). What dips below a distance for less is less deep than rounding is.
 const LEAST_S: f64 = 1e-4;
 
-/// True where a place of a plan is within a distance of that of another one.
+/// True where the positions of two plans are within a distance.
 #[inline]
 pub(crate) fn is_near<V: Space>(a: &Plan<V>, b: &Plan<V>, distance: f32, time: f64) -> bool {
     (a.at(time).0 - b.at(time).0).length_squared() <= distance * distance
@@ -30,8 +31,8 @@ pub(crate) fn first_change<V: Space>(
     while at < until {
         let piece = ends.iter().copied().filter(|e| *e > at).fold(until, f64::min);
         let relative = |time: f64| a.at(time).1 - b.at(time).1;
-        // The relative velocity changes linearly: it is greatest at an end of the piece. Just before its end, one that comes to
-        // stand there still moves.
+        // The relative velocity changes linearly: it is greatest at an end of the piece. Just before its end, an agent
+        // that comes to stand there still moves.
         let fastest = relative(at).length().max(relative(piece - 1e-9 * (1.0 + piece.abs())).length()) + 1e-6;
         let mut before = at;
         while at < piece {
@@ -43,13 +44,13 @@ pub(crate) fn first_change<V: Space>(
             }
             before = at;
         }
-        // The last of a piece is looked at again as the first of the next.
+        // The last time of a piece is tested again as the first of the next.
         at = piece;
     }
     None
 }
 
-/// Where nearness changes between two times.
+/// Time between two others at which nearness changes.
 fn bisected<V: Space>(a: &Plan<V>, b: &Plan<V>, distance: f32, times: (f64, f64), near: bool) -> f64 {
     let (mut before, mut after) = times;
     while after - before > 1e-9 {

@@ -1,9 +1,9 @@
-//! What agents sense beside each other's bounds: whom they meet, to which places they come, cells that they cross; and timers.
+//! Sensed events of agents beside each other's bounds: meetings, zones, cells that they cross; and timers.
 //!
-//! All of it comes in the engine's queue, at the time at which it happens. Between two of its own events, the motion of an
-//! agent is known, so that these times are found and not polled. Each agent has one entry: the first that it senses in its
-//! plan. Whoever takes a new plan looks anew, at everybody whose swept box its own touches; an entry about a plan that its
-//! partner no longer follows is only looked for again.
+//! All of them come in the engine's queue, at the time at which they happen. Between two of its own events, the motion
+//! of an agent is known, so that these times are computed and not polled. Each agent has one entry: its first sensed
+//! event during its plan. An agent with a new plan looks for it anew, among all agents whose swept boxes its own
+//! touches; an entry about a plan that its partner no longer follows only leads to a new search.
 
 pub(crate) mod crossing;
 
@@ -15,7 +15,7 @@ use throng_base::Result;
 use throng_base::error::check;
 use throng_base::ground::{Bounds, BoxGrid};
 
-/// What agents of a crowd may sense.
+/// Zones, cells and distances that agents of a crowd may sense.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Senses<V = Vec3> {
     /// Two agents meet where their middles are so near; 0 for never (m, 0 to 1000).
@@ -26,30 +26,30 @@ pub struct Senses<V = Vec3> {
     pub cell_m: f32,
 }
 
-/// A disc or ball that agents come to and go from: their middles do.
+/// Disc or ball whose entries and exits agents sense, by their centres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Zone<V = Vec3> {
-    /// Its middle (m).
+    /// Centre (m).
     pub centre: V,
     /// (m, 0.001 to 1e5)
     pub radius: f32,
 }
 
-/// What one agent senses. Two agents meet where one tells what the other hears.
+/// Senses of one agent. Two agents meet where one sends on a channel that the other receives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sense {
-    /// Channels on which it tells.
+    /// Channels on which it sends.
     pub tells: u32,
     /// Channels on which it hears.
     pub hears: u32,
-    /// Of those on which it hears: only coming near counts. On the others, whoever is near is met at once when it begins to
-    /// tell or to hear.
+    /// Channels among [`Sense::hears`] on which only an approach counts. On the others, a near agent is met at once
+    /// when either begins to send or to receive.
     pub once: u32,
-    /// It senses zones.
+    /// True where it senses zones.
     pub zones: bool,
-    /// It senses cells.
+    /// True where it senses cells.
     pub cells: bool,
-    /// Its arrivals, leavings and being stuck are signals.
+    /// True where its arrivals, departures and being stuck are signals.
     pub arrivals: bool,
 }
 
@@ -68,7 +68,7 @@ impl<V> Default for Senses<V> {
 }
 
 impl<V> Senses<V> {
-    /// The same in another space.
+    /// Converts it to another space.
     pub fn map<W>(self, f: impl Fn(V) -> W) -> Senses<W> {
         let zones = self.zones.into_iter().map(|z| Zone { centre: f(z.centre), radius: z.radius });
         Senses { meet_m: self.meet_m, zones: zones.collect(), cell_m: self.cell_m }
@@ -90,32 +90,32 @@ impl<V: Space> Senses<V> {
     }
 }
 
-/// What an agent senses next.
+/// Next sensed event of an agent.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Sensed {
     Met(u32),
     CameTo(u32),
     WentFrom(u32),
-    /// So many cells along each axis.
+    /// Crossing of so many cells along each axis.
     Crossed {
         by: [i16; 2],
     },
 }
 
-/// What is known of one agent that senses.
+/// State of an agent that senses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Sensing {
     pub sense: Sense,
-    /// What it senses next, if anything, and when (s).
+    /// Next sensed event, if any, and its time (s).
     pub next: Option<(f64, Sensed)>,
     /// Start of the plan of the partner that it meets next (s).
     pub partner_start: f64,
-    /// When its channels changed last, and how many changes of anybody there were then. Whoever changed later meets
-    /// the other one.
+    /// Time of the last change of its channels, and the number of changes in the crowd until then. The agent that
+    /// changed later meets the other one.
     pub changed: (f64, u64),
-    /// Whom it met last for being near at that time: each once, in the order of their numbers.
+    /// Last agent that it met for being near at that time: each once, in the order of their numbers.
     pub last: Option<u32>,
-    /// When it is woken (s).
+    /// Time of its timer (s).
     pub timer: f64,
 }
 
@@ -132,20 +132,20 @@ impl Default for Sensing {
     }
 }
 
-/// All that is sensed in a crowd.
+/// State of sensing in a crowd.
 #[derive(Clone, Debug)]
 pub(crate) struct Sensors<V> {
     pub senses: Senses<V>,
-    /// By agent.
+    /// State of each agent.
     pub of: Vec<Sensing>,
-    /// Swept boxes of all who tell or hear.
+    /// Swept boxes of all agents that send or receive.
     pub boxes: BoxGrid,
     pub zones: BoxGrid,
-    /// How often anybody's channels changed.
+    /// Number of changes of channels in the crowd.
     pub changes: u64,
-    /// Events at which the engine stops are noted.
+    /// True where events at which the engine stops are noted.
     pub stops: bool,
-    /// Those that were noted, in their order.
+    /// Signals that were noted, in their order.
     pub signals: std::collections::VecDeque<crate::Event>,
 }
 
@@ -166,7 +166,7 @@ impl<V: Space> Sensors<V> {
         }
     }
 
-    /// What snapshots keep: of those who sense anything, or are woken.
+    /// States of agents that sense anything or have a timer, for snapshots.
     pub fn saved(&self) -> Vec<(u32, Sensing)> {
         (0u32..).zip(&self.of).filter(|(_, own)| **own != Sensing::default()).map(|(m, own)| (m, *own)).collect()
     }
@@ -191,7 +191,7 @@ impl<V: Space> Sensors<V> {
             })
     }
 
-    /// True where anybody can sense anything.
+    /// True where any agent can sense anything.
     pub fn is_on(&self) -> bool {
         self.of.iter().any(|own| own.sense != Sense::default() || own.timer.is_finite())
     }

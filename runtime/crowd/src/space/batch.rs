@@ -5,10 +5,10 @@ use std::marker::PhantomData;
 use std::ops::{Add, Mul, Sub};
 use throng_base::simd::{LANES, Lanes};
 
-/// One number of each of eight agents.
+/// Numbers of eight agents.
 pub(crate) type Eight = [f32; LANES];
 
-/// One vector of eight.
+/// Vector of one lane.
 #[inline(always)]
 pub(crate) fn nth<V: Space>(of: &[Eight; 3], i: usize) -> V {
     let third = if V::DIMENSIONS == 3 { of[2][i] } else { 0.0 };
@@ -33,25 +33,25 @@ pub(crate) struct Vectors<V, F> {
 }
 
 impl<V: Space, F: Lanes> Vectors<V, F> {
-    /// From their coordinates.
+    /// Vectors of given coordinates.
     #[inline(always)]
     pub fn new(x: F, y: F, z: F) -> Self {
         Self { c: [x, y, if V::DIMENSIONS == 3 { z } else { F::splat(0.0) }], space: PhantomData }
     }
 
-    /// From memory.
+    /// Loads vectors from memory.
     #[inline(always)]
     pub fn load(of: &[Eight; 3]) -> Self {
         Self::load_each([&of[0], &of[1], &of[2]])
     }
 
-    /// From memory, each coordinate from elsewhere.
+    /// Loads each coordinate from elsewhere in memory.
     #[inline(always)]
     pub fn load_each([x, y, z]: [&Eight; 3]) -> Self {
         Self::new(F::load(x), F::load(y), F::load(z))
     }
 
-    /// To memory.
+    /// Stores vectors in memory.
     #[inline(always)]
     pub fn store(self, to: &mut [Eight; 3]) {
         for axis in 0..V::DIMENSIONS {
@@ -59,7 +59,7 @@ impl<V: Space, F: Lanes> Vectors<V, F> {
         }
     }
 
-    /// To memory.
+    /// Coordinates as arrays.
     #[inline(always)]
     pub fn to_arrays(self) -> [Eight; 3] {
         let mut to = [[0.0; 8]; 3];
@@ -67,7 +67,7 @@ impl<V: Space, F: Lanes> Vectors<V, F> {
         to
     }
 
-    /// The same vector eight times.
+    /// One vector in all lanes.
     #[inline(always)]
     pub fn splat(v: V) -> Self {
         let [x, y, z] = v.coordinates();
@@ -96,7 +96,7 @@ impl<V: Space, F: Lanes> Vectors<V, F> {
         (Self::select_lt(shortest, length, unit, none), F::select_lt(shortest, length, length, zero))
     }
 
-    /// As [`Lanes::select_lt`].
+    /// Selects vectors by lane, see [`Lanes::select_lt`].
     #[inline(always)]
     pub fn select_lt(a: F, b: F, yes: Self, no: Self) -> Self {
         let ([x, y, z], n) = (yes.c, no.c);
@@ -156,7 +156,7 @@ impl<V: Space, F: Lanes> Plans<V, F> {
     }
 }
 
-/// Both ends of eight stop regions.
+/// Ends of eight stop regions.
 pub(crate) type Sides<V, F> = [Vectors<V, F>; 2];
 
 #[cfg(test)]

@@ -12,9 +12,9 @@ const BUNCH: usize = 6;
 /// Most cells: a grid of more is folded.
 const MAX_CELLS: usize = 1 << 22;
 
-/// A plan as it is kept: one line of memory. Where many thousand are, fetching their neighbours' plans from memory is
-/// most of an event, so that nothing else is beside them, and what is computed of eight at a time is put side by side
-/// only then.
+/// A plan in packed form: one line of memory. With many thousand plans, fetching those of neighbours from memory is
+/// most of an event, so that nothing else is beside them, and eight plans are rearranged side by side only when they
+/// are computed with.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub(crate) struct Kept {
@@ -79,17 +79,16 @@ impl Kept {
 #[repr(C, align(32))]
 struct Bunch {
     agents: [u32; BUNCH],
-    /// How many there are in the cell, if this is its first bunch.
+    /// Number of agents in the cell, if this is its first bunch.
     len: u32,
     /// Bunch of the next ones, if there are more than fit.
     next: u32,
 }
 
-/// A grid of square or cubic cells, each with its agents.
+/// Grid of square or cubic cells, each with its agents.
 ///
-/// The grid is a torus: what is farther away than its extents shares cells with what is near. That costs a look at
-/// agents that are far away, but nothing is ever outside, and there are at most 16 cells for each agent,
-/// or 1024.
+/// The grid is a torus: places beyond its extents share cells with places within. That costs a look at agents that are
+/// far away, but no place is ever outside, and there are at most 16 cells for each agent, or 1024.
 #[derive(Clone, Debug)]
 pub(crate) struct Cells<V> {
     side: f32,
@@ -101,7 +100,7 @@ pub(crate) struct Cells<V> {
     bunches: Vec<Bunch>,
     /// Bunches that no cell has.
     free: Vec<u32>,
-    /// By number.
+    /// Packed plans, by agent.
     plans: Vec<Kept>,
     space: PhantomData<V>,
 }
@@ -120,7 +119,7 @@ impl<V: Space> Cells<V> {
             bits[longest] -= 1;
         }
         let num_cells = 1 << bits.iter().sum::<u32>();
-        // Nobody takes more than a full bunch does.
+        // No agent takes more than a full bunch does.
         let num_bunches = num_cells + capacity / BUNCH;
         let mut cells = Self {
             side,
@@ -136,14 +135,14 @@ impl<V: Space> Cells<V> {
         cells
     }
 
-    /// Takes all agents out.
+    /// Removes all agents.
     pub fn clear(&mut self) {
         self.bunches[..self.num_cells].iter_mut().for_each(|b| b.len = 0);
         self.free.clear();
         self.free.extend((self.num_cells as u32..self.bunches.len() as u32).rev());
     }
 
-    /// Everybody's plans, so that to insert them one after the other gives the same cells.
+    /// Plans of all agents, in an order in which to insert them gives the same cells.
     pub fn plans(&self) -> Vec<Plan<V>> {
         let mut plans = Vec::new();
         for cell in 0..self.num_cells as u32 {
@@ -218,7 +217,7 @@ impl<V: Space> Cells<V> {
         self.kept(agent).plan(agent)
     }
 
-    /// As [`Cells::plan`], as it is kept.
+    /// Plan of an agent in packed form, see [`Cells::plan`].
     #[inline]
     pub fn kept(&self, agent: u32) -> &Kept {
         &self.plans[agent as usize]
@@ -312,7 +311,7 @@ impl<V: Space> Cells<V> {
         self.bunches[cell as usize].len += 1;
     }
 
-    /// Takes an agent out of its cell. The last one of the cell takes its place.
+    /// Removes an agent from its cell. The last one of the cell takes its place.
     pub fn remove(&mut self, cell: u32, agent: u32) {
         let Some(last) = (self.bunches[cell as usize].len as usize).checked_sub(1) else { return };
         let bunch = self.bunch(cell, last);

@@ -12,13 +12,13 @@ use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
 mod sealed {
-    /// Nobody outside can make a space.
+    /// Seal: no other crate can implement a space.
     pub trait Sealed {}
     impl Sealed for glam::Vec2 {}
     impl Sealed for glam::Vec3 {}
 }
 
-/// Where a crowd moves: on the ground ([`Vec2`]: x and z of the world) or through the air ([`Vec3`]).
+/// Space in which a crowd moves: on the ground ([`Vec2`]: x and z of the world) or through the air ([`Vec3`]).
 pub trait Space:
     sealed::Sealed
     + Copy
@@ -40,19 +40,19 @@ pub trait Space:
     /// Number of dimensions.
     const DIMENSIONS: usize;
 
-    /// From a vector of the world; on the ground, its height is left out.
+    /// Converts a vector of the world; on the ground, its height is left out.
     fn from_world(v: Vec3) -> Self;
 
-    /// As a vector of the world; on the ground, its height is 0.
+    /// Vector of the world; on the ground, its height is 0.
     fn to_world(self) -> Vec3;
 
-    /// Its x and z in the world.
+    /// Coordinates x and z in the world.
     fn on_ground(self) -> Vec2 {
         let v = self.to_world();
         Vec2::new(v.x, v.z)
     }
 
-    /// From x and z of the world; in the air at height 0.
+    /// Vector of x and z of the world; in the air at height 0.
     fn over_ground(v: Vec2) -> Self {
         Self::from_world(Vec3::new(v.x, 0.0, v.y))
     }
@@ -60,7 +60,7 @@ pub trait Space:
     /// A vector from its first coordinates; the third is ignored in 2-D.
     fn from_coordinates(c: [f32; 3]) -> Self;
 
-    /// Its coordinates; the third is 0 in 2-D.
+    /// Coordinates; the third is 0 in 2-D.
     fn coordinates(self) -> [f32; 3];
 
     /// Scalar product.

@@ -1,4 +1,4 @@
-//! What stands or moves in the way.
+//! Obstacles that stand or move.
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -14,22 +14,21 @@ pub enum Obstacle<V = Vec3> {
         /// (m, > 0)
         radius: f32,
     },
-    /// A disc or ball on its way through points, at constant speed between two of them; it never stops. Agents
-    /// get out of its way as far as they can: a trapped one is struck, and a [`crate::EventKind::Struck`] tells so.
+    /// Disc or ball that moves through points, at constant speed between two of them; it never stops. Agents get out of
+    /// its way as far as they can: a trapped agent is struck, which [`crate::EventKind::Struck`] reports.
     Mover {
-        /// Where it is at which time. Before the first and after the last it stands still.
-        /// (s, m, >= 1, times rise)
+        /// Positions at times. Before the first and after the last it stands still. (s, m, >= 1, times rise)
         way: Vec<(f64, V)>,
         /// (m, > 0)
         radius: f32,
     },
-    /// A wall, or in 3-D a rod or column: all that is within `radius` of a line from `from` to `to`.
+    /// Wall, or in 3-D a rod or column: all points within `radius` of a line from `from` to `to`.
     Wall {
-        /// One end (m).
+        /// First end (m).
         from: V,
         /// The other end (m).
         to: V,
-        /// Half its thickness (m, >= 0).
+        /// Radius: half of the thickness (m, >= 0).
         radius: f32,
     },
     /// A solid polygon in 2-D, its corners in order around it.
@@ -49,16 +48,16 @@ pub enum Obstacle<V = Vec3> {
 /// Something that draws agents near or drives them away: a window display, a puddle (Kim, Kim and Shin 2003b, eq. 17, second term).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interest<V = Vec3> {
-    /// Where it is (m).
+    /// Position (m).
     pub position: V,
     /// c_int in eq. 17 at its place, less with the distance: above 0 attracts, below 0 repels (m/s2).
     pub strength: f32,
-    /// How far it is felt (m, > 0).
+    /// Distance within which it has an effect (m, > 0).
     pub reach: f32,
 }
 
 impl<V> Obstacle<V> {
-    /// The same in another space.
+    /// Converts it to another space.
     pub fn map<W>(self, f: impl Fn(V) -> W) -> Obstacle<W> {
         match self {
             Self::Ball { centre, radius } => Obstacle::Ball { centre: f(centre), radius },
@@ -73,7 +72,7 @@ impl<V> Obstacle<V> {
 }
 
 impl<V> Interest<V> {
-    /// The same in another space.
+    /// Converts it to another space.
     pub fn map<W>(self, f: impl Fn(V) -> W) -> Interest<W> {
         Interest { position: f(self.position), strength: self.strength, reach: self.reach }
     }

@@ -1,31 +1,31 @@
-//! What an agent does until its next event: a parabola through space.
+//! Plan of an agent until its next event: a parabola through space.
 
 use crate::Space;
 use serde::{Deserialize, Serialize};
 
-/// One agent's motion from the event at which it was taken to the one that ends it, as agents near it may rely on.
+/// Motion of one agent from the event at which it was planned to the one that ends it, as agents near it may rely on.
 ///
-/// The acceleration is constant; where it brakes to rest, until it stands. All others keep out of the
+/// The acceleration is constant; where the agent brakes to rest, until it stands. All others keep out of the
 /// [`Plan::stop_region`] that it has until `end`, see [`crate::safety::rule`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Plan<V> {
     /// Event at which it was taken (s).
     pub start: f64,
-    /// When the agent acts at the latest (s).
+    /// Latest time at which the agent acts (s).
     pub end: f64,
-    /// At the start (m).
+    /// Position at the start (m).
     pub position: V,
-    /// At the start (m/s).
+    /// Velocity at the start (m/s).
     pub velocity: V,
-    /// Until it stands (m/s2).
+    /// Acceleration until it stands (m/s2).
     pub acceleration: V,
     /// Time from the start after which it stands (s).
     pub moving: f32,
-    /// Of its disc or ball (m).
+    /// Radius of its disc or ball (m).
     pub radius: f32,
     /// Largest acceleration (m/s2).
     pub limit: f32,
-    /// Whose it is.
+    /// Number of its agent.
     pub index: u32,
 }
 
@@ -60,7 +60,7 @@ impl<V: Space> Plan<V> {
     }
 }
 
-/// Where an agent that brakes with all its force comes to rest.
+/// Point at which an agent that brakes with all its force comes to rest.
 #[inline]
 pub(crate) fn stop<V: Space>(position: V, velocity: V, limit: f32) -> V {
     position + velocity * (velocity.length() * 0.5 / limit)

@@ -14,7 +14,7 @@ pub(crate) enum Solid<V> {
         /// (m)
         radius: f32,
     },
-    /// All within `radius` of a line.
+    /// All points within `radius` of a line.
     Rod {
         /// (m)
         from: V,
@@ -55,7 +55,7 @@ impl<V: Space> Solid<V> {
         (away, distance - radius)
     }
 
-    /// How far the body reaches along a unit vector: the largest scalar product.
+    /// Extent of the body along a unit vector: the largest scalar product.
     pub fn reach(&self, along: V) -> f32 {
         match *self {
             Self::Ball { centre, radius } => centre.dot(along) + radius,

@@ -1,4 +1,4 @@
-//! What single agents care for: places and agents that draw them near or drive them away, and with whom they walk.
+//! Relationships of single agents: places and agents that attract or repel them, and companions.
 
 use crate::error::CrowdError;
 use crate::{Id, NONE, Space};
@@ -15,15 +15,15 @@ pub(crate) const MOST_COMPANIONS: usize = 3;
 /// eq. 17, second term).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PersonalInterest<V = Vec3> {
-    /// Where it is.
+    /// Location of the interest.
     pub at: InterestAt<V>,
     /// c_int in eq. 17 at its place, less with the distance: above 0 attracts, below 0 repels (m/s2).
     pub strength: f32,
-    /// How far it is felt (m, > 0).
+    /// Distance within which it has an effect (m, > 0).
     pub reach: f32,
 }
 
-/// Where a [`PersonalInterest`] is.
+/// Location of a [`PersonalInterest`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum InterestAt<V = Vec3> {
     /// (m)
@@ -33,7 +33,7 @@ pub enum InterestAt<V = Vec3> {
 }
 
 impl<V> PersonalInterest<V> {
-    /// The same in another space.
+    /// Converts it to another space.
     pub fn map<W>(self, f: impl Fn(V) -> W) -> PersonalInterest<W> {
         let at = match self.at {
             InterestAt::Place(at) => InterestAt::Place(f(at)),
@@ -43,12 +43,12 @@ impl<V> PersonalInterest<V> {
     }
 }
 
-/// What one agent cares for.
+/// Relationships of one agent.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "V: Space")]
 pub(crate) struct Bond<V> {
     pub interests: [Option<PersonalInterest<V>>; MOST_INTERESTS],
-    /// Who walks together with it, in the order of numbers; [`NONE`] after the last.
+    /// Companions, in the order of numbers; [`NONE`] after the last.
     pub companions: [u32; MOST_COMPANIONS],
 }
 
@@ -56,12 +56,12 @@ impl<V> Bond<V> {
     /// Cares for nothing.
     pub const NONE: Self = Self { interests: [const { None }; MOST_INTERESTS], companions: [NONE; MOST_COMPANIONS] };
 
-    /// Who walks together with it.
+    /// Companions.
     pub fn companions(&self) -> impl Iterator<Item = u32> + Clone + '_ {
         self.companions.iter().copied().filter(|&c| c != NONE)
     }
 
-    /// All agents that it looks at, wherever they are.
+    /// Agents at any distance that it looks at.
     pub fn agents(&self) -> impl Iterator<Item = u32> + Clone + '_ {
         let of = |interest: &PersonalInterest<V>| match interest.at {
             InterestAt::Agent(id) => Some(id.index),
@@ -71,11 +71,11 @@ impl<V> Bond<V> {
     }
 }
 
-/// What all agents care for.
+/// Relationships of all agents.
 #[derive(Clone, Debug)]
 pub(crate) struct Bonds<V> {
     of: Vec<Bond<V>>,
-    /// Somebody had one.
+    /// True once any agent had a relationship.
     is_any: bool,
 }
 
@@ -84,7 +84,7 @@ impl<V: Space> Bonds<V> {
         Self { of: vec![Bond::NONE; capacity], is_any: false }
     }
 
-    /// What an agent cares for; none where nobody cares for anything.
+    /// Relationships of an agent; none where no agent has any.
     #[inline]
     pub fn of(&self, agent: u32) -> Option<&Bond<V>> {
         self.is_any.then(|| &self.of[agent as usize])
@@ -110,7 +110,7 @@ impl<V: Space> Bonds<V> {
         Ok(())
     }
 
-    /// Lets two to four agents walk together, and nobody else with them; one alone walks alone.
+    /// Makes two to four agents a group of companions; a single one walks alone.
     ///
     /// # Errors
     /// [`Error::Value`] for more than four, none, or one twice.
@@ -131,7 +131,7 @@ impl<V: Space> Bonds<V> {
         Ok(())
     }
 
-    /// Takes an agent out of its group.
+    /// Removes an agent from its group.
     fn part(&mut self, agent: u32) {
         let others = std::mem::replace(&mut self.of[agent as usize].companions, [NONE; MOST_COMPANIONS]);
         for other in others.into_iter().filter(|&o| o != NONE) {
@@ -166,12 +166,12 @@ impl<V: Space> Bonds<V> {
         pull
     }
 
-    /// What snapshots keep: of those who care for anything.
+    /// Relationships of agents that have any, for snapshots.
     pub fn saved(&self) -> Vec<(u32, Bond<V>)> {
         (0u32..).zip(&self.of).filter(|(_, bond)| **bond != Bond::NONE).map(|(m, bond)| (m, *bond)).collect()
     }
 
-    /// Puts what a snapshot kept in place of this.
+    /// Restores the relationships of a snapshot.
     pub fn take_over(&mut self, saved: &[(u32, Bond<V>)]) {
         self.of.fill(Bond::NONE);
         saved.iter().for_each(|(m, bond)| self.of[*m as usize] = *bond);

@@ -1,49 +1,49 @@
-//! Agents that walk together: abreast where there is room, bent to a V in a crowd, and one after the other in narrow ways
-//! and where others come (the patterns of Moussaid et al. 2010, PLoS ONE 5(4): e10047; the terms are simpler).
+//! Groups of companions: abreast where there is room, bent to a V in a crowd, and one after the other in narrow
+//! passages and where others come (the patterns of Moussaid et al. 2010, PLoS ONE 5(4): e10047; the terms are simpler).
 //!
-//! Each has a place in the group: beside the group's middle, or ahead of it or behind it. It aims aside of its way to come
-//! there, and walks faster or slower: so whoever is ahead waits.
+//! Each has a place in the group: beside the group's middle, or ahead of it or behind it. It aims aside of its
+//! direction to get there, and walks faster or slower: so members that are ahead wait.
 
 use crate::Space;
 use crate::space::solid::Solid;
 use crate::steering::bonds::MOST_COMPANIONS;
 use crate::steering::forces::Walker;
 
-/// Gap of two who walk abreast: more than that within which they repel each other (m).
+/// Gap of two that walk abreast: more than that within which they repel each other (m).
 const BESIDE_M: f32 = 0.25;
-/// Gap of two who walk one after the other (m).
+/// Gap of two that walk one after the other (m).
 const BEHIND_M: f32 = 0.4;
-/// How far those outside are ahead of those in the middle of a V (m).
+/// Lead of the outer members over those in the middle of a V (m).
 const BENT_M: f32 = 0.4;
 /// Farther than this they have lost each other (m).
 const LOST_M: f32 = 12.0;
 /// Densities ahead from which on they bend to a V, and at which they have (1/m2).
 const BENDS_AT: [f32; 2] = [0.3, 0.9];
-/// The same for walking one after the other (1/m2).
+/// Densities ahead from which on they begin to walk one after the other, and at which they do (1/m2).
 const FILES_AT: [f32; 2] = [1.0, 2.0];
-/// The same for how many come toward them.
+/// Numbers of oncoming agents from which on they begin to walk one after the other, and at which they do.
 const COMING: [f32; 2] = [1.0, 4.0];
 /// Places ahead of the group's middle where the way has to be wide (m).
 const LOOKS_AT_M: [f32; 3] = [0.0, 1.0, 2.0];
 /// Densities ahead, or behind, from which on they wait and turn aside less and less for each other, and at which they do not:
 /// else they would be in the way of those behind (1/m2). With 0.6 and 1.4, a door of 2 m lets a tenth fewer through.
 const PRESSED_AT: [f32; 2] = [0.4, 1.0];
-/// How fast they come to their places, for each metre off (1/s).
+/// Speed towards their places, for each metre off (1/s).
 const ASIDE_PER_S: f32 = 0.8;
 /// Largest speed aside, as a share of the desired one.
 const MOST_ASIDE: f32 = 0.45;
-/// How much faster or slower they walk for each metre that they are behind or ahead (1/m).
+/// Change of speed for each metre that they are behind or ahead (1/m).
 const PACE_PER_M: f32 = 0.6;
-/// Slowest and fastest, as shares of the desired speed. Nobody stands, as that would count as no progress.
+/// Slowest and fastest speed, as shares of the desired speed. No member stands, as that would count as no progress.
 const PACE: [f32; 2] = [0.2, 1.2];
 /// Distance to the goal within which places in the group matter less and less (m).
 const NEAR_GOAL_M: f32 = 3.0;
 
-/// Somebody who walks together with an agent.
+/// Companion of an agent.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Companion<V> {
     pub index: u32,
-    /// From the agent (m).
+    /// Offset from the agent (m).
     pub offset: V,
     /// Unit vector along which it wants to go.
     pub intent: V,
@@ -51,19 +51,19 @@ pub(crate) struct Companion<V> {
     pub speed: f32,
 }
 
-/// What a group walks into.
+/// Surroundings ahead of a group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ahead<'a, V> {
     pub solids: &'a [Solid<V>],
-    /// Which of them are near.
+    /// Numbers of the near ones.
     pub near: &'a [u32],
     /// Agents on a square metre, ahead and behind.
     pub density: [f32; 2],
-    /// How many come toward it.
+    /// Number of oncoming agents.
     pub coming: f32,
 }
 
-/// Lets an agent keep to its place in its group.
+/// Steers an agent to its place in its group.
 pub(crate) fn keep_together<V: Space>(
     (index, me): (u32, &mut Walker<V>),
     others: &[Companion<V>],
@@ -82,7 +82,7 @@ pub(crate) fn keep_together<V: Space>(
     }
     let sum = all.iter().fold(V::default(), |sum, c| sum + c.intent);
     let along = sum.unit_and_length().0;
-    // Who goes elsewhere, round a corner maybe, keeps to its own way.
+    // A member that goes elsewhere, maybe round a corner, keeps its own direction.
     let along = if along.dot(me.desired) > 0.5 { along } else { me.desired };
     let right = along.right();
     let middle = all.iter().fold(V::default(), |sum, c| sum + c.offset) * (num as f32).recip();
@@ -93,7 +93,8 @@ pub(crate) fn keep_together<V: Space>(
     let share = |of: f32, [from, to]: [f32; 2]| ((of - from) / (to - from)).clamp(0.0, 1.0);
     let file = narrow.max(share(ahead.coming, COMING)).max(share(ahead.density[0], FILES_AT));
     let bent = share(ahead.density[0], BENDS_AT) * (1.0 - file);
-    // Its place from the left, and from the front: as they walk now, and where that says nothing in the order of numbers.
+    // Its place from the left, and from the front: as they walk now, and in the order of numbers where that is
+    // ambiguous.
     let place = |along: V, by_number: f32| {
         let at = |c: &Companion<V>| {
             c.offset.dot(along) + by_number * all.iter().filter(|o| o.index < c.index).count() as f32
@@ -117,7 +118,7 @@ pub(crate) fn keep_together<V: Space>(
     }
 }
 
-/// How wide the way is at the narrowest of some places ahead (m).
+/// Width of the path at the narrowest of some places ahead (m).
 fn free_width<V: Space>(middle: V, (along, right): (V, V), ahead: &Ahead<'_, V>) -> f32 {
     let mut narrowest = f32::INFINITY;
     for far in LOOKS_AT_M {

@@ -8,18 +8,18 @@ use throng_base::prefetch;
 const MOST: usize = 16;
 /// Bits of a word.
 const WORD: usize = u64::BITS as usize;
-/// To be added to a number so that its last bit stands for 1 (numbers up to 2^22, up or down; squares farther away
-/// are larger or smaller than others).
+/// Number that is added so that the last bit of the sum stands for 1 (numbers up to 2^22, up or down; squares farther
+/// away are larger or smaller than others).
 const INTEGER: f32 = (3 << 22) as f32;
 
 /// More than this cannot be counted one by one.
 const MOST_IN: f32 = (1 << 24) as f32;
-/// By how much rounding may make a sum of vectors longer than all of them together, as a factor.
+/// Factor by which rounding may make a sum of vectors longer than all of them together.
 const ROUNDING: f32 = 1.001;
 
-/// How many agents are in each square of a grid, how they move and where they want to go, a short time ago.
+/// Density grid: number, motion and intent of the agents in each square, a short time ago.
 ///
-/// An agent that looks for its way sees beyond its neighbours where others want to go the same way and where they come
+/// An agent that plans its path sees beyond its neighbours where others want to go the same way and where they come
 /// toward it: so lanes form before agents meet. The grid is a torus, as that of the cells.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct DensityGrid<V> {
@@ -50,27 +50,28 @@ impl<V: Space> Square<V> {
         (0.0..=MOST_IN).contains(&self.num) && most(self.velocity, fastest) && most(self.intent, 1.0)
     }
 
-    /// How many are there.
+    /// Number of agents.
     #[inline]
     pub fn num(&self) -> f32 {
         self.num
     }
 
-    /// How much the agents of a square are in the way of one that goes along a unit vector, here divided by its speed: the
-    /// sum of how much slower than it each of them goes its way, as a share of its speed: 1 for one that stands, 2 for one
-    /// that comes toward it, 0 for one that goes along. One is left out: a few are seen better one by one.
+    /// Obstruction by the agents of a square for one that goes along a unit vector, here divided by its speed: the sum
+    /// of the speed that each of them lacks in that direction, as a share of its speed: 1 for one that stands, 2 for
+    /// one that comes toward it, 0 for one that goes along. One is left out: a few agents are better considered one by
+    /// one.
     #[inline]
     pub fn against(&self, along_per_speed: V) -> f32 {
         (self.num - self.velocity.dot(along_per_speed) - 1.0).max(0.0)
     }
 
-    /// How many want to go against a unit vector; one that wants to cross it, or to stay, counts as half.
+    /// Number of agents that want to go against a unit vector; one that wants to cross it, or to stay, counts as half.
     #[inline]
     pub fn opposed(&self, along: V) -> f32 {
         0.5 * (self.num - self.intent.dot(along)).max(0.0)
     }
 
-    /// How many want to go along a unit vector; one that wants to cross it, or to stay, counts as half.
+    /// Number of agents that want to go along a unit vector; one that wants to cross it, or to stay, counts as half.
     #[inline]
     pub fn agreed(&self, along: V) -> f32 {
         0.5 * (self.num + self.intent.dot(along)).max(0.0)
@@ -78,7 +79,7 @@ impl<V: Space> Square<V> {
 }
 
 impl<V: Space> DensityGrid<V> {
-    /// Nobody anywhere; for squares of a side, most of them within `size`.
+    /// Empty grid with squares of a side, most of them within `size`.
     pub fn new(side: f32, size: V, capacity: usize) -> Self {
         let mut bits = [0; 3];
         for (axis, &length) in size.coordinates().iter().take(V::DIMENSIONS).enumerate() {
@@ -180,7 +181,7 @@ impl<V: Space> DensityGrid<V> {
         self.squares.len()
     }
 
-    /// True where it is as large as another one.
+    /// True where it has the size of another one.
     pub fn fits(&self, other: &Self) -> bool {
         (self.per_m, self.bits, self.squares.len()) == (other.per_m, other.bits, other.squares.len())
     }
@@ -203,7 +204,7 @@ mod tests {
     use glam::Vec2;
     use proptest::prelude::*;
 
-    /// From one whole number on to where the next one is.
+    /// Shares between one whole number and the next.
     fn share() -> impl Strategy<Value = f32> {
         prop_oneof![Just(0.0f32), 0.0f32..0.99]
     }

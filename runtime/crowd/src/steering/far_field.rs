@@ -5,21 +5,21 @@ use crate::steering::density_grid::DensityGrid;
 use crate::steering::sight::DIRECTIONS;
 use crate::{Field, Space};
 
-/// How an agent reacts to others that come toward it from afar.
+/// Reaction of an agent to others that come toward it from afar.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Lean {
-    /// How many there are, without those farther still.
+    /// Number of oncoming agents, without those farther still.
     pub coming: f32,
     /// Added to the scores of directions to the right.
     pub to_the_right: f32,
-    /// The same where there is room.
+    /// Bonus of directions to the right where there is room.
     pub evades: f32,
 }
 
-/// How many agents come toward one that goes along a unit vector, or want to: from afar, and from farther still. None
-/// from beyond its goal, as if the way led straight on.
+/// Numbers of agents that come toward one that goes along a unit vector, or want to: from afar, and from farther still.
+/// None from beyond its goal, as if the path led straight on.
 ///
-/// - `left`: way to its goal (m).
+/// - `left`: distance to its goal (m).
 #[inline]
 pub(crate) fn coming<V: Space>(
     grid: &DensityGrid<V>,
@@ -33,7 +33,7 @@ pub(crate) fn coming<V: Space>(
     [steering.ahead_places.iter().map(opposed).sum(), steering.far_places.iter().map(opposed).sum()]
 }
 
-/// Has the squares fetched from memory that [`coming`] looks at.
+/// Prefetches the squares that [`coming`] reads.
 #[inline]
 pub(crate) fn prefetch_coming<V: Space>(grid: &DensityGrid<V>, position: V, ahead: V, steering: &SteeringConfig) {
     let at = position * grid.per_m();
@@ -49,32 +49,32 @@ pub(crate) fn evades(field: &Field, coming: f32, steering: &SteeringConfig) -> f
     field.evading * share * share * share
 }
 
-/// How many agents near by come toward one that goes along a unit vector, or want to.
+/// Number of near agents that come toward one that goes along a unit vector, or want to.
 #[inline]
 pub(crate) fn facing<V: Space>(grid: &DensityGrid<V>, position: V, ahead: V, steering: &SteeringConfig) -> f32 {
     let at = position * grid.per_m();
     steering.facing_places.map(|k| grid.square(at + ahead * k).opposed(ahead)).iter().sum()
 }
 
-/// An agent that looks at the far field.
+/// View of an agent on the far field.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Far<'a, V> {
     pub position: V,
-    /// Where it could go; the first one is the one it desires.
+    /// Candidate directions; the first one is the desired one.
     pub directions: &'a [V; DIRECTIONS],
     /// Desired speed (m/s).
     pub speed: f32,
-    /// Way to its goal: what is beyond does not matter (m).
+    /// Distance to its goal, beyond which nothing matters (m).
     pub left: f32,
 }
 
 impl<V: Space> Far<'_, V> {
-    /// How much better each direction is, with its component to the right and the time for which it is free.
+    /// Preference of each direction, with its component to the right and the time for which it is free.
     ///
     /// Worse where others stand or come toward the agent, and where they want to go against it, even if they stand;
     /// better where they want to go its way. So agents with the same goal follow each other, and lanes form.
     ///
-    /// - `evades`: how much better the right is where there is room, see [`evades`].
+    /// - `evades`: bonus of the right where there is room, see [`evades`].
     #[inline]
     pub fn prefer(
         &self,
@@ -133,7 +133,7 @@ mod tests {
         (at + 0.5) * grid.side()
     }
 
-    /// What an agent there that goes along X prefers.
+    /// Preferences of an agent there that goes along X.
     fn prefer(grid: &DensityGrid<Vec2>, left: f32) -> [f32; DIRECTIONS] {
         let directions = Vec2::X.fan();
         let far = Far { position: place(grid, Vec2::ZERO), directions: &directions, speed: 1.3, left };

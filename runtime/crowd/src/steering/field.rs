@@ -5,13 +5,13 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
 
-/// What moves an agent: parameters of Kim, Kim and Shin (2003b), eq. 15 to 23, all per unit of mass.
+/// Force field that moves an agent: parameters of Kim, Kim and Shin (2003b), eq. 15 to 23, all per unit of mass.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Field {
     /// Time in which the desired velocity is approached, tau in eq. 17 (s, 0.05 to 10).
     pub relaxation_s: f32,
-    /// How far it reacts to others; agents beyond the neighbouring cells are not seen at all (m, > 0).
+    /// Distance within which it reacts to others; agents beyond the neighbouring cells are not seen at all (m, > 0).
     pub perception_m: f32,
     /// Repulsion from near neighbours in eq. 17 (m/s2, >= 0).
     pub repulsion: f32,
@@ -39,16 +39,16 @@ pub struct Field {
     pub keeping: f32,
     /// Weight for passing on the right where its way is not free; below 0 on the left (-1 to 1).
     pub right: f32,
-    /// Weight against places where others stand or come toward it, seen from afar: it then follows those who go its way,
-    /// and lanes form (>= 0).
+    /// Weight against places where others stand or come toward it, seen from afar: it then follows agents that go its
+    /// way, and lanes form (>= 0).
     pub crowding: f32,
     /// Weight for places where others want to go its way, and against those where they want to come toward it, for each of
     /// them seen from afar, whether they move or not (>= 0).
     pub lanes: f32,
     /// Weight for the right where many come straight toward it from afar and no wall is beside it (>= 0).
     pub evading: f32,
-    /// How fast it walks at a density at most, in speeds of people there (Weidmann 1993); 0 for somebody in a hurry, who walks
-    /// as fast as there is room (0 to 10).
+    /// Largest speed at a density, relative to people there (Weidmann 1993); 0 for an agent in a hurry, which walks as
+    /// fast as there is room (0 to 10).
     pub crowd_speed: f32,
     /// Time that it keeps to stop behind an agent in front (s, > 0).
     pub headway_s: f32,
@@ -92,7 +92,7 @@ impl Field {
         safety: 0.28,
     };
 
-    /// A pedestrian who is in no hurry: in a crowd as slow as people are there.
+    /// Parameters of a pedestrian in no hurry: in a crowd as slow as the people there.
     pub const STROLLER: Self = Self { crowd_speed: 1.12, ..Self::COMMUTER };
 
     /// A bird of about 0.5 m radius and 5 m/s: lengths grow with its radius, and it needs no lanes, as it has room above
@@ -148,27 +148,27 @@ impl Field {
     }
 }
 
-/// What moves an agent at one instant, term by term (m/s2).
+/// Forces on an agent at one instant, term by term (m/s2).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Forces<V = Vec3> {
     /// Toward the desired velocity along the route, first term of eq. 17.
     pub driving: V,
     /// Attraction and repulsion, second term of eq. 17.
     pub interaction: V,
-    /// Takes back the driving force toward what is near, eq. 19.
+    /// Term that reduces the driving force toward near obstacles, eq. 19.
     pub decelerating: V,
     /// Against approach, eq. 20.
     pub damping: V,
     /// Sideways, eq. 22.
     pub turning: V,
-    /// To the centre of its bound, eq. 23.
+    /// Term toward the centre of its bound, eq. 23.
     pub safety: V,
     /// The acceleration that was taken at the last event, after the safety rule.
     pub taken: V,
 }
 
 impl<V> Forces<V> {
-    /// The same in another space.
+    /// Converts it to another space.
     pub(crate) fn map<W>(self, f: impl Fn(V) -> W) -> Forces<W> {
         Forces {
             driving: f(self.driving),

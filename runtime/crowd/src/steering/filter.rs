@@ -9,12 +9,12 @@ use serde::{Deserialize, Serialize};
 pub(crate) struct Filter<V> {
     /// (m/s)
     pub velocity: V,
-    /// Of the estimate (m2/s2).
+    /// Variance of the estimate (m2/s2).
     pub variance: f32,
 }
 
 impl<V: Space> Filter<V> {
-    /// Takes in what was observed, `dt` after the observation before.
+    /// Adds an observation, `dt` after the one before.
     #[inline]
     pub fn observe(&mut self, velocity: V, dt: f32, steering: &SteeringConfig) {
         let predicted = self.variance + steering.filter_wander * dt;

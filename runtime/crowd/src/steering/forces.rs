@@ -21,22 +21,22 @@ pub(crate) struct Walker<V> {
     pub desired: V,
     /// Desired speed.
     pub speed: f32,
-    /// Way to the goal.
+    /// Distance to the goal.
     pub left: f32,
-    /// It steps back, and keeps no room in front.
+    /// True where it steps back, and keeps no room in front.
     pub retreats: bool,
-    /// From the centre of its bound to where it is, x - x^ in eq. 23.
+    /// Offset from the centre of its bound to its position, x - x^ in eq. 23.
     pub off_centre: V,
 }
 
-/// What acts on it.
+/// Surroundings that act on an agent.
 pub(crate) struct Surroundings<'a, V> {
     pub seen: &'a [Seen<V>],
-    /// All solids that stand.
+    /// Static solids.
     pub solids: &'a [Solid<V>],
-    /// Which of them are near.
+    /// Numbers of the near ones.
     pub near: &'a [u32],
-    /// Which of them it sees beside it, as [`between_walls`] wants them.
+    /// Numbers of the walls that it sees beside it, for [`between_walls`].
     pub walls: &'a [u32],
     pub grid: &'a DensityGrid<V>,
     pub interests: &'a [Interest<V>],
@@ -45,12 +45,13 @@ pub(crate) struct Surroundings<'a, V> {
 
 /// Forces on a walker.
 ///
-/// Differs from Kim, Kim and Shin (2003b): the turning force has a part that looks ahead, toward the direction that leads on fastest (see
-/// [`Sight`]), beside eq. 22, which knows near agents only; the weights of eq. 16 take the desired velocity where that
-/// is larger, so that agents that were stopped try to go on. New are the distance and the time that are kept behind agents in front
-/// (see [`pace`]), the preference for directions in which others want the same, which makes lanes (see
-/// [`crate::steering::far_field`]), that agents keep to the right between walls (see [`crate::steering::keep_right`]), and that the few step back
-/// before the many in a jam (see [`crate::steering::retreat`]).
+/// Differs from Kim, Kim and Shin (2003b): the turning force has a part that looks ahead, toward the direction that
+/// leads on fastest (see [`Sight`]), beside eq. 22, which includes near agents only; the weights of eq. 16 take the
+/// desired velocity where that is larger, so that agents that were stopped try to go on. New are the distance and the
+/// time that are kept behind agents in front (see [`pace`]), the preference for directions in which others want to go
+/// too, which makes lanes (see [`crate::steering::far_field`]), that agents keep to the right between walls (see
+/// [`crate::steering::keep_right`]), and that few agents step back before many in a jam (see
+/// [`crate::steering::retreat`]).
 pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundings<'_, V>) -> Forces<V> {
     let &Surroundings { seen, solids, near, walls, grid, interests, steering } = around;
     let mut sight = Sight::along(me.desired, me.speed, field.horizon_s, steering);
@@ -186,6 +187,6 @@ fn dodge<V: Space>(me: &Walker<V>, field: &Field, other: &Seen<V>) -> V {
     let (away, miss) = (-(other.offset + relative * time)).unit_and_length();
     let away = if miss > 1e-3 { away } else { relative.unit_and_length().0.right() };
     let missing = other.radii + field.comfort_m + field.repulsion_m - miss;
-    // In half the time that is left.
+    // In half of the time that is left.
     away * (8.0 * missing.max(0.0) / (time * time).max(1e-3)).min(me.limit)
 }

@@ -4,11 +4,11 @@ use crate::Space;
 use crate::space::solid::Solid;
 use crate::steering::config::SteeringConfig;
 
-/// Where an agent is between the walls beside it.
+/// Position of an agent between the walls beside it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Between {
-    /// Of its left side: below 0 as long as a part of it is in the left half, -1 at the wall on its left. Where there is one
-    /// wall alone, that says in which half it is.
+    /// Position of its left side: below 0 as long as a part of it is in the left half, -1 at the wall on its left. With
+    /// a single wall, the sign shows the half.
     pub place: f32,
     /// Whether the nearer one is within [`SteeringConfig::wall_at_hand_m`].
     pub at_hand: bool,
@@ -29,7 +29,7 @@ pub(crate) fn is_wall_within<V: Space>(solid: &Solid<V>, steering: &SteeringConf
     })
 }
 
-/// Where an agent is between walls; None where there is none beside it, see [`is_wall_within`].
+/// Position of an agent between walls; None where there is none beside it, see [`is_wall_within`].
 ///
 /// - `walls`: numbers of all solids that are so near, and maybe of others.
 /// - `right`: unit vector to its right.
@@ -57,7 +57,7 @@ pub(crate) fn between_walls<V: Space>(
     }
     let place = match (on_left < f32::INFINITY, on_right < f32::INFINITY) {
         (true, true) => {
-            // Two who meet pass only if each is wholly in its half; where that is too narrow, not at all.
+            // Two that meet pass only if each is wholly in its half; where that is too narrow, not at all.
             let half = 0.5 * (on_left + on_right).max(1e-6);
             let aside = if half >= 2.0 * radius { radius } else { 0.0 };
             ((0.5 * (on_left - on_right) - aside) / half).max(-1.0)

@@ -1,4 +1,4 @@
-//! What an agent would do at an event: a force field over what it sees near and far.
+//! Steering of agents at events: a force field over near and far surroundings.
 
 pub(crate) mod bonds;
 pub(crate) mod company;

@@ -13,26 +13,26 @@ const SOON_S: f32 = 0.2;
 /// Eight neighbours, as an agent finds them at its event.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Found<V, F> {
-    /// From the agent that looks (m).
+    /// Offset from the deciding agent (m).
     pub offset: Vectors<V, F>,
     /// (m/s)
     pub velocity: Vectors<V, F>,
-    /// Of the centres (m).
+    /// Distance of the centres (m).
     pub distance: F,
     /// Distance less the radii (m).
     pub gap: F,
     /// Speed of the agent that looks toward them, and theirs away from it (m/s).
     pub toward: F,
     pub away: F,
-    /// How far ahead they are, along where the agent wants to go (m).
+    /// Distance ahead, along the desired direction of the agent (m).
     pub ahead: F,
-    /// Their radii (m).
+    /// Radii (m).
     pub radius: F,
-    /// Their largest accelerations (m/s2).
+    /// Largest accelerations (m/s2).
     pub limit: F,
 }
 
-/// What is kept of eight neighbours or fewer, as in [`Found`], for a new plan: more is needed of few of them only, once
+/// Data of eight neighbours or fewer, as in [`Found`], kept for a new plan: more is needed of few of them only, once
 /// the length of the plan is known.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
@@ -41,7 +41,7 @@ pub(crate) struct Row {
     pub toward: Eight,
     pub away: Eight,
     pub limit: Eight,
-    /// How long their plans go on (s).
+    /// Time until their plans end (s).
     pub until: Eight,
     pub agents: [u32; LANES],
     /// Bit i is set where lane i holds an agent.
@@ -55,7 +55,7 @@ pub(crate) struct Rows {
     len: usize,
     /// Row and place of the neighbour with the smallest gap a short time on.
     nearest: Option<(u32, usize)>,
-    /// That gap (m).
+    /// Smallest such gap (m).
     least: f32,
 }
 
@@ -65,7 +65,7 @@ impl Rows {
         Self { rows: vec![Row::default(); capacity], ..Self::default() }
     }
 
-    /// Those that were found.
+    /// Rows that were found.
     #[inline]
     pub fn all(&self) -> &[Row] {
         &self.rows[..self.len]
@@ -121,10 +121,10 @@ pub(crate) struct Look<'a, V> {
     pub heed: Heed,
 }
 
-/// Which neighbours an agent reacts to.
+/// Limits of the perception of an agent.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Heed {
-    /// How far it sees (m).
+    /// Distance within which it sees others (m).
     pub perception: f32,
     /// Gap within which it feels others (m).
     pub felt: f32,
@@ -245,7 +245,7 @@ pub(crate) mod tests {
     /// Time at which the tests look.
     pub(crate) const NOW: f64 = 10.0;
 
-    /// Agents of different ages, radii and lengths of plans that go about and brake, for the tests of what looks at rows.
+    /// Agents of different ages, radii and lengths of plans that go about and brake, for tests of code that reads rows.
     pub(crate) fn crowd<V: Space>() -> impl Strategy<Value = Vec<Plan<V>>> {
         let vector = || [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0].prop_map(V::from_coordinates);
         let times = (0.0f64..0.3, 0.01f64..0.5);

@@ -12,7 +12,7 @@ const JAM: f32 = 4.0;
 pub(crate) enum Half {
     /// The half of oncoming agents.
     Left,
-    /// Its own.
+    /// The half of the agent itself.
     Right,
 }
 
@@ -24,24 +24,23 @@ pub(crate) struct Blocked<V> {
     pub ahead: V,
     /// Time without progress, [`SteeringConfig::patience_on_left_s`] or more (s).
     pub waited: f64,
-    /// Where it is between walls, if there are some at hand.
+    /// Half of the passage that it is in, if there are walls at hand.
     pub half: Option<Half>,
 }
 
 /// A narrow place that a way leads through: a door, a gap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Gate<V> {
-    /// Its middle (m).
+    /// Centre (m).
     pub at: V,
     /// Unit vector along the way through it.
     pub along: V,
 }
 
 impl<V: Space> Gate<V> {
-    /// Direction in which an agent that makes no progress steps back from it, where others want to come the other way and it is
-    /// their turn; who is in it already goes on.
-    ///
-    /// All at a place know the time: so one way waits as a whole, then the other one.
+    /// Direction in which an agent that makes no progress steps back from it, where others want to come the other way
+    /// and it is their turn; agents inside go on. All agents at a place know the time: so one side waits as a whole,
+    /// then the other one.
     pub fn retreat(
         &self,
         (position, radius): (V, f32),
@@ -89,13 +88,14 @@ impl<V: Space> Blocked<V> {
             Some(Half::Left) => (ratio / own_half, 0.0),
             Some(Half::Right) => (ratio * own_half, 2.0 * by),
         };
-        // One who just stands counts as half, and nobody steps back from that one alone.
+        // An agent that just stands counts as half, and does not make others step back alone.
         let is_weaker = against >= 1.0 && against > stronger * along + more;
         is_weaker.then(|| back(ahead, 1.0, steering))
     }
 
-    /// The same by chance, for those that have waited for long in a dense crowd: of equal groups that block each other, or of
-    /// two side by side in a door, nobody is the weaker. Some step back, now these, now those, and what was locked comes loose.
+    /// Direction in which an agent steps back by chance, after a long wait in a dense crowd: of equal groups that block
+    /// each other, or of two side by side in a door, none is the weaker. Some step back, now these, now those, and the
+    /// jam comes loose.
     pub fn retreat_by_chance(
         &self,
         (agent, time): (u32, f64),

@@ -11,7 +11,7 @@ use crate::{Field, Space};
 pub(crate) const DIRECTIONS: usize = 8;
 /// A time that stands for never (s).
 const NEVER: f32 = 1e3;
-/// Most looks at a solid along one direction; at a wall, two are enough.
+/// Most steps towards a solid along one direction; at a wall, two are enough.
 const LOOKS: usize = 5;
 /// Room for rounding (m).
 pub(crate) const ROUNDING: f32 = 0.01;
@@ -19,7 +19,7 @@ pub(crate) const ROUNDING: f32 = 0.01;
 /// Another agent or moving obstacle as an agent sees it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Seen<V> {
-    /// From the agent that sees (m).
+    /// Offset from the seeing agent (m).
     pub offset: V,
     /// (m/s)
     pub velocity: V,
@@ -31,7 +31,7 @@ pub(crate) struct Seen<V> {
     pub yields: bool,
 }
 
-/// What an agent sees in each direction of [`Space::fan`], at its desired speed.
+/// View of an agent in each direction of [`Space::fan`], at its desired speed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sight<'a, V> {
     steering: &'a SteeringConfig,
@@ -48,7 +48,7 @@ pub(crate) struct Sight<'a, V> {
 }
 
 impl<'a, V: Space> Sight<'a, V> {
-    /// Looks along a unit vector.
+    /// View along a unit vector, still empty.
     ///
     /// - `horizon`: see [`Field::horizon_s`] (s).
     #[inline]
@@ -75,7 +75,7 @@ impl<'a, V: Space> Sight<'a, V> {
         out
     }
 
-    /// Takes in all agents that are not farther behind than `behind` and may be met before `latest`: the near ones first,
+    /// Adds all agents that are not farther behind than `behind` and may be met before `latest`: the near ones first,
     /// as few of the others can be met before them in any direction.
     #[inline(always)]
     pub fn see_all(&mut self, seen: &[Seen<V>], behind: f32, comfort: f32, latest: f32) {
@@ -100,15 +100,15 @@ impl<'a, V: Space> Sight<'a, V> {
         }
     }
 
-    /// Takes in another agent: for each direction, the time of the first contact if that agent keeps its velocity, and the
+    /// Adds another agent: for each direction, the time of the first contact if that agent keeps its velocity, and the
     /// share of the speed that can be kept.
     ///
-    /// Behind somebody it loses what it goes faster than that one, and all the less the later it gets there; straight
-    /// before one that stands or comes toward it, all. Only the part along the line of centres counts: an agent that
-    /// touches another one's side can slide past. What counts is the speed that a direction allows, not how long it is free:
-    /// else an agent behind a slightly slower one finds its way blocked and turns aside, and in dense streams all do so all
-    /// the time, into the ways of each other. 1000 agents that walk one way, three on two square metres, progress with 1.11
-    /// m/s in place of 0.83 m/s.
+    /// Behind another agent it loses its excess of speed over that one, and all the less the later it gets there;
+    /// straight before one that stands or comes toward it, all. Only the part along the line of centres counts: an
+    /// agent that touches another one's side can slide past. The score uses the speed that a direction allows, not the
+    /// time for which it is free: else an agent behind a slightly slower one finds its way blocked and turns aside, and
+    /// in dense streams all do so all the time, into each other's ways. 1000 agents that walk one way, three on two
+    /// square metres, progress with 1.11 m/s in place of 0.83 m/s.
     #[inline(always)]
     pub fn see(&mut self, other: &Seen<V>, comfort: f32) {
         let radii = (other.radii + comfort).min(other.distance * self.steering.closest);
@@ -134,8 +134,8 @@ impl<'a, V: Space> Sight<'a, V> {
         }
     }
 
-    /// Takes in a solid that stands: goes on to the plane that touches it where it is nearest, as it is convex and all
-    /// of it is beyond, and looks again from there.
+    /// Adds a static solid: steps to the plane that touches it at its nearest point, as it is convex and wholly beyond,
+    /// and repeats from there.
     pub fn see_solid(&mut self, solid: &Solid<V>, x: V, radius: f32) {
         let reach = self.speed * self.horizon;
         let (nearest, distance) = solid.away(x);
@@ -166,15 +166,15 @@ impl<'a, V: Space> Sight<'a, V> {
         }
     }
 
-    /// When something is met in the direction in which that is first (s).
+    /// Earliest contact in any direction (s).
     #[cfg(test)]
     pub fn soonest(&self) -> f32 {
         self.free.iter().fold(NEVER, |a, &b| a.min(b))
     }
 
-    /// Direction to take and how long it is free. A direction scores for the speed it allows, against detours, for what the
-    /// crowd at large makes of it (see [`Far`]) and for the present velocity. Of two sides the right one is a little better where the way is not free, and better anyway as the agent's
-    /// `lean` says.
+    /// Direction to take, and the time for which it is free. A direction scores for the speed it allows, against
+    /// detours, for its preference by the far field (see [`Far`]) and for the present velocity. Of two sides the right
+    /// one is a little better where the way is not free, and better anyway by the agent's `lean`.
     #[inline]
     pub fn choose(&self, field: &Field, me: &Walker<V>, grid: &DensityGrid<V>, lean: &Lean) -> (V, f32) {
         let steering = self.steering;

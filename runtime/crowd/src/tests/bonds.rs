@@ -1,4 +1,4 @@
-//! What single agents care for: interests of their own, and companions.
+//! Relationships of single agents: interests of their own, and companions.
 
 use super::drive::{Drive, Shares, crossing};
 use crate::events::engine::Engine;
@@ -69,7 +69,7 @@ struct Together {
     abreast: f32,
 }
 
-/// Sends agents along x, each as far as it is told, and looks at them ten times a second.
+/// Sends agents along x, each as far as ordered, and records them ten times a second.
 fn walk(crowd: &mut Crowd, ids: &[Id], size: usize, far: f32, seconds: usize, grouped: bool) -> Together {
     let starts: Vec<Vec3> = ids.iter().map(|&id| at(crowd, id)).collect();
     for (group, from) in ids.chunks(size).zip(starts.chunks(size)) {
@@ -218,7 +218,7 @@ fn companions_are_named_until_they_part_or_leave() {
     }
 }
 
-/// A crowd in groups of three, of which some look at others far away.
+/// A crowd in groups of three, some of which look at others far away.
 fn bound(num: usize) -> Engine<Vec2> {
     let mut crowd = Engine::new(crossing::<Vec2>(num, 1.3)).unwrap();
     let ids: Vec<Id> = crowd.ids().collect();
@@ -243,7 +243,7 @@ fn bonds_do_not_depend_on_threads_nor_on_snapshots() {
     assert_eq!(other.hash(), alone.hash());
     [&mut other, &mut alone].into_iter().for_each(|crowd| crowd.advance(8.0, &mut |_| {}).unwrap());
     assert_eq!(other.hash(), alone.hash());
-    // Bonds are a part of the state.
+    // Relationships are a part of the state.
     other.set_companions(&alone.ids().take(2).collect::<Vec<_>>()).unwrap();
     assert_ne!(other.hash(), alone.hash());
 }

@@ -1,4 +1,4 @@
-//! Doors: ways lead through open ones and round closed ones, for those on their way too.
+//! Doors: paths lead through open ones and round closed ones, for those on their way too.
 
 use crate::*;
 use glam::Vec3;
@@ -14,7 +14,7 @@ fn wall(from: [f32; 2], to: [f32; 2]) -> Obstacle {
 /// Number of the door between two rooms.
 const DOOR: usize = 5;
 
-/// Two rooms with a door of 1.4 m between them; the wall reaches from one end to the other, or leaves a way round.
+/// Two rooms with a door of 1.4 m between them; the wall reaches from one end to the other, or leaves a path round.
 fn rooms(is_closed_off: bool) -> Crowd {
     let end = if is_closed_off { 6.0 } else { 4.0 };
     let walls = vec![
@@ -129,7 +129,8 @@ fn moving_obstacles_are_no_doors() {
     assert!(crowd.set_open(0, true).is_err());
 }
 
-/// When the last of two crowds of twelve who meet at a door of twice their width is through; in the other's room (s).
+/// Time at which the last of two crowds of twelve that meet at a door of twice their width is through; in the other's
+/// room (s).
 fn through_a_door(shift: f32) -> f64 {
     let walls = vec![wall([0.0, -12.0], [0.0, -0.65]), wall([0.0, 0.65], [0.0, 12.0])];
     let streets = Streets::with(&walls, None, 0.45, 0.3).unwrap();

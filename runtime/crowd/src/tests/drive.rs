@@ -60,7 +60,7 @@ impl<V: Space> Drive<V> for Engine<V> {
     }
 }
 
-/// As [`Crowd::advance`].
+/// Advances time, see [`Crowd::advance`].
 pub(super) fn drive<V: Space>(
     engine: &mut Engine<V>,
     on_event: &mut dyn FnMut(&Event),

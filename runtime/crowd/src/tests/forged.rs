@@ -1,4 +1,4 @@
-//! Snapshots that no crowd has written, with a right checksum: refused, or nobody ever overlaps.
+//! Snapshots that no crowd has written, with a right checksum: refused, or no agents ever overlap.
 
 use super::drive::{Drive, Shares, crossing, to};
 use crate::error::CrowdError;
@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 
 /// Bytes before the state in a snapshot; the last four are its checksum.
 const HEADER: usize = 44;
-/// What rounding may cost (m).
+/// Tolerance of rounding (m).
 const ROUNDING_M: f32 = 2e-4;
 
 /// A dense crowd between two walls and around a pillar.
@@ -108,7 +108,7 @@ fn a_forged_snapshot_is_refused_or_nobody_overlaps() {
     }
 }
 
-/// What becomes of a snapshot in which an agent is elsewhere.
+/// Result of restoring a snapshot in which an agent is elsewhere.
 fn moved(change: impl FnOnce(&Engine<Vec2>, &mut Plan<Vec2>)) -> Result<(), String> {
     let setup = dense::<Vec2>(16, 1.2);
     let mut crowd = Engine::new(setup.clone()).unwrap();
@@ -124,7 +124,7 @@ fn moved(change: impl FnOnce(&Engine<Vec2>, &mut Plan<Vec2>)) -> Result<(), Stri
 #[test]
 fn agents_that_overlap_or_stand_in_obstacles_are_refused() {
     assert_eq!(moved(|_, _| ()), Ok(()));
-    // On top of another one, which moves: at the present, not at the start of its plan.
+    // On top of another agent, which moves: at the present, not at the start of its plan.
     let onto = moved(|crowd, p| *p = Plan { index: 5, ..crowd.cells.plan(6) });
     assert!(onto.as_ref().is_err_and(|e| e.contains("overlap")), "{onto:?}");
     let pillar = |crowd: &Engine<Vec2>| match crowd.scenery.obstacles[2] {
@@ -151,7 +151,7 @@ fn agents_that_overlap_or_stand_in_obstacles_are_refused() {
     assert!(moved(|crowd, p| (far(crowd, p), p.moving = f32::INFINITY, p.end = 100.0).0).is_err());
 }
 
-/// All that a crowd itself writes is taken, dense or not.
+/// Every snapshot of a crowd itself is accepted, dense or not.
 #[test]
 fn no_true_snapshot_is_refused() {
     fn check<V: Space>(mut setup: Setup<V>, far: f32) {
@@ -186,7 +186,7 @@ fn no_true_snapshot_is_refused() {
     }
 }
 
-/// Going back to before anybody was told anything takes the later routes back too.
+/// Going back to before the first order takes the later routes back too.
 #[test]
 fn orders_after_a_snapshot_are_forgotten_in_the_same_crowd() {
     let mut setup = crossing::<Vec2>(200, 1.4);
@@ -194,7 +194,7 @@ fn orders_after_a_snapshot_are_forgotten_in_the_same_crowd() {
     let mut crowd = Engine::new(setup).unwrap();
     crowd.advance(1.0, &mut |_| {}).unwrap();
     let ids: Vec<Id> = crowd.ids().collect();
-    // Some have an order already, some will hear their first, and all get another.
+    // Some agents have an order already, some will get their first, and all get another.
     for &id in ids.iter().step_by(3) {
         crowd.order(id, &super::drive::along(to(Vec2::new(0.0, 14.0)), 1.2)).unwrap();
     }

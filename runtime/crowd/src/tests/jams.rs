@@ -15,7 +15,7 @@ fn wall(from: [f32; 2], to: [f32; 2], radius: f32) -> Obstacle<Vec2> {
     Obstacle::Wall { from: Vec2::from_array(from), to: Vec2::from_array(to), radius }
 }
 
-/// What is seen of a run, ten times a second.
+/// Record of a run, ten times a second.
 #[derive(Default)]
 struct Report {
     /// Agents that are not gone at the end.
@@ -267,7 +267,7 @@ fn routes_of_one_two_or_many_points_are_walked_alike() {
     }
 }
 
-/// Two ways through a bend of 90 degrees, 8 m wide: everybody gets through, and the outer half is used.
+/// Two streams through a bend of 90 degrees, 8 m wide: all get through, and the outer half is used.
 #[test]
 fn two_ways_use_the_width_of_a_bend() {
     let obstacles = vec![

@@ -1,4 +1,4 @@
-//! What agents sense, against dense samples and by hand.
+//! Sensed events of agents, against dense samples and by hand.
 
 use super::drive::crossing;
 use crate::*;
@@ -14,7 +14,7 @@ fn zones() -> Vec<Zone> {
         .to_vec()
 }
 
-/// A crowd of which everybody senses everything, coming near alone.
+/// A crowd whose agents sense everything, and only approaches.
 fn sensing(num: usize, spacing: f32, scheme: Scheme) -> Crowd {
     let mut setup = crossing::<Vec2>(num, spacing).map(Space::to_world);
     setup.config.scheme = scheme;
@@ -25,7 +25,7 @@ fn sensing(num: usize, spacing: f32, scheme: Scheme) -> Crowd {
     crowd
 }
 
-/// What a sample of all places shows: pairs that are near, zones and cells.
+/// Sample of all places: pairs that are near, zones and cells.
 #[derive(Clone, PartialEq)]
 struct Seen {
     near: Vec<(usize, usize)>,
@@ -49,7 +49,8 @@ fn seen(crowd: &Crowd, time: f64) -> Seen {
 
 const STEP_S: f64 = 0.001;
 
-/// Everything that changes between two samples is told between them, and nothing else is but what changes back within a sample.
+/// Every change between two samples is reported between them, and nothing else is except changes that revert within a
+/// sample.
 fn told_is_true(num: usize, spacing: f32, scheme: Scheme, seconds: f64) {
     let mut crowd = sensing(num, spacing, scheme);
     let mut before = seen(&crowd, 0.0);
@@ -85,7 +86,7 @@ fn told_is_true(num: usize, spacing: f32, scheme: Scheme, seconds: f64) {
         }
         let sample = seen(&crowd, time);
         now.zones.sort_unstable();
-        // Those who part are not told.
+        // Partings are not reported.
         for pair in &sample.near {
             assert!(now.near.contains(pair), "{scheme:?}: {pair:?} met unnoticed before {time}");
         }
@@ -120,7 +121,7 @@ fn signals(stops: &[f64], restored: bool) -> Vec<(u64, String)> {
                 crowd.save(&mut bytes);
                 let mut other = sensing(20, 6.0, Scheme::Registration);
                 other.load(&bytes).unwrap();
-                // What was noted and not looked at yet is no part of a snapshot.
+                // Signals that were noted but not read yet are no part of a snapshot.
                 while let Some(left) = crowd.advance_to_signal(signal.time, &mut |_| {}).unwrap() {
                     all.push((left.time.to_bits(), format!("{:?} {:?}", left.agent, left.kind)));
                 }
@@ -217,7 +218,7 @@ fn senses_out_of_range_are_refused() {
     }
 }
 
-/// Who begins to tell is met by all near at once, each once, though nobody answers.
+/// An agent that begins to send is met by all near agents at once, each once, though none answers.
 #[test]
 fn level_channels_reach_all_who_are_near_though_masks_stay() {
     let mut crowd = standing(&[0.0, 1.5, -1.5, 8.0]);

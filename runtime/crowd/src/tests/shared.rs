@@ -28,7 +28,7 @@ fn shared<V: Space>(setup: &Setup<V>, num_ranks: usize, times: &[f64]) -> (Vec<u
     (all.swap_remove(0).0.unwrap(), handed_over, overlaps)
 }
 
-/// All that is kept of a crowd is the same at every number of ranks; returns how many agents were handed over.
+/// All saved state of a crowd is the same at every number of ranks; returns how many agents were handed over.
 fn equals_one_process<V: Space>(setup: &Setup<V>, num_ranks: &[usize], times: &[f64]) -> u64 {
     let mut alone = Engine::new(setup.clone()).unwrap();
     times.iter().for_each(|&time| alone.advance(time, &mut |_| {}).unwrap());
@@ -60,7 +60,7 @@ fn agents_that_leave_and_obstacles_are_those_of_one_process() {
     assert!(equals_one_process(&setup, &[2, 3, 5], &[40.0]) > 20);
 }
 
-/// Who is woken before ranks share a crowd, and who still is when they put it together again.
+/// Agents that are woken before ranks share a crowd, and agents that still are when the ranks join it again.
 #[test]
 fn agents_that_are_woken_act_as_in_one_process() {
     let mut alone = Engine::new(crossing::<Vec2>(150, 1.0)).unwrap();

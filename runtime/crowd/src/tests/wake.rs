@@ -1,11 +1,11 @@
-//! Agents that are told to act before their plans end.
+//! Agents that are woken before their plans end.
 
 use super::drive::{Drive, Shares, Threads, along, crossing, drive, to};
 use crate::events::engine::Engine;
 use crate::*;
 use glam::{Vec2, Vec3};
 
-/// Agents in each other's way who are fast and brake slowly, so that it matters what others do.
+/// Agents in each other's way that are fast and brake slowly, so that the motion of others matters.
 fn packed<V: Space>(num: usize) -> Setup<V> {
     let mut setup = crossing(num, 1.3);
     setup.config.largest_speed_mps = 2.0;
@@ -24,8 +24,8 @@ fn disturb<V: Space>(crowd: &mut Engine<V>, shares: &mut Shares) {
     }
 }
 
-/// All plans keep the safety rule to their ends, as others that chose theirs with them in view rely on. Returns how many
-/// that were woken found no other plan.
+/// All plans keep the safety rule to their ends, as others that chose theirs with them in view rely on. Returns how
+/// many woken agents found no other plan.
 fn promises_are_kept<V: Space>(seed: u64) -> usize {
     let mut crowd = Engine::new(packed::<V>(150)).unwrap();
     let mut other = crowd.clone();

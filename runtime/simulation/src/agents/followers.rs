@@ -17,27 +17,27 @@ use throng_core::walkers::{Performance, Performing, Reach, Walkers, WalkersConfi
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 use throng_crowd::{Id, Space};
 
-/// Bodies of the agents of one group; those who have left stay where they were.
+/// Bodies of the agents of one group; bodies of agents that have left stay where they were.
 #[derive(Clone, Debug)]
 pub(super) struct Followers {
-    /// What messages call them.
+    /// Key of the group in the scene file, for messages.
     key: String,
     scene: Arc<crate::scene::Scene>,
     /// Number of the first agent.
     first: usize,
     count: usize,
-    /// Agents take them in turn, by their numbers in the crowd.
+    /// Skeletons; agents take them in turn, by their numbers in the crowd.
     bodies: Vec<Skeleton>,
-    /// Of each troop and each tag of motion of the scenario: activities of its bundle.
+    /// Activities of the bundle for each troop and each motion tag of the scenario.
     activities: Vec<Vec<Vec<ActivityId>>>,
-    /// What each body does that it was told last (count).
+    /// Last activity ordered of each body (count).
     told: Vec<Shown>,
-    /// Agents take them in turn, by their numbers in the crowd.
+    /// Troops; agents take them in turn, by their numbers in the crowd.
     troops: Vec<Troop>,
 }
 
 impl Followers {
-    /// Bodies of a group where its agents are now. Poses are there after the first step.
+    /// Bodies of a group at the current positions of its agents. Poses are valid after the first step.
     ///
     /// # Errors
     /// [`throng_base::Error::Text`] for a blend space that the bundle does not have.
@@ -79,7 +79,7 @@ impl Followers {
         })
     }
 
-    /// Moves all bodies on, to where their agents are.
+    /// Advances all bodies to the current positions of their agents.
     pub fn step<V: Space>(&mut self, outside: &Outside<V>, tick: &Tick<'_>) -> Result<()> {
         let crowd = &outside.crowd;
         let num = self.troops.len();
@@ -98,8 +98,8 @@ impl Followers {
         done.map_err(|e| self.scene.fault(&self.key, e))
     }
 
-    /// Tells the body of an agent what to do beside walking: to face and look at a place, and to perform an activity again and
-    /// again; one of greeting once.
+    /// Orders what the body of an agent does beside walking: to face and look at a place, and to perform an activity repeatedly, or
+    /// once where it is a greeting.
     fn show<V: Space>(&mut self, outside: &Outside<V>, agent: usize) -> Result<()> {
         let (num, row) = (self.troops.len(), (agent - self.first) / self.troops.len());
         let t = agent % num;
@@ -117,7 +117,7 @@ impl Followers {
         };
         let heading = ahead.filter(|a| a.length_squared() > 1e-4).map(|a| maths::atan2(a.x, a.y));
         if let Some(activity) = shown.once {
-            // Who still walked when it was told has not begun.
+            // An agent that still walked at the order has not begun.
             let begins = is_new || !troop.is_performing(row) && outside.things.is_awaited(agent as u32);
             return if begins { troop.perform(row, Some(Performance { activity, heading })) } else { Ok(()) };
         }
@@ -125,17 +125,17 @@ impl Followers {
         if all.is_empty() || !is_new && (troop.is_performing(row) || troop.is_once(all[0])) {
             return Ok(());
         }
-        // Another one for each, and for each time.
+        // The choice differs between agents and changes with time.
         let turn = agent + (outside.crowd.now() * 0.37) as usize;
         troop.perform(row, Some(Performance { activity: all[turn % all.len()], heading }))
     }
 
-    /// What the next steps depend on, troop by troop.
+    /// State that the next steps depend on, troop by troop.
     pub fn saved(&self) -> Vec<SavedTroop> {
         self.troops.iter().map(Troop::saved).collect()
     }
 
-    /// Goes back to what was saved.
+    /// Restores a saved state.
     ///
     /// # Errors
     /// [`throng_base::Error::Snapshot`]; a part may have been loaded then.
@@ -154,12 +154,12 @@ impl Followers {
         Ok(())
     }
 
-    /// Numbers of the agents whose bodies they are.
+    /// Numbers of the agents that have these bodies.
     pub fn agents(&self) -> Range<usize> {
         self.first..self.first + self.count
     }
 
-    /// Of each body, each troop and each tag of motion: how hands take things and put them down.
+    /// Grasps by which hands take things and put them down, for each body, troop and motion tag.
     pub fn grasps(&self) -> Vec<BodyGrasps> {
         let of_body = |body: &Skeleton| {
             let of_troop = |(troop, tags): (&Troop, &Vec<Vec<ActivityId>>)| {
@@ -171,23 +171,23 @@ impl Followers {
         self.bodies.iter().map(of_body).collect()
     }
 
-    /// True where an agent has entered: its body is there.
+    /// True where an agent has entered, so that its body exists.
     pub fn is_there(&self, agent: usize) -> bool {
         (agent - self.first) / self.troops.len() < self.walkers_of(agent).0.len()
     }
 
-    /// What the body of an agent performs.
+    /// Activity that the body of an agent performs.
     pub fn performing(&self, agent: usize) -> Option<Performing> {
         let (walkers, w) = self.walkers_of(agent);
         walkers.performing(w)
     }
 
-    /// Hands reach for nothing any more.
+    /// Ends the reaching of all hands.
     pub fn free_hands(&mut self) {
         self.troops.iter_mut().for_each(Troop::free_hands);
     }
 
-    /// Lets a hand of an agent's body reach for something in the next step: 0 left, 1 right.
+    /// Orders a hand of an agent's body (0 left, 1 right) to reach for something in the next step.
     pub fn reach(&mut self, agent: usize, side: usize, reach: Reach) {
         let num = self.troops.len();
         self.troops[agent % num].reach((agent - self.first) / num, side, reach);

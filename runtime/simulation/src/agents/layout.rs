@@ -1,4 +1,4 @@
-//! A scene's agents as the crowd takes them: who starts where, on which way to which goal.
+//! Layout of a scene's agents for the crowd: their starts, paths and goals.
 
 use super::places::places;
 use super::ways::RouteMap;
@@ -10,26 +10,26 @@ use std::sync::Arc;
 use throng_base::Result;
 use throng_crowd::{Agent, AtEnd, CrowdConfig, Obstacle, Route, Setup, Space, Zone};
 
-/// Where everybody starts and goes.
+/// Starts, paths and goals of all agents of a scene.
 #[derive(Clone, Debug)]
 pub struct Layout<V> {
-    /// What the engine is given.
+    /// Setup of the crowd engine.
     pub setup: Setup<V>,
-    /// Of each agent: its group in the scene.
+    /// Group of each agent in the scene.
     pub groups: Vec<usize>,
-    /// Of each agent: the corners of its way from its start to its goal, both included (m).
+    /// Corners of each agent's path from its start to its goal, both included (m).
     pub ways: Vec<Vec<V>>,
-    /// Of each agent: how near to its goal is there (m).
+    /// Distance from its goal at which each agent has arrived (m).
     pub arrivals: Vec<f32>,
     /// Keys of obstacles in the file, for messages (obstacles).
     pub(super) obstacle_keys: Vec<String>,
-    /// Of each group of the scene: lowest and highest coordinates of its agents' starts (m).
+    /// Lowest and highest coordinates of the agents' starts, for each group of the scene (m).
     boxes: Vec<(V, V)>,
-    /// Numbers of those who are the first of their small groups, and at the end the number of agents.
+    /// Number of the first agent of each small group of companions, and at the end the number of agents.
     parties: Vec<usize>,
     /// Number of the first door among the obstacles.
     pub(super) first_door: usize,
-    /// What agents sense.
+    /// Whether agents sense places (zones) and cells.
     pub(super) senses_zones: bool,
     pub(super) senses_cells: bool,
     pub(super) scene: Arc<Scene>,
@@ -37,10 +37,10 @@ pub struct Layout<V> {
 }
 
 impl<V: Space> Layout<V> {
-    /// Lays the agents of a scene out.
+    /// Places the agents of a scene and plans their paths.
     ///
     /// # Errors
-    /// [`throng_base::Error::Text`] where a goal is in an obstacle, or what stands leaves no way to it; it names the group
+    /// [`throng_base::Error::Text`] where a goal is in an obstacle, or obstacles leave no path to it; it names the group
     /// and the obstacle by their keys.
     pub fn new(scene: &Arc<Scene>) -> Result<Self> {
         let (mut obstacles, mut obstacle_keys) = obstacles_of(scene);
@@ -78,14 +78,14 @@ impl<V: Space> Layout<V> {
             let first = starts.first().copied().unwrap_or_default();
             layout.boxes.push(starts.iter().fold((first, first), wide));
             if let Some(source) = group.source.as_ref().filter(|_| place.is_some()) {
-                // Who enters later is told where when it does.
+                // Agents that enter later get their start when they enter.
                 let from = source.place.as_ref().or(group.place.as_ref());
                 let later = from.map_or(Vec::new(), |from| places(from, 1, group.radius_m[1], &mut rng));
                 starts.resize(group.count, later.first().copied().unwrap_or(first));
             }
             let (mut at, end) = (layout.groups.len(), layout.groups.len() + starts.len());
             let [least, most] = group.companions;
-            // Sizes are drawn by the number of the first, one after the other.
+            // The size of each small group is drawn from the number of its first agent.
             while at < end {
                 layout.parties.push(at);
                 let chance = hashed(scene.seed ^ 0xC04A, g as u32, at as u32);
@@ -108,7 +108,7 @@ impl<V: Space> Layout<V> {
         Ok(layout)
     }
 
-    /// What agents sense, as far as a scenario asks for it.
+    /// Sets what agents sense, as far as a scenario needs it.
     pub(super) fn sense(&mut self, scenario: &Scenario) {
         let (agents, places) = (&self.scene.agents, &self.scene.places);
         self.setup.senses.meet_m = if scenario.senses_meetings() { agents.telling_m } else { 0.0 };
@@ -137,13 +137,13 @@ impl<V: Space> Layout<V> {
         self.scene.groups[g].source.as_ref().is_none_or(|s| m - first < s.start)
     }
 
-    /// Those who walk together with an agent, itself among them: numbers that follow each other.
+    /// Agents that walk together with one, itself included: consecutive numbers.
     pub(super) fn companions_of(&self, m: usize) -> std::ops::Range<usize> {
         let next = self.parties.partition_point(|&first| first <= m);
         self.parties[next - 1]..self.parties[next]
     }
 
-    /// Where an agent may enter: another place for each try.
+    /// Position at which an agent may enter; another one for each try.
     pub(super) fn entrance(&self, m: usize, tries: u32) -> V {
         let group = &self.scene.groups[self.groups[m]];
         let place = group.source.as_ref().and_then(|s| s.place.as_ref()).or(group.place.as_ref());
@@ -158,12 +158,12 @@ impl<V: Space> Layout<V> {
         self.groups.len()
     }
 
-    /// What an agent does at the end of its first route.
+    /// Behaviour of an agent at the end of its first route.
     pub fn at_end(&self, m: usize) -> Option<AtEnd> {
         Some(self.setup.routes[self.setup.agents[m].route?].at_end)
     }
 
-    /// Plans the way of an agent that starts.
+    /// Plans the first path of an agent.
     fn send(&mut self, m: usize, rng: &mut Pcg64Mcg) -> Result<()> {
         let scene = Arc::clone(&self.scene);
         let (group, around) = (&scene.groups[self.groups[m]], self.boxes[self.groups[m]]);
@@ -178,13 +178,13 @@ impl<V: Space> Layout<V> {
             goal => {
                 let via = group.via.iter().map(|p| point(p));
                 let to = spread(goal_of(goal, around, start), goal, group, rng);
-                // Back to where the way begins again.
+                // The route leads back to its start, where it begins again.
                 let back = (group.at_end == AtEndConfig::Again).then_some(start);
                 (via.chain([to]).chain(back).collect(), group.at_end)
             }
         };
         let way = self.way(m, start, &subgoals)?;
-        // A way through several points begins at the start.
+        // A route through several points begins at the start.
         let first = (subgoals.len() > 1).then_some(start);
         let subgoals = first.into_iter().chain(subgoals).collect();
         self.setup.agents[m].route = Some(self.setup.routes.len());
@@ -194,7 +194,7 @@ impl<V: Space> Layout<V> {
         Ok(())
     }
 
-    /// The way of an agent to a goal that it is told of later: corners and route.
+    /// Plans the path of an agent to a goal that is ordered later, and returns its route.
     ///
     /// # Errors
     /// As [`Layout::new`].
@@ -212,7 +212,7 @@ impl<V: Space> Layout<V> {
         Ok(route)
     }
 
-    /// Corners of the way from a start through subgoals, both ends included.
+    /// Corners of the path from a start through subgoals, both ends included.
     fn way(&mut self, m: usize, start: V, subgoals: &[V]) -> Result<Vec<V>> {
         let mut way = vec![start];
         for &to in subgoals {
@@ -223,13 +223,13 @@ impl<V: Space> Layout<V> {
         Ok(way)
     }
 
-    /// Of everybody, and of what happenings ask for (m/s).
+    /// Largest speed of all agents and happenings (m/s).
     fn largest_speed(&self) -> f32 {
         let told = self.scene.happenings.iter().filter_map(|h| h.speed_mps);
         self.setup.agents.iter().map(|m| m.speed).chain(told).fold(0.0, f32::max)
     }
 
-    /// Lowest and highest that agents start.
+    /// Lowest and highest starts of agents (m).
     pub(super) fn heights(&self) -> [f32; 2] {
         let high = self.setup.agents.iter().map(|m| m.position.coordinates()[1]);
         high.fold([f32::INFINITY, f32::NEG_INFINITY], |[l, h], y| [l.min(y), h.max(y)])
@@ -257,8 +257,8 @@ fn agent<V: Space>(group: &GroupConfig, position: V, rng: &mut Pcg64Mcg) -> Agen
     }
 }
 
-/// A place in an area that is off its row and column by chance, as people who arrive leave room and keep no order; other goals
-/// as they are. Nobody's place touches that of another.
+/// Goal in an area, moved off its row and column at random, since people who arrive keep no order; other goals stay as they
+/// are. Goals of two agents never touch.
 fn spread<V: Space>(to: V, goal: &GoalConfig, group: &GroupConfig, rng: &mut Pcg64Mcg) -> V {
     let GoalConfig::Area { from, to: end } = goal else { return to };
     let (low, high) = (point::<V>(from).coordinates(), point::<V>(end).coordinates());
@@ -273,7 +273,7 @@ fn spread<V: Space>(to: V, goal: &GoalConfig, group: &GroupConfig, rng: &mut Pcg
     }))
 }
 
-/// Where a goal is for one who starts at `start`.
+/// Goal position of an agent that starts at `start` (m).
 ///
 /// - `around`: lowest and highest coordinates of its group's starts (m).
 fn goal_of<V: Space>(goal: &GoalConfig, around: (V, V), start: V) -> V {
@@ -283,7 +283,7 @@ fn goal_of<V: Space>(goal: &GoalConfig, around: (V, V), start: V) -> V {
         GoalConfig::Opposite { centre } => point::<V>(centre) * 2.0 - start,
         GoalConfig::Area { from, to } => {
             let (low, high, at) = (around.0.coordinates(), around.1.coordinates(), start.coordinates());
-            // Who enters later may start elsewhere.
+            // Agents that enter later may start elsewhere.
             let share = |i: usize| ((at[i] - low[i]) / (high[i] - low[i]).max(1e-6)).clamp(0.0, 1.0);
             let along = |i: usize| from.get(i).map_or(0.0, |f| f + (to[i] - f) * share(i));
             V::from_coordinates(std::array::from_fn(along))

@@ -1,11 +1,11 @@
-//! What is wrong with agents, in the words of their scene file.
+//! Error messages about agents, in the terms of their scene file.
 
 use super::layout::Layout;
 use throng_base::Error;
 use throng_crowd::{CrowdError, NoWay, Space};
 
 impl<V: Space> Layout<V> {
-    /// A way that does not exist, from one point to another.
+    /// Error for two points without a path between them.
     pub(super) fn no_way(&self, m: usize, why: NoWay, from: V, to: V) -> Error {
         let key = |obstacle: usize| &self.obstacle_keys[obstacle];
         let who = self.who(m);
@@ -28,14 +28,14 @@ impl<V: Space> Layout<V> {
         self.fault(Some(m), message, help)
     }
 
-    /// An agent, for messages.
+    /// Description of an agent for messages.
     pub(super) fn who(&self, m: usize) -> String {
         let Some(&g) = self.groups.get(m) else { return format!("agent {m}") };
         let name = &self.scene.groups[g].name;
         if name.is_empty() { format!("agent {m} of `groups[{g}]`") } else { format!("agent {m} of \"{name}\"") }
     }
 
-    /// What the engine found wrong, in the scene's words.
+    /// Error of the crowd engine, in the terms of the scene file.
     pub(super) fn explain(&self, e: &CrowdError) -> Error {
         let obstacle = |o: usize| self.obstacle_keys.get(o).cloned().unwrap_or_else(|| format!("obstacle {o}"));
         let message = match *e {
@@ -61,7 +61,7 @@ impl<V: Space> Layout<V> {
         self.fault(None, message, "correct the scene file")
     }
 
-    /// An error about an agent's group, or about all.
+    /// Error about an agent's group, or about all groups.
     fn fault(&self, m: Option<usize>, message: String, help: &str) -> Error {
         let group = m.and_then(|m| self.groups.get(m));
         self.scene.fault(&group.map_or("groups".into(), |g| format!("groups[{g}]")), format!("{message}; {help}"))

@@ -1,4 +1,4 @@
-//! Agents of a scene, with bodies and without: they keep clear of each other, hear of happenings, and tell others.
+//! Agents of a scene, with and without bodies: they avoid each other, learn of happenings, and tell others.
 
 mod followers;
 mod layout;
@@ -29,25 +29,25 @@ use throng_base::{Result, Run};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 use throng_crowd::{Crowd, CrowdError, Event as CrowdEvent, EventKind, Id, Space};
 
-/// All agents of a scene: their crowd, their ways, their minds, and the bodies that follow them.
+/// All agents of a scene: their crowd, paths, brains, and the bodies that follow them.
 #[derive(Clone, Debug)]
 pub struct Agents<V> {
     pub(super) outside: Outside<V>,
-    /// What they live by, where the scene says more than goals.
+    /// Brains of the agents, where the scene has rules, events or graphs beside goals.
     minds: Option<Minds>,
     /// Bodies of the groups that have any, in the order of groups.
     followers: Vec<Followers>,
     /// All events of the last step, where they are recorded.
     recorded: Option<Vec<CrowdEvent>>,
-    /// Time that was spent so far, where it is measured.
+    /// Computing times so far, where they are measured.
     spent: Option<Spent>,
 }
 
-/// Agents from which on an engine gains by being run in parts.
+/// Number of agents from which on a crowd runs faster on several threads.
 const PARALLEL_FROM: usize = 2000;
 
 impl<V: Space> Agents<V> {
-    /// Puts everybody where they start.
+    /// Creates all agents at their starts.
     ///
     /// # Errors
     /// As [`Layout::new`], and for impossible starts, with the names of their groups; as [`crate::scenario::Scenario::new`].
@@ -88,7 +88,7 @@ impl<V: Space> Agents<V> {
         Ok(agents)
     }
 
-    /// Records from now on all events of the engine, for [`Agents::engine_events`], and what happens in minds, for
+    /// Starts to record all events of the engine, for [`Agents::engine_events`], and all turns of agent brains, for
     /// [`Minds::turns`].
     pub fn record_events(&mut self) {
         self.recorded.get_or_insert_default();
@@ -100,8 +100,8 @@ impl<V: Space> Agents<V> {
         self.recorded.as_deref().unwrap_or_default()
     }
 
-    /// Lets time pass until `until_s`, without bodies. What happens depends neither on `run` nor on how often this is called
-    /// on the way; all of it is told to `on_event` in its order.
+    /// Advances the crowd and brains to a time, without bodies. The result depends neither on `run` nor on the number of calls
+    /// until then; all events are reported to `on_event` in order.
     ///
     /// # Errors
     /// [`throng_base::Error::Text`] where the engine does not get on, a goal cannot be reached, or rules run in a circle.
@@ -115,18 +115,18 @@ impl<V: Space> Agents<V> {
         done
     }
 
-    /// Measures from now on how long crowd, minds and bodies take.
+    /// Starts to measure the computing times of crowd, brains and bodies.
     pub fn set_timed(&mut self) {
         self.spent = Some(Spent::default());
         self.outside.ways_s = Some(0.0);
     }
 
-    /// Time that crowd, minds and bodies took since [`Agents::set_timed`].
+    /// Computing times of crowd, brains and bodies since [`Agents::set_timed`].
     pub fn spent(&self) -> Option<Spent> {
         self.spent
     }
 
-    /// Lets an event of the scene happen now.
+    /// Raises an event of the scene now.
     ///
     /// # Errors
     /// [`throng_base::Error::Unknown`] with the events that there are, and as [`Agents::advance`].
@@ -141,7 +141,7 @@ impl<V: Space> Agents<V> {
         }
     }
 
-    /// What agents live by; `None` in a scene that says no more than goals.
+    /// Brains of the agents; `None` in a scene that has only goals.
     pub fn minds(&self) -> Option<&Minds> {
         self.minds.as_ref()
     }
@@ -151,7 +151,7 @@ impl<V: Space> Agents<V> {
         &self.outside.crowd
     }
 
-    /// Who is there.
+    /// Layout of the agents.
     pub fn layout(&self) -> &Layout<V> {
         &self.outside.layout
     }
@@ -161,28 +161,28 @@ impl<V: Space> Agents<V> {
         self.outside.layout.num_agents()
     }
 
-    /// Name of an agent in the engine; `None` before it has entered (agent < num_agents).
+    /// Id of an agent in the engine; `None` before it has entered (agent < num_agents).
     pub fn id(&self, agent: usize) -> Option<Id> {
         self.outside.ids[agent]
     }
 
-    /// Number of an agent by its name in the engine; `None` once another one has that name.
+    /// Number of an agent by its id in the engine; `None` once another agent has that id.
     pub fn agent_of(&self, id: Id) -> Option<usize> {
         let agent = *self.outside.agent_of.get(id.index())? as usize;
         (self.id(agent) == Some(id)).then_some(agent)
     }
 
-    /// Where an agent is at a time that the engine knows; `None` where it has left (agent < num_agents).
+    /// Position of an agent at a time that the engine covers; `None` where it has left (m, agent < num_agents).
     pub fn position(&self, agent: usize, time_s: f64) -> Option<V> {
         self.crowd().position(self.id(agent)?, time_s).map(V::from_world)
     }
 
-    /// How an agent moves (m/s, agent < num_agents).
+    /// Velocity of an agent (m/s, agent < num_agents).
     pub fn velocity(&self, agent: usize, time_s: f64) -> Option<V> {
         self.crowd().velocity(self.id(agent)?, time_s).map(V::from_world)
     }
 
-    /// How an agent moves as a Kalman filter sees it (m/s, agent < num_agents).
+    /// Velocity of an agent, smoothed by a Kalman filter (m/s, agent < num_agents).
     pub fn smooth_velocity(&self, agent: usize) -> Option<V> {
         self.crowd().smooth_velocity(self.id(agent)?).map(V::from_world)
     }
@@ -197,7 +197,7 @@ impl<V: Space> Agents<V> {
         self.crowd().is_open(self.layout().first_door + door)
     }
 
-    /// How often an agent was given another way (agent < num_agents).
+    /// Number of orders that an agent was given (agent < num_agents).
     pub fn times_sent(&self, agent: usize) -> u32 {
         self.outside.sent[agent]
     }
@@ -211,7 +211,7 @@ impl<V: Space> Agents<V> {
 impl<V: Space> Kind for Agents<V> {
     fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()> {
         let first = tick.first;
-        // Taken out, so that the engine can be told to move on. Whoever enters meanwhile is told of from the next step on.
+        // Taken out, so that the engine can be borrowed mutably. Events of agents that enter meanwhile are reported from the next step on.
         let agent_of = std::mem::take(&mut self.outside.agents_told);
         let mut recorded = self.recorded.take();
         recorded.iter_mut().for_each(Vec::clear);
@@ -238,7 +238,7 @@ impl<V: Space> Kind for Agents<V> {
         Ok(())
     }
 
-    /// Nobody in the air holds ground.
+    /// Reserves ground for agents on the ground; agents in the air need none.
     fn hold(&mut self, out: &mut Held) {
         if V::DIMENSIONS == 2 {
             for (body, ground) in self.outside.ids.iter().filter_map(|id| self.outside.crowd.held((*id)?)) {
@@ -285,18 +285,18 @@ impl<V: Space> Kind for Agents<V> {
     }
 }
 
-/// Time that the parts of agents took (s).
+/// Computing times of the parts of a step of agents (s).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spent {
-    /// Crowd and minds.
+    /// Crowd and brains.
     pub all_s: f64,
-    /// Minds: rules, graphs, what they tell the crowd, but for finding the ways that they ask for.
+    /// Brains: rules, graphs and orders to the crowd, without finding the paths of these orders.
     pub minds_s: f64,
     /// Bodies.
     pub bodies_s: f64,
 }
 
-/// Lets time pass for a crowd and the minds in it.
+/// Advances a crowd and the brains of its agents to a time.
 fn live<V: Space>(
     outside: &mut Outside<V>,
     minds: Option<&mut Minds>,
@@ -324,7 +324,7 @@ fn live<V: Space>(
             return Ok(());
         }
         if let (Some(spent), Some(begin)) = (spent.as_mut(), begin) {
-            // Ways are the crowd's.
+            // Finding paths counts for the crowd.
             let ways_s = outside.ways_s.replace(0.0).unwrap_or(0.0);
             spent.minds_s += begin.elapsed().as_secs_f64() - ways_s;
         }
@@ -334,15 +334,15 @@ fn live<V: Space>(
 /// An agent without its body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
-    /// Where it is, and where it goes or went last, over the ground.
+    /// Position, and direction of its current or last movement, on the ground.
     pub root: Planar,
     /// Its centre; y is 0 on the ground (m).
     pub centre: Vec3,
-    /// How it moves (m/s).
+    /// Velocity (m/s).
     pub velocity: Vec3,
     /// (m)
     pub radius: f32,
-    /// It knows of a happening.
+    /// Whether it knows of a happening.
     pub knows: bool,
 }
 
@@ -357,7 +357,7 @@ impl<V: Space> Agents<V> {
         Some(Disc { root, centre, velocity: in_world(velocity), radius, knows: self.knows(agent) > 0 })
     }
 
-    /// Things go where the hands are in which they are.
+    /// Moves things along with the hands that hold them.
     fn move_things(&mut self, dt_s: f32) {
         if !self.outside.things.all.is_empty() {
             let mut things = std::mem::take(&mut self.outside.things);
@@ -372,18 +372,18 @@ impl<V: Space> Agents<V> {
         all.map(|t| (t.at, Quat::from_array(t.turn), t.keeper.map(|agent| agent as usize)))
     }
 
-    /// What hands have done so far.
+    /// Counts of what hands have done so far.
     pub fn handled(&self) -> Handled {
         self.outside.things.handled
     }
 
-    /// The bodies among which that of an agent is.
+    /// Bodies of an agent's group.
     fn followers_of(&self, agent: usize) -> Option<&Followers> {
         self.followers.iter().find(|f| f.holds(agent))
     }
 }
 
-/// Lets time pass for a crowd, in parts where that pays.
+/// Advances a crowd to a time, on several threads where that is faster.
 pub(crate) fn advance(
     crowd: &mut Crowd,
     until_s: f64,
@@ -396,7 +396,7 @@ pub(crate) fn advance(
     }
 }
 
-/// What an event of a crowd is to those who watch; `None` where agents only look at each other anew.
+/// Character event of a crowd event; `None` for events that only concern the engine.
 pub(crate) fn happened(kind: EventKind) -> Option<Happened> {
     match kind {
         EventKind::Arrived => Some(Happened::Arrived),
@@ -407,13 +407,13 @@ pub(crate) fn happened(kind: EventKind) -> Option<Happened> {
     }
 }
 
-/// (x, z) of a place.
+/// Ground coordinates (x, z) of a position.
 pub fn plan<V: Space>(at: V) -> Vec2 {
     let [a, b, c] = at.coordinates();
     if V::DIMENSIONS == 2 { Vec2::new(a, b) } else { Vec2::new(a, c) }
 }
 
-/// A vector of a crowd as one of the world; y is 0 on the ground.
+/// World vector of a vector of the crowd's space; y is 0 on the ground.
 pub fn in_world<V: Space>(v: V) -> Vec3 {
     let [a, b, c] = v.coordinates();
     if V::DIMENSIONS == 2 { Vec3::new(a, 0.0, b) } else { Vec3::new(a, b, c) }

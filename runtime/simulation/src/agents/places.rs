@@ -1,4 +1,4 @@
-//! Where the agents of a group start.
+//! Start positions of the agents of a group.
 
 use crate::scene::{PlaceConfig, point};
 use rand::RngExt;
@@ -10,10 +10,10 @@ use throng_crowd::Space;
 /// Turn between neighbours of a sunflower's seeds, (3 - sqrt 5) pi (rad).
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
-/// Places of a group's agents.
+/// Start positions of a group's agents (m).
 ///
-/// - `radius`: the largest of the agents, which keeps those who stand off their rows from touching (m).
-/// - returns `count` places, the same for the same generator.
+/// - `radius`: largest radius of the agents, so that random displacements never make two touch (m).
+/// - returns `count` positions, equal for equal states of the generator.
 pub(super) fn places<V: Space>(place: &PlaceConfig, count: usize, radius: f32, rng: &mut Pcg64Mcg) -> Vec<V> {
     match place {
         PlaceConfig::Block { from, to, jitter } => block(point(from), point(to), *jitter, count, radius, rng),
@@ -27,7 +27,7 @@ pub(super) fn places<V: Space>(place: &PlaceConfig, count: usize, radius: f32, r
         PlaceConfig::Ring { centre, spacing_m, rings } => {
             loosen(rings_about(point(centre), *spacing_m, *rings, count), 0.9 * *spacing_m, radius, rng)
         }
-        // No scene with such a place of agents is read.
+        // The check of scenes refuses such a place for agents.
         PlaceConfig::Grid { centre, .. } => vec![point(centre); count],
     }
 }
@@ -48,7 +48,7 @@ fn block<V: Space>(from: V, to: V, jitter: f32, count: usize, radius: f32, rng: 
     cells[longest] = count.div_ceil(across);
     let cell: [f32; 3] = std::array::from_fn(|i| size[i] / cells[i] as f32);
     let free = cell.map(|c| jitter * (0.5 * c - radius - 1e-3).max(0.0));
-    // The longest side counts slowest, so that what is missing is missing at its end.
+    // The longest side counts slowest, so that empty cells are at its end.
     let order: Vec<usize> = (0..3).filter(|&i| i != longest).chain([longest]).collect();
     let place = |n: usize| {
         let mut rest = n;
@@ -64,7 +64,7 @@ fn block<V: Space>(from: V, to: V, jitter: f32, count: usize, radius: f32, rng: 
     (0..count).map(place).collect()
 }
 
-/// Moves everybody a little by chance, nobody so far that two can touch.
+/// Moves all positions a little at random, so little that no two agents can touch.
 ///
 /// - `apart`: least distance of two neighbours (m).
 fn loosen<V: Space>(mut places: Vec<V>, apart: f32, radius: f32, rng: &mut Pcg64Mcg) -> Vec<V> {
@@ -103,7 +103,7 @@ fn ball<V: Space>(count: usize, density: f32) -> Vec<V> {
     all.iter().take(count).map(|c| V::from_coordinates(off(c).map(|x| x * spacing))).collect()
 }
 
-/// Rings one in the other, as large as `count` at that spacing needs.
+/// Concentric rings, as large as `count` agents at that spacing need.
 fn rings_about<V: Space>(centre: V, spacing: f32, rings: usize, count: usize) -> Vec<V> {
     let (k, n) = (rings as f32, count as f32);
     let inner = (spacing * (n / TAU - 0.5 * k * (k - 1.0)) / k).max(spacing);

@@ -1,4 +1,4 @@
-//! Keeping all agents of a scene: their crowd, their ways, minds and bodies.
+//! Snapshots of all agents of a scene: their crowd, paths, brains and bodies.
 
 use super::Agents;
 use super::stage::Shown;
@@ -12,7 +12,7 @@ use throng_crowd::Space;
 
 const KIND: SnapshotKind = SnapshotKind { what: "agents", tag: *b"AGNT", version: 5, setup: 0 };
 
-/// All that time changes. Names are those of [`super::stage::Outside`] and its layout.
+/// State that changes with time. Names are those of [`super::stage::Outside`] and its layout.
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "V: Space")]
 struct Saved<V> {
@@ -27,12 +27,12 @@ struct Saved<V> {
     ways: Vec<Vec<V>>,
     arrivals: Vec<f32>,
     minds: Option<Bytes>,
-    /// Of each group with bodies.
+    /// State of the troops of each group with bodies.
     followers: Vec<Vec<SavedTroop>>,
 }
 
 impl<V: Space> Agents<V> {
-    /// See [`crate::Kind::save`].
+    /// Appends a snapshot, see [`crate::Kind::save`].
     pub(super) fn write(&self, out: &mut Vec<u8>) {
         let mut crowd = Bytes::default();
         let outside = &self.outside;
@@ -58,7 +58,7 @@ impl<V: Space> Agents<V> {
         KIND.write(&saved, out);
     }
 
-    /// See [`crate::Kind::load`].
+    /// Restores a snapshot, see [`crate::Kind::load`].
     pub(super) fn read(&mut self, bytes: &[u8], time_s: f64) -> Result<()> {
         let saved: Saved<V> = KIND.read_all(bytes)?;
         self.check(&saved).map_err(|why| refused(KIND.what, why))?;
@@ -67,7 +67,7 @@ impl<V: Space> Agents<V> {
         if outside.crowd.now() != time_s {
             return Err(refused(KIND.what, "its crowd is at another time"));
         }
-        // Everybody in the crowd is somebody, once.
+        // Each member of the crowd is exactly one agent.
         let is_own = |id: Id| {
             let agent = saved.agent_of.get(id.index()).map(|a| *a as usize);
             agent.is_some_and(|a| saved.ids.get(a) == Some(&Some(id)))
@@ -95,7 +95,7 @@ impl<V: Space> Agents<V> {
         Ok(())
     }
 
-    /// Why a state cannot be one of these agents.
+    /// Checks that a state can be one of these agents.
     fn check(&self, saved: &Saved<V>) -> std::result::Result<(), &'static str> {
         let n = self.num_agents();
         let lengths = [saved.ids.len(), saved.sent.len(), saved.told.len(), saved.shown.len(), saved.ways.len()];

@@ -1,4 +1,4 @@
-//! The crowd as the minds of its agents see it, and how they act in it.
+//! The crowd as the world of agent brains: what they see of it, and how they act in it.
 
 use super::layout::Layout;
 use super::things::{Things, Who};
@@ -13,50 +13,50 @@ use throng_crowd::{
     AtEnd, Crowd, CrowdError, Event, EventKind, Go, Id, InterestAt, PersonalInterest, Route, Sense, Space,
 };
 
-/// Places that are tried for one who enters.
+/// Most positions that are tried for an agent that enters.
 const TRIES: usize = 8;
 
-/// A crowd, who is who in it, and what each was told last.
+/// Crowd with the numbers of its agents and the last order of each.
 #[derive(Clone, Debug)]
 pub(crate) struct Outside<V> {
     pub crowd: Crowd,
     pub layout: Layout<V>,
-    /// Of each agent: its name in the crowd; `None` before it has entered.
+    /// Id of each agent in the crowd; `None` before it has entered.
     pub ids: Vec<Option<Id>>,
-    /// Of each place of the crowd: the agent that has it, or had it last.
+    /// Agent that has each row of the crowd, or had it last.
     pub agent_of: Vec<u32>,
-    /// The same at the end of the last step.
+    /// Copy of `agent_of` at the end of the last step, for reported events.
     pub agents_told: Vec<u32>,
-    /// Of each agent: how often it was given another way.
+    /// Number of orders that each agent was given.
     pub sent: Vec<u32>,
-    /// Of each agent: the happening that sent it last, and where it goes for it; its own goal where there is none.
+    /// Happening that sent each agent last; `None` for an agent that follows its own goal.
     pub told: Vec<Option<u16>>,
-    /// Of each agent: what its body does.
+    /// Activity of each agent's body.
     pub shown: Vec<Shown>,
     pub things: Things,
-    /// Agents who have entered since bodies looked last.
+    /// Agents that have entered since the last step of bodies.
     pub newcomers: Vec<u32>,
-    /// Somebody lives by more than a goal.
+    /// Whether agents have brains.
     pub is_minded: bool,
-    /// Time that finding ways took, where it is measured (s).
+    /// Computing time of finding paths, where it is measured (s).
     pub ways_s: Option<f64>,
 }
 
-/// What a body does beside walking.
+/// Activity of a body beside walking.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Shown {
     /// Number of a tag of motion in the scenario.
     pub motion: Option<u16>,
-    /// What it faces (m).
+    /// Position that it faces (m).
     pub faces: Option<Vec3>,
-    /// What it shows once, in place of motion of the tag again and again: it takes a thing, or puts it down.
+    /// Activity that it performs once, in place of repeated motion of the tag: it takes a thing, or puts it down.
     pub once: Option<ActivityId>,
-    /// Where the body stands meanwhile, whatever moves its disc about (m).
+    /// Position at which the body stands meanwhile, whatever moves its disc about (m).
     pub stands: Option<Vec3>,
 }
 
 impl<V: Space> Outside<V> {
-    /// Puts those who are there at the start into a crowd.
+    /// Creates the crowd with all agents that are there at the start.
     pub fn new(layout: Layout<V>) -> Result<Self> {
         let num = layout.num_agents();
         let mut setup = layout.setup.clone();
@@ -93,7 +93,7 @@ impl<V: Space> Outside<V> {
         })
     }
 
-    /// Lets an agent walk with those of its small group who are there.
+    /// Makes an agent walk with those of its companions that are there.
     pub fn join(&mut self, agent: u32) -> Result<()> {
         let group = self.layout.companions_of(agent as usize);
         if group.len() < 2 {
@@ -106,7 +106,7 @@ impl<V: Space> Outside<V> {
         self.crowd.set_companions(&there).map_err(|e| self.layout.explain(&e))
     }
 
-    /// What an event of the engine is to minds.
+    /// Signal to the brains for an event of the engine; `None` for events that do not concern them.
     pub fn signal(&self, event: &Event) -> Option<Signal> {
         let agent = self.agent_of[event.agent.index()];
         Some(match event.kind {
@@ -125,7 +125,7 @@ impl<V: Space> Outside<V> {
         })
     }
 
-    /// Gives an order; false where no way leads there.
+    /// Gives an order; false where no path leads there.
     fn order(&mut self, agent: u32, order: Go) -> Result<bool> {
         let m = agent as usize;
         let Some(id) = self.here(agent) else { return Ok(false) };
@@ -154,7 +154,7 @@ impl<V: Space> Outside<V> {
         Who { agent, number: self.ids[agent as usize].map_or(0, |id| id.index()) }
     }
 
-    /// Name of an agent that is there: one may have left and hear of it later.
+    /// Id of an agent that is there; an agent that has left may still get messages.
     fn here(&self, agent: u32) -> Option<Id> {
         self.ids[agent as usize].filter(|_| self.now(agent).is_some())
     }

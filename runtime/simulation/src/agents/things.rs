@@ -15,79 +15,79 @@ use throng_core::{Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 /// Forearm and hand of each arm: both ends of the forearm.
 const ARMS: [[Joint; 2]; 2] = [[Joint::LeftForearm, Joint::LeftHand], [Joint::RightForearm, Joint::RightHand]];
 
-/// How long before the grasp a hand begins to turn to the thing, and how long it leaves it afterwards, at least (s).
+/// Shortest times in which a hand approaches a thing before the grasp, and withdraws from it afterwards (s).
 const NEARS_S: f32 = 0.45;
 const LEAVES_S: f32 = 0.5;
-/// The same for each metre that the thing lies lower or higher than the motion takes the palm: hips and trunk go about as fast as
-/// those of captured people who sit down and crouch, whose hips take 0.7 to 1.6 s and pass no more than 0.8 m/s (s/m).
+/// Time added to both for each metre between the height of the thing and that of the palm in the motion: hips and trunk move about
+/// as fast as those of captured people who sit down and crouch, whose hips take 0.7 to 1.6 s and stay below 0.8 m/s (s/m).
 const BENDS_S_PER_M: f32 = 1.5;
-/// A hand has come to the thing this long before the grasp (s).
+/// Time before the grasp at which the hand has reached the thing (s).
 const EARLY_S: f32 = 0.05;
-/// Time in which a thing that was grasped beside the palm slides into it, or off it where it is put down (s).
+/// Time in which a thing grasped beside the palm slides into it, or off it when it is put down (s).
 const EASE_S: f32 = 0.25;
-/// Time in which a forearm is raised to carry a thing level, or sinks again (s).
+/// Time in which a forearm rises to carry a thing level, or sinks again (s).
 const CARRY_S: f32 = 0.5;
-/// Where a thing is carried level: beside the middle, above the hips, before them (m).
+/// Position of a thing that is carried level: beside the middle of the body, above the hips, in front of them (m).
 const LEVEL_M: [f32; 3] = [0.14, 0.14, 0.34];
-/// Height at which agents without bodies hold things, and how near they come to them (m).
+/// Height at which agents without bodies hold things, and the distance from which they reach them (m).
 const HELD_M: f32 = 1.0;
 const BODILESS_REACH_M: f32 = 0.6;
-/// How near to its stand is there (m).
+/// Distance from its stand at which an agent has arrived (m).
 const STAND_M: f32 = 0.15;
-/// How much farther off one stands where what a thing lies on is in the way (m).
+/// Additional distance of a stand where the support of a thing is in the way (m).
 const FARTHER_M: f32 = 0.1;
-/// A body stands at most so far beside the middle of its disc, where its hand is nearer to the thing (m).
+/// Largest distance of a body from the centre of its disc, to bring its hand nearer to the thing (m).
 const ASIDE_M: f32 = 0.25;
-/// A hand closes or opens where its palm is this near to where the thing lies or goes (m).
+/// Largest distance between the palm and the place of the thing at which a hand closes or opens (m).
 const MEETS_M: f32 = 0.03;
-/// Share of an arm's length within which a palm comes to a thing above the shoulder, and how near to it one stands at most (m).
+/// Share of an arm's length that it stretches to a thing above the shoulder (1), and least distance of a stand from a thing (m).
 const STRETCHED: f32 = 0.96;
 const CLOSEST_M: f32 = 0.2;
-/// Nothing in a snapshot is farther off, and no time of its motion longer (m, s).
+/// Largest distance and longest time of motion in a valid snapshot (m, s).
 const MOST_M: f32 = 1e6;
 const MOST_S: f32 = 1e6;
 /// Width of a bin of [`Handled::off`], and number of bins (m).
 const BIN_M: f32 = 0.01;
 const BINS: usize = 32;
 
-/// A thing of a scene.
+/// State of a thing of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Thing {
-    /// Where it is (m).
+    /// Position (m).
     pub at: Vec3,
-    /// How it is turned (x, y, z, w).
+    /// Orientation (x, y, z, w).
     pub turn: [f32; 4],
-    /// In whose hand it is.
+    /// Agent that has it in hand.
     pub keeper: Option<u32>,
-    /// Which hand: 0 left, 1 right. That of the last one where it is in none.
+    /// Hand that holds it, or held it last: 0 left, 1 right.
     side: u8,
-    /// How it is turned as seen from the hand, or from the root where it is carried level; how it was turned in the hand where it
-    /// was put down.
+    /// Orientation relative to the hand, or to the root where it is carried level; orientation in the hand when it was put down, where
+    /// no hand holds it.
     grip: [f32; 4],
-    /// The hand has just closed around it.
+    /// Whether the hand has just closed around it.
     is_new: bool,
-    /// How far it was from where it belongs, as seen from the palm, or from its place in the world (m); it fades.
+    /// Offset from its proper place, relative to the palm or to the world, which fades (m).
     off: Vec3,
     /// Share of `off` that is left.
     ease: f32,
-    /// Where it lies, where it is in no hand (m).
+    /// Position at which it lies while no hand holds it (m).
     rest: Vec3,
-    /// What is being done with it, by whom.
+    /// Handling that goes on: the agent, the handling and its grasp.
     handling: Option<(u32, Handling, Grasp)>,
-    /// The moment of the grasp has come, and the palm was not there.
+    /// Whether the palm was not there at the moment of the grasp.
     is_missed: bool,
-    /// What was being done is done or missed, and its motion is over.
+    /// Whether the handling is done or missed, and its motion over.
     is_over: bool,
-    /// How far the forearm is raised for it (0 to 1).
+    /// Share by which the forearm is raised for it (0 to 1).
     raised: f32,
 }
 
-/// True for a place where things of a snapshot, and what bodies look at, may be (m).
+/// True for a position that a snapshot may have for things and for targets of gaze (m).
 pub(super) fn is_near(at: &Vec3) -> bool {
     at.abs().cmple(Vec3::splat(MOST_M)).all()
 }
 
-/// An agent, and its number in the crowd.
+/// Agent with its number in the crowd.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Who {
     pub agent: u32,
@@ -95,26 +95,26 @@ pub(crate) struct Who {
     pub number: usize,
 }
 
-/// The motion by which a thing is taken or put down.
+/// Motion by which a thing is taken or put down.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Grasp {
-    /// None for agents without a body, or without such motion: it is done at once.
+    /// Activity; `None` for agents without a body or without such motion, which are done at once.
     activity: Option<ActivityId>,
     side: u8,
-    /// When the hand closes or opens (s).
+    /// Time at which the hand closes or opens (s).
     moment_s: f32,
-    /// How long the motion goes on afterwards, before it fades (s).
+    /// Time for which the motion goes on afterwards, before it fades out (s).
     after_s: f32,
-    /// Where the palm of the body is then, as seen from the root (m).
+    /// Palm of the body at that time, relative to the root (m).
     palm: Vec3,
-    /// What its palm moves about when the arm is stretched, and how far it comes (m).
+    /// Centre about which the palm moves with a stretched arm, relative to the root, and its distance then (m).
     around: Vec3,
     reach_m: f32,
 }
 
 impl Grasp {
-    /// How far a hand is at a place, some time before the grasp, or after it where that is negative (0 to 1): people who bend down
-    /// take their time.
+    /// Share by which a hand is at a place at a time before the grasp, or after it where that is negative (0 to 1). It changes
+    /// more slowly where people have to bend down.
     fn near(&self, height: f32, before_s: f32) -> f32 {
         let bends_s = BENDS_S_PER_M * (height - self.palm.y).abs();
         smooth(match before_s > 0.0 {
@@ -123,8 +123,8 @@ impl Grasp {
         })
     }
 
-    /// How far from a thing one stands, over the ground (m): as the motion has it, or nearer where the thing is high; `None`
-    /// where it is too high.
+    /// Distance of the stand from a thing along the ground: that of the motion, or less where the thing is high; `None`
+    /// where it is too high (m).
     fn stand_m(&self, height: f32) -> Option<f32> {
         let usual = self.palm.with_y(0.0).length();
         let over = height - self.around.y;
@@ -139,17 +139,17 @@ impl Grasp {
     }
 }
 
-/// What hands have done so far.
+/// Counts of what hands have done so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Handled {
-    /// Things that were taken.
+    /// Number of things that were taken.
     pub taken: u32,
-    /// Things that were put down.
+    /// Number of things that were put down.
     pub put: u32,
-    /// Times that somebody could not reach a thing, or where it was to be put.
+    /// Number of times that an agent could not reach a thing, or the place for it.
     pub missed: u32,
-    /// How far the palm was from the thing as it was taken, or from where it was put: numbers in bins of 10 mm, the last one
-    /// for all that is farther.
+    /// Histogram of the distance of the palm from the thing as it was taken, or from the place as it was put down, in bins of
+    /// 10 mm; the last bin has all that was farther.
     off: [u32; BINS],
 }
 
@@ -159,8 +159,8 @@ impl Handled {
         self.off[((off_m / BIN_M) as usize).min(BINS - 1)] += 1;
     }
 
-    /// How far palms were from things as they took them, and from where they put them down, at a share of all (0 to 1), rounded
-    /// up to 10 mm (m); 0 where nothing was taken.
+    /// Quantile of the distance of palms from things at grasps, for a share of all grasps (0 to 1), rounded up to 10 mm; 0 where
+    /// nothing was taken (m).
     pub fn off_m(&self, share: f64) -> f32 {
         let wanted = (share * f64::from(self.taken + self.put)).ceil().max(1.0) as u32;
         let mut sum = 0;
@@ -172,13 +172,13 @@ impl Handled {
     }
 }
 
-/// Motion of a tag by which a body of a troop takes things and puts them down: (takes or puts, motion).
+/// Grasps of one body, troop and motion tag, each with true where it puts a thing down and false where it takes it.
 pub(super) type Grasps = Vec<(bool, Grasp)>;
 
-/// What one body can do, by troop and tag of motion.
+/// Grasps of one body, by troop and motion tag.
 pub(super) type BodyGrasps = Vec<Vec<Grasps>>;
 
-/// Of each activity that says when a hand holds a thing: the moment and place of the grasp, and of letting go, on a body.
+/// Grasps of all activities that say when a hand holds a thing: time and place of taking and of putting down, on a body.
 pub(super) fn grasps(set: &ActivitySet, activities: &[ActivityId], body: &Skeleton) -> Grasps {
     let mut out = Vec::new();
     for &id in activities {
@@ -205,17 +205,17 @@ pub(super) fn grasps(set: &ActivitySet, activities: &[ActivityId], body: &Skelet
     out
 }
 
-/// All things of a scene, and what bodies can do with them.
+/// All things of a scene, and the grasps of bodies.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Things {
     pub all: Vec<Thing>,
     pub handled: Handled,
     carried: Vec<Carried>,
-    /// How high each is (m).
+    /// Height of each thing (m).
     heights: Vec<f32>,
-    /// Of each group with bodies: its agents, and of each of its bodies, troops and tags of motion, the grasps.
+    /// Grasps of each group with bodies: its agents, and the grasps of each body, troop and motion tag.
     bodies: Vec<(Range<usize>, Vec<BodyGrasps>)>,
-    /// Hands were told last to reach for something.
+    /// Whether hands were last ordered to reach for something.
     pub reaches: bool,
 }
 
@@ -249,7 +249,7 @@ impl Things {
         }
     }
 
-    /// Takes note of what bodies of a group can do.
+    /// Registers the grasps of a group's bodies.
     pub(super) fn know(&mut self, followers: &Followers) {
         if !self.all.is_empty() {
             self.bodies.push((followers.agents(), followers.grasps()));
@@ -267,13 +267,13 @@ impl Things {
         of_tag.map_or(&[], |grasps| grasps)
     }
 
-    /// True where no thing is in a hand of an agent.
+    /// True where a hand of an agent holds nothing.
     fn is_free(&self, agent: u32, side: u8) -> bool {
         !self.all.iter().any(|t| t.keeper == Some(agent) && t.side == side)
     }
 
-    /// The motion by which an agent takes a thing, or puts it down, and how far from it the agent stands (m): of those by which
-    /// it comes there the one whose palm is nearest in height.
+    /// Chooses the grasp by which an agent takes a thing or puts it down: of those that reach it, the one whose palm is nearest in
+    /// height. Also returns the distance of the stand from the thing (m).
     fn grasp(&self, who: Who, motion: Option<u16>, handling: &Handling) -> Result<(Grasp, f32), NoStance> {
         let thing = &self.all[usize::from(handling.thing)];
         let has_hand = |side: u8| if handling.puts { thing.side == side } else { self.is_free(who.agent, side) };
@@ -294,7 +294,7 @@ impl Things {
         Ok((bare(side), 0.9 * BODILESS_REACH_M))
     }
 
-    /// See [`crate::scenario::Stage::stance`].
+    /// Finds a stand, see [`crate::scenario::Stage::stance`].
     pub fn stance(
         &self,
         who: Who,
@@ -316,7 +316,7 @@ impl Things {
         Ok((at - Vec3::new(palm.x, 0.0, palm.y), STAND_M))
     }
 
-    /// An agent that stands in reach begins to take a thing, or to put it down.
+    /// Begins to take a thing, or to put it down, by an agent that stands in reach.
     ///
     /// - returns the activity that shows it, what the body faces, and where it stands (m).
     pub fn begin(
@@ -337,7 +337,7 @@ impl Things {
         Some((grasp.activity?, faces, from + aside.clamp_length_max(ASIDE_M)))
     }
 
-    /// See [`crate::scenario::Stage::settle`].
+    /// Ends the handling of a thing, see [`crate::scenario::Stage::settle`].
     pub fn settle(&mut self, agent: u32, thing: u16, is_done: bool) -> bool {
         let thing = &mut self.all[usize::from(thing)];
         if let Some((by, handling, grasp)) = thing.handling
@@ -364,7 +364,7 @@ impl Things {
         self.all.iter().any(|t| !t.is_missed && awaits(t))
     }
 
-    /// Who had a claim on a thing has none any more: out of a hand it drops to the ground, else it stays where it is.
+    /// Ends an agent's claim on a thing: a thing in hand drops to the ground, another one stays where it is.
     pub fn let_go(&mut self, thing: u16) {
         let (height, thing) = (self.heights[usize::from(thing)], &mut self.all[usize::from(thing)]);
         thing.handling = None;
@@ -373,7 +373,7 @@ impl Things {
         }
     }
 
-    /// Tells the hands of all bodies what to reach for.
+    /// Orders the hands of all bodies to reach for things.
     pub(super) fn direct(&mut self, followers: &mut [Followers], dt_s: f32) {
         if self.all.is_empty() {
             return;
@@ -392,7 +392,7 @@ impl Things {
                 continue;
             };
             let at_it = thing.handling.and_then(|(_, handling, grasp)| {
-                // At the end of the step, and whole in the one in which the moment comes.
+                // Time left at the end of the step; the share is 1 in the step in which the moment comes.
                 let before = grasp.moment_s - begun(body.performing(agent), grasp)?;
                 let left = if before > 0.0 { (before - dt_s).max(0.0) } else { before - dt_s };
                 Some((handling, grasp.near(handling.at.y, left)))
@@ -416,9 +416,9 @@ impl Things {
         }
     }
 
-    /// Hands close and open, things follow them.
+    /// Closes and opens hands, and moves things along with them.
     ///
-    /// - `bodiless`: where an agent without a body is, and where it looks.
+    /// - `bodiless`: root of an agent without a body.
     pub(super) fn follow(&mut self, followers: &[Followers], bodiless: impl Fn(u32) -> Option<Planar>, dt_s: f32) {
         let Self { all, handled, carried, .. } = self;
         for (thing, &carried) in all.iter_mut().zip(carried.iter()) {
@@ -467,7 +467,7 @@ impl Things {
         }
     }
 
-    /// Why things cannot be those of a scene with so many agents.
+    /// Checks that things can be those of a scene with `num_agents` agents.
     pub fn check(&self, all: &[Thing], handled: &Handled, num_agents: usize) -> Result<(), &'static str> {
         let is_short = |value: &f32| value.abs() <= MOST_S;
         let counts = [handled.taken, handled.put, handled.missed];
@@ -499,14 +499,14 @@ impl Things {
 }
 
 impl Thing {
-    /// The hand has not closed or opened yet.
+    /// True while the hand has not closed or opened yet.
     fn waits_for(&self, agent: u32, handling: &Handling) -> bool {
         handling.puts == (self.keeper == Some(agent))
     }
 
-    /// A hand closes around it, or opens.
+    /// Closes a hand around the thing, or opens it.
     ///
-    /// - `off_m`: how far the palm is from where it lies or goes (m).
+    /// - `off_m`: distance of the palm from the place of the thing (m).
     fn change_hands(&mut self, agent: u32, handling: &Handling, (side, off_m): (u8, f32), handled: &mut Handled) {
         handled.count(handling.puts, off_m);
         if handling.puts {
@@ -523,7 +523,7 @@ impl Thing {
     }
 }
 
-/// A hand in the world.
+/// Palm and orientation of a hand in the world, and the root of its body.
 struct Hand {
     palm: Vec3,
     turn: Quat,
@@ -540,7 +540,7 @@ fn hand(followers: &[Followers], bodiless: &impl Fn(u32) -> Option<Planar>, agen
     Some(Hand { palm, turn, root })
 }
 
-/// Where a palm is in the world, and how the hand is turned: beyond the wrist, along the forearm.
+/// Position of a palm in the world, beyond the wrist along the forearm, and orientation of the hand (m).
 fn palm(pose: &[Mat3x4; NUM_JOINTS], root: Planar, side: u8) -> (Vec3, Quat) {
     let [forearm, hand] = ARMS[usize::from(side)].map(|j| &pose[j.index()]);
     let along = maths::rotate(forearm.rotation().conjugate(), hand.translation() - forearm.translation());
@@ -548,7 +548,7 @@ fn palm(pose: &[Mat3x4; NUM_JOINTS], root: Planar, side: u8) -> (Vec3, Quat) {
     (maths::rotate(root.rotation(), palm) + root.translation(), maths::compose(root.rotation(), hand.rotation()))
 }
 
-/// Time within the motion of a grasp, once it has begun (s).
+/// Time since the motion of a grasp began; `None` before (s).
 fn begun(performing: Option<Performing>, grasp: Grasp) -> Option<f32> {
     let now = performing.filter(|p| Some(p.activity) == grasp.activity)?;
     (now.part != throng_core::walkers::Part::Turn).then_some(now.seconds)
@@ -559,7 +559,7 @@ fn smooth(share: f32) -> f32 {
     s * s * (3.0 - 2.0 * s)
 }
 
-/// The heading of a way over the ground (rad).
+/// Heading of a direction along the ground (rad).
 fn heading(way: Vec3) -> f32 {
     maths::atan2(way.x, way.z)
 }

@@ -12,42 +12,42 @@ use throng_crowd::{Crowd, Id};
 
 /// Slower agents keep their heading (m/s).
 const SLOW_MPS: f32 = 0.3;
-/// Height at which people look at each other and at pictures (m).
+/// Height of faces and pictures, at which people look (m).
 const EYES_M: f32 = 1.55;
-/// Time in which half of the way is made by a body that goes to where it stands still, or back to its disc (s).
+/// Half-life of the distance of a body from the place where it stands still, or from its disc when it returns (s).
 const ASIDE_HALF_LIFE_S: f32 = 0.15;
 
 /// Bodies of one blend space, row by row as their walkers.
 #[derive(Clone, Debug)]
 pub(crate) struct Troop {
     walkers: Walkers,
-    /// Whose bodies they are.
+    /// Agent of each body.
     pub agents: Vec<Id>,
     controls: Vec<Control>,
-    /// Where bodies stand that do not follow their discs.
+    /// Standing offset of each body from its disc.
     still: Vec<Still>,
 }
 
-/// A body that stands beside the middle of its disc, which is moved about a little meanwhile, or comes back to it.
+/// Offset of a body that stands still while its disc is pushed about, or that returns to its disc.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Still {
-    /// Where it stands, x and z (m).
+    /// Position at which it stands, x and z; `None` where it follows its disc (m).
     at: Option<Vec2>,
-    /// How far it is from the middle of its disc (m).
+    /// Offset from the centre of its disc (m).
     off: Vec2,
 }
 
-/// What the next steps of a troop depend on, beside the crowd and whose bodies they are.
+/// State that the next steps of a troop depend on, beside the crowd and the agents of the bodies.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct SavedTroop {
-    /// What bodies were told last.
+    /// Last orders of the bodies.
     controls: Vec<Control>,
     still: Vec<Still>,
     walkers: Bytes,
 }
 
 impl Troop {
-    /// Nobody yet; takes all memory that walkers of this capacity need.
+    /// Empty troop; allocates all memory that walkers of this capacity need.
     pub fn new(walkers: Walkers) -> Self {
         let room = walkers.capacity();
         Self {
@@ -58,7 +58,7 @@ impl Troop {
         }
     }
 
-    /// Gives an agent a body where it is now. It faces the way that the agent moves, or `ahead` where it is slow.
+    /// Gives an agent a body at its current position. It faces the direction of movement, or `ahead` where the agent is slow.
     ///
     /// - `num_bodies`: agents take the walkers' skeletons in turn, by their numbers in the crowd.
     ///
@@ -79,7 +79,7 @@ impl Troop {
         Ok(())
     }
 
-    /// Takes the body of a row away; the last one takes its row (row < number of bodies).
+    /// Removes the body of a row; the last body takes its row (row < number of bodies).
     pub fn leave(&mut self, row: usize) -> Result<()> {
         self.walkers.despawn(self.walkers.bodies().ids[row])?;
         self.agents.swap_remove(row);
@@ -88,15 +88,15 @@ impl Troop {
         Ok(())
     }
 
-    /// Puts the body of a row elsewhere (row < number of bodies).
+    /// Moves the body of a row to another place (row < number of bodies).
     pub fn place(&mut self, row: usize, root: Planar) -> Result<()> {
         self.controls[row] = standing(Vec2::new(root.x, root.z), root.heading);
         self.still[row] = Still::default();
         self.walkers.place(self.walkers.bodies().ids[row], root)
     }
 
-    /// Lets the body of a row turn to a direction, while its agent stands, and look at a place of the ground as at a face; `None`
-    /// where it looks ahead (row < number of bodies).
+    /// Orders the body of a row to turn to a direction, while its agent stands, and to look at eye height above a place; `None` to
+    /// look ahead (row < number of bodies).
     pub fn look(&mut self, row: usize, ahead: Option<Vec2>, at: Option<Vec3>) {
         if let Some(ahead) = ahead.filter(|a| a.length_squared() > 1e-4) {
             self.controls[row].heading = Some(maths::atan2(ahead.x, ahead.y));
@@ -104,38 +104,38 @@ impl Troop {
         self.controls[row].look_at = at.map(|at| at + Vec3::Y * EYES_M);
     }
 
-    /// Lets the body of a row stand still at a place (x, z), or follow its disc again (row < number of bodies).
+    /// Orders the body of a row to stand still at a place (x, z), or to follow its disc again (m, row < number of bodies).
     pub fn stand(&mut self, row: usize, at: Option<Vec2>) {
         self.still[row].at = at;
     }
 
-    /// Hands reach for nothing any more.
+    /// Ends the reaching of all hands.
     pub fn free_hands(&mut self) {
         self.controls.iter_mut().for_each(|c| c.hands = [None; 2]);
     }
 
-    /// Lets a hand of the body of a row reach for something: 0 left, 1 right (row < number of bodies).
+    /// Orders a hand of the body of a row (0 left, 1 right) to reach for something (row < number of bodies).
     pub fn reach(&mut self, row: usize, side: usize, reach: Reach) {
         self.controls[row].hands[side] = Some(reach);
     }
 
-    /// Lets the body of a row perform an activity (row < number of bodies).
+    /// Orders the body of a row to perform an activity (row < number of bodies).
     pub fn perform(&mut self, row: usize, performance: Option<Performance>) -> Result<()> {
         self.walkers.perform(self.walkers.bodies().ids[row], performance)
     }
 
-    /// True while the body of a row performs one (row < number of bodies).
+    /// True while the body of a row performs an activity (row < number of bodies).
     pub fn is_performing(&self, row: usize) -> bool {
         self.walkers.performing(row).is_some()
     }
 
-    /// True for an activity that is not performed again and again: a greeting.
+    /// True for an activity that is performed once and not repeatedly: a greeting.
     pub fn is_once(&self, activity: ActivityId) -> bool {
         let tag = self.walkers.space().activities().get(activity).map_or("", |a| a.tag.as_str());
         tag.starts_with("greet") || tag.starts_with("handshake")
     }
 
-    /// Moves all bodies on, to where their agents are now.
+    /// Advances all bodies to the current positions of their agents.
     pub fn step(&mut self, crowd: &Crowd, dt_s: f32, run: &dyn Run) -> Result<()> {
         let now = crowd.now();
         let told = self.controls.chunks_mut(PART).zip(self.still.chunks_mut(PART));
@@ -162,19 +162,19 @@ impl Troop {
         &mut self.walkers
     }
 
-    /// The bodies, by the names of their agents.
+    /// Bodies of the walkers, with the ids of their agents.
     pub fn bodies(&self) -> Bodies<'_> {
         Bodies { ids: &self.agents, ..self.walkers.bodies() }
     }
 
-    /// What the next steps depend on.
+    /// State that the next steps depend on.
     pub fn saved(&self) -> SavedTroop {
         let mut walkers = Bytes::default();
         self.walkers.save(&mut walkers.0);
         SavedTroop { controls: self.controls.clone(), still: self.still.clone(), walkers }
     }
 
-    /// Goes back to what was saved, of the agents that it has.
+    /// Restores a saved state of the same agents.
     ///
     /// # Errors
     /// [`Error::Snapshot`]; a part may have been loaded then.
@@ -200,9 +200,9 @@ impl Troop {
 }
 
 impl Still {
-    /// Displaces what a body is told.
+    /// Displaces the position that a body is ordered to take.
     ///
-    /// - `keep`: share of the way that is left after a step.
+    /// - `keep`: share of the distance that is left after a step.
     fn lead(&mut self, control: &mut Control, keep: f32) {
         let Some(disc) = control.position else { return };
         let aim = match self.at {
@@ -218,13 +218,13 @@ impl Still {
     }
 }
 
-/// What a body is told that stands.
+/// Control of a body that stands at a place.
 fn standing(at: Vec2, heading: f32) -> Control {
     Control { position: Some(at), heading: Some(heading), ..Control::default() }
 }
 
-/// What a body is asked: to be where its agent is, and to move as it does. Those who stand keep their heading, those who
-/// have left stay where they were.
+/// Updates the control of a body: to be at its agent's position and to move with it. Bodies of standing agents keep their heading,
+/// those of agents that have left stay where they were.
 fn steer(crowd: &Crowd, agent: Id, time_s: f64, control: &mut Control) {
     let (Some(at), Some(velocity)) = (crowd.position(agent, time_s), crowd.smooth_velocity(agent)) else {
         control.velocity = Vec2::ZERO;

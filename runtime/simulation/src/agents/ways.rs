@@ -1,29 +1,29 @@
-//! Ways of the agents of a scene around what stands.
+//! Paths of the agents of a scene around fixed obstacles.
 
 use crate::scene::GroupConfig;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use throng_crowd::{NoWay, Obstacle, Space, Streets};
 
-/// What ways keep from walls beyond the largest radius of agents (m).
+/// Clearance of paths from walls beyond the largest radius of agents (m).
 const MARGIN_M: f32 = 0.15;
-/// Half of the narrowest gap that is told of (m).
+/// Half of the narrowest gap that messages name (m).
 const NARROWEST_M: f32 = 0.02;
 
-/// The map of a scene by which ways are found.
+/// Map of a scene for path finding.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RouteMap {
-    /// Without doors, as if all were open; none where nothing stands in the way.
+    /// Streets without doors, as if all were open; `None` where there are no obstacles.
     pub streets: Option<Streets>,
-    /// The same with doors, for those who are on their way.
+    /// Streets with doors, for agents that are on their way.
     pub with_doors: Option<Streets>,
-    /// What ways keep from what stands (m).
+    /// Clearance of paths from obstacles (m).
     clearance: f32,
 }
 
 impl RouteMap {
     /// - `first_door`: number of the first door among the obstacles.
-    /// - `heights`: lowest and highest that agents start (m).
+    /// - `heights`: lowest and highest starts of agents (m).
     pub fn new<V: Space>(
         obstacles: &[Obstacle<V>],
         first_door: usize,
@@ -44,7 +44,7 @@ impl RouteMap {
         Ok(Self { streets: free, with_doors, clearance })
     }
 
-    /// Corners of the shortest way from one point to another, both included.
+    /// Corners of the shortest path from one point to another, both included.
     ///
     /// # Errors
     /// [`NoWay`].
@@ -53,8 +53,8 @@ impl RouteMap {
         Ok(streets.corners(from.to_world(), to.to_world())?.into_iter().map(V::from_world).collect())
     }
 
-    /// Width of the widest gap on any way from one point to another (m), and what the widest agent needs; `None` where none is
-    /// found, however narrow.
+    /// Width of the widest gap on any path from one point to another, and the width that the largest agent needs; `None` where
+    /// there is no path at all (m).
     pub fn gap<V: Space>(&self, obstacles: &[Obstacle<V>], heights: [f32; 2], from: V, to: V) -> Option<[f32; 2]> {
         let obstacles: Vec<Obstacle> = obstacles.iter().map(|o| o.clone().map(V::to_world)).collect();
         let heights = (V::DIMENSIONS == 3).then_some(heights);
@@ -73,9 +73,9 @@ impl RouteMap {
         Some([2.0 * low, 2.0 * self.clearance])
     }
 
-    /// Points by chance between two corners, one after the other from a start: no obstacle and no door is near them, and the way does not
-    /// turn back at once. Where there is hardly such a point, one is taken as it is; where it is in an obstacle, its way will be
-    /// refused.
+    /// Random points between two corners, one after the other from a start: no obstacle and no door is near them, and the path does not
+    /// turn back at once. Where no such point is found, the last try is taken; where it is in an obstacle, planning its path
+    /// fails.
     pub fn wander<V: Space>(&self, start: V, (from, to, num): (&[f32], &[f32], usize), rng: &mut Pcg64Mcg) -> Vec<V> {
         const TRIES: usize = 200;
         let (mut at, mut before) = (start, V::default());

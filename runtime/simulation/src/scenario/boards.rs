@@ -1,73 +1,73 @@
-//! Billboards: one for all, and one for each cell of a hierarchy of cells (Kim, Kim and Shin 2003a, section 3.1).
+//! Blackboards: a global one, and one for each cell of a hierarchy of cells (Kim, Kim and Shin 2003a, section 3.1).
 
 use super::tables::{BoardTable, NONE};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// Most posts on boards of cells at a time; the oldest gives way.
+/// Most posts on the blackboards of cells at a time; a new post replaces the oldest.
 const POSTS: usize = 4096;
-/// Lists of posts by their cells.
+/// Number of lists of posts, hashed by their cells.
 const BUCKETS: usize = 1024;
 
-/// All boards.
+/// All blackboards.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Boards {
     cell_m: f32,
     levels: u32,
-    /// Of each event: what the global board shows.
+    /// Note of each event on the global blackboard.
     global: Vec<Note>,
     posts: Vec<Post>,
-    /// First post of each bucket.
+    /// First post of each bucket; [`NONE`] for an empty one.
     first: Vec<u32>,
-    /// Number of posts that there ever were: the next one takes this place, modulo their number.
+    /// Number of posts ever made: the next one takes this index, modulo [`POSTS`].
     count: u64,
 }
 
-/// Something written on a board.
+/// Note on a blackboard.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Note {
-    /// Who wrote it last; [`NONE`] for nobody.
+    /// Agent that wrote it last; [`NONE`] for an event posted as it happened.
     pub by: u32,
-    /// When (s).
+    /// Time of writing (s).
     pub since: f64,
-    /// Until when it is shown (s).
+    /// Time until which it is shown (s).
     pub until: f64,
 }
 
-/// A post on the board of a cell.
+/// Post on the blackboard of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Post {
     event: u16,
     level: u32,
     cell: [i32; 2],
     note: Note,
-    /// In the list of its bucket.
+    /// Next post in the list of its bucket.
     next: u32,
 }
 
-/// What a board shows.
+/// Post that a blackboard shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Posted {
     /// Number of the event, in [`super::Minds::events`].
     pub event: usize,
-    /// The cell whose board it is; `None` for the global board.
+    /// Cell of the blackboard; `None` for the global one.
     pub cell: Option<Cell>,
-    /// Number of the agent who wrote it last; `None` where the event was posted as it happened.
+    /// Number of the agent that wrote it last; `None` where the event was posted as it happened.
     pub by: Option<usize>,
-    /// When (s).
+    /// Time of writing (s).
     pub since_s: f64,
-    /// Until when it is shown (s); infinite for ever.
+    /// Time until which it is shown; infinite where it never ends (s).
     pub until_s: f64,
 }
 
-/// A square cell with a board.
+/// Square cell with a blackboard.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
-    /// Level in the hierarchy: cells of level 0 are the smallest.
+    /// Level in the hierarchy; cells of level 0 are the smallest.
     pub level: u32,
-    /// Its middle, x and z (m).
+    /// Centre, x and z (m).
     pub middle: [f32; 2],
-    /// Its side (m).
+    /// Side (m).
     pub side_m: f32,
 }
 
@@ -84,7 +84,7 @@ impl Boards {
         }
     }
 
-    /// Shows an event: on the global board, or on that of the cell of a level at a place.
+    /// Posts an event on the global blackboard, or on that of the cell of a level at a position.
     pub fn post(&mut self, event: u16, cell: Option<(Vec3, u32)>, note: Note) {
         let Some((at, level)) = cell else {
             self.global[usize::from(event)] = note;
@@ -133,12 +133,12 @@ impl Boards {
         }
     }
 
-    /// Events on the global board.
+    /// Events on the global blackboard, as bits.
     pub fn global(&self, now: f64) -> u64 {
         self.global.iter().enumerate().filter(|(_, note)| now <= note.until).fold(0, |bits, (e, _)| bits | 1 << e)
     }
 
-    /// Events on the boards that are read at a place: the global one, and those of the cells of all levels.
+    /// Events on the blackboards that are read at a position: the global one, and those of the cells of all levels, as bits.
     pub fn at(&self, at: Vec3, now: f64) -> u64 {
         let mut news = self.global(now);
         if self.posts.is_empty() {
@@ -163,7 +163,7 @@ impl Boards {
         self.cell_m * (1 << level) as f32
     }
 
-    /// All that boards show: the global one, then those of cells.
+    /// All visible posts: those of the global blackboard, then those of cells.
     pub fn shown(&self, now: f64) -> impl Iterator<Item = Posted> + '_ {
         let posted = |event: u16, cell, note: &Note| Posted {
             event: usize::from(event),
@@ -191,9 +191,9 @@ impl Boards {
         [(at.x / side).floor() as i32, (at.z / side).floor() as i32]
     }
 
-    /// Why boards from outside cannot be those of a scenario.
+    /// True where loaded blackboards can be those of the same scenario.
     ///
-    /// - `num_agents`: those who may have written.
+    /// - `num_agents`: number of agents, which may have written.
     pub fn is_like(&self, own: &Self, num_agents: u32) -> bool {
         let is_written = |p: &Note| (p.by == NONE || p.by < num_agents) && p.since.is_finite() && !p.until.is_nan();
         // Every post is in the list of its bucket, once: lists end.

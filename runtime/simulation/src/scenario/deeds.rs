@@ -1,4 +1,4 @@
-//! Behaviours: actions one after the other, the slots that they take, and the effects that they have.
+//! Execution of behaviours: actions one after the other, the slots that they claim, and their effects.
 
 use super::boards::Note;
 use super::language::{Amount, Spot};
@@ -11,13 +11,13 @@ use super::verbs::{Deed, Effect, Operand, Said, Sight, WORDS, Walk};
 use glam::Vec3;
 use throng_base::Result;
 
-/// How near to a slot is there (m).
+/// Distance from a slot at which an agent has arrived (m).
 const SLOT_M: f32 = 0.15;
-/// The largest amount that a word of an action says: larger ones are taken as this one.
+/// Largest amount of an argument of an action; larger ones are clamped.
 pub(super) const MOST: f64 = 1e9;
 
 impl Minds {
-    /// Begins a behaviour that is about an event.
+    /// Starts a behaviour in the context of an event.
     pub(super) fn start(&mut self, stage: &mut impl Stage, agent: u32, actions: u32, context: Context) -> Result<()> {
         self.settle(stage, agent, false);
         let mind = &mut self.minds[agent as usize];
@@ -25,7 +25,7 @@ impl Minds {
         self.enter_action(stage, agent, actions)
     }
 
-    /// The action of an agent is over.
+    /// Ends the action of an agent, and begins the next one.
     pub(super) fn next_action(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
         self.end_action(stage, agent)?;
         self.enter_action(stage, agent, self.minds[agent as usize].action + 1)
@@ -35,14 +35,14 @@ impl Minds {
         self.settle(stage, agent, true);
         let mind = self.minds[agent as usize];
         if let Action::Primitive { .. } = self.action(mind.action) {
-            // What was asked for a while is over.
+            // The action's own speed and motion end with it.
             stage.set_speed(agent, mind.speed)?;
             stage.show(agent, None, None);
         }
         Ok(())
     }
 
-    /// Does what takes no time, up to the first action that does.
+    /// Runs actions that take no time, up to the first one that takes time.
     fn enter_action(&mut self, stage: &mut impl Stage, agent: u32, first: u32) -> Result<()> {
         let m = agent as usize;
         let mut at = first;
@@ -67,7 +67,7 @@ impl Minds {
         }
     }
 
-    /// After its last action: back to what a rule interrupted, or `done`.
+    /// Ends a behaviour after its last action: resumes what a rule had interrupted, or raises `done`.
     fn end_behaviour(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
         let mind = &mut self.minds[agent as usize];
         if !mind.is_busy {
@@ -88,7 +88,7 @@ impl Minds {
         self.enter_action(stage, agent, resumed)
     }
 
-    /// Does actions that take no time.
+    /// Runs actions that take no time.
     pub(super) fn do_at_once(
         &mut self,
         stage: &mut impl Stage,
@@ -106,7 +106,7 @@ impl Minds {
         }
     }
 
-    /// Begins a primitive behaviour, or asks its function anew; true where it is over at once.
+    /// Begins a primitive behaviour, or calls its function again; true where it is over at once.
     pub(super) fn perform(&mut self, stage: &mut impl Stage, agent: u32, is_again: bool) -> Result<bool> {
         let m = agent as usize;
         let mind = self.minds[m];
@@ -187,7 +187,7 @@ impl Minds {
         Ok(false)
     }
 
-    /// An agent is where its action led it; true where the action is over.
+    /// Handles the arrival of an agent at the place of its action; true where the action is over.
     pub(super) fn arrived(&mut self, stage: &mut impl Stage, agent: u32) -> Result<bool> {
         let m = agent as usize;
         let mind = self.minds[m];
@@ -204,14 +204,14 @@ impl Minds {
         if let Claims::Queue(into) = claims {
             let held = self.scenario.slots.get(mind.slot as usize).map(|slot| slot.place);
             let Some(place) = self.place_of(&words[0], mind.context).filter(|place| held == Some(*place)) else {
-                // A place without slots lets nobody wait.
+                // No agent waits at a place without slots.
                 return Ok(true);
             };
             stage.show(agent, motion, said.facing);
             let table = &self.scenario.places[usize::from(place)];
             let (is_queue, is_first) = (table.is_queue, mind.slot == table.slots[0]);
             self.minds[m].phase = Phase::Waiting;
-            // Nobody moves up where the slots are no queue.
+            // Agents move up in queues alone.
             let goes_on =
                 !is_queue || is_first && into.is_none_or(|into| self.free_slot(into, stage.position(agent)).is_some());
             if !goes_on {
@@ -232,7 +232,7 @@ impl Minds {
         };
         let deed: Deed = (self.scenario.primitives.get(number).act)(&sight, &said);
         if deed.walk == Walk::Along && words[2] == Operand::Flag(true) {
-            // Round again.
+            // The route begins again.
             return Ok(false);
         }
         if deed.stay_s <= 0.0 {
@@ -242,7 +242,7 @@ impl Minds {
         self.stand_until(agent, deed.stay_s)
     }
 
-    /// What the words of an action say now.
+    /// Evaluates the arguments of an action.
     fn said(&mut self, stage: &impl Stage, agent: u32, context: Context, words: &[Operand; WORDS]) -> Said {
         let mut said = Said { arrival_m: 0.5, ..Said::default() };
         for (i, word) in words.iter().enumerate() {
@@ -269,11 +269,11 @@ impl Minds {
         self.evaluations += u64::from(matches!(amount, Amount::Program(_)));
         let value = self.scenario.amount(amount, &mut View { minds: self, stage, agent, context, draws: &mut draws });
         self.minds[agent as usize].draws = draws;
-        // Infinite distances and what is no number would spread to all that is worked out with them.
+        // Infinities and NaN would spread to all values that are computed with them.
         if value.is_nan() { 0.0 } else { value.clamp(-MOST, MOST) }
     }
 
-    /// How near to the middle of a place is there (m).
+    /// Distance from the centre of a place at which an agent has arrived (m).
     fn nearness(&self, place: u16) -> f32 {
         (0.8 * self.scenario.places[usize::from(place)].radius_m).max(0.5)
     }
@@ -286,7 +286,7 @@ impl Minds {
         }
     }
 
-    /// Has an effect.
+    /// Applies the effect of an action that takes no time.
     fn affect(&mut self, stage: &mut impl Stage, agent: u32, action: Action, context: Context) -> Result<()> {
         let (effect, words) = match action {
             Action::Effect(effect, words) => (effect, words),
@@ -335,7 +335,7 @@ impl Minds {
         Ok(())
     }
 
-    /// One likes another more: the oldest bond of four is forgotten.
+    /// Changes the liking of an agent for another one; replaces the oldest of four relationships.
     fn befriend(&mut self, agent: u32, other: u32, by: f32) {
         let bonds = &mut self.bonds[agent as usize];
         let old = bonds.iter().position(|b| b.0 == other);
@@ -344,7 +344,7 @@ impl Minds {
         bonds[0] = (other, liking.clamp(-2.0, 2.0));
     }
 
-    /// The free slot of a place that is nearest to one; in a queue, the one behind the last who waits.
+    /// Free slot of a place that is nearest to a position; in a queue, the slot behind the last agent that waits.
     fn free_slot(&self, place: u16, near: Option<Vec3>) -> Option<u32> {
         let table = &self.scenario.places[usize::from(place)];
         let [first, last] = table.slots;
@@ -358,7 +358,7 @@ impl Minds {
         (first..last).filter(is_free).min_by(|a, b| far(a).total_cmp(&far(b)))
     }
 
-    /// Takes a slot of a place, and gives back any other; keeps the one that it has there.
+    /// Claims a slot of a place for an agent, and releases any other; keeps a slot that the agent has there.
     fn claim(&mut self, stage: &mut impl Stage, agent: u32, place: u16, claims: Claims) -> Result<Option<u32>> {
         let held = self.minds[agent as usize].slot;
         if held != NONE && self.scenario.slots[held as usize].place == place {
@@ -372,7 +372,7 @@ impl Minds {
         Ok(Some(slot))
     }
 
-    /// Gives back the slot of an agent: those behind it in a queue move up, and who waits for it goes on.
+    /// Releases the slot of an agent: agents behind it in a queue move up, and one that waits for the slot goes on.
     pub(super) fn release(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
         let slot = std::mem::replace(&mut self.minds[agent as usize].slot, NONE);
         if slot == NONE {
@@ -399,7 +399,7 @@ impl Minds {
             }
             return Ok(());
         }
-        // The heads of the queues that lead here.
+        // Agents at the heads of queues that lead here.
         for queue in 0..self.scenario.places.len() {
             let table = &self.scenario.places[queue];
             if !table.is_queue || table.slots[0] == table.slots[1] {

@@ -1,4 +1,4 @@
-//! What minds can say of themselves: why somebody does what it does, what it knows and from whom.
+//! Explanations of agents: why an agent does what it does, what it knows and from whom.
 
 use super::boards::Posted;
 use super::mind::{Learnt, NO};
@@ -6,94 +6,94 @@ use super::minds::Minds;
 use super::tables::{Action, How, NONE, Scenario};
 use serde::Serialize;
 
-/// What an agent does, and why.
+/// Activity of an agent, and its causes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Explanation {
-    /// When (s).
+    /// Time (s).
     pub time_s: f64,
     /// Number of the agent.
     pub agent: usize,
-    /// Name of its group.
+    /// Name of the agent's group.
     pub group: String,
-    /// It has entered, and has not left.
+    /// Whether the agent has entered and not left.
     pub is_there: bool,
-    /// Its states, the highest level first.
+    /// Names of the agent's states, the highest level first.
     pub states: Vec<String>,
-    /// What it does; empty where it follows its goal.
+    /// Name of the current primitive behaviour; empty where the agent follows its goal.
     pub action: String,
-    /// A rule's behaviour has interrupted what it did before.
+    /// Whether a rule's behaviour has interrupted another one.
     pub interrupted: bool,
-    /// Where it holds a slot.
+    /// Place where the agent holds a slot.
     pub slot_of: Option<String>,
-    /// What made it do so.
+    /// Cause of the current activity.
     pub because: Because,
-    /// Its values now.
+    /// Current values of the agent.
     pub values: Vec<ValueNow>,
-    /// What it knows.
+    /// Events that the agent knows of.
     pub knows: Vec<Known>,
 }
 
-/// What made an agent do what it does.
+/// Cause of an agent's activity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Because {
-    /// When (s).
+    /// Time (s).
     pub time_s: f64,
-    /// The event.
+    /// Name of the event.
     pub event: String,
-    /// The rule that was followed.
+    /// Name of the rule that was followed.
     pub rule: Option<String>,
-    /// The state to which an edge led.
+    /// Name of the state to which an edge led.
     pub edge_to: Option<String>,
-    /// Who was met, or told.
+    /// Number of the agent that was met, or that told of the event.
     pub other: Option<usize>,
-    /// The place of the event.
+    /// Name of the event's place.
     pub place: Option<String>,
 }
 
-/// A value of an agent.
+/// Named value of an agent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ValueNow {
-    /// Its name.
+    /// Name of the value.
     pub name: String,
-    /// What it is.
+    /// Current value.
     pub value: f32,
 }
 
-/// How an agent came to know of an event.
+/// Knowledge of an event, and how an agent came by it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Known {
-    /// The event.
+    /// Name of the event.
     pub event: String,
-    /// "happens", "told", "read" or "felt".
+    /// Way in which it was learnt: "happens", "told", "read" or "felt".
     pub how: String,
-    /// From whom.
+    /// Number of the agent that it was learnt from.
     pub from: Option<usize>,
-    /// When (s).
+    /// Time (s).
     pub time_s: f64,
-    /// Where, x and z (m).
+    /// Position of the agent when it learnt of the event, x and z (m).
     pub at: [f32; 2],
 }
 
-/// How an event has spread.
+/// Spread of an event among agents.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Spread {
-    /// The event.
+    /// Name of the event.
     pub event: String,
-    /// Agents who know of it.
+    /// Number of agents that know of the event.
     pub informed: usize,
-    /// Of these, to how many others have told it.
+    /// Number of these that learnt of it from others.
     pub told: usize,
-    /// When the last of them learnt of it (s).
+    /// Time at which the last of them learnt of it (s).
     pub last_s: Option<f64>,
 }
 
 impl Minds {
-    /// Why an agent does what it does, with its values at a time that is not before the last event (agent < number of agents).
+    /// Explains the activity of an agent, with its values at a time not before the last event (s, agent < number of agents).
     pub fn explain(&self, agent: usize, time_s: f64) -> Explanation {
         let time_s = time_s.max(self.now);
         let (mind, scenario) = (&self.minds[agent], &self.scenario);
@@ -145,7 +145,7 @@ impl Minds {
         })
     }
 
-    /// How every event has spread.
+    /// Spread of every event.
     pub fn spread(&self) -> Vec<Spread> {
         let num = self.scenario.events.len();
         let of = |e: usize| (0..self.minds.len()).filter_map(move |a| self.learnt[a * num + e]);
@@ -158,10 +158,10 @@ impl Minds {
         (0..num).map(spread).collect()
     }
 
-    /// Who learnt of an event, in the order of time: the agent and how.
+    /// Agents that learnt of an event, in the order of time, and how they did.
     ///
     /// # Errors
-    /// [`throng_base::Error::Unknown`] with the events that there are.
+    /// [`throng_base::Error::Unknown`] with the names of all events.
     pub fn message(&self, event: &str) -> throng_base::Result<Vec<(usize, Known)>> {
         let names = &self.scenario.names.events;
         let Some(e) = names.find(event) else {
@@ -178,13 +178,13 @@ impl Minds {
         &self.scenario.names.events.0
     }
 
-    /// Agents who hold more than one slot: none, ever.
+    /// Number of agents that hold more than one slot, which must be 0.
     pub fn num_holding_twice(&self) -> usize {
         let held = |agent: u32| self.holders.iter().filter(|h| **h == agent).count();
         (0..self.minds.len() as u32).filter(|a| held(*a) > 1).count()
     }
 
-    /// Agents in each state of the highest level, by name; those without one are in none.
+    /// Number of agents in each state of the highest level, by name, without agents that have no state.
     pub fn in_states(&self) -> Vec<(String, usize)> {
         let mut out: Vec<(String, usize)> = Vec::new();
         for mind in self.minds.iter().filter(|m| m.is_there) {
@@ -198,7 +198,7 @@ impl Minds {
         out
     }
 
-    /// Bytes of memory for each agent, without body, crowd and ways.
+    /// Memory for each agent, without body, crowd and paths (bytes).
     pub fn bytes_per_agent(&self) -> usize {
         let of = |count: usize, size: usize| count * size / self.minds.len().max(1);
         size_of::<super::mind::Mind>()
@@ -210,41 +210,41 @@ impl Minds {
             + size_of::<bool>()
     }
 
-    /// Predicates and amounts that were worked out so far.
+    /// Number of predicates and amounts evaluated so far.
     pub fn evaluations(&self) -> u64 {
         self.evaluations
     }
 
-    /// All that boards show now: the global one, then those of cells.
+    /// All posts that blackboards show now: those of the global one, then those of cells.
     pub fn posts(&self) -> impl Iterator<Item = Posted> + '_ {
         self.boards.shown(self.now)
     }
 
-    /// Side of the smallest cells with boards (m), and the number of levels, each twice as wide; `None` without cells.
+    /// Side of the smallest cells with blackboards (m), and the number of levels, each twice as wide; `None` without cells.
     pub fn board_levels(&self) -> Option<(f32, u32)> {
         self.boards.levels()
     }
 
-    /// How an agent came to know of an event; `None` where it does not (agent < number of agents, event < number of events).
+    /// Record of how an agent learnt of an event; `None` where it has not (agent < number of agents, event < number of events).
     pub fn learnt(&self, agent: usize, event: usize) -> Option<&Learnt> {
         self.learnt[agent * self.scenario.events.len() + event].as_ref()
     }
 }
 
 impl Learnt {
-    /// From whom: number of an agent.
+    /// Number of the agent that it was learnt from.
     pub fn from(&self) -> Option<usize> {
         (self.from != NONE).then_some(self.from as usize)
     }
 
-    /// "happens", "told", "read" or "felt".
+    /// Way in which it was learnt: "happens", "told", "read" or "felt".
     pub fn how(&self) -> &'static str {
         self.how.name()
     }
 }
 
 impl Scenario {
-    /// Rows of its tables, by name.
+    /// Numbers of rows of all tables, by name.
     pub fn sizes(&self) -> [(&'static str, usize); 10] {
         [
             ("events", self.events.len()),
@@ -260,7 +260,7 @@ impl Scenario {
         ]
     }
 
-    /// Tags of motion that actions ask for.
+    /// Motion tags that actions ask for.
     pub fn motions(&self) -> &[String] {
         &self.motions
     }

@@ -1,4 +1,4 @@
-//! Taking things and putting them down: who has a claim on a thing, and where one stands to reach it.
+//! Taking things and putting them down: claims of agents on things, and stands from which they reach them.
 
 use super::mind::{Context, Phase};
 use super::minds::Minds;
@@ -8,20 +8,20 @@ use super::verbs::Said;
 use glam::Vec3;
 use throng_base::Result;
 
-/// Most things that one has in hand.
+/// Most things that an agent has in hand.
 const HANDS: usize = 2;
-/// Longest that one stands to take a thing or to put it down, unless it is said, and how often one looks whether it is done (s).
+/// Longest time of standing to take a thing or to put it down, unless the action gives one, and interval between checks (s).
 const MOST_S: f64 = 8.0;
 const LOOK_S: f64 = 0.2;
 
 impl Minds {
-    /// True where an agent has a thing in hand, or is about to take it (thing < number of things).
+    /// True where an agent has a thing in hand, or a claim to take it (thing < number of things).
     pub fn keeps(&self, agent: usize, thing: usize) -> bool {
         self.keepers[thing] == agent as u32
     }
 
-    /// Goes to where a thing is in reach, or to where it is put down. Nobody else takes it meanwhile. True
-    /// where it is over at once.
+    /// Sends an agent to a stand from which it reaches a thing, or the place for it, and claims the thing. Returns true where
+    /// the action is over at once.
     pub(super) fn fetch(&mut self, stage: &mut impl Stage, agent: u32, claims: Claims, said: &Said) -> Result<bool> {
         let (Claims::Take(thing) | Claims::Put(thing)) = claims else { return Ok(false) };
         if self.minds[agent as usize].phase == Phase::Standing {
@@ -74,13 +74,13 @@ impl Minds {
         Ok(true)
     }
 
-    /// One does not reach a thing, or where it is to be put.
+    /// Reports that an agent cannot reach a thing, or the place for it.
     fn miss(&mut self, stage: &mut impl Stage, agent: u32) {
         stage.missed();
         self.push(agent, trigger::STUCK, Context::default());
     }
 
-    /// One stands where a thing is in reach: hands do the rest.
+    /// Begins the motion of the hands of an agent that stands in reach of a thing.
     pub(super) fn use_hands(
         &mut self,
         stage: &mut impl Stage,
@@ -104,7 +104,7 @@ impl Minds {
         }
     }
 
-    /// Who does not get to a thing, or to where it is put down, does what comes next.
+    /// Goes on with the next action of an agent that cannot get to a thing, or to the place for it.
     pub(super) fn give_up(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
         let mind = self.minds[agent as usize];
         let is_on_its_way = mind.action != NONE && mind.phase == Phase::Walking;
@@ -114,9 +114,9 @@ impl Minds {
         }
     }
 
-    /// What an agent does with a thing is over, done or not: it has it in hand, or no claim on it.
+    /// Ends the handling of a thing, complete or not: afterwards the agent has the thing in hand, or no claim on it.
     ///
-    /// - `is_done`: its time or its motion is over; else something came between.
+    /// - `is_done`: the time or the motion is over; else the handling was interrupted.
     pub(super) fn settle(&mut self, stage: &mut impl Stage, agent: u32, is_done: bool) {
         let mind = self.minds[agent as usize];
         if mind.action == NONE || self.keepers.is_empty() {
@@ -137,7 +137,7 @@ impl Minds {
         }
     }
 
-    /// Who leaves lets go of all things.
+    /// Drops all things of an agent that leaves, and ends its claims.
     pub(super) fn let_go(&mut self, stage: &mut impl Stage, agent: u32) {
         for thing in 0..self.keepers.len() {
             if self.keepers[thing] == agent {

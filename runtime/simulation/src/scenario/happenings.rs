@@ -1,4 +1,4 @@
-//! What happens: events of the scene, who comes and goes, and what agents learn of it.
+//! Events of the scene, entries and exits of agents, and how agents learn of events.
 
 use super::boards::Note;
 use super::mind::{Context, Feeling, Learnt, Phase};
@@ -8,17 +8,17 @@ use super::stage::Stage;
 use super::tables::{How, NONE, Party, Schedule, trigger};
 use throng_base::{Error, Result};
 
-/// Most things that draw one agent at a time, in the order of the file.
+/// Most places that attract one agent at a time, in the order of the file.
 const INTERESTS: usize = 4;
-/// How strongly a place draws those who are most curious (m/s2), and from how many of its radii on.
+/// Attraction of a place for the most curious agents (m/s2), and its range in radii of the place (1).
 const INTEREST_MPS2: f32 = 1.0;
 const INTEREST_RADII: f32 = 4.0;
 
-/// After this time a door that could not close tries again, and a source that found no room (s).
+/// Time after which a door that could not close is tried again, and a source that found no room (s).
 pub(super) const RETRY_S: f64 = 0.5;
 
 impl Minds {
-    /// Everything from outside that is due now happens.
+    /// Runs all external events that are due: events of the scene, closing doors, and entries of agents.
     ///
     /// # Errors
     /// As [`Minds::begin`].
@@ -51,7 +51,7 @@ impl Minds {
         self.finish(stage)
     }
 
-    /// An event happens, by the will of whoever watches.
+    /// Raises an event on request of the application.
     ///
     /// # Errors
     /// As [`Minds::begin`]; [`Error::Unknown`] for a name that no event has.
@@ -65,7 +65,7 @@ impl Minds {
         self.finish(stage)
     }
 
-    /// What a crowd tells.
+    /// Handles a signal of the crowd.
     ///
     /// # Errors
     /// As [`Minds::begin`].
@@ -101,7 +101,7 @@ impl Minds {
         self.finish(stage)
     }
 
-    /// Somebody is there.
+    /// Starts an agent that has entered: draws its values, and begins its graph.
     pub(super) fn arrive(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
         let m = agent as usize;
         let scenario = self.scenario.clone();
@@ -135,7 +135,7 @@ impl Minds {
         Ok(())
     }
 
-    /// What an agent is curious about draws it near, or drives it away; what it has seen and enters once no longer does.
+    /// Sets the places that attract or repel an agent by its curiosity; places of one visit no longer do after it.
     pub(super) fn attract(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
         if !self.scenario.relations.iter().any(|r| matches!(r.to, Party::Place(_))) {
             return Ok(());
@@ -166,7 +166,7 @@ impl Minds {
         Ok(())
     }
 
-    /// Tells an event to whom it happens.
+    /// Runs an event: agents to whom it happens learn of it, and doors move.
     pub(super) fn occur(&mut self, stage: &mut impl Stage, e: usize) -> Result<()> {
         let scenario = self.scenario.clone();
         let event = &scenario.events[e];
@@ -192,7 +192,7 @@ impl Minds {
         Ok(())
     }
 
-    /// An agent learns of an event: it happens to it, or it is told, reads or feels it.
+    /// Records that an agent learns of an event, which happens to it, or which it is told, reads or feels.
     pub(super) fn learn(&mut self, stage: &impl Stage, agent: u32, context: Context) {
         let (m, e) = (agent as usize, usize::from(context.event));
         let bit = 1u64 << e;
@@ -210,7 +210,7 @@ impl Minds {
         self.touch(agent);
     }
 
-    /// Events that are still told on.
+    /// Events that agents still pass on, as bits.
     pub(super) fn told_now(&self) -> u64 {
         let is_told = |e: &usize| {
             let event = &self.scenario.events[*e];
@@ -219,7 +219,7 @@ impl Minds {
         (0..self.happened.len()).filter(is_told).fold(0, |bits, e| bits | 1 << e)
     }
 
-    /// Two tell each other what they know.
+    /// Handles a meeting: both agents tell each other the events that they know.
     pub(super) fn meet(&mut self, stage: &mut impl Stage, a: u32, b: u32) {
         let told = self.told_now();
         for (from, to) in [(a, b), (b, a)] {
@@ -257,7 +257,7 @@ impl Minds {
         Ok(())
     }
 
-    /// An agent reads the boards where it is.
+    /// Lets an agent read the blackboards at its position.
     pub(super) fn read(&mut self, stage: &impl Stage, agent: u32) {
         let Some(at) = stage.position(agent) else { return };
         let known = self.minds[agent as usize].news;
@@ -269,7 +269,7 @@ impl Minds {
         }
     }
 
-    /// An event is conveyed to those around an agent.
+    /// Conveys an event to the agents around one.
     pub(super) fn convey(
         &mut self,
         stage: &impl Stage,
@@ -303,7 +303,7 @@ impl Minds {
         self.nearby = nearby;
     }
 
-    /// When an event happens next, after a time (s).
+    /// Time of the next occurrence of an event after a time (s).
     pub(super) fn next_time(&self, e: usize, now: f64) -> f64 {
         let times = self.times[e];
         let chance = hashed(self.seed ^ 0x5EED_E7E7, e as u32, times);
@@ -316,7 +316,7 @@ impl Minds {
         }
     }
 
-    /// When the next of a group enters, after a time, by thinning (Lewis and Shedler 1979) (s).
+    /// Time of the next entry of a group's agents after a time, by thinning (Lewis and Shedler 1979) (s).
     pub(super) fn next_entry(&self, g: usize, now: f64) -> f64 {
         let group = &self.scenario.groups[g];
         let most = group.rates.iter().map(|r| r[1]).fold(0.0, f64::max);
@@ -333,7 +333,7 @@ impl Minds {
                 return at;
             }
             draw += 1;
-            // Nobody comes after the last rate where it is 0.
+            // No agent enters after the last rate where it is 0.
             if next == group.rates.len() && rate == 0.0 || draw > 100_000 {
                 return f64::INFINITY;
             }

@@ -1,4 +1,4 @@
-//! What one agent has in mind.
+//! State of one agent's brain.
 
 use super::tables::{How, NONE, Threshold, ValueTable};
 use serde::{Deserialize, Serialize};
@@ -7,80 +7,80 @@ use throng_base::maths;
 /// No state, no place, no event.
 pub(super) const NO: u16 = u16::MAX;
 
-/// The state of one agent, beside its values and what it has learnt.
+/// Brain state of one agent, beside its values and the events that it has learnt.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Mind {
-    /// It has entered, and has not left.
+    /// Whether the agent has entered and not left.
     pub(super) is_there: bool,
     pub(super) group: u16,
-    /// Of each level; [`NO`] where there is none.
+    /// State of each level; [`NO`] where there is none.
     pub(super) states: [u16; 3],
-    /// When its highest state began (s).
+    /// Start of its state of the highest level (s).
     pub(super) state_since: f64,
-    /// What it does; [`NONE`] where it follows its goal.
+    /// Current action; [`NONE`] where the agent follows its goal.
     pub(super) action: u32,
     pub(super) phase: Phase,
-    /// When it is done standing (s).
+    /// End of standing (s).
     pub(super) until: f64,
-    /// When its action is asked anew (s).
+    /// Time of the next call of its action's function (s).
     pub(super) again: f64,
-    /// When its action ends at the latest (s).
+    /// Latest end of its action (s).
     pub(super) most: f64,
-    /// A rule's behaviour lasts.
+    /// Whether a rule's behaviour lasts.
     pub(super) is_busy: bool,
-    /// Of the rule whose behaviour lasts.
+    /// Priority of the rule whose behaviour lasts.
     pub(super) priority: i8,
-    /// What it goes on with after a rule's behaviour.
+    /// Action that goes on after a rule's behaviour.
     pub(super) resumed: u32,
-    /// The event that its action is about, and that of `resumed`.
+    /// Contexts of the current action and of `resumed`.
     pub(super) context: Context,
     pub(super) resumed_context: Context,
-    /// When `timer` happens (s).
+    /// Time at which `timer` happens (s).
     pub(super) timer: f64,
-    /// Events that it knows of.
+    /// Events that the agent knows of, as bits.
     pub(super) news: u64,
-    /// Places of one visit that it has entered.
+    /// Places of one visit that the agent has entered, as bits.
     pub(super) entered: u64,
-    /// Thresholds that it has passed, in the direction that counts.
+    /// Thresholds that values have passed, in the direction that counts, as bits.
     pub(super) passed: u32,
-    /// The next threshold that it passes, and when (s).
+    /// Next threshold that a value passes by itself, and the time of that (s).
     pub(super) crossing: u16,
     pub(super) crossing_at: f64,
-    /// Slot that it holds.
+    /// Slot that the agent holds; [`NONE`] for none.
     pub(super) slot: u32,
-    /// Random numbers so far.
+    /// Number of random numbers drawn so far.
     pub(super) draws: u32,
-    /// Where it entered (m).
+    /// Position at which the agent entered (m).
     pub(super) home: [f32; 3],
-    /// Desired speed, but for what a behaviour asks for a while (m/s).
+    /// Desired speed, without that of a behaviour for its own time (m/s).
     pub(super) speed: f32,
-    /// Behaviours that it began.
+    /// Number of behaviours that it began.
     pub(super) begun: u16,
-    /// Number of stimuli at one time.
+    /// Number of stimuli handled at one time, and that time (s).
     pub(super) handled: u32,
     pub(super) handled_at: f64,
-    /// Why it does what it does.
+    /// Cause of the current action.
     pub(super) reason: Reason,
 }
 
-/// How far an action is.
+/// Phase of an action.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Phase {
     /// No action.
     #[default]
     Idle,
-    /// On its way.
+    /// The agent walks to the place of its action.
     Walking,
-    /// There, until its time is over.
+    /// The agent stands there until its time is over.
     Standing,
-    /// In a queue.
+    /// The agent waits in a queue.
     Waiting,
 }
 
-/// The event that a behaviour is about.
+/// Context of a behaviour: the event that it is about.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Context {
-    /// Who is met, or tells; [`NONE`] for nobody.
+    /// Agent that is met, or that tells; [`NONE`] for none.
     pub(super) other: u32,
     pub(super) place: u16,
     /// Number of the event; [`NO`] where it is built in.
@@ -95,32 +95,32 @@ impl Default for Context {
     }
 }
 
-/// Why somebody does what it does.
+/// Cause of an agent's activity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reason {
-    /// When (s).
+    /// Time (s).
     pub time_s: f64,
-    /// Number of what happened.
+    /// Number of the trigger.
     pub(super) trigger: u16,
     /// Number of the rule that was followed; [`NONE`] for none.
     pub(super) rule: u32,
     /// Number of the edge that was taken; [`NONE`] for none.
     pub(super) edge: u32,
-    /// Who it was about; [`NONE`] for nobody.
+    /// Other agent of the event; [`NONE`] for none.
     pub(super) other: u32,
-    /// Where; [`NO`] for nowhere.
+    /// Place of the event; [`NO`] for none.
     pub(super) place: u16,
 }
 
-/// How somebody learnt of an event.
+/// Record of how an agent learnt of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Learnt {
-    /// When (s).
+    /// Time (s).
     pub time_s: f64,
-    /// From whom; [`NONE`] for nobody.
+    /// Agent that it was learnt from; [`NONE`] for none.
     pub(super) from: u32,
     pub(super) how: How,
-    /// Where, over the ground (m).
+    /// Position of the agent then, x and z (m).
     pub at: [f32; 2],
 }
 
@@ -159,7 +159,7 @@ impl Mind {
         }
     }
 
-    /// When it has to act by itself next (s).
+    /// Next time at which it has to act by itself (s).
     pub(super) fn next_s(&self) -> f64 {
         self.until.min(self.again).min(self.most).min(self.timer).min(self.crossing_at)
     }
@@ -168,16 +168,16 @@ impl Mind {
 /// A value of one agent: exact between two events.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Feeling {
-    /// What it was (at `since`).
+    /// Value at `since`.
     pub(super) value: f32,
-    /// How fast it grows by itself (1/s).
+    /// Growth by itself (1/s).
     pub(super) rate: f32,
-    /// (s)
+    /// Time of the last change (s).
     pub(super) since: f64,
 }
 
 impl Feeling {
-    /// What it is at a time, not before the last change: v' = rate + pull (rest - v), within its limits.
+    /// Value at a time not before the last change: v' = rate + pull (rest - v), clamped to its limits.
     pub(super) fn at(&self, table: &ValueTable, time_s: f64) -> f32 {
         let after = (time_s - self.since).max(0.0);
         let value = if table.pull > 0.0 {
@@ -189,7 +189,7 @@ impl Feeling {
         (value as f32).clamp(table.limits[0], table.limits[1])
     }
 
-    /// When it reaches a number, if it ever does, in closed form (s).
+    /// Time at which it reaches a threshold, in closed form; `None` where it never does (s).
     pub(super) fn reaches(&self, table: &ValueTable, threshold: &Threshold) -> Option<f64> {
         let (from, to) = (f64::from(self.value), f64::from(threshold.at));
         let after = if table.pull > 0.0 {
@@ -207,7 +207,7 @@ impl Feeling {
 }
 
 impl Threshold {
-    /// True on the far side, the number itself included.
+    /// True for a value on the far side of the threshold, the threshold itself included.
     pub(super) fn is_passed(&self, value: f32) -> bool {
         if self.rises { value >= self.at } else { value <= self.at }
     }

@@ -1,4 +1,4 @@
-//! The minds of all agents: stimuli come in, behaviours go out.
+//! Brains of all agents: they take stimuli and decide on behaviours.
 
 use super::boards::Boards;
 use super::language::{Program, run};
@@ -12,41 +12,41 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use throng_base::Result;
 
-/// Bit of what agents sense of each other for meetings.
+/// Bit for meetings among those that agents sense of each other.
 const MEETINGS: u32 = 1 << 31;
 
-/// Something that happens to an agent.
+/// Stimulus: a trigger that happens to an agent.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stimulus {
     pub trigger: u16,
     pub context: Context,
-    /// Behaviours that the agent had begun by then.
+    /// Number of behaviours that the agent had begun by then.
     pub begun: u16,
 }
 
-/// What a crowd tells minds of.
+/// Signal from the crowd to the brains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Signal {
-    /// Two come within telling distance.
+    /// Two agents come within talking distance.
     Met(u32, u32),
     /// An agent comes to a place.
     CameTo(u32, u16),
-    /// An agent goes from a place.
+    /// An agent leaves a place.
     WentFrom(u32, u16),
     /// An agent crosses the side of a cell.
     Crossed(u32),
-    /// An agent is at the end of its way.
+    /// An agent reaches the end of its path.
     Arrived(u32),
     /// An agent has left.
     Left(u32),
     /// An agent makes no progress.
     Stuck(u32),
-    /// It is time for an agent to act by itself.
+    /// A timer of an agent is due.
     Timer(u32),
 }
 
 impl Signal {
-    /// To whom it happens; of two, the one with the smaller number.
+    /// Agent to which it happens; of two, the one with the smaller number.
     pub(super) fn agent(self) -> u32 {
         match self {
             Self::Met(agent, _)
@@ -61,55 +61,55 @@ impl Signal {
     }
 }
 
-/// Everybody's minds, and what they share.
+/// Brains of all agents, and their shared state.
 #[derive(Clone, Debug)]
 pub struct Minds {
     pub(super) scenario: Arc<Scenario>,
     pub(super) seed: u64,
     pub(super) now: f64,
-    /// The last rule that was done at once, by anybody, and when, for messages (s).
+    /// Time of the last rule without duration that any agent followed (s), and its number, for messages.
     pub(super) at_once: (f64, u32),
     pub(super) minds: Vec<Mind>,
     /// (agents x values)
     pub(super) feelings: Vec<Feeling>,
     /// (agents x events)
     pub(super) learnt: Vec<Option<Learnt>>,
-    /// When agents followed rules with a pause last (agents x such rules) (s).
+    /// Time at which each agent last followed each rule with a pause (s, agents x such rules).
     pub(super) followed: Vec<f64>,
-    /// Whom agents like more or less than their relations say: the last four (agents).
+    /// Relationships that differ from the relations of the scene: the last four agents of each, with added liking (agents).
     pub(super) bonds: Vec<[(u32, f32); 4]>,
-    /// Who holds each slot; [`NONE`] for nobody.
+    /// Agent that holds each slot; [`NONE`] for none.
     pub(super) holders: Vec<u32>,
-    /// Who has each thing in hand, or goes to take it; [`NONE`] for nobody.
+    /// Agent that has each thing in hand, or a claim to take it; [`NONE`] for none.
     pub(super) keepers: Vec<u32>,
     pub(super) is_open: Vec<bool>,
-    /// Doors that are to close, once nobody stands in them.
+    /// Time of the next try to close each door that is blocked (s).
     pub(super) closing: Vec<f64>,
-    /// When each event happens next (s), and how often it has.
+    /// Next time of each event (s), and number of its occurrences.
     pub(super) due: Vec<f64>,
     pub(super) times: Vec<u32>,
-    /// When each event happened last (s).
+    /// Last time of each event (s).
     pub(super) happened: Vec<f64>,
     /// Whether the condition of each event was true.
     pub(super) was_true: Vec<bool>,
-    /// When the next of each group enters (s), and how many have.
+    /// Time of the next entry of each group (s), and number of agents that have entered.
     pub(super) enters: Vec<f64>,
     pub(super) entered: Vec<u32>,
     pub(super) boards: Boards,
     pub(super) queue: VecDeque<(u32, Stimulus)>,
-    /// Agents whose timers and senses have to be set anew.
+    /// Agents whose timers and senses have to be updated.
     pub(super) touched: Vec<u32>,
     pub(super) is_touched: Vec<bool>,
     pub(super) nearby: Vec<u32>,
     pub(super) ended: bool,
-    /// Predicates and amounts that were worked out.
+    /// Number of predicates and amounts evaluated.
     pub(super) evaluations: u64,
-    /// What happened, where somebody watches.
+    /// Turns of the last step, where they are recorded.
     pub(super) turns: Option<Vec<Turn>>,
 }
 
 impl Minds {
-    /// Minds of all agents of a scenario, before anybody is there.
+    /// Brains of all agents of a scenario, before any agent has entered.
     pub fn new(scenario: Arc<Scenario>, seed: u64, doors: &[bool]) -> Self {
         let num = scenario.groups.last().map_or(0, |g| g.agents[1] as usize);
         let mut minds = Vec::with_capacity(num);
@@ -155,10 +155,10 @@ impl Minds {
         out
     }
 
-    /// Lets all who are there at the start begin.
+    /// Starts all agents that are there at the start.
     ///
     /// # Errors
-    /// Those of the stage, and [`throng_base::Error::Text`] where rules run in a circle.
+    /// Errors of the stage, and [`throng_base::Error::Text`] where rules run in a circle.
     pub fn begin(&mut self, stage: &mut impl Stage, speeds: &[f32]) -> Result<()> {
         for agent in 0..self.minds.len() as u32 {
             self.minds[agent as usize].speed = speeds[agent as usize];
@@ -170,7 +170,7 @@ impl Minds {
         self.finish(stage)
     }
 
-    /// When something happens from outside next (s).
+    /// Time of the next external event (s).
     pub fn next_external_s(&self) -> f64 {
         let all = self.due.iter().chain(&self.enters).chain(&self.closing);
         all.copied().fold(f64::INFINITY, f64::min)
@@ -187,7 +187,7 @@ impl Minds {
         }
     }
 
-    /// Handles all that follows at this time, and tells the stage what those who were touched sense.
+    /// Handles all stimuli of this time, and updates timers and senses of the touched agents on the stage.
     pub(super) fn finish(&mut self, stage: &mut impl Stage) -> Result<()> {
         let mut rounds = 0;
         loop {
@@ -232,7 +232,7 @@ impl Minds {
         Ok(())
     }
 
-    /// What an agent tells and hears of others.
+    /// Events that an agent tells and hears of, as bits: (tells, hears).
     fn senses(&self, agent: u32) -> (u32, u32) {
         let news = self.minds[agent as usize].news;
         let meets = if self.scenario.meets { MEETINGS } else { 0 };
@@ -248,27 +248,27 @@ impl Minds {
         (tells, hears)
     }
 
-    /// True for a scene in which something happens that agents may know of.
+    /// True for a scene with events.
     pub fn has_events(&self) -> bool {
         !self.scenario.events.is_empty()
     }
 
-    /// Number of agents, of whom some may enter later or have left.
+    /// Number of agents, including those that enter later or have left.
     pub fn len(&self) -> usize {
         self.minds.len()
     }
 
-    /// True where there is nobody.
+    /// True where there are no agents.
     pub fn is_empty(&self) -> bool {
         self.minds.is_empty()
     }
 
-    /// Agents that know of any event.
+    /// Number of agents that know of any event.
     pub fn num_informed(&self) -> usize {
         self.minds.iter().filter(|m| m.news != 0).count()
     }
 
-    /// Number of the tags of motion that actions ask for.
+    /// Number of motion tags that actions ask for.
     pub(crate) fn num_motions(&self) -> usize {
         self.scenario.motions.len()
     }
@@ -279,7 +279,7 @@ impl Minds {
         (agent as u32) < self.scenario.groups[group].agents[0] + self.entered[group]
     }
 
-    /// True once the end of the scene has come.
+    /// True once the scene has ended.
     pub fn has_ended(&self) -> bool {
         self.ended
     }
@@ -289,7 +289,7 @@ impl Minds {
         self.minds[agent].news.count_ones()
     }
 
-    /// A number by chance, from 0 up to 1: the next one of an agent.
+    /// Next random number of an agent, from 0 up to 1.
     pub(super) fn chance(&mut self, agent: u32) -> f64 {
         let draws = &mut self.minds[agent as usize].draws;
         *draws += 1;

@@ -1,5 +1,5 @@
-//! Scenarios: people live by rules, state graphs, moods, and what they have seen or been told (Kim, Kim and Shin 2003a,
-//! section 3, and 2003b, section 3). Compiled before the run to flat tables; looked at only when something happens.
+//! Scenarios: agents act by rules, state graphs, values, and what they have seen or been told (Kim, Kim and Shin 2003a,
+//! section 3, and 2003b, section 3). They are compiled to flat tables before the run, and evaluated only at events.
 
 mod boards;
 mod compile;

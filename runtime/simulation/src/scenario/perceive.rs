@@ -1,4 +1,4 @@
-//! What an agent perceives when a predicate is asked.
+//! Perception of an agent while an expression is evaluated.
 
 use super::language::{Attribute, EventAttribute, Load, Perception, PlaceAttribute, Spot, Who};
 use super::mind::{Context, NO};
@@ -7,13 +7,13 @@ use super::stage::Stage;
 use super::tables::{NONE, Party};
 use glam::Vec3;
 
-/// An agent, at an event.
+/// View of an agent in the context of an event.
 pub(super) struct View<'a, S> {
     pub minds: &'a Minds,
     pub stage: &'a S,
     pub agent: u32,
     pub context: Context,
-    /// Random numbers of the agent so far.
+    /// Number of random numbers that the agent has drawn so far.
     pub draws: &'a mut u32,
 }
 
@@ -26,7 +26,7 @@ impl<S: Stage> View<'_, S> {
         }
     }
 
-    /// Where something is; `None` where it is not there (m).
+    /// Position of a spot; `None` where it does not exist (m).
     pub fn spot(&self, spot: Spot) -> Option<Vec3> {
         match spot {
             Spot::Me => self.stage.position(self.agent),
@@ -137,19 +137,19 @@ impl<S: Stage> Perception for View<'_, S> {
 }
 
 impl Minds {
-    /// What one feels for another (-1 to 1).
+    /// Friendship of one agent for another (-1 to 1).
     pub(super) fn friendship(&self, of: u32, to: u32) -> f32 {
         let bonds = self.bonds.get(of as usize).map_or(&[] as &[(u32, f32)], |b| b);
         let bond = bonds.iter().find(|b| b.0 == to).map_or(0.0, |b| b.1);
         (self.relation(of, Party::Agent(to), |r| r.friendship) + bond).clamp(-1.0, 1.0)
     }
 
-    /// How curious one is about another, or a place (-1 to 1).
+    /// Curiosity of an agent about another one, or about a place (-1 to 1).
     pub(super) fn curiosity(&self, of: u32, to: Party) -> f32 {
         self.relation(of, to, |r| r.curiosity)
     }
 
-    /// The last relation that holds for both.
+    /// Value of the last relation that holds for both.
     fn relation(&self, of: u32, to: Party, what: fn(&super::tables::Relation) -> f32) -> f32 {
         let group = |agent: u32| Party::Group(self.minds[agent as usize].group);
         let is = |party: Party, who: Party| match who {
@@ -161,7 +161,7 @@ impl Minds {
             if value.is_nan() || !is(r.of, Party::Agent(of)) || !is(r.to, to) {
                 continue;
             }
-            // Of both sides alike.
+            // The draw is the same from both sides.
             let (a, b) = match to {
                 Party::Agent(other) => (of.min(other), of.max(other)),
                 Party::Place(place) | Party::Group(place) => (of, NONE - u32::from(place)),
@@ -174,7 +174,7 @@ impl Minds {
     }
 }
 
-/// A number by chance from three others, from 0 up to 1 (Steele, Lea and Flood 2014, the mixing of SplitMix64).
+/// Hash of three numbers as a random number, from 0 up to 1 (Steele, Lea and Flood 2014, the mixing of SplitMix64).
 pub(crate) fn hashed(seed: u64, a: u32, b: u32) -> f64 {
     let mix = |mut z: u64| {
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

@@ -1,4 +1,4 @@
-//! What an agent does about what happens to it: rules, states, values that cross a threshold.
+//! Reactions of agents to stimuli: rules, state graphs, values that pass a threshold.
 
 use super::happenings::RETRY_S;
 use super::mind::{Context, Feeling, NO, Reason};
@@ -8,9 +8,9 @@ use super::tables::{Edge, NONE, trigger};
 use super::turns::TurnKind;
 use throng_base::{Error, Result};
 
-/// Stimuli of one agent at one time, from which on it is taken to run in a circle.
+/// Most stimuli of one agent at one time; more are taken to run in a circle.
 const MOST_AT_ONCE: u32 = 100;
-/// How often conditions of events become true at one time, from which on they are taken to run in a circle.
+/// Most rounds in which conditions of events become true at one time; more are taken to run in a circle.
 pub(super) const MOST_ROUNDS: u32 = 1000;
 
 impl Minds {
@@ -29,13 +29,13 @@ impl Minds {
         Ok(any)
     }
 
-    /// Something happens to an agent: a rule is followed, or a graph goes on.
+    /// Handles a stimulus of an agent: follows a rule, or takes an edge of a graph.
     pub(super) fn handle(&mut self, stage: &mut impl Stage, agent: u32, stimulus: Stimulus) -> Result<()> {
         let m = agent as usize;
         let mind = &mut self.minds[m];
         let is_of_behaviour = [trigger::DONE, trigger::FULL, trigger::STUCK].contains(&stimulus.trigger);
         if is_of_behaviour && stimulus.begun != mind.begun {
-            // That behaviour has given way to another one.
+            // The behaviour has been replaced by another one.
             return Ok(());
         }
         if mind.handled_at != self.now {
@@ -60,7 +60,7 @@ impl Minds {
             if let Some(edge) = self.choose_edge(stage, agent, stimulus, first..last) {
                 let Edge { to, number, .. } = self.scenario.edges[edge as usize];
                 let graph = usize::from(self.scenario.states[usize::from(state)].of);
-                // What has ended begins again; what goes on is left alone.
+                // A state that has ended begins again; one that goes on is left alone.
                 let begins = to != state || stimulus.trigger == trigger::DONE;
                 let kind = TurnKind::Takes { level, graph, edge: usize::from(number), changes: begins };
                 self.note(agent, stimulus, kind);
@@ -105,7 +105,7 @@ impl Minds {
             self.note(agent, stimulus, TurnKind::Follows(number as usize));
             if rule.is_instant {
                 self.do_at_once(stage, agent, rule.actions, context)?;
-                // No reason for what the agent goes on doing.
+                // This is no reason for what the agent goes on doing.
                 self.minds[m].reason = before;
                 self.at_once = (self.now, number);
                 return Ok(false);
@@ -156,7 +156,7 @@ impl Minds {
         None
     }
 
-    /// A state begins, and all below it anew.
+    /// Enters a state, and restarts the graphs below it.
     pub(super) fn enter_state(
         &mut self,
         stage: &mut impl Stage,
@@ -188,14 +188,14 @@ impl Minds {
         }
     }
 
-    /// All that an agent does by itself by now.
+    /// Runs all thresholds, timers and actions of an agent that are due.
     pub(super) fn act_in_time(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
         let m = agent as usize;
         while self.minds[m].crossing_at <= self.now {
             let t = self.minds[m].crossing;
             let threshold = self.scenario.thresholds[usize::from(t)];
             let v = m * self.scenario.values.len() + usize::from(threshold.value);
-            // Exactly the threshold: rounding would put it on either side.
+            // The value is set to the threshold exactly: rounding could put it on either side.
             self.feelings[v] = Feeling { value: threshold.at, since: self.now, ..self.feelings[v] };
             self.minds[m].passed |= 1 << t;
             self.push(agent, trigger::EVENTS + self.scenario.events.len() as u16 + t, Context::default());
@@ -213,7 +213,7 @@ impl Minds {
         Ok(())
     }
 
-    /// A value becomes another one now, or changes at another rate.
+    /// Changes a value, or its rate.
     pub(super) fn change_value(&mut self, agent: u32, value: u16, change: impl FnOnce(&mut Feeling)) {
         let (m, scenario) = (agent as usize, self.scenario.clone());
         let table = &scenario.values[usize::from(value)];
@@ -247,7 +247,7 @@ impl Minds {
             let v = usize::from(threshold.value);
             let (feeling, table) = (&self.feelings[m * scenario.values.len() + v], &scenario.values[v]);
             if self.minds[m].passed >> t & 1 == 1 {
-                // On its way back it is armed again, though it cannot pass before the value is changed.
+                // It stays passed until the value is changed.
                 continue;
             }
             if let Some(at) = feeling.reaches(table, threshold).filter(|at| *at < when) {
@@ -266,7 +266,7 @@ impl Minds {
         Ok(())
     }
 
-    /// A reason that names neither rule nor edge yet.
+    /// Reason without rule and edge.
     pub(super) fn reason(&self, Stimulus { trigger, context, .. }: Stimulus) -> Reason {
         let Context { other, place, .. } = context;
         Reason { time_s: self.now, trigger, rule: NONE, edge: NONE, other, place }

@@ -1,8 +1,8 @@
-//! A predicate of ten operations, to be timed.
+//! Sample predicate of ten operations, for measuring time.
 
 use super::language::{Load, Perception, Type, Vocabulary, compile, parse, run};
 
-/// Works out `not (time * 2 + 1 > 5 and time < 100) or time - 3 == 4` so many times; returns the sum.
+/// Evaluates `not (time * 2 + 1 > 5 and time < 100) or time - 3 == 4` so many times; returns the sum.
 pub fn evaluate_sample(times: u32) -> f64 {
     struct Clock(f64);
     impl Perception for Clock {

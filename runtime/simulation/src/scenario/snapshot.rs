@@ -1,4 +1,4 @@
-//! Keeping minds.
+//! Snapshots of agent brains.
 
 use super::boards::Boards;
 use super::deeds::MOST;
@@ -11,7 +11,7 @@ use throng_base::{Result, SnapshotKind};
 
 const KIND: SnapshotKind = SnapshotKind { what: "minds", tag: *b"MIND", version: 4, setup: 0 };
 
-/// All that time changes. Names are those of [`Minds`].
+/// State that changes with time. Names are those of [`Minds`].
 #[derive(Serialize, Deserialize)]
 struct Saved {
     now: f64,
@@ -35,7 +35,7 @@ struct Saved {
 }
 
 impl Minds {
-    /// Appends all that time changes: between two calls, nothing else is left to do.
+    /// Appends the state that changes with time; between two calls there is no other.
     pub fn save(&self, out: &mut Vec<u8>) {
         let saved = Saved {
             now: self.now,
@@ -60,7 +60,7 @@ impl Minds {
         KIND.write(&saved, out);
     }
 
-    /// Goes back to minds of the same scenario at a time (s).
+    /// Restores brains of the same scenario at a time (s).
     ///
     /// # Errors
     /// [`throng_base::Error::Snapshot`]; nothing has changed then.
@@ -77,7 +77,7 @@ impl Minds {
         Ok(())
     }
 
-    /// Why minds cannot be those of this scenario.
+    /// Checks that brains can be those of this scenario.
     fn check(&self, saved: &Saved, time_s: f64) -> std::result::Result<(), &'static str> {
         let scenario = &self.scenario;
         let lengths = [
@@ -104,7 +104,7 @@ impl Minds {
         let is_agent = |agent: u32| agent == NONE || agent < num;
         let is_time = |t: f64| !t.is_nan() && t <= time_s;
         let is_later = |t: f64| !t.is_nan();
-        // What was due is done.
+        // All that was due has been done.
         let times = [&saved.closing, &saved.due, &saved.enters].into_iter().flatten().all(|t| *t >= time_s);
         let past = saved.followed.iter().chain(&saved.happened).all(|t| is_time(*t));
         if !is_time(saved.now) || !times || !past {

@@ -1,4 +1,4 @@
-//! A scenario as flat tables: what the compiler writes and the evaluator reads.
+//! Flat tables of a scenario, which the compiler writes and the evaluator reads.
 
 use super::language::{Amount, Op, Program, Vocabulary};
 use super::verbs::{Effect, Operand, Primitives, WORDS};
@@ -6,12 +6,12 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::text::Source;
 
-/// Nothing of a kind that is numbered.
+/// Number that stands for no item.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// What rules and edges wait for, by number: those that are built in, then the events of the scene, then its thresholds.
+/// Triggers that rules and edges wait for, by number: built-in ones, then the events of the scene, then its thresholds.
 pub(super) mod trigger {
-    /// Names of those that are built in, in the order of their numbers.
+    /// Names of the built-in triggers, in the order of their numbers.
     pub const NAMES: [&str; 10] =
         ["starts", "meets", "enters", "leaves", "crosses", "arrives", "stuck", "done", "full", "timer"];
     pub const STARTS: u16 = 0;
@@ -28,25 +28,25 @@ pub(super) mod trigger {
     pub const EVENTS: u16 = NAMES.len() as u16;
 }
 
-/// How one learns of an event.
+/// Way in which an agent learns of an event.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum How {
-    /// It happens to one.
+    /// The event happens to the agent.
     #[default]
     Happens,
-    /// Somebody tells it.
+    /// Another agent tells of it.
     Told,
-    /// It stands on a board.
+    /// A blackboard shows it.
     Read,
-    /// Another one's emotion is conveyed.
+    /// The emotion of another agent is conveyed.
     Felt,
 }
 
 impl How {
-    /// What predicates call them, in their order.
+    /// Names in predicates, in the order of variants.
     pub const NAMES: [&str; 4] = ["happens", "told", "read", "felt"];
 
-    /// What predicates call it.
+    /// Name in predicates.
     pub fn name(self) -> &'static str {
         Self::NAMES[self as usize]
     }
@@ -65,29 +65,29 @@ pub struct Scenario {
     pub(super) events: Vec<EventTable>,
     pub(super) places: Vec<PlaceTable>,
     pub(super) slots: Vec<Slot>,
-    /// Where things lie at the start (m).
+    /// Positions of things at the start (m).
     pub(super) things: Vec<Vec3>,
     pub(super) rules: Vec<Rule>,
-    /// Of each trigger: its rules, first and last + 1 in `rule_order`.
+    /// Rules of each trigger: first and last + 1 in `rule_order`.
     pub(super) rules_of: Vec<[u32; 2]>,
     pub(super) rule_order: Vec<u32>,
-    /// Rules with a pause.
+    /// Number of rules with a pause.
     pub(super) num_pauses: usize,
     /// Names of graphs.
     pub(super) graphs: Vec<String>,
     pub(super) states: Vec<State>,
-    /// Of each state, in order of states: those from it, then those from any state of its graph.
+    /// Edges of each state, in the order of states: those from it, then those from any state of its graph.
     pub(super) edges: Vec<Edge>,
     pub(super) actions: Vec<Action>,
-    /// Corners of ways that actions follow (m).
+    /// Corners of paths that actions follow (m).
     pub(super) ways: Vec<Vec<Vec3>>,
     pub(super) relations: Vec<Relation>,
     pub(super) groups: Vec<GroupTable>,
-    /// Tags of motion that actions name.
+    /// Motion tags that actions name.
     pub(super) motions: Vec<String>,
     pub(super) boards: BoardTable,
     pub(super) end: EndTable,
-    /// Something waits for places, for people to meet, for cells.
+    /// Whether any rule or edge needs places, meetings and cells to be sensed.
     pub(crate) senses_zones: bool,
     pub(super) meets: bool,
     pub(crate) senses_cells: bool,
@@ -97,15 +97,15 @@ pub struct Scenario {
 pub(super) struct ValueTable {
     pub start: [f32; 2],
     pub rate: f32,
-    /// Where it rests, and how fast it goes there (1/s, 0 for never).
+    /// Value of rest, and rate of the return to it (1/s, 0 for none).
     pub rest: f32,
     pub pull: f32,
     pub limits: [f32; 2],
-    /// Its thresholds: first and last + 1.
+    /// Range of its thresholds: first and last + 1.
     pub thresholds: [u16; 2],
 }
 
-/// A value passes a number.
+/// Threshold of a value.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Threshold {
     pub value: u16,
@@ -116,20 +116,20 @@ pub(super) struct Threshold {
 #[derive(Clone, Debug)]
 pub(super) struct EventTable {
     pub schedule: Schedule,
-    /// To whom it happens; all where absent.
+    /// Predicate of the agents to which it happens; all where absent.
     pub who: Option<Program>,
     pub nobody: bool,
-    /// Bit by which it is told on.
+    /// Bit by which agents pass it on.
     pub channel: Option<u8>,
     pub posted: bool,
     pub fresh_s: f64,
-    /// Doors that open with it (true) or close.
+    /// Doors that open (true) or close with it.
     pub doors: Vec<(u16, bool)>,
-    /// It happens when this becomes true.
+    /// Condition at which it happens, each time that it becomes true.
     pub condition: Option<Program>,
 }
 
-/// When something happens.
+/// Schedule of an event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Schedule {
     Never,
@@ -145,10 +145,10 @@ pub(super) struct PlaceTable {
     pub radius_m: f32,
     pub kind: u16,
     pub guidepost: bool,
-    /// Bit of those that are entered once.
+    /// Bit among the places that are entered once.
     pub once: Option<u8>,
     pub arrow: Option<u16>,
-    /// Its slots: first and last + 1.
+    /// Range of its slots: first and last + 1.
     pub slots: [u32; 2],
     pub is_queue: bool,
 }
@@ -163,33 +163,33 @@ pub(super) struct Slot {
 #[derive(Clone, Debug)]
 pub(super) struct Rule {
     pub name: String,
-    /// Bits of groups.
+    /// Groups that it is for, as bits.
     pub who: u64,
     pub when: Option<Program>,
     pub probability: f32,
-    /// Its actions: first; an end follows the last.
+    /// First of its actions; an end follows the last.
     pub actions: u32,
-    /// All of its actions take no time.
+    /// Whether all of its actions take no time.
     pub is_instant: bool,
     pub priority: i8,
     pub pause_s: f32,
-    /// Number among those with a pause.
+    /// Number among the rules with a pause.
     pub pause: u32,
 }
 
 #[derive(Clone, Debug)]
 pub(super) struct State {
     pub name: String,
-    /// Number of the name.
+    /// Number of the name among those of states.
     pub word: u16,
     pub level: u8,
-    /// Its graph.
+    /// Number of its graph.
     pub of: u16,
     /// First of its actions; [`NONE`] where it has none.
     pub actions: u32,
-    /// State in which its graph begins; [`NONE`] where it has none.
+    /// Start state of the graph below it; [`NONE`] where it has none.
     pub graph: u32,
-    /// Its edges: first and last + 1.
+    /// Range of its edges: first and last + 1.
     pub edges: [u32; 2],
 }
 
@@ -198,7 +198,7 @@ pub(super) struct Edge {
     pub trigger: u16,
     pub to: u16,
     pub when: Option<Program>,
-    /// A share of what the others leave where negative.
+    /// Probability; where negative, an equal share of what the other edges leave.
     pub probability: f32,
     /// Number among the edges of its graph, as in the scene file.
     pub number: u16,
@@ -208,33 +208,33 @@ pub(super) struct Edge {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Action {
     End,
-    /// The way to the goal of a happening.
+    /// Walks to the goal of a happening.
     Happening(u16),
     Effect(Effect, [Operand; WORDS]),
     Primitive {
         number: u16,
         words: [Operand; WORDS],
-        /// Number of the motion's tag.
+        /// Number of the motion tag.
         motion: Option<u16>,
-        /// Way of [`Scenario::ways`] that it follows.
+        /// Path of [`Scenario::ways`] that it follows.
         way: Option<u16>,
         claims: Claims,
     },
 }
 
-/// Whether an action takes a slot.
+/// Claim of an action on a slot or a thing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Claims {
     Nothing,
     Slot,
-    /// And waits until a slot of this place is free, where one is named.
+    /// Claims a slot of a queue, and waits until a slot of this place is free, where one is named.
     Queue(Option<u16>),
-    /// No slot, but a thing, which is taken or put down.
+    /// Claims a thing, which is taken.
     Take(u16),
     Put(u16),
 }
 
-/// Somebody, or a place.
+/// Party of a relation: an agent, a group or a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Party {
     Group(u16),
@@ -255,45 +255,45 @@ pub(super) struct Relation {
 pub(super) struct GroupTable {
     /// Number in the scene file.
     pub number: usize,
-    /// State in which its people begin; [`NONE`] where they follow their goal.
+    /// Start state of its agents; [`NONE`] where they follow their goal.
     pub start: u32,
-    /// Its agents: first and last + 1.
+    /// Range of its agents: first and last + 1.
     pub agents: [u32; 2],
-    /// Who is there at the start.
+    /// Number of its agents that are there at the start.
     pub there: u32,
-    /// (from time, per second).
+    /// Rates of entry, as (from time, per second) (s, 1/s).
     pub rates: Vec<[f64; 2]>,
 }
 
-/// Boards of cells: levels of squares, each twice as wide as those of the level below.
+/// Blackboards of cells: levels of squares, each twice as wide as those of the level below.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct BoardTable {
-    /// Side of the smallest (m); 0 where there are none.
+    /// Side of the smallest cells; 0 where there are none (m).
     pub cell_m: f32,
     pub levels: u32,
 }
 
-/// When the scene ends.
+/// End of the scene.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct EndTable {
-    /// Bits of groups that have to have left; 0 for none.
+    /// Groups that must have left, as bits; 0 for none.
     pub left: u64,
     pub known: Option<u16>,
     pub event: Option<u16>,
 }
 
 impl Scenario {
-    /// True where agents notice each other's coming near: for news that are told on, or for `meets`.
+    /// True where agents must sense each other nearby, to pass events on or for `meets`.
     pub(crate) fn senses_meetings(&self) -> bool {
         self.meets || self.events.iter().any(|e| e.channel.is_some())
     }
 
-    /// True where likings change.
+    /// True where an action changes relationships.
     pub(super) fn befriends(&self) -> bool {
         self.actions.iter().any(|a| matches!(a, Action::Effect(Effect::Befriend, _)))
     }
 
-    /// The largest speed that an action names, and some more for those that work it out (m/s).
+    /// Largest speed that an action names as a number (m/s).
     pub(crate) fn largest_speed_mps(&self) -> f32 {
         self.actions.iter().filter_map(|a| a.speed(&self.primitives)).fold(0.0, f32::max)
     }
@@ -315,7 +315,7 @@ impl Scenario {
         }
     }
 
-    /// Amount of the moment, with nothing to look at where it is a number.
+    /// Evaluates an amount.
     pub(super) fn amount(&self, amount: Amount, perception: &mut impl super::language::Perception) -> f64 {
         match amount {
             Amount::Number(number) => number,
@@ -325,7 +325,7 @@ impl Scenario {
 }
 
 impl Action {
-    /// A speed that it names (m/s).
+    /// Speed that the action names as a number; `None` for others (m/s).
     fn speed(&self, primitives: &Primitives) -> Option<f32> {
         let amount = match self {
             Self::Effect(Effect::Speed, words) => words[0],

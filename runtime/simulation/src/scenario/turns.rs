@@ -1,21 +1,21 @@
-//! What happens in minds, one after the other, for those who watch: kept only where it is asked for.
+//! Turns: records of what happens in agent brains, kept only on request.
 
 use super::mind::{Context, NO};
 use super::minds::{Minds, Stimulus};
 use super::tables::{NONE, trigger};
 
-/// Something that happened in a mind.
+/// Turn: one event in an agent's brain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
-    /// When (s).
+    /// Time (s).
     pub time_s: f64,
     /// Number of the agent.
     pub agent: usize,
-    /// What.
+    /// Kind of the turn.
     pub kind: TurnKind,
-    /// Number of what it followed on, for [`Minds::name_of`].
+    /// Number of its trigger, for [`Minds::name_of`].
     pub on: u16,
-    /// Who was met, or told.
+    /// Number of the agent that was met, or that told of the event.
     pub other: Option<usize>,
     /// Number of the place, in [`Minds::places`].
     pub place: Option<usize>,
@@ -23,20 +23,20 @@ pub struct Turn {
     pub event: Option<usize>,
 }
 
-/// Kinds of turns.
+/// Kind of a turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TurnKind {
-    /// It entered the scene.
+    /// The agent entered the scene.
     Starts,
-    /// It came to a place.
+    /// The agent came to a place.
     Enters,
-    /// It went from a place.
+    /// The agent left a place.
     Leaves,
-    /// It came to know of an event: "happens", "told", "read" or "felt".
+    /// The agent learnt of an event: "happens", "told", "read" or "felt".
     Learns(&'static str),
-    /// It followed a rule, of this number.
+    /// The agent followed a rule, of this number.
     Follows(usize),
-    /// It took an edge.
+    /// The agent took an edge of a graph.
     Takes {
         /// Level of the graph: 0 is the highest.
         level: usize,
@@ -44,12 +44,12 @@ pub enum TurnKind {
         graph: usize,
         /// Number of the edge in its graph, as in the scene file.
         edge: usize,
-        /// It led to another state, so that all below began anew.
+        /// Whether it led to another state, so that all graphs below began anew.
         changes: bool,
     },
 }
 
-/// A state that an agent is in.
+/// Current state of an agent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StateNow<'a> {
     /// Name of the graph.
@@ -59,17 +59,17 @@ pub struct StateNow<'a> {
 }
 
 impl Minds {
-    /// Keeps what happens from now on, for [`Minds::turns`].
+    /// Starts to record turns, for [`Minds::turns`].
     pub(crate) fn record_turns(&mut self) {
         self.turns.get_or_insert_default();
     }
 
-    /// Forgets what has happened.
+    /// Removes the recorded turns.
     pub(crate) fn clear_turns(&mut self) {
         self.turns.iter_mut().for_each(Vec::clear);
     }
 
-    /// What happened in the last step, or at the last call from outside, in its order; empty unless it is recorded
+    /// Turns of the last step, or of the last external call, in order; empty unless they are recorded
     /// ([`crate::agents::Agents::record_events`]).
     pub fn turns(&self) -> &[Turn] {
         self.turns.as_deref().unwrap_or_default()
@@ -83,7 +83,7 @@ impl Minds {
         })
     }
 
-    /// Name of what turns follow on: an event, `enters`, `done` and others.
+    /// Name of a trigger of turns: an event, `enters`, `done` and others.
     pub fn name_of(&self, on: u16) -> String {
         self.scenario.trigger_name(on)
     }
@@ -98,7 +98,7 @@ impl Minds {
         &self.scenario.names.places.0
     }
 
-    /// Notes what an agent senses, where somebody watches and it is of interest by itself.
+    /// Records a stimulus as a turn of its own, where turns are recorded and the stimulus is of interest by itself.
     pub(super) fn note_sensed(&mut self, agent: u32, stimulus: Stimulus) {
         if self.turns.is_none() {
             return;
@@ -115,7 +115,7 @@ impl Minds {
         self.note(agent, stimulus, kind);
     }
 
-    /// How an agent learns just now of the event of a context; `None` where it knew of it.
+    /// Way in which an agent has just learnt of the event of a context; `None` where it knew of it before.
     fn new_to(&self, agent: u32, context: Context) -> Option<&'static str> {
         if context.event == NO {
             return None;
@@ -126,7 +126,7 @@ impl Minds {
         is_it.then(|| context.how.name())
     }
 
-    /// Notes a turn, where somebody watches.
+    /// Records a turn, where turns are recorded.
     pub(super) fn note(&mut self, agent: u32, stimulus: Stimulus, kind: TurnKind) {
         let (time_s, context) = (self.now, stimulus.context);
         let some = |number: u16| (number != NO).then_some(usize::from(number));

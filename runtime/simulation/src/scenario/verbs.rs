@@ -1,15 +1,15 @@
-//! What people can do: effects, which take no time, and primitive behaviours, which are functions registered by name.
+//! Actions of agents: effects, which take no time, and primitive behaviours, which are functions registered by name.
 
 use super::language::Amount;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// What a word of an action says.
+/// Kind of an argument of an action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Word {
     /// A number, or an expression for one.
     Amount,
-    /// A place by its name, a point, `me`, `other`, `home` or `place` (that of the event).
+    /// A place by its name, a point, `me`, `other`, `home`, or `place` for that of the event.
     Target,
     /// A target; where it is a place with slots, one of them is claimed.
     Slot,
@@ -27,162 +27,162 @@ pub enum Word {
     Take,
     /// Name of a thing that is put down.
     Put,
-    /// Where a thing lies: x, y up, z (m).
+    /// Position of a thing: x, y up, z (m).
     Rest,
-    /// Tag of motion of the bundle.
+    /// Motion tag of the bundle.
     Motion,
-    /// Points of a way (m).
+    /// Points of a path (m).
     Points,
     /// Yes or no.
     Flag,
 }
 
-/// What takes no time.
+/// Effect of an action that takes no time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Effect {
-    /// A value becomes another.
+    /// Sets a value.
     Set,
-    /// A value grows.
+    /// Adds to a value.
     Add,
-    /// A value changes faster or slower.
+    /// Sets the rate of a value.
     Rate,
-    /// The desired speed changes.
+    /// Sets the desired speed.
     Speed,
-    /// An event goes to a board.
+    /// Posts an event on a blackboard.
     Post,
-    /// One knows of an event, and tells of it.
+    /// The agent learns of an event, and passes it on.
     Learn,
-    /// An event is conveyed to those within a radius, weaker farther off and to strangers.
+    /// Conveys an event to agents within a radius, weaker at a distance and, where asked for, to strangers.
     Convey,
-    /// One likes the other more or less.
+    /// Changes the liking for the other agent.
     Befriend,
-    /// A door opens.
+    /// Opens a door.
     Open,
-    /// A door closes, once nobody stands in it.
+    /// Closes a door, as soon as no agent stands in it.
     Close,
-    /// One holds no slot any more.
+    /// Releases the slot that the agent holds.
     Release,
-    /// `timer` happens later.
+    /// Sets the time until `timer` happens.
     Timer,
 }
 
-/// A primitive behaviour: a name, its words, and a function.
+/// Primitive behaviour: a name, its arguments, and a function.
 #[derive(Clone, Copy, Debug)]
 pub struct Primitive {
-    /// What scene files call it.
+    /// Name in scene files.
     pub name: &'static str,
-    /// Its words: the name, and what it says. The first is said of the behaviour's own name.
+    /// Names and kinds of its arguments. The first argument has the behaviour's own name.
     pub words: &'static [(&'static str, Word)],
-    /// Motion of the bundle, by its tag, where the words name none.
+    /// Motion tag of the bundle, where the arguments name none.
     pub motion: Option<&'static str>,
-    /// What it does now.
+    /// Function that returns what the agent does now.
     pub act: fn(&Sight, &Said) -> Deed,
 }
 
-/// What a primitive behaviour sees.
+/// Input of a primitive behaviour: the state of the agent.
 #[derive(Clone, Copy, Debug)]
 pub struct Sight {
     /// Simulated time (s).
     pub time_s: f64,
-    /// Where one is (m).
+    /// Position of the agent (m).
     pub position: Vec3,
-    /// How one moves (m/s).
+    /// Velocity of the agent (m/s).
     pub velocity: Vec3,
-    /// How fast one wants to be (m/s).
+    /// Desired speed of the agent (m/s).
     pub desired_mps: f32,
-    /// Where one entered (m).
+    /// Position at which the agent entered (m).
     pub home: Vec3,
-    /// Number by chance, from 0 up to 1.
+    /// Random numbers, from 0 up to 1.
     pub chance: [f32; 2],
 }
 
-/// Most words of an action.
+/// Most arguments of an action.
 pub(super) const WORDS: usize = 5;
 
-/// What the words of an action say now, in the order of [`Primitive::words`]; `None` where one is not said.
+/// Values of an action's arguments, in the order of [`Primitive::words`]; `None` for one that is not given.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Said {
     /// Amounts and flags.
     pub amounts: [Option<f64>; WORDS],
-    /// Where targets are (m).
+    /// Positions of targets (m).
     pub targets: [Option<Vec3>; WORDS],
-    /// What a slot faces (m).
+    /// Position that the agent of a slot faces (m).
     pub facing: Option<Vec3>,
-    /// How near to the target is there (m); by it, others come near and not on top.
+    /// Distance from the target at which the agent has arrived, so that it does not stand on it (m).
     pub arrival_m: f32,
 }
 
 impl Said {
-    /// An amount, or what it is where nothing is said.
+    /// Amount of an argument, or `otherwise` where it is not given.
     pub fn amount(&self, word: usize, otherwise: f64) -> f64 {
         self.amounts[word].unwrap_or(otherwise)
     }
 }
 
-/// What one does: walk somewhere, then stay there for a time.
+/// Action command of an agent: to walk somewhere, then to stay there for a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deed {
-    /// Where one goes first.
+    /// Walk at the beginning.
     pub walk: Walk,
-    /// How fast; as before where absent (m/s).
+    /// Speed; as before where absent (m/s).
     pub speed_mps: Option<f32>,
-    /// What one faces, having arrived (m).
+    /// Position that the agent faces after arrival (m).
     pub faces: Option<Vec3>,
-    /// How long one stays then (s); infinite for ever.
+    /// Time to stay after arrival; infinite where it never ends (s).
     pub stay_s: f64,
-    /// When the function is asked anew on the way (s); 0 never.
+    /// Interval after which the function is called again on the way; 0 for never (s).
     pub again_s: f64,
-    /// When it ends, whether one has arrived or not (s after its begin); infinite for never.
+    /// Longest duration of the behaviour, whether the agent has arrived or not; infinite for no limit (s).
     pub most_s: f64,
 }
 
-/// Where one goes.
+/// Walk of an action command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Walk {
-    /// One goes on as before.
+    /// Goes on as before.
     Keep,
-    /// One stays where one is.
+    /// Stops where the agent is.
     Halt,
-    /// To a place (m).
+    /// Walks to a place.
     To {
-        /// Where.
+        /// Position (m).
         at: Vec3,
-        /// How near is there.
+        /// Distance at which the agent has arrived (m).
         arrival_m: f32,
     },
-    /// To a place (m), and out of the scene.
+    /// Walks to a place, and leaves the scene there.
     Out {
-        /// Where.
+        /// Position (m).
         at: Vec3,
-        /// How near is there.
+        /// Distance at which the agent has arrived (m).
         arrival_m: f32,
     },
-    /// Along the points that the words name.
+    /// Walks along the points that the arguments name.
     Along,
 }
 
 impl Deed {
-    /// Walks somewhere.
+    /// Command to walk.
     pub fn walk(walk: Walk) -> Self {
         Self { walk, speed_mps: None, faces: None, stay_s: 0.0, again_s: 0.0, most_s: f64::INFINITY }
     }
 
-    /// Stays where one is.
+    /// Command to stay in place for some time (s).
     pub fn stay(seconds: f64) -> Self {
         Self { stay_s: seconds, ..Self::walk(Walk::Halt) }
     }
 }
 
-/// A verb of scene files.
+/// Action that scene files can name.
 #[derive(Clone, Copy, Debug)]
 pub enum Verb {
-    /// Takes no time.
+    /// Effect, which takes no time.
     Effect(Effect),
-    /// Number in [`Primitives`].
+    /// Primitive behaviour, by its number in [`Primitives`].
     Primitive(u16),
 }
 
-/// Effects: name, words, and what they do.
+/// Effect of scene files: name, arguments and effect.
 type EffectWords = (&'static str, &'static [(&'static str, Word)], Effect);
 
 const EFFECTS: &[EffectWords] = &[
@@ -204,19 +204,19 @@ const EFFECTS: &[EffectWords] = &[
     ("timer", &[("timer", Word::Amount)], Effect::Timer),
 ];
 
-/// All primitive behaviours that scene files may name.
+/// Action registry: all primitive behaviours that scene files may name.
 #[derive(Clone, Debug)]
 pub struct Primitives(Vec<Primitive>);
 
 impl Default for Primitives {
-    /// Those that come with Throng.
+    /// Registry of the built-in primitive behaviours.
     fn default() -> Self {
         Self(BUILT_IN.to_vec())
     }
 }
 
 impl Primitives {
-    /// Adds one; the last of a name counts.
+    /// Adds a primitive behaviour, in place of one of the same name.
     pub fn with(mut self, primitive: Primitive) -> Self {
         self.0.retain(|p| p.name != primitive.name);
         self.0.push(primitive);
@@ -228,14 +228,14 @@ impl Primitives {
         &self.0[usize::from(number)]
     }
 
-    /// The verb of a name, and its words.
+    /// Action of a name, with its arguments.
     pub fn verb(&self, name: &str) -> Option<(Verb, &'static [(&'static str, Word)])> {
         let effect = EFFECTS.iter().find(|e| e.0 == name).map(|e| (Verb::Effect(e.2), e.1));
         let own = || self.0.iter().position(|p| p.name == name);
         effect.or_else(|| own().map(|n| (Verb::Primitive(n as u16), self.0[n].words)))
     }
 
-    /// Names of all verbs.
+    /// Names of all actions.
     pub fn verbs(&self) -> impl Iterator<Item = &'static str> + '_ {
         EFFECTS.iter().map(|e| e.0).chain(self.0.iter().map(|p| p.name))
     }
@@ -317,7 +317,7 @@ fn speed(said: &Said) -> Option<f32> {
     said.amounts[1].map(|speed| speed.clamp(0.0, 100.0) as f32)
 }
 
-/// To a target, and to stay there for the seconds of word 2.
+/// Command to walk to a target, and to stay there for the seconds of argument 2.
 fn to(said: &Said, stay_s: f64, arrival: Option<usize>) -> Deed {
     let arrival_m = arrival.and_then(|word| said.amounts[word]).map_or(said.arrival_m, |m| m as f32);
     let stay_s = if arrival.is_some() { 0.0 } else { said.amount(2, stay_s) };
@@ -329,15 +329,15 @@ fn to(said: &Said, stay_s: f64, arrival: Option<usize>) -> Deed {
     }
 }
 
-/// Stays, facing a target, for the seconds of word 1.
+/// Command to stay, facing a target, for the seconds of argument 1.
 fn towards(said: &Said, stay_s: f64) -> Deed {
     Deed { faces: said.targets[0], ..Deed::stay(said.amount(1, stay_s)) }
 }
 
-/// How far apart two stand who give each other a hand (m).
+/// Distance of two agents that shake hands (m).
 const HANDS_M: f32 = 1.05;
 
-/// Goes to within reach of a target, and stays there as [`towards`] does.
+/// Command to walk to within reach of a target, and to stay there as [`towards`] does.
 fn reach(sight: &Sight, said: &Said, stay_s: f64) -> Deed {
     let stays = towards(said, stay_s);
     match said.targets[0].filter(|at| at.distance(sight.position) > 1.1 * HANDS_M) {
@@ -349,21 +349,21 @@ fn reach(sight: &Sight, said: &Said, stay_s: f64) -> Deed {
     }
 }
 
-/// Goes on for some seconds at another speed: that of word 1, or this share of the desired one. Afterwards the speed is what
-/// it was.
+/// Command to go on for some seconds at another speed: that of argument 1, or this share of the desired one. Afterwards the
+/// speed is as before.
 fn pace(sight: &Sight, said: &Said, share: f32) -> Deed {
     let speed_mps = speed(said).or(Some(sight.desired_mps * share));
     Deed { speed_mps, most_s: said.amount(0, 5.0), stay_s: f64::INFINITY, ..Deed::walk(Walk::Keep) }
 }
 
-/// What a compiled action says in one word.
+/// Argument of a compiled action.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) enum Operand {
     #[default]
     Nothing,
     Amount(Amount),
     Spot(super::language::Spot),
-    /// Where the arrow of the event's place points.
+    /// Place to which the arrow of the event's place points.
     Arrow,
     Point([f32; 3]),
     Number(u16),

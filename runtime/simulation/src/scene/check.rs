@@ -1,4 +1,4 @@
-//! Checks of what a scene file says.
+//! Checks of the values of a scene file.
 
 use super::goal::GoalConfig;
 use super::group::{GroupConfig, Motion, WishConfig};
@@ -10,7 +10,7 @@ use throng_base::limits::{self, Limit};
 use throng_base::text::Source;
 use toml::de::DeValue;
 
-/// A key, and what is wrong with its value.
+/// Fault of a scene file: a key, and a description of what is wrong with its value.
 pub(super) type Fault = (String, String);
 
 /// Most behaviours that are weighed against each other.
@@ -25,7 +25,7 @@ const MAX_POINTS: usize = 30_000_000;
 /// Most knots of the ground of all groups with paths (2 GB).
 const MAX_KNOTS: usize = 1 << 29;
 
-/// Keys of a group that some kinds of motion have, and which.
+/// Keys of a group that only some kinds of motion have, with these kinds.
 const KEYS: [(&str, &[Motion]); 22] = {
     use Motion::{Blend, None as Bare, Patches, Policy, Sparring};
     [
@@ -87,7 +87,7 @@ pub(super) fn foreign_keys(scene: &Scene) -> Checked<()> {
     Ok(())
 }
 
-/// Checks all that a scene says.
+/// Checks all values of a scene.
 pub(super) fn scene(scene: &Scene) -> Result<(), Fault> {
     check_limit("seconds", scene.seconds, &limits::SECONDS)?;
     check_numbers(&[("environment.hills_m", scene.environment.hills_m, 0.0, 10.0)])?;
@@ -201,7 +201,7 @@ fn group_of(scene: &Scene, g: usize, group: &GroupConfig) -> Result<(), Fault> {
     }
 }
 
-/// Where agents start and go.
+/// Checks the keys of agents: starts, goals, sizes and speeds.
 fn agents(at: &impl Fn(&str) -> String, group: &GroupConfig, dimensions: usize) -> Result<(), Fault> {
     match &group.place {
         Some(PlaceConfig::Grid { .. }) => {
@@ -237,7 +237,7 @@ fn agents(at: &impl Fn(&str) -> String, group: &GroupConfig, dimensions: usize) 
     ])
 }
 
-/// What blended bodies are like, and their paths.
+/// Checks the keys of blended bodies and their paths.
 fn blended(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Fault> {
     let num = group.spaces.len();
     if !(1..=MAX_SPACES).contains(&num) {
@@ -269,7 +269,7 @@ fn blended(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Faul
     ])
 }
 
-/// What characters with behaviours weigh, and what they strike.
+/// Checks the keys of characters with policies: behaviours and targets.
 fn chosen(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Fault> {
     if group.motion == Motion::Sparring && !group.count.is_multiple_of(2) {
         return fault(&at("count"), format!("expected an even number for pairs, found {}", group.count));
@@ -308,7 +308,7 @@ fn chosen(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Fault
     Ok(())
 }
 
-/// What characters in a world wish.
+/// Checks the goals of characters in a world.
 fn wishes(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Fault> {
     for (i, w) in group.wishes.iter().enumerate() {
         if !(w.share > 0.0 && w.share < 1e6) {
@@ -330,7 +330,7 @@ fn wishes(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Fault
     Ok(())
 }
 
-/// A fault of a key.
+/// Returns a fault of a key.
 pub(super) fn fault<T>(key: &str, why: impl Into<String>) -> Result<T, Fault> {
     Err((key.into(), why.into()))
 }
@@ -339,7 +339,7 @@ fn check_count(key: &str, count: usize) -> Result<(), Fault> {
     check_limit(key, count as f64, &limits::CHARACTERS)
 }
 
-/// A number within its limit.
+/// Checks that a number is within its limit.
 fn check_limit(key: &str, value: f64, limit: &Limit) -> Result<(), Fault> {
     match limit.holds(value) {
         true => Ok(()),
@@ -347,7 +347,7 @@ fn check_limit(key: &str, value: f64, limit: &Limit) -> Result<(), Fault> {
     }
 }
 
-/// Numbers between bounds, as (key, value, lowest, highest); NaN is never between them.
+/// Checks that numbers are between bounds, given as (key, value, lowest, highest); NaN never is.
 pub(super) fn check_numbers<N: PartialOrd + Display>(numbers: &[(&str, N, N, N)]) -> Result<(), Fault> {
     match numbers.iter().find(|(_, value, low, high)| !(low <= value && value <= high)) {
         Some((key, value, low, high)) => fault(key, format!("expected {low} to {high}, found {value}")),
@@ -355,7 +355,7 @@ pub(super) fn check_numbers<N: PartialOrd + Display>(numbers: &[(&str, N, N, N)]
     }
 }
 
-/// Ranges between bounds, as (key, range, lowest, highest).
+/// Checks that ranges are between bounds, given as (key, range, lowest, highest).
 pub(super) fn check_ranges(ranges: &[(&str, [f32; 2], f32, f32)]) -> Result<(), Fault> {
     match ranges.iter().find(|(_, [from, to], low, high)| !(low <= from && from <= to && to <= high)) {
         Some((key, [from, to], low, high)) => {
@@ -365,7 +365,7 @@ pub(super) fn check_ranges(ranges: &[(&str, [f32; 2], f32, f32)]) -> Result<(), 
     }
 }
 
-/// A point with as many numbers as the scene's space has.
+/// Checks that a point has as many numbers as the scene's space has dimensions.
 pub(crate) fn check_point(key: &str, point: &[f32], dimensions: usize) -> Result<(), Fault> {
     if point.len() != dimensions {
         let what = if dimensions == 2 { "2 numbers (x, z) on the ground" } else { "3 numbers (x, y, z) in the air" };
@@ -374,7 +374,7 @@ pub(crate) fn check_point(key: &str, point: &[f32], dimensions: usize) -> Result
     point.iter().try_for_each(|v| check_limit(key, f64::from(*v), &limits::COORDINATE))
 }
 
-/// Two opposite corners, the lowest first.
+/// Checks two opposite corners, the lowest first.
 pub(super) fn check_corners(key: &str, from: &[f32], to: &[f32], dimensions: usize) -> Result<(), Fault> {
     check_point(&format!("{key}.from"), from, dimensions)?;
     check_point(&format!("{key}.to"), to, dimensions)?;

@@ -1,4 +1,4 @@
-//! Where everybody is, and how agents keep clear of each other.
+//! Environment of a scene, and settings of agents.
 
 use super::obstacle::ObstacleConfig;
 use super::story::DoorConfig;
@@ -8,14 +8,14 @@ use std::path::PathBuf;
 use throng_base::ground::{Held, Rod};
 use throng_crowd::{Field, Obstacle, Scheme};
 
-/// Where everybody is.
+/// Environment of a scene: space, obstacles, doors, ground and world.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct EnvironmentConfig {
-    /// Points have two numbers on the ground (x, z) and three in the air (x, y, z) (m).
+    /// Space of agents: points have two numbers on the ground (x, z) and three in the air (x, y, z) (m).
     pub space: SpaceConfig,
-    /// What stands or moves in the way of agents.
+    /// Fixed and moving obstacles of agents.
     pub obstacles: Vec<ObstacleConfig>,
     /// Walls that open and close.
     pub doors: Vec<DoorConfig>,
@@ -28,12 +28,12 @@ pub struct EnvironmentConfig {
 }
 
 impl EnvironmentConfig {
-    /// Heights of what stands on the ground, part by part, as the crowd has it (m).
+    /// Heights of obstacles on the ground, part by part, as the crowd has them (m).
     pub fn heights_m(&self) -> impl Iterator<Item = f32> + '_ {
         self.on_ground().flat_map(|o| o.obstacles::<Vec2>().into_iter().map(|_| o.height_m))
     }
 
-    /// All that stands on the ground, as lines with a thickness (none in the air).
+    /// Fixed obstacles on the ground as capsules (none in the air).
     pub(crate) fn walls(&self) -> Vec<Rod> {
         let rod = |from, to, radius_m| Rod { from, to, radius_m };
         let around = |corners: &[Vec2]| -> Vec<Rod> {
@@ -50,7 +50,7 @@ impl EnvironmentConfig {
         self.on_ground().flat_map(|o| o.obstacles::<Vec2>()).flat_map(of).collect()
     }
 
-    /// What moves on the ground by itself, as it is at a time (none in the air).
+    /// Adds the moving obstacles on the ground at a time, and the ground that they reserve (none in the air).
     pub(crate) fn movers(&self, time_s: f64, out: &mut Held) {
         for mover in self.on_ground().filter_map(|o| o.mover.as_ref()) {
             out.ahead(mover.at(time_s));
@@ -62,7 +62,7 @@ impl EnvironmentConfig {
     }
 }
 
-/// Where agents move.
+/// Space in which agents move.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -75,7 +75,7 @@ pub enum SpaceConfig {
 }
 
 impl SpaceConfig {
-    /// Numbers of a point.
+    /// Number of coordinates of a point.
     pub fn dimensions(self) -> usize {
         match self {
             Self::Ground => 2,
@@ -84,22 +84,22 @@ impl SpaceConfig {
     }
 }
 
-/// How agents keep clear of each other.
+/// Settings of agents: how they avoid each other, and what they sense.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct AgentsConfig {
-    /// What finds out when somebody has to act: events, occupancy or fixed.
+    /// Scheme that finds out when an agent has to act: events, occupancy or fixed.
     #[serde(with = "engine")]
     #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub engine: Scheme,
-    /// How near two come who tell each other news, and to whom `meets` happens: between their middles (m, 0.1 to 100).
+    /// Distance between the centres of two agents at which they tell each other news, and `meets` happens (m, 0.1 to 100).
     pub telling_m: f32,
-    /// Side of the smallest cells that have boards; 0 for none (m, 0 to 1000).
+    /// Side of the smallest cells with blackboards; 0 for none (m, 0 to 1000).
     pub cell_m: f32,
-    /// Leads agents around obstacles that stand; otherwise they go straight and only give way.
+    /// Whether paths lead around fixed obstacles; otherwise agents go straight and only avoid them.
     pub routes: bool,
-    /// Parameters of the force field; those left out are as they come.
+    /// Parameters of the force field; those left out have their defaults.
     #[cfg_attr(feature = "schema", schemars(with = "std::collections::BTreeMap<String, f32>"))]
     pub field: Field,
 }
@@ -115,7 +115,7 @@ pub mod engine {
     use serde::{Deserialize, Deserializer, Serializer, de::Error};
     use throng_crowd::Scheme;
 
-    /// All engines and their names; those to compare with need the feature `baselines`.
+    /// All schemes with their names; those for comparison need the feature `baselines`.
     pub const ALL: &[(&str, Scheme)] = &[
         ("events", Scheme::Registration),
         #[cfg(feature = "baselines")]
@@ -126,22 +126,22 @@ pub mod engine {
         ("pairs", Scheme::Pairs),
     ];
 
-    /// The names, for messages.
+    /// Names of all schemes, for messages.
     pub fn names() -> String {
         ALL.iter().map(|e| e.0).collect::<Vec<_>>().join(", ")
     }
 
-    /// Its name.
+    /// Name of a scheme.
     pub fn name(scheme: Scheme) -> &'static str {
         ALL.iter().find(|e| e.1 == scheme).map_or("", |e| e.0)
     }
 
-    /// The engine of a name.
+    /// Scheme of a name.
     pub fn named(name: &str) -> Option<Scheme> {
         ALL.iter().find(|e| e.0 == name).map(|e| e.1)
     }
 
-    /// Writes the name.
+    /// Serializes the name of a scheme.
     ///
     /// # Errors
     /// Those of the serializer.
@@ -149,10 +149,10 @@ pub mod engine {
         to.serialize_str(name(*scheme))
     }
 
-    /// Reads a name.
+    /// Deserializes a scheme from its name.
     ///
     /// # Errors
-    /// A message with the names that there are.
+    /// A message with all known names.
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Scheme, D::Error> {
         let text = String::deserialize(from)?;
         let known = names();

@@ -1,37 +1,37 @@
-//! Where agents go.
+//! Goals of groups of agents.
 
 use super::check::{Fault, check_corners, check_numbers, check_point};
 use serde::{Deserialize, Serialize};
 use throng_crowd::AtEnd;
 
-/// Where a group goes.
+/// Goal of a group.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum GoalConfig {
-    /// Everybody to the same point.
+    /// The same point for all agents.
     Point {
         /// The point (m).
         at: Vec<f32>,
     },
-    /// Everybody as far in the same direction.
+    /// The same displacement for all agents.
     Shift {
-        /// How far (m).
+        /// Displacement (m).
         by: Vec<f32>,
     },
-    /// Everybody to the other side of a point, as far from it as they start.
+    /// The other side of a point, as far from it as the start of each agent.
     Opposite {
         /// The point (m).
         centre: Vec<f32>,
     },
-    /// Everybody to a place of their own between two corners, arranged as at the start.
+    /// A place of its own for each agent between two corners, arranged as at the start.
     Area {
         /// Lowest corner (m).
         from: Vec<f32>,
         /// Highest corner (m).
         to: Vec<f32>,
     },
-    /// Everybody by chance through points between two corners, then from the first again.
+    /// Random points between two corners for each agent, then from the first again.
     Wander {
         /// Lowest corner (m).
         from: Vec<f32>,
@@ -41,7 +41,7 @@ pub enum GoalConfig {
         #[serde(default = "points")]
         points: usize,
     },
-    /// Everybody stays where they are.
+    /// The start of each agent.
     Stay {},
 }
 
@@ -49,7 +49,7 @@ fn points() -> usize {
     12
 }
 
-/// What is done at a goal.
+/// Behaviour of agents at their goal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -59,7 +59,7 @@ pub enum AtEndConfig {
     Stay,
     /// Leaves the crowd.
     Leave,
-    /// Begins the way again.
+    /// Begins the route again.
     Again,
 }
 

@@ -1,4 +1,4 @@
-//! Groups: how many, what moves them, where they start and what they are after.
+//! Groups of characters or agents: number, motion, starts and goals.
 
 use super::goal::{AtEndConfig, GoalConfig, scale};
 use super::place::PlaceConfig;
@@ -6,17 +6,17 @@ use super::story::SourceConfig;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Characters or agents who are moved alike.
+/// Group of characters or agents that are moved alike.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct GroupConfig {
-    /// What messages and pictures call it; its number where absent.
+    /// Name in messages and pictures; the number of the group where absent.
     #[serde(default)]
     pub name: String,
-    /// What moves them.
+    /// Source of the group's motion.
     pub motion: Motion,
-    /// How many (1 to 1000000); even for sparring.
+    /// Number of characters (1 to 1000000); even for sparring.
     pub count: usize,
     /// Bundle of this group, in place of the scene's.
     #[serde(default)]
@@ -24,91 +24,91 @@ pub struct GroupConfig {
     /// Config that this bundle is built from where it is missing.
     #[serde(default)]
     pub config: Option<PathBuf>,
-    /// Where they start. Needed by agents; a `grid` for policies and sparring; patches scatter by themselves.
+    /// Start of the group. Needed by agents; a `grid` for policies and sparring; patches scatter by themselves.
     #[serde(default)]
     pub place: Option<PlaceConfig>,
 
-    /// Of agents: where they go.
+    /// Goal of agents.
     #[serde(default)]
     pub goal: Option<GoalConfig>,
-    /// Of agents: subgoals that all of them pass before, in order (m).
+    /// Subgoals that all agents pass before their goal, in order (m).
     #[serde(default)]
     pub via: Vec<Vec<f32>>,
-    /// Of agents: how near to the goal is there (m, 0.01 to 1000).
+    /// Distance from the goal at which agents have arrived (m, 0.01 to 1000).
     #[serde(default = "arrival")]
     pub arrival_m: f32,
-    /// Of agents: what is done there.
+    /// Behaviour of agents at their goal.
     #[serde(default)]
     pub at_end: AtEndConfig,
-    /// Of agents: radii, least and most (m, 0.01 to 100).
+    /// Least and largest radius of agents (m, 0.01 to 100).
     #[serde(default = "radius")]
     pub radius_m: [f32; 2],
-    /// Of agents: desired speeds, least and most (m/s, 0 to 100).
+    /// Least and largest desired speed of agents (m/s, 0 to 100).
     #[serde(default = "speed")]
     pub speed_mps: [f32; 2],
-    /// Of agents: largest accelerations, least and most (m/s^2, 0.01 to 1000).
+    /// Least and largest limit of the acceleration of agents (m/s^2, 0.01 to 1000).
     #[serde(default = "acceleration")]
     pub acceleration_mps2: [f32; 2],
 
-    /// Of agents: the social graph by which they live, in place of a goal.
+    /// Name of the social graph of agents, in place of a goal.
     #[serde(default)]
     pub graph: Option<String>,
-    /// Of agents: walk in small groups of so many, least and most (1 to 4).
+    /// Least and largest size of small groups in which agents walk together (1 to 4).
     #[serde(default = "alone")]
     pub companions: [usize; 2],
-    /// Of agents: how they enter while time runs.
+    /// Entry of agents while time runs.
     #[serde(default)]
     pub source: Option<SourceConfig>,
 
-    /// Of `blend`: blend spaces of the bundle; characters take them in turn (1 to 64).
+    /// Blend spaces of the bundle, for `blend`; characters take them in turn (1 to 64).
     #[serde(default)]
     pub spaces: Vec<String>,
-    /// Of `blend`: random curved paths in place of a goal; who is on one minds nobody.
+    /// Random curved paths in place of a goal, for `blend`; characters on them avoid nobody.
     #[serde(default)]
     pub paths: Option<PathsConfig>,
-    /// Of `blend`: value of the first style axis by speed, as (speed, value) that ascend by speed; between them it
+    /// Value of the first style axis by speed, for `blend`, as (speed, value) that ascend by speed; between them it
     /// changes linearly. Speeds are those of the database skeleton: a smaller body runs sooner. 0 where empty (m/s).
     #[serde(default)]
     pub style_by_speed: Vec<[f32; 2]>,
-    /// Of `blend`: what the bodies are like. Where absent, sizes are 0.9 to 1.05 with a goal and 0.7 to 1.15 on paths.
+    /// Sizes and proportions of bodies, for `blend`. Where absent, sizes are 0.9 to 1.05 with a goal and 0.7 to 1.15 on paths.
     #[serde(default)]
     pub bodies: Option<BodiesConfig>,
 
-    /// Of `policy` and `sparring`: what characters weigh against each other, every behaviour once (1 to 4).
+    /// Behaviours that characters weigh against each other, for `policy` and `sparring`, each once (1 to 4).
     #[serde(default)]
     pub behaviours: Vec<BehaviourConfig>,
-    /// Of `policy` and `sparring`: choose at random among the best few actions; 0 always takes the best (0 to 1000).
+    /// Temperature of random choices among the best few actions, for `policy` and `sparring`; 0 takes the best (0 to 1000).
     #[serde(default)]
     pub temperature: f64,
-    /// Of `sparring`: force of blows to head and trunk, of the strongest of their kind, from which who is struck steps away with
-    /// them; 0.95 by default, above 1 nobody does (0 to 10).
+    /// Least force of blows to head and trunk that make the struck character step away, for `sparring`, relative to the strongest of
+    /// their kind; 0.95 by default, above 1 no blow does (0 to 10).
     #[serde(default)]
     pub stagger_force: Option<f64>,
-    /// Of `policy`: the target of each.
+    /// Target of each character, for `policy`.
     #[serde(default)]
     pub target: StruckTargetConfig,
 
-    /// Of `patches`: stitched world in place of the environment's.
+    /// Stitched world in place of the environment's, for `patches`.
     #[serde(default)]
     pub world: Option<PathBuf>,
-    /// Of `patches`: world file (TOML) that this world is stitched from where it is missing or older.
+    /// World file (TOML) that this world is stitched from where it is missing or older, for `patches`.
     #[serde(default)]
     pub world_config: Option<PathBuf>,
-    /// Of `patches`: what they wish, one after the other, drawn by their shares; roaming where empty.
+    /// Goals that are drawn one after the other by their shares, for `patches`; roaming where empty.
     #[serde(default)]
     pub wishes: Vec<WeightedWish>,
 }
 
-/// What moves a group.
+/// Source of a group's motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Motion {
-    /// Policies of the bundle: each character is after a target of its own, which gives way to blows and returns.
+    /// Policies of the bundle: each character strikes at a target of its own, which gives way to blows and returns.
     Policy,
     /// Blended examples: bodies follow agents to a goal, or random paths.
     Blend,
-    /// Patches of a stitched world: characters wish one thing after another.
+    /// Patches of a stitched world: characters pursue one goal after another.
     Patches,
     /// Policies of two: characters 2i and 2i + 1 strike at each other's heads.
     Sparring,
@@ -117,7 +117,7 @@ pub enum Motion {
 }
 
 impl Motion {
-    /// As scene files and reports call it.
+    /// Name in scene files and reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Policy => "policy",
@@ -153,7 +153,7 @@ fn full() -> f64 {
     1.0
 }
 
-/// A behaviour and what it counts.
+/// Behaviour with its weight.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -165,7 +165,7 @@ pub struct BehaviourConfig {
     pub weight: f64,
 }
 
-/// A target that can be struck.
+/// Target that can be struck.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
@@ -174,8 +174,8 @@ pub struct StruckTargetConfig {
     pub height_m: f64,
     /// Radius (m, 0.01 to 1).
     pub radius_m: f64,
-    /// How a hand drags it: places relative to where it hangs at the start, in order of time, then from the first
-    /// again. It stands still where there are none.
+    /// Path on which a hand drags it: places relative to its start, in order of time, then from the first
+    /// again. It stays in place where there are none.
     pub drag: Vec<DragPoint>,
 }
 
@@ -185,25 +185,25 @@ impl Default for StruckTargetConfig {
     }
 }
 
-/// A place on the way of a dragged target.
+/// Point on the path of a dragged target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DragPoint {
-    /// When it is there (s, > 0, ascending).
+    /// Time at the point (s, > 0, ascending).
     pub time_s: f64,
-    /// To the left (m).
+    /// Displacement to the left (m).
     #[serde(default)]
     pub x_m: f64,
-    /// Ahead (m).
+    /// Displacement ahead (m).
     #[serde(default)]
     pub z_m: f64,
-    /// Up (m).
+    /// Displacement up (m).
     #[serde(default)]
     pub y_m: f64,
 }
 
-/// Random curved paths.
+/// Settings of random curved paths.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
@@ -212,24 +212,24 @@ pub struct PathsConfig {
     pub speeds: [f32; 2],
     /// Share of the draws that stand still (0 to 1).
     pub standing: f32,
-    /// How long a speed and a turning rate are kept (s, 0.1 to 1000).
+    /// Time for which a speed and a turning rate are kept (s, 0.1 to 1000).
     pub seconds: [f32; 2],
-    /// How fast the speed changes at most (m/s^2, 0.01 to 1000).
+    /// Largest acceleration (m/s^2, 0.01 to 1000).
     pub acceleration: f32,
-    /// Fastest turn (rad/s, 0 to 20).
+    /// Largest turning rate (rad/s, 0 to 20).
     pub max_gyration: f32,
-    /// How far curves press outwards at most, which bounds turns at speed (m/s^2, 0.01 to 1000).
+    /// Largest centripetal acceleration, which limits turns at speed (m/s^2, 0.01 to 1000).
     pub sideways: f32,
-    /// Side of the square that they stay on (m, 4 to 10000).
+    /// Side of the square in which paths stay (m, 4 to 10000).
     pub area_m: f32,
     /// Middle of the square (m).
     pub centre: [f32; 2],
 }
 
 impl PathsConfig {
-    /// Half a side of the ground under the square, the distance of its heights (m), and their number along a side.
+    /// Ground under the square: half its side (m), the spacing of its heights (m), and their number along a side.
     pub(crate) fn ground(&self) -> (f32, f32, usize) {
-        // As many take 64 MiB: those of a wider ground lie farther apart.
+        // So many heights take 64 MiB; on a wider ground they lie farther apart.
         const MOST_KNOTS: f32 = 4000.0;
         const LEAST_SPACING_M: f32 = 0.5;
         let half = 0.5 * self.area_m + 20.0;
@@ -253,7 +253,7 @@ impl Default for PathsConfig {
     }
 }
 
-/// What bodies are like beside the database skeleton.
+/// Sizes and proportions of bodies, relative to the database skeleton.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
@@ -272,33 +272,33 @@ impl Default for BodiesConfig {
     }
 }
 
-/// A wish and how often it is drawn.
+/// Goal with its share of draws.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct WeightedWish {
-    /// How often it is drawn, against the others' shares (> 0).
+    /// Share of draws, relative to the other goals' shares (> 0).
     #[serde(default = "full")]
     pub share: f64,
-    /// The wish.
+    /// Goal.
     pub wish: WishConfig,
 }
 
 impl WeightedWish {
-    /// What everybody wishes where the file says nothing.
+    /// Goal of all characters where the file names none.
     pub fn roaming() -> Self {
         Self { share: 1.0, wish: WishConfig::Roam { seconds: [20.0, 40.0] } }
     }
 }
 
-/// What a character in a world wishes to do.
+/// Goal of a character in a world.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum WishConfig {
-    /// Go wherever chance leads.
+    /// Go to random places.
     Roam {
-        /// For how long: at least, at most (s).
+        /// Least and longest duration (s).
         seconds: [f64; 2],
     },
     /// Go to a place drawn at random within a box of the world; anywhere where it is absent.
@@ -311,20 +311,20 @@ pub enum WishConfig {
     Perform {
         /// The tag, as the bundle names it.
         tag: String,
-        /// For how long: at least, at most (s).
+        /// Least and longest duration (s).
         seconds: [f64; 2],
-        /// Whom to do it with, where two do it together: `partner` for anybody who wishes it too, or the name of a group.
-        /// One roams until somebody wishes the same, and then both come together.
+        /// Partner, where two do it together: `partner` for any character with the same goal, or the name of a group.
+        /// The character roams until it has found a partner, and then both come together.
         #[serde(default)]
         with: Option<String>,
     },
 }
 
-/// Whoever wishes the same.
+/// Name that stands for any character with the same goal.
 pub const ANY_PARTNER: &str = "partner";
 
 impl WishConfig {
-    /// How long it takes, where that is given (s).
+    /// Least and longest duration, where it is given (s).
     pub fn seconds(&self) -> Option<[f64; 2]> {
         match self {
             Self::Roam { seconds } | Self::Perform { seconds, .. } => Some(*seconds),
@@ -334,17 +334,17 @@ impl WishConfig {
 }
 
 impl GroupConfig {
-    /// True for agents, with or without bodies, who keep clear of each other.
+    /// True for agents, with or without bodies, which avoid each other.
     pub fn is_of_agents(&self) -> bool {
         self.motion == Motion::None || self.motion == Motion::Blend && self.paths.is_none()
     }
 
-    /// Its name in messages and pictures.
+    /// Name of the group in messages and pictures.
     pub fn title(&self, number: usize) -> String {
         if self.name.is_empty() { format!("group {number}") } else { self.name.clone() }
     }
 
-    /// What its bodies are like.
+    /// Sizes and proportions of its bodies.
     pub fn bodies(&self) -> BodiesConfig {
         let sizes = if self.paths.is_none() { [0.9, 1.05] } else { BodiesConfig::default().sizes };
         self.bodies.clone().unwrap_or(BodiesConfig { sizes, ..BodiesConfig::default() })

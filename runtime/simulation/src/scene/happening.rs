@@ -1,31 +1,31 @@
-//! News for agents (Kim, Kim and Shin 2003, section 3.2.2): some hear of them, and tell others.
+//! Happenings, which are news for agents (Kim, Kim and Shin 2003, section 3.2.2): some agents learn of them, and tell others.
 
 use super::check::{Fault, check_numbers, check_point, fault};
 use super::goal::{AtEndConfig, GoalConfig, scale};
 use serde::{Deserialize, Serialize};
 
-/// News that gives agents another goal.
+/// Happening that gives agents another goal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct HappeningConfig {
-    /// When (s, 0 to 100000).
+    /// Time (s, 0 to 100000).
     pub time_s: f64,
-    /// Who hears of it then; everybody where absent.
+    /// Region of agents that learn of it at once; all agents where absent.
     #[serde(default)]
     pub near: Option<NearConfig>,
-    /// Where those who know go.
+    /// Goal of agents that know of it.
     pub goal: GoalConfig,
-    /// Their desired speed from then on; as before where absent (m/s, 0 to 100).
+    /// Desired speed of these agents from then on; as before where absent (m/s, 0 to 100).
     #[serde(default)]
     pub speed_mps: Option<f32>,
-    /// How near to the goal is there (m, 0.01 to 1000).
+    /// Distance from the goal at which agents have arrived (m, 0.01 to 1000).
     #[serde(default = "arrival")]
     pub arrival_m: f32,
-    /// What is done there.
+    /// Behaviour of agents at the goal.
     #[serde(default)]
     pub at_end: AtEndConfig,
-    /// Who knows tells those that come near, see `agents.telling_m`.
+    /// Whether agents that know of it tell agents near them, see `agents.telling_m`.
     #[serde(default)]
     pub told_on: bool,
 }
@@ -34,14 +34,14 @@ fn arrival() -> f32 {
     0.5
 }
 
-/// Those near a point.
+/// Region around a point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct NearConfig {
     /// The point (m).
     pub at: Vec<f32>,
-    /// How near (m, 0.01 to 100000).
+    /// Radius of the region (m, 0.01 to 100000).
     pub radius_m: f32,
 }
 

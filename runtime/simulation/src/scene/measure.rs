@@ -1,22 +1,22 @@
-//! What is measured and drawn.
+//! Measurements and pictures of a scene.
 
 use super::check::{Fault, check_numbers, check_point, fault};
 use serde::{Deserialize, Serialize};
 
-/// What is measured of a scene, beside what always is.
+/// Measurements of a scene beside the standard ones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct MeasureConfig {
-    /// Another number of agents stretches the whole layout, so that their density stays what it is.
+    /// Whether another number of agents scales the whole layout, so that their density stays the same.
     pub grows: bool,
-    /// A line whose flow is counted.
+    /// Line across which the flow of agents is counted.
     pub gate: Option<GateConfig>,
-    /// How far agents sort themselves by direction.
+    /// Measurement of how agents sort themselves by direction.
     pub lanes: Option<LanesConfig>,
 }
 
-/// A line that agents cross: through a door, for instance.
+/// Line that agents cross, such as a door.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -27,17 +27,17 @@ pub struct GateConfig {
     pub to: [f32; 2],
 }
 
-/// How lanes are measured: an agent's lane is what lies before and behind it in a band along the corridor.
+/// Measurement of lanes: an agent's lane is the band before and behind it along the corridor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LanesConfig {
-    /// Along the corridor.
+    /// Direction along the corridor.
     pub along: [f32; 2],
     /// Width of the band (m, 0.1 to 100).
     #[serde(default = "lane_width")]
     pub width_m: f32,
-    /// How far it reaches before and behind (m, 0.1 to 1000).
+    /// Length of the band before and behind the agent (m, 0.1 to 1000).
     #[serde(default = "lane_reach")]
     pub reach_m: f32,
 }
@@ -72,34 +72,34 @@ impl MeasureConfig {
     }
 }
 
-/// What a scene's picture shows.
+/// Contents of a scene's picture.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct PictureConfig {
-    /// Number of the character in a world whose motion is shown; the one that did the most different things where absent.
+    /// Number of the character in a world whose motion is shown; the one with the most different actions where absent.
     pub follow: Option<usize>,
-    /// What the overview of a world looks at: x, y, z; its middle where absent (m).
+    /// Point at the centre of the overview of a world: x, y, z; the middle of the world where absent (m).
     pub focus: Option<[f32; 3]>,
-    /// Width of what the overview of a world shows; all of it where absent (m).
+    /// Width of the overview of a world; that of the whole world where absent (m).
     pub width_m: Option<f32>,
     /// Styles of the scene's blend spaces that are shown on one path.
     pub shown: Vec<ShownStyle>,
 }
 
-/// A style that the picture shows.
+/// Style that the picture shows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ShownStyle {
-    /// What it is called.
+    /// Name in the picture.
     pub name: String,
     /// Its blend space.
     pub space: String,
     /// Value of the first style axis (-1000 to 1000).
     #[serde(default)]
     pub style: f32,
-    /// How fast the path is walked (m/s, 0.1 to 20).
+    /// Speed on the path (m/s, 0.1 to 20).
     pub speed: f32,
 }
 

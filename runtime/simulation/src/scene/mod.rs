@@ -1,4 +1,4 @@
-//! Scene files: who is there, what moves them, where, and what happens. One format for all kinds of motion.
+//! Scene files: characters, their motion, environment and events. One format for all kinds of motion.
 
 mod check;
 mod environment;
@@ -35,22 +35,22 @@ use throng_base::maths;
 use throng_base::text::Source;
 use throng_base::{Error, Result};
 
-/// What a scene file holds. Lengths are in metres, times in seconds.
+/// Contents of a scene file. Lengths are in metres, times in seconds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
-    /// Its name; the file's stem where absent.
+    /// Name of the scene; the file's stem where absent.
     #[serde(default)]
     pub name: String,
     /// Seed of places, paths and choices.
     #[serde(default = "one")]
     pub seed: u64,
-    /// How long it runs unless told otherwise (s, 0.001 to 100000).
+    /// Duration of a run, unless another one is given (s, 0.001 to 100000).
     #[serde(default = "seconds")]
     pub seconds: f64,
-    /// What all lengths, speeds and accelerations of this file are in, whatever their keys end with; expressions and
-    /// `[agents.field]` are in metres.
+    /// Unit of all lengths, speeds and accelerations of this file, whatever suffix their keys have; expressions and
+    /// `[agents.field]` are always in metres.
     #[serde(default)]
     pub units: UnitsConfig,
     /// Bundle of the groups that name none of their own, relative to this file's folder.
@@ -59,51 +59,51 @@ pub struct Scene {
     /// Config that the bundle is built from where it is missing.
     #[serde(default)]
     pub config: Option<PathBuf>,
-    /// Where everybody is.
+    /// Environment: space, obstacles, doors, ground and world.
     #[serde(default)]
     pub environment: EnvironmentConfig,
-    /// How agents keep clear of each other.
+    /// Settings of agents: how they avoid each other, and what they sense.
     #[serde(default)]
     pub agents: AgentsConfig,
-    /// Who is there (>= 1).
+    /// Groups of characters and agents (>= 1).
     pub groups: Vec<GroupConfig>,
-    /// What agents hear of: each is an event with one rule, by which those who know go to its goal.
+    /// Happenings, which are events with one rule each: agents that know of one go to its goal.
     #[serde(default)]
     pub happenings: Vec<HappeningConfig>,
-    /// Where agents come to: stores, pictures, guideposts, queues.
+    /// Places to which agents come: stores, pictures, guideposts, queues.
     #[serde(default)]
     pub places: Vec<SiteConfig>,
-    /// What people take, carry and put down.
+    /// Things that agents take, carry and put down.
     #[serde(default)]
     pub things: Vec<ThingConfig>,
-    /// What agents feel, by name.
+    /// Values that agents feel, by name.
     #[serde(default)]
     pub values: BTreeMap<String, ValueConfig>,
-    /// What they feel for each other and for places; of several that apply, the last counts.
+    /// Relations of agents to each other and to places; of several that apply, the last counts.
     #[serde(default)]
     pub relations: Vec<RelationConfig>,
-    /// What happens.
+    /// Events that happen in the scene.
     #[serde(default)]
     pub events: Vec<EventConfig>,
-    /// Lists of actions, by name.
+    /// Behaviours, which are lists of actions, by name.
     #[serde(default)]
     pub behaviours: BTreeMap<String, Vec<ActionConfig>>,
-    /// How agents react; of several that fit, the first is followed.
+    /// Rules by which agents react to events; of several that fit, the first is followed.
     #[serde(default)]
     pub rules: Vec<RuleConfig>,
     /// State-transition graphs, by name.
     #[serde(default)]
     pub graphs: BTreeMap<String, GraphConfig>,
-    /// When it ends before its time.
+    /// Conditions of which any ends the scene early.
     #[serde(default)]
     pub end: EndConfig,
-    /// What is measured, beside what always is.
+    /// Measurements beside the standard ones.
     #[serde(default)]
     pub measure: MeasureConfig,
-    /// What the picture shows.
+    /// Contents of the picture.
     #[serde(default)]
     pub picture: PictureConfig,
-    /// The file that it was read from.
+    /// Source text that it was read from.
     #[serde(skip)]
     pub(crate) source: Source,
 }
@@ -136,7 +136,7 @@ impl Scene {
         Self::of(Source::new(text, path))
     }
 
-    /// Reads what a scene was written as by itself: every key is there, and paths start where it was used.
+    /// Parses a scene that was serialized by the program: every key is there, and paths are relative to the folder of that run.
     ///
     /// # Errors
     /// As [`Scene::load`].
@@ -172,18 +172,18 @@ impl Scene {
         check::scene(self).map_err(|(key, why)| self.fault(&key, why))
     }
 
-    /// An error about a key, such as `groups[0].place`.
+    /// Error about a key, such as `groups[0].place`.
     pub fn fault(&self, key: &str, why: impl std::fmt::Display) -> Error {
         self.source.at(key, format!("key `{key}`: {why}"))
     }
 
-    /// An error about a key, at a byte of the text that its value holds.
+    /// Error about a key, at a byte of its value's text.
     pub(crate) fn fault_within(&self, key: &str, byte: Option<usize>, why: impl std::fmt::Display) -> Error {
         let why = format!("key `{key}`: {why}");
         byte.map_or_else(|| self.source.at(key, why.clone()), |byte| self.source.within(key, byte, why.clone()))
     }
 
-    /// True where agents live by more than a goal.
+    /// True where agents have rules, events, graphs or sources beside goals.
     pub fn has_story(&self) -> bool {
         !self.happenings.is_empty()
             || !self.events.is_empty()
@@ -222,8 +222,8 @@ impl Scene {
         }
     }
 
-    /// The scene with another number of characters: every group keeps its share, and where the scene grows, lengths are
-    /// stretched so that as many stand on a square (or cubic) metre as before.
+    /// Copy of the scene with another number of characters: every group keeps its share, and where the scene grows, lengths
+    /// are scaled so that the density stays the same.
     pub fn resized(&self, characters: usize) -> Self {
         let (mut scene, before) = (self.clone(), self.num_characters());
         let mut given = 0;
@@ -241,7 +241,7 @@ impl Scene {
         scene
     }
 
-    /// Multiplies all lengths of the layout; those of agents and what does not grow stay.
+    /// Multiplies all lengths of the layout; sizes of agents and obstacles that do not grow stay.
     fn stretch(&mut self, by: f32) {
         self.groups.iter_mut().for_each(|g| g.stretch(by));
         self.environment.obstacles.iter_mut().filter(|o| o.grows).for_each(|o| o.stretch(by));
@@ -252,7 +252,7 @@ impl Scene {
         self.stretch_story(by, false);
     }
 
-    /// Multiplies lengths of actions: points, and words where they are converted.
+    /// Multiplies lengths of actions: points, and also other arguments where `also_words`.
     fn stretch_story(&mut self, by: f32, also_words: bool) {
         self.behaviours.values_mut().for_each(|b| story::stretch_actions(b, by, also_words));
         self.rules.iter_mut().for_each(|r| r.does.stretch(by, also_words));
@@ -260,7 +260,7 @@ impl Scene {
         states.filter_map(|s| s.does.as_mut()).for_each(|d| d.stretch(by, also_words));
     }
 
-    /// Takes all lengths, speeds and accelerations to metres.
+    /// Converts all lengths, speeds and accelerations to metres.
     fn convert_to_metres(&mut self) {
         if self.units == UnitsConfig::M {
             return;
@@ -273,7 +273,7 @@ impl Scene {
             if let Some(PlaceConfig::Ring { spacing_m, .. }) = &mut group.place {
                 *spacing_m *= INCH_M;
             }
-            // What the file leaves out stays what it is in metres.
+            // Defaults of keys that the file leaves out stay as they are in metres.
             let ranges = [
                 (&mut group.radius_m, group::radius()),
                 (&mut group.speed_mps, group::speed()),
@@ -312,7 +312,7 @@ impl Scene {
         self.stretch_story(INCH_M, true);
     }
 
-    /// All that it says, whichever files hold it and its bundles.
+    /// Contents of the scene, independent of the paths of files, for hashing.
     pub(crate) fn content(&self) -> String {
         let mut scene = Self { source: Source::default(), name: String::new(), ..self.clone() };
         scene.paths_mut().for_each(|p| *p = PathBuf::new());

@@ -1,4 +1,4 @@
-//! What stands or moves in a crowd's way.
+//! Obstacles of a crowd, fixed and moving.
 
 use super::check::{Fault, check_corners, check_numbers, check_point, fault};
 use super::goal::scale;
@@ -7,33 +7,33 @@ use serde::{Deserialize, Serialize};
 use throng_base::ground::Outsider;
 use throng_crowd::{Obstacle, Space};
 
-/// Least time between two points of a mover's way (s).
+/// Least time between two points of a mover's path (s).
 const LEAST_S: f64 = 1e-4;
 
-/// An obstacle.
+/// Obstacle of agents.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ObstacleConfig {
-    /// Its lengths are stretched with the layout of a scene that grows.
+    /// Whether its lengths are scaled with the layout of a scene that grows.
     #[serde(default = "yes")]
     pub grows: bool,
-    /// How high it is drawn, on the ground; nobody walks over it, however low it is (m, 0.01 to 20).
+    /// Height in pictures, on the ground; agents never walk over it, however low it is (m, 0.01 to 20).
     #[serde(default = "height")]
     pub height_m: f32,
-    /// A disc on the ground, a ball in the air.
+    /// Disc on the ground, ball in the air.
     #[serde(default)]
     pub disc: Option<DiscConfig>,
-    /// A disc or ball on its way, that stops for nobody.
+    /// Moving disc or ball, which stops for no agent.
     #[serde(default)]
     pub mover: Option<MoverConfig>,
-    /// A wall along a line; in the air a rod or column.
+    /// Wall along a line; in the air a rod or column.
     #[serde(default)]
     pub wall: Option<WallConfig>,
-    /// A solid polygon, on the ground alone.
+    /// Solid polygon, on the ground only.
     #[serde(default)]
     pub polygon: Option<PolygonConfig>,
-    /// A solid box along the axes.
+    /// Solid box along the axes.
     #[serde(default, rename = "box")]
     pub solid_box: Option<BoxConfig>,
 }
@@ -51,31 +51,31 @@ fn yes() -> bool {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DiscConfig {
-    /// Its middle (m).
+    /// Centre (m).
     pub centre: Vec<f32>,
-    /// (m, 0.01 to 1000)
+    /// Radius (m, 0.01 to 1000).
     pub radius_m: f32,
 }
 
-/// A disc or ball on its way through points, at constant speed between two of them.
+/// Disc or ball that moves through points, at constant speed between two of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MoverConfig {
-    /// (m, 0.01 to 1000)
+    /// Radius (m, 0.01 to 1000).
     pub radius_m: f32,
-    /// Where it is when (>= 1).
+    /// Path: positions with times (>= 1).
     pub way: Vec<WayPoint>,
 }
 
-/// Where something is at a time.
+/// Position at a time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct WayPoint {
-    /// When (s, >= 0, ascending by 0.0001 or more).
+    /// Time (s, >= 0, ascending by 0.0001 or more).
     pub time_s: f64,
-    /// Where (m).
+    /// Position (m).
     pub at: Vec<f32>,
 }
 
@@ -84,9 +84,9 @@ pub struct WayPoint {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct WallConfig {
-    /// From one to the next (m, >= 2).
+    /// Points that the wall connects (m, >= 2).
     pub points: Vec<Vec<f32>>,
-    /// Half its thickness; the radius of a column (m, 0 to 1000).
+    /// Radius: half the thickness of a wall, the radius of a column (m, 0 to 1000).
     #[serde(default)]
     pub radius_m: f32,
 }
@@ -96,7 +96,7 @@ pub struct WallConfig {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PolygonConfig {
-    /// Its corners in order around it (m, >= 3).
+    /// Corners in order around it (m, >= 3).
     pub corners: Vec<Vec<f32>>,
 }
 
@@ -166,7 +166,7 @@ impl ObstacleConfig {
         }
     }
 
-    /// Multiplies its thickness.
+    /// Multiplies its radius.
     pub(super) fn scale_radius(&mut self, by: f32) {
         let radii = [
             self.disc.as_mut().map(|d| &mut d.radius_m),
@@ -176,7 +176,7 @@ impl ObstacleConfig {
         radii.into_iter().flatten().for_each(|radius| *radius *= by);
     }
 
-    /// What the crowd is given; a wall of several lines is several obstacles.
+    /// Obstacles for the crowd; a wall of several lines is several obstacles.
     pub fn obstacles<V: Space>(&self) -> Vec<Obstacle<V>> {
         let mut out = Vec::new();
         if let Some(d) = &self.disc {
@@ -201,7 +201,7 @@ impl ObstacleConfig {
 }
 
 impl MoverConfig {
-    /// Where it is at a time, and how it moves.
+    /// Position and velocity at a time, as an external obstacle.
     pub(crate) fn at(&self, time_s: f64) -> Outsider {
         let next = self.way.partition_point(|w| w.time_s <= time_s);
         let place = |k: usize| point::<Vec2>(&self.way[k].at);
@@ -238,7 +238,7 @@ fn check_points(key: &str, points: &[Vec<f32>], least: usize, dimensions: usize)
     points.iter().enumerate().try_for_each(|(i, p)| check_point(&format!("{key}[{i}]"), p, dimensions))
 }
 
-/// A point of a scene that has been checked.
+/// Point of a checked scene.
 pub(crate) fn point<V: Space>(of: &[f32]) -> V {
     V::from_coordinates([of[0], of[1], of.get(2).copied().unwrap_or(0.0)])
 }

@@ -1,10 +1,10 @@
-//! Where groups start.
+//! Starts of groups.
 
 use super::check::{Fault, check_corners, check_numbers, check_point, fault};
 use super::goal::scale;
 use serde::{Deserialize, Serialize};
 
-/// Where a group starts, everybody at rest.
+/// Start of a group, in which all are at rest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -15,36 +15,36 @@ pub enum PlaceConfig {
         from: Vec<f32>,
         /// Highest corner (m).
         to: Vec<f32>,
-        /// How far they stand off their rows: 1 as far as they can without touching (0 to 1).
+        /// Random displacement off the rows: 1 for the largest without touching (0 to 1).
         #[serde(default = "jitter")]
         jitter: f32,
     },
     /// A filled disc on the ground, or ball in the air, as large as the density asks for.
     Disc {
-        /// Its middle (m).
+        /// Centre (m).
         centre: Vec<f32>,
-        /// Agents on a square metre, or in a cubic metre (1/m^2 or 1/m^3, 1e-6 to 100).
+        /// Density of agents (1/m^2 or 1/m^3, 1e-6 to 100).
         density: f32,
     },
-    /// Rings about a middle, on the ground.
+    /// Rings around a centre, on the ground.
     Ring {
-        /// The middle (m).
+        /// Centre (m).
         centre: Vec<f32>,
-        /// Between neighbours of a ring, and between rings (m, 0.02 to 1000).
+        /// Distance between neighbours of a ring, and between rings (m, 0.02 to 1000).
         spacing_m: f32,
-        /// Number of rings, one in the other (1 to 100).
+        /// Number of concentric rings (1 to 100).
         #[serde(default = "one_ring")]
         rings: usize,
     },
-    /// A square grid on the ground, each character turned its own way: pairs face each other, and others their targets.
+    /// Square grid on the ground with random headings: pairs face each other, and other characters their targets.
     Grid {
-        /// Its middle (m).
+        /// Centre (m).
         #[serde(default)]
         centre: [f32; 2],
-        /// Between neighbours: pairs, or characters with their targets (m, 0.5 to 1000).
+        /// Distance between neighbours: pairs, or characters with their targets (m, 0.5 to 1000).
         #[serde(default = "spacing")]
         spacing_m: f64,
-        /// Between a character and its opponent or target at the start (m, 0.1 to 1000).
+        /// Distance between a character and its opponent or target at the start (m, 0.1 to 1000).
         #[serde(default = "distance")]
         distance_m: f64,
     },

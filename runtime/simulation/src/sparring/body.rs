@@ -1,4 +1,4 @@
-//! Bodies as capsules: what a blow can strike, and what bodies must not share.
+//! Bodies as capsules, which blows strike, and which must not overlap.
 
 use super::config::within;
 use glam::{Vec2, Vec3};
@@ -8,7 +8,7 @@ use throng_core::planar::Planar;
 use throng_core::pose::Mat3x4;
 use throng_core::skeleton::{Joint, NUM_JOINTS, Skeleton};
 
-/// What of a body is struck.
+/// Struck part of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Part {
     /// The head.
@@ -25,8 +25,8 @@ pub enum Part {
     Leg,
 }
 
-/// Radii of the capsules of the default skeleton; those of other bodies are as much larger as the bodies are tall.
-/// (m, 0.001 to 1)
+/// Radii of the capsules of the default skeleton; those of other bodies are scaled by their height
+/// (m, 0.001 to 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs)]
 pub struct BodyShape {
@@ -79,22 +79,22 @@ impl BodyShape {
     }
 }
 
-/// Capsules of a body.
+/// Number of capsules of a body.
 pub const NUM_CAPSULES: usize = 15;
-/// The first of them are the core: head, neck, chest, waist, pelvis.
+/// Number of core capsules, which come first: head, neck, chest, waist, pelvis.
 pub const NUM_CORE: usize = 5;
 
-/// The waist, the left forearm, and the left thigh, which the shin follows.
+/// Numbers of the waist, the left forearm, and the left thigh, which the shin follows.
 const WAIST: usize = 3;
 const FOREARM: usize = 6;
 const THIGH: usize = 11;
 
-/// A capsule between two points.
+/// Capsule between two points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule {
     /// Ends of its axis (m).
     pub ends: [Vec3; 2],
-    /// (m)
+    /// Radius (m).
     pub radius: f32,
 }
 
@@ -105,18 +105,18 @@ impl Capsule {
     }
 }
 
-/// A capsule that is fixed to joints.
+/// Capsule that is attached to joints.
 #[derive(Clone, Copy, Debug)]
 struct Limb {
     part: Part,
-    /// What is pushed where it is struck.
+    /// Joint that is pushed by a blow.
     joint: Joint,
     /// Ends of the axis, each in the frame of a joint (m).
     ends: [(Joint, Vec3); 2],
     radius: f32,
 }
 
-/// The capsules of a skeleton's bodies.
+/// Capsules of a skeleton's body.
 #[derive(Clone, Debug)]
 pub struct Body {
     limbs: [Limb; NUM_CAPSULES],
@@ -167,12 +167,12 @@ impl Body {
         }
     }
 
-    /// The part that a capsule stands for (capsule < NUM_CAPSULES).
+    /// Body part of a capsule (capsule < NUM_CAPSULES).
     pub fn part(&self, capsule: usize) -> Part {
         self.limbs[capsule].part
     }
 
-    /// The joint that is pushed where a capsule is struck (capsule < NUM_CAPSULES).
+    /// Joint that is pushed where a capsule is struck (capsule < NUM_CAPSULES).
     pub fn joint(&self, capsule: usize) -> Joint {
         self.limbs[capsule].joint
     }
@@ -187,17 +187,17 @@ impl Body {
         [THIGH, THIGH + 1].map(|i| self.limbs[i].radius)
     }
 
-    /// The capsules of a pose in the world.
+    /// Capsules of a pose in the world.
     pub fn capsules(&self, pose: &Posed<'_>) -> [Capsule; NUM_CAPSULES] {
         std::array::from_fn(|i| self.capsule(i, pose))
     }
 
-    /// The capsules of its core in the world.
+    /// Core capsules of a pose in the world.
     pub fn core(&self, pose: &Posed<'_>) -> [Capsule; NUM_CORE] {
         std::array::from_fn(|i| self.capsule(i, pose))
     }
 
-    /// What limbs stop at, in the world: the core, and the whole spine between pelvis and neck.
+    /// Capsules that stop the limbs of an opponent, in the world: the core, and the whole spine between pelvis and neck.
     pub(super) fn obstacles(&self, pose: &Posed<'_>) -> [Capsule; NUM_CORE + 1] {
         let mut all = [self.capsule(WAIST, pose); NUM_CORE + 1];
         all[..NUM_CORE].copy_from_slice(&self.core(pose));
@@ -223,7 +223,7 @@ impl Body {
     }
 }
 
-/// A character's pose, laid in the world.
+/// Pose of a character in the world.
 #[derive(Clone, Copy, Debug)]
 pub struct Posed<'a> {
     pose: &'a [Mat3x4],
@@ -239,7 +239,7 @@ impl<'a> Posed<'a> {
         Self { pose: &pose[..NUM_JOINTS], place: root.translation(), sin, cos }
     }
 
-    /// The planar root's place: x and z (m).
+    /// Position of the planar root: x and z (m).
     pub fn root(&self) -> Vec2 {
         Vec2::new(self.place.x, self.place.z)
     }

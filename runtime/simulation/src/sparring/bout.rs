@@ -33,23 +33,23 @@ pub struct Sparring {
     steps_away: StepsAway,
 }
 
-/// What the next steps depend on, beside the characters.
+/// State that the next steps depend on, beside the characters.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct State {
-    /// The opponent's head, for each character (m).
+    /// Position of the opponent's head, for each character (m).
     pub heads: Vec<Vec3>,
-    /// Where it will be when a blow that is chosen now lands, for each character (m).
+    /// Expected position of that head when a blow that is chosen now lands, for each character (m).
     pub aims: Vec<Vec3>,
-    /// The opponent's next blow, for each character: x, seconds, z.
+    /// Opponent's next blow, for each character: x, seconds, z.
     pub threats: Vec<Vec3>,
     pub pairs: Vec<Pair>,
-    /// The limbs of each pair.
+    /// Displacements of the limbs of each pair.
     pub touches: Vec<Touch>,
     pub tallies: Vec<Tally>,
     pub seconds: f64,
 }
 
-/// What has happened so far.
+/// Figures of all pairs so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SparringFigures {
     /// Simulated time (s).
@@ -58,14 +58,14 @@ pub struct SparringFigures {
     pub blows: Tally,
     /// Deepest overlap of two opponents' heads, necks, trunks and pelvises now (m).
     pub penetration_m: f32,
-    /// The deepest so far (m).
+    /// Deepest overlap so far (m).
     pub max_penetration_m: f32,
-    /// Time that pairs were deeper than [`super::SeparationConfig::deep_m`], summed over pairs (s).
+    /// Time during which overlaps were deeper than [`super::SeparationConfig::deep_m`], summed over pairs (s).
     pub deep_s: f32,
 }
 
 impl Sparring {
-    /// Room for so many pairs.
+    /// Empty bout with room for so many pairs.
     ///
     /// # Errors
     /// [`Error::Value`] for a setting out of its range, and as [`PolicyCharacters::with_capacity`].
@@ -90,12 +90,12 @@ impl Sparring {
         Ok(Self { body, config, boxers, state, events, lead_s, limbs, steps_away })
     }
 
-    /// Who spars, row by row as in [`Cast::bodies`].
+    /// Boxers, row by row as in [`Cast::bodies`].
     pub fn boxers(&self) -> &PolicyCharacters {
         &self.boxers
     }
 
-    /// To say what else is on the ground.
+    /// Mutable boxers, to set obstacles and reserved regions on the ground.
     pub(crate) fn boxers_mut(&mut self) -> &mut PolicyCharacters {
         &mut self.boxers
     }
@@ -105,7 +105,7 @@ impl Sparring {
         self.boxers.characters()
     }
 
-    /// How they spar.
+    /// Settings.
     pub fn config(&self) -> &SparringConfig {
         &self.config
     }
@@ -120,7 +120,7 @@ impl Sparring {
         self.state.pairs.len()
     }
 
-    /// Who spars with a character.
+    /// Opponent of a character.
     ///
     /// # Errors
     /// [`Error::Gone`].
@@ -128,7 +128,7 @@ impl Sparring {
         Ok(self.boxers.ids()[self.boxers.row(id)? ^ 1])
     }
 
-    /// The order of a character, around what it was about at the last step.
+    /// Order of a character, with the targets of the last step.
     ///
     /// # Errors
     /// [`Error::Gone`].
@@ -136,7 +136,7 @@ impl Sparring {
         Ok(*self.boxers.order_of(id)?)
     }
 
-    /// Lets a character play a segment at once, see [`PolicyCharacters::play`].
+    /// Makes a character play a segment at once, see [`PolicyCharacters::play`].
     ///
     /// # Errors
     /// As [`PolicyCharacters::play`].
@@ -144,24 +144,24 @@ impl Sparring {
         self.boxers.play(id, segment)
     }
 
-    /// The opponent's head, for each character (m, row by row).
+    /// Position of the opponent's head, for each character (m, row by row).
     pub fn heads(&self) -> &[Vec3] {
         &self.state.heads
     }
 
-    /// Where the opponent's head will be when a blow that is chosen now lands, as far as the opponent's action is known:
-    /// what behaviours about a place are about (m, row by row).
+    /// Expected position of the opponent's head when a blow that is chosen now lands, as far as the opponent's action is known;
+    /// the target of behaviours about a place (m, row by row).
     pub fn aims(&self) -> &[Vec3] {
         &self.state.aims
     }
 
-    /// The opponent's next blow, for each character: what behaviours on space-time grids are about; x and z of the
-    /// place, y the seconds until then, or [`NO_THREAT_S`] where none is coming (m, s, m, row by row).
+    /// Opponent's next blow, for each character, the target of behaviours on space-time grids: x and z of the place, y the
+    /// seconds until then, or [`NO_THREAT_S`] where no blow is coming (m, s, m, row by row).
     pub fn threats(&self) -> &[Vec3] {
         &self.state.threats
     }
 
-    /// What became of a character's blows.
+    /// Counts of a character's blows by outcome.
     ///
     /// # Errors
     /// [`Error::Gone`].
@@ -174,7 +174,7 @@ impl Sparring {
         self.state.pairs[pair].overlap_m
     }
 
-    /// What has happened so far, of those who are there.
+    /// Figures so far, of all pairs that are there.
     pub fn figures(&self) -> SparringFigures {
         let mut f = SparringFigures { seconds: self.state.seconds, ..SparringFigures::default() };
         self.state.tallies.iter().for_each(|t| f.blows += *t);
@@ -186,7 +186,7 @@ impl Sparring {
         f
     }
 
-    /// Moves limbs out of the other's body in the poses of a step; none for poses that are shown again.
+    /// Moves limbs out of the opponent's body in the poses of a step; `None` applies the last displacements again.
     fn touch(&mut self, dt_s: Option<f32>, run: &dyn Run) {
         let (body, limbs, config) = (&self.body, &self.limbs, &self.config.touch);
         let (roots, contacts, model, locals) = self.boxers.poses_mut();
@@ -210,7 +210,7 @@ impl Sparring {
         });
     }
 
-    /// Lets blows land and bodies part, after all have been observed.
+    /// Applies blows and separates bodies, after all pairs have been observed.
     fn resolve(&mut self, dt_s: f32) -> Result<()> {
         self.state.seconds += f64::from(dt_s);
         self.events.clear();
@@ -242,7 +242,7 @@ impl Sparring {
         Ok(())
     }
 
-    /// Lets who is struck hard step away, where there is ground.
+    /// Makes a character that is struck hard step away, where the ground is free.
     fn stagger(&mut self, landing: &Landing) -> Result<()> {
         let (blow, config) = (&landing.blow, &self.config.stagger);
         if blow.force < config.force || !staggers(landing.part) {
@@ -258,7 +258,7 @@ impl Sparring {
         }
     }
 
-    /// Where a blow meets the opponent.
+    /// Finds where a blow meets the opponent; `None` where it misses.
     fn land(&self, blow: Blow) -> Option<Landing> {
         let (c, characters) = (blow.character as usize ^ 1, self.characters());
         let pose = Posed::new(characters.pose(c), characters.root(c));
@@ -267,7 +267,7 @@ impl Sparring {
         Some(Landing { blow, opponent: self.boxers.ids()[c], part, joint, depth_m })
     }
 
-    /// Where the heads of a pair are as it enters (m).
+    /// Positions of the heads of a pair as it enters (m).
     fn start_heads(&self, pair: [Spawn; 2]) -> Result<[Vec3; 2]> {
         let motion_set = self.boxers.motion_set();
         let state = |start: Spawn| start.state.unwrap_or_else(|| self.boxers.standing());
@@ -285,12 +285,12 @@ impl Sparring {
 impl Cast for Sparring {
     /// A pair enters together.
     type Start = [Spawn; 2];
-    /// Behaviours and their weights; what they are about is set at every step.
+    /// Behaviours and their weights; their targets are set at every step.
     type Order = Order;
     /// A blow that met the opponent, or was blocked.
     type Event = Landing;
 
-    /// The first one's id; [`Sparring::opponent`] gives the second one's.
+    /// Adds a pair and returns the id of the first; [`Sparring::opponent`] gives that of the second.
     fn spawn(&mut self, pair: [Spawn; 2]) -> Result<Id> {
         if self.boxers.ids().len() + 2 > self.boxers.capacity() {
             return Err(Error::Full { capacity: self.boxers.capacity() });
@@ -310,7 +310,7 @@ impl Cast for Sparring {
         Ok(first)
     }
 
-    /// The opponent leaves too. The last pair takes their place in [`Cast::bodies`].
+    /// Removes a character and its opponent. The last pair takes their rows in [`Cast::bodies`].
     fn despawn(&mut self, id: Id) -> Result<()> {
         let first = self.boxers.row(id)? & !1;
         for row in [first + 1, first] {
@@ -325,7 +325,7 @@ impl Cast for Sparring {
         Ok(())
     }
 
-    /// One of a pair alone: its opponent comes after it.
+    /// Moves one of a pair alone: its opponent comes after it.
     fn place(&mut self, id: Id, root: Planar) -> Result<()> {
         let row = self.boxers.row(id)?;
         let old = self.characters().root(row);
@@ -363,12 +363,12 @@ impl Cast for Sparring {
         self.resolve(dt_s)
     }
 
-    /// As that of [`PolicyCharacters`], with the opponent as target.
+    /// Status as of [`PolicyCharacters`], with the opponent as target.
     fn status(&self, id: Id) -> Result<Status> {
         self.boxers.status(id)
     }
 
-    /// In the order of rows.
+    /// Events of the last step, in the order of rows.
     fn events(&self) -> &[(Id, Landing)] {
         &self.events
     }
@@ -399,10 +399,10 @@ impl Cast for Sparring {
     }
 }
 
-/// Pairs of one part of a step.
+/// Number of pairs in one part of a step.
 const PART: usize = 64;
 
-/// What a character sees whose opponent strikes at nothing.
+/// Threat of an opponent that has no blow under way.
 const NO_THREAT: Vec3 = Vec3::new(0.0, NO_THREAT_S, 0.0);
 
 /// Median time from the start of a segment to its first blow; 0 where there is none (s).
@@ -416,7 +416,7 @@ fn usual_lead_s(motion_set: &MotionSet) -> f32 {
     frames.get(frames.len() / 2).map_or(0.0, |&f| f as f32 / motion_set.rate_hz)
 }
 
-/// What is written of one pair after a step.
+/// Outputs of the observation of one pair after a step.
 struct Observed<'a> {
     index: usize,
     pair: &'a mut Pair,
@@ -428,7 +428,7 @@ struct Observed<'a> {
     threats: &'a mut [Vec3],
 }
 
-/// Takes the places of heads, the coming blows and the overlap of a pair from their poses.
+/// Observes heads, coming blows and overlap of a pair in the poses of a step.
 fn observe(
     to: Observed<'_>,
     boxers: &PolicyCharacters,

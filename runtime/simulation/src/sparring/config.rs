@@ -1,28 +1,28 @@
-//! How characters spar.
+//! Settings of sparring.
 
 use super::body::BodyShape;
 use throng_base::error::check;
 use throng_base::{Hash128, Result};
 use throng_core::characters::CharactersConfig;
 
-/// Time until a blow where none is coming (s).
+/// Time until the next blow where no blow is coming (s).
 pub const NO_THREAT_S: f32 = 1e3;
 
-/// How far two bodies may come into each other.
+/// Settings of the separation of two bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeparationConfig {
     /// False lets bodies pass through each other.
     pub enabled: bool,
-    /// Gap below which bodies already begin to part (m, 0 to 1).
+    /// Gap below which bodies begin to move apart (m, 0 to 1).
     pub margin_m: f32,
-    /// Fastest that two characters with a foot in the air part; one that stands on both feet takes a quarter of its
-    /// share (m/s, 0 to 10).
+    /// Largest speed at which two characters with a foot in the air move apart; one that stands on both feet takes a quarter of
+    /// its share (m/s, 0 to 10).
     pub max_speed_mps: f32,
     /// Overlap above which time counts as deep (m, 0 to 1).
     pub deep_m: f32,
-    /// Distance between the middles of heads below which bodies part too: nobody can strike from nearer (m, 0 to 1).
+    /// Distance between the centres of heads below which bodies also move apart: no blow is possible from nearer (m, 0 to 1).
     pub heads_m: f32,
-    /// How fast heads lean away from each other for each metre that they are nearer than that (1/s, 0 to 100).
+    /// Speed at which heads lean away from each other, for each metre below that distance (1/s, 0 to 100).
     pub lean_per_s: f32,
 }
 
@@ -32,16 +32,16 @@ impl Default for SeparationConfig {
     }
 }
 
-/// How arms stop at the other's body and guard.
+/// Settings of limbs that stop at the opponent's body and guard.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TouchConfig {
-    /// False lets arms pass through the other's body.
+    /// False lets arms pass through the opponent's body.
     pub enabled: bool,
-    /// Time in which an arm that is free again has come half of the way back to its motion (s, 0.001 to 10).
+    /// Half-life of the displacement of an arm that is free again (s, 0.001 to 10).
     pub half_life_s: f32,
-    /// How far flesh gives (m, 0 to 0.1).
+    /// Depth to which flesh gives way (m, 0 to 0.1).
     pub give_m: f32,
-    /// Fastest that touch turns an elbow, where its motion does not turn it faster (rad/s, 1 to 1000).
+    /// Largest angular speed of an elbow by touch, where its motion does not turn it faster (rad/s, 1 to 1000).
     pub elbow_radps: f32,
 }
 
@@ -51,13 +51,13 @@ impl Default for TouchConfig {
     }
 }
 
-/// Who steps away when struck.
+/// Settings of steps away by struck characters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StaggerConfig {
-    /// Force from which a blow to head or trunk makes who is struck step away with it, see
-    /// [`throng_core::characters::Blow::force`]; above 1 nobody does (0 to 10).
+    /// Least force of a blow to head or trunk that makes the struck character step away with it, see
+    /// [`throng_core::characters::Blow::force`]; above 1 no blow does (0 to 10).
     pub force: f32,
-    /// How far joints may be, on average, from where the step away begins (m, 0 to 1).
+    /// Largest mean distance of joints from the first pose of the step away (m, 0 to 1).
     pub alike_m: f32,
 }
 
@@ -67,29 +67,29 @@ impl Default for StaggerConfig {
     }
 }
 
-/// How characters spar.
+/// Settings of sparring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SparringConfig {
-    /// How the characters move.
+    /// Settings of the characters' motion.
     pub characters: CharactersConfig,
-    /// How thick bodies are.
+    /// Radii of bodies.
     pub body: BodyShape,
-    /// How near to a body a blow must come to land (m, 0 to 1).
+    /// Distance from a body at which a blow lands (m, 0 to 1).
     pub reach_m: f32,
-    /// Last part of a blow's way on which it strikes what is in it (m, 0 to 1).
+    /// Length of the last part of a blow's path, on which it strikes all that it meets (m, 0 to 1).
     pub way_m: f32,
-    /// Displacement of what is struck, for each metre a second of the blow (s, 0 to 1).
+    /// Displacement of the struck joint, for each metre per second of the blow (s, 0 to 1).
     pub push_m_per_mps: f32,
-    /// How bodies are kept apart.
+    /// Settings of the separation of bodies.
     pub separation: SeparationConfig,
-    /// How arms stop at the other's body and guard.
+    /// Settings of limbs that stop at the opponent's body and guard.
     pub touch: TouchConfig,
-    /// Who steps away when struck.
+    /// Settings of steps away by struck characters.
     pub stagger: StaggerConfig,
 }
 
 impl SparringConfig {
-    /// Content hash, but for how the characters move.
+    /// Content hash, without the settings of the characters' motion.
     pub(super) fn hash(&self) -> u128 {
         let numbers =
             (self.body, self.reach_m, self.way_m, self.push_m_per_mps, self.separation, self.touch, self.stagger);
@@ -130,7 +130,7 @@ impl Default for SparringConfig {
     }
 }
 
-/// An error where a number is out of its range.
+/// Fails where a number is out of its range.
 pub(super) fn within(what: &'static str, got: f32, least: f32, most: f32, expected: &'static str) -> Result<()> {
     check(what, None, got, (least..=most).contains(&got), expected)
 }

@@ -1,9 +1,9 @@
-//! Distances between segments: what all tests of capsules come down to.
+//! Distances between segments, on which all tests of capsules are based.
 
 use super::body::Capsule;
 use glam::Vec3;
 
-/// The nearest points of two segments, on the first and on the second (m).
+/// Nearest points of two segments, on the first and on the second (m).
 ///
 /// # Source
 /// Ericson, *Real-Time Collision Detection*, 2005, section 5.1.9.
@@ -19,7 +19,7 @@ pub fn nearest_points([p1, q1]: [Vec3; 2], [p2, q2]: [Vec3; 2]) -> [Vec3; 2] {
     [p1 + d1 * s, p2 + d2 * clamped]
 }
 
-/// How deep two capsules are in each other; negative where they are apart (m).
+/// Overlap depth of two capsules; negative where they are apart (m).
 pub(crate) fn overlap(a: &Capsule, b: &Capsule) -> f32 {
     let [p, q] = nearest_points(a.ends, b.ends);
     a.radius + b.radius - (p - q).length()

@@ -1,4 +1,4 @@
-//! Which blows land, and where.
+//! Landing of blows: which ones land, and where.
 
 use super::body::{Body, NUM_CAPSULES, Part, Posed};
 use super::config::SparringConfig;
@@ -7,30 +7,30 @@ use throng_base::Id;
 use throng_core::characters::Blow;
 use throng_core::skeleton::Joint;
 
-/// A blow that met the opponent's body.
+/// Blow that met the opponent's body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Landing {
     /// The blow.
     pub blow: Blow,
-    /// Who is struck.
+    /// Struck opponent.
     pub opponent: Id,
-    /// What of them.
+    /// Struck part of the opponent.
     pub part: Part,
-    /// The joint that is pushed.
+    /// Joint that is pushed.
     pub joint: Joint,
-    /// How far the striking point is within reach of that part (m, >= 0).
+    /// Depth of the striking point within reach of that part (m, >= 0).
     pub depth_m: f32,
 }
 
 impl Landing {
-    /// True where arms caught the blow.
+    /// True where an arm caught the blow.
     pub fn is_blocked(&self) -> bool {
         self.part == Part::Arm
     }
 }
 
-/// The capsule that a blow meets on the last part of its way, and how deep: an arm, else the capsule that is reached
-/// deepest. An opponent who stands nearer than the blow reaches is struck on its way.
+/// Capsule that a blow meets on the last part of its path, and the depth (m): an arm, else the capsule that is reached
+/// deepest. An opponent that stands nearer than the end of the blow is struck on its path.
 pub(crate) fn meet(config: &SparringConfig, body: &Body, pose: &Posed<'_>, blow: &Blow) -> Option<(usize, f32)> {
     let way = [blow.point - blow.direction * config.way_m, blow.point];
     let capsules = body.capsules(pose);

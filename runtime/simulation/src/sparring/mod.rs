@@ -1,8 +1,8 @@
 //! Sparring: pairs of characters that strike at each other, and boxers that strike at targets (Lee and Lee 2004, section 6).
 //!
-//! [`Sparring`] takes each character's head as the other's target, tests at effective hits whose blow lands, and
+//! [`Sparring`] takes each character's head as the other's target, tests at effective hits which blows land, and
 //! pushes what is struck. [`TargetPractice`] gives every character a [`StruckTarget`] of its own instead. Both are a
-//! [`throng_core::Cast`] of [`throng_core::characters::PolicyCharacters`], told by the same orders.
+//! [`throng_core::Cast`] of [`throng_core::characters::PolicyCharacters`], with the same orders.
 
 mod body;
 mod bout;

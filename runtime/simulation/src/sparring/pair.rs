@@ -1,4 +1,4 @@
-//! Two bodies that come too near, and how they part again.
+//! Separation of two bodies that come too near.
 
 use super::body::{Body, Posed};
 use super::config::SeparationConfig;
@@ -8,32 +8,32 @@ use serde::{Deserialize, Serialize};
 use throng_base::maths;
 use throng_core::contacts::Contacts;
 
-/// Time in which the speed of parting adapts (s).
+/// Time constant of the speed of separation (s).
 const ADAPT_S: f32 = 0.15;
-/// Share that a character takes who stands on both feet: its legs can only lean.
+/// Share that a character takes that stands on both feet, as its legs can only lean (1).
 const STANDING_SHARE: f32 = 0.25;
-/// Time in which an overlap would be gone at the speed that is aimed at (s).
+/// Time in which an overlap would be gone at the desired speed (s).
 const PART_S: f32 = 0.25;
 
-/// What is remembered of two opponents.
+/// State of the separation of two opponents.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Pair {
-    /// Deepest overlap of their cores; 0 where they are apart (m).
+    /// Deepest overlap of their core capsules; 0 where they are apart (m).
     pub overlap_m: f32,
-    /// Time spent deeper than the config allows (s).
+    /// Time spent deeper than the settings allow (s).
     pub deep_s: f32,
     /// Deepest overlap so far (m).
     pub max_overlap_m: f32,
-    /// How fast they are moved apart (m/s).
+    /// Current speed of separation (m/s).
     speed_mps: f32,
-    /// Along the ground from the first to the second, of unit length.
+    /// Unit direction along the ground from the first to the second.
     apart: Vec2,
-    /// What each takes of its half of the way.
+    /// Share that each takes of its half of the distance.
     shares: [f32; 2],
 }
 
 impl Pair {
-    /// False for numbers that no pair has.
+    /// False for a state that no pair can have.
     pub fn may_be(&self) -> bool {
         let [a, b] = self.shares;
         let lengths = [self.overlap_m, self.max_overlap_m, self.speed_mps, self.apart.x, self.apart.y, a, b];
@@ -68,7 +68,7 @@ impl Pair {
         }
     }
 
-    /// How far each of the two is to be moved in a step; `None` where they stay (m).
+    /// Displacements of the two in a step; `None` where they stay (m).
     pub fn part(&self, dt_s: f32) -> Option<[Vec2; 2]> {
         const SLOWEST_MPS: f32 = 1e-3;
         let by = self.apart * (0.5 * self.speed_mps * dt_s);
@@ -77,8 +77,8 @@ impl Pair {
 }
 
 impl SeparationConfig {
-    /// How far the second of two heads that are too near each other leans away in a step, and the first one the other way
-    /// (m).
+    /// Displacement in a step of the second of two heads that are too near each other; the first one moves in the opposite
+    /// direction (m).
     pub(super) fn lean(&self, heads: [Vec3; 2], dt_s: f32) -> Option<Vec3> {
         let nearer_m = self.heads_m - heads[0].distance(heads[1]);
         let away = (heads[1] - heads[0]).with_y(0.0).normalize_or_zero();
@@ -86,10 +86,10 @@ impl SeparationConfig {
     }
 }
 
-/// Deepest overlap of the cores of two bodies, negative where there is a gap; gaps of the margin and more are all the
-/// same (m).
+/// Deepest overlap of the core capsules of two bodies, negative where there is a gap; gaps of the margin and more are
+/// returned as the margin (m).
 fn core_overlap(body: &Body, [a, b]: [&Posed<'_>; 2], margin_m: f32) -> f32 {
-    /// No core is further from its pelvis than this (m).
+    /// Largest distance of a core capsule from its pelvis (m).
     const REACH: f32 = 1.1;
     let hips = |p: &Posed<'_>| p.point(throng_core::Joint::Hips, Vec3::ZERO);
     if hips(a).distance_squared(hips(b)) > 4.0 * REACH * REACH {

@@ -1,4 +1,4 @@
-//! Boxers who each strike at a target of their own.
+//! Boxers that each strike at a target of their own.
 
 use super::config::within;
 use super::snapshot;
@@ -11,14 +11,14 @@ use throng_base::{Hash128, Id, Result, Run, SnapshotKind};
 use throng_core::characters::{Blow, Characters, CharactersConfig, MAX_BLOWS, Order, PolicyCharacters, Spawn};
 use throng_core::{Adopted, Bodies, Bundle, Cast, Planar, Status};
 
-/// How characters strike at targets.
+/// Settings of striking at targets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PracticeConfig {
-    /// How the characters move.
+    /// Settings of the characters' motion.
     pub characters: CharactersConfig,
-    /// How targets move.
+    /// Settings of the targets.
     pub target: TargetConfig,
-    /// How near to a target a blow must come to hit it (m, 0 to 1).
+    /// Distance from a target at which a blow hits it (m, 0 to 1).
     pub reach_m: f32,
 }
 
@@ -28,16 +28,16 @@ impl Default for PracticeConfig {
     }
 }
 
-/// A blow that hit a target.
+/// Blow that hit a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TargetHit {
     /// The blow.
     pub blow: Blow,
-    /// How far the striking point is within reach (m, >= 0).
+    /// Depth of the striking point within reach (m, >= 0).
     pub depth_m: f32,
 }
 
-/// What has happened so far.
+/// Figures of all boxers so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PracticeFigures {
     /// Simulated time (s).
@@ -46,10 +46,10 @@ pub struct PracticeFigures {
     pub blows: Tally,
 }
 
-/// Boxers with a target each, which hangs where the order says; who has no order has no target.
+/// Boxers with a target each, which hangs where the order says; a boxer without an order has no target.
 ///
-/// A step aims every behaviour at the target, moves the characters, tests which blows come near enough, and lets what is
-/// hit swing out in the direction of the blow. All memory is allocated in [`TargetPractice::with_capacity`], but for
+/// A step aims every behaviour at the target, moves the characters, tests which blows come near enough, and swings the hit
+/// targets out in the direction of the blow. All memory is allocated in [`TargetPractice::with_capacity`], except for
 /// loading and adopting.
 #[derive(Clone, Debug)]
 pub struct TargetPractice {
@@ -59,18 +59,18 @@ pub struct TargetPractice {
     events: Vec<(Id, TargetHit)>,
 }
 
-/// What the next steps depend on, beside the characters.
+/// State that the next steps depend on, beside the characters.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct State {
     pub targets: Vec<StruckTarget>,
-    /// Where targets are (m).
+    /// Positions of targets (m).
     pub positions: Vec<Vec3>,
     pub tallies: Vec<Tally>,
     pub seconds: f64,
 }
 
 impl TargetPractice {
-    /// Room for so many boxers.
+    /// Empty practice with room for so many boxers.
     ///
     /// # Errors
     /// [`throng_base::Error::Value`] for a setting out of its range, and as [`PolicyCharacters::with_capacity`].
@@ -88,12 +88,12 @@ impl TargetPractice {
         Ok(Self { config, boxers, state, events })
     }
 
-    /// Who strikes, row by row as in [`Cast::bodies`].
+    /// Boxers, row by row as in [`Cast::bodies`].
     pub fn boxers(&self) -> &PolicyCharacters {
         &self.boxers
     }
 
-    /// To say what else is on the ground.
+    /// Mutable boxers, to set obstacles and reserved regions on the ground.
     pub(crate) fn boxers_mut(&mut self) -> &mut PolicyCharacters {
         &mut self.boxers
     }
@@ -103,7 +103,7 @@ impl TargetPractice {
         self.boxers.characters()
     }
 
-    /// How they strike.
+    /// Settings.
     pub fn config(&self) -> &PracticeConfig {
         &self.config
     }
@@ -113,7 +113,7 @@ impl TargetPractice {
         &self.state.targets
     }
 
-    /// The order of a character, around the place where its target hangs.
+    /// Order of a character, around the place where its target hangs.
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
@@ -121,7 +121,7 @@ impl TargetPractice {
         Ok(self.boxers.order_of(id)?.around(self.state.targets[self.boxers.row(id)?].home))
     }
 
-    /// Lets a character play a segment at once, see [`PolicyCharacters::play`].
+    /// Makes a character play a segment at once, see [`PolicyCharacters::play`].
     ///
     /// # Errors
     /// As [`PolicyCharacters::play`].
@@ -129,7 +129,7 @@ impl TargetPractice {
         self.boxers.play(id, segment)
     }
 
-    /// What became of a character's blows.
+    /// Counts of a character's blows by outcome.
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
@@ -137,14 +137,14 @@ impl TargetPractice {
         Ok(self.state.tallies[self.boxers.row(id)?])
     }
 
-    /// What has happened so far, of those who are there.
+    /// Figures so far, of all boxers that are there.
     pub fn figures(&self) -> PracticeFigures {
         let mut f = PracticeFigures { seconds: self.state.seconds, ..PracticeFigures::default() };
         self.state.tallies.iter().for_each(|t| f.blows += *t);
         f
     }
 
-    /// Moves targets on, and strikes those that blows reach.
+    /// Advances all targets, and strikes those that blows reach.
     fn strike(&mut self, dt_s: f32) -> Result<()> {
         let (s, config) = (&mut self.state, &self.config);
         s.seconds += f64::from(dt_s);
@@ -188,7 +188,7 @@ impl Cast for TargetPractice {
         Ok(id)
     }
 
-    /// The last one takes its place in [`Cast::bodies`].
+    /// Removes a boxer. The last one takes its row in [`Cast::bodies`].
     fn despawn(&mut self, id: Id) -> Result<()> {
         let row = self.boxers.row(id)?;
         self.boxers.despawn(id)?;
@@ -219,12 +219,12 @@ impl Cast for TargetPractice {
         self.strike(dt_s)
     }
 
-    /// As that of [`PolicyCharacters`].
+    /// Status as of [`PolicyCharacters`].
     fn status(&self, id: Id) -> Result<Status> {
         self.boxers.status(id)
     }
 
-    /// In the order of rows.
+    /// Events of the last step, in the order of rows.
     fn events(&self) -> &[(Id, TargetHit)] {
         &self.events
     }

@@ -1,65 +1,65 @@
-//! The geometry of limbs that meet: forearms and shins as rods that keep their length (Müller et al. 2007, position based
-//! dynamics), and limbs of two bones that reach.
+//! Geometry of limbs that touch: forearms and shins as segments of fixed length (Müller et al. 2007, position based
+//! dynamics), and reaching limbs of two bones.
 
 use super::body::Capsule;
 use super::distance::nearest_points;
 use glam::{Quat, Vec3};
 use throng_base::maths;
 
-/// Limbs that are in something by less are out of it (m).
+/// Overlap below which a limb counts as free (m).
 const ENOUGH_M: f32 = 1e-3;
-/// How far a limb may be moved in a piece, for what it might come into (m).
+/// Margin for the displacement of a limb in a piece, in the search for obstacles (m).
 const ROOM_M: f32 = 0.08;
-/// Elbows and knees that are less off the straight line bend outwards and down, or ahead (m).
+/// Distance from the straight line below which elbows bend outwards and down, and knees ahead (m).
 pub(super) const SOFT_ELBOW_M: f32 = 0.02;
-/// Limbs keep this share of their length from being straight.
+/// Share of its length by which a limb stays shorter than straight (1).
 const STRETCH: f32 = 5e-4;
-/// A knee goes this much farther than a point near the ankle has to, as one over it.
+/// Least lever of a knee: it moves at most one over this farther than a point near the ankle has to (1).
 const LEAST_LEVER: f32 = 0.5;
 
-/// What of a limb does not change.
+/// Constant shape of a limb.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LimbShape {
     /// Lengths of its two bones (m).
     pub lengths: [f32; 2],
-    /// How far the axis goes on beyond its end, into the fist; 0 for legs (m).
+    /// Length of the axis beyond its end, into the fist; 0 for legs (m).
     pub hand_m: f32,
-    /// Of the forearm or shin (m).
+    /// Radius of the forearm or shin (m).
     pub radius: f32,
-    /// Of the upper arm or thigh (m).
+    /// Radius of the upper arm or thigh (m).
     pub upper_radius: f32,
 }
 
-/// How a limb moves out of what it is in.
+/// Freedom of a limb to move out of an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Way {
-    /// Its knee alone, aside: a leg that carries.
+    /// Only the knee moves, aside: a leg that carries weight.
     Stays,
-    /// Over the ground: a leg that steps.
+    /// Moves along the ground: a leg that steps.
     Level,
-    /// Anywhere: an arm, or a leg that kicks.
+    /// Moves anywhere: an arm, or a leg that kicks.
     Free,
 }
 
-/// A forearm or shin that is moved about.
+/// Forearm or shin as a movable segment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rod {
     /// Elbow and wrist, or knee and ankle (m).
     pub ends: [Vec3; 2],
-    /// From the ankle to the toes; none for arms (m).
+    /// Vector from the ankle to the toes; zero for arms (m).
     pub foot: Vec3,
     pub way: Way,
     pub moved: bool,
 }
 
 impl Rod {
-    /// From the elbow to where the fist begins to round, or from knee to ankle (m).
+    /// Axis from the elbow to where the fist begins to round, or from knee to ankle (m).
     pub fn axis(&self, shape: &LimbShape) -> [Vec3; 2] {
         let [elbow, wrist] = self.ends;
         [elbow, wrist + (wrist - elbow) * (shape.hand_m / shape.lengths[1])]
     }
 
-    /// Its axis, or its foot if it has any (m).
+    /// Axis, or the foot if there is one (m).
     fn bone(&self, shape: &LimbShape, is_foot: bool) -> Option<[Vec3; 2]> {
         match is_foot {
             false => Some(self.axis(shape)),
@@ -67,12 +67,12 @@ impl Rod {
         }
     }
 
-    /// A ball around it.
+    /// Ball around the segment and its foot.
     pub fn ball(&self, shape: &LimbShape) -> Ball {
         Ball::about(self.axis(shape), shape.radius + self.foot.length())
     }
 
-    /// Moves a point of its axis; what is near the elbow carries the wrist along, and the foot the ankle (m).
+    /// Moves a point of the axis; a point near the elbow carries the wrist along, and the foot the ankle (m).
     fn shift(&mut self, at: Vec3, by: Vec3) {
         let by = if self.way == Way::Free { by } else { by.with_y(0.0) };
         let [elbow, wrist] = self.ends;
@@ -88,7 +88,7 @@ impl Rod {
         self.moved = true;
     }
 
-    /// Moves it out of a capsule that stays; false where it is not in it.
+    /// Moves the segment out of a fixed capsule; false where they do not overlap.
     pub fn leave(&mut self, shape: &LimbShape, capsule: &Capsule, give_m: f32) -> bool {
         let allowed_m = shape.radius + capsule.radius - give_m;
         let mut found = depth(self.axis(shape), capsule.ends, allowed_m);
@@ -101,9 +101,9 @@ impl Rod {
         found.is_some()
     }
 
-    /// Moves the elbow or knee, and what is beyond it, so that the upper arm or thigh leaves a capsule as well; false where it is not in it.
+    /// Moves the elbow or knee, and all beyond it, so that the upper arm or thigh leaves a fixed capsule; false where they do not overlap.
     pub fn lift(&mut self, shoulder: Vec3, shape: &LimbShape, capsule: &Capsule, give_m: f32) -> bool {
-        /// A point of it nearer to its root than this share of its length is out of reach of the elbow or knee.
+        /// Share of its length below which a point is so near to the root that the elbow or knee cannot move it (1).
         const LEAST: f32 = 0.4;
         let allowed_m = shape.upper_radius + capsule.radius - give_m;
         let found = depth([shoulder, self.ends[0]], capsule.ends, allowed_m);
@@ -115,17 +115,17 @@ impl Rod {
     }
 }
 
-/// Moves two forearms, or shins and feet, apart, each by half, or the one that moves alone; false where they do not meet.
+/// Moves two forearms, or shins and feet, apart, each by half, or only the one that can move; false where they do not overlap.
 pub(super) fn part(a: &mut Rod, shape_a: &LimbShape, b: &mut Rod, shape_b: &LimbShape, give_m: f32) -> bool {
     let allowed_m = shape_a.radius + shape_b.radius - give_m;
     let mut any = false;
     for (of_a, of_b) in [(false, false), (false, true), (true, false), (true, true)] {
         let [Some(mut p), Some(mut q)] = [a.bone(shape_a, of_a), b.bone(shape_b, of_b)] else { continue };
         if of_a && of_b && a.way != Way::Free && b.way != Way::Free {
-            // One foot has no room above another one on which to come down.
+            // A foot cannot come down on another one, so that feet part along the ground.
             p.iter_mut().chain(&mut q).for_each(|end| end.y = 0.0);
         }
-        // A foot that carries stays.
+        // A foot that carries weight stays.
         let gives = [(a.way, of_a), (b.way, of_b)].map(|(way, is_foot)| way != Way::Stays || !is_foot);
         let share = match gives {
             [true, true] => [0.5, -0.5],
@@ -145,27 +145,27 @@ pub(super) fn part(a: &mut Rod, shape_a: &LimbShape, b: &mut Rod, shape_b: &Limb
     any
 }
 
-/// The turn about its root that brings a forearm, with the arm that it is of, out of a capsule that stays; none where it is
-/// not in it.
+/// Rotation about the root of an arm that brings its forearm out of a fixed capsule; `None` where they do not
+/// overlap.
 pub(super) fn swing(root: Vec3, ends: [Vec3; 2], shape: &LimbShape, capsule: &Capsule, give_m: f32) -> Option<Quat> {
     let rod = Rod { ends, foot: Vec3::ZERO, way: Way::Free, moved: false };
     let (at, _, by) = depth(rod.axis(shape), capsule.ends, shape.radius + capsule.radius - give_m)?;
     Some(arc(at - root, at + by - root))
 }
 
-/// Where two axes are nearest and how far the first one has to go, if they are nearer than allowed (m).
+/// Nearest points of two axes, and the displacement of the first one, if they are nearer than allowed (m).
 fn depth(a: [Vec3; 2], b: [Vec3; 2], allowed_m: f32) -> Option<(Vec3, Vec3, Vec3)> {
     let [p, q] = nearest_points(a, b);
     let way = p - q;
     let distance = way.length();
-    // Crossing axes leave the way that the arm came from.
+    // Crossing axes separate in the direction from which the arm came.
     let out = if distance > 1e-5 { way / distance } else { (a[0] - q).normalize_or(Vec3::Y) };
     (distance < allowed_m - ENOUGH_M).then(|| (p, q, out * (allowed_m - distance)))
 }
 
-/// Middle and end as near to `ends` as a limb of these lengths can be.
+/// Positions of middle and end as near to `ends` as a limb of these lengths can reach (m).
 ///
-/// - `out`: where a straight limb bends to, and how much of that there is (0 to 1).
+/// - `out`: direction in which a straight limb bends; `soft`: share of that bend (0 to 1).
 pub(super) fn reach(
     shoulder: Vec3,
     [elbow, wrist]: [Vec3; 2],
@@ -175,7 +175,7 @@ pub(super) fn reach(
     let [l1, l2] = shape.lengths;
     let way = wrist - shoulder;
     let direction = way.normalize_or(Vec3::NEG_Y);
-    // Of bones shorter than that, the least distance is above the greatest one.
+    // The least distance goes last: for very short bones it exceeds the greatest one.
     let d = way.length().min((l1 + l2) * (1.0 - STRETCH * soft * soft)).max((l1 - l2).abs() + 1e-3);
     let across = |v: Vec3| v - direction * v.dot(direction);
     let pole = across(elbow - shoulder);
@@ -185,7 +185,7 @@ pub(super) fn reach(
     let across = (l1 * l1 - along * along).max(0.0).sqrt();
     [shoulder + direction * along + pole * across, shoulder + direction * d]
 }
-/// A ball around a capsule.
+/// Ball around a capsule.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ball {
     centre: Vec3,
@@ -203,19 +203,19 @@ impl Ball {
     }
 }
 
-/// The angle at an elbow or a knee (rad).
+/// Angle at an elbow or a knee (rad).
 pub(super) fn elbow_angle([shoulder, elbow, wrist]: [Vec3; 3]) -> f32 {
     let (upper, lower) = (shoulder - elbow, wrist - elbow);
     maths::atan2(upper.cross(lower).length(), upper.dot(lower))
 }
 
-/// The turn from one direction to another; none where either has no length. Small turns are exact, other than glam's,
-/// which leaves out those below 0.7 mrad.
+/// Rotation from one direction to another; the identity where either has no length. Small rotations are exact, unlike those
+/// of glam, which omits rotations below 0.7 mrad.
 pub(super) fn arc(from: Vec3, to: Vec3) -> Quat {
     let (Some(from), Some(to)) = (from.try_normalize(), to.try_normalize()) else { return Quat::IDENTITY };
     let w = 1.0 + from.dot(to);
     if w < 1e-6 {
-        // Any axis does.
+        // Any axis across will do.
         let axis = from.any_orthonormal_vector();
         return Quat::from_xyzw(axis.x, axis.y, axis.z, 0.0);
     }

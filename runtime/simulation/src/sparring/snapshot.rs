@@ -1,4 +1,4 @@
-//! Keeping characters that strike, and what is remembered beside them, to go back to it.
+//! Snapshots of striking characters and of the state beside them.
 
 use super::pair::Pair;
 use super::tally::Tally;
@@ -12,9 +12,9 @@ use throng_base::{Bytes, Result, SnapshotKind};
 use throng_core::Cast;
 use throng_core::characters::PolicyCharacters;
 
-/// What the next steps depend on, beside the characters.
+/// State that the next steps depend on, beside the characters.
 pub(super) trait Remembered: Serialize + DeserializeOwned {
-    /// False for numbers that so many characters cannot have.
+    /// False for a state that so many characters cannot have.
     fn may_be(&self, num_characters: usize) -> bool;
 }
 
@@ -41,14 +41,14 @@ impl Remembered for practice::State {
     }
 }
 
-/// Appends both (about 970 bytes a character).
+/// Appends a snapshot of characters and state (about 970 bytes a character).
 pub(super) fn save(kind: SnapshotKind, characters: &PolicyCharacters, state: &impl Remembered, out: &mut Vec<u8>) {
     let mut bytes = Bytes::default();
     characters.save(&mut bytes.0);
     kind.write(&(bytes, state), out);
 }
 
-/// Goes back to characters that were saved, and returns what was remembered beside them.
+/// Restores saved characters, and returns the state beside them.
 ///
 /// # Errors
 /// [`throng_base::Error::Snapshot`]; nothing has changed then.
@@ -64,7 +64,7 @@ pub(super) fn load<S: Remembered>(kind: SnapshotKind, characters: &mut PolicyCha
     Ok(state)
 }
 
-/// What characters can be asked to aim at.
+/// True for a position that characters can aim at.
 fn may_be_aim(at: &Vec3) -> bool {
     at.is_finite() && at.abs().max_element() < 1e6
 }

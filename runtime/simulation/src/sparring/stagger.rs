@@ -1,4 +1,4 @@
-//! Who is struck hard steps away with the blow: the action that leads there and begins most like its pose.
+//! Steps of struck characters away from hard blows: the action in that direction that begins most like the current pose.
 
 use super::config::{StaggerConfig, within};
 use glam::{Vec2, Vec3};
@@ -10,11 +10,11 @@ use throng_core::{Mat3x4, Planar};
 /// Joints that poses are compared by.
 const LOOKS: [Joint; 6] =
     [Joint::Head, Joint::Hips, Joint::LeftHand, Joint::RightHand, Joint::LeftFoot, Joint::RightFoot];
-/// Actions that lead less or more far are no steps away (m).
+/// Least and largest length of a step away (m).
 const WAY_M: [f32; 2] = [0.2, 0.9];
-/// A step away leads at most this far aside of the blow: the cosine.
+/// Least cosine of the angle between a step away and the blow (1).
 const ASIDE: f32 = 0.5;
-/// What a step straight along the blow may look less alike than one aside (m).
+/// Difference in pose by which a step along the blow may be worse than one at a right angle (m).
 const STRAIGHT_M: f32 = 0.2;
 
 impl StaggerConfig {
@@ -24,17 +24,17 @@ impl StaggerConfig {
     }
 }
 
-/// An action that leads away.
+/// Action that can serve as a step away.
 #[derive(Clone, Copy, Debug)]
 struct StepAway {
     segment: u32,
-    /// Where it leads, of unit length.
+    /// Direction of the step, of unit length.
     direction: Vec2,
-    /// Where it begins, from the planar root (m).
+    /// Positions of the compared joints at its beginning, relative to the planar root (m).
     looks: [Vec3; LOOKS.len()],
 }
 
-/// All actions that lead away, without a blow.
+/// All actions without a blow that can serve as steps away.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StepsAway(Vec<StepAway>);
 
@@ -58,9 +58,9 @@ impl StepsAway {
         Ok(Self(steps))
     }
 
-    /// The action of one who is struck; none where no action leads there from a pose like this one.
+    /// Best step away of a struck character; `None` where no action leads there from a similar pose.
     ///
-    /// - `direction`: of the blow, in the world.
+    /// - `direction`: direction of the blow, in the world.
     pub fn best(&self, config: &StaggerConfig, pose: &[Mat3x4], root: Planar, direction: Vec3) -> Option<u32> {
         let local = maths::rotate(root.rotation().conjugate(), direction);
         let along = Vec2::new(local.x, local.z).try_normalize()?;
@@ -81,7 +81,7 @@ impl StepsAway {
     }
 }
 
-/// True of a part that makes who is struck there step away.
+/// True for a part at which a hard blow makes the character step away.
 pub(crate) fn staggers(part: super::Part) -> bool {
     use super::Part::*;
     matches!(part, Head | Neck | Trunk)

@@ -1,22 +1,22 @@
-//! What became of blows.
+//! Outcomes of blows.
 
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
 
-/// Numbers of blows; those thrown are landed, blocked or missed.
+/// Numbers of blows by outcome; each thrown blow has landed, been blocked or missed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Tally {
-    /// Effective hits that were reached.
+    /// Blows that reached their effective hit.
     pub thrown: u32,
-    /// Met what they were meant for.
+    /// Blows that met their target.
     pub landed: u32,
-    /// Were caught by the opponent's arms.
+    /// Blows that were caught by the opponent's arms.
     pub blocked: u32,
-    /// Met nothing.
+    /// Blows that met nothing.
     pub missed: u32,
 }
 
-/// What became of one blow.
+/// Outcome of one blow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Outcome {
     Landed,
@@ -25,12 +25,12 @@ pub(super) enum Outcome {
 }
 
 impl Tally {
-    /// Share of the blows thrown that landed; 0 where none was thrown.
+    /// Share of the thrown blows that landed; 0 where none was thrown.
     pub fn landed_fraction(&self) -> f32 {
         self.landed as f32 / self.thrown.max(1) as f32
     }
 
-    /// True where each of some is the sum of its parts, and there is room for as many again.
+    /// True where each sum equals its parts, and as many blows again can be counted.
     pub(super) fn may_be(all: &[Self]) -> bool {
         let parts = |t: &Self| u64::from(t.landed) + u64::from(t.blocked) + u64::from(t.missed);
         let thrown: u64 = all.iter().map(|t| u64::from(t.thrown)).sum();

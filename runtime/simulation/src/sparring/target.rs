@@ -1,4 +1,4 @@
-//! A target that gives way when it is struck and comes back, such as a ball on a string (Lee and Lee 2004, section 6).
+//! Target that gives way when it is struck and comes back, such as a ball on a string (Lee and Lee 2004, section 6).
 
 use super::config::within;
 use glam::Vec3;
@@ -6,16 +6,16 @@ use serde::{Deserialize, Serialize};
 use throng_base::Result;
 use throng_base::maths;
 
-/// How a struck target moves.
+/// Settings of a struck target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TargetConfig {
     /// Radius (m, 0.001 to 1).
     pub radius_m: f32,
-    /// Furthest it swings out, for each metre a second of the blow (s, 0 to 1).
+    /// Largest deflection for each metre per second of the blow (s, 0 to 1).
     pub deflection_m_per_mps: f32,
-    /// Furthest it swings out at all (m, 0 to 10).
+    /// Largest deflection (m, 0 to 10).
     pub max_deflection_m: f32,
-    /// Time in which a deflection halves, roughly (s, 0.001 to 10).
+    /// Approximate half-life of a deflection (s, 0.001 to 10).
     pub half_life_s: f32,
 }
 
@@ -39,44 +39,44 @@ impl TargetConfig {
     }
 }
 
-/// A target that hangs at a home, which may be moved at any time.
+/// Target that hangs at a home, which may be moved at any time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StruckTarget {
-    /// Where it hangs (m).
+    /// Position of rest (m).
     pub home: Vec3,
-    /// How far it is from there (m).
+    /// Displacement from the position of rest (m).
     pub offset: Vec3,
-    /// How fast that changes (m/s).
+    /// Velocity of the displacement (m/s).
     pub velocity: Vec3,
 }
 
 impl StruckTarget {
-    /// At rest.
+    /// Target at rest.
     pub fn new(home: Vec3) -> Self {
         Self { home, ..Self::default() }
     }
 
-    /// False for places and velocities that no target has.
+    /// False for a state that no target can have.
     pub(super) fn may_be(&self) -> bool {
         let near = |v: Vec3, most: f32| v.abs().max_element() <= most && !v.is_nan();
         near(self.home, 1e5) && near(self.offset, 100.0) && near(self.velocity, 1e6)
     }
 
-    /// Where it is (m).
+    /// Current position (m).
     pub fn position(&self) -> Vec3 {
         self.home + self.offset
     }
 
-    /// Strikes it: it will swing out in the direction of the blow, in proportion to its speed.
+    /// Strikes the target: it swings out in the direction of the blow, in proportion to its speed.
     ///
-    /// - `direction`: of unit length.
+    /// - `direction`: direction of the blow, of unit length.
     pub fn strike(&mut self, config: &TargetConfig, direction: Vec3, speed_mps: f32) {
         // From rest, a critically damped spring of rate y swings out to v / (e y).
         let furthest = (speed_mps * config.deflection_m_per_mps).min(config.max_deflection_m);
         self.velocity = direction * (furthest * std::f32::consts::E * config.rate());
     }
 
-    /// Lets it move, exactly.
+    /// Advances the target by the exact solution.
     pub fn step(&mut self, config: &TargetConfig, dt_s: f32) {
         let rate = config.rate();
         let slope = self.velocity + self.offset * rate;

@@ -1,10 +1,10 @@
-//! Arms and legs that stop where they meet the other's body, guard or legs, or slide there.
+//! Touch of limbs: arms and legs stop, or slide, where they meet the opponent's body, guard or legs.
 //!
-//! Each limb remembers how far it is displaced from where its motion has it. In a step the displacement fades, then elbow
-//! and wrist, or knee and ankle, are moved out of what they are in, as points of a [`Rod`]; fast limbs go their way in short
-//! pieces, so that none comes out on the other side. A leg that steps goes aside over the ground, one that kicks is moved as
-//! arms are, and one that carries stays where it came down: it is only in the way of others. What a blow meets is told by
-//! the motion and not by this.
+//! Each limb stores its displacement from its motion. In a step the displacement fades, then elbow and wrist, or knee and
+//! ankle, are moved out of obstacles, as points of a [`Rod`]; fast limbs move in short pieces, so that none tunnels through
+//! an obstacle. A leg that steps is displaced along the ground, one that kicks is displaced as arms are, and one that carries
+//! weight stays where it came down and is only an obstacle for others. Blows are tested against the motion without these
+//! displacements.
 
 use super::body::{Body, Capsule, NUM_CORE, Posed};
 use super::config::{TouchConfig, within};
@@ -18,21 +18,21 @@ use throng_core::pose::{LocalTransform, Mat3x4};
 use throng_core::skeleton::{Joint, Skeleton};
 use throng_core::{Contacts, Planar};
 
-/// Pieces of a way are about as long as this, but for very fast arms (m).
+/// Approximate length of a piece of a limb's path, except for very fast arms (m).
 const PIECE_M: f32 = 0.06;
-/// Most pieces of a way.
+/// Most pieces of a path in a step.
 const MOST_PIECES: usize = 4;
-/// Rounds in which limbs are moved out of what they are in.
+/// Number of rounds in which limbs are moved out of obstacles.
 const ROUNDS: usize = 6;
-/// Rounds in which a whole arm is turned out of what it is in still.
+/// Number of rounds in which a whole arm is turned out of remaining obstacles.
 const SWINGS: usize = 4;
-/// Nobody's limbs reach farther than this from the hips (m).
+/// Largest distance of a limb from the hips (m).
 const REACH_M: f32 = 1.3;
-/// Limbs that are displaced by less are where their motion has them (m).
+/// Displacement below which a limb counts as not displaced (m).
 const AT_REST_M: f32 = 5e-4;
-/// Bones of limbs are taken to be at least this long (m).
+/// Least length of a bone of a limb (m).
 const LEAST_M: f32 = 1e-3;
-/// A leg whose ankle is so much higher than the other one is raised: it kicks (m).
+/// Height of an ankle above the other one from which on the leg counts as kicking (m).
 const RAISED_M: f32 = 0.25;
 
 /// Root, middle and end of each limb: shoulder, elbow and wrist, then hip, knee and ankle.
@@ -43,17 +43,17 @@ const LIMBS: [[Joint; 3]; NUM_LIMBS] = [
     [Joint::RightThigh, Joint::RightShin, Joint::RightFoot],
 ];
 pub(crate) const NUM_LIMBS: usize = 4;
-/// The first limb that is a leg, and the toes of legs.
+/// Number of the first limb that is a leg, and toes and soles of legs.
 const LEGS: usize = 2;
 const TOES: [Joint; 2] = [Joint::LeftToe, Joint::RightToe];
 const SOLES: [Contacts; 2] = [Contacts::LEFT, Contacts::RIGHT];
-/// Ankles farther from each other than this are of feet that do not meet in a step (m).
+/// Distance of two ankles from which on their feet cannot meet in a step (m).
 const FEET_APART_M: f32 = 0.6;
 
-/// What they hang from.
+/// Parent joint of each limb.
 const PARENTS: [Joint; NUM_LIMBS] = [Joint::LeftClavicle, Joint::RightClavicle, Joint::Hips, Joint::Hips];
 
-/// Root, middle and end of each limb of two, in the world (m).
+/// Root, middle and end of each limb of two characters, in the world (m).
 type Places = [[[Vec3; 3]; NUM_LIMBS]; 2];
 
 impl TouchConfig {
@@ -64,12 +64,12 @@ impl TouchConfig {
     }
 }
 
-/// What is remembered of a limb.
+/// State of the touch of one limb.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Limb {
-    /// How far its middle and its end are from where the motion has them (m).
+    /// Displacements of its middle and its end from the motion (m).
     off: [Vec3; 2],
-    /// Where the motion had root, middle and end at the last step (m).
+    /// Root, middle and end in the motion at the last step (m).
     was: [Vec3; 3],
 }
 
@@ -78,21 +78,21 @@ impl Limb {
         self.off != [Vec3::ZERO; 2]
     }
 
-    /// Where root, middle and end are (m).
+    /// Displaced root, middle and end (m).
     fn displaced(&self) -> [Vec3; 3] {
         let [shoulder, elbow, wrist] = self.was;
         [shoulder, elbow + self.off[0], wrist + self.off[1]]
     }
 
-    /// How much it bends where it is straight: one that is hardly displaced comes back to where it is straight (0 to 1).
+    /// Share of the least bend that a displaced limb keeps: a limb that is hardly displaced may become straight again (0 to 1).
     fn soft(&self) -> f32 {
         (self.off[0].length().max(self.off[1].length()) / SOFT_ELBOW_M).min(1.0)
     }
 
-    /// Gives the limb its lengths, and its elbow or knee as slow a turn as `most`: the end gives way along its way from the
-    /// root (rad).
+    /// Restores the lengths of the limb, and limits the turn of its elbow or knee to `most`: the end gives way along its
+    /// direction from the root (rad).
     ///
-    /// - `before`: the angle at the elbow or knee at the last step (rad).
+    /// - `before`: angle at the elbow or knee at the last step (rad).
     /// - `out`: see [`reach`].
     fn keep_lengths(&mut self, shape: &LimbShape, before: f32, most: f32, out: Vec3) {
         let [shoulder, elbow, wrist] = self.displaced();
@@ -109,7 +109,7 @@ impl Limb {
         self.off = [ends[0] - self.was[1], ends[1] - self.was[2]];
     }
 
-    /// Turns the whole limb about its root out of what it is in still: that turns no elbow.
+    /// Turns the whole limb about its root out of remaining obstacles, which turns no elbow.
     fn swing_out(&mut self, shape: &LimbShape, core: &[Capsule], give_m: f32) {
         for capsule in core.iter().cycle().take(SWINGS * core.len()) {
             let [root, middle, end] = self.displaced();
@@ -120,22 +120,22 @@ impl Limb {
     }
 }
 
-/// What is remembered of the limbs of two opponents.
+/// State of the touch of the limbs of two opponents.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Touch {
-    /// Of each, in the order of [`LIMBS`].
+    /// Limbs of each of the two, in the order of [`LIMBS`].
     limbs: [[Limb; NUM_LIMBS]; 2],
-    /// False where one has no step behind it.
+    /// Whether each of the two has a last step.
     seen: [bool; 2],
 }
 
-/// The limbs of a skeleton, in the order of [`LIMBS`].
+/// Shapes of a skeleton's limbs, in the order of [`LIMBS`].
 pub(crate) fn limb_shapes(skeleton: &Skeleton, body: &Body) -> [LimbShape; NUM_LIMBS] {
     std::array::from_fn(|l| {
         let [_, middle, end] = LIMBS[l];
         let lengths = [middle, end].map(|j| skeleton.offsets[j.index()].length().max(LEAST_M));
         let is_leg = l >= LEGS;
-        // An upper arm is in something where a forearm of its place would be.
+        // An upper arm is tested with the radius of a forearm.
         let [upper_radius, radius] = if is_leg { body.leg_radii() } else { [body.forearm_radius(); 2] };
         let fist_m = if is_leg { 0.0 } else { throng_core::hits::striking_offset(skeleton, end).length() };
         LimbShape { lengths, hand_m: (fist_m - radius).max(0.0), radius, upper_radius }
@@ -143,21 +143,21 @@ pub(crate) fn limb_shapes(skeleton: &Skeleton, body: &Body) -> [LimbShape; NUM_L
 }
 
 impl Touch {
-    /// False for numbers that no limbs have.
+    /// False for a state that no limbs can have.
     pub fn may_be(&self) -> bool {
         let near = |v: &Vec3, most: f32| v.is_finite() && v.abs().max_element() < most;
         self.limbs.iter().flatten().all(|a| a.off.iter().all(|v| near(v, 100.0)) && a.was.iter().all(|v| near(v, 2e6)))
     }
 
-    /// Forgets one who was put elsewhere, and whom it touched.
+    /// Resets the touch of one character that was moved to another place, and of the opponent that it touched.
     pub fn forget(&mut self, one: usize) {
         self.seen[one] = false;
         self.limbs.iter_mut().flatten().for_each(|limb| limb.off = [Vec3::ZERO; 2]);
     }
 
-    /// Finds how far all limbs have to be displaced.
+    /// Computes the displacements of all limbs in a step.
     ///
-    /// - `poses`: as the motion has them, and what of their feet is planted.
+    /// - `poses`: poses of the motion, with the planted parts of their feet.
     pub fn settle(
         &mut self,
         body: &Body,
@@ -175,7 +175,7 @@ impl Touch {
             if !self.seen[k] {
                 limb.was = now[k][l];
             }
-            // A foot stays where it came down.
+            // A planted foot stays where it came down.
             let end = if ways[k][l] == Way::Stays { 1.0 } else { keep };
             limb.off = [limb.off[0] * keep, limb.off[1] * end];
             if limb.off.iter().all(|o| o.length_squared() < AT_REST_M * AT_REST_M) {
@@ -214,7 +214,7 @@ impl Touch {
         }
     }
 
-    /// Whether any limb is displaced, or near enough to the other's trunk or limbs that it could be in them.
+    /// True where any limb is displaced, or so near to the opponent's trunk or limbs that it could overlap them.
     fn may_touch(
         &self,
         shapes: &[LimbShape; NUM_LIMBS],
@@ -222,7 +222,7 @@ impl Touch {
         ways: &[[Way; NUM_LIMBS]; 2],
         hips: &[Vec3; 2],
     ) -> bool {
-        /// No core, no arm whose fist is there and no thigh reaches farther from the axis over the hips than this (m).
+        /// Largest distance of a core, an arm with its fist there, or a thigh from the vertical axis over the hips (m).
         const WIDE: f32 = 0.45;
         let kicks = |ways: &[Way; NUM_LIMBS]| ways[LEGS..].contains(&Way::Free);
         if self.limbs.iter().flatten().any(Limb::is_displaced) || ways.iter().any(kicks) {
@@ -247,7 +247,7 @@ impl Touch {
         })
     }
 
-    /// Goes a piece of the way since the last step, and moves limbs out of what they are in.
+    /// Advances the motion by a piece of the step, and moves limbs out of obstacles.
     fn piece(&mut self, scene: &Scene<'_>, share: f32) {
         let &Scene { shapes, now, ways, give_m, .. } = scene;
         let free = |k: usize| (0..NUM_LIMBS).filter(move |l| ways[k][*l] == Way::Free);
@@ -260,7 +260,7 @@ impl Touch {
                 let (b, limb) = (&base[k][l], &self.limbs[k][l]);
                 let mut ends = [0, 1].map(|i| b[i + 1] + limb.off[i]);
                 if limb.is_displaced() {
-                    // What fades has not its lengths: the elbow is elsewhere.
+                    // A fading displacement does not keep the lengths of bones: the elbow has to be found again.
                     ends = reach(b[0], ends, &shapes[l], (out[k][l], limb.soft()));
                 }
                 let foot = if l < LEGS { Vec3::ZERO } else { scene.toes[k][l - LEGS] - now[k][l][2] };
@@ -273,7 +273,7 @@ impl Touch {
             let first = if l < LEGS { FOR_ARMS } else { 0 };
             near[k][l] = Near::of(&rods[k][l], base[k][l][0], &shapes[l], (&obstacles[k ^ 1], first));
         }
-        // Arms and legs that kick meet each other; legs that step or carry, legs alone.
+        // Arms and kicking legs can touch each other; legs that step or carry weight can touch legs alone.
         let balls = rods.each_ref().map(|rods| [0, 1, 2, 3].map(|l| rods[l].ball(&shapes[l])));
         let meet = |a: usize, b: usize| {
             let are_alike = a.min(b) >= LEGS || [ways[0][a], ways[1][b]] == [Way::Free; 2];
@@ -289,7 +289,7 @@ impl Touch {
             for k in 0..2 {
                 for l in free(k) {
                     let (rod, shape, near) = (&mut rods[k][l], &shapes[l], near[k][l]);
-                    // Legs, upper arms, then the core: what comes last counts most.
+                    // The order is legs, upper arms, core: the last one counts most.
                     for (i, capsule) in obstacles[k ^ 1].iter().enumerate() {
                         if i >= FOR_UPPER && near.upper >> i & 1 == 1 {
                             any |= rod.lift(base[k][l][0], shape, capsule, give_m);
@@ -318,10 +318,10 @@ impl Touch {
         }
     }
 
-    /// Displaces the limbs of one of the two in its pose.
+    /// Applies the displacements to the pose of one of the two.
     ///
-    /// - `model`: in model space, as the motion has it.
-    /// - `locals`: the same relative to parents, or empty.
+    /// - `model`: pose of the motion in model space.
+    /// - `locals`: pose relative to parents, or empty.
     pub fn apply(&self, one: usize, root: Planar, model: &mut [Mat3x4], locals: &mut [LocalTransform]) {
         let to_model = root.rotation().conjugate();
         for (l, limb) in self.limbs[one].iter().enumerate().filter(|(_, limb)| limb.is_displaced()) {
@@ -356,18 +356,18 @@ impl Touch {
     }
 }
 
-/// What limbs of two are moved in.
+/// Inputs of the displacement of two characters' limbs.
 struct Scene<'a> {
     shapes: &'a [LimbShape; NUM_LIMBS],
     cores: &'a [[Capsule; NUM_CORE + 1]; 2],
     now: &'a Places,
     toes: &'a [[Vec3; 2]; 2],
     ways: &'a [[Way; NUM_LIMBS]; 2],
-    /// How far flesh gives (m).
+    /// Depth to which flesh gives way (m).
     give_m: f32,
 }
 
-/// How limbs are moved where they are in something.
+/// Freedom of each limb of a character, by its contacts and the heights of its ankles.
 fn ways(now: &[[Vec3; 3]; NUM_LIMBS], contacts: Contacts) -> [Way; NUM_LIMBS] {
     let ankles = [0, 1].map(|k| now[LEGS + k][2].y);
     std::array::from_fn(|l| match l {
@@ -378,14 +378,14 @@ fn ways(now: &[[Vec3; 3]; NUM_LIMBS], contacts: Contacts) -> [Way; NUM_LIMBS] {
     })
 }
 
-/// Where straight limbs bend to: elbows outwards and down, knees ahead.
+/// Directions in which straight limbs bend: elbows outwards and down, knees ahead.
 fn outwards(limbs: &[[Vec3; 3]; NUM_LIMBS]) -> [Vec3; NUM_LIMBS] {
     let across = |l: usize| (limbs[l][0] - limbs[l + 1][0]).normalize_or_zero();
     let (shoulders, ahead) = (across(0), across(LEGS).cross(Vec3::Y));
     [shoulders - Vec3::Y, -shoulders - Vec3::Y, ahead, ahead]
 }
 
-/// What limbs stop at: the other's thighs, for legs alone, upper arms, then the core, for upper arms and thighs too.
+/// Number of obstacles of a limb: the opponent's thighs, for legs alone, upper arms, then the core, for upper arms and thighs too.
 const NUM_OBSTACLES: usize = FOR_UPPER + NUM_CORE + 1;
 const FOR_ARMS: usize = 2;
 const FOR_UPPER: usize = FOR_ARMS + LEGS;
@@ -403,7 +403,7 @@ fn obstacles(
     })
 }
 
-/// What the two bones of a limb might come into, a bit for each obstacle.
+/// Obstacles that the two bones of a limb might meet, a bit for each.
 #[derive(Clone, Copy, Debug, Default)]
 struct Near {
     fore: u32,
@@ -411,7 +411,7 @@ struct Near {
 }
 
 impl Near {
-    /// - `first`: number of the first obstacle that counts.
+    /// - `first`: number of the first obstacle that is tested.
     fn of(rod: &Rod, root: Vec3, shape: &LimbShape, (obstacles, first): (&[Capsule; NUM_OBSTACLES], usize)) -> Self {
         let fore = rod.ball(shape);
         let upper = Ball::about([root, rod.ends[0]], shape.upper_radius);

@@ -1,5 +1,5 @@
-//! What `stitch` works out of a world beforehand, so that opening it takes no search: the path hierarchy with its costs,
-//! ways to rest, narrow passages, open borders.
+//! Tables of a world that `stitch` computes, so that opening it takes no search: the path hierarchy with its costs,
+//! paths to rest, narrow passages, open borders.
 
 use super::{Bounds, WorldGraph};
 use crate::path_hierarchy::PathHierarchy;
@@ -42,7 +42,7 @@ struct BakedRef<'a> {
     hierarchy: &'a PathHierarchy,
 }
 
-/// The same, read from a file.
+/// Baked tables, as read from a file.
 #[derive(Deserialize)]
 pub(crate) struct Baked {
     #[serde(with = "pod")]

@@ -1,11 +1,11 @@
-//! Which ways between instances are open at all.
+//! Open connections between instances.
 
 use super::{Node, WorldGraph};
 use crate::WorldView;
 use serde::{Deserialize, Serialize};
 use throng_core::patch::CellRecord;
 
-/// Open ways by neighbour and by adjacency.
+/// Open connections by neighbour and by adjacency.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Bounds {
     /// Per neighbour of the world: true where some link leads across that edge.

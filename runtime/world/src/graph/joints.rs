@@ -1,4 +1,4 @@
-//! Where the joints of each cell and link begin in their tables.
+//! Index of joints: the range of each cell and link in the tables.
 
 use crate::WorldView;
 use std::ops::Range;
@@ -14,7 +14,7 @@ pub(crate) struct JointIndex {
 }
 
 impl JointIndex {
-    /// Looks through all tables of a world that was checked.
+    /// Indexes all tables of a checked world.
     pub fn new(patches: &Patches, world: &WorldView) -> Self {
         let mut out = Self::default();
         for t in &world.tables {

@@ -21,8 +21,8 @@ use std::sync::{Arc, OnceLock};
 use throng_core::format::FormatError;
 use throng_core::patch::{CellRecord, KIND_TILE, LinkRecord, NONE, Patches, Placement};
 
-/// A world with its patches, and what is worked out of them once: where every instance's nodes are counted from, which
-/// way leads to rest, and which instances lead to which.
+/// A world with its patches, and tables computed from them once: the number of every instance's first node, the links
+/// that lead to rest, and the connections between instances.
 #[derive(Clone, Debug)]
 pub struct WorldGraph {
     patches: Patches,
@@ -33,11 +33,11 @@ pub struct WorldGraph {
     to_rest: Vec<u32>,
     /// True for instances that are part of a narrow passage.
     narrow: Vec<bool>,
-    /// Where joints are in their tables.
+    /// Index of the joints in their tables.
     joints: JointIndex,
-    /// Which ways between instances are open.
+    /// Open connections between instances.
     pub(crate) bounds: Bounds,
-    /// What planning relies on, from the first planner on.
+    /// Path hierarchy, computed by the first planner.
     hierarchy: Arc<OnceLock<PathHierarchy>>,
 }
 
@@ -55,10 +55,10 @@ impl WorldGraph {
         Ok(graph)
     }
 
-    /// The same with what a file keeps of it, which takes no search.
+    /// Builds the graph with tables from a file, which takes no search.
     ///
     /// # Errors
-    /// As [`WorldGraph::new`], and where what the file keeps does not go with the world.
+    /// As [`WorldGraph::new`], and where the tables do not fit the world.
     pub(crate) fn from_baked(patches: &Patches, world: &WorldView, baked: Baked) -> Result<Self, FormatError> {
         let mut graph = Self::bare(patches, world)?;
         (graph.to_rest, graph.narrow, graph.bounds) = (baked.to_rest, baked.narrow, baked.bounds);
@@ -97,7 +97,7 @@ impl WorldGraph {
         })
     }
 
-    /// What is worked out of a world once: see the fields.
+    /// Tables that are computed once for a world: see the fields.
     pub(crate) fn derived(&self) -> (&[u32], &[bool], &Bounds) {
         (&self.to_rest, &self.narrow, &self.bounds)
     }
@@ -177,7 +177,7 @@ impl WorldGraph {
         &self.cells(node.instance)[node.cell as usize]
     }
 
-    /// Where a node is in the world: planar root and height of the hips.
+    /// Placement of a node in the world: planar root and height of the hips.
     pub fn place(&self, node: Node) -> Placement {
         self.instance(node.instance).placement.compose(self.cell(node).placement)
     }
@@ -198,8 +198,7 @@ impl WorldGraph {
         self.to_rest[self.index(node)] != NONE
     }
 
-    /// True where a character may come to rest on its way: within the instance, which is no narrow passage.
-    /// (the node exists)
+    /// True where a character may rest during a path: within an instance that is no narrow passage. (the node exists)
     pub fn is_stop(&self, node: Node) -> bool {
         self.is_safe(node) && !self.narrow[node.instance as usize]
     }
@@ -218,7 +217,7 @@ impl WorldGraph {
         &self.world.resources[r.first_resource as usize..][..r.num_resources as usize]
     }
 
-    /// The first step towards rest from a node that is safe; at a rest cell, the one that stays there.
+    /// First step towards rest from a node that is safe; at a rest cell, the step that stays there.
     pub(crate) fn step_to_rest(&self, node: Node) -> Option<Step> {
         let link = self.to_rest[self.index(node)];
         if link == NONE { None } else { self.step_along(node.instance, link) }
@@ -234,7 +233,7 @@ impl WorldGraph {
         is_set(&self.world.link_words, self.instance(instance).first_link_word, link)
     }
 
-    /// What planning relies on; worked out when it is first asked for, and shared with clones.
+    /// Path hierarchy, computed when it is first needed, and shared with clones.
     pub(crate) fn hierarchy(&self) -> &PathHierarchy {
         self.hierarchy.get_or_init(|| PathHierarchy::new(self))
     }

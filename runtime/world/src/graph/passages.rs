@@ -1,13 +1,13 @@
 //! Narrow passages: tiles that lead from one place to another and nowhere else.
 //!
-//! A character that waits in one bars it; so none rests there on the way, and it is taken as a whole.
+//! A character that waits in one blocks it; so none rests there, and the passage is taken as a whole.
 
 use super::WorldGraph;
 use throng_core::patch::NONE;
 
 /// Longest passage that is taken as a whole: in longer ones people follow each other (instances).
 const LONGEST: usize = 8;
-/// A way around an instance that is not longer than this is no detour (instances).
+/// A path around an instance that is not longer than this is no detour (instances).
 const AROUND: usize = 5;
 
 /// True for every instance that is part of a narrow passage (instances).
@@ -51,7 +51,7 @@ fn is_narrow(graph: &WorldGraph, instance: u32) -> bool {
     graph.is_tile(instance) && count == 2 && !are_near(graph, others, instance)
 }
 
-/// True where one instance leads to another one over few others, without a certain one.
+/// True where one instance leads to another one through few others, without a given one.
 fn are_near(graph: &WorldGraph, [from, to]: [u32; 2], without: u32) -> bool {
     let (mut seen, mut first) = (vec![without, from], 1);
     for _ in 0..AROUND {

@@ -1,4 +1,4 @@
-//! Ways to rest: where a character can go without holding more than the units of its instance.
+//! Paths to rest, for which a character needs no more than the units of its instance.
 
 use super::{Node, WorldGraph};
 use std::cmp::Reverse;

@@ -16,16 +16,16 @@ pub struct Node {
 }
 
 impl Node {
-    /// Stands where there is no node.
+    /// Marks an absent node.
     pub const NONE: Self = Self { instance: NONE, cell: NONE };
 }
 
-/// One edge of the graph over a world.
+/// Edge of the graph over a world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Step {
-    /// Where it leads.
+    /// Node at the end of the step.
     pub to: Node,
-    /// Instance whose link is played.
+    /// Instance whose link the step plays.
     pub instance: u32,
     /// The link, within the patch; it begins at the node that is left, at one of its tile's links, or at a cell that is
     /// joined to that node.
@@ -37,7 +37,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// Stands where there is no step.
+    /// Marks an absent step.
     pub const NONE: Self = Self { to: Node::NONE, instance: NONE, link: NONE, from_offset: 0, to_offset: 0 };
 
     /// Frames that it plays.
@@ -46,7 +46,7 @@ impl Step {
     }
 }
 
-/// What steps along an instance's links have in common.
+/// Data shared by the steps along an instance's links.
 struct Part<'w> {
     record: &'w InstanceRecord,
     cells: &'w [CellRecord],
@@ -83,16 +83,16 @@ impl<'w> Part<'w> {
     }
 }
 
-/// Who looks at the steps that can be taken from a node.
+/// Visitor of the steps that can be taken from a node.
 pub(crate) trait Walk {
     /// True where steps along the links of a cell are to be followed: of the node, or of a block's cell that is joined to
     /// it.
     fn leaves(&mut self, from: Node) -> bool;
-    /// Takes a step.
+    /// Visits a step.
     fn follow(&mut self, step: Step);
 }
 
-/// Looks at all of them.
+/// Visitor of all steps.
 struct All<F>(F);
 
 impl<F: FnMut(Step)> Walk for All<F> {
@@ -105,7 +105,7 @@ impl<F: FnMut(Step)> Walk for All<F> {
     }
 }
 
-/// What a joint leads to from a cell of a block.
+/// Result of a joint from a cell of a block.
 pub(crate) enum Crossing {
     /// A cell of another block, which is left along a link.
     Cell(Node),
@@ -133,7 +133,7 @@ impl WorldGraph {
         self.walk(node, &mut All(visit));
     }
 
-    /// The same, and says before from where.
+    /// Visits the steps that can be taken from a node; the visitor first chooses the cells whose links are followed.
     pub(crate) fn walk(&self, node: Node, walk: &mut impl Walk) {
         if walk.leaves(node) {
             self.for_each_link_step(node, |s| walk.follow(s));
@@ -144,8 +144,8 @@ impl WorldGraph {
             self.for_each_way_out(node.instance, links, |s| walk.follow(s));
             return;
         }
-        // From cell to cell one goes on along a link: joints do not follow each other without motion, which would carry a
-        // character farther and farther from where its own motion ended.
+        // After a cell of another block a link must follow: joints in a row without motion would carry a character
+        // farther and farther from where its own motion ended.
         self.for_each_crossing(node, |_, crossing| match crossing {
             Crossing::Link(step) => walk.follow(step),
             Crossing::Cell(to) if walk.leaves(to) => self.for_each_link_step(to, |s| walk.follow(s)),
@@ -173,7 +173,7 @@ impl WorldGraph {
     }
 
     /// True for the cells of an instance at which some step may end; for a tile all. Others are only passed, on the way
-    /// across a joint from another block's cell into a link that begins there: no way leads to them.
+    /// across a joint from another block's cell into a link that begins there: no path leads to them.
     ///
     /// (cells of the instance, instance < num_instances)
     pub fn come_to(&self, instance: u32) -> Vec<bool> {
@@ -257,7 +257,7 @@ impl WorldGraph {
         }
     }
 
-    /// From a cell of a block into a link of a tile, which is played to its end; what comes before may be disabled.
+    /// Step from a cell of a block into a link of a tile, which is played to its end; the part before may be disabled.
     fn enter_link(&self, adjacency: &AdjacencyRecord, joint: usize, j: &JointRecord) -> Option<Step> {
         let (instance, l) = (adjacency.other, &self.links(adjacency.other)[j.a as usize]);
         let to = self.end_node(instance, l)?;

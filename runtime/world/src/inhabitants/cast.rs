@@ -13,24 +13,24 @@ use throng_core::characters::ScheduledClip;
 use throng_core::planar::wrap_angle;
 use throng_core::{Adopted, Bodies, Bundle, Cast, NUM_JOINTS, Planar, Status};
 
-/// Who is put elsewhere comes to a place to stay that is no farther away than this (m).
+/// Largest distance of a character that is moved to the place where it stays (m).
 pub const PLACED_WITHIN_M: f32 = 1.5;
 
 /// An event of an inhabitant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InhabitantEvent {
-    /// It has done what it was to do.
+    /// The character has reached its goal.
     Fulfilled,
-    /// It found no way to where it was to go.
+    /// No path leads to the goal.
     NoWay,
-    /// It begins what it was to do together with another one.
+    /// The character begins an action with a partner.
     Began {
-        /// The other one.
+        /// Partner.
         with: Id,
     },
-    /// It or the other one was told something else, or left, in the middle of what they did together.
+    /// The character or its partner got another goal, or left, during their common action.
     BrokenOff,
-    /// The same before they began, or they could not come together.
+    /// The character or its partner got another goal, or left, before the action began, or they could not meet.
     GaveUp,
 }
 
@@ -50,7 +50,8 @@ impl Inhabitants {
         }
     }
 
-    /// The free place to stay that is nearest to where one is to be put, and there the one with the nearest heading.
+    /// Free place to stay nearest to a point that a character is moved to; of several at one place, the one with the
+    /// nearest heading.
     fn place_for(&self, graph: &WorldGraph, id: Id, c: usize, root: Planar) -> Result<Node> {
         let point = Vec3::new(root.x, graph.place(self.states[c].at).y, root.z);
         let away = |node: Node| graph.place(node).translation().distance(point);
@@ -73,7 +74,7 @@ impl Inhabitants {
         self.roots.extend((0..self.states.len()).map(|c| self.characters.root(c)));
     }
 
-    /// What is left of the way: of the path where all of it is known, as the crow flies otherwise (m).
+    /// Remaining distance: along the path where all of it is known, along a straight line otherwise (m).
     fn left_m(&self, c: usize, target: Target) -> f32 {
         let graph = self.world.graph();
         let known = self.paths.plan(c).is_some_and(|p| p.num_stored == p.num_steps) && !self.paths.of(c).is_empty();
@@ -91,11 +92,11 @@ impl Cast for Inhabitants {
     type Order = Wish;
     type Event = InhabitantEvent;
 
-    /// At rest; roams until it is told something else. Its pose is there after the next step.
+    /// Spawns a character at rest, which roams until it gets a goal. Its pose is there after the next step.
     ///
     /// # Errors
-    /// [`Error::Full`], [`Error::Occupied`] where another one holds what is needed there, [`Error::Index`] or
-    /// [`Error::Value`] for a node that does not exist or where no character can stay.
+    /// [`Error::Full`], [`Error::Occupied`] where another character holds a unit that is needed there, [`Error::Index`]
+    /// or [`Error::Value`] for a node that does not exist or where no character can stay.
     fn spawn(&mut self, start: Node) -> Result<Id> {
         let (world, next, c) = (self.world.clone(), self.roster.next()?, self.states.len());
         let graph = world.graph();
@@ -113,7 +114,7 @@ impl Cast for Inhabitants {
         Ok(id)
     }
 
-    /// What it held is free at once. The last one takes its place in [`Cast::bodies`].
+    /// Removes a character and frees its units at once. The last one takes its row in [`Cast::bodies`].
     fn despawn(&mut self, id: Id) -> Result<()> {
         self.part(self.roster.row(id)?);
         let (at, last) = self.roster.leave(id)?;
@@ -131,8 +132,8 @@ impl Cast for Inhabitants {
         Ok(())
     }
 
-    /// To the nearest free place to stay on its floor, within [`PLACED_WITHIN_M`], where it goes on with its order. What it was
-    /// to do with another one is over.
+    /// Moves a character to the nearest free place to stay on its floor, within [`PLACED_WITHIN_M`], from where it goes
+    /// on with its goal. A common action with a partner is over.
     ///
     /// # Errors
     /// [`Error::Gone`], [`Error::Occupied`], or [`Error::Value`] for a root that is not finite or far from every place.
@@ -166,11 +167,11 @@ impl Cast for Inhabitants {
         Ok(())
     }
 
-    /// It begins with that at the end of what it is sure to do.
+    /// Sets the goal of a character, which it pursues from the end of its reserved steps on.
     ///
     /// # Errors
-    /// [`Error::Gone`], [`Error::NoWay`] where it is plain that no way leads there, [`Error::Index`] or [`Error::Value`]
-    /// for a place, instance or tag that is not there or where no character can stay.
+    /// [`Error::Gone`], [`Error::NoWay`] where it is plain that no path leads there, [`Error::Index`] or
+    /// [`Error::Value`] for a place, instance or tag that does not exist or where no character can stay.
     fn order(&mut self, id: Id, wish: Wish) -> Result<()> {
         let c = self.roster.row(id)?;
         let target = self.target_of(id, c, wish)?;
@@ -204,7 +205,7 @@ impl Cast for Inhabitants {
             Doing::Unreachable => Status::NoWay,
             Doing::Waiting | Doing::Meeting | Doing::Blocked => {
                 let by = self.taken_by(graph, c).or_else(|| self.barred_by(graph, c));
-                // Outsiders have no id here.
+                // External obstacles have no id here.
                 Status::Blocked { by: by.and_then(|other| self.roster.ids().get(other).copied()) }
             }
             _ => Status::Going { left_m: self.left_m(c, target) },

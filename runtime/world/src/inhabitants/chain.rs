@@ -1,4 +1,4 @@
-//! Chains: the steps that a character is sure to take, up to a node from which it can come to rest.
+//! Chains: the reserved steps of a character, up to a node from which it can come to rest.
 
 use super::purpose::Purpose;
 use super::reservations::Reservations;
@@ -6,7 +6,7 @@ use crate::plan::Space;
 use crate::{Node, Step, WorldGraph};
 use throng_core::characters::uniform;
 
-/// Most steps from one place where a character can come to rest to the next.
+/// Most steps between two places where a character can come to rest.
 pub(super) const MAX_CHAIN: usize = 128;
 /// Most nodes that are opened in looking for such a place.
 pub(super) const MAX_OPENED: usize = 4096;
@@ -15,7 +15,7 @@ pub(super) const MAX_OPENED: usize = 4096;
 #[derive(Clone, Debug)]
 pub(super) struct Chains {
     steps: Vec<Step>,
-    /// The next step, and the one after the last.
+    /// Index of the next step, and of the one after the last.
     ranges: Vec<[usize; 2]>,
 }
 
@@ -30,7 +30,7 @@ impl Chains {
         &self.steps[character * MAX_CHAIN..][next..end]
     }
 
-    /// Takes the next step.
+    /// Removes the next step and returns it.
     pub fn pop(&mut self, character: usize) -> Option<Step> {
         let step = *self.of(character).first()?;
         self.ranges[character][0] += 1;
@@ -43,13 +43,13 @@ impl Chains {
         self.ranges[character] = [0, steps.len()];
     }
 
-    /// Gives a character the chain of another one.
+    /// Copies the chain of another character.
     pub fn copy(&mut self, from: usize, to: usize) {
         self.steps.copy_within(from * MAX_CHAIN..(from + 1) * MAX_CHAIN, to * MAX_CHAIN);
         self.ranges[to] = self.ranges[from];
     }
 
-    /// The same by one step; returns the slots after it.
+    /// Replaces the chain by one step; returns the slots after it.
     pub fn begin(&mut self, character: usize, step: Step) -> &mut [Step] {
         let room = &mut self.steps[character * MAX_CHAIN..][..MAX_CHAIN];
         room[0] = step;
@@ -67,7 +67,7 @@ impl Chains {
     }
 }
 
-/// Who else holds a unit that a step needs.
+/// Another character that holds a unit which a step needs.
 pub(super) fn holder(graph: &WorldGraph, reservations: &Reservations, character: u32, step: &Step) -> Option<u32> {
     let other = |instance| reservations.other(graph, instance, character);
     let played = graph.link(step).is_some() && step.instance != step.to.instance;
@@ -79,14 +79,14 @@ pub(super) fn is_free(graph: &WorldGraph, reservations: &Reservations, character
     holder(graph, reservations, character, step).is_none()
 }
 
-/// A search for the nearest place to come to rest, through what is free, on ways that chance prefers.
+/// Search for the nearest place to come to rest, through free instances, along randomly preferred paths.
 pub(super) struct ToSafety<'a> {
     pub graph: &'a WorldGraph,
     pub reservations: &'a Reservations,
     pub character: u32,
     pub seed: u64,
     pub draw: u32,
-    /// Where the character is bound for, if anywhere, and where it begins (m).
+    /// Direction in which the character roams, if any, and its position (m).
     pub bound: Option<(Purpose, [f32; 2])>,
 }
 
@@ -107,19 +107,19 @@ impl Space for ToSafety<'_> {
         let chance = uniform(self.seed ^ u64::from(self.draw), u64::from(step.to.instance), u64::from(step.to.cell));
         // A link of a tile may be entered from a block or left for one: the tile's units are needed too.
         let free = self.graph.link(step).is_none() || self.admits(step.instance);
-        // Ways that lead elsewhere cost up to three times as much.
+        // Paths in other directions cost up to three times as much.
         let lead = self.bound.and_then(|(purpose, from)| purpose.lead(self.graph, from, step));
         let astray = lead.map_or(0.0, |lead| 2.0 - 2.0 * lead);
         if free { step.num_frames() as f32 * (0.5 + chance + astray) } else { f32::INFINITY }
     }
 }
 
-/// A search for a way to one of the steps of a path.
+/// Search for a path to one of the steps of a path.
 pub(super) struct ToPath<'a> {
     pub graph: &'a WorldGraph,
     pub reservations: &'a Reservations,
     pub character: u32,
-    /// Where the character is.
+    /// Node of the character.
     pub at: Node,
     /// The steps.
     pub steps: &'a [Step],

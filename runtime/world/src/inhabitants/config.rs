@@ -1,4 +1,4 @@
-//! How inhabitants behave, what they wish for, and what they are doing.
+//! Settings, goals and activities of inhabitants.
 
 use crate::{Node, Place};
 use glam::Vec3;
@@ -8,12 +8,12 @@ use throng_base::error::check;
 use throng_base::limits::{CAPACITY, PATH_STEPS, STEP_S};
 use throng_core::characters::CharactersConfig;
 
-/// How inhabitants behave.
+/// Settings of inhabitants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InhabitantsConfig {
-    /// How they move; its seed is that of random ways too.
+    /// Settings of their motion, whose seed is also that of random paths.
     pub characters: CharactersConfig,
-    /// How long a character waits for a reserved place before it makes a detour (s, > 0).
+    /// Time that a character waits for a reserved place before it makes a detour (s, > 0).
     pub patience_s: f32,
     /// Most paths that are planned in one step; further requests wait for the next one (> 0).
     pub plans_per_step: usize,
@@ -39,7 +39,7 @@ impl InhabitantsConfig {
     }
 }
 
-/// What an inhabitant is to do.
+/// Goal of an inhabitant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Wish {
     /// Wander about.
@@ -55,27 +55,25 @@ pub enum Wish {
         /// See [`crate::World::near`].
         place: Place,
     },
-    /// Go to the free place that is nearest to a point, and stay there; to another one where it is taken
-    /// sooner.
+    /// Go to the free place nearest to a point, and stay there; go to another one if it is taken first.
     GoNear {
-        /// In the world (m).
+        /// The point in the world (m).
         place: Vec3,
         /// Largest distance of the hips from the point (m).
         within_m: f32,
     },
-    /// Go to the nearest free instance whose motion shows a tag, and do that again and again, then stay.
+    /// Go to the nearest free instance whose motion shows a tag, perform that again and again, then stay.
     Perform {
         /// See [`throng_core::patch::LinkRecord::tag`] (1 to the number of tags).
         tag: u16,
-        /// How long (s, >= 0).
+        /// Duration (s, >= 0).
         seconds: f32,
     },
-    /// Do something together with another one, again and again, then stay; see [`super::Inhabitants::meet`], which alone
-    /// gives this wish.
+    /// Perform an action with a partner, again and again, then stay; set by [`super::Inhabitants::meet`] alone.
     Meet {
-        /// What they do, as for [`Wish::Perform`].
+        /// Tag of the action, as for [`Wish::Perform`].
         tag: u16,
-        /// How long (s, >= 0).
+        /// Duration (s, >= 0).
         seconds: f32,
     },
 }
@@ -87,44 +85,44 @@ impl Wish {
     }
 }
 
-/// What an inhabitant is about.
+/// Current activity of an inhabitant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Doing {
     /// Wanders.
     #[default]
     Roaming,
-    /// Has asked for a path, and is at rest or goes there.
+    /// Has requested a path, and is at rest or goes there.
     Planning,
     /// Follows its path.
     Walking,
     /// Waits for what others hold.
     Waiting,
-    /// Moves out of the way, or tries another way.
+    /// Moves out of the way of others, or tries another path.
     Detour,
-    /// Is where it is to meet another one, who is on its way.
+    /// Waits at the meeting place for a partner on the way.
     Meeting,
-    /// Does what it was to perform.
+    /// Performs the action of its goal.
     Performing,
-    /// Has done what it was to do, and stays.
+    /// Has reached its goal, and stays.
     Arrived,
-    /// No way leads there; stays where it can.
+    /// No path leads there; stays where it can.
     Unreachable,
-    /// Another one stays in its place, or in its way for good: waits until that one leaves.
+    /// Waits, since another character stays in its place, or in its path for good, until that one leaves.
     Blocked,
 }
 
-/// What can be told of an inhabitant.
+/// Public state of an inhabitant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InhabitantState {
     /// Node that its motion leads to.
     pub node: Node,
-    /// What it is to do.
+    /// Goal.
     pub wish: Wish,
-    /// What it is about.
+    /// Current activity.
     pub doing: Doing,
-    /// Wishes that were fulfilled so far.
+    /// Number of goals reached so far.
     pub num_fulfilled: u32,
-    /// How long it has waited for what others hold (s).
+    /// Time that it has waited for units that others hold (s).
     pub waited_s: f32,
 }
 

@@ -1,4 +1,4 @@
-//! Control: a character that comes to the end of its motion in this step decides how to go on.
+//! Control: a character that reaches the end of its motion in this step decides on the next one.
 //!
 //! Decisions are made in the order of the characters, on one thread; they are few.
 
@@ -17,7 +17,7 @@ use throng_core::patch::LinkRecord;
 const TRIES: usize = 4;
 /// Most times that a detour doubles.
 pub(super) const MAX_IMPATIENCE: u32 = 3;
-/// Next steps of a path that are looked for a way to, and most steps of the way.
+/// Number of next steps of a path that a detour may join, and most steps of the detour.
 const MAX_REJOINED: usize = 8;
 /// Most nodes that are opened in looking for it.
 const MAX_REJOIN_OPENED: usize = 1000;
@@ -26,12 +26,12 @@ pub(super) const MAX_TRIES: u32 = 20;
 const MAX_TRIES_SETTLED: u32 = 3;
 /// Steps of its path after which a character is patient again.
 pub(super) const CALM_AFTER: u32 = 6;
-/// Share of its patience that a character has where two bar each other's way: the one that gives way, and the other.
+/// Factor on the patience of two characters that block each other's paths: of the one that yields, and of the other.
 const GIVES_WAY: f32 = 0.25;
 const INSISTS: f32 = 4.0;
-/// Who lost patience walks this much further to avoid an instance that others hold (frames).
+/// Extra cost of an instance that others hold, for a character that lost patience (frames).
 const TOLL: f32 = 120.0;
-/// The same where they stay (frames).
+/// Extra cost of an instance where others stay, likewise (frames).
 const TOLL_OF_WHO_STAYS: f32 = 3000.0;
 
 impl Inhabitants {
@@ -78,7 +78,7 @@ impl Inhabitants {
             if target.is_at(graph, from) {
                 continue;
             }
-            // Nobody gets to its place through where the other one of two will stand.
+            // No character reaches its place through the future place of its partner.
             let partners = self.place_of_partner(c);
             let (reservations, impatient) = (&self.reservations, self.states[c].impatience > 0);
             let (states, rate_hz) = (&self.states, self.rate_hz);
@@ -151,8 +151,8 @@ impl Inhabitants {
         step.or_else(|| self.rest(graph, c))
     }
 
-    /// Counts a step towards how long was done what is to be performed. Of a slide, the first part is on the way to
-    /// where one may stop and begin again.
+    /// Counts a step towards the time of an action that is to be performed. Of a slide, the first part leads to where a
+    /// character may stop and begin again.
     fn count(&mut self, graph: &WorldGraph, c: usize, step: &Step) {
         let state = &mut self.states[c];
         if let Wish::Perform { tag, .. } = state.wish
@@ -168,7 +168,7 @@ impl Inhabitants {
         matches!(state.wish, Wish::Perform { .. }) && state.performed > 0 && state.frames_left(self.rate_hz) <= 0.0
     }
 
-    /// At the target: stays, or does what was wished.
+    /// Acts at the target: stays, or performs the action of its goal.
     fn there(&mut self, graph: &WorldGraph, c: usize, target: Target) -> Option<Step> {
         self.calm(c);
         if let (Target::Tag { tag, .. }, Wish::Perform { seconds, .. }) = (target, self.states[c].wish)
@@ -188,10 +188,10 @@ impl Inhabitants {
         self.rest(graph, c)
     }
 
-    /// Goes on to one of the next steps of its path, past some of them, on a way of its own: back to a path that was left
-    /// to wait, or around what others hold, unless it may lead through that too.
+    /// Joins one of the next steps of its path, past some of them, on another path: back to a path that it left to
+    /// wait, or around units that others hold, unless it may lead through these too.
     ///
-    /// - returns false where there is no such way, or none that is short.
+    /// - returns false where there is no such path, or no short one.
     fn rejoin(&mut self, graph: &WorldGraph, c: usize, past: usize, through: bool) -> bool {
         let at = self.states[c].at;
         let left = self.paths.of(c);
@@ -214,7 +214,7 @@ impl Inhabitants {
         true
     }
 
-    /// Who else holds what the first steps of a character's path need.
+    /// Another character that holds a unit which the first steps of a character's path need.
     fn barred(&self, graph: &WorldGraph, c: usize, num_steps: usize) -> Option<usize> {
         let steps = &self.paths.of(c)[..num_steps];
         steps.iter().find_map(|s| chain::holder(graph, &self.reservations, c as u32, s)).map(|h| h as usize)
@@ -261,7 +261,7 @@ impl Inhabitants {
         self.reserve(graph, c)
     }
 
-    /// Notes that another one holds what is needed.
+    /// Notes that another character holds a unit that is needed.
     ///
     /// Behind a character that goes on, it waits, loses patience and makes a detour. If its place is taken by one that
     /// stays, or it lost patience too often, it waits and moves out of the way of others.
@@ -271,7 +271,7 @@ impl Inhabitants {
         let is_settled = is_blocked || is_inhabitant && self.stays(holder);
         let is_taken = is_settled && self.taken_by(graph, c).is_some();
         self.forget_tries(c);
-        // Of two that bar each other's way, one gives way soon and the other one late.
+        // Of two that block each other's paths, one yields soon and the other one late.
         let share = match is_inhabitant && self.needs_what_is_held(graph, holder, c) {
             true if holder < c => GIVES_WAY,
             true => INSISTS,
@@ -294,7 +294,7 @@ impl Inhabitants {
         let makes_room = std::mem::take(&mut state.in_the_way) && !gives_up;
         if state.doing == Doing::Blocked && !makes_room {
             if !waits {
-                // Another way may have become free.
+                // Another path may have become free.
                 state.refused_s = None;
                 self.paths.ask(c);
             }
@@ -312,7 +312,7 @@ impl Inhabitants {
         self.paths.forget(c, self.paths.target(c));
     }
 
-    /// Tries count since the last order: without new ones, all characters come to rest in the end.
+    /// Resets the number of tries after a new order: without new ones, all characters come to rest in the end.
     fn forget_tries(&mut self, c: usize) {
         let state = &mut self.states[c];
         if std::mem::replace(&mut state.told, self.num_orders) != self.num_orders {
@@ -331,38 +331,38 @@ impl Inhabitants {
         turned
     }
 
-    /// After a detour others have time to pass.
+    /// Waits after a detour, so that others have time to pass.
     fn pause(&mut self, c: usize) {
         let longest_s = 0.5 * self.config.patience_s * (1u32 << self.states[c].impatience) as f32;
         let pause_s = self.chance(c) * longest_s;
         self.states[c].until_s = self.time_s + f64::from(pause_s);
     }
 
-    /// True where the next steps of a character's path need what another one holds.
+    /// True where the next steps of a character's path need a unit that another character holds.
     fn needs_what_is_held(&self, graph: &WorldGraph, character: usize, by: usize) -> bool {
         self.barred_by(graph, character) == Some(by)
     }
 
-    /// Who holds what the next steps of a character's path need.
+    /// Character that holds a unit which the next steps of a character's path need.
     pub(super) fn barred_by(&self, graph: &WorldGraph, c: usize) -> Option<usize> {
         let stretch = self.stretch(graph, c)?.len();
         self.barred(graph, c, stretch)
     }
 
-    /// Nothing is in the way any more.
+    /// Resets patience, as nothing blocks the character any more.
     pub(super) fn calm(&mut self, c: usize) {
         let state = &mut self.states[c];
         (state.refused_s, state.impatience, state.progress) = (None, 0, 0);
     }
 
-    /// A random step to anywhere else, rather towards where the character is bound for, and what follows until it can
-    /// come to rest.
+    /// A random step anywhere else, preferably in the direction of the character's purpose, and further steps until it
+    /// can come to rest.
     fn roam(&mut self, graph: &WorldGraph, c: usize) -> Option<Step> {
         self.go_on(graph, c);
         let (at, purpose) = (self.states[c].at, self.states[c].purpose);
         let (rests, place, brisk) = (graph.is_rest(at), graph.place(at), self.rate_hz / BRISK_MPS);
         for attempt in 0..TRIES {
-            // Who has rested first thinks of leaving, not of resting elsewhere.
+            // A character that has rested tries to leave first, not to rest elsewhere.
             let leave = rests && attempt < TRIES / 2;
             let wanted = |s: &Step| s.to != at && !(leave && graph.is_rest(s.to));
             let share = |s: &Step| if wanted(s) { purpose.share(graph, [place.x, place.z], s, brisk) } else { 0.0 };
@@ -375,7 +375,7 @@ impl Inhabitants {
         self.go(graph, c, step, None)
     }
 
-    /// Stays at rest, or goes there within what is held.
+    /// Stays at rest, or goes there within the units it holds.
     pub(super) fn rest(&mut self, graph: &WorldGraph, c: usize) -> Option<Step> {
         let at = self.states[c].at;
         if !graph.is_rest(at) {
@@ -390,7 +390,7 @@ impl Inhabitants {
         self.pick_of(graph, c, |s| if wanted(s) { 1.0 } else { 0.0 })
     }
 
-    /// The same, with chances as their shares say (>= 0; 0 for those that are not wanted).
+    /// Random step among those that can be taken now, with the given weights (>= 0; 0 for steps that are not wanted).
     fn pick_of(&mut self, graph: &WorldGraph, c: usize, share: impl Fn(&Step) -> f32) -> Option<Step> {
         let (seed, name, mut draws) = (self.config.characters.seed, self.name(c), self.states[c].draws);
         let (mut chosen, mut sum) = (None, 0.0);
@@ -408,8 +408,8 @@ impl Inhabitants {
         chosen
     }
 
-    /// Makes sure of a step, and of what follows until the character can come to rest, rather on ways that lead where it is
-    /// bound for.
+    /// Tries a step, with further steps until the character can come to rest, preferably along paths in the direction
+    /// of its purpose.
     fn go(&mut self, graph: &WorldGraph, c: usize, step: Step, purpose: Option<Purpose>) -> Option<Step> {
         if graph.is_stop(step.to) {
             self.chains.set(c, &[step]);
@@ -428,7 +428,7 @@ impl Inhabitants {
         if self.chains.extend(c, len) { self.reserve(graph, c) } else { None }
     }
 
-    /// Takes what the chain needs, and its first step.
+    /// Takes the units that the chain needs, and returns its first step.
     fn reserve(&mut self, graph: &WorldGraph, c: usize) -> Option<Step> {
         for step in self.chains.of(c) {
             if graph.link(step).is_some() {
@@ -439,7 +439,7 @@ impl Inhabitants {
         self.chains.pop(c)
     }
 
-    /// Lets go of what neither the present step nor those after it need.
+    /// Releases units that neither the present step nor those after it need.
     fn release(&mut self, graph: &WorldGraph, c: usize) {
         self.reservations.clear_marks();
         let reservations = &mut self.reservations;
@@ -454,7 +454,7 @@ impl Inhabitants {
         uniform(self.config.characters.seed, name, state.draws.into())
     }
 
-    /// What random numbers of a character depend on, beside the seed and their number.
+    /// Name by which random numbers of a character are drawn, beside the seed and their number.
     pub(super) fn name(&self, c: usize) -> u64 {
         let id = self.roster.ids()[c];
         let name = u64::from(id.generation) << 32 | u64::from(id.index);

@@ -1,4 +1,4 @@
-//! Those who do not live in the world: their ground is not entered, and that of inhabitants is told.
+//! External obstacles: inhabitants do not enter their regions, and report the regions that they reserve themselves.
 
 use super::Inhabitants;
 use super::decide::needs;
@@ -11,7 +11,7 @@ use throng_base::ground::{BoxGrid, Held, Outsider, Rod};
 /// Radius of an inhabitant's disc, as others see it (m).
 const BODY_RADIUS_M: f32 = throng_core::stops::BODY_RADIUS_M;
 
-/// Where instances are on the ground.
+/// Capsules of the instances, over the ground.
 #[derive(Clone, Debug)]
 pub(super) struct Grounds {
     rods: Vec<Rod>,
@@ -27,7 +27,7 @@ impl Grounds {
     }
 }
 
-/// All that bodies reach in an instance, over the ground.
+/// Capsule around the reach of all bodies in an instance, over the ground.
 fn ground(graph: &WorldGraph, instance: u32) -> Rod {
     let placement = graph.instance(instance).placement;
     let [min, max] = graph.reach(instance);
@@ -41,8 +41,8 @@ fn ground(graph: &WorldGraph, instance: u32) -> Rod {
 }
 
 impl Inhabitants {
-    /// Those who do not live here: nobody enters an instance on ground that they hold. Who needs such an instance already
-    /// goes on, as [`Inhabitants::hold_ground`] has told them.
+    /// Sets the external obstacles: no character enters an instance on a region that they reserve. A character that
+    /// needs such an instance already goes on, as [`Inhabitants::hold_ground`] has reported.
     pub fn mind<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
         let graph = self.world.graph();
         let grounds = self.grounds.get_or_insert_with(|| Arc::new(Grounds::new(graph)));
@@ -94,7 +94,7 @@ mod tests {
 
     const DT: f32 = 1.0 / 30.0;
 
-    /// A row of tiles, of which some share the unit of the first one, and somebody on the first one.
+    /// Row of tiles, some of which share the unit of the first one, with an inhabitant on the first one.
     fn row(sharing: &[u32]) -> (World, Inhabitants, [Node; 4]) {
         let tables = tables();
         let mut data = world(&tables, &["####"]);
@@ -115,7 +115,7 @@ mod tests {
         (world, people, rests)
     }
 
-    /// Somebody whom others move, and who stands on a tile.
+    /// An external obstacle that stands on a tile.
     fn standing_on(x: u32) -> [Held; 1] {
         let at = Vec2::new(x as f32 * SIDE, 0.0);
         [Held { bodies: Vec::new(), ground: vec![Rod { from: at, to: at, radius_m: 0.3 }] }]
@@ -137,11 +137,11 @@ mod tests {
                 people.step(DT, &Inline).unwrap();
                 let x = people.roots[0].x;
                 assert!(!(0.55 * SIDE..1.45 * SIDE).contains(&x), "at {x} m after {step} steps, {sharing:?}");
-                // By nobody who has an id here.
+                // The obstacle has no id here.
                 was_blocked |= matches!(people.status(id), Ok(Status::Blocked { by: None }));
             }
             assert!(was_blocked);
-            // Who has gone is in nobody's way.
+            // An obstacle that is gone blocks no inhabitant.
             (0..3000).for_each(|_| {
                 people.mind([].iter());
                 people.step(DT, &Inline).unwrap();

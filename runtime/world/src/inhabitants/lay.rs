@@ -1,4 +1,4 @@
-//! From a step of the world's graph to the scheduled clip that a character is laid on.
+//! Schedules clips: from a step of the world's graph to the scheduled clip of a character.
 
 use crate::{Step, WorldGraph};
 use throng_core::characters::{MotionSet, ScheduledClip};
@@ -18,8 +18,8 @@ fn nominal(motion_set: &MotionSet, [start, end]: [Placement; 2], frame: u32, len
     )
 }
 
-/// The scheduled clip of a step that plays a link, for a character whose root is `root` when it begins: it ends exactly where
-/// the patch has the end, and what it is away from the link's own beginning goes over linearly.
+/// Scheduled clip of a step that plays a link, for a character whose root is `root` at its start: it ends exactly at
+/// the end that the patch has, and the distance from the link's own start is removed linearly.
 ///
 /// - returns `None` where nothing is played.
 pub(super) fn scheduled_clip(

@@ -1,4 +1,5 @@
-//! Inhabitants: characters that live in a world, hold the units they need, and go where they wish (Lee, Choi and Lee 2006, section 7).
+//! Inhabitants: characters that live in a world, hold the units they need, and pursue their goals (Lee, Choi and Lee
+//! 2006, section 7).
 
 mod cast;
 mod chain;
@@ -34,21 +35,21 @@ use throng_base::{Id, Result};
 use throng_core::characters::Characters;
 use throng_core::{Contacts, Planar, Roster};
 
-/// What is remembered of an inhabitant.
+/// State of an inhabitant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct State {
     /// Node that its motion leads to.
     at: Node,
-    /// Instances that its motion leads through: where it began, and whose link it plays.
+    /// Instances that its motion leads through: the one where it began, and the one whose link it plays.
     through: [u32; 2],
     wish: Wish,
     doing: Doing,
     num_fulfilled: u32,
-    /// When it was first refused what it needs, since it last got it (s).
+    /// Time at which it was first refused a unit, since it last got one (s).
     refused_s: Option<f64>,
     /// Random numbers drawn so far.
     draws: u32,
-    /// Where it is bound for while it roams.
+    /// Direction in which it roams.
     purpose: Purpose,
     /// Steps of its path in a row that it was not refused.
     progress: u32,
@@ -56,27 +57,27 @@ struct State {
     impatience: u32,
     /// Steps of its detour that are left.
     detour: u32,
-    /// When it goes on after its detour (s).
+    /// Time at which it goes on after its detour (s).
     until_s: f64,
-    /// How long it has done what it was to perform (frames).
+    /// Time that it has performed the action of its goal (frames).
     performed: u32,
     /// True where it is blocked, and another character cannot pass.
     in_the_way: bool,
     /// Times that it lost patience, and of these behind characters that do not go on; since when, see `num_orders`.
     tries: [u32; 2],
     told: u32,
-    /// What it does with another one, if anything.
+    /// Meeting with a partner, if there is one.
     meeting: Option<Meeting>,
     /// True while it plays what two do together.
     plays_pair: bool,
-    /// Why it was freed of a meeting since the last step, if it was.
+    /// Reason why its meeting ended since the last step, if it did.
     parted: Option<Parted>,
-    /// When it goes on after what it did with another one: it need not rest for long (s).
+    /// Time at which it goes on after an action with a partner: it need not rest for long (s).
     leaves_s: Option<f64>,
 }
 
 impl State {
-    /// How long it will go on with what it is to perform, at least (frames).
+    /// Least remaining time of the action that it performs (frames).
     fn frames_left(&self, rate_hz: f32) -> f32 {
         match self.wish {
             Wish::Perform { seconds, .. } | Wish::Meet { seconds, .. } => seconds * rate_hz - self.performed as f32,
@@ -85,7 +86,7 @@ impl State {
         .max(0.0)
     }
 
-    /// At rest in a place, without a wish.
+    /// At rest in a place, without a goal.
     fn at(node: Node) -> Self {
         Self {
             at: node,
@@ -111,7 +112,7 @@ impl State {
         }
     }
 
-    /// The same with another wish, which it has not begun with.
+    /// Replaces the goal, which it has not begun to pursue.
     fn wishing(self, wish: Wish) -> Self {
         let doing = if wish.is_roaming() { Doing::Roaming } else { Doing::Planning };
         let Self { at, through, num_fulfilled, draws, purpose, progress, plays_pair, parted, leaves_s, .. } = self;
@@ -120,13 +121,13 @@ impl State {
     }
 }
 
-/// Characters in a world, with what they wish for, as a [`throng_core::Cast`]. All memory is allocated in
-/// [`Inhabitants::new`], but for saving and loading.
+/// Characters in a world, with their goals, as a [`throng_core::Cast`]. All memory is allocated in
+/// [`Inhabitants::new`], except for saving and loading.
 ///
-/// Each holds the units of the instance it is in, and takes all that it needs up to the next node from which a rest
-/// cell can be reached without more. Others keep out of them. A character refused a reservation rests within the units
-/// it holds, tries again, and after a while makes a random detour, longer each time. If its place is taken by one that
-/// stays, it waits, and moves out of the way of others, until the place is free or it gets another order.
+/// Each holds the units of the instance it is in, and takes all units that it needs up to the next node from which a
+/// rest cell can be reached without more. Others keep out of them. A character refused a reservation rests within the
+/// units it holds, tries again, and after a while makes a random detour, longer each time. If its place is taken by one
+/// that stays, it waits, and moves out of the way of others, until the place is free or it gets another order.
 #[derive(Clone, Debug)]
 pub struct Inhabitants {
     world: World,
@@ -139,12 +140,12 @@ pub struct Inhabitants {
     chains: Chains,
     paths: Paths,
     reservations: Reservations,
-    /// Ground of each instance, by its number; made when there are outsiders.
+    /// Capsule of each instance, by its number; made when there are external obstacles.
     grounds: Option<Arc<Grounds>>,
     planner: Planner,
     /// Instances that offer each tag, by `tag - 1`.
     offers: Vec<Vec<u32>>,
-    /// Where two can do something together.
+    /// Places for actions of two.
     pair_offers: Vec<PairOffer>,
     events: Vec<(Id, InhabitantEvent)>,
     rate_hz: f32,
@@ -174,7 +175,7 @@ impl Inhabitants {
             planner: Planner::new(graph),
             offers: offers::by_tag(graph),
             pair_offers: pairs::offers(graph),
-            // In one step, one may be freed, find no way, begin and arrive.
+            // In one step, a character may lose its partner, find no path, begin and arrive.
             events: Vec::with_capacity(4 * capacity),
             rate_hz: motion_set.rate_hz,
             time_s: 0.0,
@@ -198,12 +199,12 @@ impl Inhabitants {
         self.roster.ids()
     }
 
-    /// Their motion, in the order of [`Inhabitants::ids`].
+    /// Motion of the inhabitants, in the order of [`Inhabitants::ids`].
     pub fn characters(&self) -> &Characters {
         &self.characters
     }
 
-    /// What can be told of a character.
+    /// State of a character.
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
@@ -237,7 +238,7 @@ impl Inhabitants {
         Ok(self.paths.of(self.roster.row(id)?))
     }
 
-    /// What was found when a character's path was planned last, if it was.
+    /// Result of a character's last planning, if there was one.
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
@@ -245,7 +246,7 @@ impl Inhabitants {
         Ok(self.paths.plan(self.roster.row(id)?))
     }
 
-    /// Who holds a unit (unit < number of units).
+    /// Holder of a unit (unit < number of units).
     pub fn holder(&self, unit: u32) -> Option<Id> {
         self.reservations.of(unit).map(|c| self.roster.ids()[c as usize])
     }

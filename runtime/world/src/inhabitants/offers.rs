@@ -1,4 +1,4 @@
-//! Which instances offer what: motion with a tag that begins where a character can come to, and can come to rest.
+//! Offers of instances: motion with a tag that begins at a reachable cell and from which a character can come to rest.
 
 use super::{Doing, Inhabitants, Wish};
 use crate::{Node, WorldGraph};
@@ -27,7 +27,7 @@ pub(super) fn by_tag(graph: &WorldGraph) -> Vec<Vec<u32>> {
 
 /// Speed by which waiting is weighed against a walk elsewhere (m/s).
 const WALK_MPS: f32 = 1.2;
-/// Who has come to stay stays that long, as far as others can tell (s).
+/// Assumed stay of a character that has arrived at its place (s).
 const STAY_S: f32 = 60.0;
 
 impl Inhabitants {

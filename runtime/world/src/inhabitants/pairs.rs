@@ -1,9 +1,10 @@
-//! What two do together: where it is offered, how they come together, begin, go on in step, and part.
+//! Actions of two: their offers, and how the partners come together, begin, continue in step, and part.
 //!
-//! Each of the two walks to the place where its capture begins, as to any other place, on units of its own. Who is there
-//! first waits. When both are there, what they play is cut at the same moment, and both change to the capture. Within
-//! [`ENTRY`] frames what each is away from its place goes over; from then on the two are to each other as they were
-//! captured. Who is told something else leaves as soon as both its feet stand near to where it may rest.
+//! Each of the two walks to the place where its capture begins, as to any other place, on units of its own. The first
+//! one there waits. When both are there, the clips that they play are cut at the same moment, and both change to the
+//! capture. Within [`ENTRY`] frames the distance of each from its place is removed; from then on the two are to each
+//! other as they were captured. A character that gets another goal leaves as soon as both its feet stand near to a
+//! place of rest.
 
 use super::snapshot::is_time;
 use super::{Doing, InhabitantEvent, Inhabitants, Wish};
@@ -17,38 +18,39 @@ use throng_core::patch::{LinkRecord, NONE, Placement};
 use throng_core::planar::wrap_angle;
 use throng_core::{Contacts, Planar};
 
-/// Within so many frames who begins comes to where the capture has it (frames).
+/// Frames within which a character reaches the position that the capture has it at (frames).
 const ENTRY: u16 = 15;
-/// Two who have not begun so long after they were told to give it up: this, and so many times what they need to walk there (s).
+/// Time after the order at which two that have not begun give up: this, and so many times the time they need to walk
+/// there (s).
 const GIVE_UP_S: f64 = 60.0;
 const GIVE_UP_WAYS: f32 = 2.0;
-/// Who rests this near to its place need not walk there (m, rad).
+/// Distance from its place within which a resting character need not walk (m, rad).
 const NEAR_START: (f32, f32) = (0.06, 0.1);
-/// Who breaks off stands this near to where it may rest (m, rad).
+/// Distance from a place of rest within which a character may break off (m, rad).
 const NEAR_REST: (f32, f32) = (0.06, 0.15);
-/// How long one stays at least and at most after what two did together, if it knows where to go (s).
+/// Shortest and longest stay after an action of two, for a character with a next goal (s).
 const LINGERS_S: [f32; 2] = [0.2, 0.5];
-/// Who knows so much later where to go need not hurry any more (s).
+/// Delay of its next goal after which a character need not hurry any more (s).
 const HURRIES_S: f64 = 1.0;
 /// Heels and toes.
 const BOTH_FEET: Contacts = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
 /// Places for two that are compared, the nearest ones.
 const MOST_TRIED: usize = 16;
-/// The nearest place is taken unless another one is reached in so much less time, as a factor.
+/// Factor by which another place must be reached sooner than the nearest one to be taken.
 const SOON: f32 = 1.1;
 /// A place that others hold or go to counts as so much farther away (m).
 const TAKEN_M: f32 = 100.0;
 
-/// Where two can do something together.
+/// Place for an action of two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PairOffer {
-    /// What is done: 1 + index into [`throng_core::format::Meta::link_tags`].
+    /// Tag of the action: 1 + index into [`throng_core::format::Meta::link_tags`].
     pub tag: u16,
-    /// Where each begins.
+    /// Node where each begins.
     pub starts: [Node; 2],
-    /// Where each ends.
+    /// Node where each ends.
     pub ends: [Node; 2],
-    /// What each plays, as a whole.
+    /// Step of each, as a whole.
     steps: [Step; 2],
 }
 
@@ -60,12 +62,12 @@ impl PairOffer {
     }
 }
 
-/// How far two have come.
+/// Stage of a meeting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 enum Stage {
-    /// On its way.
+    /// The character is on its way.
     Coming,
-    /// At its place, until the other one is.
+    /// The character waits at its place for its partner.
     Ready,
     /// Changes to the capture at the end of what it plays, which was cut.
     Beginning,
@@ -75,50 +77,50 @@ enum Stage {
     Together,
 }
 
-/// Why two are free again.
+/// Reason why two parted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Parted {
-    /// They had not begun.
+    /// The two had not begun.
     GaveUp,
-    /// They had.
+    /// The two had begun.
     BrokeOff,
 }
 
-/// What one of two remembers.
+/// Meeting, as one of the partners stores it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Meeting {
-    /// The other one.
+    /// Partner.
     with: Id,
     /// Number of the offer.
     offer: u32,
-    /// Which of the offer's two it is.
+    /// Side of the offer that it takes.
     side: u8,
     stage: Stage,
-    /// When they give it up, if they have not begun (s).
+    /// Time at which they give up, if they have not begun (s).
     until_s: f64,
-    /// When it came to its place (s).
+    /// Time at which it reached its place (s).
     ready_s: f64,
     /// Times that they have begun anew.
     rounds: u32,
 }
 
-/// What can be told of one of two who do something together.
+/// Public state of a meeting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeetingState {
-    /// The other one.
+    /// Partner.
     pub with: Id,
-    /// What they do or will do.
+    /// Tag of the action.
     pub tag: u16,
-    /// How long it has waited at its place, or waited before they began (s).
+    /// Time that it has waited at its place, or waited before they began (s).
     pub waited_s: f32,
     /// True once they have begun.
     pub has_begun: bool,
-    /// The root of the other one as seen from its own, as it is and as it was captured; once both have come to where
-    /// the capture has them.
+    /// Root of the partner relative to its own, as it is and as it was captured; once both have reached their captured
+    /// positions.
     pub partner: Option<[Planar; 2]>,
 }
 
-/// All places for two of a world, by instance.
+/// All places for actions of two in a world, by instance.
 pub(super) fn offers(graph: &WorldGraph) -> Vec<PairOffer> {
     let pairs = &graph.patches().pairs;
     let mut out = Vec::new();
@@ -156,14 +158,15 @@ impl Inhabitants {
         self.pair_offers.iter().any(|o| o.tag == tag)
     }
 
-    /// Tells two to go where they can do something together, and do it again and again, then stay.
+    /// Orders two characters to meet and perform an action together, again and again, then stay.
     ///
-    /// Both get [`Wish::Meet`]. Where one of them is told something else, or they have not begun in time, both are
-    /// free ([`InhabitantEvent::BrokenOff`], [`InhabitantEvent::GaveUp`]): a minute, and twice what the way there takes.
+    /// Both get [`Wish::Meet`]. If one of them gets another goal, or they do not begin in time (a minute, and twice the
+    /// time to walk there), both are free ([`InhabitantEvent::BrokenOff`], [`InhabitantEvent::GaveUp`]).
     ///
     /// # Errors
-    /// [`Error::Gone`], [`Error::Value`] for one who is to meet itself, a time out of its range or a tag that is not
-    /// offered to two, [`Error::Occupied`] where all places for two are taken or cannot be reached. Nothing has changed then.
+    /// [`Error::Gone`], [`Error::Value`] for a character that is to meet itself, a time out of its range or a tag that
+    /// is not offered to two, [`Error::Occupied`] where all places for two are taken or cannot be reached. Nothing has
+    /// changed then.
     pub fn meet(&mut self, two: [Id; 2], tag: u16, seconds: f32) -> Result<()> {
         let rows = [self.roster.row(two[0])?, self.roster.row(two[1])?];
         let who = Some(two[0]);
@@ -198,7 +201,7 @@ impl Inhabitants {
         Ok(())
     }
 
-    /// What a character does with another one, if anything.
+    /// Meeting of a character, if there is one.
     ///
     /// # Errors
     /// [`Error::Gone`].
@@ -229,8 +232,8 @@ impl Inhabitants {
         Ok(Some(MeetingState { with: m.with, tag, waited_s: waited_s as f32, has_begun, partner }))
     }
 
-    /// The nearest place for two at which both are hardly later than at the soonest one, whether the first one takes the second
-    /// part, and how long they need to come there where nobody is in the way (frames).
+    /// Nearest place for two at which both arrive hardly later than at the one reached soonest, whether the first
+    /// character takes the second part, and their time to walk there where nothing blocks them (frames).
     fn nearest_pair_offer(&mut self, rows: [usize; 2], tag: u16) -> Option<(u32, bool, f32)> {
         let world = self.world.clone();
         let graph = world.graph();
@@ -280,7 +283,7 @@ impl Inhabitants {
         frames.iter().position(is_soon).map(|at| (tried[at].0, tried[at].1, frames[at]))
     }
 
-    /// Lets two begin who both are at their places, and gives up what takes too long.
+    /// Begins the action of two that are both at their places, and gives up meetings that take too long.
     pub(super) fn begin_meetings(&mut self, graph: &WorldGraph) {
         for c in 0..self.states.len() {
             let Some(m) = self.states[c].meeting.filter(|m| m.stage <= Stage::Ready) else { continue };
@@ -307,7 +310,7 @@ impl Inhabitants {
         self.tell_parted();
     }
 
-    /// Lets those go on soon who rest where they did something together, once they know where to.
+    /// Lets characters that rest after an action of two leave soon, once they have a next goal.
     fn leave_soon(&mut self, graph: &WorldGraph) {
         for c in 0..self.states.len() {
             let state = &self.states[c];
@@ -329,7 +332,7 @@ impl Inhabitants {
         }
     }
 
-    /// Lets those leave what two do together who have been told something else, where both feet stand near to a rest.
+    /// Ends the action of two for characters that got another goal, where both feet stand near to a place of rest.
     fn break_off(&mut self, graph: &WorldGraph) {
         for c in 0..self.states.len() {
             let state = &self.states[c];
@@ -350,15 +353,15 @@ impl Inhabitants {
         }
     }
 
-    /// The instance in which the other one of two will stand, where one is on its way to it.
+    /// Instance in which the partner will stand, while one is on its way to it.
     pub(super) fn place_of_partner(&self, c: usize) -> Option<u32> {
         let m = self.states[c].meeting.filter(|m| m.stage == Stage::Coming)?;
         Some(self.pair_offers[m.offer as usize].starts[1 - usize::from(m.side)].instance)
     }
 
-    /// The next step of one of two; the inner `None` where it has to wait.
+    /// Next step of one of two; the inner `None` where it has to wait.
     ///
-    /// - returns `None` where it is on its way, or does nothing with another one.
+    /// - returns `None` where it is on its way, or has no partner.
     pub(super) fn decide_together(&mut self, graph: &WorldGraph, c: usize) -> Option<Option<Step>> {
         let m = self.states[c].meeting?;
         let offer = self.pair_offers[m.offer as usize];
@@ -389,7 +392,7 @@ impl Inhabitants {
         }
     }
 
-    /// After one round: another one that begins where this one ended, or all is done.
+    /// Continues after one round: with another one that begins where this one ended, or at the end of the action.
     fn go_on_together(&mut self, graph: &WorldGraph, c: usize, m: Meeting, offer: &PairOffer) -> Option<Step> {
         let Wish::Meet { seconds, .. } = self.states[c].wish else { return self.rest(graph, c) };
         let fits = |o: &PairOffer| o.tag == offer.tag && o.starts == offer.ends;
@@ -404,7 +407,7 @@ impl Inhabitants {
             self.events.push((self.roster.ids()[c], InhabitantEvent::Fulfilled));
             return self.rest(graph, c);
         }
-        // Both draw the same.
+        // Both draw the same number.
         let both = self.name(c) ^ self.roster.row(m.with).map_or(0, |other| self.name(other));
         let drawn = (uniform(self.config.characters.seed, both, u64::from(m.rounds)) * num as f32) as usize;
         let next = (0u32..).zip(&self.pair_offers).filter(|(_, o)| fits(o)).nth(drawn.min(num - 1));
@@ -423,7 +426,7 @@ impl Inhabitants {
         step
     }
 
-    /// Frees two who meet: one of them does something else. They are told of it in the next step.
+    /// Ends the meeting of two: one of them does something else. The next step reports it.
     pub(super) fn part(&mut self, c: usize) {
         let other = self.partner(c);
         let Some(m) = self.states[c].meeting.take() else { return };
@@ -435,7 +438,7 @@ impl Inhabitants {
         }
     }
 
-    /// Tells who has been freed since the last step.
+    /// Reports the meetings that ended since the last step.
     fn tell_parted(&mut self) {
         for c in 0..self.states.len() {
             let event = match self.states[c].parted.take() {
@@ -447,7 +450,7 @@ impl Inhabitants {
         }
     }
 
-    /// Has nothing more to do where it is.
+    /// Marks its goal as reached, where it is.
     pub(super) fn leave_wish(&mut self, c: usize) {
         self.states[c].doing = Doing::Arrived;
     }
@@ -458,7 +461,7 @@ impl Inhabitants {
         }
     }
 
-    /// Row of the one that a character meets, who means the same.
+    /// Row of the partner, if the partner's meeting is with this character.
     fn partner(&self, c: usize) -> Option<usize> {
         let other = self.roster.row(self.states[c].meeting?.with).ok()?;
         self.states[other].meeting.is_some_and(|m| m.with == self.roster.ids()[c]).then_some(other)
@@ -480,9 +483,9 @@ fn is_near(graph: &WorldGraph, at: Node, start: Node) -> bool {
 }
 
 impl Meeting {
-    /// True where there is such an offer, and one who has come so far stands where it has one by then.
+    /// True where the offer exists, and the character is where the offer has it at this stage.
     ///
-    /// - `at`: where the motion of the character leads to (the node exists).
+    /// - `at`: node that the character's motion leads to (the node exists).
     pub fn is_sound(&self, graph: &WorldGraph, at: Node, offers: &[PairOffer]) -> bool {
         let Some(offer) = offers.get(self.offer as usize).filter(|_| self.side < 2) else { return false };
         let [start, end] = [offer.starts, offer.ends].map(|of| of[usize::from(self.side)]);

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 /// The path of one character.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Path {
-    /// Where it leads; none for a roaming character.
+    /// Target; none for a roaming character.
     pub target: Option<Target>,
     /// Node that the next step begins at.
     pub from: Option<Node>,
-    /// The next step, and the one after the last that is kept.
+    /// Index of the next step, and of the one after the last that is kept.
     next: usize,
     end: usize,
     plan: Option<Plan>,
@@ -20,7 +20,7 @@ pub(super) struct Path {
     asked: bool,
 }
 
-/// Of all characters: their paths, the steps left, and the queue of requests.
+/// Paths of all characters, their remaining steps, and the queue of requests.
 pub(super) type SavedPaths = (Vec<Path>, Vec<Vec<Step>>, Vec<u32>);
 
 /// Paths of all characters; memory for all of them.
@@ -47,13 +47,13 @@ impl Paths {
         }
     }
 
-    /// What is left of a path.
+    /// Remaining steps of a path.
     pub fn of(&self, character: usize) -> &[Step] {
         let p = &self.paths[character];
         &self.steps[character * self.max_path..][p.next..p.end]
     }
 
-    /// What is left of a path that begins at a node; empty where it begins elsewhere.
+    /// Remaining steps of a path that begins at a node; empty where it begins elsewhere.
     pub fn from(&self, character: usize, node: Node) -> &[Step] {
         if self.paths[character].from == Some(node) { self.of(character) } else { &[] }
     }
@@ -66,15 +66,15 @@ impl Paths {
         self.paths[character].target
     }
 
-    /// Takes the first steps off a path.
+    /// Removes the first steps of a path.
     pub fn advance(&mut self, character: usize, num_steps: usize) {
         let p = &mut self.paths[character];
         p.next += num_steps;
         p.from = Some(self.steps[character * self.max_path + p.next - 1].to);
     }
 
-    /// Lets a path begin at another node, from which other steps lead to where its step `joined` (of those left) ends.
-    /// Its last steps are given up where they do not fit.
+    /// Lets a path begin at another node, with other steps to the end of its step `joined` (of those left). Its last
+    /// steps are dropped where they do not fit.
     pub fn rejoin(&mut self, character: usize, from: Node, way: &[Step], joined: usize) {
         let p = &mut self.paths[character];
         let steps = &mut self.steps[character * self.max_path..][..self.max_path];
@@ -140,14 +140,14 @@ impl Paths {
         Some(character)
     }
 
-    /// Of the first `n` characters, what [`Paths::restore`] takes back.
+    /// State of the first `n` characters' paths, for [`Paths::restore`].
     pub fn saved(&self, n: usize) -> SavedPaths {
         let waiting = (0..self.len).map(|k| self.queue[(self.first + k) % self.queue.len()]);
         let steps = (0..n).map(|c| self.of(c).to_vec());
         (self.paths[..n].to_vec(), steps.collect(), waiting.collect())
     }
 
-    /// Takes back what was saved of `n` characters (there is room); false where it does not fit together.
+    /// Restores the saved paths of `n` characters (there is room); false where they are inconsistent.
     pub fn restore(&mut self, graph: &WorldGraph, (paths, steps, waiting): &SavedPaths, n: usize) -> bool {
         let is_sound = |(path, steps): (&Path, &Vec<Step>)| {
             path.next <= path.end
@@ -178,7 +178,7 @@ impl Paths {
         &mut self.steps[character * self.max_path..][..self.max_path]
     }
 
-    /// Takes the path whose steps were written to its slots.
+    /// Sets the path whose steps were written to its slots.
     pub fn set(&mut self, character: usize, from: Node, plan: Plan) {
         let p = &mut self.paths[character];
         (p.from, p.next, p.end, p.plan) = (Some(from), 0, plan.num_stored, Some(plan));

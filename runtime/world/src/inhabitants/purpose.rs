@@ -1,4 +1,4 @@
-//! Which way roaming characters are bound: on in one direction while they can, so that they walk on rather than round about.
+//! Purpose of roaming characters: one direction for as long as possible, so that they walk on and not in circles.
 
 use super::{Inhabitants, chain};
 use crate::{Step, WorldGraph};
@@ -8,21 +8,22 @@ use throng_core::characters::uniform;
 
 /// A direction is kept for so many steps: at least, and so many more at most.
 const STEPS: [f32; 2] = [6.0, 18.0];
-/// Who finds no free step nearer to its direction than this is bound another way (cosine of 45 degrees).
+/// Cosine of the largest angle between a free step and the direction; without a nearer step a character chooses another
+/// direction (cosine of 45 degrees).
 const AHEAD: f32 = 0.7;
 /// Steps that are slower are taken more seldom, as the square of their speed (m/s).
 pub(super) const BRISK_MPS: f32 = 1.2;
-/// How often a step that leads back is taken, where one that leads straight ahead has 1, and one that leads nowhere: what
-/// people do in one place.
+/// Weight of a step that leads back, relative to one straight ahead, and of a step that leads nowhere: an action in one
+/// place.
 const BACK: f32 = 1e-3;
 const NOWHERE: f32 = 0.05;
 
-/// Which way a roaming character is bound.
+/// Direction of a roaming character.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Purpose {
     /// x and z, a unit vector; zero before the first one.
     direction: [f32; 2],
-    /// Steps until it is bound another way.
+    /// Steps until it chooses another direction.
     steps_left: u32,
 }
 
@@ -31,17 +32,17 @@ impl Purpose {
         self.direction.iter().all(|v| v.abs() <= 1.001)
     }
 
-    /// How much a step from a point leads the way that the character is bound, from 0 for straight back to 1; none where it
-    /// leads nowhere.
+    /// Alignment of a step from a point with the character's direction, from 0 for straight back to 1; none where the
+    /// step leads nowhere.
     pub fn lead(&self, graph: &WorldGraph, from: [f32; 2], step: &Step) -> Option<f32> {
         let half = 0.5 + 0.5 * cosine(self.direction, direction(graph, from, step)?);
         let squared = half * half;
         Some(squared * squared * squared * squared)
     }
 
-    /// How often a step from a point is taken against others.
+    /// Weight of a step from a point in a random choice.
     ///
-    /// - `brisk`: frames that a metre takes at [`BRISK_MPS`].
+    /// - `brisk`: time for a metre at [`BRISK_MPS`] (frames).
     pub fn share(&self, graph: &WorldGraph, from: [f32; 2], step: &Step, brisk: f32) -> f32 {
         let Some(lead) = self.lead(graph, from, step) else { return NOWHERE };
         let speed = (graph.length(step) * brisk / step.num_frames() as f32).min(1.0);
@@ -62,7 +63,7 @@ fn cosine(a: [f32; 2], b: [f32; 2]) -> f32 {
 }
 
 impl Inhabitants {
-    /// Counts a step of a roaming character, and lets it be bound another way where nothing leads ahead or after a while.
+    /// Counts a step of a roaming character, and gives it another direction where nothing leads ahead or after a while.
     pub(super) fn go_on(&mut self, graph: &WorldGraph, c: usize) {
         let state = &self.states[c];
         let place = graph.place(state.at);

@@ -1,19 +1,19 @@
-//! Who holds which unit. Every unit has at most one holder, so each holder's units are a list through the units.
+//! Reservations of units. Every unit has at most one holder, so each holder's units are a list through the units.
 
 use crate::WorldGraph;
 use throng_core::patch::NONE;
 
-/// Stands for somebody whom something else moves, on whose ground a unit is.
+/// Holder of units on a region that an external obstacle reserves.
 pub(super) const OUTSIDER: u32 = NONE - 1;
 
-/// Whose ground an instance is on.
+/// Use of an instance's ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Ground {
-    /// Nobody's but those who live here.
+    /// Free for inhabitants.
     Free,
-    /// That of an outsider.
+    /// Reserved by an external obstacle.
     Barred,
-    /// The same, but it is needed by somebody who holds its units, and may go on there.
+    /// Reserved by an external obstacle, but needed by a character that holds its units and may go on there.
     Shared,
 }
 
@@ -22,7 +22,7 @@ pub(super) enum Ground {
 pub(super) struct Reservations {
     /// Holder of each unit, or [`NONE`].
     holder: Vec<u32>,
-    /// Whose ground instances are on.
+    /// Use of each instance's ground.
     ground: Vec<Ground>,
     /// The unit after each one in its holder's list.
     next: Vec<u32>,
@@ -49,12 +49,12 @@ impl Reservations {
         }
     }
 
-    /// Who holds a unit.
+    /// Holder of a unit.
     pub fn of(&self, unit: u32) -> Option<u32> {
         Some(self.holder[unit as usize]).filter(|&c| c != NONE)
     }
 
-    /// Who else is in an instance: holds one of its units, or is [`OUTSIDER`] on its ground.
+    /// Another holder in an instance: a character with one of its units, or [`OUTSIDER`] on its ground.
     pub fn other(&self, graph: &WorldGraph, instance: u32, character: u32) -> Option<u32> {
         let units = graph.resources(instance);
         self.other_of(units, character).or_else(|| {
@@ -68,12 +68,12 @@ impl Reservations {
         })
     }
 
-    /// Who else holds one of these units.
+    /// Another holder of one of these units.
     pub fn other_of(&self, units: &[u32], character: u32) -> Option<u32> {
         units.iter().filter_map(|&u| self.of(u)).find(|&c| c != character)
     }
 
-    /// Whose ground each instance is on.
+    /// Use of each instance's ground.
     pub fn ground_mut(&mut self) -> &mut [Ground] {
         &mut self.ground
     }
@@ -83,7 +83,7 @@ impl Reservations {
         self.other(graph, instance, character).is_none()
     }
 
-    /// Gives units to a character, which are free or its own.
+    /// Assigns units to a character; they are free or its own.
     pub fn take(&mut self, units: &[u32], character: u32) {
         for &u in units {
             if self.holder[u as usize] == NONE {
@@ -94,7 +94,7 @@ impl Reservations {
         }
     }
 
-    /// Takes all marks away.
+    /// Removes all marks.
     pub fn clear_marks(&mut self) {
         self.stamp = self.stamp.wrapping_add(1);
         if self.stamp == 0 {
@@ -115,7 +115,7 @@ impl Reservations {
         units.iter().any(|&u| self.marks[u as usize] == self.stamp)
     }
 
-    /// Lets go of what a character holds and is not marked.
+    /// Releases units that a character holds and that are not marked.
     pub fn release(&mut self, character: u32) {
         let mut unit = std::mem::replace(&mut self.first[character as usize], NONE);
         while unit != NONE {
@@ -130,7 +130,7 @@ impl Reservations {
         }
     }
 
-    /// Gives all reservations of a character to another one, which has none.
+    /// Transfers all reservations of a character to another one, which has none.
     pub fn hand_over(&mut self, from: u32, to: u32) {
         let mut unit = std::mem::replace(&mut self.first[from as usize], NONE);
         self.first[to as usize] = unit;
@@ -140,7 +140,7 @@ impl Reservations {
         }
     }
 
-    /// What a character holds.
+    /// Units that a character holds.
     pub fn units(&self, character: u32) -> impl Iterator<Item = u32> + '_ {
         let some = |u: u32| Some(u).filter(|&u| u != NONE);
         std::iter::successors(some(self.first[character as usize]), move |&u| some(self.next[u as usize]))

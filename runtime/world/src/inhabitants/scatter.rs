@@ -44,7 +44,7 @@ impl WorldGraph {
     /// False for a node of a tile that nothing leads to from its edges. Allocates nothing.
     pub(super) fn is_entered(&self, node: Node) -> bool {
         let (cells, links) = (self.cells(node.instance), self.links(node.instance));
-        // One bit each; what has more of them is taken for entered, as is what blocks lead into.
+        // One bit a cell. Cells of a larger tile count as entered, as do all cells of a tile that blocks lead into.
         let mut found = [0u64; 64];
         if !self.is_tile(node.instance) || self.instance(node.instance).num_adjacencies > 0 || cells.len() > 64 * 64 {
             return true;
@@ -76,7 +76,7 @@ impl WorldGraph {
         self.nearest_rest_of(point, |_| true)
     }
 
-    /// The same in the instances that are wanted.
+    /// Nearest rest cell of the instances that are wanted.
     pub(crate) fn nearest_rest_of(&self, point: Vec3, is_wanted: impl Fn(u32) -> bool) -> Option<Node> {
         let mut best = (f32::INFINITY, None);
         for instance in 0..self.num_instances() as u32 {

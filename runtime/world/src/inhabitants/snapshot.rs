@@ -29,7 +29,7 @@ impl Inhabitants {
         self.snapshot_kind().write(&state, out);
     }
 
-    /// Takes what was written back, but for events and roots.
+    /// Restores what was written, except for events and roots.
     ///
     /// # Errors
     /// [`Error::Snapshot`]; nothing has changed then.
@@ -47,7 +47,7 @@ impl Inhabitants {
         SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 8, setup: setup.finish() }
     }
 
-    /// Takes a state of unknown origin, or changes nothing and says what does not fit.
+    /// Restores a state of unknown origin, or changes nothing and says what does not fit.
     fn restore(
         &mut self,
         ((time_s, num_orders), roster, characters, states, chains, paths): &Saved,

@@ -1,4 +1,4 @@
-//! Where wishes lead: to places that exist and are free.
+//! Targets of goals: places that exist and are free.
 
 use super::reservations::OUTSIDER;
 use super::{Doing, InhabitantEvent, Inhabitants, Wish};
@@ -9,7 +9,7 @@ use throng_base::error::{check, check_index};
 use throng_base::{Error, Id, Result};
 
 impl Inhabitants {
-    /// Where a wish leads; none for roaming.
+    /// Target of a goal; none for roaming.
     ///
     /// # Errors
     /// As [`throng_core::Cast::order`] of inhabitants.
@@ -44,12 +44,12 @@ impl Inhabitants {
                 check("seconds", who, seconds, (0.0..1e9).contains(&seconds), "not negative and below 1e9 (s)")?;
                 let offer = self.nearest_offer(graph, c, tag);
                 check("tag", who, tag, offer.is_some(), "one of motion that begins where one can come to and stay")?;
-                // Another instance may offer it where no way leads to this one.
+                // Another instance may offer it where no path leads to this one.
                 return Ok(offer.map(|instance| Target::Tag { instance, tag }));
             }
         };
         let from = self.end(c);
-        // Who names a place is told for sure.
+        // For a goal that names a place, reachability is checked at once.
         let leads = match wish {
             Wish::GoToPlace { .. } | Wish::GoNear { .. } => {
                 self.planner.plan_soon(graph, from, target, &mut []).is_some()
@@ -98,14 +98,15 @@ impl Inhabitants {
         (graph.place(node).translation().distance(point) <= within_m).then_some(node.instance)
     }
 
-    /// Who stays where a character is to go and stay.
+    /// Character that stays where another one is to go and stay.
     pub(super) fn taken_by(&self, graph: &WorldGraph, c: usize) -> Option<usize> {
         let target = self.paths.target(c).filter(|t| !matches!(t, Target::Tag { .. }))?;
         let other = self.reservations.other(graph, target.instance(), c as u32)?;
         (other != OUTSIDER && self.stays(other as usize)).then_some(other as usize)
     }
 
-    /// True for a character that has come to stay. One that came in this step may be told to go on before the next one.
+    /// True for a character that has come to stay. One that arrived in this step may get another goal before the next
+    /// one.
     pub(super) fn stays(&self, c: usize) -> bool {
         let came = (self.roster.ids()[c], InhabitantEvent::Fulfilled);
         self.states[c].doing == Doing::Meeting || self.states[c].doing == Doing::Arrived && !self.events.contains(&came)
@@ -134,7 +135,7 @@ impl Inhabitants {
     }
 }
 
-/// That one can stay at a node.
+/// Checks that a character can stay at a node.
 pub(super) fn check_place(graph: &WorldGraph, who: Option<Id>, node: Node) -> Result<()> {
     check_index("instance", who, node.instance as usize, graph.num_instances())?;
     check_index("cell", who, node.cell as usize, graph.num_cells(node.instance) as usize)?;

@@ -3,9 +3,9 @@
 use crate::queue::Buckets;
 use serde::{Deserialize, Serialize};
 
-/// Stands where there is no way.
+/// Marks a state that no path reaches.
 pub(super) const UNREACHED: u16 = u16::MAX;
-/// What takes longer counts as this: a bound still (frames).
+/// Largest cost that is stored; longer ones count as this, which is still a lower bound (frames).
 const LONGEST: u32 = UNREACHED as u32 - 1;
 
 /// Arcs of a graph, sorted by where they begin: where each leads, and its frames.
@@ -87,7 +87,7 @@ impl Dial {
         }
     }
 
-    /// Notes that so many frames lead from the state that is visited to another one.
+    /// Notes an arc of so many frames from the visited state to another one.
     pub fn reach(&mut self, to: u32, frames: u16) {
         let total = (self.cost + u32::from(frames)).min(LONGEST);
         if total < self.costs[to as usize] {
@@ -96,7 +96,7 @@ impl Dial {
         }
     }
 
-    /// Cost of a state after the last search; the longest that can be told stands for longer ones as well.
+    /// Cost of a state after the last search; the largest value stands for larger ones as well.
     pub fn cost(&self, state: u32) -> u16 {
         u16::try_from(self.costs[state as usize]).unwrap_or(UNREACHED)
     }

@@ -19,7 +19,7 @@ pub(crate) struct Floors {
     /// Region of each instance, as its floor (instances).
     #[serde(with = "crate::pod")]
     regions: Vec<u32>,
-    /// Where each stands in its floor (copies, instances).
+    /// Position of each tile in its floor (copies, instances).
     #[serde(with = "crate::pod")]
     places: Vec<[i32; 2]>,
     /// Patch of each region's tiles.
@@ -90,12 +90,12 @@ impl Floors {
         self.patches[region as usize]
     }
 
-    /// Where a tile stands in its floor (copies).
+    /// Position of a tile in its floor (copies).
     pub fn place(&self, tile: u32) -> [i32; 2] {
         self.places[tile as usize]
     }
 
-    /// How many copies away another tile of the same floor stands.
+    /// Offset to another tile of the same floor (copies).
     pub fn offset(&self, from: u32, to: u32) -> [i32; 2] {
         let (a, b) = (self.places[from as usize], self.places[to as usize]);
         [b[0] - a[0], b[1] - a[1]]
@@ -108,7 +108,7 @@ impl Floors {
             region.iter().for_each(|place| self.regions[places[place] as usize] = self.patches.len() as u32);
             self.patches.push(patch);
         }
-        // Where two stand in one place, the other one is a region of its own.
+        // Of two tiles in one place, the second one is a region of its own.
         for &tile in tiles {
             if self.regions[tile as usize] == NONE {
                 self.regions[tile as usize] = self.patches.len() as u32;

@@ -1,6 +1,6 @@
-//! Landmarks: ways all around a world, and what it costs to come to them from everywhere (Goldberg and Harrelson 2005).
+//! Landmarks: places all around a world, with the costs to reach them from everywhere (Goldberg and Harrelson 2005).
 //!
-//! The way to a landmark over another place is no shorter than the direct one: the difference of both places' costs to
+//! A path to a landmark over another place is no shorter than the direct one: the difference of both places' costs to
 //! the landmark is a lower bound of the cost between them.
 
 use super::dial::{Dial, UNREACHED};
@@ -8,8 +8,8 @@ use super::{Entrance, PathHierarchy, each};
 use crate::WorldGraph;
 use serde::{Deserialize, Serialize};
 
-/// Number of landmarks: more raise what ways cost at least, and each takes a search over the world for the first
-/// planner, two bytes a state, and a comparison whenever the upper layer comes to a state.
+/// Number of landmarks: more of them raise lower bounds, and each takes a search over the world for the first planner,
+/// two bytes a state, and a comparison whenever the upper layer reaches a state.
 const NUM: usize = 12;
 
 /// Costs from somewhere to each landmark (frames).
@@ -45,7 +45,7 @@ impl Landmarks {
         self.costs.len()
     }
 
-    /// From nowhere.
+    /// Distances from nowhere.
     pub fn none() -> ToLandmarks {
         [UNREACHED; NUM]
     }
@@ -60,10 +60,10 @@ impl Landmarks {
         }
     }
 
-    /// What it costs at least to come to a state from somewhere (frames).
+    /// Lower bound of the cost from somewhere to a state (frames).
     pub fn least(&self, from: &ToLandmarks, state: u32) -> f32 {
         let pairs = from.iter().zip(&self.costs[state as usize]);
-        // The longest cost that can be told says nothing of how much less another one is.
+        // The largest stored cost may stand for a larger one, and bounds no difference.
         let known = |(from, on): (&u16, &u16)| if *on < UNREACHED - 1 { from.saturating_sub(*on) } else { 0 };
         pairs.map(known).fold(0, u16::max).into()
     }

@@ -1,9 +1,9 @@
-//! What planning knows of a world beforehand: least costs on open ground and within what is climbed or sat on.
+//! Path hierarchy: lower bounds of costs that planning uses, on open ground and within structures to climb or sit on.
 //!
 //! Tiles that fill a plane together are a *floor*; costs between them are those of the endless plane without obstacles,
-//! one table a patch. A floor with corners consists of *regions*, with portals from one to another. All else that overlaps
-//! is a *cluster*, with costs between its cells and its entrances and exits, one table for all clusters that are alike.
-//! All costs are bounds: no way costs less.
+//! one table a patch. A floor with corners consists of *regions*, with portals from one to another. Everything else
+//! that overlaps is a *cluster*, with costs between its cells and its entrances and exits, one table for all alike
+//! clusters. All costs are lower bounds.
 
 mod cluster_costs;
 mod clusters;
@@ -46,9 +46,9 @@ pub(crate) enum Entrance {
     },
     /// From another cluster into a cluster.
     Cluster {
-        /// The other one.
+        /// Number of the other cluster.
         from: u32,
-        /// This one.
+        /// Number of the cluster that is entered.
         to: u32,
     },
     /// From one region into another one, to cells of a tile there that are entered across an edge.
@@ -79,7 +79,7 @@ impl Entrance {
 pub(crate) struct Exit {
     /// The cluster.
     pub cluster: u32,
-    /// The tile whose links it leads along; none where it leads to another cluster.
+    /// Tile whose links it leads along; none where it leads to another cluster.
     pub tile: Option<u32>,
     /// The other cluster.
     pub to: Option<u32>,
@@ -89,9 +89,9 @@ pub(crate) struct Exit {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct PathHierarchy {
     planes: Vec<Option<Plane>>,
-    /// Which tiles fill a plane together.
+    /// Floors: tiles that fill a plane together.
     pub floors: Floors,
-    /// What else there is.
+    /// Clusters: everything else.
     pub clusters: Clusters,
     cluster_costs: Vec<ClusterCosts>,
     /// Number in `cluster_costs` of each cluster.
@@ -149,7 +149,7 @@ impl PathHierarchy {
         out
     }
 
-    /// True where all that planning looks up in a hierarchy read from a file is there.
+    /// True where all entries of a hierarchy read from a file are in range.
     pub fn is_sound(&self, graph: &WorldGraph) -> bool {
         let patches = graph.patches();
         let records = &patches.patches;
@@ -215,7 +215,7 @@ impl PathHierarchy {
                 is_tile(tile) && self.floors.region(tile).is_none_or(|region| is_goal(region, goal))
             }
             Entrance::Portal { from, tile, goal } => {
-                // Its goal is the class of cells that are entered across an edge.
+                // The goal of a portal is the class of cells that are entered across an edge.
                 let is_edge = |to: u32| {
                     let patch = self.floors.patch(to);
                     patch == self.floors.patch(from) && goal < graph.patches().patches[patch as usize].num_edges
@@ -361,14 +361,14 @@ fn add_goals(planes: &mut [Option<Plane>], goals: BTreeSet<(u32, Vec<Spot>)>) {
     }
 }
 
-/// What searches find for each of a list.
+/// Results of a search for each element of a list.
 #[cfg(feature = "rayon")]
 fn each<T: Sync, R: Send>(list: &[T], find: impl Fn(&T, &mut Dial) -> R + Sync) -> Vec<R> {
     use rayon::prelude::*;
     list.par_iter().map_init(Dial::default, |search, item| find(item, search)).collect()
 }
 
-/// What searches find for each of a list.
+/// Results of a search for each element of a list.
 #[cfg(not(feature = "rayon"))]
 fn each<T, R>(list: &[T], find: impl Fn(&T, &mut Dial) -> R) -> Vec<R> {
     let mut search = Dial::default();

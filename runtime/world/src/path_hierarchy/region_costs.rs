@@ -1,4 +1,4 @@
-//! RegionCosts: what it costs to go on through a region, from every way that leads into it to every one that leads out of it.
+//! Costs through a region, from every entrance into it to every exit from it.
 
 use super::plane::Plane;
 use super::{Entrance, PathHierarchy, each};
@@ -9,35 +9,35 @@ use throng_core::patch::NONE;
 
 /// Most costs that are kept; in worlds of more each is worked out whenever it is asked for (costs).
 const MAX_COSTS: usize = 1 << 26;
-/// Most others that an exit of a region is compared with: more leave out more ways on, but each that stays is compared
+/// Most others that an exit of a region is compared with: more leave out more paths on, but each that stays is compared
 /// with all of them.
 const MAX_OTHERS: usize = 16;
-/// What it costs at most to go to others: a higher one keeps more of them, each of which leaves out only ways on that
+/// Largest cost to go to a substitute: a higher one keeps more of them, each of which leaves out only paths on that
 /// cost so much more (frames).
 const MAX_DETOUR: f32 = 200.0;
-/// How far away others are looked for: as far as costs to most goals are in tables of nearby offsets, which alone say
-/// what a way costs at most (copies).
+/// Largest offset of substitutes: costs to most goals are in tables only for nearby offsets, which alone bound a path's
+/// cost from above (copies).
 const AROUND: i32 = 3;
 
 /// Costs through regions.
 ///
-/// A region is entered by exits of clusters and by portals, which stand in its *list*; it is left by ways into clusters
+/// A region is entered by exits of clusters and by portals, which stand in its *list*; it is left by paths into clusters
 /// and by portals to other regions, each of which has a *row* of costs, one for each of the list. Beside its row each has
-/// *others*: ways to leave the region that are near.
+/// *others*, substitutes: near entrances by which the region may be left instead.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct RegionCosts {
-    /// Where each region's part of the list begins (regions + 1).
+    /// Start of each region's part of the list (regions + 1).
     #[serde(with = "crate::pod")]
     first: Vec<u32>,
-    /// What regions are entered by: entrances, and above them exits.
+    /// States that enter regions: entrances, and above them exits.
     #[serde(with = "crate::pod")]
     pub states: Vec<u32>,
     /// Place in the list by state; [`NONE`] for what enters no region.
     #[serde(with = "crate::pod")]
     place: Vec<u32>,
-    /// Ways that lead from each region.
+    /// Entrances that lead from each region.
     pub leaving: Vec<Vec<u32>>,
-    /// Where the row of each entrance begins; none where rows are not kept (entrances).
+    /// Start of the row of each entrance; none where rows are not kept (entrances).
     rows: Vec<usize>,
     #[serde(with = "crate::pod")]
     costs: Vec<u16>,
@@ -48,7 +48,7 @@ pub(crate) struct RegionCosts {
 }
 
 impl RegionCosts {
-    /// Works out what leads through regions, when a hierarchy has all its ways.
+    /// Computes the costs through regions, when a hierarchy has all its entrances and exits.
     pub fn new(hierarchy: &PathHierarchy) -> Self {
         let mut out = Self::ways(hierarchy);
         out.add_rows(hierarchy);
@@ -56,7 +56,7 @@ impl RegionCosts {
         out
     }
 
-    /// What leads into each region and out of it, without costs.
+    /// Entrances and exits of each region, without costs.
     fn ways(hierarchy: &PathHierarchy) -> Self {
         let num_entrances = hierarchy.entrances.len() as u32;
         let mut out = Self { place: vec![NONE; hierarchy.entrances.len() + hierarchy.exits.len()], ..Self::default() };
@@ -76,8 +76,8 @@ impl RegionCosts {
         out
     }
 
-    /// True where costs read from a file are of the ways of a hierarchy whose ways are sound, and all that is looked up is
-    /// there.
+    /// True where costs read from a file are of the paths of a hierarchy whose paths are sound, and all entries are in
+    /// range.
     pub fn is_sound(&self, hierarchy: &PathHierarchy) -> bool {
         let (ways, entrances) = (Self::ways(hierarchy), hierarchy.entrances.len());
         let are_ways = (&self.first, &self.states, &self.place, &self.leaving)
@@ -107,8 +107,8 @@ impl RegionCosts {
         Some(self.place[state as usize]).filter(|p| *p != NONE).map(|p| p as usize)
     }
 
-    /// Row of a way that leads from a region, along the part of the list that leads there; none where it is not kept.
-    /// (frames)
+    /// Row of an entrance that leads from a region, along the part of the list that leads there; none where it is not
+    /// kept.
     pub fn row(&self, entrance: u32, region: u32) -> Option<&[u16]> {
         let first = *self.rows.get(entrance as usize)?;
         Some(&self.costs[first..first + self.list(region).len()])
@@ -119,7 +119,7 @@ impl RegionCosts {
         !self.rows.is_empty()
     }
 
-    /// One cost of a row (frames).
+    /// Cost in a row (frames).
     pub fn cost(&self, hierarchy: &PathHierarchy, entrance: u32, place: usize) -> u16 {
         let Some((region, tile, goal)) = hierarchy.leads_from(entrance) else { return UNREACHED };
         let Some(plane) = hierarchy.plane(region) else { return UNREACHED };
@@ -208,7 +208,7 @@ mod tests {
     use crate::path_hierarchy::Landmarks;
     use proptest::prelude::*;
 
-    /// Checks that no way to the best cell of any other costs more than it says; how many there are.
+    /// Checks that no path to the best cell of any other costs more than it says; how many there are.
     fn check_others(tile: &Tile, depths: [i32; 3]) -> usize {
         let world = tile.floor(&places(depths));
         let graph = WorldGraph::new(&tile.patches(), &world.view()).unwrap();

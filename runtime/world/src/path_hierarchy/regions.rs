@@ -1,6 +1,6 @@
 //! Regions: parts of a floor in which one can walk about as on an endless plane.
 //!
-//! Costs on a plane are too low around a corner. So a floor with corners is split into rectangles; ways between them lead
+//! Costs on a plane are too low around a corner. So a floor with corners is split into rectangles; paths between them lead
 //! through portals, each of which is an edge between two tiles.
 
 use std::collections::BTreeSet;
@@ -37,7 +37,7 @@ fn is_full(places: &BTreeSet<[i32; 2]>) -> bool {
 fn largest(places: &BTreeSet<[i32; 2]>) -> Option<Vec<[i32; 2]>> {
     let (mut best, mut most) = (None, 0);
     for &[u, v] in places {
-        // From each place as its first corner: as far as every row leads.
+        // Rectangles with each place as first corner, as far as every row leads.
         let (mut widest, mut length) = (i32::MAX, 0);
         while widest > 0 && places.contains(&[u + length, v]) {
             let width = (0..widest).take_while(|w| places.contains(&[u + length, v + w])).count() as i32;

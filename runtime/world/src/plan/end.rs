@@ -1,4 +1,4 @@
-//! Where a target lies, and what it costs to come to it from the same part of the world.
+//! Location of a target, and costs to reach it from the same part of the world.
 
 use super::Target;
 use super::inside::Inside;
@@ -6,16 +6,16 @@ use crate::path_hierarchy::{PathHierarchy, class};
 use crate::{Node, WorldGraph};
 use throng_core::patch::CellRecord;
 
-/// Where the target lies; memory for it.
+/// Location of the target, with memory for it.
 #[derive(Clone, Debug)]
 pub(super) struct End {
     pub instance: u32,
     /// Goals that its cells are among, where it is in a region: one, or classes, one bit each.
     goal: Option<u32>,
     classes: u32,
-    /// Its cluster.
+    /// Cluster of the target.
     pub cluster: Option<u32>,
-    /// There, least costs from each entrance.
+    /// Least costs from each entrance of the cluster.
     pub from_entrance: Vec<f32>,
     inside: Inside,
 }
@@ -68,7 +68,7 @@ impl End {
         true
     }
 
-    /// What it costs at least to go to the target without coming through another part of the world (frames).
+    /// Lower bound of the cost to the target without leaving its part of the world (frames).
     pub fn cost(&mut self, hierarchy: &PathHierarchy, node: Node) -> f32 {
         if let Some((cluster, first)) = hierarchy.cluster(node.instance) {
             let here = self.cluster == Some(cluster);
@@ -79,7 +79,7 @@ impl End {
         self.cost_at(hierarchy, region, hierarchy.floors.offset(node.instance, self.instance), node.cell)
     }
 
-    /// The same from a cell of a tile of the target's region, which lies so many copies away from there.
+    /// Lower bound of the cost to the target from a cell of a tile of its region, at an offset from it (copies).
     pub fn cost_at(&self, hierarchy: &PathHierarchy, region: u32, offset: [i32; 2], cell: u32) -> f32 {
         let Some(plane) = hierarchy.plane(region) else { return f32::INFINITY };
         let cost = |goal| plane.cost(plane.look(goal, offset), cell);

@@ -1,4 +1,4 @@
-//! What it costs within the target's cluster to come to the target: Dijkstra backwards, only as far as it is asked for.
+//! Costs within the target's cluster to reach the target: Dijkstra backwards, only as far as needed.
 
 use crate::WorldGraph;
 use crate::path_hierarchy::PathHierarchy;
@@ -11,7 +11,7 @@ pub(super) struct Inside {
     cluster: u32,
     /// (frames, states of the largest cluster)
     costs: Vec<u32>,
-    /// What `costs` is of, an even number, and 1 more where a state was opened.
+    /// Search that each of `costs` is from, an even number, and 1 more where the state was opened.
     stamps: Vec<u32>,
     stamp: u32,
     queue: Buckets,
@@ -51,7 +51,7 @@ impl Inside {
         targets.for_each(|cell| self.reach(cell, 0));
     }
 
-    /// Cost from a state of the cluster, without leaving it; infinite where no way leads on (frames).
+    /// Cost from a state of the cluster, without leaving it; infinite where no path leads on (frames).
     pub fn cost(&mut self, hierarchy: &PathHierarchy, state: u32) -> f32 {
         let costs_in = hierarchy.costs_in(self.cluster);
         while self.stamps[state as usize] != self.stamp + 1 {
@@ -64,7 +64,7 @@ impl Inside {
         self.costs[state as usize] as f32
     }
 
-    /// The same from a way into the cluster. What lies at its cells may be below 0 (frames).
+    /// Cost from an entrance of the cluster. The additional costs of its cells may be negative (frames).
     pub fn cost_from(&mut self, hierarchy: &PathHierarchy, entrance: u32) -> f32 {
         let starts = hierarchy.costs_in(self.cluster).starts(entrance);
         starts.iter().map(|&(state, part)| self.cost(hierarchy, state) - f32::from(part)).fold(f32::INFINITY, f32::min)

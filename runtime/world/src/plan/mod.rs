@@ -1,5 +1,5 @@
-//! Path planning in two layers (Lee, Choi and Lee 2006, section 7): over the ways into and out of what stands on open ground, then over the
-//! motion itself, towards what the upper layer says is near.
+//! Path planning in two layers (Lee, Choi and Lee 2006, section 7): over the entrances and exits of structures on open
+//! ground, then over the motion itself, towards what the upper layer estimates as near.
 
 mod end;
 mod inside;
@@ -15,20 +15,20 @@ pub(crate) use nodes::{Found, Nodes, Space};
 use serde::{Deserialize, Serialize};
 use upper::Upper;
 
-/// A way of [`Planner::plan`] takes at most this many times as long as the fastest one.
+/// A path of [`Planner::plan`] takes at most this many times as long as the fastest one.
 pub const WORST: f32 = 1.05;
 
-/// Where a plan leads.
+/// Target of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Target {
-    /// To one node.
+    /// A single node.
     Node(Node),
-    /// To any rest cell of an instance.
+    /// Any rest cell of an instance.
     Rest {
         /// The instance.
         instance: u32,
     },
-    /// To where motion with a tag begins.
+    /// Any start of motion with a tag.
     Tag {
         /// The instance.
         instance: u32,
@@ -62,10 +62,10 @@ impl Target {
     }
 }
 
-/// A way that was found.
+/// A path that was found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
-    /// Steps of the whole way.
+    /// Steps of the whole path.
     pub num_steps: usize,
     /// Number of steps written, the first ones.
     pub num_stored: usize,
@@ -81,7 +81,7 @@ pub struct Plan {
     pub opened_nodes: usize,
 }
 
-/// Plans ways through a world; all its memory is allocated when it is made.
+/// Plans paths through a world; all its memory is allocated when it is made.
 #[derive(Clone, Debug)]
 pub struct Planner {
     upper: Upper,
@@ -89,15 +89,15 @@ pub struct Planner {
 }
 
 impl Planner {
-    /// Memory for a world. What is known of the world beforehand is worked out by the first planner and kept with it.
+    /// Memory for a world. The tables of the world are computed by the first planner and kept with it.
     pub fn new(graph: &WorldGraph) -> Self {
         Self { upper: Upper::new(graph, graph.hierarchy()), nodes: Nodes::new(graph) }
     }
 
-    /// Looks for a way from a node to a target that takes at most [`WORST`] times as long as the fastest one, and writes
-    /// as many of its first steps as fit; a way to where it begins has none. Allocates nothing.
+    /// Finds a path from a node to a target that takes at most [`WORST`] times as long as the fastest one, and writes
+    /// as many of its first steps as fit; a path to its own start has none. Allocates nothing.
     ///
-    /// - returns `None` where no way leads there.
+    /// - returns `None` where no path leads there.
     ///
     /// (nodes and instances exist)
     pub fn plan(&mut self, graph: &WorldGraph, from: Node, target: Target, out: &mut [Step]) -> Option<Plan> {
@@ -105,12 +105,12 @@ impl Planner {
         self.prove(graph, from, target, plan, out)
     }
 
-    /// The same in less time: the path may be worse. [`Plan::least_frames`] tells by how much at most.
+    /// Finds a path in less time, which may be worse. [`Plan::least_frames`] bounds by how much.
     pub fn plan_soon(&mut self, graph: &WorldGraph, from: Node, target: Target, out: &mut [Step]) -> Option<Plan> {
         self.find(graph, from, target, &|_| 0.0, &[(HASTE, usize::MAX)], out)
     }
 
-    /// As [`Planner::plan_soon`], with a toll for entering instances, which counts as time (frames).
+    /// Finds a path as [`Planner::plan_soon`] does, with a toll for entering instances, which counts as time (frames).
     pub(crate) fn plan_around(
         &mut self,
         graph: &WorldGraph,
@@ -122,15 +122,15 @@ impl Planner {
         self.find(graph, from, target, &toll, &TRIES, out)
     }
 
-    /// Least time that the way from a node to a target takes, from what is known of the world beforehand (frames); `None` where
-    /// it is plain that no way leads there.
+    /// Lower bound of the time of the path from a node to a target, from the tables of the world (frames); `None` where
+    /// it is plain that no path leads there.
     pub(crate) fn least_frames(&mut self, graph: &WorldGraph, from: Node, target: Target) -> Option<f32> {
         let hierarchy = graph.hierarchy();
         let leads = self.upper.run(graph, hierarchy, target, from, 0.0);
         leads.then(|| self.upper.estimate(hierarchy, from).min(self.upper.limit))
     }
 
-    /// Looks for a way, as eagerly as `tries` say: what estimates count, and the most nodes that are opened.
+    /// Finds a path, with the weight of estimates and the most opened nodes that `tries` give.
     fn find(
         &mut self,
         graph: &WorldGraph,
@@ -164,7 +164,7 @@ impl Planner {
                 if let Found::Path(way) = found {
                     cost = self.nodes.cost(way);
                     let plan = self.report(graph, way, out);
-                    // A way around what it pays for may be far from the best ones.
+                    // A path around what it pays for may be far from the best ones.
                     if wide == 0.0 && cost > plan.num_frames as f32 && cost > self.upper.limit {
                         break;
                     }
@@ -172,7 +172,7 @@ impl Planner {
                     return Some(Plan { opened_nodes, opened_instances, least_frames, ..plan });
                 }
             }
-            // Who finds no way among the best ones looks everywhere.
+            // Without a path among the best ones, the search is repeated everywhere.
             if wide == f32::INFINITY {
                 return None;
             }
@@ -180,10 +180,10 @@ impl Planner {
         }
     }
 
-    /// Makes sure that no way takes so much less than one that was just found, or finds the fastest one.
+    /// Proves that no path takes so much less than one that was just found, or finds the fastest one.
     ///
-    /// All nodes are opened that such a way might lead through, and no others: of A* with estimates that count more, as
-    /// much as that way may be worse (Pohl 1970), they would only be a part (Thayer and Ruml 2008).
+    /// All nodes are opened through which such a path might lead, and no others: of A* with estimates weighted by as
+    /// much as that path may be worse (Pohl 1970), they would only be a part (Thayer and Ruml 2008).
     fn prove(&mut self, graph: &WorldGraph, from: Node, target: Target, plan: Plan, out: &mut [Step]) -> Option<Plan> {
         let (hierarchy, enough) = (graph.hierarchy(), plan.num_frames as f32 / WORST);
         let least_frames = plan.least_frames.max(enough.ceil() as u32);
@@ -213,7 +213,7 @@ impl Planner {
         Some(Plan { opened_nodes, opened_instances, least_frames: plan.num_frames, ..plan })
     }
 
-    /// Writes the steps of a way that was found.
+    /// Writes the steps of a path that was found.
     fn report(&mut self, graph: &WorldGraph, way: u32, out: &mut [Step]) -> Plan {
         let mut plan = Plan::default();
         let mut at = self.nodes.turn(way);
@@ -231,9 +231,9 @@ impl Planner {
     }
 }
 
-/// What estimates count in looking for a first way (weighted A*, Pohl 1970).
+/// Weight of estimates in the search for a first path (weighted A*, Pohl 1970).
 const HASTE: f32 = 1.12;
-/// The same, with the most nodes that are opened, where there are tolls, which estimates know nothing of.
+/// Weights of estimates and most opened nodes where there are tolls, which estimates ignore.
 const TRIES: [(f32, usize); 3] = [(HASTE, 4000), (1.5, 10000), (3.0, usize::MAX)];
 
 /// The lower layer's space: everything, towards the target.
@@ -241,9 +241,9 @@ struct TowardsTarget<'a, T> {
     graph: &'a WorldGraph,
     hierarchy: &'a PathHierarchy,
     target: Target,
-    /// What estimates count.
+    /// Weight of estimates.
     greed: f32,
-    /// Ways that take as long are of no use (frames).
+    /// Length from which paths are useless (frames).
     limit: f32,
     upper: &'a mut Upper,
     toll: &'a T,

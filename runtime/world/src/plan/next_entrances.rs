@@ -1,35 +1,35 @@
-//! NextEntrances: the ways on from a tile that cost least.
+//! The cheapest entrances from a tile towards the target.
 
 use crate::path_hierarchy::{Look, Plane};
 
-/// Ways on that are kept of a tile.
+/// Most entrances that are kept for a tile.
 const MAX_KEPT: usize = 12;
 
-/// A way on from a tile: where costs to it are found, and what it costs from there (frames).
+/// Next entrance from a tile: the location of the costs to it, and the cost from there (frames).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NextEntrance {
     pub look: Look,
     pub cost: f32,
 }
 
-/// The ways on from a tile, and the search that found them.
+/// Next entrances from a tile, and the search that found them.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NextEntrances {
     pub stamp: u32,
     len: u32,
-    /// By what they cost from the best cell of the tile.
+    /// Entrances kept, sorted by their cost from the best cell of the tile.
     list: [(f32, NextEntrance); MAX_KEPT],
-    /// What those cost at least that are not kept.
+    /// Least cost of the entrances that are not kept.
     others: f32,
 }
 
 impl NextEntrances {
-    /// None yet.
+    /// An empty list.
     pub fn new(stamp: u32) -> Self {
         Self { stamp, others: f32::INFINITY, ..Self::default() }
     }
 
-    /// Keeps a way on, or the cost of the worst one.
+    /// Keeps an entrance, or the cost of the worst one.
     pub fn add(&mut self, plane: &Plane, entrance: NextEntrance) {
         let least = entrance.cost + plane.least_of_all(entrance.look);
         let len = self.len as usize;

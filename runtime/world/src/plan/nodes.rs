@@ -6,35 +6,35 @@ use crate::{Node, Step, WorldGraph};
 use bytemuck::{Pod, Zeroable};
 use throng_core::patch::NONE;
 
-/// What a search is about.
+/// Space of a search: its instances, target and costs.
 pub(crate) trait Space {
     /// True where the search may go into an instance.
     fn admits(&self, instance: u32) -> bool;
     /// True where it ends.
     fn is_target(&self, node: Node) -> bool;
-    /// What it costs to go on from a node to the target; infinite where no way leads there (frames).
+    /// Estimated cost from a node to the target; infinite where no path leads there (frames).
     fn estimate(&mut self, node: Node) -> f32;
-    /// What a step costs (frames).
+    /// Cost of a step (frames).
     fn cost(&self, step: &Step) -> f32;
-    /// Ways that cost as much, with what it costs to go on, are not looked at (frames).
+    /// Cost, with the estimate, from which paths are left out (frames).
     fn limit(&self) -> f32 {
         f32::INFINITY
     }
-    /// True where a node is opened again when a cheaper way to it turns up: only then is a way as good as estimates
+    /// True where a node is opened again when a cheaper path to it turns up: only then is a path as good as estimates
     /// promise which do not agree with each other, but it may take long.
     fn opens_again(&self) -> bool {
         true
     }
 }
 
-/// Why a search ended.
+/// Result of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Found {
-    /// At a target; the number is for [`Nodes::path`].
+    /// A path to a target; the number is for [`Nodes::path`].
     Path(u32),
-    /// There is none.
+    /// No path leads to a target.
     Nothing,
-    /// After the most nodes that it may open.
+    /// The most nodes were opened.
     Limit,
 }
 
@@ -43,7 +43,7 @@ pub(crate) enum Found {
 pub(crate) struct Nodes {
     /// [`State`] of each node.
     states: Vec<[u32; 4]>,
-    /// Node before each, or after it on a way that was turned around.
+    /// Node before each, or after it on a path that was turned around.
     parents: Vec<u32>,
     /// The step that led to each; as whole numbers, since memory full of zeros costs nothing.
     steps: Vec<[u32; 5]>,
@@ -53,21 +53,21 @@ pub(crate) struct Nodes {
     pub opened: usize,
 }
 
-/// What is known of a node: together, since every step there asks for it.
+/// State of a node: in one place, since every step there needs it.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
 struct State {
     /// The search that came to it, an even number, and 1 where it was opened.
     stamp: u32,
-    /// Of the best way there, and from there on; not a number where not asked for (frames).
+    /// Costs of the best path there, and from there on; not a number where not yet needed (frames).
     cost: f32,
     estimate: f32,
-    /// What the best way there had cost when the links from it were followed; infinite before (frames).
+    /// Cost of the best path there when the links from it were followed; infinite before (frames).
     left: f32,
 }
 
 impl State {
-    /// Of a node that was not reached.
+    /// State of a node that was not reached.
     fn new(stamp: u32) -> Self {
         Self { stamp, cost: f32::INFINITY, estimate: f32::NAN, left: f32::INFINITY }
     }
@@ -91,7 +91,7 @@ impl Nodes {
         }
     }
 
-    /// Looks for the cheapest way from a node to a target, opening at most `most` nodes.
+    /// Finds the cheapest path from a node to a target, opening at most `most` nodes.
     pub fn search(&mut self, graph: &WorldGraph, from: Node, space: &mut impl Space, most: usize) -> Found {
         self.begin();
         let start = State { cost: 0.0, estimate: 0.0, ..State::new(self.stamp) };
@@ -113,7 +113,7 @@ impl Nodes {
         Found::Nothing
     }
 
-    /// Writes the first steps of a way, as many as fit, and returns how many it has.
+    /// Writes the first steps of a path, as many as fit, and returns how many it has.
     pub fn path(&self, way: u32, out: &mut [Step]) -> usize {
         let mut len = 0;
         self.walk(way, |_| len += 1);
@@ -127,7 +127,7 @@ impl Nodes {
         len
     }
 
-    /// Calls `visit` with every step of a way, the last one first.
+    /// Calls `visit` with every step of a path, the last one first.
     pub fn walk(&self, way: u32, mut visit: impl FnMut(Step)) {
         let mut at = way;
         while self.parents[at as usize] != NONE {
@@ -136,7 +136,8 @@ impl Nodes {
         }
     }
 
-    /// Turns a way around, so that it can be followed from its beginning with [`Nodes::next`]; it is no way any more.
+    /// Turns a path around, so that it can be followed from its beginning with [`Nodes::next`]; it is no longer a path
+    /// for the other functions.
     pub fn turn(&mut self, way: u32) -> u32 {
         let (mut at, mut after) = (way, NONE);
         while at != NONE {
@@ -146,13 +147,13 @@ impl Nodes {
         after
     }
 
-    /// The step that follows on a way that was turned around, and where it leads to.
+    /// The step that follows on a path that was turned around, and where it leads to.
     pub fn next(&self, at: u32) -> Option<(u32, Step)> {
         let next = self.parents[at as usize];
         (next != NONE).then(|| (next, self.step(next)))
     }
 
-    /// Cost of a way (frames).
+    /// Cost of a path (frames).
     pub fn cost(&self, way: u32) -> f32 {
         self.state(way).cost
     }
@@ -167,13 +168,13 @@ impl Nodes {
         self.heap.clear();
     }
 
-    /// What this search knows of a node.
+    /// State of a node in this search.
     fn state(&self, at: u32) -> State {
         let state: State = bytemuck::cast(self.states[at as usize]);
         if state.stamp & !1 == self.stamp { state } else { State::new(self.stamp) }
     }
 
-    /// Notes the best way to a node so far, which is followed where it may cost less than `limit`.
+    /// Notes the best path to a node so far, which is followed where it may cost less than `limit`.
     fn reach(&mut self, at: u32, state: State, parent: u32, step: &Step, limit: f32) {
         let i = at as usize;
         self.states[i] = bytemuck::cast(state);
@@ -205,7 +206,7 @@ struct Opening<'a, S> {
 }
 
 impl<S: Space> Walk for Opening<'_, S> {
-    /// Where blocks overlap, many cells are joined to the same one: its links are followed for the first of them.
+    /// Follows the links of a cell once: where blocks overlap, many cells are joined to the same one.
     fn leaves(&mut self, from: Node) -> bool {
         let at = self.graph.index(from) as u32;
         let state = self.nodes.state(at);

@@ -1,4 +1,4 @@
-//! Ways over made-up floors against plain Dijkstra.
+//! Paths over made-up floors against plain Dijkstra.
 
 use super::*;
 use crate::made_up::{costs_to, nodes, places, tiles};

@@ -1,4 +1,4 @@
-//! The upper layer: what it costs at least to go on to the target from every way into a part of the world and out of one.
+//! Upper layer: lower bounds of the cost to the target from every entrance into a part of the world and every exit.
 
 #[cfg(test)]
 mod tests;
@@ -11,12 +11,12 @@ use crate::queue::Heap;
 use crate::{Node, WorldGraph};
 use throng_core::patch::NONE;
 
-/// The search goes on to ways that cost this many times what the best one does, and so much more (frames).
+/// Factor on the cost of the best path, and addition to it, up to which the search opens other paths (frames).
 const BESIDE: f32 = 1.02;
 const BESIDE_FRAMES: f32 = 30.0;
 /// Costs that are compared at once.
 const WIDE: usize = 32;
-/// Stands for a cost that is not known.
+/// Marks an unknown cost.
 const UNKNOWN: i32 = i32::MAX;
 
 /// Memory of the upper layer, and what its last search found.
@@ -29,17 +29,17 @@ pub(super) struct Upper {
     known: Vec<i32>,
     heap: Heap,
     stamp: u32,
-    /// What it costs to landmarks from where the search is to come to.
+    /// Costs to landmarks from the start of the search's path.
     from: ToLandmarks,
-    /// Ways on from a region that were opened: the first and the last, and the next of each.
+    /// Opened paths on from a region: the first and the last, and the next of each.
     chains: Vec<[u32; 2]>,
     chain_stamps: Vec<u32>,
     next: Vec<u32>,
     next_stamps: Vec<u32>,
-    /// By instance.
+    /// Next entrances, by instance.
     next_entrances: Vec<NextEntrances>,
     end: End,
-    /// No way that the search left out costs less (frames).
+    /// No path that the search left out costs less (frames).
     pub limit: f32,
     /// States opened.
     pub opened: usize,
@@ -68,10 +68,10 @@ impl Upper {
         }
     }
 
-    /// A* from the target backwards, until more ways on would hardly help from `from`, nor be part of any way
-    /// that costs less than `most`.
+    /// A* from the target backwards, until more paths would hardly improve the estimate from `from`, nor be part of any
+    /// path that costs less than `most`.
     ///
-    /// - returns false where no way leads from there to the target.
+    /// - returns false where no path leads from there to the target.
     pub fn run(
         &mut self,
         graph: &WorldGraph,
@@ -106,7 +106,7 @@ impl Upper {
         least < f32::INFINITY
     }
 
-    /// What it costs at least to go on from a node to the target; infinite where no way is known (frames).
+    /// Lower bound of the cost from a node to the target; infinite where no path is known (frames).
     pub fn estimate(&mut self, hierarchy: &PathHierarchy, node: Node) -> f32 {
         let direct = self.end.cost(hierarchy, node);
         if let Some((cluster, first)) = hierarchy.cluster(node.instance) {
@@ -164,7 +164,7 @@ impl Upper {
         }
     }
 
-    /// All that leads to the target's region.
+    /// Reaches all states that lead to the target's region.
     fn reach_end(&mut self, hierarchy: &PathHierarchy, region: u32) {
         let instance = self.end.instance;
         let offset = |tile| hierarchy.floors.offset(tile, instance);
@@ -192,7 +192,7 @@ impl Upper {
         }
     }
 
-    /// All that leads to a region, from which one goes on by an entrance.
+    /// Reaches all states that lead to a region, which is left by an entrance.
     fn reach_region(&mut self, hierarchy: &PathHierarchy, region: u32, entrance: u32, cost: f32) {
         // So that no cost of a row brings it beyond what can be counted.
         let whole = (cost as i32).min(i32::MAX - i32::from(u16::MAX));
@@ -263,7 +263,7 @@ impl Upper {
         self.reach_region(hierarchy, region, state, cost);
     }
 
-    /// True where another way on from the region costs no more from any of the cells that this one begins at.
+    /// True where another entrance costs no more from any of the cells that this one begins at.
     fn is_dominated(&self, hierarchy: &PathHierarchy, state: u32, cost: f32) -> bool {
         let is_less = |&(other, most): &(u32, u16)| {
             let o = other as usize;
@@ -272,7 +272,7 @@ impl Upper {
         hierarchy.region_costs.others(state).iter().any(is_less)
     }
 
-    /// Adds a way on to those from a region.
+    /// Adds an entrance to those from a region.
     fn chain(&mut self, region: u32, state: u32) {
         let r = region as usize;
         (self.next[state as usize], self.next_stamps[state as usize]) = (NONE, self.stamp);
@@ -284,7 +284,7 @@ impl Upper {
         }
     }
 
-    /// The first way on from a region.
+    /// First entrance from a region.
     fn first_of(&self, region: u32) -> u32 {
         if self.chain_stamps[region as usize] == self.stamp { self.chains[region as usize][0] } else { NONE }
     }
@@ -298,7 +298,7 @@ impl Upper {
         }
     }
 
-    /// What it costs to go on from a node by one of the entrances or out.
+    /// Cost from a node by one of the entrances or exits.
     fn cost_by(&self, hierarchy: &PathHierarchy, node: Node, state: u32, cost: f32) -> f32 {
         let Some(out) = state.checked_sub(hierarchy.entrances.len() as u32) else {
             let Some((region, tile, goal)) = hierarchy.leads_from(state) else { return f32::INFINITY };
@@ -317,7 +317,7 @@ impl Upper {
         }
     }
 
-    /// What it costs from a cell of a cluster by the exits of it.
+    /// Cost from a cell of a cluster by one of its exits.
     fn through(&self, hierarchy: &PathHierarchy, cluster: u32, cell: u32) -> f32 {
         let (costs_in, first) =
             (hierarchy.costs_in(cluster), hierarchy.entrances.len() + hierarchy.exits_of(cluster).start as usize);
@@ -330,7 +330,7 @@ impl Upper {
         least
     }
 
-    /// The best ways on from a tile.
+    /// Best entrances from a tile.
     fn find_next_entrances(&mut self, hierarchy: &PathHierarchy, tile: u32) {
         let mut found = NextEntrances::new(self.stamp);
         let Some((region, plane)) = hierarchy.floors.region(tile).and_then(|r| Some((r, hierarchy.plane(r)?))) else {

@@ -9,7 +9,7 @@ pub(crate) struct Buckets {
     heads: Vec<u32>,
     /// The numbers before and after each in its bucket.
     links: Vec<[u32; 2]>,
-    /// Key of each number that is there.
+    /// Key of each number in the queue.
     keys: Vec<u32>,
     is_there: Vec<bool>,
     len: usize,
@@ -38,7 +38,7 @@ impl Buckets {
         self.is_there.resize(limit, false);
     }
 
-    /// Takes out everything; keys begin at 0 again.
+    /// Removes everything; keys begin at 0 again.
     pub fn clear(&mut self) {
         while self.pop().is_some() {}
         self.least = 0;
@@ -61,7 +61,7 @@ impl Buckets {
         self.len += 1;
     }
 
-    /// Takes the number with the least key.
+    /// Removes the number with the least key and returns it.
     pub fn pop(&mut self) -> Option<(u32, u32)> {
         if self.len == 0 {
             return None;

@@ -34,7 +34,7 @@ impl Heap {
         self.rise(place);
     }
 
-    /// Takes the number with the least key.
+    /// Removes the number with the least key and returns it.
     pub fn pop(&mut self) -> Option<(f32, u32)> {
         let last = self.items.pop()?;
         let Some(first) = self.items.first_mut() else {

@@ -1,4 +1,4 @@
-//! A task of limbs: who and what is there, and the motions that were planned for it.
+//! A task of limbs: its characters and things, and the motions planned for it.
 
 mod open;
 mod worker;
@@ -21,29 +21,29 @@ use throng_runtime::base::text::Source;
 /// Things are carried where they are farther than this from where they would be by themselves (m).
 const CARRIED_M: f64 = 1e-4;
 
-/// A task whose walkers have walked: with its clips, before anything was planned.
+/// A task with the clips of its walkers, before anything was planned.
 #[derive(Clone, Debug)]
 pub struct Staged {
     /// With the times of everything.
     pub task: Task,
     /// One for each character.
     pub clips: Vec<ActorClip>,
-    /// The same, placed in the scene.
+    /// The clips, placed in the scene.
     pub placed: Vec<Clip>,
-    /// Where everything is.
+    /// Positions of all things over time.
     pub scenery: Scenery,
 }
 
 /// A motion that was planned.
 #[derive(Clone, Debug)]
 pub struct PlannedMotion {
-    /// Its seed.
+    /// Seed of the motion.
     pub seed: u64,
-    /// What came of it.
+    /// Result of the planner.
     pub outcome: TaskOutcome,
-    /// The same in figures.
+    /// Figures of the result.
     pub report: PlanReport,
-    /// How different it is from the most similar other one; none where it is alone (rad).
+    /// Distance from the most similar other motion; none for a single motion (rad).
     pub distance_rad: Option<f64>,
 }
 
@@ -54,21 +54,21 @@ struct Motions {
     all: Vec<PlannedMotion>,
 }
 
-/// A task and what was planned for it.
+/// A task and the motions planned for it.
 #[derive(Debug)]
 pub struct TaskDocument {
     path: PathBuf,
     sources: Arc<Sources>,
-    /// As the file says it, and as it was changed since: who walks has no times yet.
+    /// Task as in the file, with later changes: walkers have no times yet.
     task: Task,
-    /// The same with times.
+    /// Task with times and clips.
     staged: Staged,
     meshes: Arc<[SolidMesh]>,
     motions: Option<Motions>,
-    /// Which motion is shown; none shows the clip as it was.
+    /// Motion that is shown; none shows the clip before planning.
     shown: Option<usize>,
     planning: Option<Planning>,
-    /// What the last plans left for the next ones.
+    /// State of the last plans, reused by the next ones.
     planners: Arc<Planners>,
     /// Why nothing could be planned at last.
     refused: Option<String>,
@@ -84,12 +84,12 @@ impl TaskDocument {
         &self.path
     }
 
-    /// Files that it is made of, beside its own.
+    /// Further files that the task depends on.
     pub fn more_files(&self) -> Vec<PathBuf> {
         self.sources.files.clone()
     }
 
-    /// The task as it is by now; of who walks, with the times of the last plan.
+    /// The task with all changes; for walkers, with the times of the last plan.
     pub fn task(&self) -> &Task {
         match (self.motions.as_ref(), self.is_changed()) {
             (Some(motions), false) => &motions.staged.task,
@@ -107,7 +107,7 @@ impl TaskDocument {
         self.motions.as_ref().map_or(&[], |m| &m.all)
     }
 
-    /// Which of them is shown; none shows the clip as it was.
+    /// Motion that is shown; none shows the clip before planning.
     pub fn shown(&self) -> Option<usize> {
         self.shown.filter(|i| *i < self.motions().len())
     }
@@ -117,12 +117,12 @@ impl TaskDocument {
         self.motions().get(self.shown()?)
     }
 
-    /// Shows a motion, or the clip as it was.
+    /// Shows a motion, or the clip before planning.
     pub fn show(&mut self, motion: Option<usize>) {
         self.shown = motion.filter(|i| *i < self.motions().len());
     }
 
-    /// What is planned now.
+    /// The plan under way.
     pub fn planning(&self) -> Option<&Planning> {
         self.planning.as_ref()
     }
@@ -132,12 +132,12 @@ impl TaskDocument {
         self.refused.as_deref()
     }
 
-    /// True where the scene was changed since it was planned for.
+    /// True if the scene was changed since the last plan.
     pub fn is_changed(&self) -> bool {
         self.revision != self.planned_revision
     }
 
-    /// Clips of everybody as they are, placed in the scene.
+    /// Clips of all characters before planning, placed in the scene.
     pub fn clips_before(&self) -> &[Clip] {
         match &self.motions {
             Some(motions) => &motions.staged.placed,
@@ -153,7 +153,7 @@ impl TaskDocument {
         }
     }
 
-    /// Whose clips they are.
+    /// Clips with their characters.
     pub fn actors(&self) -> &[ActorClip] {
         &self.staged.clips
     }
@@ -165,7 +165,7 @@ impl TaskDocument {
         (most as u32, clips.first().map_or(30.0, |c| c.rate_hz as f32))
     }
 
-    /// Where a thing is that is shown (thing < number of things).
+    /// Position of a thing in the motion that is shown (thing < number of things).
     pub fn place_of_thing(&self, thing: usize, time_s: f64) -> Rigid {
         let own = self.staged.scenery.paths[thing].at(time_s);
         let Some(motion) = self.shown_motion() else { return own };
@@ -175,12 +175,12 @@ impl TaskDocument {
         if is_carried { after } else { own }
     }
 
-    /// Where something is that can be put elsewhere, before anybody takes it.
+    /// Position of a movable thing or place, before a character takes it.
     pub fn place_of(&self, handle: Handle, time_s: f64) -> Option<Rigid> {
         self.staged.task.place_of(handle, &self.staged.scenery, time_s)
     }
 
-    /// Puts something elsewhere, by some way (m).
+    /// Moves a thing or place by an offset (m).
     pub fn move_by(&mut self, handle: Handle, by: DVec3) {
         if !by.is_finite() {
             return;
@@ -201,7 +201,7 @@ impl TaskDocument {
             let near = along > 0.0 && ray.may_meet(position, within_m(position));
             let met = match handle {
                 Handle::Thing(i) => self.meshes.get(i)?.meets(ray, (position, turn)).or(near.then_some(along)),
-                // What lies there is behind it.
+                // A place yields to things that lie on it.
                 Handle::Place(_) => near.then_some(along - within_m(position)),
             };
             Some((met?, handle))
@@ -210,11 +210,12 @@ impl TaskDocument {
         Some((handle, ray.at(distance)))
     }
 
-    /// Plans motions beside the window; what is planned already is stopped.
+    /// Plans motions in the background; stops the plan under way.
     ///
-    /// - `number`: so many that differ, where seeds give them.
+    /// - `number`: number of motions that differ, as far as the seeds give them.
     /// - `seed`: in place of the task's.
-    /// - `goes_on`: from where the last plans ended, as something was moved a little; else the same seed gives the same motion.
+    /// - `goes_on`: starts from the result of the last plans, after a small move; else the same seed gives the same
+    ///   motion.
     pub fn plan(&mut self, number: u64, seed: Option<u64>, goes_on: bool) {
         self.cancel();
         self.refused = None;
@@ -224,12 +225,12 @@ impl TaskDocument {
         self.planning = Some(Planning::begin(job, self.revision, self.task.num_steps()));
     }
 
-    /// Stops what is planned; the motions stay as they are.
+    /// Stops the plan under way; the motions stay unchanged.
     pub fn cancel(&mut self) {
         self.planning.take().iter().for_each(Planning::cancel);
     }
 
-    /// Takes in what was planned meanwhile; true where that has ended.
+    /// Adopts motions planned meanwhile; true if the plan has ended.
     ///
     /// - `waits`: until it has.
     pub fn take_in(&mut self, waits: bool) -> bool {
@@ -255,7 +256,7 @@ impl TaskDocument {
         true
     }
 
-    /// Writes the task with things and places where they are by now: in its file, or beside it.
+    /// Writes the task with the present positions of things and places: in its file, or beside it.
     ///
     /// # Errors
     /// A message where the file lists other things by now, where names of files would be seen from another folder, or where it cannot be
@@ -276,7 +277,7 @@ impl TaskDocument {
 
     /// Writes the motion that is shown, as `throng plan` does.
     ///
-    /// - returns what was written.
+    /// - returns the files that were written.
     ///
     /// # Errors
     /// A message where there is none, where the check found faults in it, or where a file cannot be written.

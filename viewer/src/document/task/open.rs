@@ -1,4 +1,4 @@
-//! Opens a task: its motion, and meshes of its things.
+//! Opens a task: its motion, and the meshes of its things.
 
 use super::{Staged, TaskDocument};
 use crate::render::SolidMesh;
@@ -12,7 +12,7 @@ use throng_precompute::plans::{self, Sources};
 use throng_precompute::run::Cached;
 
 impl Staged {
-    /// Lets walk who walks.
+    /// Lets the walkers of a task walk.
     pub(super) fn of(sources: &Sources, task: Task, seed: Option<u64>) -> Result<Self, String> {
         let (task, clips) = sources.staged(task, seed).map_err(|e| e.to_string())?;
         let (scenery, placed) = task.scenery(&clips).map_err(|e| e.to_string())?;
@@ -26,7 +26,7 @@ impl TaskDocument {
         plans::is_task(path)
     }
 
-    /// Reads a task and the motion that it is about; nothing is planned yet.
+    /// Reads a task and its motion; nothing is planned yet.
     ///
     /// - `with`: how bundles of walkers are made where they are missing.
     ///

@@ -1,4 +1,4 @@
-//! Plans on a thread of its own, so that the window goes on drawing.
+//! Plans on its own thread, so that the window keeps drawing.
 
 use super::{PlannedMotion, Staged};
 use std::sync::Arc;
@@ -8,19 +8,19 @@ use throng_planner::planner::Planners;
 use throng_planner::task::{Task, Watch};
 use throng_precompute::plans::{self, Sources};
 
-/// What is to be planned.
+/// Input of a plan.
 pub(super) struct Job {
     pub sources: Arc<Sources>,
     pub task: Task,
-    /// So many motions.
+    /// Number of motions.
     pub number: u64,
     /// In place of the task's.
     pub seed: Option<u64>,
-    /// What is left of the last plans, and what is kept of these.
+    /// Results of the last plans, extended by this one.
     pub planners: Arc<Planners>,
 }
 
-/// The scene with the times of everything, and motions for it; or why there are none.
+/// The timed scene and the motions for it, or a message why there are none.
 pub(super) type Made = Result<(Arc<Staged>, Vec<PlannedMotion>), String>;
 
 /// A plan under way.
@@ -28,7 +28,7 @@ pub(super) type Made = Result<(Arc<Staged>, Vec<PlannedMotion>), String>;
 pub struct Planning {
     made: Receiver<Made>,
     shared: Arc<Shared>,
-    /// Of the scene that is planned for.
+    /// Revision of the scene that is planned for.
     pub(super) revision: u64,
     /// Number of things to do.
     total: usize,
@@ -48,13 +48,13 @@ impl Planning {
         let shared = Arc::new(Shared::default());
         let told = Arc::clone(&shared);
         std::thread::spawn(move || {
-            // The receiver is gone if something else is planned by now.
+            // The receiver is gone if another plan was started meanwhile.
             _ = send.send(job.carry_out(&told));
         });
         Self { made, shared, revision, total }
     }
 
-    /// Lets it end at its next node.
+    /// Stops the plan at its next node.
     pub fn cancel(&self) {
         self.shared.is_cancelled.store(true, Ordering::Relaxed);
     }

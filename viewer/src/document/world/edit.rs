@@ -14,53 +14,53 @@ use throng_runtime::world::inhabitants::Wish;
 /// An edit that was made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Edited {
-    /// What was done, in words.
+    /// The edit, as text.
     pub what: String,
     /// Time of stitching (s).
     pub stitch_s: f64,
-    /// Time of all of it: stitching, what walks over it, and the characters (s).
+    /// Time of the whole edit: stitching, preparing the world for walking, and placing the characters (s).
     pub total_s: f64,
     /// Characters that found no place any more.
     pub lost: usize,
-    /// Characters whose orders can no longer be carried out: they decide for themselves again.
+    /// Characters with orders that can no longer be carried out: they decide for themselves again.
     pub free: usize,
 }
 
-/// An edit that could not be made; the world is as it was.
+/// An edit that could not be made; the world is unchanged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refused {
     /// Why.
     pub why: String,
-    /// The unit where it would stand, or where it would be taken away.
+    /// The unit with its intended placement, or the unit that was to be removed.
     pub at: Option<PlacedUnit>,
 }
 
-/// An edit that is under way, or characters that are being placed.
+/// An edit under way, or characters being placed.
 #[derive(Debug)]
 pub struct Working {
     work: Work,
-    /// What is done, in words.
+    /// Present activity, as text.
     pub doing: String,
-    /// The unit where it will stand, or where it is taken away.
+    /// The unit with its new placement, or the unit that is removed.
     pub at: Option<PlacedUnit>,
     /// Orders that come after it.
     next: VecDeque<Order>,
     pub(super) done: Receiver<Done>,
 }
 
-/// What came of an edit.
+/// Result of an edit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taken {
-    /// The world is another one; with the place of the unit that came or was moved, where there is one.
+    /// The world has changed; with the place of the unit that was added or moved, if any.
     Changed(Option<usize>),
-    /// The same world has new inhabitants.
+    /// The world is unchanged and has new inhabitants.
     Begun,
-    /// The world is as it was; [`WorldDocument::refused`] says why.
+    /// The world is unchanged; [`WorldDocument::refused`] has the reason.
     Refused,
 }
 
 impl Working {
-    /// The place of the unit that is moved or taken away.
+    /// Place of the unit that is moved or removed.
     pub fn place(&self) -> Option<usize> {
         match self.work.order()? {
             Order::Change(Change::Move { place, .. } | Change::Remove { place }) => Some(place),
@@ -70,12 +70,13 @@ impl Working {
 }
 
 impl WorldDocument {
-    /// What is under way. Time stands still meanwhile: after an edit, all inhabitants are put back where they are shown.
+    /// The edit under way. Time stands still meanwhile, since all inhabitants return to their shown positions
+    /// afterwards.
     pub fn working(&self) -> Option<&Working> {
         self.working.as_ref()
     }
 
-    /// The last edit, where it was refused.
+    /// The last edit, if it was refused.
     pub fn refused(&self) -> Option<&Refused> {
         self.refused.as_ref()
     }
@@ -95,7 +96,7 @@ impl WorldDocument {
         self.made.next()
     }
 
-    /// Where a placed unit will stand when all that was ordered is done (place < number of places).
+    /// Placement of a unit after all pending orders (place < number of places).
     pub fn will_stand(&self, place: usize) -> Placement {
         let working = self.working.as_ref();
         let orders = working.into_iter().flat_map(|w| w.work.order().into_iter().chain(w.next.iter().copied()));
@@ -103,10 +104,10 @@ impl WorldDocument {
         moved.map_or(self.placed()[place].placement, |m| m.1)
     }
 
-    /// Begins an edit on a thread of its own; [`WorldDocument::take_in`] takes the new world in when it is stitched.
+    /// Starts an edit on its own thread; [`WorldDocument::take_in`] adopts the new world when it is stitched.
     ///
-    /// While one is under way, or characters are being placed, changes can be undone and redone after it, and
-    /// what it moves can be moved on.
+    /// While an edit is under way, or characters are being placed, changes can be queued to be undone and redone, and
+    /// the moved unit can be moved further.
     ///
     /// # Errors
     /// A message that names what is under way, for anything else meanwhile: the numbers of places may become others.
@@ -133,8 +134,8 @@ impl WorldDocument {
         Ok(())
     }
 
-    /// Starts to place that many new inhabitants, as far as there is room, on a thread of its own, as
-    /// [`WorldDocument::order`] begins an edit.
+    /// Starts to place this number of new inhabitants, as far as there is room, on its own thread; compare
+    /// [`WorldDocument::order`].
     ///
     /// # Errors
     /// A message that names what is under way, where something is.
@@ -172,9 +173,9 @@ impl WorldDocument {
         self.working = Some(Working { work, doing, at, next: VecDeque::new(), done });
     }
 
-    /// Takes in what has been stitched since the last call; none if nothing has.
+    /// Adopts the world stitched since the last call; none if there is no new one.
     ///
-    /// - `waits`: until nothing is under way.
+    /// - `waits`: blocks until no edit is under way.
     pub fn take_in(&mut self, waits: bool) -> Option<Taken> {
         let mut taken = None;
         while let Some(working) = &self.working {
@@ -251,7 +252,7 @@ impl WorldDocument {
         let mut free = 0;
         for (character, &before) in new.before.iter().enumerate() {
             let Some(wish) = self.run.told(before) else { continue };
-            // Patches have other numbers now.
+            // Instances and places have new numbers in the new world.
             let is_kept = !matches!(wish, Wish::GoTo { .. } | Wish::GoToPlace { .. });
             if !is_kept || run.tell(character, Some(wish)).is_err() {
                 free += 1;
@@ -264,7 +265,7 @@ impl WorldDocument {
         place
     }
 
-    /// The unit that an order is about, where it will stand or where it is taken away.
+    /// The unit of an order, with its new placement or before its removal.
     fn at(&self, order: Order) -> Option<PlacedUnit> {
         let Order::Change(change) = order else { return None };
         match change {
@@ -288,7 +289,7 @@ impl WorldDocument {
         format!("{done} {}", self.name_of(change))
     }
 
-    /// Writes the world as it is to a file of its own: a plain list of places.
+    /// Writes the present world to its own file: a plain list of places.
     ///
     /// # Errors
     /// A message where it cannot be written.

@@ -29,7 +29,7 @@ use views::{Ground, Workshop};
 /// Characters that roam in a world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Roamers {
-    /// How many.
+    /// Number of characters.
     pub characters: usize,
     /// Seed of places and choices.
     pub seed: u64,
@@ -41,7 +41,7 @@ pub struct WorldDocument {
     source: WorldSource,
     roamers: Roamers,
     kit: Arc<Kit>,
-    /// None while an edit is under way.
+    /// The editor; none while an edit is under way.
     workshop: Option<Workshop>,
     ground: Arc<Ground>,
     environment: Environment,
@@ -69,7 +69,7 @@ impl WorldDocument {
         &self.path
     }
 
-    /// The bundle whose patches it is made of.
+    /// Bundle with the patches of the world.
     pub fn bundle(&self) -> &OpenBundle {
         self.ground.bundle()
     }
@@ -89,7 +89,7 @@ impl WorldDocument {
         &self.kit().units.units[unit]
     }
 
-    /// What stitching knows of the bundle.
+    /// Library of units and patches for stitching.
     pub fn library(&self) -> Library<'_> {
         self.kit().library(self.bundle().tables())
     }
@@ -99,7 +99,7 @@ impl WorldDocument {
         self.ground.graph()
     }
 
-    /// What stands where.
+    /// Units with their placements.
     pub fn placed(&self) -> &[PlacedUnit] {
         &self.geometry.units
     }
@@ -114,12 +114,12 @@ impl WorldDocument {
         &self.run
     }
 
-    /// What came of stitching, or of the last edit.
+    /// Report of stitching, or of the last edit.
     pub fn report(&self) -> &StitchReport {
         &self.report
     }
 
-    /// The last edit, and what it took.
+    /// The last edit and its times.
     pub fn edited(&self) -> Option<&Edited> {
         self.edited.as_ref()
     }
@@ -135,12 +135,12 @@ impl WorldDocument {
         self.bundle().tables().meta().patches.get(patch).map_or("", |p| &p.name)
     }
 
-    /// In a word why something of an instance is taken out; none if it is left, or while an edit is under way.
+    /// Why an item of an instance is disabled, in a word; none for an enabled item, or while an edit is under way.
     pub fn reason(&self, instance: u32, item: Item) -> Option<Reason> {
         self.workshop.as_ref()?.with(move |editor| editor.reason(instance, item))?
     }
 
-    /// The same with what is in the way.
+    /// Why an item of an instance is disabled, with the obstacle.
     pub fn why(&self, instance: u32, item: Item) -> Option<Why> {
         self.workshop.as_ref()?.with(move |editor| editor.why(instance, item))?
     }
@@ -151,13 +151,13 @@ impl WorldDocument {
         (0..graph.num_instances() as u32).filter(|&i| graph.resources(i).contains(&(place as u32))).collect()
     }
 
-    /// Roots of a link of an instance from one of its frames to another, in the world.
+    /// Roots of a link of an instance between two of its frames, in the world.
     pub fn link_path(&self, instance: u32, link: &LinkRecord, frames: std::ops::RangeInclusive<u16>) -> Vec<Placement> {
         let at = self.graph().instance(instance).placement;
         let (first, last) = (usize::from(*frames.start()), usize::from(*frames.end()));
         let roots: Vec<Placement> = self.library().link_roots(link).map(|r| at.compose(r)).collect();
         let last = last.min(roots.len().saturating_sub(1));
-        // A few straight pieces show the way.
+        // A few straight pieces are enough to show the path.
         let stride = ((last.saturating_sub(first)) / 6).max(1);
         let mut kept: Vec<Placement> = (first..last).step_by(stride).filter_map(|k| roots.get(k).copied()).collect();
         kept.extend(roots.get(last));
@@ -175,7 +175,7 @@ impl WorldDocument {
         });
         let unit = units.min_by(|a, b| a.0.total_cmp(&b.0));
         let ground = ray.meets_ground().map(|p| (p.distance(ray.origin), None));
-        // A panel whose upper side is the ground is met before the ground.
+        // A floor panel at ground level is picked before the ground.
         let nearest = match (unit, ground) {
             (Some(u), Some(g)) => Some(if u.0 <= g.0 + 1e-3 { u } else { g }),
             (u, g) => u.or(g),
@@ -183,7 +183,7 @@ impl WorldDocument {
         nearest.map(|(distance, place)| (place, ray.at(distance)))
     }
 
-    /// One step forward, or a recorded one, unless an edit is under way.
+    /// One step forward, recorded or new, unless an edit is under way.
     ///
     /// # Errors
     /// [`throng_runtime::Error`] where a step cannot be taken.

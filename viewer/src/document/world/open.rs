@@ -64,7 +64,7 @@ impl WorldDocument {
     }
 }
 
-/// As many characters as are asked for and there is room for.
+/// Places the requested number of characters, as far as there is room.
 pub(super) fn populate(roamers: &mut Roamers, ground: &Ground) -> Result<WorldRun, String> {
     let starts = scatter(ground.graph(), roamers.characters, roamers.seed);
     roamers.characters = starts.len();

@@ -1,15 +1,15 @@
-//! What may be asked of a world's editor, and what was done so far.
+//! Orders to the editor of a world, and the history of its changes.
 
 use throng_runtime::patch::Placement;
 
-/// A change of what stands where.
+/// A change of the placed units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
     /// One more unit.
     Add {
-        /// Its number in the bundle's set.
+        /// Number of the unit in the bundle's set.
         unit: usize,
-        /// Where it stands.
+        /// Placement of the new unit.
         at: Placement,
     },
     /// A placed unit is removed; later ones move up.
@@ -21,12 +21,12 @@ pub enum Change {
     Move {
         /// Number of the place.
         place: usize,
-        /// Where it stands then.
+        /// New placement.
         to: Placement,
     },
 }
 
-/// What the editor is to do.
+/// Order to the editor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Order {
     /// Make a change.
@@ -47,17 +47,17 @@ impl Order {
     }
 }
 
-/// What is done on a thread of its own.
+/// Work done on its own thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Work {
     /// The editor carries out an order.
     Edit(Order),
-    /// New inhabitants are placed in the same world.
+    /// New inhabitants are placed in the unchanged world.
     Populate,
 }
 
 impl Work {
-    /// What the editor was ordered, where it is at work.
+    /// Order that the editor carries out, if it is at work.
     pub fn order(self) -> Option<Order> {
         match self {
             Self::Edit(order) => Some(order),
@@ -65,7 +65,7 @@ impl Work {
         }
     }
 
-    /// In words, for what has to wait for it.
+    /// Name of the work, for messages to requests that have to wait.
     pub fn name(self) -> &'static str {
         match self {
             Self::Edit(_) => "the last edit",
@@ -82,18 +82,18 @@ impl Work {
     }
 }
 
-/// Changes in words, as far as the editor knows them.
+/// History of changes as text, as far as the editor can undo and redo them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Made {
     names: Vec<String>,
-    /// That many are made; the others were undone.
+    /// Number of changes in effect; the others were undone.
     made: usize,
 }
 
 impl Made {
-    /// Follows the editor, which can undo and redo that many changes.
+    /// Follows the editor, which can undo and redo these numbers of changes.
     ///
-    /// - `new`: the change that was made last, where it is a new one.
+    /// - `new`: the change made last, if it is a new one.
     pub fn follow(&mut self, [undos, redos]: [usize; 2], new: Option<String>) {
         if let Some(name) = new {
             self.names.truncate(undos.saturating_sub(1));

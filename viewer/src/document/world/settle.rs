@@ -3,7 +3,7 @@
 use glam::Vec3;
 use throng_runtime::world::{Node, WorldGraph};
 
-/// For each character, the nearest node to stay at whose units no character before it holds.
+/// For each character, the nearest rest node that shares no unit with the nodes of earlier characters.
 ///
 /// - `places`: where they are (m).
 /// - returns each one's number with its node; characters without a place are left out.

@@ -11,7 +11,7 @@ use throng_runtime::world::{World, WorldData, WorldGraph};
 /// Work for the thread of an editor.
 type Request = Box<dyn FnOnce(&mut Editor<'_>) + Send>;
 
-/// The editor of a world on a thread of its own, which ends with it, and the bundle whose patches it lays.
+/// The editor of a world on its own thread, which ends with this value, and the bundle of its patches.
 ///
 /// An editor borrows from the bundle; the thread holds both.
 pub(super) struct Workshop {
@@ -59,7 +59,7 @@ impl Workshop {
         Arc::clone(&self.bundle)
     }
 
-    /// Looks at the editor, or changes the world; none if the editor has ended unexpectedly.
+    /// Runs work on the editor and returns its result; none if the editor has ended unexpectedly.
     pub fn with<T: Send + 'static>(&self, work: impl FnOnce(&mut Editor<'_>) -> T + Send + 'static) -> Option<T> {
         let (send, receive) = channel();
         let request: Request = Box::new(move |editor| {

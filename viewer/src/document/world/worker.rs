@@ -1,4 +1,4 @@
-//! Carries out edits on a thread of its own, and places new inhabitants, so that the window goes on drawing.
+//! Carries out edits and places new inhabitants on its own thread, so that the window keeps drawing.
 
 use super::Roamers;
 use super::open::populate;
@@ -13,36 +13,36 @@ use std::time::Instant;
 use throng_precompute::environment::{Environment, PlacedGeometry};
 use throng_precompute::stitch::{Editor, StitchReport};
 
-/// What a worker is given.
+/// Input of an edit.
 pub(super) struct Job {
     pub workshop: Workshop,
-    /// What the editor is to do.
+    /// Order to the editor.
     pub order: Order,
     /// Seed of the inhabitants' choices.
     pub seed: u64,
-    /// Where they are (m).
+    /// Positions of the inhabitants (m).
     pub places: Vec<Vec3>,
 }
 
-/// What it gives back.
+/// Result of a job.
 pub(super) struct Done {
-    /// None where it was not needed.
+    /// The editor; none if the job did not need it.
     pub workshop: Option<Workshop>,
-    /// What came of it; where nothing did, a message that says why, and the world is as it was.
+    /// The new state of the world; on failure a message with the reason, and the world is unchanged.
     pub result: Result<Outcome, String>,
 }
 
-/// What came of a job.
+/// New state after a job.
 pub(super) enum Outcome {
     /// Another world.
     Stitched(Box<Stitched>),
-    /// New inhabitants of the same world.
+    /// New inhabitants in the unchanged world.
     Begun(Box<Begun>),
 }
 
 /// New inhabitants of a world.
 pub(super) struct Begun {
-    /// With as many as there was room for.
+    /// Number of inhabitants, as far as there was room.
     pub roamers: Roamers,
     /// They at their first step.
     pub run: WorldRun,
@@ -54,7 +54,7 @@ pub(super) struct Stitched {
     pub environment: Environment,
     pub geometry: PlacedGeometry,
     pub report: StitchReport,
-    /// All inhabitants at the nearest place to stay.
+    /// All inhabitants at the nearest rest nodes.
     pub run: WorldRun,
     /// Number that each of them had before.
     pub before: Vec<usize>,
@@ -64,7 +64,7 @@ pub(super) struct Stitched {
     pub total_s: f64,
 }
 
-/// Begins a job; what it sends ends it.
+/// Starts a job; it ends by sending its result.
 pub(super) fn begin(job: Job) -> Receiver<Done> {
     spawn(move || job.carry_out())
 }
@@ -131,7 +131,7 @@ impl Job {
         self.workshop.with(back).ok_or(self.ended())?.map(|_| ()).map_err(|e| e.to_string())
     }
 
-    /// What can be walked over the new world, and all inhabitants at the nearest place to stay.
+    /// The new world, with all inhabitants at the nearest rest nodes.
     fn settled(&self) -> Result<Stitched, String> {
         let look = |e: &mut Editor<'_>| (e.world().clone(), e.environment().clone(), e.report().clone());
         let (world, environment, report) = self.workshop.with(look).ok_or(self.ended())?;

@@ -1,4 +1,4 @@
-//! How soon a key is seen: beside who is steered goes a twin for whom the key was not pressed.
+//! Delay from a key press to a visible change: a twin without the key press runs beside the steered character.
 
 use crate::bundle::OpenBundle;
 use crate::command::Held;
@@ -8,14 +8,14 @@ use throng_runtime::{Mat3x4, NUM_JOINTS, Planar};
 
 /// A change is seen where some joint is farther than this from where it would be (m).
 const SEEN_M: f32 = 0.02;
-/// A key whose effect is not seen within so many steps has none.
+/// Steps after which a key without a visible effect counts as having none.
 const MOST_STEPS: u32 = 180;
 /// Runs of more characters are not copied for it.
 const MOST_CHARACTERS: usize = 2000;
 /// Measurements that are kept.
 const KEPT: usize = 200;
 
-/// Frames from keys to what is seen, the latest last.
+/// Delays from key presses to visible changes, the latest last (frames).
 #[derive(Clone, Debug, Default)]
 pub struct Lags {
     frames: Vec<u32>,
@@ -37,14 +37,14 @@ impl Lags {
         Some((at(50)?, at(95)?))
     }
 
-    /// Number of keys that were measured, and of those that nothing was seen of.
+    /// Number of measured keys, and of keys without a visible effect.
     pub fn count(&self) -> (usize, u32) {
         (self.frames.len(), self.unseen)
     }
 
     fn keep(&mut self, steps: Option<u32>) {
         match steps {
-            // The first step that knows of a key is shown a frame after it was pressed.
+            // The first step that depends on a key is shown one frame after the key press.
             Some(steps) => self.frames.push(steps),
             None => self.unseen += 1,
         }
@@ -54,7 +54,7 @@ impl Lags {
     }
 }
 
-/// A copy for whom a key was not pressed.
+/// A copy of the run in which the key was not pressed.
 #[derive(Clone, Debug)]
 pub(super) struct Twin {
     who: Who,
@@ -68,7 +68,7 @@ enum Who {
 }
 
 impl Twin {
-    /// - `held`: what the twin goes on holding down.
+    /// - `held`: input that the twin keeps holding down.
     pub fn of_crowd(run: &Run, character: usize, held: Held) -> Option<Self> {
         if run.config().characters > MOST_CHARACTERS {
             return None;
@@ -83,7 +83,7 @@ impl Twin {
 
     /// Goes on by as many steps and compares; false where that is over.
     ///
-    /// - `seen`: who is steered, and its joints; `way`: where somebody goes to who holds keys down at a place.
+    /// - `seen`: root and joints of the steered character; `way`: target for an input and a position.
     pub fn compare(
         &mut self,
         bundle: &OpenBundle,

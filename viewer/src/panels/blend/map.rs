@@ -20,10 +20,10 @@ const HEIGHTS: [f32; 2] = [190.0, 420.0];
 const LOW_HEIGHT: f32 = 90.0;
 /// Parts of the map that a press of an arrow key moves the point by: with Shift, and without.
 const STEPS: [f32; 2] = [0.1, 0.02];
-/// Radius of a dot that weighs nothing, and what a weight of 1 adds (points).
+/// Radius of a dot with weight 0, and the addition for a weight of 1 (points).
 const DOT: [f32; 2] = [2.6, 6.0];
 
-/// Shows the map; what is dragged moves the point.
+/// Shows the map; dragging moves the point.
 pub fn show(ui: &mut Ui, look: &Look<'_>, state: &mut State, shown: Shown, wanted: &mut Blending) {
     let width = ui.available_width();
     let height = if shown.up.is_some() { (0.74 * width).clamp(HEIGHTS[0], HEIGHTS[1]) } else { LOW_HEIGHT };
@@ -57,7 +57,7 @@ fn move_point(ui: &Ui, response: &Response, look: &Look<'_>, state: &mut State, 
     }
     if let Some(at) = response.interact_pointer_pos() {
         match pointed_at(at) {
-            // A click on an example shows its weights; the point is dragged over it all the same.
+            // A click on an example shows its weights; a drag moves the point over it.
             Some(example) if response.clicked() => {
                 state.example = if state.example == Some(example) { None } else { Some(example) };
             }
@@ -139,7 +139,7 @@ fn bracketed(kind: u32) -> String {
     if unit.is_empty() { String::new() } else { format!(" ({unit})") }
 }
 
-/// The examples: as large as they weigh now, fainter where they lie before or behind the plane.
+/// Draws the examples as dots: larger with their weights, fainter with their distance from the plane.
 fn dots(painter: &Painter, visuals: &Visuals, look: &Look<'_>, state: &State, plane: &Plane) {
     let edge = visuals.extreme_bg_color;
     for (i, e) in look.space.examples().iter().enumerate() {
@@ -165,7 +165,7 @@ fn dots(painter: &Painter, visuals: &Visuals, look: &Look<'_>, state: &State, pl
     }
 }
 
-/// The requested point as a cross-hair, and the blended one on its way there.
+/// Draws the requested point as a cross-hair, and the blended point that approaches it.
 fn point(painter: &Painter, visuals: &Visuals, look: &Look<'_>, plane: &Plane, wanted: &Blending) {
     let (at, now) = (plane.screen(&wanted.point), plane.screen(look.now));
     let colour = Palette::of(visuals).head;
@@ -182,7 +182,7 @@ fn point(painter: &Painter, visuals: &Visuals, look: &Look<'_>, plane: &Plane, w
     }
 }
 
-/// Example whose weight is shown, and the range of its colours.
+/// Shows the example on the map, and the range of its colours.
 fn key_to_colours(ui: &mut Ui, look: &Look<'_>, state: &mut State) {
     let dark = ui.visuals().dark_mode;
     ui.horizontal_wrapped(|ui| {

@@ -1,5 +1,5 @@
-//! Blend spaces: examples in their parameter box, the weight of one over it, a point that is dragged, and what the
-//! examples and their blend do over generic time (Kim, Kim and Shin 2003a, section 4).
+//! Blend spaces: examples in their parameter box, the weight of one over it, a point that is dragged, and the contacts
+//! of the examples and their blend over generic time (Kim, Kim and Shin 2003a, section 4).
 
 mod body;
 mod map;
@@ -18,7 +18,7 @@ use surface::Surface;
 use throng_runtime::blend::{BlendSpace, ExampleRecord};
 use throng_runtime::format::BlendMeta;
 
-/// What the panel remembers of how it looks, and what it has worked out.
+/// View settings of the panel, and cached results.
 #[derive(Clone, Debug, Default)]
 pub struct State {
     /// Axes of the map, and the document and space that they are of.
@@ -41,7 +41,7 @@ impl State {
     }
 }
 
-/// What every part of the panel looks at.
+/// Input shared by all parts of the panel.
 struct Look<'a> {
     number: usize,
     space: &'a BlendSpace,
@@ -155,7 +155,7 @@ fn choices(
     });
 }
 
-/// The same point in another space, as far as it has axes of the same names.
+/// The point in another space, as far as axes of the same kinds exist.
 fn carried_over(look: &Look<'_>, from: &Blending, number: usize, space: &BlendSpace) -> Blending {
     let fresh = Blending::of(number, space);
     let mut point = fresh.point;
@@ -198,7 +198,7 @@ fn slider(ui: &mut Ui, name: &str, value: &mut f32, [low, high]: [f32; 2], unit:
     /// Room for the number (points).
     const NUMBER: f32 = 96.0;
     ui.spacing_mut().slider_width = (ui.available_width() - NUMBER).max(80.0);
-    // A limit of decimals would round what was dragged on the map.
+    // A limit of decimals would round a point that was dragged on the map.
     let slider = Slider::new(value, low..=high).suffix(unit).custom_formatter(|v, _| format!("{v:.2}"));
     let response = ui.add(slider);
     response.widget_info(|| WidgetInfo::slider(true, f64::from(*value), name));
@@ -217,7 +217,7 @@ fn tell(ui: &mut Ui, look: &Look<'_>, example: usize) {
     ui.label(format!("weight {:.3}", look.weights.get(example).copied().unwrap_or(0.0)));
 }
 
-/// What an example is, in words.
+/// Properties of an example, as text.
 fn facts(e: &ExampleRecord) -> Vec<String> {
     let [left, ahead] = e.velocity;
     let mut lines = vec![format!("{:.2} m/s ahead, {:.2} m/s to the left", ahead, left)];
@@ -231,7 +231,7 @@ fn facts(e: &ExampleRecord) -> Vec<String> {
     lines
 }
 
-/// Colour of an example's weight where it is drawn as a dot or a bar.
+/// Colour of an example's weight, for dots and bars.
 fn of_weight(weight: f32, dark: bool) -> Color32 {
     match (weight < 0.0, dark) {
         (true, _) => surface::colour(surface::RANGE[0], dark),

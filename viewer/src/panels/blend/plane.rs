@@ -5,10 +5,10 @@ use std::ops::RangeInclusive;
 use throng_precompute::picture::step_up;
 use throng_runtime::blend::{AxisRecord, ExampleRecord, MAX_AXES, axis};
 
-/// A place on the map that is this far from an example is still taken as that example (points).
+/// Distance within which a position on the map counts as an example (points).
 const NEAR: f32 = 9.0;
 
-/// Which axes a map shows: across, and upwards where there is more than one.
+/// Axes of a map: across, and upwards if there is more than one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shown {
     /// From left to right.
@@ -30,7 +30,7 @@ impl Shown {
         }
     }
 
-    /// The same where its axes are there and differ; else as [`Shown::of`].
+    /// These axes if they exist and differ; else those of [`Shown::of`].
     pub fn checked(self, axes: &[AxisRecord]) -> Self {
         let is_there = |a: usize| a < axes.len();
         let good = match self.up {
@@ -40,18 +40,18 @@ impl Shown {
         if good { self } else { Self::of(axes) }
     }
 
-    /// Shows another axis across; the one that was there takes its place where it is shown upwards.
+    /// Shows another axis across; swaps the two axes if it was the one upwards.
     pub fn with_across(self, axis: usize) -> Self {
         Self { across: axis, up: self.up.map(|up| if up == axis { self.across } else { up }) }
     }
 
-    /// Shows another axis upwards, likewise.
+    /// Shows another axis upwards; swaps the two axes if it was the one across.
     pub fn with_up(self, axis: usize) -> Self {
         Self { across: if self.across == axis { self.up.unwrap_or(axis) } else { self.across }, up: Some(axis) }
     }
 }
 
-/// Where points of a parameter box lie on the screen.
+/// Maps points of a parameter box to the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     /// The axes.
@@ -60,9 +60,9 @@ pub struct Plane {
     across: [f32; 2],
     /// Low and high of the axis upwards.
     up: [f32; 2],
-    /// Where it is seen.
+    /// Part of the screen.
     pub rect: Rect,
-    /// What is to the left is at the left, as in everything that is seen from above.
+    /// The axis across is mirrored: left is at the left, as in every view from above.
     turned: bool,
 }
 
@@ -86,7 +86,7 @@ impl Plane {
         pos2(self.rect.left() + across * self.rect.width(), self.rect.bottom() - up * self.rect.height())
     }
 
-    /// A point moved to a screen position, within the box; what is not shown stays as it is.
+    /// A point moved to a screen position, within the box; coordinates on hidden axes stay unchanged.
     pub fn moved(&self, point: &[f32; MAX_AXES], to: Pos2) -> [f32; MAX_AXES] {
         let across = ((to.x - self.rect.left()) / self.rect.width()).clamp(0.0, 1.0);
         let across = if self.turned { 1.0 - across } else { across };
@@ -102,7 +102,7 @@ impl Plane {
         self.set(point, across, upwards)
     }
 
-    /// A point with other values on the axes that are shown, as ratios from low to high.
+    /// A point with other values on the shown axes, as ratios from low to high.
     pub fn set(&self, point: &[f32; MAX_AXES], across: f32, up: f32) -> [f32; MAX_AXES] {
         let mut out = *point;
         out[self.shown.across] = value(across, self.across);
@@ -112,15 +112,14 @@ impl Plane {
         out
     }
 
-    /// How far an example is from a point along the axes that are not shown: 0 where it is as the point, 1 where it is
-    /// at the other end of the box.
+    /// Distance of an example from a point along the hidden axes: 0 for no distance, 1 for the length of the box.
     pub fn depth(&self, axes: &[AxisRecord], example: &ExampleRecord, point: &[f32; MAX_AXES]) -> f32 {
         let hidden = (0..axes.len()).filter(|&a| a != self.shown.across && Some(a) != self.shown.up);
         let apart = |a: usize| (example.parameters[a] - point[a]).abs() / (axes[a].high - axes[a].low).max(1e-6);
         hidden.map(apart).fold(0.0, f32::max).min(1.0)
     }
 
-    /// The example that a screen position is on; of those that lie behind each other, the least deep.
+    /// The example at a screen position; among overlapping ones the one with the least depth.
     pub fn pointed_at(
         &self,
         axes: &[AxisRecord],
@@ -162,7 +161,7 @@ fn ticks([low, high]: [f32; 2], most: usize) -> impl Iterator<Item = f32> {
     steps.filter(move |_| most > 0).map(move |i| i as f32 * step)
 }
 
-/// What the numbers of an axis count.
+/// Unit of the numbers of an axis.
 pub fn unit(kind: u32) -> &'static str {
     match kind {
         axis::SPEED | axis::SIDE => " m/s",

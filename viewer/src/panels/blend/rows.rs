@@ -17,7 +17,7 @@ const SECONDS: f32 = 0.12;
 /// Width of the number beside a bar (points).
 const NUMBER: f32 = 30.0;
 
-/// Where the columns of a row lie.
+/// Positions of the columns of a row.
 struct Columns {
     name: Rangef,
     bar: Rangef,
@@ -38,7 +38,7 @@ impl Columns {
     }
 }
 
-/// Shows the blend and the examples, those that weigh most first; a click on one shows its weights on the map.
+/// Shows the blend and the examples, the largest weights first; a click on an example shows its weights on the map.
 pub fn show(ui: &mut Ui, look: &Look<'_>, state: &mut State) {
     ui.horizontal_wrapped(|ui| {
         ui.strong("Keytimes").on_hover_text("Planted feet, over generic time");
@@ -66,7 +66,7 @@ pub fn show(ui: &mut Ui, look: &Look<'_>, state: &mut State) {
         }
         response.on_hover_ui(|ui| tell(ui, look, e));
     }
-    // It is shown on the map in the next frame.
+    // The map highlights it in the next frame.
     state.hovered = state.hovered.or(hovered);
 }
 
@@ -84,7 +84,7 @@ fn short_names(names: &[String]) -> Vec<String> {
         .collect()
 }
 
-/// What is shown: when the feet of the blend stand, and how long its cycle is.
+/// Row of the blend: its contacts, and the duration of its cycle.
 fn blend_row(ui: &mut Ui, look: &Look<'_>) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), BLEND_ROW), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, "Blend"));

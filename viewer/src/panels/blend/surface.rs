@@ -6,12 +6,12 @@ use eframe::egui::epaint::Mesh;
 use std::sync::Arc;
 use throng_runtime::blend::{BlendSpace, MAX_AXES};
 
-/// What the colours reach from and to; cardinal weights overshoot a little on either side.
+/// Range of the colours; cardinal weights overshoot 0 and 1 a little.
 pub const RANGE: [f32; 2] = [-0.2, 1.2];
 /// Pieces of the picture along each axis.
 const PIECES: usize = 48;
 
-/// What a picture shows.
+/// Key of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
     /// Generation of the document.
@@ -20,9 +20,9 @@ pub struct Key {
     pub space: usize,
     /// Example.
     pub example: usize,
-    /// Where on the axes that are not shown; 0 on those that are.
+    /// Coordinates on the hidden axes; 0 on the shown ones.
     pub through: [f32; MAX_AXES],
-    /// Where it lies on the screen.
+    /// Map on the screen.
     pub plane: Plane,
     /// In the colours of the dark theme.
     pub dark: bool,
@@ -31,7 +31,7 @@ pub struct Key {
 impl Key {
     /// The surface of an example through a point.
     pub fn new(document: u64, space: usize, example: usize, point: &[f32; MAX_AXES], plane: Plane, dark: bool) -> Self {
-        // Moving the point within the plane leaves the picture as it is.
+        // Moving the point within the plane does not change the picture.
         let through = plane.set(point, 0.0, 0.0);
         Self { document, space, example, through, plane, dark }
     }
@@ -40,7 +40,7 @@ impl Key {
 /// The picture.
 #[derive(Clone, Debug)]
 pub struct Surface {
-    /// What it shows.
+    /// Key that the picture was computed for.
     pub key: Key,
     /// Coloured triangles.
     pub mesh: Arc<Mesh>,
@@ -75,7 +75,7 @@ impl Surface {
     }
 }
 
-/// Colour of a weight: that of the panel where the example does nothing, green to 1 and yellow beyond, red below 0.
+/// Colour of a weight: the background at 0, green at 1, yellow beyond, red below 0.
 pub fn colour(weight: f32, dark: bool) -> Color32 {
     let stations: [(f32, [u8; 3]); 5] = match dark {
         true => [

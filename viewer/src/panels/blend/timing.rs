@@ -7,7 +7,7 @@ use throng_runtime::blend::{BlendSpace, ExampleRecord, Posture, channel};
 /// Moments at which a blend is sampled.
 const MOMENTS: usize = 96;
 
-/// When a foot stands, as parts of a cycle; what goes on over its end is cut there.
+/// Contact intervals of a foot, as parts of a cycle; intervals across the end of the cycle are cut there.
 pub type Stands = Vec<Range<f32>>;
 
 /// The steps of a cycle of generic time.
@@ -59,7 +59,7 @@ fn cut(strike: f32, off: f32) -> Stands {
     }
 }
 
-/// Where a row of moments is true, as parts of it.
+/// Intervals of samples that are true, as parts of the whole.
 fn runs(down: &[bool]) -> Stands {
     let (n, mut out) = (down.len() as f32, Stands::new());
     for (i, _) in down.iter().enumerate().filter(|d| *d.1) {
@@ -74,7 +74,7 @@ fn runs(down: &[bool]) -> Stands {
 
 /// The examples of a blend in the order of how much they matter.
 ///
-/// - `all`: those that hardly matter too, else only those that do, one at least.
+/// - `all`: also includes negligible examples; otherwise only the others, and at least one.
 pub fn order(weights: &[f32], all: bool) -> Vec<usize> {
     let mut order: Vec<usize> = (0..weights.len()).collect();
     order.sort_by(|&a, &b| weights[b].abs().total_cmp(&weights[a].abs()));

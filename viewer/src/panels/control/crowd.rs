@@ -1,12 +1,12 @@
-//! What a crowd is made of.
+//! Settings of a crowd.
 
 use crate::command::Command;
 use crate::run::{MAX_CHARACTERS, RunConfig, TargetMode};
 use eframe::egui::{self, ComboBox, DragValue, Grid, Slider, Ui};
 
-/// Shows what a crowd is made of.
+/// Shows the settings of a crowd.
 ///
-/// - `dragged`: the config as it is dragged to.
+/// - `dragged`: the config during a drag.
 pub fn show(ui: &mut Ui, config: &RunConfig, dragged: &mut Option<RunConfig>, commands: &mut Vec<Command>) {
     ui.strong("Crowd");
     ui.weak("A change restarts the run. The same settings give the same run.");

@@ -1,4 +1,4 @@
-//! How the crowd or the scene is driven: behaviours and weights, targets, number of characters, seed, saved states.
+//! Control of the crowd or the scene: behaviours and weights, targets, number of characters, seed, saved states.
 
 mod crowd;
 mod scene;
@@ -11,12 +11,12 @@ use crate::run::{Input, RunConfig};
 use crate::settings::PanelKind;
 use eframe::egui::{Grid, Slider, Ui};
 
-/// What the panel remembers.
+/// State of the panel.
 #[derive(Clone, Debug, Default)]
 pub struct State {
-    /// The config as it is dragged to: every change is a new run, so it takes effect when it is let go.
+    /// The config during a drag: every change starts a new run, so it takes effect on release.
     dragged: Option<RunConfig>,
-    /// The same of a scene.
+    /// State of the controls of a scene.
     scene: scene::State,
 }
 

@@ -16,16 +16,16 @@ use throng_runtime::sparring::Part;
 /// Events that are listed.
 const MAX_EVENTS: usize = 12;
 
-/// What the panel remembers.
+/// State of the controls of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct State {
     /// Numbers as they are dragged to.
     dragged: Option<SceneChoice>,
-    /// File of a saved state as it was typed, and the scene that it is for.
+    /// File of a saved state as typed, and the scene that it belongs to.
     file: Option<(PathBuf, String)>,
 }
 
-/// Shows the groups of a scene, what can be changed of it, and its last events.
+/// Shows the groups of a scene, its settings, and its last events.
 pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut State, commands: &mut Vec<Command>) {
     ui.strong(format!("Scene {}", scene.scene().name));
     ui.weak("A change restarts the scene; the file is not changed.");
@@ -49,7 +49,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut State
     }
 }
 
-/// The selected character, and what it can be told.
+/// Shows the selected character, and the orders that it can be given.
 fn selected(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Vec<Command>) {
     let simulation = scene.run().simulation();
     let who = model.selection.character.filter(|&who| who < simulation.num_characters());
@@ -123,7 +123,7 @@ fn choose(ui: &mut Ui, scene: &SceneDocument, dragged: &mut Option<SceneChoice>,
     }
 }
 
-/// What an engine is, in a sentence.
+/// Description of an engine, in a sentence.
 fn meaning(scheme: Scheme) -> &'static str {
     match scheme {
         Scheme::Registration => "Bounds registered in cells: resetting and colliding events",

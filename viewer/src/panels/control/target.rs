@@ -46,7 +46,7 @@ pub fn show(ui: &mut Ui, model: &Model, run: &Run, commands: &mut Vec<Command>) 
     }
 }
 
-/// Shows where a target hangs that is to be struck, and lets it be moved.
+/// Shows the position of a hanging target, and lets it be moved.
 pub fn hanging(ui: &mut Ui, who: usize, home: Vec3, commands: &mut Vec<Command>) {
     let mut to = home;
     ui.horizontal_wrapped(|ui| {

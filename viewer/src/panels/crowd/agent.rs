@@ -1,4 +1,4 @@
-//! The selected agent: how it moves, when it acts next, and what moves it.
+//! The selected agent: how it moves, when it acts next, and the forces on it.
 
 use super::{colour, swatch};
 use crate::command::Command;

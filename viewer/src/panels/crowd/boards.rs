@@ -1,4 +1,4 @@
-//! Billboards: what is written on the global one and on those of cells, by whom, and until when.
+//! Blackboards: entries on the global one and on those of cells, with author and end.
 
 use super::{colour, look, swatch};
 use crate::command::{BoardCell, Boards, Command};
@@ -65,7 +65,7 @@ fn is_listed(entry: &Posted, boards: Boards, cell: Option<BoardCell>) -> bool {
     }
 }
 
-/// One entry; a click reads the board that it is on.
+/// One entry; a click reads its blackboard.
 fn row(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &Minds, entry: &Posted, commands: &mut Vec<Command>) {
     let cell = entry.cell.map(|c| BoardCell::of(&c));
     ui.horizontal(|ui| {
@@ -86,7 +86,7 @@ fn of_cell(cell: BoardCell) -> String {
     format!("{}, {}", cell.at[0], cell.at[1])
 }
 
-/// What is written, by whom, when, and until when.
+/// Text of an entry: content, author, time, and end.
 pub fn in_words(scene: &SceneDocument, minds: &Minds, entry: &Posted) -> String {
     let simulation = scene.run().simulation();
     let first = first_agent(simulation).unwrap_or(0);

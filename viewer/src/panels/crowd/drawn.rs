@@ -1,4 +1,4 @@
-//! What is drawn of agents.
+//! View options for agents.
 
 use super::look;
 use crate::command::{Command, Whose};
@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::settings::Settings;
 use eframe::egui::{Grid, Role, Ui, WidgetInfo};
 
-/// Shows what is drawn.
+/// Shows the view options.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let now = model.selection.scene;
     let (mut l, mut overlays) = (now, model.settings.overlays);

@@ -1,4 +1,4 @@
-//! What happens, the latest first; a click selects the agent.
+//! List of events, the latest first; a click selects the agent.
 
 use super::{State, colour, look};
 use crate::command::Command;
@@ -68,7 +68,7 @@ fn choice(ui: &mut Ui, what: &str, any: &str, names: &[String], chosen: &mut Opt
     combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, format!("Events: {what}")));
 }
 
-/// Shows all kinds again, or hides those of the engine, which are many.
+/// Buttons that show all kinds, or hide the many kinds of the engine.
 fn kinds(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.label("kinds").on_hover_text("Each kind can be shown and hidden above, below the rates");
@@ -82,7 +82,7 @@ fn kinds(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// One event; true where it was clicked.
+/// One event; true if it was clicked.
 fn row(ui: &mut Ui, scene: &SceneDocument, h: &Happened, selected: Option<usize>, height: f32) -> bool {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::click());
     let is_about = selected.is_some_and(|m| h.is_about(m));

@@ -1,4 +1,4 @@
-//! What is measured of all agents.
+//! Figures of all agents.
 
 use crate::document::SceneDocument;
 use crate::panels::paint::time_text;

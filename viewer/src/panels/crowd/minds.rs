@@ -1,4 +1,4 @@
-//! What the selected agent has in mind: its states, why it does what it does, what it feels and knows.
+//! Brain of the selected agent: its states, reasons, values and knowledge.
 
 use crate::document::SceneDocument;
 use crate::model::Model;

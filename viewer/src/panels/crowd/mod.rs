@@ -1,4 +1,4 @@
-//! Agents of a scene: what is drawn of them, figures, the selected agent, and what happens.
+//! Agents of a scene: view options, figures, the selected agent, and events.
 
 mod agent;
 pub mod boards;
@@ -19,7 +19,7 @@ use crate::run::agents::first_agent;
 use crate::stage::agents::colour_of_group;
 use eframe::egui::{CollapsingHeader, Color32, RichText, Sense, Ui, vec2};
 
-/// What the panel remembers.
+/// State of the panel.
 #[derive(Clone, Debug, Default)]
 pub struct State {
     /// Only events of the selected agent are listed.
@@ -71,7 +71,7 @@ fn colour(c: Rgba) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
-/// A small square that says which colour something has in the view.
+/// A small square with a colour of the 3-D view.
 fn swatch(ui: &mut Ui, colour: Color32) {
     let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
     ui.painter().rect_filled(rect, 2.0, colour);

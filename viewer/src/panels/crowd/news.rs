@@ -1,4 +1,4 @@
-//! Messages: how many know of each, how it spread over time, and a button that lets it happen.
+//! Messages: how many agents know each, how it spread over time, and a button that triggers it.
 
 use super::{colour, look, swatch};
 use crate::command::Command;
@@ -15,7 +15,7 @@ const HEIGHT: f32 = 110.0;
 /// Most corners of a curve.
 const MAX_CORNERS: usize = 400;
 
-/// Shows how every message has spread, lets it happen, and the curve of the one that is looked at.
+/// Shows the spread of every message with a button that triggers it, and the curve of the inspected one.
 pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &Minds, commands: &mut Vec<Command>) {
     let shown = model.selection.scene.message.filter(|e| *e < minds.events().len());
     Grid::new("news").num_columns(4).spacing([14.0, 3.0]).show(ui, |ui| {
@@ -52,7 +52,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &Minds, co
     }
 }
 
-/// How many know of a message over time; what comes after the moment shown is faint.
+/// Number of agents that know a message over time; the part after the shown time is faint.
 fn curve(ui: &mut Ui, scene: &SceneDocument, minds: &Minds, event: usize) {
     let run = scene.run();
     let (now, end) = (run.simulation().time_s(), f64::from(*run.head.recorded().end()) / f64::from(STEP_HZ));
@@ -91,8 +91,8 @@ fn curve(ui: &mut Ui, scene: &SceneDocument, minds: &Minds, event: usize) {
     });
 }
 
-/// Corners of a curve that goes up by one at each of some times, from a time and a number on until a time; no two of them
-/// at the same place.
+/// Corners of a curve that rises by one at each of some times, from a start value to an end time; no two corners
+/// coincide.
 fn steps(times: &[f64], (from_s, from): (f64, usize), until_s: f64) -> Vec<[f64; 2]> {
     let every = times.len().div_ceil(MAX_CORNERS).max(1);
     let mut out = vec![[from_s, from as f64]];

@@ -1,4 +1,4 @@
-//! How often what happens: a plot of the last ten seconds, with a key that shows and hides kinds.
+//! Event rates: a plot of the last ten seconds, with a key that shows and hides kinds.
 
 use super::{colour, look};
 use crate::command::Command;
@@ -55,7 +55,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Ve
 /// Names of kinds with how many there were; a click shows or hides one in plot, list and view.
 fn key(ui: &mut Ui, model: &Model, totals: [u64; What::COUNT], commands: &mut Vec<Command>) {
     let dark = ui.visuals().dark_mode;
-    // What only the scheme of occupied cells tells, and minds, is left out where there is none of it.
+    // Kinds that only the occupancy scheme or agent brains report are left out if there are none.
     let is_special = |w: &What| {
         let of_minds = What::Came.number() <= w.number();
         of_minds || matches!(w, What::Entering | What::Leaving | What::Contacting | What::Separating)

@@ -49,7 +49,7 @@ pub struct Entry {
     pub actions: u32,
     /// Names of its tags, each once.
     pub tags: String,
-    /// What is searched, in lower case.
+    /// Searched text, in lower case.
     haystack: String,
 }
 
@@ -61,7 +61,7 @@ pub struct Catalogue {
 }
 
 impl Catalogue {
-    /// Collects what the list shows.
+    /// Collects the entries of the list.
     pub fn of(bundle: &OpenBundle) -> Self {
         let played = played_rows(bundle);
         let graph = bundle.tables().graph();

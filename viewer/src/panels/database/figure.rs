@@ -17,16 +17,16 @@ pub struct Figure {
     contacts: Contacts,
 }
 
-/// How a figure is painted.
+/// Style of a painted figure.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
     /// Points a metre.
     pub scale: f32,
-    /// What lies behind it.
+    /// Background colour.
     pub paper: Color32,
-    /// How much it fades into what lies behind it (0 to 1).
+    /// Fading into the background (0 to 1).
     pub fade: f32,
-    /// A silhouette of one colour, so much larger than the body on all sides (m).
+    /// A silhouette of one colour, larger than the body by this margin (m).
     pub halo: Option<(Color32, f32)>,
 }
 

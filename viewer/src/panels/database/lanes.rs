@@ -1,4 +1,4 @@
-//! The lanes of a timeline: contacts, tags, what is left out or played, states, actions.
+//! The lanes of a timeline: contacts, tags, excluded and played frames, states, actions.
 
 use super::outgoing::Outgoing;
 use super::timeline::Scene;
@@ -23,15 +23,15 @@ const WAYS: f32 = 30.0;
 /// Space between lanes (points).
 const GAP: f32 = 4.0;
 
-/// Where the lanes lie.
+/// Positions of the lanes.
 #[derive(Clone, Debug)]
 pub struct Lanes {
     labels: Rangef,
     feet: [Rect; 4],
     tags: Vec<Rect>,
-    /// What is left out or played.
+    /// Excluded and played frames.
     usage: Rect,
-    /// Glitches of the recording; none where there are none.
+    /// Glitches of the recording; none for a clip without any.
     glitches: Option<Rect>,
     /// States, and below them the actions; none without a motion graph.
     states: Option<[Rect; 2]>,
@@ -107,7 +107,7 @@ fn label(ui: &Ui, x: Rangef, lane: Rect, text: &str) {
 
 fn run_rect(lane: Rect, axis: &Axis, frames: &Range<u32>) -> Option<Rect> {
     let x = axis.place(frames)?;
-    // A run of a few frames stays visible when a long clip is seen as a whole.
+    // A short run stays visible when a long clip is shown as a whole.
     Some(Rect::from_x_y_ranges(x.min..=x.max.max(x.min + 1.0), lane.y_range()))
 }
 
@@ -133,7 +133,7 @@ fn named_run(painter: &Painter, lane: Rect, axis: &Axis, run: &Named, fill: Colo
     }
 }
 
-/// What the motion graph plays, and over it what is left out, hatched, with the reason.
+/// Paints the frames that the motion graph plays, and the excluded ones over them, hatched, with the reason.
 fn usage(painter: &Painter, lane: Rect, axis: &Axis, track: &Track, palette: &Palette, visuals: &Visuals) {
     painter.rect_filled(lane, 0.0, visuals.faint_bg_color);
     for rect in track.played.iter().flatten().filter_map(|r| run_rect(lane, axis, r)) {
@@ -176,7 +176,7 @@ fn state_marks(painter: &Painter, lane: Rect, axis: &Axis, scene: &Scene<'_>, pa
     }
 }
 
-/// Curves from the state to where its actions start, for those that stay inside the clip.
+/// Curves from the state to the start of each of its actions within the clip.
 fn arcs(painter: &Painter, lane: Rect, axis: &Axis, out: &Outgoing, scene: &Scene<'_>, palette: &Palette) {
     let from = pos2(axis.x_of(out.from.frame as f32), lane.top());
     let inside = out.actions.iter().filter(|w| scene.stays(w.clip));

@@ -16,12 +16,12 @@ const COLUMNS: [Column<'static>; Field::ALL.len()] = [
     Column::text("Tags", "Names of its tags", 48.0, 1.0),
 ];
 
-/// What the list remembers.
+/// State of the list.
 #[derive(Clone, Debug)]
 pub struct State {
     query: String,
     sort: Sort,
-    /// What the rows were made of: document, query, order.
+    /// Key of the rows: document, query, order.
     made_of: Option<(u64, String, Sort)>,
     catalogue: Catalogue,
     rows: Vec<usize>,
@@ -65,7 +65,7 @@ impl State {
 
 /// Shows the list.
 ///
-/// - `document`: tells one version of what is open from the next.
+/// - `document`: number of the shown version.
 /// - `selected`: the selected clip.
 pub fn show(
     ui: &mut Ui,

@@ -26,7 +26,7 @@ use track::Track;
 /// Width from which on the actions lie beside the timeline (points).
 const WIDE: f32 = 820.0;
 
-/// What the panel remembers of how it looks, and what it has worked out.
+/// View settings of the panel, and cached results.
 #[derive(Clone, Debug, Default)]
 pub struct State {
     list: list::State,
@@ -88,7 +88,7 @@ fn raw_view(ui: &mut Ui, raw: &RawMotion, model: &Model, state: &mut State, comm
     commands.extend(goes_to.map(|frame| Command::Seek((f64::from(frame) * step).round() as u32)));
 }
 
-/// What is known of a clip in words, and its timeline.
+/// Shows a description of a clip, and its timeline.
 fn clip_view(ui: &mut Ui, scene: &Scene<'_>, view: &mut View, strip: &mut Strip) -> Option<u32> {
     let frame = Frame::NONE.inner_margin(4);
     CentralPanel::default_margins()

@@ -1,4 +1,4 @@
-//! The actions from a frame: those of its state, or of the next one.
+//! The actions from a frame: those of its state, or of the next state.
 
 use super::track::{StateMark, Track};
 use crate::bundle::OpenBundle;
@@ -11,13 +11,13 @@ pub struct OutgoingAction {
     pub segment: u32,
     /// Clip it lies in.
     pub clip: usize,
-    /// Its first frame within that clip.
+    /// First frame within that clip.
     pub start: u32,
     /// Frames played.
     pub num_frames: u32,
-    /// Where it leads, as seen from its start.
+    /// Displacement from its start.
     pub displacement: Planar,
-    /// How much the frame that is left and the segment's first frame differ.
+    /// Difference between the frame that is left and the segment's first frame.
     pub error: f32,
     /// The clip simply goes on.
     pub continues: bool,
@@ -28,7 +28,7 @@ pub struct OutgoingAction {
 pub struct Outgoing {
     /// The state.
     pub from: StateMark,
-    /// Its actions, the one that goes on first, then by error.
+    /// Actions of the state, the one that continues the clip first, then by error.
     pub actions: Vec<OutgoingAction>,
 }
 
@@ -64,8 +64,7 @@ impl Outgoing {
     }
 }
 
-/// Where a displacement leads, for people: metres ahead, metres to the side, the turn. What is too little to be seen
-/// is empty.
+/// Text of a displacement: metres ahead, metres to the side, the turn. Negligible parts are empty.
 pub fn displacement_texts(d: Planar) -> [String; 3] {
     let side = |v: f32| if v > 0.0 { "left" } else { "right" };
     let turn = d.heading.to_degrees();

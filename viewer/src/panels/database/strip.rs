@@ -14,15 +14,15 @@ use throng_runtime::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
 const DISTANCE: f32 = 0.42;
 /// Room below the ground, for contacts (points).
 const BELOW: f32 = 7.0;
-/// A body fits where it is no higher than this (m).
+/// Height for which there is always room (m).
 const LEAST_HEIGHT_M: f32 = 1.8;
 
-/// Where poses come from.
+/// Source of poses.
 #[derive(Clone, Copy, Debug)]
 pub enum Source<'a> {
     /// A clip of a bundle.
     Bundle(&'a OpenBundle, usize),
-    /// What a build would make of a motion file.
+    /// The clip that a build would make of a motion file.
     Raw(&'a RawMotion),
 }
 
@@ -41,14 +41,14 @@ struct Key {
 #[derive(Clone, Debug, Default)]
 pub struct Strip {
     key: Option<Key>,
-    /// Frames and their poses; that of the play head comes last.
+    /// Frames and their poses; the one at the play head comes last.
     figures: Vec<(u32, Figure)>,
 }
 
 impl Strip {
-    /// Paints the poses within the axis and that of the play head.
+    /// Paints the poses within the axis and the one at the play head.
     ///
-    /// - `document`: differs from one version of what is open to the next.
+    /// - `document`: number of the shown version.
     pub fn show(&mut self, ui: &Ui, rect: Rect, axis: &Axis, source: Source<'_>, document: u64, head: u32) {
         let clip = if let Source::Bundle(_, clip) = source { clip } else { 0 };
         let step = step(DISTANCE * rect.height() / axis.points_per_frame());

@@ -1,4 +1,4 @@
-//! The timeline of a clip: a ruler, poses, and lanes for everything that is known of its frames.
+//! The timeline of a clip: a ruler, poses, and lanes for all data of its frames.
 
 use super::lanes::{self, Lanes};
 use super::outgoing::Outgoing;
@@ -15,16 +15,16 @@ const GUTTER: f32 = 88.0;
 /// Zoom of a point of the scroll wheel, as an exponent.
 const ZOOM_PER_POINT: f32 = 0.004;
 
-/// What a timeline shows.
+/// Input of a timeline.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
-    /// Tells one version of what is open from the next.
+    /// Number of the shown version.
     pub document: u64,
-    /// What is known of the clip.
+    /// Data of the clip.
     pub track: &'a Track,
-    /// Where its poses come from.
+    /// Source of the poses.
     pub source: Source<'a>,
-    /// Ways out of the play head.
+    /// Actions from the play head.
     pub outgoing: Option<&'a Outgoing>,
     /// Segment of an action to highlight.
     pub highlighted: Option<u32>,
@@ -39,10 +39,10 @@ impl Scene<'_> {
     }
 }
 
-/// What of a clip is seen.
+/// Visible part of a clip.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct View {
-    /// The document and the name's clip it is of.
+    /// Document and clip that the part belongs to.
     shown: Option<(u64, usize)>,
     span: Option<Span>,
     head: u32,
@@ -75,7 +75,7 @@ impl View {
     }
 }
 
-/// Shows a timeline in a height of its own choice.
+/// Shows a timeline, and chooses its height.
 ///
 /// - returns the frame that the user went to.
 pub fn show(ui: &mut Ui, scene: &Scene<'_>, view: &mut View, strip: &mut Strip) -> Option<u32> {
@@ -116,7 +116,7 @@ fn interact(ui: &Ui, plot: Rect, id: Id) -> Response {
     response
 }
 
-/// The span after scrolling, zooming and panning. What was used of the scroll wheel is taken away from others.
+/// The span after scrolling, zooming and panning. The consumed scroll input is removed.
 fn moved(ui: &Ui, response: &Response, axis: &Axis) -> Span {
     let (mut span, n) = (axis.span, axis.num_frames);
     if response.dragged_by(PointerButton::Middle) || response.dragged_by(PointerButton::Secondary) {
@@ -175,7 +175,7 @@ fn hover(ui: &Ui, response: &Response, plot: Rect, axis: &Axis, scene: &Scene<'_
     });
 }
 
-/// What is known of a frame, a line each.
+/// Description of a frame, one line for each fact.
 pub fn describe(track: &Track, frame: u32) -> Vec<String> {
     let mut out = vec![format!("{:.3} s, frame {frame}", frame as f32 / track.rate_hz)];
     let contacts = track.contacts.get(frame as usize).copied().unwrap_or_default();

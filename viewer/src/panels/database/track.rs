@@ -1,4 +1,4 @@
-//! What a timeline shows of a clip: runs of frames and marks.
+//! Data of a clip for a timeline: runs of frames and marks.
 
 use super::catalogue::{played_rows, states_within};
 use crate::bundle::OpenBundle;
@@ -30,15 +30,15 @@ pub struct Named {
 /// A state of the motion graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StateMark {
-    /// Its number.
+    /// Number of the state.
     pub state: u32,
-    /// Its frame within the clip.
+    /// Frame of the state within the clip.
     pub frame: u32,
     /// The character stands.
     pub standing: bool,
 }
 
-/// What a timeline shows of a clip. Frames are numbered from the clip's start at the database rate.
+/// Data of a clip for a timeline. Frames are numbered from the clip's start at the database rate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
     /// Name.
@@ -57,11 +57,11 @@ pub struct Track {
     pub planted: [Vec<Range<u32>>; 4],
     /// Tags.
     pub tags: Vec<Named>,
-    /// What is left out and why.
+    /// Excluded runs with their reasons.
     pub excluded: Vec<Named>,
     /// Glitches of the recording.
     pub glitches: Vec<Mark>,
-    /// What the motion graph plays; none if there is no graph.
+    /// Runs that the motion graph plays; none if there is no graph.
     pub played: Option<Vec<Range<u32>>>,
     /// States, ascending by frame.
     pub states: Vec<StateMark>,

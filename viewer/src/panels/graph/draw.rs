@@ -15,7 +15,7 @@ const NAMED_FROM: f32 = 44.0;
 /// Distance from which a state can be pointed at (points).
 const REACH: f32 = 7.0;
 
-/// What is painted.
+/// Input of the drawing.
 #[derive(Clone, Copy)]
 pub struct Drawing<'a> {
     /// The bundle.
@@ -69,7 +69,7 @@ impl Drawing<'_> {
         let visuals = ui.visuals();
         let rect = self.scale.lane(lane);
         painter.rect_filled(rect.expand2(Vec2::new(2.0, 0.0)), 2.0, visuals.faint_bg_color);
-        // Neighbours stay apart where there is room.
+        // Neighbours are kept apart if there is room.
         let gap = (0.03 * self.scale.per_s()).min(1.0);
         for bar in self.layout.bars_within(lane, self.scale.range_s()) {
             let plays = self.links.plays[bar.segment as usize] as f32 / self.links.max_plays.max(1) as f32;
@@ -182,7 +182,7 @@ impl Drawing<'_> {
         painter.add(Shape::convex_polygon(corners, colour, Stroke::new(1.0, ui.visuals().panel_fill)));
     }
 
-    /// Where a state is drawn.
+    /// Screen position of a state.
     pub fn state_place(&self, state: u32) -> Option<Pos2> {
         let bar = self.layout.state_bars.get(state as usize).copied().flatten()?;
         Some(self.rect(&self.layout.segments[bar as usize]).right_center())

@@ -16,7 +16,7 @@ pub struct Facts {
 }
 
 impl Facts {
-    /// Counts what a bundle holds.
+    /// Counts the contents of a bundle.
     pub fn new(tables: &Bundle) -> Self {
         let graph = tables.graph();
         let counts = || graph.action_offsets.windows(2).map(|w| (w[1] - w[0]) as f32);

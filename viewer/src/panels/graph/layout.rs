@@ -1,4 +1,4 @@
-//! Where clips, segments and states lie in the drawing: along time, clips packed into rows.
+//! Layout of clips, segments and states: along time, clips packed into rows.
 
 use std::ops::Range;
 use throng_runtime::Bundle;
@@ -6,42 +6,42 @@ use throng_runtime::graph::MotionSegment;
 
 /// Rows aimed at; a clip that is longer than its share makes them longer instead.
 const ROWS: std::ops::RangeInclusive<f32> = 3.0..=14.0;
-/// Motion that fills a row of its own (s).
+/// Duration of motion that fills a row (s).
 const ROW_S: f32 = 45.0;
-/// Space between the clips of a row, of its length.
+/// Space between the clips of a row, as a share of its length.
 const GAP: f32 = 0.012;
 
 /// A clip that takes part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lane {
-    /// Its number.
+    /// Number of the clip.
     pub clip: usize,
     /// Row it lies in.
     pub row: usize,
-    /// Place of its first frame that takes part (s).
+    /// Place of the first used frame (s).
     pub start: f32,
-    /// Place of its last frame that takes part (s).
+    /// Place of the last used frame (s).
     pub end: f32,
     /// Frame row that lies at `start`.
     pub first_frame: u32,
     /// Segments that overlap in time lie in different tracks (>= 1).
     pub num_tracks: u32,
-    /// Its segments, in [`Layout::segments`].
+    /// Segments of the clip, as a range of [`Layout::segments`].
     pub segments: Range<usize>,
 }
 
 /// A segment's place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bar {
-    /// Its number.
+    /// Number of the segment.
     pub segment: u32,
     /// Lane it lies in.
     pub lane: u32,
     /// Track within the lane.
     pub track: u32,
-    /// Where it starts (s).
+    /// Start along the row (s).
     pub start: f32,
-    /// Where it ends (s).
+    /// End along the row (s).
     pub end: f32,
 }
 
@@ -56,7 +56,7 @@ pub struct Layout {
     pub segments: Vec<Bar>,
     /// Place of each segment in `segments` (number of segments).
     pub bar_of: Vec<u32>,
-    /// Bar at whose end each state stands, if one ends in its frame (number of states).
+    /// Bar with the state at its end, for each state with one (number of states).
     pub state_bars: Vec<Option<u32>>,
     /// Length of the longest row (s).
     pub length_s: f32,
@@ -154,7 +154,7 @@ impl Layout {
         (bar.start + frames / self.rate_hz).min(bar.end)
     }
 
-    /// Bars of a lane that reach into a range of places: those around it may be among them.
+    /// Bars of a lane that overlap a range of places; may include neighbours.
     pub fn bars_within(&self, lane: &Lane, [low, high]: [f32; 2]) -> &[Bar] {
         let bars = &self.segments[lane.segments.clone()];
         let longest = bars.iter().map(|b| b.end - b.start).fold(0.0, f32::max);

@@ -9,7 +9,7 @@ pub struct Link {
     pub from: u32,
     /// Segment it plays.
     pub segment: u32,
-    /// How much frames differ where it leaves its clip; 0 where the clip goes on (rad).
+    /// Difference of the frames at which the clip is left; 0 if the clip continues (rad).
     pub error: f32,
 }
 

@@ -80,7 +80,7 @@ fn cell(bundle: &OpenBundle, link: &Link, column: usize) -> Cell {
     }
 }
 
-/// Lets a character play a segment; without one, shows its motion.
+/// Lets a character play a segment; without a character, shows its motion.
 fn play(bundle: &OpenBundle, segment: u32, player: Option<usize>) -> Command {
     let record = bundle.tables().graph().segments[segment as usize];
     let first = bundle.tables().clips()[record.clip as usize].first_frame;
@@ -90,7 +90,7 @@ fn play(bundle: &OpenBundle, segment: u32, player: Option<usize>) -> Command {
     }
 }
 
-/// Says what there may be no room for in the row.
+/// Shows a tooltip with details that may not fit the row.
 fn tell(bundle: &OpenBundle, response: Response, link: &Link) {
     let segment = bundle.tables().graph().segments[link.segment as usize];
     response.on_hover_ui(|ui| {

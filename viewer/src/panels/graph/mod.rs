@@ -24,10 +24,10 @@ use view::View;
 /// Motion shown around a clip that is searched (s).
 const AROUND_S: f32 = 8.0;
 
-/// What is worked out of a bundle once.
+/// Results computed once for a bundle.
 #[derive(Clone, Debug)]
 struct Drawn {
-    /// Generation of the document that it was worked out of.
+    /// Generation of the document.
     document: u64,
     layout: Layout,
     links: Links,
@@ -93,7 +93,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
 }
 
 impl State {
-    /// Works out what depends on the bundle alone.
+    /// Computes the results that depend on the bundle alone.
     fn prepare(&mut self, bundle: &OpenBundle, document: u64) {
         if self.drawn.as_ref().is_some_and(|d| d.document == document) {
             return;
@@ -132,7 +132,7 @@ fn show_header(ui: &mut Ui, bundle: &OpenBundle, state: &mut State) {
     });
 }
 
-/// Place of the first clip that takes part and whose name holds a text.
+/// Place of the first used clip with a name that contains a text.
 fn find(bundle: &OpenBundle, layout: &Layout, text: &str) -> Option<(usize, f32)> {
     let text = text.trim().to_lowercase();
     let is_meant = |clip: usize| bundle.clip_name(clip).to_lowercase().contains(&text);
@@ -149,7 +149,7 @@ fn show_drawing(
     commands: &mut Vec<Command>,
 ) {
     ui.advance_cursor_after_rect(rect);
-    // Known by a name, whatever else is shown above it in this frame.
+    // A fixed name keeps the widget's identity, whatever is shown above it.
     let response = ui.interact(rect, ui.scope_id().with("drawing"), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Motion graph"));
     let Some(drawn) = &state.drawn else { return };
@@ -179,7 +179,7 @@ fn show_drawing(
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
     drawing.paint(ui, &painter);
-    // The drawing may move under the pointer before it is released.
+    // The drawing may move under the pointer before the button is released.
     if response.contains_pointer() && ui.input(|i| i.pointer.primary_pressed()) {
         state.pressed = drawing.hovered;
     }
@@ -189,7 +189,7 @@ fn show_drawing(
     tell(response, &drawing);
 }
 
-/// Says what is under the pointer.
+/// Shows a tooltip about the state or segment under the pointer.
 fn tell(response: Response, drawing: &Drawing<'_>) {
     let Some(point) = response.hover_pos().filter(|_| !response.dragged()) else { return };
     let (bundle, graph) = (drawing.bundle, drawing.bundle.tables().graph());

@@ -17,9 +17,9 @@ const MARGIN: f32 = 8.0;
 /// Which part of the drawing is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// How much larger than where all of it fits (>= 1).
+    /// Zoom relative to the scale at which everything fits (>= 1).
     zoom: f32,
-    /// What has been moved out of sight at the left and the top (points).
+    /// Scroll offset to the right and down (points).
     offset: Vec2,
 }
 
@@ -40,7 +40,7 @@ pub struct Scale {
 }
 
 impl View {
-    /// The scale at which it is seen.
+    /// Scale for a part of the screen.
     pub fn scale(&self, layout: &Layout, rect: Rect) -> Scale {
         let rows = layout.rows.len().max(1) as f32;
         let fit = (rect.width() - 2.0 * MARGIN).max(1.0) / layout.length_s.max(1e-3);
@@ -67,7 +67,7 @@ impl View {
         self.limit(layout, rect);
     }
 
-    /// Zooms so that what is at a point stays there.
+    /// Zooms around a point.
     pub fn zoom_at(&mut self, layout: &Layout, rect: Rect, point: Pos2, factor: f32) {
         let before = self.scale(layout, rect);
         let (s, row) = (before.seconds(point.x), (point.y - before.origin.y) / before.row_height);
@@ -78,7 +78,7 @@ impl View {
         self.limit(layout, rect);
     }
 
-    /// Moves a place into the middle of what is seen, zooming in until `span_s` fill it.
+    /// Centres a place, zooming in until `span_s` fills the width.
     pub fn show(&mut self, layout: &Layout, rect: Rect, place: (usize, f32), span_s: f32) {
         let fit = self.scale(layout, rect).per_s / self.zoom;
         let zoom = rect.width() / span_s.max(0.1) / fit;
@@ -86,7 +86,7 @@ impl View {
         self.centre(layout, rect, place);
     }
 
-    /// Moves a place into the middle of what is seen.
+    /// Centres a place.
     pub fn centre(&mut self, layout: &Layout, rect: Rect, (row, s): (usize, f32)) {
         let scale = self.scale(layout, rect);
         let place = Pos2::new(scale.x(s), scale.row_top(row) + 0.5 * scale.row_height);

@@ -10,7 +10,7 @@ use throng_runtime::{Joint, Mat3x4, NUM_JOINTS};
 /// The pose of a frame, as seen from its planar root.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
-    /// Its frame row.
+    /// Frame row of the pose.
     pub row: u32,
     /// (m)
     joints: [Vec3; NUM_JOINTS],
@@ -34,13 +34,13 @@ impl Body {
         bundle.tables().graph().states.iter().find(|s| s.standing != 0).map_or(0, |s| s.frame)
     }
 
-    /// Where a joint is (m).
+    /// Position of a joint (m).
     #[cfg(test)]
     pub fn joint(&self, joint: Joint) -> Vec3 {
         self.joints[joint.index()]
     }
 
-    /// Paints it in one colour, which is opaque so that limbs that lie over each other do not show.
+    /// Paints the body in one opaque colour, so that overlapping limbs do not show.
     pub fn paint(&self, painter: &Painter, place: &Place, colour: Color32) {
         use Joint::*;
         let at = |p: Vec3| place.screen(p);

@@ -14,9 +14,9 @@ pub enum Field {
     Moment,
     /// Kind of blow.
     Kind,
-    /// What strikes.
+    /// Joint that strikes.
     Limb,
-    /// Speed over that of the fastest of its kind.
+    /// Speed relative to the fastest hit of its kind.
     Force,
     /// From straight ahead to the left.
     Angle,
@@ -35,23 +35,23 @@ impl Field {
 /// An effective hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
-    /// Its frame row.
+    /// Frame row of the hit.
     pub row: u32,
-    /// Its clip.
+    /// Clip of the hit.
     pub clip: usize,
-    /// Its frame within the clip.
+    /// Frame of the hit within the clip.
     pub frame: u32,
     /// Number of its kind.
     pub kind: u32,
-    /// What strikes.
+    /// Joint that strikes.
     pub joint: Joint,
-    /// Speed over that of the fastest of its kind.
+    /// Speed relative to the fastest hit of its kind.
     pub force: f32,
     /// (m/s)
     pub speed_mps: f32,
-    /// As seen from the planar root: left, up, ahead (m).
+    /// Position relative to the planar root: left, up, ahead (m).
     pub position: Vec3,
-    /// Of unit length.
+    /// Direction of the blow. Unit.
     pub direction: Vec3,
 }
 
@@ -132,7 +132,7 @@ impl Collection {
         self.kinds.get(kind as usize).map_or("hit", String::as_str)
     }
 
-    /// Kinds that there are hits of.
+    /// Kinds of the hits.
     pub fn kinds_present(&self) -> BTreeSet<u32> {
         self.entries.iter().map(|e| e.kind).collect()
     }

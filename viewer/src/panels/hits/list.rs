@@ -15,7 +15,7 @@ const COLUMNS: [Column<'static>; 7] = [
     Column::number("height", "Above the ground [m]", 50.0),
 ];
 
-/// What was done to the list.
+/// Actions of the user in the list.
 pub struct Listed {
     /// Hit that was clicked.
     pub chosen: Option<usize>,

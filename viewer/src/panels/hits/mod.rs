@@ -28,34 +28,34 @@ use view::{Bounds, Place};
 /// Width from which on the list lies beside the views (points).
 const WIDE: f32 = 700.0;
 
-/// What the colours of hits tell.
+/// Meaning of the colours of hits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Colours {
-    /// How strong they are.
+    /// Force of the blow.
     #[default]
     Force,
-    /// What strikes.
+    /// Joint that strikes.
     Limb,
 }
 
-/// What the panel remembers of how it looks, and what it has worked out.
+/// View settings of the panel, and cached results.
 #[derive(Clone, Debug, Default)]
 pub struct State {
     hits: Option<(u64, Collection)>,
     filter: Filter,
     colours: Colours,
-    /// All of the body is in the views, not only what is near the hits.
+    /// The views show the whole body, not only the part near the hits.
     whole_body: bool,
     /// Behaviour whose volume is drawn; without a choice, the first one with heights.
     outlined: Option<Option<usize>>,
     sort: Sort,
     body: Option<(u64, Body)>,
     dots: Option<(Key, [Mesh; 3])>,
-    /// Hit under the pointer in the frame before, and whether it is so in the list.
+    /// Hit under the pointer in the frame before, and true if it was in the list.
     hovered: Option<(usize, bool)>,
 }
 
-/// What the dots depend on.
+/// Key of the dots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Key {
     document: u64,
@@ -65,7 +65,7 @@ struct Key {
     places: [Place; 3],
 }
 
-/// What every view shows.
+/// Input shared by all views.
 struct Scene<'a> {
     body: Option<&'a Body>,
     outlined: Option<&'a PolicyTable>,
@@ -276,7 +276,7 @@ fn views(
     clicked
 }
 
-/// Places on the edge of what is drawn of a behaviour (m).
+/// Corners of the outline of a behaviour (m).
 fn edges(policy: &PolicyTable) -> Vec<Vec3> {
     let of_grid = (!policy.grid().is_polar()).then(|| Volume::of_grid(policy));
     let volumes = of_grid.into_iter().chain(Volume::of_region(policy.region()));
@@ -296,7 +296,7 @@ fn sensed(ui: &Ui, place: &Place) -> Response {
     response
 }
 
-/// Says what is known of a hit.
+/// Shows a tooltip about a hit.
 fn tell(response: Response, bundle: &OpenBundle, hits: &Collection, e: &Entry) {
     response.on_hover_ui_at_pointer(|ui| {
         ui.label(RichText::new(format!("{}, {}", hits.kind(e.kind), joint_name(e.joint))).strong());

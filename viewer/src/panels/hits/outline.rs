@@ -1,4 +1,4 @@
-//! The volume of a behaviour, seen from three sides: where it is active, and the cells of its grid.
+//! The volume of a behaviour from three sides: its active region, and the cells of its grid.
 
 use super::view::{Place, View};
 use crate::volume::Volume;
@@ -10,7 +10,7 @@ use throng_runtime::policy::PolicyTable;
 pub fn paint(painter: &Painter, place: &Place, volume: &Volume, colour: Color32) {
     let mut points: Vec<Pos2> = volume.over_ground().iter().map(|p| seen(place, *p, 0.0)).collect();
     if place.view != View::Top {
-        // Seen from a side, it is as wide as its outline over ground and as high as its heights.
+        // A view from a side is as wide as the outline over ground and as high as the heights.
         let [low, high] = volume
             .over_ground()
             .iter()

@@ -14,10 +14,10 @@ use std::ops::RangeInclusive;
 const DOT: f32 = 2.6;
 /// A hit is pointed at within this distance (points).
 const NEAR: f32 = 9.0;
-/// Length of the arrow that shows which way a blow goes (m).
+/// Length of the arrow along a blow (m).
 const ARROW_M: f32 = 0.22;
 
-/// Paints everything but what is pointed at.
+/// Paints everything but the highlighted hit.
 pub fn paint(painter: &Painter, visuals: &Visuals, place: &Place, scene: &Scene<'_>, dots: Mesh) {
     axes(painter, visuals, place);
     let inside = painter.with_clip_rect(place.rect.intersect(painter.clip_rect()));
@@ -52,7 +52,7 @@ pub fn dots(place: &Place, hits: impl Iterator<Item = (Vec3, Color32)>) -> Mesh 
     mesh
 }
 
-/// Marks a hit that is pointed at, or that is shown as a clip, and which way it goes.
+/// Highlights a hit under the pointer or shown as a clip, with its direction.
 pub fn mark(painter: &Painter, place: &Place, position: Vec3, direction: Vec3, colour: Color32, visuals: &Visuals) {
     let painter = painter.with_clip_rect(place.rect.intersect(painter.clip_rect()));
     let at = place.screen(position);

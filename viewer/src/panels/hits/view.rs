@@ -25,7 +25,7 @@ impl View {
     /// All of them, from left to right.
     pub const ALL: [Self; 3] = [Self::Front, Self::Top, Self::Side];
 
-    /// What stands above it.
+    /// Title above the view.
     pub fn title(self) -> &'static str {
         match self {
             Self::Front => "Front",
@@ -34,7 +34,7 @@ impl View {
         }
     }
 
-    /// What lies at its left and its right edge.
+    /// Labels of its left and its right edge.
     pub fn ends(self) -> [&'static str; 2] {
         match self {
             Self::Front => ["right", "left"],
@@ -43,7 +43,7 @@ impl View {
         }
     }
 
-    /// A place as it is seen: to the right and up (m).
+    /// Projection of a place: to the right and up (m).
     pub fn flat(self, p: Vec3) -> Vec2 {
         match self {
             Self::Front => Vec2::new(p.x, p.y),
@@ -83,16 +83,16 @@ impl Bounds {
     }
 }
 
-/// Where one view lies on the screen.
+/// Placement of a view on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// From where it looks.
+    /// Viewpoint.
     pub view: View,
     /// The part of the screen that shows places.
     pub rect: Rect,
     /// Points that a metre takes.
     pub per_m: f32,
-    /// Where the planar root is, which may lie outside.
+    /// Screen position of the planar root, which may lie outside.
     origin: Pos2,
 }
 

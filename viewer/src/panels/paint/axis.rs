@@ -6,9 +6,8 @@ use std::ops::Range;
 /// Fewest frames that a view may show (frames).
 const FEWEST: f32 = 8.0;
 
-/// The part of a clip that a view shows, from the left edge to the right one. A frame is as wide as the time to the
-/// next and its instant lies in its middle, so that a whole clip of n frames goes from -0.5 to n - 0.5.
-/// (frames)
+/// Visible part of a clip, from the left edge to the right one. A frame is as wide as the time to the next and its
+/// instant lies in its middle, so that a whole clip of n frames goes from -0.5 to n - 0.5. (frames)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
     /// At the left edge.
@@ -33,7 +32,7 @@ impl Span {
         self == Self::whole(num_frames)
     }
 
-    /// `factor` times closer, with `about` at the same place.
+    /// The span `factor` times closer, with `about` at the same place.
     pub fn zoomed(self, about: f32, factor: f32, num_frames: u32) -> Self {
         let whole = Self::whole(num_frames).len();
         if !(factor.is_finite() && factor > 0.0) {
@@ -44,12 +43,12 @@ impl Span {
         Self { from: about - ratio * len, to: about + (1.0 - ratio) * len }.inside(num_frames)
     }
 
-    /// Moved, as far as the clip goes.
+    /// The span moved, within the clip.
     pub fn panned(self, by: f32, num_frames: u32) -> Self {
         Self { from: self.from + by, to: self.to + by }.inside(num_frames)
     }
 
-    /// Moved, where the frame is out of sight, so that it is at the left or, going back, in the middle.
+    /// The span moved if the frame is out of sight, so that the frame is at the left or, going back, in the middle.
     pub fn followed(self, frame: f32, num_frames: u32) -> Self {
         let at = if frame > self.to {
             0.05
@@ -61,7 +60,7 @@ impl Span {
         self.panned(frame - at * self.len() - self.from, num_frames)
     }
 
-    /// Of the same length, inside the clip; all of it where it is shorter.
+    /// A span of the same length inside the clip; the whole clip if it is shorter.
     fn inside(self, num_frames: u32) -> Self {
         let whole = Self::whole(num_frames);
         let len = self.len();
@@ -73,12 +72,12 @@ impl Span {
     }
 }
 
-/// Where frames lie on the screen.
+/// Maps frames to the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
     /// The frames that are seen.
     pub span: Span,
-    /// Where they are seen (points).
+    /// Range on the screen (points).
     pub x: Rangef,
     /// Frames a second (Hz).
     pub rate_hz: f32,
@@ -107,7 +106,7 @@ impl Axis {
         self.x.span() / self.span.len()
     }
 
-    /// Where a run of frames is seen; none if it is out of sight.
+    /// Screen range of a run of frames; none if it is out of sight.
     pub fn place(&self, run: &Range<u32>) -> Option<Rangef> {
         let (from, to) = (self.x_of(run.start as f32 - 0.5), self.x_of(run.end as f32 - 0.5));
         let seen = Rangef::new(from.max(self.x.min), to.min(self.x.max));

@@ -1,11 +1,11 @@
-//! Hatching: what is left out.
+//! Hatching of excluded frames.
 
 use eframe::egui::{Painter, Rect, Stroke, pos2};
 
 /// Distance of two lines (points).
 const DISTANCE: f32 = 6.0;
 
-/// Hatches a rectangle with lines that rise to the right and are continued by those of its neighbours.
+/// Hatches a rectangle with lines that rise to the right and continue in its neighbours.
 pub fn hatch(painter: &Painter, rect: Rect, stroke: Stroke) {
     let painter = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
     let seen = painter.clip_rect();

@@ -1,4 +1,4 @@
-//! What colours stand for.
+//! Legend of a colour map.
 
 use crate::panels::words::number;
 use eframe::egui::epaint::Mesh;

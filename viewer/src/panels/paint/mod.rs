@@ -15,7 +15,7 @@ pub use table::{Cell, Click, Column, Sort, Table, TableResponse, least_width};
 use crate::document::Document;
 use eframe::egui::{Align, Layout, RichText, Ui};
 
-/// Says in the middle of an empty panel what to do.
+/// Shows a title and a hint in the middle of an empty panel.
 pub fn empty(ui: &mut Ui, title: &str, hint: &str) {
     ui.with_layout(Layout::top_down(Align::Center), |ui| {
         ui.add_space((0.5 * ui.available_height() - 30.0).max(8.0));
@@ -24,7 +24,7 @@ pub fn empty(ui: &mut Ui, title: &str, hint: &str) {
     });
 }
 
-/// What panels about bundles say of a document without one.
+/// Hint of panels about bundles for a document without one.
 pub fn no_bundle(ui: &mut Ui, document: &Document) {
     match document {
         Document::Task(_) => empty(ui, "A task has no bundle", "The panel Plan (F11) shows what is to do."),
@@ -33,7 +33,7 @@ pub fn no_bundle(ui: &mut Ui, document: &Document) {
     }
 }
 
-/// What panels without a document say.
+/// Hint of panels if no document is open.
 pub fn nothing_open(ui: &mut Ui) {
     empty(ui, "Nothing is open", "Open a bundle or a motion file: drop it here or use File > Open.");
 }

@@ -11,7 +11,7 @@ const LABEL_DISTANCE: f32 = 72.0;
 /// Least distance of two ticks (points).
 const TICK_DISTANCE: f32 = 7.0;
 
-/// Labels stand so far beside their ticks, clear of a play head there (points).
+/// Distance of a label from its tick, clear of a play head there (points).
 const BESIDE: f32 = 8.0;
 
 /// Paints a ruler in seconds; where frames are wide enough, they have ticks of their own.

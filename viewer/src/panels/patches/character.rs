@@ -1,4 +1,4 @@
-//! The selected inhabitant: what it is doing, its planned path, and its orders.
+//! The selected inhabitant: its activity, its planned path, and its orders.
 
 use super::State;
 use crate::command::{Command, WorldCommand};
@@ -69,7 +69,7 @@ fn population(ui: &mut Ui, world: &WorldDocument, state: &mut State, commands: &
                 Align::Center,
             );
             RichText::new(name).weak().append_to(&mut text, ui.style(), FontSelection::Default, Align::Center);
-            // A name stays beside its colour.
+            // The name stays in the row of its colour.
             ui.add(Label::new(text).extend());
         }
     });

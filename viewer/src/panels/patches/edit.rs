@@ -9,7 +9,7 @@ use eframe::egui::{Button, ComboBox, DragValue, TextEdit, Ui};
 use std::path::{Path, PathBuf};
 use throng_runtime::patch::Placement;
 
-/// Shows what can be changed.
+/// Shows the editing controls.
 pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut State, commands: &mut Vec<Command>) {
     ui.strong("Units");
     create(ui, model, world, state, commands);

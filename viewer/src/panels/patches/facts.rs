@@ -1,4 +1,4 @@
-//! What there is to say of an instance of a patch.
+//! Figures of an instance of a patch.
 
 use crate::command::{Command, WorldCommand};
 use crate::document::WorldDocument;
@@ -17,9 +17,9 @@ pub struct Facts {
     pub entries: [usize; 2],
     /// Exits that are left, and all.
     pub exits: [usize; 2],
-    /// Places to stay that are left, and all.
+    /// Enabled rest cells, and all.
     pub rests: [usize; 2],
-    /// Why each link is taken out; none if it is left.
+    /// Why each link is disabled; none for an enabled link.
     pub links: Vec<Option<Reason>>,
     /// Instances that it has joints with.
     pub neighbours: usize,
@@ -47,7 +47,7 @@ impl Facts {
         facts
     }
 
-    /// Links that are taken out for a reason.
+    /// Number of links disabled for a reason.
     pub fn taken_out(&self, reason: Reason) -> usize {
         self.links.iter().filter(|l| **l == Some(reason)).count()
     }
@@ -68,7 +68,7 @@ pub fn words(reason: Reason) -> &'static str {
     }
 }
 
-/// Shows what there is to say of an instance.
+/// Shows the figures of an instance.
 pub fn show(
     ui: &mut Ui,
     model: &Model,

@@ -1,4 +1,4 @@
-//! The links of an instance that are taken out, as a list.
+//! The disabled links of an instance, as a list.
 
 use super::facts::{Facts, words};
 use crate::command::{Command, WorldCommand};

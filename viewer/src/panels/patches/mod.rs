@@ -14,20 +14,20 @@ use throng_precompute::stitch::Item;
 /// World, its state, instance and link that a reason is for.
 type Asked = (u64, u64, u32, u32);
 
-/// What the panel remembers.
+/// State of the panel.
 #[derive(Clone, Debug, Default)]
 pub struct State {
-    /// What was counted of the selected patch, and of which state of which world.
+    /// Figures of the selected patch, with the world, its revision and the instance that they belong to.
     facts: Option<((u64, u64, u32), Facts)>,
-    /// Why the selected link is taken out, likewise.
+    /// Why the selected link is disabled, with the key that the reason belongs to.
     why: Option<(Asked, Option<String>)>,
     /// Unit that is to be placed.
     unit: usize,
-    /// File that the world is written to, as it was typed.
+    /// File that the world is written to, as typed.
     file: Option<String>,
     /// Duration of an ordered action (s).
     seconds: Option<f32>,
-    /// Number of characters as it is typed.
+    /// Number of characters as typed.
     characters: Option<usize>,
 }
 
@@ -46,7 +46,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
         Some(instance) => {
             let key = (model.generation, world.revision(), instance);
             if state.facts.as_ref().is_none_or(|f| f.0 != key) {
-                // What is being stitched again cannot be asked.
+                // No reason is available while the world is stitched again.
                 let is_known = world.working().is_none();
                 state.facts = is_known.then(|| (key, Facts::of(world, instance)));
             }
@@ -61,7 +61,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     edit::show(ui, model, world, state, commands);
 }
 
-/// What a click does.
+/// Choice of the tool.
 fn tools(ui: &mut Ui, model: &Model, state: &State, commands: &mut Vec<Command>) {
     let now = model.selection.world.tool;
     ui.horizontal_wrapped(|ui| {
@@ -107,7 +107,7 @@ fn history(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// What becomes of the last edit.
+/// Result of the last edit.
 fn outcome(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(world) = model.document.world() else { return };
     if let Some(working) = world.working() {
@@ -125,7 +125,7 @@ fn outcome(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Why the selected link is taken out.
+/// Shows why the selected link is disabled.
 fn why(ui: &mut Ui, model: &Model, state: &mut State, instance: u32) {
     let (Some(world), Some(link)) = (model.document.world(), model.selection.world.link) else { return };
     if link as usize >= world.graph().links(instance).len() {

@@ -1,4 +1,4 @@
-//! What can be put elsewhere, and the selected one by its numbers.
+//! Movable things and places, and the coordinates of the selected one.
 
 use crate::command::{Command, PlanCommand, PlanLook};
 use crate::document::TaskDocument;
@@ -37,14 +37,14 @@ pub fn show(ui: &mut Ui, model: &Model, task: &TaskDocument, wanted: &mut PlanLo
             ui.ctx().copy_text(text);
         }
     });
-    // What is shown is rounded: that alone moves nothing.
+    // The fields show rounded numbers: rounding alone moves nothing.
     if to.distance(now) > 6e-4 {
         commands.push(Command::Plan(PlanCommand::Move(handle, to - now)));
         commands.push(Command::Plan(PlanCommand::Settle));
     }
 }
 
-/// As a task's file says it.
+/// The position as in a task file.
 fn toml(at: Vec3) -> String {
     format!("at = [{:.3}, {:.3}, {:.3}]", at.x, at.y, at.z)
 }

@@ -1,4 +1,4 @@
-//! Tasks of limbs: what is to do, the motions that were planned, their trees over time, and what can be put elsewhere.
+//! Tasks of limbs: steps, planned motions, their trees over time, and movable things and places.
 
 mod handle;
 mod motions;
@@ -17,10 +17,10 @@ use timeline::Along;
 /// Most motions that are planned at once.
 const MOST: u64 = 20;
 
-/// What the panel remembers.
+/// State of the panel.
 #[derive(Clone, Debug, Default)]
 pub struct State {
-    /// Which way the plot over time goes.
+    /// Vertical axis of the plot over time.
     along: Along,
     /// Files that a motion and the task are written to, as they were typed.
     file: Option<String>,
@@ -53,7 +53,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     }
 }
 
-/// What is to do, and what came of it.
+/// Shows the steps of the task, and their results.
 fn steps(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanLook, commands: &mut Vec<Command>) {
     let palette = Palette::of(ui.visuals());
     let (windows, rate_hz) = (task.task().windows_s(), task.frames().1);
@@ -85,7 +85,7 @@ fn steps(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanLook, commands: &mut
     }
 }
 
-/// How it is planned, and how far that is.
+/// Shows the options of planning, and its progress.
 fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanLook, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
         let tip = "Plan motions beside the window; the same seed gives the same motion";

@@ -1,5 +1,5 @@
-//! Everything over time: when limbs leave the clip, reach, and are back; below it the trees of the searches and the ways of
-//! hands, one direction of space over time.
+//! Timeline of a task: when limbs leave the clip, reach, and are back; below it the trees of the searches and the
+//! paths of hands, one direction of space over time.
 
 use crate::command::{Command, PlanLook};
 use crate::document::TaskDocument;
@@ -18,7 +18,7 @@ const ROW: f32 = 14.0;
 const PLOT: f32 = 150.0;
 /// Space for numbers at the left (points).
 const LEFT: f32 = 34.0;
-/// Time shown around what is done (s).
+/// Time shown around the steps (s).
 const AROUND_S: f64 = 0.3;
 /// Nodes of a tree that are drawn at most.
 const MAX_NODES: usize = 6000;
@@ -103,7 +103,7 @@ fn span(task: &TaskDocument, windows: &[Option<[f64; 3]>]) -> Span {
     Span { from: frame(from - AROUND_S).max(whole.from), to: frame(to + AROUND_S).min(whole.to) }
 }
 
-/// When each limb leaves the clip, is there, and is back.
+/// Bars of the times at which each limb leaves the clip, reaches, and is back.
 fn bars(ui: &Ui, painter: &Painter, rows: Rect, axis: &Axis, windows: &[Option<[f64; 3]>], selected: Option<usize>) {
     let palette = Palette::of(ui.visuals());
     for (i, window) in windows.iter().enumerate() {
@@ -169,7 +169,7 @@ fn plot(ui: &Ui, painter: &Painter, rect: Rect, axis: &Axis, model: &Model, task
     hands(&painter, task, &done, &point, Palette::of(ui.visuals()).head);
 }
 
-/// Where the ends of limbs go in the motion that is shown.
+/// Paths of the ends of limbs in the shown motion.
 fn hands(painter: &Painter, task: &TaskDocument, done: &[&Done], point: &dyn Fn(DVec3, f64) -> Pos2, colour: Color32) {
     for done in done {
         let clip = task.clip(done.character);

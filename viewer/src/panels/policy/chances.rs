@@ -1,9 +1,9 @@
-//! How likely each of the ranked actions is to be taken.
+//! Probability of each of the ranked actions to be taken.
 
 use throng_runtime::policy::MAX_RANKED;
 
-/// Chance of each score, the best first, to be the one that is taken: what [`RankedActions::choose`] does with
-/// uniform random numbers. Beyond the first [`MAX_RANKED`] it is 0.
+/// Probability of each score, the best first, to be taken by [`RankedActions::choose`] with uniform random numbers.
+/// Beyond the first [`MAX_RANKED`] it is 0.
 ///
 /// [`RankedActions::choose`]: throng_runtime::policy::RankedActions::choose
 pub fn of(scores: &[f32], temperature: f32) -> Vec<f32> {

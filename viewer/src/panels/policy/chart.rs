@@ -1,5 +1,5 @@
-//! A target grid seen from above: ring sectors around its centre, for a character that faces up, its left side at the
-//! left. Places are those of the grid; the character stands at minus the centre.
+//! A target grid seen from above: ring sectors around its centre, for a character that faces up, with its left side at
+//! the left. Places are in the frame of the grid; the character stands at minus the centre.
 
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
@@ -57,7 +57,7 @@ impl Chart {
         (r.ring_start + number * (r.ring_spacing + r.ring_growth * number.abs())).max(0.0)
     }
 
-    /// Where the outermost cells end (m).
+    /// Outer radius of the outermost cells (m).
     pub fn rim(&self) -> f32 {
         self.radius(self.record.num_rings as f32 - 0.5)
     }
@@ -104,7 +104,7 @@ impl Chart {
         self.record.kind == KIND_SPACE_TIME
     }
 
-    /// What a plane stands for.
+    /// Text of a plane's height or time.
     pub fn height_name(&self, index: u32) -> String {
         let h = self.height(index);
         if self.is_space_time() { format!("{h:.2} s left") } else { format!("{h:.2} m high") }

@@ -20,7 +20,7 @@ const LONGEST: f32 = 22.0;
 /// Space between the feet of arrows (points).
 const APART: f32 = 17.0;
 
-/// What a picture shows.
+/// Key of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
     /// Generation of the document.
@@ -31,29 +31,29 @@ pub struct Key {
     pub state: u32,
     /// Height of the targets, or time left.
     pub height: u32,
-    /// Interpolated values, not those of cells.
+    /// Interpolated values instead of values of cells.
     pub smooth: bool,
-    /// Where it lies on the screen.
+    /// Part of the screen.
     pub rect: Rect,
     /// Space around it, for the words "ahead" and so on (points).
     pub margin: f32,
 }
 
-/// From the ground around the character to the screen. Places are those of the grid.
+/// Maps the ground around the character to the screen. Places are in the frame of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
-    /// Where the grid's own centre lies.
+    /// Screen position of the grid's centre.
     origin: Pos2,
     /// Points that a metre takes.
     pub per_m: f32,
-    /// Where the character stands.
+    /// Screen position of the character.
     pub character: Pos2,
 }
 
 impl Plan {
     /// Fits a chart and the character into a part of the screen.
     ///
-    /// - `centre`: what the grid is around, as seen from the character (m).
+    /// - `centre`: centre of the grid relative to the character (m).
     /// - `margin`: left free on all sides (points).
     pub fn new(chart: &Chart, centre: Vec2, rect: Rect, margin: f32) -> Self {
         let [low, high] = chart.bounds(-centre);
@@ -80,7 +80,7 @@ impl Plan {
 /// The picture.
 #[derive(Clone, Debug)]
 pub struct Heat {
-    /// What it shows.
+    /// Key that the picture was computed for.
     pub key: Key,
     /// Places on the screen.
     pub plan: Plan,
@@ -162,7 +162,7 @@ fn smooth(chart: &Chart, plan: &Plan, colour: impl Fn(Vec2) -> Color32, key: Key
     mesh
 }
 
-/// Triangles between two rows of vertices that follow each other.
+/// Triangles between two consecutive rows of vertices.
 fn stitch(mesh: &mut Mesh, first: u32, parts: u32) {
     for i in first..first + parts {
         let above = i + parts + 1;
@@ -171,7 +171,7 @@ fn stitch(mesh: &mut Mesh, first: u32, parts: u32) {
     }
 }
 
-/// Where the best actions of cells lead, of as many cells as there is room for.
+/// Arrows of the best actions of cells, for as many cells as there is room for.
 fn arrows(key: &Key, chart: &Chart, plan: &Plan, policy: &PolicyTable, graph: &MotionGraph) -> (Vec<[Pos2; 2]>, f32) {
     let segments = graph.segments_of(key.state);
     let way = |cell: usize| {

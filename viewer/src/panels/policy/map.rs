@@ -26,7 +26,7 @@ const LARGEST: f32 = 460.0;
 /// Space around the only map, for the words "ahead" and so on, and around one of many (points).
 const MARGINS: [f32; 2] = [18.0, 5.0];
 
-/// What is shown on the map.
+/// Input of the map.
 #[derive(Clone, Copy)]
 pub struct Shown<'a> {
     /// Generation of the document.
@@ -35,13 +35,13 @@ pub struct Shown<'a> {
     pub bundle: &'a OpenBundle,
     /// The behaviour.
     pub policy: &'a PolicyTable,
-    /// Its number.
+    /// Number of the behaviour.
     pub number: usize,
     /// State whose values are shown.
     pub state: u32,
     /// Height, or time left, that is shown.
     pub slice: u32,
-    /// Choice of the selected character, where it was made in that state.
+    /// Choice of the selected character, if it was made in this state.
     pub why: Option<&'a Why>,
     /// Target as the selected character sees it now, and as it saw it when it chose (m).
     pub targets: [Option<Vec3>; 2],
@@ -53,13 +53,13 @@ impl Shown<'_> {
         Chart::new(&self.policy.grid_of(self.state))
     }
 
-    /// What the grid is around, over ground (m).
+    /// Centre of the grid over ground (m).
     fn centre(&self) -> Vec2 {
         Vec2::new(self.policy.centre().x, self.policy.centre().z)
     }
 }
 
-/// Shows the map, or those of all heights, with options and legend.
+/// Shows the map, or the maps of all heights, with options and legend.
 pub fn show(ui: &mut Ui, shown: &Shown<'_>, own: &mut State, commands: &mut Vec<Command>) {
     options(ui, shown, own, commands);
     let heights = shown.policy.grid_of(shown.state).record().num_heights;
@@ -144,7 +144,7 @@ fn options(ui: &mut Ui, shown: &Shown<'_>, own: &mut State, commands: &mut Vec<C
     }
 }
 
-/// Where the behaviour is active, dashed; a word where it is not at this height.
+/// Draws the active region of the behaviour, dashed, with a note if it is not active at this height.
 fn region(painter: &Painter, shown: &Shown<'_>, height: u32, plan: &Plan) {
     let region = shown.policy.region();
     let Some(volume) = Volume::of_region(region) else { return };
@@ -156,7 +156,7 @@ fn region(painter: &Painter, shown: &Shown<'_>, height: u32, plan: &Plan) {
     painter.extend(Shape::dashed_line(&outline, Stroke::new(1.2, colour), 5.0, 4.0));
 }
 
-/// Which way is which, on a grid that goes all around.
+/// Labels the directions on a grid that goes all around.
 fn directions(ui: &Ui, painter: &Painter, shown: &Shown<'_>, plan: &Plan) {
     let chart = shown.chart();
     let radius = chart.rim();
@@ -182,7 +182,7 @@ fn choice(painter: &Painter, shown: &Shown<'_>, own: &State, plan: &Plan) {
     let Some(why) = shown.why else { return };
     let tip = |c: &Candidate| {
         let to = Span::new(-c.displacement.x, -c.displacement.z) * plan.per_m;
-        // A step is small on a map of many metres; one that stays where it is has no direction.
+        // A step is small on a map of many metres; an action without displacement has no direction.
         let length = if to.length() > 2.0 { to.length().max(MIN_ARROW) } else { 0.0 };
         plan.character + to.normalized() * length
     };
@@ -244,7 +244,7 @@ fn arrow(painter: &Painter, from: Pos2, to: Pos2, width: f32, colour: Color32) {
     painter.line_segment([from, base], Stroke::new(width, colour));
 }
 
-/// Says what the value is under the pointer, and what would be done there.
+/// Shows a tooltip with the value under the pointer, and the best action there.
 fn tell(response: Response, shown: &Shown<'_>, own: &State, height: u32, heat: &Heat) {
     let Some(point) = response.hover_pos() else { return };
     let chart = shown.chart();

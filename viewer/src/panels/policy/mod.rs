@@ -1,4 +1,4 @@
-//! The policy: what a state is worth for every place of the target, and why an action was taken.
+//! The policy: the value of a state for every place of the target, and why an action was taken.
 
 mod chances;
 mod chart;
@@ -93,7 +93,7 @@ fn near(target: Vec3) -> Option<Vec3> {
     (target.y < NEVER_S).then_some(target)
 }
 
-/// What a behaviour is about for the selected character, as it sees it now (m).
+/// Subject of a behaviour relative to the selected character, at present (m).
 fn local_target(model: &Model, policy: usize) -> Option<Vec3> {
     let chooser = model.document.chooser(model.selection.character?)?;
     let is_threat = chooser.goals.iter().any(|g| g.policy == policy && g.about == About::Threat);

@@ -12,7 +12,7 @@ const TITLE: f32 = 15.0;
 /// Space between maps (points).
 const GAP: f32 = 4.0;
 
-/// Shows the maps; a click looks at one of them alone. Returns the least scale of their arrows.
+/// Shows the maps; a click shows one of them alone. Returns the least scale of their arrows.
 pub fn show(ui: &mut Ui, shown: &Shown<'_>, own: &mut State, heights: u32, commands: &mut Vec<Command>) -> f32 {
     let chart = shown.chart();
     let centre = shown.policy.centre();

@@ -7,7 +7,7 @@ use crate::run::{About, BehaviourScore, Chooser, STEP_HZ, Why};
 use glam::Vec2;
 use throng_runtime::policy::RegionRecord;
 
-/// True where the stored best action of the nearest cell is loaded: weighing several behaviours needs a look ahead.
+/// True if the stored best action of the nearest cell is loaded: weighing several behaviours needs a look-ahead.
 pub fn is_single_load(why: &Why, chooser: &Chooser<'_>) -> bool {
     let weighed = why.behaviours.iter().filter(|b| b.weight != 0.0).count();
     chooser.single_load && (weighed == 1 || (weighed == 0 && why.behaviours.len() == 1))
@@ -20,7 +20,7 @@ pub fn chances(why: &Why, chooser: &Chooser<'_>) -> Vec<f32> {
     chances::of(&scores, if chooser.single_load { 0.0 } else { chooser.temperature })
 }
 
-/// When, where and towards what the character chose.
+/// Text: when, where and towards which target the character chose.
 pub fn situation(why: &Why, bundle: &OpenBundle, character: usize, now: u32) -> String {
     let tables = bundle.tables();
     let frame = tables.graph().states[why.state as usize].frame;
@@ -56,7 +56,7 @@ pub fn inactivity(region: &RegionRecord, b: &BehaviourScore) -> String {
     format!("{what} was {}, it acts from {:.0}° to {:.0}°", words::direction(angle), degrees[0], degrees[1])
 }
 
-/// Which action it took, and by what rule.
+/// Text: the action taken, and the rule.
 pub fn decision(why: &Why, chooser: &Chooser<'_>) -> String {
     let bundle = chooser.bundle;
     let Some(taken) = why.candidates.get(why.chosen) else { return String::new() };

@@ -10,7 +10,7 @@ use crate::run::{Candidate, Chooser, Why};
 use crate::theme::viridis;
 use eframe::egui::{DragValue, Response, Ui};
 
-/// The columns of every choice. A panel of the usual width has room for what was taken and why.
+/// Columns for every choice. A panel of the usual width has room for the action and its score.
 const COLUMNS: [Column<'static>; 7] = [
     Column::number("#", "Place by score", 26.0),
     Column::text("plays", "Clip and frames of the segment", 122.0, 1.0),
@@ -131,7 +131,7 @@ fn cell(bundle: &OpenBundle, why: &Why, rank: usize, column: usize, chances: &[f
     }
 }
 
-/// Says what there may be no room for in the row.
+/// Shows a tooltip with details that may not fit the row.
 fn tell(bundle: &OpenBundle, why: &Why, response: Response, c: &Candidate) {
     response.on_hover_ui(|ui| {
         ui.strong(bundle.describe_segment(c.segment));
@@ -143,7 +143,7 @@ fn tell(bundle: &OpenBundle, why: &Why, response: Response, c: &Candidate) {
     });
 }
 
-/// How long a candidate's segment lasts (s).
+/// Duration of a candidate's segment (s).
 fn seconds(bundle: &OpenBundle, c: &Candidate) -> f32 {
     bundle.tables().graph().segments[c.segment as usize].num_frames as f32 / bundle.rate_hz()
 }

@@ -1,4 +1,4 @@
-//! What a bundle was made of.
+//! Sources and config of a bundle.
 
 use super::{facts, section};
 use crate::bundle::OpenBundle;
@@ -15,12 +15,12 @@ const COLUMNS: [Column<'static>; 3] = [
 /// Rows of sources that are seen at once.
 const ROWS: usize = 9;
 
-/// The list of source files as it was last sorted.
+/// State of the list of source files.
 #[derive(Clone, Debug)]
 pub struct Sources {
     sort: Sort,
     copied: Option<usize>,
-    /// What `rows` were made of: document and order.
+    /// Key of `rows`: document and order.
     made_of: Option<(u64, Sort)>,
     rows: Vec<usize>,
 }

@@ -79,7 +79,7 @@ fn motion(ui: &mut Ui, r: &ClipReport) {
     facts(ui, "motion", all);
 }
 
-/// A number without digits that say nothing.
+/// A number without superfluous digits.
 struct Rounded(f64);
 
 impl std::fmt::Display for Rounded {

@@ -1,4 +1,4 @@
-//! Where motion comes from: what import found in a motion file, what a bundle was made of.
+//! Origin of motion: the import report of a motion file, the sources of a bundle.
 
 mod bundle;
 mod clip;
@@ -10,7 +10,7 @@ use crate::document::Document;
 use crate::model::Model;
 use eframe::egui::{Grid, Label, RichText, ScrollArea, TextWrapMode, Ui};
 
-/// What the panel remembers of how it looks.
+/// State of the panel.
 #[derive(Clone, Debug, Default)]
 pub struct State {
     sources: bundle::Sources,

@@ -1,4 +1,4 @@
-//! What the figures on contacts mean, in plain words.
+//! Meaning of the figures on contacts, in plain words.
 
 use throng_precompute::annotate::ContactSanity;
 use throng_precompute::stance::Grade;
@@ -7,15 +7,15 @@ use throng_precompute::stance::Grade;
 const STILL_MPS: f32 = 0.15;
 /// Faster than this, the fastest planted feet slide visibly (m/s).
 const SLIDING_MPS: f32 = 0.5;
-/// Shares of the two feet that differ by more are those of a limp, a turn, or a wrong floor.
+/// Difference of the contact shares of the two feet above which a limp, a turn, or a wrong floor is likely.
 const UNEVEN: f32 = 0.25;
 
 /// Whether something is as it should be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mood {
-    /// It is.
+    /// All is well.
     Good,
-    /// It may not be.
+    /// Something may be wrong.
     Odd,
 }
 

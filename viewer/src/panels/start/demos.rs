@@ -14,10 +14,10 @@ use throng_runtime::simulation::Scene;
 
 /// A demonstration.
 struct Demo {
-    /// Its file in the folder of scenes.
+    /// File in the folder of scenes.
     file: &'static str,
     title: &'static str,
-    /// What is seen, in plain words.
+    /// Description, in plain words.
     line: &'static str,
     /// A picture of it (PNG, RGB).
     picture: &'static [u8],
@@ -43,7 +43,7 @@ demos! {
     "flock" "Flock" "Two flocks of 500 birds fly through each other between columns.";
 }
 
-/// Where the scenes of the project lie, from its folder on.
+/// Folder of scenes, relative to the project.
 const SCENES: &str = "data/scenes";
 /// Width of a card at least (points).
 const LEAST_WIDTH: f32 = 215.0;
@@ -53,15 +53,15 @@ const MAX_COLUMNS: f32 = 3.0;
 const GAP: f32 = 14.0;
 /// Height of a picture over its width.
 const PICTURE: f32 = 9.0 / 16.0;
-/// Height of what is written below the picture (points).
+/// Height of the text below the picture (points).
 const TEXT: f32 = 106.0;
 
-/// What the demonstrations need to be shown.
+/// State of the demonstrations.
 #[derive(Clone, Default)]
 pub struct State {
-    /// The folder of scenes; none where it is not there.
+    /// The folder of scenes; none if it does not exist.
     folder: Option<PathBuf>,
-    /// Whether all that a scene needs is there; none for a scene that is not.
+    /// True for a scene with all its files; none if the scene does not exist.
     complete: Vec<Option<bool>>,
     pictures: Vec<Option<TextureHandle>>,
 }
@@ -73,7 +73,7 @@ impl fmt::Debug for State {
 }
 
 impl State {
-    /// Looks which scenes are there, and what they still need.
+    /// Checks which scenes exist, and whether their files do.
     pub fn look(&mut self) {
         self.folder = self.folder.take().filter(|f| f.is_dir()).or_else(folder);
         let Some(folder) = &self.folder else { return };
@@ -117,7 +117,7 @@ pub fn show(ui: &mut Ui, state: &mut State, commands: &mut Vec<Command>) {
     }
 }
 
-/// Shows a card; true where it was clicked.
+/// Shows a card; true if it was clicked.
 fn card(ui: &mut Ui, demo: &Demo, is_complete: bool, picture: Option<&TextureHandle>, width: f32) -> bool {
     let height = (PICTURE * width).round();
     let (rect, response) = ui.allocate_exact_size(vec2(width, height + TEXT), Sense::click());
@@ -133,7 +133,7 @@ fn card(ui: &mut Ui, demo: &Demo, is_complete: bool, picture: Option<&TextureHan
         Image::new((picture.id(), at.size())).corner_radius(radius).paint_at(ui, at);
     }
     let within = Rect::from_min_max(pos2(rect.left(), rect.top() + height), rect.max).shrink2(vec2(12.0, 8.0));
-    // Texts of their own place: the card takes no other room.
+    // Texts have fixed positions: they take no further room.
     let child = |ui: &mut Ui, layout| ui.new_child(UiBuilder::new().max_rect(within).layout(layout));
     let plain = |text: RichText| Label::new(text).selectable(false).wrap();
     let mut above = child(ui, Layout::top_down(Align::Min));

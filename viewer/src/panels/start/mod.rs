@@ -1,4 +1,4 @@
-//! The start page: demonstrations, motion of one's own, what was opened last.
+//! The start page: demonstrations, the user's own motion, recently opened files.
 
 mod demos;
 mod motion;
@@ -14,27 +14,27 @@ use std::path::PathBuf;
 const MAX_WIDTH: f32 = 1140.0;
 /// From this width on, demonstrations lie beside the rest (points).
 const WIDE: f32 = 900.0;
-/// Width of what lies beside them (points).
+/// Width of the column beside them (points).
 const SIDE: f32 = 320.0;
 /// Space at both sides of the page at least (points).
 const MARGIN: f32 = 16.0;
 /// Space between parts of the page (points).
 const GAP: f32 = 20.0;
-/// Time between two looks at the files that the page shows (s).
+/// Interval between two checks of the files on the page (s).
 const EVERY_S: f64 = 1.0;
 
-/// What the page remembers of how it looks.
+/// State of the page.
 #[derive(Clone, Debug, Default)]
 pub struct State {
     demos: demos::State,
-    /// What was opened last: each entry, and whether its files are there.
+    /// Recently opened entries, each with true if its files exist.
     recent: Vec<(Vec<PathBuf>, bool)>,
     /// When the files were looked at; none before that.
     looked_s: Option<f64>,
 }
 
 impl State {
-    /// Looks now and then which files are there.
+    /// Checks at intervals which files exist.
     fn look(&mut self, now_s: f64, model: &Model) {
         let is_new = self.recent.len() != model.settings.opened.len();
         if !is_new && self.looked_s.is_some_and(|s| (s..s + EVERY_S).contains(&now_s)) {

@@ -1,4 +1,4 @@
-//! What was opened last.
+//! Recently opened files.
 
 use super::heading;
 use crate::command::Command;

@@ -1,4 +1,4 @@
-//! What became of blows, and how deep opponents are in each other.
+//! Results of blows, and penetration of opponents.
 
 use super::{COLOURS, SMOOTH, key, line, plot, row, section, smooth};
 use crate::render::Rgba;
@@ -9,7 +9,7 @@ use eframe::egui::{Color32, Grid, Ui};
 /// Time that hits a minute are counted over, in the plot (s).
 const WINDOW_S: f32 = 10.0;
 
-/// Shows what became of blows up to the last of some steps.
+/// Shows the results of blows up to the last of some steps.
 pub fn show(ui: &mut Ui, history: &[(u32, &StepFigures)], n: usize) {
     let history: Vec<(u32, BoutFigures)> = history.iter().filter_map(|(s, f)| Some((*s, f.bout?))).collect();
     let Some(&(_, f)) = history.last() else { return };

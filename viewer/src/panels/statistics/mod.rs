@@ -1,4 +1,4 @@
-//! What was measured: time of a step and a frame, memory, foot slip, arrivals, blows.
+//! Measurements: time of a step and a frame, memory, foot slip, arrivals, blows.
 
 mod bout;
 
@@ -61,7 +61,7 @@ fn now(ui: &mut Ui, model: &Model, run: &Run) {
     });
 }
 
-/// What a step of a scene takes, and what its groups do.
+/// Shows the time of a step of a scene, and the state of its groups.
 fn of_scene(ui: &mut Ui, run: &SceneRun) {
     let (f, n) = (run.figures(), run.simulation().num_characters());
     Grid::new("scene now").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
@@ -225,7 +225,7 @@ fn smooth(steps: impl Iterator<Item = u32>, values: &[f64]) -> PlotPoints<'stati
         .collect()
 }
 
-/// What a section holds, for people; its tag where that is not known.
+/// Description of a section; the tag if unknown.
 fn section_name(tag: &str) -> String {
     let name = match tag {
         "META" => "names, provenance",

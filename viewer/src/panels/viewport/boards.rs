@@ -1,4 +1,4 @@
-//! Billboards on the floor: what is written where the pointer is, and a click that reads a board.
+//! Blackboards on the floor: entries under the pointer, and a click that selects a blackboard.
 
 use crate::command::{BoardCell, Command, SceneCommand, SceneLook};
 use crate::model::Model;
@@ -13,7 +13,7 @@ fn met(model: &Model, ray: &Ray) -> Option<BoardCell> {
     cell_at(minds, &model.selection.scene, ray.meets_ground()?)
 }
 
-/// Says what is written on the board under the pointer.
+/// Shows a tooltip with the entries of the blackboard under the pointer.
 pub fn tell(response: Response, model: &Model, ray: impl Fn() -> Option<Ray>) {
     let Some(scene) = model.shown_scene() else { return };
     let Some(minds) = scene.run().simulation().minds() else { return };
@@ -29,7 +29,7 @@ pub fn tell(response: Response, model: &Model, ray: impl Fn() -> Option<Ray>) {
     });
 }
 
-/// Reads the board of the cell that was clicked; none where nothing is written there.
+/// Selects the blackboard of the cell that was clicked; none for a cell without entries.
 pub fn read(model: &Model, ray: &Ray) -> Option<Command> {
     let cell = Some(met(model, ray)?);
     Some(Command::Scene(SceneCommand::Look(SceneLook { cell, ..model.selection.scene })))

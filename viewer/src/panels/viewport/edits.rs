@@ -9,10 +9,10 @@ use throng_precompute::environment::PlacedUnit;
 
 /// Widest note (points).
 const WIDTH: f32 = 340.0;
-/// Notes are so far from what they are about (points).
+/// Distance of a note from its subject (points).
 const BESIDE: f32 = 14.0;
 
-/// Says what is stitched, or why the last edit was refused.
+/// Shows the edit under way, or why the last edit was refused.
 pub fn show(ui: &Ui, rect: Rect, model: &Model, commands: &mut Vec<Command>) {
     let Some(world) = model.shown_world() else { return };
     if let Some(working) = world.working() {
@@ -35,7 +35,7 @@ pub fn show(ui: &Ui, rect: Rect, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// The upper end of a unit on the screen; none if it is not in view.
+/// Screen position of the upper end of a unit; none if it is not in view.
 fn place(model: &Model, world: &WorldDocument, unit: Option<&PlacedUnit>, rect: Rect) -> Option<Pos2> {
     let unit = unit?;
     let bounds = world.kit().geometries.get(unit.unit)?.bounds;

@@ -4,7 +4,7 @@ use super::words;
 use crate::model::Model;
 use eframe::egui::{self, FontId, Rect, Ui};
 
-/// Shows the selected character and what it does, at the upper right.
+/// Shows the selected character and its activity, at the upper right.
 pub fn show(ui: &Ui, rect: Rect, model: &Model) {
     let Some(text) = describe(model) else { return };
     let font = FontId::proportional(13.0);

@@ -1,30 +1,31 @@
-//! A gamepad that steers: its left stick is the way, a trigger runs, a button strikes, another one takes over.
+//! Steering by gamepad: the left stick is the direction, a trigger runs, one button strikes, another one takes over a
+//! character.
 //!
 //! Built with the feature `gamepad` (gilrs), which on Linux needs the headers of libudev; without it no pad is ever there.
 
 use crate::command::Held;
 
-/// What lies nearer to the middle than this is no way: sticks do not come back to it exactly.
+/// Dead zone: smaller deflections count as none, since sticks do not return exactly to the middle.
 const DEAD: f32 = 0.25;
 /// Farther out than this one runs, as with the trigger.
 const RUNS: f32 = 0.95;
-/// Ways are told apart in so many steps, so that a hand that shakes is no new way in every frame.
+/// Steps to which deflections are rounded, so that a trembling hand does not change the input in every frame.
 const STEPS: f32 = 8.0;
 
-/// What a pad asks for in a frame.
+/// Requests of a pad in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pad {
-    /// The way that is held down.
+    /// Input that is held down.
     pub held: Held,
     /// Strike.
     pub strikes: bool,
-    /// Take somebody over, or let go.
+    /// Take over the selected character, or release it.
     pub toggles: bool,
 }
 
-/// The way of a stick.
+/// Input of a stick.
 ///
-/// - `x`, `y`: to the right and ahead (-1 to 1); `trigger`: how far it is pressed (0 to 1).
+/// - `x`, `y`: to the right and ahead (-1 to 1); `trigger`: pressure (0 to 1).
 pub fn held(x: f32, y: f32, trigger: f32) -> Held {
     let length = x.hypot(y);
     if length.is_nan() || length <= DEAD {
@@ -50,18 +51,18 @@ impl std::fmt::Debug for Pads {
 }
 
 impl Pads {
-    /// What is asked for since the last frame; none where no pad is there.
+    /// Requests since the last frame; none without a pad.
     #[cfg(not(feature = "gamepad"))]
     pub fn read(&mut self) -> Option<Pad> {
         None
     }
 
-    /// What is asked for since the last frame; none where no pad is there.
+    /// Requests since the last frame; none without a pad.
     #[cfg(feature = "gamepad")]
     pub fn read(&mut self) -> Option<Pad> {
         use gilrs::{Axis, Button, EventType};
         if !std::mem::replace(&mut self.tried, true) {
-            // Where the system has no pads at all, there is none.
+            // A system without any support for pads has none.
             self.all = gilrs::Gilrs::new().ok();
         }
         let all = self.all.as_mut()?;

@@ -1,11 +1,11 @@
-//! Who is steered, and how soon keys are seen, in a line over the 3-D view.
+//! The state of steering and the delay of keys, in a line over the 3-D view.
 
 use super::pad::Pad;
 use crate::command::{Command, Held, SteerCommand};
 use crate::model::Model;
 use eframe::egui::{Context, FontId, Key, Modifiers, Rect, Ui, vec2};
 
-/// Takes the keys of who steers out of the input; where none is held down, what a pad asks for counts.
+/// Takes the steering keys out of the input; while no direction is held down, the input of a pad counts.
 pub fn keys(ctx: &Context, model: &Model, pad: Option<Pad>, commands: &mut Vec<Command>) {
     if pad.is_some_and(|p| p.toggles) {
         commands.push(Command::Steer(SteerCommand::Toggle));
@@ -15,7 +15,7 @@ pub fn keys(ctx: &Context, model: &Model, pad: Option<Pad>, commands: &mut Vec<C
         let axis = |more: Key, less: Key| f32::from(i8::from(i.key_down(more)) - i8::from(i.key_down(less)));
         Held { ahead: axis(Key::W, Key::S), aside: axis(Key::D, Key::A), runs: i.modifiers.shift }
     });
-    // Where no way is held down, it is all the same whether Shift is.
+    // Without a direction, Shift does not matter.
     let held = if held.moves() { held } else { pad.map_or(Held::default(), |p| p.held) };
     if held != steering.held {
         commands.push(Command::Steer(SteerCommand::Hold(held)));
@@ -28,7 +28,7 @@ pub fn keys(ctx: &Context, model: &Model, pad: Option<Pad>, commands: &mut Vec<C
     }
 }
 
-/// Shows how somebody is steered, at the lower left.
+/// Shows the state of steering, at the lower left.
 pub fn show(ui: &Ui, rect: Rect, model: &Model) {
     let Some(steering) = model.steering() else { return };
     let mut text = "Steering: W A S D, Shift runs, X strikes, G ends".to_owned();

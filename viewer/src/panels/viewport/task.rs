@@ -1,4 +1,4 @@
-//! What the mouse does in a task of limbs: things and places are selected and dragged.
+//! Mouse in a task of limbs: selects and drags things and places.
 
 use super::{size, upright, within};
 use crate::command::{Command, PlanCommand, PlanLook};
@@ -8,26 +8,26 @@ use eframe::egui::{CursorIcon, PointerButton, Pos2, Response, Ui};
 use glam::{Vec2, Vec3};
 use throng_planner::task::Handle;
 
-/// Places can be taken hold of within this distance of the pointer (points).
+/// Distance from the pointer within which places can be grabbed (points).
 const GRAB: f32 = 10.0;
 
 /// Something that is dragged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Held {
     handle: Handle,
-    /// Where it was taken hold of, moved along (m).
+    /// Grabbed point, moved along (m).
     at: Vec3,
     has_moved: bool,
 }
 
-/// What lies under the pointer, and where it is met.
+/// Thing or place under the pointer, and the point that was hit.
 fn under(model: &Model, ray: &Ray, view: Vec2) -> Option<(Handle, Vec3)> {
     let camera = model.settings.camera;
     let radius = |at: Vec3| GRAB / camera.pixels_per_metre(at.distance(camera.eye()), view.y);
     model.task()?.pick(ray, model.task_time_s(), radius)
 }
 
-/// Lets things be dragged; true where one is.
+/// Drags things; true while one is dragged.
 pub fn drag(ui: &Ui, response: &Response, model: &Model, held: &mut Option<Held>, commands: &mut Vec<Command>) -> bool {
     if model.task().is_none() {
         *held = None;
@@ -59,7 +59,7 @@ pub fn drag(ui: &Ui, response: &Response, model: &Model, held: &mut Option<Held>
         return false;
     }
     if let Some(at) = response.interact_pointer_pos() {
-        // It goes up and down while the Alt key is held, else it keeps its height.
+        // The thing moves up and down while the Alt key is held, else it keeps its height.
         let to = match ui.input(|i| i.modifiers.alt) {
             true => upright(&ray(at), camera, h.at),
             false => ray(at).meets_height(h.at.y),

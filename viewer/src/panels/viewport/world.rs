@@ -1,4 +1,4 @@
-//! What the mouse and keys do in a world: select, send, place, drag and turn.
+//! Mouse and keys in a world: select, send, place, drag and turn.
 
 use crate::command::{Command, Draft, Tool, WorldCommand};
 use crate::document::WorldDocument;
@@ -13,11 +13,11 @@ use std::f32::consts::PI;
 use throng_runtime::patch::Placement;
 use throng_runtime::world::inhabitants::Wish;
 
-/// A character is sent to a free place so near to where one has clicked (m).
+/// Distance within which a free place is searched around the clicked one (m).
 pub const SENT_WITHIN_M: f32 = 5.0;
 /// One press of a key turns a unit by this (rad).
 const TURN: f32 = PI / 12.0;
-/// The same with Shift (rad).
+/// Angle with Shift (rad).
 const QUARTER: f32 = PI / 2.0;
 
 /// A unit that is dragged.
@@ -25,15 +25,15 @@ const QUARTER: f32 = PI / 2.0;
 pub struct Dragged {
     /// Number of the place.
     place: usize,
-    /// From where it was taken hold of, at that height, to its origin (m).
+    /// Offset from the grabbed point, at that height, to the origin of the unit (m).
     offset: Vec3,
     /// That height (m).
     height: f32,
-    /// Where it would stand, before it is fitted to others.
+    /// Placement before snapping to other units.
     free: Placement,
 }
 
-/// Lets units be dragged; true where one is.
+/// Drags units; true while one is dragged.
 pub fn drag(
     ui: &Ui,
     response: &Response,
@@ -79,7 +79,7 @@ pub fn drag(
     true
 }
 
-/// Where a unit would go: beside others of its kind; where it is held, with the Alt key.
+/// Placement of a dragged unit: snapped to others of its kind; with the Alt key, exactly as dragged.
 fn fitted(ui: &Ui, world: &WorldDocument, unit: usize, but: Option<usize>, free: Placement) -> Placement {
     if ui.input(|i| i.modifiers.alt) {
         return free;
@@ -133,7 +133,7 @@ pub fn hover(ui: &Ui, model: &Model, ray: Option<Ray>, heading: &mut f32, comman
     }
 }
 
-/// Height that a new unit stands at: that of what is pointed at; panels lie level with others (m).
+/// Height for a new unit: that of the point under the pointer; panels are level with others (m).
 fn height(world: &WorldDocument, unit: usize, ray: &Ray) -> f32 {
     match world.pick(ray) {
         Some((Some(place), _)) if world.unit(unit).floor => world.placed()[place].placement.y,
@@ -142,7 +142,7 @@ fn height(world: &WorldDocument, unit: usize, ray: &Ray) -> f32 {
     }
 }
 
-/// What a click does.
+/// Effect of a click.
 pub fn click(ui: &Ui, model: &Model, world: &WorldDocument, layout: &Layout, ray: &Ray, commands: &mut Vec<Command>) {
     let look = &model.selection.world;
     let sends = look.tool == Tool::Send || ui.input(|i| i.modifiers.command);

@@ -1,4 +1,4 @@
-//! The camera: it orbits a target, and stays above the ground.
+//! The camera: it orbits a target, and keeps above the ground.
 
 mod ray;
 mod text;
@@ -23,7 +23,7 @@ const TURN_PER_PIXEL: f32 = 0.0065;
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct Camera {
-    /// What the camera looks at (m).
+    /// Point at the centre of the picture (m).
     pub target: Vec3,
     /// From eye to target (m).
     pub distance: f32,
@@ -50,7 +50,7 @@ impl Camera {
         self.limit();
     }
 
-    /// Moves the target so that it stays under the pointer of a drag (pixels).
+    /// Moves the target so that it follows the pointer of a drag (pixels).
     pub fn pan(&mut self, dx: f32, dy: f32, viewport_height: f32) {
         let [right, up, _] = self.axes();
         let per_pixel = 2.0 * self.distance * (0.5 * self.fov_y).tan() / viewport_height.max(1.0);
@@ -79,7 +79,7 @@ impl Camera {
         self.pitch = or(self.pitch, fallback.pitch).clamp(lowest.max(-1.4), FRAC_PI_2);
     }
 
-    /// Where the camera is (m).
+    /// Position of the camera (m).
     pub fn eye(&self) -> Vec3 {
         self.target + self.axes()[2] * self.distance
     }
@@ -131,7 +131,7 @@ impl Camera {
         Ray { origin: self.eye(), direction: direction.normalize() }
     }
 
-    /// Where a point appears in a viewport; `None` behind the near plane (pixels).
+    /// Screen position of a point in a viewport; `None` behind the near plane (pixels).
     pub fn project(&self, point: Vec3, size: Vec2) -> Option<Vec2> {
         let size = size.max(Vec2::ONE);
         let clip = self.view_proj(size.x / size.y) * point.extend(1.0);
@@ -143,7 +143,8 @@ impl Camera {
         viewport_height / (2.0 * (0.5 * self.fov_y).tan() * distance.max(self.near()))
     }
 
-    /// Looks at a box from the present direction, from as near as shows all of it; `aspect` is width over height.
+    /// Frames a box from the present direction, from the least distance that shows all of it; `aspect` is width over
+    /// height.
     pub fn frame_box(&mut self, min: Vec3, max: Vec3, aspect: f32) {
         let (low, high) = (min.min(max), min.max(max));
         if !(low.is_finite() && high.is_finite()) {

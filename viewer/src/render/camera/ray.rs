@@ -5,9 +5,9 @@ use glam::Vec3;
 /// A half-line in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where it starts (m).
+    /// Start of the ray (m).
     pub origin: Vec3,
-    /// Where it goes. Unit.
+    /// Direction of the ray. Unit.
     pub direction: Vec3,
 }
 
@@ -17,7 +17,7 @@ impl Ray {
         self.origin + self.direction * distance
     }
 
-    /// Where the ray meets the horizontal plane at `height`; `None` where it never does (m).
+    /// Intersection with the horizontal plane at `height`; `None` if the ray never reaches it (m).
     pub fn meets_height(&self, height: f32) -> Option<Vec3> {
         let t = (height - self.origin.y) / self.direction.y;
         (t.is_finite() && t >= 0.0).then(|| {
@@ -33,7 +33,7 @@ impl Ray {
         (to - self.direction * along).length_squared() <= radius * radius
     }
 
-    /// Where the ray meets the ground, y = 0.
+    /// Intersection with the ground, y = 0 (m).
     pub fn meets_ground(&self) -> Option<Vec3> {
         self.meets_height(0.0)
     }

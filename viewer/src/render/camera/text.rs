@@ -85,7 +85,7 @@ pub enum CameraParseError {
         key: &'static str,
         /// The value.
         got: String,
-        /// What it should be.
+        /// Description of valid values.
         expected: &'static str,
     },
     /// A value out of its range.
@@ -95,7 +95,7 @@ pub enum CameraParseError {
         key: &'static str,
         /// The value.
         got: f32,
-        /// What it should be.
+        /// Description of valid values.
         expected: &'static str,
     },
 }
@@ -104,7 +104,7 @@ impl FromStr for Camera {
     type Err = CameraParseError;
 
     /// A preset's name, or settings such as `yaw=30,pitch=20,distance=6,target=0:1:0,fov=35`, or a name followed by
-    /// settings. Angles are in degrees; what is not given is as in the three-quarter view.
+    /// settings. Angles are in degrees; missing settings are those of the three-quarter view.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let mut camera = Self::default();
         for part in text.split(',').map(str::trim) {

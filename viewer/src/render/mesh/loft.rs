@@ -8,7 +8,7 @@ use std::f32::consts::TAU;
 /// A closed curve around a centre: an ellipse, or squarer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ring {
-    /// Its middle (m).
+    /// Middle of the ring (m).
     pub centre: Vec3,
     /// First half axis (m).
     pub u: Vec3,
@@ -32,8 +32,8 @@ impl Ring {
     }
 }
 
-/// By how much a polygon of so many corners is larger than the circle it stands for, at the same area: coarse levels of
-/// detail look as stout as fine ones (segments >= 3).
+/// Ratio of a regular polygon's radius to that of a circle of the same area: coarse levels of detail look as stout as
+/// fine ones (segments >= 3).
 pub(super) fn equal_area(segments: usize) -> f32 {
     let corner = TAU / segments as f32;
     (corner / corner.sin()).sqrt()
@@ -53,7 +53,7 @@ impl Loft<'_> {
     /// Adds the surface to a mesh.
     ///
     /// - `weigh`: joints that move a rest position.
-    /// - `part`: what a face is and on which side, from its middle.
+    /// - `part`: part and side of a face, from its middle.
     pub fn build(&self, mesh: &mut Mesh, weigh: impl Fn(Vec3) -> Influence, part: impl Fn(Vec3) -> (Part, Side)) {
         let points = self.points();
         let faces = self.faces();

@@ -15,7 +15,7 @@ use throng_runtime::{Joint, Skeleton};
 /// Levels of detail of a body, finest first.
 pub const LEVELS: usize = 4;
 
-/// What a character looks like.
+/// Appearance of a character.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub enum Body {
     /// A capsule around every limb.
@@ -23,11 +23,11 @@ pub enum Body {
     Capsules,
     /// A smooth figure, skinned.
     Mannequin,
-    /// A mesh of the user's own; who cannot wear it looks like [`Body::Mannequin`].
+    /// A mesh of the user's own; characters that cannot wear it look like [`Body::Mannequin`].
     Own,
 }
 
-/// What a part of the surface is; colours depend on it. Numbers are those of `shaders/body.wgsl`.
+/// Part of the surface; colours depend on it. Numbers match `shaders/body.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(u32)]
 pub enum Part {
@@ -41,7 +41,7 @@ pub enum Part {
     Shoe,
     /// The underside of the feet.
     Sole,
-    /// Where the eyes are.
+    /// Eyes.
     Visor,
 }
 
@@ -88,7 +88,7 @@ pub struct Vertex {
     pub normal: [f32; 3],
     /// Joints that move it.
     pub joints: [u8; 4],
-    /// How much each does (they sum to 255).
+    /// Weight of each joint (sum 255).
     pub weights: [u8; 4],
 }
 

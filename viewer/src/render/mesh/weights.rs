@@ -12,7 +12,7 @@ impl Influence {
         Self([(joint, 1.0), (joint, 0.0), (joint, 0.0), (joint, 0.0)])
     }
 
-    /// `self` at `t = 0`, `other` at `t = 1`. Where that makes more than four joints, the weakest are left out.
+    /// `self` at `t = 0`, `other` at `t = 1`. If that makes more than four joints, the weakest are left out.
     pub fn mix(self, other: Self, t: f32) -> Self {
         let t = t.clamp(0.0, 1.0);
         let mut all: Vec<(Joint, f32)> = Vec::with_capacity(8);

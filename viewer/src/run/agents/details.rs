@@ -1,11 +1,11 @@
-//! What moves an agent: its forces, its bound and its route.
+//! Motion of an agent: its forces, its bound and its route.
 
 use glam::Vec3;
 use throng_runtime::crowd::{Crowd, Id};
 use throng_runtime::simulation::agents::in_world;
 use throng_runtime::simulation::{GroupCast, Simulation};
 
-/// Terms of the force field, with the equation of Kim, Kim and Shin 2003b that says what they are.
+/// Terms of the force field, with their equations in Kim, Kim and Shin 2003b.
 pub const FORCE_TERMS: [(&str, &str); 6] = [
     ("driving", "Toward the desired velocity along the route (eq. 17)"),
     ("interaction", "Attraction and repulsion (eq. 17)"),
@@ -18,7 +18,7 @@ pub const FORCE_TERMS: [(&str, &str); 6] = [
 /// More of one agent, in the world.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Details {
-    /// Its velocity (m/s).
+    /// Velocity of the agent (m/s).
     pub velocity: Vec3,
     /// Radius of its body (m).
     pub radius: f32,
@@ -26,21 +26,21 @@ pub struct Details {
     pub bound_radius: f32,
     /// Terms of the force field, in the order of [`FORCE_TERMS`] (m/s2).
     pub forces: [Vec3; 6],
-    /// The acceleration that was taken after the safety rule (m/s2).
+    /// The acceleration after the safety rule (m/s2).
     pub taken: Vec3,
-    /// Its largest acceleration (m/s2).
+    /// Largest acceleration of the agent (m/s2).
     pub limit: f32,
-    /// Its desired speed (m/s).
+    /// Desired speed of the agent (m/s).
     pub speed: f32,
-    /// Where it wants to go; zero at its goal.
+    /// Desired velocity; zero at its goal.
     pub desired: Vec3,
     /// Length of the route that is left (m).
     pub way_left: f32,
-    /// Its last event, and its next one if nothing comes between (s).
+    /// Last event, and the next one if no other comes between (s).
     pub events: [f64; 2],
-    /// Both ends of the path that its centre takes if it brakes (m).
+    /// Both ends of the path of the agent's centre when braking (m).
     pub stop: [Vec3; 2],
-    /// Lowest corner of the cell that it is registered in (m).
+    /// Lowest corner of the agent's cell (m).
     pub cell: Vec3,
     /// Side of cells (m).
     pub cell_side: f32,
@@ -52,7 +52,7 @@ pub fn first_agent(simulation: &Simulation) -> Option<usize> {
     simulation.groups().iter().find(|g| is_of_agents(g.cast)).map(|g| g.characters.start)
 }
 
-/// The engine that an agent is in, and its name there; none for other characters.
+/// The engine of an agent, and its name there; none for other characters.
 fn engine(simulation: &Simulation, who: usize) -> Option<(&Crowd, Id)> {
     match simulation.locate(who) {
         (GroupCast::Ground(agents), member) => Some((agents.crowd(), agents.id(member)?)),
@@ -67,7 +67,7 @@ pub fn bound(simulation: &Simulation, who: usize) -> Option<(Vec3, f32)> {
     crowd.bound(id, crowd.now())
 }
 
-/// Corners of an agent's route, from where it was sent to its goal; none for other characters (m).
+/// Corners of an agent's route, from its start to its goal; none for other characters (m).
 pub fn way(simulation: &Simulation, who: usize) -> Vec<Vec3> {
     match simulation.locate(who) {
         (GroupCast::Ground(agents), member) => agents.layout().ways[member].iter().map(|&p| in_world(p)).collect(),
@@ -76,13 +76,13 @@ pub fn way(simulation: &Simulation, who: usize) -> Vec<Vec3> {
     }
 }
 
-/// More of an agent; none for other characters and after it has left.
+/// Details of an agent; none for other characters and after it has left.
 pub fn details(simulation: &Simulation, who: usize) -> Option<Details> {
     let (crowd, id) = engine(simulation, who)?;
     let (agent, f) = (crowd.agent(id)?, crowd.forces(id)?);
     let events = [crowd.last_event(id)?, crowd.next_event(id)?];
     let (from, to) = crowd.stop_region(id)?;
-    // It was registered where it was at its last event.
+    // The agent was registered at the position of its last event.
     let (side, then) = (crowd.cell_side(), crowd.position(id, events[0])?);
     Some(Details {
         velocity: crowd.velocity(id, crowd.now())?,

@@ -1,4 +1,4 @@
-//! What has happened to a crowd: the last events of every kind, and those of one agent.
+//! Event log of a crowd: the last events of every kind, and those of one agent.
 
 use super::rates::Rates;
 use glam::Vec3;
@@ -22,7 +22,7 @@ pub enum What {
     Entering,
     /// A bound occupies cells no more.
     Leaving,
-    /// Two touch and stay together.
+    /// Two agents touch and stay together.
     Contacting,
     /// Two agents that touched separate.
     Separating,
@@ -49,17 +49,17 @@ pub enum What {
 /// The other party of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum With {
-    /// None.
+    /// No other party.
     Nobody,
     /// Another agent.
     Agent(usize),
     /// An obstacle.
     Obstacle(usize),
-    /// How a message was learnt, and from whom.
+    /// How a message was learnt, and the sender.
     Message(&'static str, Option<usize>),
-    /// Number of a rule, and of the other agent.
+    /// Number of a rule, and the other agent.
     Rule(usize, Option<usize>),
-    /// Number of a graph and of its edge, and of the other agent.
+    /// Number of a graph and of its edge, and the other agent.
     Edge(usize, usize, Option<usize>),
 }
 
@@ -77,7 +77,7 @@ impl With {
 /// Which events are listed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EventFilter {
-    /// Of these kinds.
+    /// Kinds that are listed.
     pub kinds: [bool; What::COUNT],
     /// About this place alone.
     pub place: Option<usize>,
@@ -98,7 +98,7 @@ impl EventFilter {
     }
 }
 
-/// All kinds in their order, what they are called, and what they mean.
+/// All kinds in their order, with names and meanings.
 const KINDS: [(What, &str, &str); What::COUNT] = [
     (What::Resetting, "resetting", "A bound touched the side of its region R and was reset"),
     (What::Colliding, "colliding", "Two bounds touched; both were reset"),
@@ -155,7 +155,7 @@ impl What {
         })
     }
 
-    /// The kind of what happens in a mind and the other party; none for what is not listed.
+    /// The kind of an event of an agent's brain and the other party; none for events that are not listed.
     pub fn of_turn(turn: &Turn, first: usize) -> Option<(Self, With)> {
         let other = turn.other.map(|agent| first + agent);
         Some(match turn.kind {
@@ -168,22 +168,22 @@ impl What {
         })
     }
 
-    /// True for what the engine of the crowd does, and not somebody in it.
+    /// True for events of the crowd engine, false for those of agents.
     pub fn is_of_engine(self) -> bool {
         self.number() <= Self::Separating.number()
     }
 
-    /// Its number among all kinds.
+    /// Number of the kind.
     pub fn number(self) -> usize {
         self as usize
     }
 
-    /// What it is called.
+    /// Name of the kind.
     pub fn name(self) -> &'static str {
         KINDS[self.number()].1
     }
 
-    /// What it means, in a sentence.
+    /// Meaning of the kind, in a sentence.
     pub fn meaning(self) -> &'static str {
         KINDS[self.number()].2
     }
@@ -196,17 +196,17 @@ pub struct Happened {
     pub time_s: f64,
     /// The character.
     pub agent: usize,
-    /// What.
+    /// Kind of the event.
     pub what: What,
     /// The other party.
     pub with: With,
-    /// Number of the place that it is about.
+    /// Number of the place of the event.
     pub place: Option<usize>,
-    /// Number of the message that it is about.
+    /// Number of the message of the event.
     pub message: Option<usize>,
-    /// Where it was (m).
+    /// Position of the agent (m).
     pub at: Vec3,
-    /// Where the other agent was (m).
+    /// Position of the other agent (m).
     pub other_at: Option<Vec3>,
 }
 
@@ -217,7 +217,7 @@ impl Happened {
     }
 }
 
-/// What has happened so far, as much of it as is kept.
+/// Events so far, as many as are kept.
 #[derive(Clone, Debug, Default)]
 pub struct EventLog {
     /// In order of time. Kinds are kept apart, so that the many do not drive out the few.
@@ -243,7 +243,7 @@ impl EventLog {
         self.rates.mark(time_s, present, self.totals);
     }
 
-    /// Keeps the events of another agent apart from now on; those of before that are left, too.
+    /// Keeps the events of another agent separately from now on; starts with its earlier ones that are still kept.
     pub fn watch(&mut self, agent: Option<usize>) {
         self.watched = agent;
         let all = self.kinds.iter().flatten();
@@ -252,7 +252,7 @@ impl EventLog {
         self.of_watched = old.into();
     }
 
-    /// Forgets what happened after a time.
+    /// Removes the events after a time.
     pub fn forget_after(&mut self, time_s: f64) {
         for list in self.kinds.iter_mut().chain([&mut self.of_watched]) {
             list.truncate(list.partition_point(|h| h.time_s <= time_s));
@@ -260,24 +260,24 @@ impl EventLog {
         self.totals = self.rates.forget_after(time_s);
     }
 
-    /// How many events of every kind there were, over time.
+    /// Event rates: numbers of events of every kind over time.
     pub fn rates(&self) -> &Rates {
         &self.rates
     }
 
-    /// The last events that a filter lets through until a time, the latest first.
+    /// The last events that a filter accepts until a time, the latest first.
     pub fn last(&self, filter: &EventFilter, until_s: f64, most: usize) -> Vec<Happened> {
         let kinds = self.kinds.iter().zip(filter.kinds).filter(|k| k.1);
         let is_shown = |h: &&Happened| h.time_s <= until_s && filter.lets(h);
         let of_kind = |k: &VecDeque<Happened>| k.iter().rev().filter(is_shown).take(most).copied().collect::<Vec<_>>();
         let mut all: Vec<Happened> = kinds.flat_map(|(k, _)| of_kind(k)).collect();
-        // One agent's events at one time stay in the order in which they happened.
+        // Events of one agent at the same time stay in order.
         all.sort_by(|a, b| b.time_s.total_cmp(&a.time_s));
         all.truncate(most);
         all
     }
 
-    /// The same of the agent that is watched.
+    /// The last events of the watched agent that a filter accepts, the latest first.
     pub fn last_of_watched(&self, filter: &EventFilter, until_s: f64, most: usize) -> Vec<Happened> {
         let is_shown = |h: &&Happened| h.time_s <= until_s && filter.lets(h);
         self.of_watched.iter().rev().filter(is_shown).take(most).copied().collect()

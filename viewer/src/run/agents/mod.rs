@@ -1,4 +1,4 @@
-//! Agents of a scene: what happened to them, how often, and what moves one of them.
+//! Agents of a scene: their events, event rates, and details of one of them.
 
 mod details;
 mod happened;

@@ -1,4 +1,4 @@
-//! How often events of every kind happen.
+//! Event rates of every kind.
 
 use super::What;
 use std::collections::VecDeque;
@@ -7,10 +7,10 @@ use std::collections::VecDeque;
 pub const WINDOW_S: f64 = 10.0;
 /// Time that one rate is a mean over (s).
 const BIN_S: f64 = 0.25;
-/// Marks that are kept: those of a minute, and the window before its first moment.
+/// Marks that are kept: one minute, and the window before it.
 const KEPT: usize = 70 * super::STEP_HZ as usize;
 
-/// How many events there had been at a time.
+/// Numbers of events until a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Tally {
     time_s: f64,
@@ -18,14 +18,14 @@ struct Tally {
     totals: [u64; What::COUNT],
 }
 
-/// How many events of every kind there were, over time.
+/// Numbers of events of every kind over time.
 #[derive(Clone, Debug, Default)]
 pub struct Rates {
     marks: VecDeque<Tally>,
 }
 
 impl Rates {
-    /// Notes how many events of every kind there were until a time, later than all others (s).
+    /// Records how many events of every kind there were until a time, later than all others (s).
     pub fn mark(&mut self, time_s: f64, present: usize, totals: [u64; What::COUNT]) {
         if self.marks.len() == KEPT {
             self.marks.pop_front();
@@ -33,7 +33,7 @@ impl Rates {
         self.marks.push_back(Tally { time_s, present, totals });
     }
 
-    /// Forgets what there was after a time, and returns how many events of every kind there had been by then.
+    /// Removes the marks after a time, and returns how many events of every kind there had been by then.
     pub fn forget_after(&mut self, time_s: f64) -> [u64; What::COUNT] {
         self.marks.truncate(self.marks.partition_point(|m| m.time_s <= time_s + 1e-9));
         self.totals(time_s)
@@ -59,7 +59,7 @@ impl Rates {
             let (from, to) = (self.at(i as f64 * BIN_S)?, self.at((i + 1) as f64 * BIN_S)?);
             let seconds = to.time_s - from.time_s;
             let agent_seconds = 0.5 * (from.present + to.present) as f64 * seconds;
-            // What is older than the first mark is not known.
+            // Events before the first mark are unknown.
             let rate = |k: usize| (to.totals[k] - from.totals[k]) as f64 / agent_seconds;
             (agent_seconds > 0.0 && seconds > 0.5 * BIN_S)
                 .then(|| (0.5 * (from.time_s + to.time_s), std::array::from_fn(rate)))

@@ -1,4 +1,4 @@
-//! How many agents know of every message, over time.
+//! Number of agents that know each message, over time.
 
 use throng_runtime::simulation::scenario::{Minds, Turn, TurnKind};
 
@@ -7,7 +7,7 @@ use throng_runtime::simulation::scenario::{Minds, Turn, TurnKind};
 pub struct SpreadLog(Vec<Vec<f64>>);
 
 impl SpreadLog {
-    /// What is known now.
+    /// Present knowledge of all agents.
     pub fn of(minds: Option<&Minds>) -> Self {
         let Some(minds) = minds else { return Self::default() };
         let times = |event: usize| {
@@ -19,21 +19,21 @@ impl SpreadLog {
         Self((0..minds.events().len()).map(times).collect())
     }
 
-    /// Takes what happened in a mind, later than all others.
+    /// Records an event of an agent's brain, later than all others.
     pub fn take(&mut self, turn: &Turn) {
         if let (TurnKind::Learns(_), Some(event)) = (turn.kind, turn.event) {
             self.0[event].push(turn.time_s);
         }
     }
 
-    /// Forgets what was learnt after a time (s).
+    /// Removes what was learnt after a time (s).
     pub fn forget_after(&mut self, time_s: f64) {
         for times in &mut self.0 {
             times.truncate(times.partition_point(|t| *t <= time_s));
         }
     }
 
-    /// When agents came to know of a message, ascending; also those who will, as far as that is recorded (s).
+    /// Times at which agents learnt a message, ascending; includes recorded times after the one shown (s).
     pub fn times(&self, event: usize) -> &[f64] {
         self.0.get(event).map_or(&[], Vec::as_slice)
     }

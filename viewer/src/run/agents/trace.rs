@@ -1,4 +1,4 @@
-//! How agents came to the states that they are in: the last edge at each level, and what began anew with it.
+//! How agents came to their states: the last edge at each level, and which levels began anew with it.
 
 use throng_runtime::simulation::Simulation;
 use throng_runtime::simulation::scenario::{Turn, TurnKind};
@@ -6,16 +6,16 @@ use throng_runtime::simulation::scenario::{Turn, TurnKind};
 /// No edge.
 const NONE: u16 = u16::MAX;
 
-/// What happened last at one level.
+/// Last change at one level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Level {
-    /// When its state began, or began anew (s); NaN where it is not known.
+    /// Time at which its state began, or began anew (s); NaN if unknown.
     since_s: f32,
     /// When the edge was taken (s).
     taken_s: f32,
     /// The last edge, as numbered in the scene file; [`NONE`] for none.
     edge: u16,
-    /// It began anew with a change at this level.
+    /// Level whose change made this one begin anew.
     above: u8,
 }
 
@@ -23,30 +23,30 @@ struct Level {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trace([Level; 3]);
 
-/// How an agent came to its state at one level.
+/// Entry of an agent into its state at one level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
-    /// Since when it is in this state (s); none where that was before the state that was restored.
+    /// Time since which the agent is in this state (s); none if it was before the restored state.
     pub since_s: Option<f64>,
-    /// The edge that was taken last at this level, and when (s); it may have led back to the same state.
+    /// The last edge taken at this level, and its time (s); it may have led back to the same state.
     pub edge: Option<(usize, f64)>,
-    /// Level with whose change it began anew.
+    /// Level whose change made this one begin anew.
     pub began_with: Option<usize>,
 }
 
 impl Trace {
-    /// Of an agent that has been in its states since a time; NaN where that is not known (s).
+    /// Trace of an agent that has been in its states since a time; NaN if unknown (s).
     fn begun(since_s: f32) -> Self {
         Self([Level { since_s, taken_s: f32::NAN, edge: NONE, above: u8::MAX }; 3])
     }
 
-    /// Of all agents of a scene in its present state; none where they have no minds.
+    /// Traces of all agents of a scene in its present state; empty if they have no brains.
     pub fn of_all(simulation: &Simulation) -> Vec<Self> {
         let since_s = if simulation.time_s() == 0.0 { 0.0 } else { f32::NAN };
         vec![Self::begun(since_s); simulation.minds().map_or(0, |m| m.len())]
     }
 
-    /// Takes what happened in a mind.
+    /// Records an event of the agent's brain.
     pub fn take(&mut self, turn: &Turn) {
         let time_s = turn.time_s as f32;
         match turn.kind {
@@ -64,7 +64,7 @@ impl Trace {
         }
     }
 
-    /// How it came to its state at a level (level < 3).
+    /// Entry into the state at a level (level < 3).
     pub fn at(&self, level: usize) -> Entry {
         let l = self.0[level];
         Entry {

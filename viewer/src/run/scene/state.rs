@@ -12,7 +12,7 @@ use throng_runtime::simulation::{GroupCast, Simulation};
 use throng_runtime::sparring::NO_THREAT_S;
 use throng_runtime::{Inline, Rayon, Result, Run as Threads};
 
-/// Steps between two looks at all agents.
+/// Steps between two observations of all agents.
 const LOOK_EVERY: u32 = 2;
 /// Characters from which on a step is split over threads.
 const PARALLEL_FROM: usize = 200;
@@ -28,14 +28,14 @@ pub(super) struct Choosing {
     pub choices: Choices,
 }
 
-/// All that later steps depend on, and what was measured.
+/// State that later steps depend on, and figures.
 #[derive(Clone)]
 pub(super) struct State {
     pub simulation: Simulation,
     pub choosing: Vec<Choosing>,
     feet: SlipMeter,
     agents: Option<AgentsMeter>,
-    /// How agents came to their states (agents with minds).
+    /// How agents came to their states (agents with brains).
     pub traces: Vec<Trace>,
     pub figures: StepFigures,
 }
@@ -52,7 +52,7 @@ impl State {
             simulation,
         };
         let simulation = &state.simulation;
-        // Everybody has chosen already; what choices before a saved state were about is not known.
+        // All characters have chosen already; the data of choices before a saved state are unknown.
         let is_at_start = simulation.time_s() == 0.0;
         for c in &mut state.choosing {
             let (targets, mut threats) = around(&simulation.casts()[c.cast]);
@@ -94,14 +94,14 @@ impl State {
         Ok(())
     }
 
-    /// Takes what happened in minds.
+    /// Records the events of agent brains.
     fn follow_minds(&mut self) {
         for turn in self.simulation.minds().map_or(&[][..], |m| m.turns()) {
             self.traces[turn.agent].take(turn);
         }
     }
 
-    /// Lets an input take effect.
+    /// Applies an input.
     pub fn take(&mut self, input: &Input) -> Result<()> {
         match input {
             Input::Target { character, to } => {
@@ -147,7 +147,7 @@ impl State {
 }
 
 impl Choosing {
-    /// None for a group without policies.
+    /// The state of a group; none for a group without policies.
     fn new(simulation: &Simulation, cast: usize, characters: &std::ops::Range<usize>) -> Option<Self> {
         let boxers = match &simulation.casts()[cast] {
             GroupCast::Policy(p) => p.practice().boxers(),
@@ -178,7 +178,7 @@ impl Choosing {
     }
 }
 
-/// Targets, and coming blows where there are opponents.
+/// Targets, and coming blows for groups with opponents.
 fn around(cast: &GroupCast) -> (Vec<Vec3>, Vec<Vec3>) {
     match cast {
         GroupCast::Policy(p) => (p.practice().targets().iter().map(|t| t.position()).collect(), Vec::new()),

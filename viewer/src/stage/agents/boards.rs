@@ -1,4 +1,4 @@
-//! Billboards of cells as a map on the floor: cells on whose boards something is written are tinted.
+//! Blackboards of cells as a map on the floor: cells with entries on their blackboards are tinted.
 
 use super::Brush;
 use crate::command::{BoardCell, Boards, SceneLook};
@@ -7,15 +7,15 @@ use glam::{Vec2, Vec3};
 use throng_runtime::simulation::Simulation;
 use throng_runtime::simulation::scenario::{Minds, Posted};
 
-/// Cells lie so much above the ground, the smallest the highest (m).
+/// Height of cells above the ground, the smallest the highest (m).
 const CELL_Y: f32 = 0.001;
-/// How strong the tint is of one entry, and of many.
+/// Strength of the tint for one entry, and the largest one.
 const TINT: f32 = 0.16;
 const MOST_TINT: f32 = 0.5;
 /// Most cells that are drawn.
 const MAX_CELLS: usize = 2000;
 
-/// What the boards of cells show, of the levels that are looked at.
+/// Entries on the blackboards of cells, of the selected levels.
 pub fn posted<'a>(minds: &'a Minds, look: &SceneLook) -> impl Iterator<Item = (BoardCell, Posted)> + 'a {
     let boards = look.boards;
     let of_cells = minds.posts().filter_map(|p| Some((BoardCell::of(&p.cell?), p)));
@@ -40,7 +40,7 @@ pub fn cell_at(minds: &Minds, look: &SceneLook, at: Vec3) -> Option<BoardCell> {
 
 /// The colour of a message.
 pub fn colour_of_message(event: usize) -> Rgba {
-    // Those of groups are not far from each other on the floor.
+    // Groups use the first colours; messages on the floor start at others.
     super::super::cues::category(event + 4)
 }
 

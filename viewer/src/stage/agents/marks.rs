@@ -9,12 +9,12 @@ use glam::Vec3;
 
 /// Time that a mark stays (s).
 const MARK_S: f64 = 0.6;
-/// What happens seldom stays longer (s).
+/// Time that marks of rare events stay (s).
 const RARE_S: f64 = 2.5;
-/// Most marks of frequent events that are drawn: more would hide who they are about. Those of the selected
-/// agent are drawn all the same.
+/// Most marks of frequent events that are drawn: more would hide the agents. Those of the selected agent are always
+/// drawn.
 const MAX_MARKS: usize = 120;
-/// Marks of what happens seldom that are drawn at most.
+/// Most marks of rare events that are drawn.
 const MAX_RARE: usize = 500;
 /// Radius of marks of agents that have left (m).
 const GONE_M: f32 = 0.3;
@@ -44,7 +44,7 @@ pub fn colour_of(what: What, dark: bool) -> Rgba {
     Rgba::hex(if dark { on_dark } else { on_light })
 }
 
-/// How long a mark of a kind stays (s).
+/// Duration of a mark of a kind (s).
 fn stay_s(what: What) -> f64 {
     match what {
         What::Arrived | What::Left | What::Struck | What::Stuck | What::Learnt => RARE_S,

@@ -24,7 +24,7 @@ use throng_runtime::simulation::agents::Disc;
 
 /// Most agents whose routes are drawn.
 const MAX_LINES: usize = 1500;
-/// What lies on the ground lies so much above it, one on the other (m).
+/// Heights of flat shapes above the ground, one over the other (m).
 const WAY_Y: f32 = 0.004;
 const DISC_Y: f32 = 0.01;
 const EDGE_Y: f32 = 0.013;
@@ -34,13 +34,13 @@ const VIEW_HEIGHT: f32 = 700.0;
 /// Slower ones show no heading (m/s).
 const SLOW_MPS: f32 = 0.05;
 
-/// What every part draws with.
+/// Drawing context shared by all parts.
 pub(super) struct Brush<'a> {
     pub palette: &'a Palette,
     pub dark: bool,
     in_the_air: bool,
     has_regions: bool,
-    /// Length that looks as long as a pixel near what the camera looks at (m).
+    /// Length that covers one pixel at the camera's target (m).
     pixel_m: f32,
 }
 
@@ -61,7 +61,7 @@ impl<'a> Brush<'a> {
         }
     }
 
-    /// Ink that stands out from what agents are filled with.
+    /// Line colour that stands out from the fill colour of agents.
     fn ink(&self) -> Rgba {
         if self.dark { Rgba::hex(0x0f1216) } else { Rgba::hex(0xffffff) }
     }
@@ -108,7 +108,7 @@ pub fn colour_of_group(group: usize) -> Rgba {
     cues::category(group)
 }
 
-/// A disc with the way it moves, or a ball.
+/// A disc with its direction of motion, or a ball.
 pub(super) fn disc(shapes: &mut Shapes, brush: &Brush<'_>, disc: &Disc, colour: Rgba, is_selected: bool) {
     let (radius, speed) = (disc.radius, disc.velocity.length());
     let ahead = disc.velocity * (radius / speed.max(1e-6));

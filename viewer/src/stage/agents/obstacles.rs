@@ -1,4 +1,4 @@
-//! What stands or moves in a crowd's way.
+//! Static and moving obstacles of a crowd.
 
 use super::Brush;
 use crate::document::Standing;
@@ -7,7 +7,7 @@ use glam::Vec3;
 use throng_precompute::run::on_its_way;
 use throng_runtime::crowd::Obstacle;
 
-/// Outlines of boxes in the air, and what moves; what else stands has a mesh.
+/// Draws outlines of boxes in the air, and moving obstacles; all others have meshes.
 pub(in crate::stage) fn lay_out(shapes: &mut Shapes, standing: &Standing, time_s: f64, brush: &Brush<'_>) {
     for obstacle in &standing.obstacles {
         match obstacle {
@@ -18,7 +18,7 @@ pub(in crate::stage) fn lay_out(shapes: &mut Shapes, standing: &Standing, time_s
     }
 }
 
-/// Colour of what stands.
+/// Colour of static obstacles.
 pub(in crate::stage) fn grey(dark: bool) -> Rgba {
     Rgba::hex(if dark { 0x77808d } else { 0x9aa1ab })
 }
@@ -35,7 +35,7 @@ fn edges(shapes: &mut Shapes, low: Vec3, high: Vec3, colour: Rgba) {
     }
 }
 
-/// What moves, where it is now, and the way that it takes.
+/// A moving obstacle, at its present position and with its path.
 fn mover(shapes: &mut Shapes, brush: &Brush<'_>, way: &[(f64, Vec3)], radius: f32, time_s: f64) {
     let at = on_its_way(way, time_s);
     let lift = Vec3::Y * if brush.in_the_air { 0.0 } else { super::DISC_Y };

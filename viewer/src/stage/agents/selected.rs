@@ -7,7 +7,7 @@ use crate::run::agents::{Details, bound, details};
 use glam::Vec3;
 use throng_runtime::simulation::Simulation;
 
-/// A force as large as the largest acceleration is an arrow of so many radii.
+/// Length of the arrow of the largest acceleration (radii).
 const ARROW_RADII: f32 = 5.0;
 /// Smaller forces have no arrow, as shares of the largest acceleration.
 const LEAST_SHARE: f32 = 0.01;
@@ -21,7 +21,7 @@ const FORCES: [[u32; 2]; 6] = [
     [0xffd84d, 0x8a6a00],
     [0x4fe0d0, 0x0a7d72],
 ];
-/// Colour of the acceleration that was taken: on dark, on light.
+/// Colour of the acceleration that was applied: on dark, on light.
 pub const TAKEN: [u32; 2] = [0xffffff, 0x14171c];
 
 /// Colour of a term of the force field, in the view and in the panel (term < 6).
@@ -85,7 +85,7 @@ fn frame(shapes: &mut Shapes, from: Vec3, to: Vec3, (width, colour): (f32, Rgba)
     }
 }
 
-/// The way that it takes if it brakes with all its force, and how wide that is.
+/// Path under full braking, and its width.
 fn stop_region(shapes: &mut Shapes, d: &Details, brush: &Brush<'_>) {
     let [from, to] = d.stop;
     let lift = Vec3::Y * if brush.in_the_air { 0.0 } else { BOUND_Y };
@@ -102,7 +102,7 @@ fn stop_region(shapes: &mut Shapes, d: &Details, brush: &Brush<'_>) {
     }
 }
 
-/// An arrow for each term, and for what was done.
+/// Draws an arrow for each term, and for the applied acceleration.
 fn forces(shapes: &mut Shapes, d: &Details, at: Vec3, brush: &Brush<'_>) {
     let radius = d.radius;
     let scale = ARROW_RADII * radius / d.limit.max(1e-6);
@@ -113,7 +113,7 @@ fn forces(shapes: &mut Shapes, d: &Details, at: Vec3, brush: &Brush<'_>) {
     let terms = d.forces.iter().enumerate().map(|(i, f)| (*f, thin, colour_of_force(i, brush.dark)));
     for (force, thick, colour) in std::iter::once((d.taken, 1.7 * thin, taken.alpha(0.85))).chain(terms) {
         if force.length() > LEAST_SHARE * d.limit {
-            // A term may be larger than what can be done; it is cut where it would lead out of the view.
+            // A term may exceed the largest acceleration; its arrow is cut before it leaves the view.
             shapes.arrow(base, base + (force * scale).clamp_length_max(3.0 * ARROW_RADII * radius), thick, colour);
         }
     }

@@ -1,4 +1,4 @@
-//! The spread of a message: who knows of it, and who told whom.
+//! The spread of a message: which agents know it, and from whom.
 
 use super::Brush;
 use crate::render::{Rgba, Shapes};
@@ -6,11 +6,11 @@ use crate::run::SceneRun;
 use glam::Vec3;
 use throng_runtime::simulation::scenario::Minds;
 
-/// Lines lie so much above the ground (m).
+/// Height of lines above the ground (m).
 const LINE_Y: f32 = 0.03;
-/// Time within which a line from who told fades (s).
+/// Time within which a line from a sender fades (s).
 const FADE_S: f64 = 8.0;
-/// How strong it is then.
+/// Strength after fading.
 const FADED: f32 = 0.25;
 /// Most lines that are drawn.
 const MAX_LINES: usize = 1500;
@@ -24,7 +24,7 @@ pub(in crate::stage) fn colour(minds: &Minds, agent: usize, event: usize, brush:
     }
 }
 
-/// From who told to who was told, and of the selected agent all the way to where the message came from.
+/// Draws lines from senders to receivers, and from the selected agent back to the origin of the message.
 pub(super) fn lay_out(
     shapes: &mut Shapes,
     run: &SceneRun,
@@ -59,12 +59,12 @@ pub(super) fn lay_out(
     }
 }
 
-/// An agent, who told it, who told that one, and so on.
+/// An agent, its sender, the sender of that one, and so on.
 ///
-/// - `told`: from whom and when an agent learnt (s).
+/// - `told`: sender of an agent, and the time (s).
 fn sources(agent: usize, told: impl Fn(usize) -> Option<(usize, f64)>) -> Vec<usize> {
     let (mut all, mut until_s) = (vec![agent], f64::INFINITY);
-    // Who conveys a message may come to know of it later, itself from somebody else.
+    // A sender may learn the message again later, from another agent.
     while let Some((from, time_s)) = told(all[all.len() - 1]).filter(|t| t.1 <= until_s && !all.contains(&t.0)) {
         all.push(from);
         until_s = time_s;

@@ -1,55 +1,55 @@
-//! Bars through the places that hands held.
+//! Bars inferred from places that hands held.
 
 use super::super::{Bounds, Shape};
 use super::Piece;
 use super::places::Touch;
 use glam::Vec3;
 
-/// Hands on a bar are nearer to its axis than this (m).
+/// Largest distance of a hand on a bar from its axis (m).
 const NEAR: f32 = 0.05;
-/// Longest stretch of a bar that no hand held (m).
+/// Longest stretch of a bar without a hand (m).
 const LONGEST_GAP: f32 = 0.6;
-/// Two places that a bar is drawn through are at least this far apart (m).
+/// Least distance between two places that define a line (m).
 const APART: f32 = 0.15;
-/// Fewest places that show the direction of a bar.
+/// Fewest places that determine the direction of a bar.
 const FEWEST: usize = 3;
-/// Fewest places on a bar that is neither level nor upright: through many places lines can be drawn by chance, and most
-/// things that hands hold are either.
+/// Fewest places on a slanting bar: lines through many places arise by chance, and most things that hands hold are
+/// level or upright.
 const FEWEST_SLANTING: usize = 5;
-/// Rise over length of what is level, and run over length of what is upright, are below this.
+/// Greatest slope of a level bar (rise over length), and of an upright one (run over length).
 const SLANTING: f32 = 0.3;
-/// Hands hold a bar at least so long, all places added up (s).
+/// Shortest total time for which hands hold a bar (s).
 const SHORTEST: f32 = 1.0;
-/// A hand that is alone in its place holds something where it stays there for so long; others only paused (s).
+/// Shortest hold of a single hand without other places on the bar; shorter ones are pauses (s).
 const LONG_HOLD: f32 = 0.5;
-/// Bars reach this far beyond the places (m).
+/// Length of a bar beyond its outermost places (m).
 const BEYOND: f32 = 0.12;
-/// (m)
+/// Radius of bars (m).
 const RADIUS: f32 = 0.02;
 /// Most places whose pairs are tried as bars.
 const MOST: usize = 300;
 
-/// A bar that hands held.
+/// A bar held by hands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bar {
     from: Vec3,
     to: Vec3,
-    /// Distances of the places from its axis (m).
+    /// Distances of the places from the axis (m).
     pub off: Vec<f32>,
-    /// How long it was held, all places added up (s).
+    /// Total time for which it was held (s).
     pub held_s: f32,
 }
 
 impl Bar {
-    /// The bar as a shape.
+    /// The bar as a piece of geometry.
     pub fn piece(&self) -> Piece {
         let shape = Shape::Bar { from: self.from.to_array(), to: self.to.to_array(), radius: RADIUS };
         (shape, Bounds::of([self.from, self.to]).grown(RADIUS))
     }
 }
 
-/// Bars through all places: the line that most of them lie on first, then that of most of the others, and so on. Where
-/// fewer than three lie on a line, a short bar across the body is all that can be said, and only of long holds.
+/// Finds bars through all places: first the line with most places, then the one with most of the rest, and so on. Fewer
+/// than three places on a line give only a short bar across the body, and only for long holds.
 pub fn through(places: &[Touch]) -> Vec<Bar> {
     let mut left: Vec<Touch> = places.to_vec();
     let mut bars = Vec::new();
@@ -78,19 +78,19 @@ pub fn through(places: &[Touch]) -> Vec<Bar> {
     bars
 }
 
-/// How long places lasted, added up (s).
+/// Total duration of places (s).
 fn lasting(places: &[Touch]) -> f32 {
     places.iter().map(|t| t.lasts_s).sum()
 }
 
-/// True where so many places, held for so long, speak for a bar in that direction.
+/// True if the number and duration of places suffice for a bar in that direction.
 fn is_bar(places: &[Touch], chosen: &[usize], along: Vec3) -> bool {
     let slants = along.y.abs() > SLANTING && along.with_y(0.0).length() > SLANTING;
     let fewest = if slants { FEWEST_SLANTING } else { FEWEST };
     chosen.len() >= fewest && chosen.iter().map(|&i| places[i].lasts_s).sum::<f32>() >= SHORTEST
 }
 
-/// Numbers of the places on the line with the most of them; `None` where no line is a bar.
+/// Indices of the places on the line with most of them; `None` if no line is a bar.
 fn best_line(places: &[Touch]) -> Option<Vec<usize>> {
     let step = places.len().div_ceil(MOST).max(1);
     let mut best: Vec<usize> = Vec::new();
@@ -110,13 +110,13 @@ fn best_line(places: &[Touch]) -> Option<Vec<usize>> {
     (!best.is_empty()).then_some(best)
 }
 
-/// The places near a line that follow the point `a` on it without a long gap.
+/// Places near a line that are connected to its point `a` without a long gap.
 fn on_line(places: &[Touch], a: Vec3, along: Vec3) -> Vec<usize> {
     let near = |&i: &usize| (places[i].point - a).reject_from(along).length() < NEAR;
     let at = |i: usize| (places[i].point - a).dot(along);
     let mut chosen: Vec<usize> = (0..places.len()).filter(near).collect();
     chosen.sort_by(|&i, &j| at(i).total_cmp(&at(j)));
-    // The run without gaps that holds the point itself, whose place is 0.
+    // The run without gaps that contains the point itself, at coordinate 0.
     let start = chosen.partition_point(|&i| at(i) < 0.0);
     let gap = |i: usize, j: usize| at(chosen[j]) - at(chosen[i]) > LONGEST_GAP;
     let (mut low, mut high) = (start, start);
@@ -129,7 +129,7 @@ fn on_line(places: &[Touch], a: Vec3, along: Vec3) -> Vec<usize> {
     chosen[low..=high].to_vec()
 }
 
-/// The bar along the direction in which points spread most, by power iteration on their scatter.
+/// Bar along the principal direction of the places, by power iteration on their scatter.
 fn fitted(places: &[Touch]) -> Bar {
     let points: Vec<Vec3> = places.iter().map(|t| t.point).collect();
     let middle = points.iter().sum::<Vec3>() / points.len() as f32;

@@ -1,4 +1,4 @@
-//! What a body goes through is not there.
+//! Removal of inferred pieces that the body passes through.
 
 use super::Piece;
 use crate::environment::annotate_in;
@@ -9,16 +9,16 @@ use throng_motion::annotate::ContactConfig;
 use throng_motion::clip::Clip;
 use throng_motion::error::BuildError;
 
-/// A body that is deeper than this in a piece goes through it; markers and skin are off by less (m).
+/// Depth in a piece from which a body passes through it; markers and skin are off by less (m).
 const THROUGH: f32 = 0.07;
-/// A piece is dismissed where a body is in it for longer (s).
+/// Time within a piece from which it is dropped (s).
 const SHORTEST: f32 = 0.1;
-/// And for more than this share of the time for which something held or stood on it.
+/// Share of the time of support that this time must also exceed.
 const SHARE: f32 = 0.2;
 
-/// For each piece, whether the clips leave it standing.
+/// For each piece, true if no clip passes through it.
 ///
-/// - `pieces`: in the frame of the clips, and how long something was planted on each (s).
+/// - `pieces`: in the frame of the clips, each with the time for which something was planted on it (s).
 ///
 /// # Errors
 /// As [`geometries`].

@@ -1,4 +1,4 @@
-//! Places that stay put in the world while the body moves over, under or around them.
+//! Places that stay fixed in the world while the body moves over, under or around them.
 
 use super::super::Bounds;
 use super::super::touch::{PARTS, Probes};
@@ -8,26 +8,26 @@ use throng_motion::annotate::contacts::{detect, hysteresis, speeds};
 use throng_motion::annotate::{ContactConfig, Ground};
 use throng_motion::clip::{Clip, FrameRange, runs};
 
-/// Speeds of a hand that holds something: it falls below the first and stays below the second (m/s).
+/// Speeds of a holding hand: falls below the first and stays below the second (m/s).
 const HOLD_SPEEDS: [f32; 2] = [0.12, 0.25];
-/// Shortest hold, shortest seat (s).
+/// Shortest hold and shortest seat (s).
 const SHORTEST: [f32; 2] = [0.2, 0.7];
-/// The rest of the body moves at least this much against what is fixed in the world (m).
+/// Least motion of the rest of the body relative to a fixed place (m).
 const BODY_MOVES: f32 = 0.08;
-/// What is fixed in the world moves less than this (m).
+/// Largest motion of a fixed place (m).
 const PLACE_MOVES: f32 = 0.05;
-/// A seated body is slower than this (m/s).
+/// Speeds of a seated body: falls below the first and stays below the second (m/s).
 const SEAT_SPEEDS: [f32; 2] = [0.1, 0.2];
-/// Thighs of a seated body fall by less than this over their length.
+/// Largest slope of the thighs of a seated body (fall over length).
 const SEAT_STEEPEST: f32 = 0.6;
-/// A heel that is higher than the toes by more than this, or lower, is in the air: the foot stands on its ball (m).
+/// Largest difference in height of heel and toes of a flat foot; beyond it the foot stands on its ball (m).
 const FOOT_STEEPEST: f32 = 0.06;
-/// Parts that feet have.
+/// Number of parts that belong to feet.
 const FOOT_PARTS: usize = 4;
-/// Number of the seat among the parts.
+/// Part number of the seat.
 const SEAT: usize = 6;
 
-/// What touches.
+/// Kind of a touching part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     Foot,
@@ -35,17 +35,17 @@ pub enum Kind {
     Seat,
 }
 
-/// Where a part was planted for a while.
+/// Place at which a part was planted for a while.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
     pub kind: Kind,
-    /// Middle of what touched: the sole, the grip, the underside of the thighs (m).
+    /// Centre of the touching area: the sole, the grip, the underside of the thighs (m).
     pub point: Vec3,
     /// Box around the points of the skin (m).
     pub extent: Bounds,
-    /// Direction from the right shoulder to the left one. Unit.
+    /// Direction from the right to the left shoulder. Unit.
     pub across: Vec3,
-    /// How long it was planted (s).
+    /// Time for which it was planted (s).
     pub lasts_s: f32,
 }
 
@@ -78,7 +78,7 @@ pub fn find(clip: &Clip, skeleton: &Skeleton, cfg: &ContactConfig) -> Vec<Touch>
     out
 }
 
-/// A clip's joints over time.
+/// Joints of a clip over time.
 struct Motion {
     transforms: Vec<[(Vec3, Quat); NUM_JOINTS]>,
     probes: Probes,
@@ -95,7 +95,7 @@ impl Motion {
         self.transforms[frame][joint.index()].0
     }
 
-    /// Runs of usable frames in which a joint hardly moves.
+    /// Runs of usable frames in which a joint is slow.
     fn slow(&self, clip: &Clip, joint: Joint, [on, off]: [f32; 2], shortest_s: f32) -> Vec<FrameRange> {
         let path: Vec<Vec3> = (0..self.transforms.len()).map(|f| self.joint(f, joint)).collect();
         let speed = speeds(&path, clip.rate_hz);
@@ -105,9 +105,9 @@ impl Motion {
         runs(0..still.len(), |f| still[f]).into_iter().filter(|r| r.len() >= shortest).collect()
     }
 
-    /// The place of a part during a run; `None` where it is not fixed in the world.
+    /// Place of a part during a run; `None` if not fixed in the world.
     ///
-    /// - `middle`: the point of its skin that stands for it.
+    /// - `middle`: index of the skin point that represents the part.
     fn place(&self, kind: Kind, part: usize, run: FrameRange, middle: usize) -> Option<Touch> {
         let probes = self.probes.of(part);
         let track: Vec<Vec3> = run.clone().map(|f| probes[middle].at(&self.transforms[f])).collect();
@@ -138,13 +138,13 @@ impl Motion {
         heights.fold(f32::INFINITY, f32::min)
     }
 
-    /// By how much a heel is higher or lower than the toes of its foot during a run: the median (m).
+    /// Median height difference between heel and toes of a foot during a run, absolute (m).
     fn steepness(&self, heel: usize, run: &FrameRange) -> f32 {
         let by = |f: usize| (self.lowest(heel, f) - self.lowest(heel + 1, f)).abs();
         median(run.clone().map(|f| Vec3::splat(by(f))).collect()).y
     }
 
-    /// True where both thighs are level and the trunk is upright.
+    /// True if both thighs are level and the trunk is upright.
     fn sits(&self, frame: usize) -> bool {
         let is_level = |thigh: Joint, shin: Joint| {
             let d = self.joint(frame, shin) - self.joint(frame, thigh);

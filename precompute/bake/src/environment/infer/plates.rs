@@ -1,34 +1,34 @@
-//! Level plates under feet and seats.
+//! Level plates inferred under feet and seats.
 
 use super::super::{Bounds, Shape};
 use super::places::{Kind, Touch};
 use super::{Piece, millimetres};
 use glam::Vec3;
 
-/// Heights that differ by less from the ground are the ground (m).
+/// Largest height that counts as the ground (m).
 pub const ON_GROUND: f32 = 0.05;
-/// Places on one plate differ by less from its height (m).
+/// Largest difference in height of places on one plate from it (m).
 const SAME_HEIGHT: f32 = 0.035;
-/// Places on one plate are nearer to it than this (m).
+/// Largest distance of places on one plate from it (m).
 const REACH: f32 = 0.35;
-/// A place that is farther from a plate's height than places on it, but less than this, cannot be above or below it:
-/// the plate does not reach there. Rungs of ladders are farther apart (m).
+/// Height difference below which a place off the plate bounds its extent, since it cannot be above or below. Rungs of
+/// ladders are farther apart (m).
 const STEP: f32 = 0.2;
-/// Plates reach this far beyond the skin that touched them (m).
+/// Extent of plates beyond the skin that touched them (m).
 const MARGIN: f32 = 0.04;
-/// Of plates (m).
+/// Thickness of plates (m).
 const THICKNESS: f32 = 0.04;
 
 /// A level plate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plate {
-    /// Height of its upper side: the median of what stood on it (m).
+    /// Height of the upper side: the median of the places on it (m).
     pub height: f32,
-    /// What stood on it. Only x and z of the box count.
+    /// Bounds of the places on it; only x and z count.
     extent: Bounds,
     /// Heights of the places on it, ascending.
     pub heights: Vec<f32>,
-    /// How long something was on it, all places added up (s).
+    /// Total time for which something was on it (s).
     pub held_s: f32,
 }
 
@@ -37,7 +37,7 @@ impl Plate {
         Self { height: touch.point.y, extent: flat(touch.extent), heights: vec![touch.point.y], held_s: touch.lasts_s }
     }
 
-    /// Takes in another one.
+    /// Merges another plate into this one.
     fn join(&mut self, other: &Self) {
         self.extent = self.extent.union(other.extent);
         self.held_s += other.held_s;
@@ -46,7 +46,7 @@ impl Plate {
         self.height = self.heights[self.heights.len() / 2];
     }
 
-    /// True where the other may be part of it: as high, near, and no place between them says otherwise.
+    /// True if the other plate may be part of this one: equal height, near, and no place between them contradicts.
     fn continues(&self, other: &Self, places: &[Touch]) -> bool {
         let (low, high) = (self.heights[0].min(other.heights[0]), self.highest().max(other.highest()));
         let as_high = high - low < 2.0 * SAME_HEIGHT && (self.height - other.height).abs() < SAME_HEIGHT;
@@ -79,7 +79,7 @@ fn flat(b: Bounds) -> Bounds {
     Bounds { min: b.min * Vec3::new(1.0, 0.0, 1.0), max: b.max * Vec3::new(1.0, 0.0, 1.0) }
 }
 
-/// Plates under all places that are not on the ground, from low to high.
+/// Plates under all places above the ground, from low to high.
 pub fn under(places: &[Touch]) -> Vec<Plate> {
     let mut raised: Vec<&Touch> =
         places.iter().filter(|t| t.kind != Kind::Hand && t.point.y.abs() > ON_GROUND).collect();
@@ -99,7 +99,7 @@ pub fn under(places: &[Touch]) -> Vec<Plate> {
     plates
 }
 
-/// Two plates that are one.
+/// Indices of two plates that can be merged.
 fn joinable(plates: &[Plate], places: &[Touch]) -> Option<(usize, usize)> {
     (0..plates.len())
         .flat_map(|i| (i + 1..plates.len()).map(move |j| (i, j)))

@@ -10,38 +10,38 @@ use throng_core::{Contacts, Skeleton};
 use throng_motion::annotate::ContactConfig;
 use throng_motion::clip::Clip;
 
-/// What was inferred and what it leaves open.
+/// Counts of inferred geometry and its residuals.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct InferReport {
-    /// Places where heels and toes stood.
+    /// Places of heels and toes.
     pub foot_places: usize,
-    /// Places where a character sat.
+    /// Places of seats.
     pub seat_places: usize,
-    /// Places that hands held.
+    /// Places of hands.
     pub hand_places: usize,
-    /// Places of hands that are on no bar: pauses in the air, or things nothing else is known of.
+    /// Places of hands on no bar: pauses in the air, or unknown things.
     pub hands_unexplained: usize,
     /// Places of feet and seats on the ground.
     pub on_ground: usize,
     /// Plates.
     pub plates: usize,
-    /// Plates that a single place speaks for.
+    /// Plates inferred from a single place.
     pub plates_of_one: usize,
     /// Bars.
     pub bars: usize,
-    /// Bars that fewer than three places speak for: their direction is a guess.
+    /// Bars inferred from fewer than three places: their direction is a guess.
     pub bars_guessed: usize,
-    /// Plates and bars that were taken out again, because the body goes through them.
+    /// Plates and bars that were dropped because the body passes through them.
     pub dismissed: usize,
     /// Units.
     pub units: usize,
-    /// Root mean square of the distances between places and what they lie on (m).
+    /// Root mean square distance of places from their plates and bars (m).
     pub residual_rms_m: f32,
-    /// Largest of them (m).
+    /// Largest distance of a place (m).
     pub residual_max_m: f32,
-    /// Share of usable frames in which something is planted on the geometry or the ground.
+    /// Share of usable frames with something planted on the geometry or the ground.
     pub planted_share: f32,
-    /// Share of usable frames in which the body is deeper in the geometry than `penetration` allows.
+    /// Share of usable frames with the body deeper in the geometry than `penetration` allows.
     pub penetrating_share: f32,
 }
 
@@ -70,7 +70,7 @@ impl InferReport {
         }
     }
 
-    /// Lays the clips over the geometry.
+    /// Measures how well the clips agree with the geometry.
     pub fn measure(
         &mut self,
         clips: &[&Clip],

@@ -8,10 +8,10 @@ use std::collections::BTreeMap;
 use throng_core::patch::{CellRecord, LinkRecord, NONE, Placement};
 use throng_core::planar::wrap_angle;
 
-/// Index of a cell: x, height of what holds the character up, z, heading, pose group.
+/// Index of a cell: x, height of the support, z, heading, pose group.
 type Key = (i32, i32, i32, i32, u32);
 
-/// The sum of what lies in a cell, for its mean.
+/// Sum of the placements in a cell, for their mean.
 #[derive(Clone, Copy, Default)]
 struct Sum {
     n: f64,
@@ -20,13 +20,13 @@ struct Sum {
     heading: [f64; 2],
 }
 
-/// A sub-sequence that leads from one cell to another.
+/// A sub-sequence from one cell to another.
 #[derive(Clone, Copy)]
 struct Way {
     from: u32,
     to: u32,
     tag: u16,
-    /// How far its ends are from the means of their cells, in cells.
+    /// Distance of its ends from the means of their cells, in cells.
     off: f32,
     segment: u32,
     start: u32,
@@ -36,7 +36,7 @@ struct Way {
 /// Cells of all frames of the segments, and links for their sub-sequences.
 ///
 /// - `root_heights`: height of the hips over the clip's ground, by frame row (m).
-/// - returns cells that a link begins or ends in, and the links by the cell they begin in.
+/// - returns cells with links, and the links by the cell they begin in.
 pub(super) fn embed(
     tracks: &[Track],
     segments: &[Segment],
@@ -79,7 +79,7 @@ pub(super) fn embed(
     })
 }
 
-/// A link as captured; its cells are not set.
+/// A link as captured, without its cells.
 pub(super) fn link(track: &Track, segment: &Segment, start: usize, end: usize) -> LinkRecord {
     let placed = |f: usize| segment.to_block.compose(Placement::at(track.places[f], 0.0));
     LinkRecord {
@@ -102,17 +102,17 @@ fn key(track: &Track, segment: &Segment, frame: usize, config: &PatchConfig) -> 
     let bin = |v: f32| (v / config.cell_m as f32).floor() as i32;
     let per_turn = (360.0 / config.cell_deg).ceil() as i32;
     let turn = ((p.heading.to_degrees() / config.cell_deg as f32).floor() as i32).rem_euclid(per_turn);
-    // The height is rounded, so that what stands on the ground is not on the border of two cells.
+    // The height is rounded, so that the ground is not on the border of two cells.
     Some((bin(p.x), (p.y / config.cell_m as f32).round() as i32, bin(p.z), turn, group))
 }
 
-/// Where the hips are at a frame, in the block's frame.
+/// Placement of the hips at a frame, in the block's frame.
 fn hips(track: &Track, segment: &Segment, frame: usize, root_heights: &[f32]) -> Placement {
     let height = root_heights[track.first_row as usize + frame];
     segment.to_block.compose(Placement::at(track.places[frame], height))
 }
 
-/// How far a place is from a cell's mean, in cells.
+/// Distance of a placement from a cell's mean, in cells.
 fn distance(p: Placement, mean: Placement, config: &PatchConfig) -> f32 {
     let metres = (p.translation() - mean.translation()).length();
     let degrees = wrap_angle(p.heading - mean.heading).to_degrees();
@@ -135,7 +135,7 @@ impl Sum {
     }
 }
 
-/// Of all ways between the same cells with the same tag, the one whose ends are nearest to the cells' means; sorted.
+/// Keeps one of all sub-sequences with equal cells and tag: the one with ends nearest to the cells' means; sorted.
 fn nearest(mut ways: Vec<Way>) -> Vec<Way> {
     let between = |w: &Way| (w.from, w.to, w.tag);
     ways.sort_unstable_by(|a, b| {
@@ -146,7 +146,7 @@ fn nearest(mut ways: Vec<Way>) -> Vec<Way> {
     ways
 }
 
-/// Cells and links, without the cells that no link touches.
+/// Builds cells and links, without unused cells.
 fn assemble(
     means: &[Placement],
     groups: &[u32],

@@ -1,4 +1,4 @@
-//! Building blocks: sets of units that motion was captured on, and that motion (Lee, Choi and Lee 2006, section 4).
+//! Building blocks: sets of units on which motion was captured, with that motion (Lee, Choi and Lee 2006, section 4).
 
 mod embed;
 mod shape;
@@ -23,11 +23,11 @@ pub(super) struct Segment {
     pub clip: usize,
     /// Frames.
     pub range: FrameRange,
-    /// The clip's world as seen from the block.
+    /// Placement of the clip's world in the block's frame.
     pub to_block: Placement,
 }
 
-/// A block and the motion found on its copies.
+/// A block with the motion found on its copies.
 struct Block {
     shape: Shape,
     segments: Vec<Segment>,
@@ -39,7 +39,7 @@ struct Block {
 ///   motion, named by their units; blocks without any link are left out.
 ///
 /// # Errors
-/// [`Stopped`] where the progress says so.
+/// [`Stopped`] if the progress is stopped.
 pub(super) fn build(
     tracks: &[Track],
     settings: &[Option<Setting>],
@@ -87,7 +87,7 @@ pub(super) fn build(
     Ok(out)
 }
 
-/// Adds the blocks of `k` units, or their motion where they are there already.
+/// Adds the blocks of `k` units, or their motion to existing ones.
 fn find(
     tracks: &[Track],
     settings: &[Option<Setting>],
@@ -98,7 +98,7 @@ fn find(
 ) {
     for (clip, setting) in settings.iter().enumerate() {
         let Some(setting) = setting else { continue };
-        // Tiles hold the motion over ground panels; a block that includes one would tie the others to its place.
+        // Tiles hold the motion over ground panels; a block with one would tie the other units to its place.
         let counts = |u: u32| !is_ground(&units.units[setting.environment.units[u as usize].unit]);
         let track = &tracks[clip];
         let of_frame = |f: usize| match track.run_end[f] {
@@ -128,7 +128,7 @@ fn find(
     }
 }
 
-/// Links that play whole segments, for what the bodies reach in them.
+/// Links that play whole segments, for the bounds of bodies in them.
 fn whole(tracks: &[Track], segments: &[Segment]) -> Vec<LinkRecord> {
     let links = segments.iter().flat_map(|s| {
         let step = usize::from(u16::MAX);

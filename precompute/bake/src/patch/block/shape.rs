@@ -1,25 +1,25 @@
-//! Which sets of placed units are the same block: equal where they stand to each other alike.
+//! Equality of sets of placed units: blocks are equal if their units are placed alike relative to each other.
 
 use crate::environment::{PlacedUnit, UnitSet};
 use std::f32::consts::TAU;
 use throng_core::patch::Placement;
 use throng_core::planar::wrap_angle;
 
-/// Units whose places differ by less are in the same place (m).
+/// Largest distance of units in the same place (m).
 const PLACE_M: f32 = 0.05;
-/// Units whose headings differ by less stand alike (rad).
+/// Largest heading difference of equal placements (rad).
 const HEADING_RAD: f32 = 0.0524;
 
-/// Units as they stand in the frame of the first one.
+/// Units in the frame of the first one.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Shape {
     units: Vec<PlacedUnit>,
 }
 
 impl Shape {
-    /// The shape of placed units, and the placement of their world as seen from the shape.
+    /// Shape of placed units, and the placement of their world in the shape's frame.
     ///
-    /// Units of one set come by their number, so that blocks of one arrangement get one name.
+    /// Units of one set are sorted by number, so that blocks of one arrangement get one name.
     pub fn new(placed: &[PlacedUnit]) -> (Self, Placement) {
         let mut units = placed.to_vec();
         units.sort_by_key(|u| u.unit);
@@ -35,10 +35,10 @@ impl Shape {
         self.units.iter()
     }
 
-    /// The placement of the world of `placed` as seen from the shape, if the two are the same block.
+    /// Placement of the world of `placed` in the shape's frame, if the two are the same block.
     ///
-    /// Where a block looks the same in several ways, the first is taken: the unit that comes first in `placed`, turned
-    /// as little as possible.
+    /// For a symmetric block the first fit is taken: the unit that comes first in `placed`, turned as little as
+    /// possible.
     pub fn fit(&self, placed: &[PlacedUnit], set: &UnitSet) -> Option<Placement> {
         if placed.len() != self.units.len() {
             return None;
@@ -54,7 +54,7 @@ impl Shape {
         })
     }
 
-    /// True where every unit has one of `placed` in its place.
+    /// True if every unit has an equal one of `placed` in its place.
     fn matches(&self, placed: &[PlacedUnit], to_block: Placement, set: &UnitSet) -> bool {
         let mut taken = vec![false; placed.len()];
         self.units.iter().all(|u| {

@@ -1,4 +1,4 @@
-//! Runs of frames that belong to a few units.
+//! Runs of frames that belong to a set of units.
 
 use std::collections::BTreeSet;
 use throng_motion::clip::{FrameRange, runs};
@@ -6,7 +6,7 @@ use throng_motion::clip::{FrameRange, runs};
 /// Every set of `k` units that a run of frames belongs to, with its longest runs.
 ///
 /// - `units_of`: the units each frame belongs to.
-/// - returns the sets in order, ascending, and the runs in which every frame belongs to at least one of the set and
+/// - returns the sets in order, ascending, with the runs in which every frame belongs to at least one of the set and
 ///   each of the set to at least one frame.
 ///
 /// # Source
@@ -25,7 +25,7 @@ pub fn spans(units_of: &[Vec<u32>], k: usize) -> Vec<(Vec<u32>, Vec<FrameRange>)
 
 /// A set with one more unit, for each that occurs in one of its runs or at the frame after.
 ///
-/// No set is missed: its first run begins with a run of the set without the unit that occurs last.
+/// No set is missed: its first run begins with a run of the set without its last-occurring unit.
 fn extended(units_of: &[Vec<u32>], set: &[u32]) -> Vec<Vec<u32>> {
     let mut more = BTreeSet::new();
     for run in runs_of(units_of, set) {

@@ -1,9 +1,9 @@
-//! The least edited motions between spots.
+//! Least edited motions between spots.
 
 use std::collections::BTreeMap;
 use throng_core::Planar;
 
-/// A sub-sequence of a clip that leads from one spot to another.
+/// A sub-sequence of a clip from one spot to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Candidate {
     /// Clip.
@@ -12,13 +12,13 @@ pub(super) struct Candidate {
     pub start: usize,
     /// Its last frame.
     pub end: usize,
-    /// What is missing at its end: in the tile's frame, x, z and heading.
+    /// Gap at its end: x, z and heading in the tile's frame.
     pub missing: Planar,
-    /// How much it is edited: 0 not at all, 1 as far as allowed.
+    /// Amount of editing: 0 for none, 1 for the most allowed.
     pub cost: f32,
 }
 
-/// The best candidates that lead from one spot to each other spot, of each tag.
+/// Best candidates from one spot to each other spot, for each tag.
 pub(super) struct Best {
     variety: usize,
     min_apart: usize,
@@ -27,12 +27,12 @@ pub(super) struct Best {
 
 impl Best {
     /// - `variety`: candidates kept for each end and tag.
-    /// - `min_apart`: of those that begin nearer to each other in one clip, the least edited is kept (frames).
+    /// - `min_apart`: of candidates that begin nearer to each other in one clip, the least edited is kept (frames).
     pub fn new(variety: usize, min_apart: usize) -> Self {
         Self { variety, min_apart, kept: BTreeMap::new() }
     }
 
-    /// Takes a candidate if it is among the best and passes a test, which is only made then.
+    /// Takes a candidate if it is among the best and then passes a test.
     pub fn offer(&mut self, to: u32, tag: u16, candidate: Candidate, passes: impl FnOnce() -> bool) {
         let kept = self.kept.entry((to, tag)).or_default();
         let close = |c: &Candidate| c.clip == candidate.clip && c.start.abs_diff(candidate.start) < self.min_apart;
@@ -45,7 +45,7 @@ impl Best {
         kept.truncate(self.variety);
     }
 
-    /// All that are kept, with their ends and tags, in order.
+    /// All kept candidates, with their ends and tags, in order.
     pub fn into_sorted(self) -> impl Iterator<Item = (u32, u16, Candidate)> {
         self.kept.into_iter().flat_map(|((to, tag), kept)| kept.into_iter().map(move |c| (to, tag, c)))
     }

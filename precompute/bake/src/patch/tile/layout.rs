@@ -1,4 +1,4 @@
-//! Where links of a tile may begin and end: entries and exits on its edges, rest within.
+//! Spots at which links of a tile may begin and end: entries and exits on its edges, rest inside.
 
 use super::region::{Region, lateral};
 use super::vocabulary::Vocabulary;
@@ -9,14 +9,14 @@ use std::f32::consts::{PI, TAU};
 use throng_core::Planar;
 use throng_core::patch::NONE;
 
-/// What a spot is for.
+/// Purpose of a spot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// Links begin here.
+    /// Begin of links.
     Entry,
-    /// Links end here.
+    /// End of links.
     Exit,
-    /// Links do both here.
+    /// Begin and end of links.
     Rest,
 }
 
@@ -25,15 +25,15 @@ pub(super) enum Kind {
 pub(super) struct Spot {
     /// Planar root in the tile's frame.
     pub place: Planar,
-    /// Height of what holds the character up (m).
+    /// Height of the support (m).
     pub support: f32,
     /// Pose group.
     pub group: u32,
-    /// The edge that is entered or left here; [`NONE`] inside.
+    /// Edge that is entered or left here; [`NONE`] inside.
     pub edge: u32,
-    /// For an exit, the entry of the neighbour, and the other way round; [`NONE`] inside.
+    /// Entry of the neighbour for an exit, and vice versa; [`NONE`] inside.
     pub twin: u32,
-    /// What it is for.
+    /// Purpose.
     pub kind: Kind,
 }
 
@@ -43,11 +43,11 @@ pub(super) struct Layout {
     pub spots: Vec<Spot>,
     /// Number of edges.
     pub num_edges: usize,
-    /// First of the spots at which two people begin or end what they do together.
+    /// First of the spots at which two people begin or end an interaction.
     pub first_of_pairs: usize,
 }
 
-/// Spots along the edges and within, before it is known which of them motion can serve.
+/// Spots along the edges and inside, regardless of whether motion can serve them.
 pub(super) fn lay_out(
     unit: &Unit,
     edges: &TileEdges,
@@ -96,7 +96,7 @@ pub(super) fn edge_height(edges: &TileEdges, edge: usize) -> f32 {
     edges.centre[1] + if edge.is_multiple_of(2) { half } else { -half }
 }
 
-/// The exit that leads to an entry of the neighbour: as seen from this tile, across the opposite edge.
+/// Exit that leads to an entry of the neighbour: in this tile's frame, across the opposite edge.
 fn exit_into(entry: &Spot, number: usize, edges: &TileEdges) -> Spot {
     let edge = entry.edge ^ 1;
     let step = edges.steps[edge as usize / 2];
@@ -105,7 +105,7 @@ fn exit_into(entry: &Spot, number: usize, edges: &TileEdges) -> Spot {
     Spot { place, support: entry.support + sign * step[1], edge, twin: number as u32, kind: Kind::Exit, ..*entry }
 }
 
-/// Places to stand, in a square about the centre of level ground.
+/// Rest spots, in a square about the centre of level ground.
 fn rest_spots(unit: &Unit, region: &Region, words: &Vocabulary, config: &TileConfig) -> Vec<Spot> {
     let mut out = Vec::new();
     if !is_ground(unit) {
@@ -135,8 +135,8 @@ fn rest_spots(unit: &Unit, region: &Region, words: &Vocabulary, config: &TileCon
 }
 
 impl Layout {
-    /// For each spot the one that lies a quarter turn (from +Z to +X) farther, and for each edge; none where the tile
-    /// does not look the same then.
+    /// For each spot, then for each edge, the one a quarter turn (from +Z to +X) farther; `None` for a tile without
+    /// that symmetry.
     pub fn quarter_turn(&self) -> Option<Vec<u32>> {
         let quarter = Planar::new(0.0, 0.0, TAU / 4.0);
         let key = |s: &Spot, p: Planar| {
@@ -149,7 +149,7 @@ impl Layout {
         self.spots.iter().map(|s| all.get(&key(s, quarter.compose(s.place))).copied()).collect()
     }
 
-    /// The way off a tile that leads across `to` for a character that came in across `from`, in words.
+    /// Direction of leaving a tile across `to` for a character that entered across `from`, in words.
     pub fn direction(region: &Region, from: u32, to: u32) -> &'static str {
         let ahead = -region.sides[from as usize].normal;
         let out: Vec2 = region.sides[to as usize].normal;

@@ -1,4 +1,4 @@
-//! Tilable patches: motion that is entered and left on matching edges (Lee, Choi and Lee 2006, section 6).
+//! Tilable patches: motion that enters and leaves on matching edges (Lee, Choi and Lee 2006, section 6).
 
 mod best;
 mod layout;
@@ -29,14 +29,14 @@ use throng_motion::clip::ClipSet;
 use throng_motion::error::BuildError;
 use vocabulary::Vocabulary;
 
-/// Shortest link of a tile with two edges. A piece of a slide takes less time than links last elsewhere, and is too short
+/// Shortest link of a tile with two edges. A piece of a slide takes less time than links elsewhere, and is too short
 /// for more than one link (frames).
 const RISING_FRAMES: usize = 5;
 
-/// How many times the poses that the config asks for are tried, one after the other.
+/// Multiples of the configured number of poses that are tried in turn.
 const MORE_POSES: [usize; 3] = [1, 2, 4];
 
-/// What all tiles of a build share.
+/// Inputs shared by all tiles of a build.
 pub(super) struct Given<'a> {
     pub clips: &'a ClipSet,
     pub tracks: &'a [Track],
@@ -44,7 +44,7 @@ pub(super) struct Given<'a> {
     pub tags: &'a [String],
     pub settings: &'a [Option<Setting>],
     pub units: &'a UnitSet,
-    /// Mean height of the hips above what holds the character up, by pose group (m).
+    /// Mean height of the hips above the support, by pose group (m).
     pub hips: &'a [f32],
     pub bounds: &'a Bounds,
     pub min_frames: usize,
@@ -53,8 +53,8 @@ pub(super) struct Given<'a> {
 /// Makes one tile.
 ///
 /// # Errors
-/// [`BuildError::Key`] for a unit that is not there or has no edges, or patterns that no clip matches;
-/// [`BuildError::Stage`] where pruning leaves nothing, with the condition that could not be met.
+/// [`BuildError::Key`] for a missing unit, one without edges, or patterns without matching clips; [`BuildError::Stage`]
+/// if pruning leaves nothing, with the unmet condition.
 pub(super) fn build(given: &Given, config: &TileConfig) -> Result<(Patch, PatchReport), BuildError> {
     let unit =
         given.units.units.iter().find(|u| u.name == config.unit).ok_or_else(|| refusal::no_unit(given, config))?;
@@ -76,7 +76,7 @@ pub(super) fn build(given: &Given, config: &TileConfig) -> Result<(Patch, PatchR
         let graph = graph_of(unit, &layout, &links);
         Ok::<_, BuildError>(Tried { layout, links, graph, joints, reports })
     };
-    // Few poses make a small tile; motion that is not all of one kind needs more of them.
+    // Few poses make a small tile; motion of several kinds needs more of them.
     let mut tried = Vec::new();
     for times in if is_ground(unit) { &MORE_POSES[..] } else { &MORE_POSES[..1] } {
         tried.push(with_poses(*times)?);
@@ -101,18 +101,18 @@ struct Tried {
     layout: Layout,
     links: Vec<LinkRecord>,
     graph: TileGraph,
-    /// What two do together, each with the number of its report.
+    /// Interactions of two people, each with the number of its report.
     joints: Vec<(usize, Joint)>,
     reports: Vec<PairReport>,
 }
 
-/// The clips of a tile, and the copies of a rising one that they were captured on.
+/// Clips of a tile, and the copies of a rising one that they were captured on.
 fn source_of<'a>(given: &Given<'a>, unit: &Unit, config: &TileConfig) -> Result<Source<'a>, BuildError> {
     let mut clips = Vec::new();
     let mut copies = Vec::new();
     for (c, (clip, setting)) in given.clips.clips.iter().zip(given.settings).enumerate() {
         let named = config.clips.iter().any(|p| super::config::matches(p, &clip.name));
-        // The mirrored copy of a clip in an environment has nothing to stand on.
+        // The mirrored copy of a clip in an environment lacks support.
         let afloat = setting.is_none() && clip.mirrored && c > 0 && given.settings[c - 1].is_some();
         if afloat || !named && !config.clips.is_empty() {
             continue;
@@ -156,7 +156,7 @@ fn all_links(search: &Search) -> Vec<LinkRecord> {
     links
 }
 
-/// What pruning looks at.
+/// Graph of a tile for pruning.
 fn graph_of(unit: &Unit, layout: &Layout, links: &[LinkRecord]) -> TileGraph {
     let cells = layout.spots.iter().map(|s| match s.kind {
         Kind::Entry => TileCell::Entry(s.edge),
@@ -174,7 +174,7 @@ fn graph_of(unit: &Unit, layout: &Layout, links: &[LinkRecord]) -> TileGraph {
     }
 }
 
-/// The patch of what pruning left.
+/// Patch of the remaining cells and links.
 fn finish(
     given: &Given,
     unit: &Unit,
@@ -243,7 +243,7 @@ fn finish(
     (patch, report)
 }
 
-/// Adds the links of those who do something together, where all their cells are left.
+/// Adds the links of interactions, if all their cells remain.
 fn with_pairs(
     mut links: Vec<LinkRecord>,
     joints: &[(usize, Joint)],

@@ -1,8 +1,8 @@
-//! What two people do together: clips of two who were captured in one take, laid across the edges of level ground.
+//! Interactions of two people: two clips of one take, placed across the edges of level ground.
 //!
-//! The middle between the two is put on the middle of an edge, and each stands in a copy of the tile of its own. So each
-//! holds ground of its own, walks there and away as to any other place of rest, and the two are to each other as they
-//! were in capture.
+//! The midpoint between the two is placed on the midpoint of an edge, and each stands in a copy of the tile of its own.
+//! So each reserves its own ground, walks there and away as to any other rest spot, and the two have the relative
+//! placement of the capture.
 
 use super::Given;
 use super::layout::{Kind, Layout, Spot};
@@ -19,46 +19,45 @@ use throng_core::planar::wrap_angle;
 use throng_motion::clip::{ExclusionReason, FrameRange};
 use throng_motion::error::BuildError;
 
-/// Both stand still this near to the beginning and the end of what the tag names (s).
+/// Longest time from standing still to the beginning of the tagged range, and from its end to standing still (s).
 const SETTLE_S: f64 = 1.5;
-/// Who begins may be this far from a pose of rest: joints on average (rad).
+/// Largest distance of a partner's first pose from a pose of rest: joints on average (rad).
 const REST_RAD: f32 = 0.2;
-/// Roots keep this far from the line between the two (m).
+/// Least distance of roots from the line between the two (m).
 const APART_M: f32 = 0.12;
-/// Partners may begin this far from each other (m).
+/// Least and largest distance between partners at the begin (m).
 const REACH_M: [f32; 2] = [0.3, 2.0];
-/// Places and headings of rest that are this near to each other are one; what is missing goes over when they begin
-/// (m, rad).
+/// Largest distance of equal places and headings of rest; the remaining gap is blended at the begin (m, rad).
 const SAME: (f32, f32) = (0.03, 0.05);
 
-/// A pose of rest on the tile: a frame of it.
+/// A pose of rest on the tile, as a frame.
 pub(super) struct Rest {
     group: u32,
     clip: usize,
     frame: usize,
 }
 
-/// What two do together.
+/// An interaction of two people.
 pub(super) struct Take {
-    /// The clips of the two, by number.
+    /// Numbers of the clips of the two.
     clips: [usize; 2],
-    /// From the frame in which both stand before it to that in which both stand after it.
+    /// Frames from standing before to standing after.
     range: FrameRange,
-    /// Pose groups of rest from which the two begin, and in which they end.
+    /// Pose groups of rest at begin and end of the two.
     rest: [[u32; 2]; 2],
     /// 1 + number of the tag.
     tag: u16,
 }
 
-/// What two do together, across one edge: links between spots.
+/// An interaction across one edge, as links between spots.
 pub(super) struct Joint {
-    /// The edge beyond which the other one is.
+    /// Edge beyond which the partner is.
     pub edge: u32,
-    /// Of the one in the tile, and of the other one in the tile beyond the edge.
+    /// Link in this tile, and that of the partner in the tile beyond the edge.
     pub links: [LinkRecord; 2],
 }
 
-/// A frame of somebody who stands still, for each pose group of rest in which one can wait.
+/// A frame of standing still for each pose group of rest that allows waiting.
 pub(super) fn poses_of_rest(source: &Source, groups: &[u32], min_frames: usize) -> Vec<Rest> {
     let waits = |group: &&u32| {
         let mut stops = source.clips.iter().flat_map(|&c| source.tracks[c].standing.iter().map(move |s| (c, s)));
@@ -76,7 +75,7 @@ pub(super) fn poses_of_rest(source: &Source, groups: &[u32], min_frames: usize) 
     groups.iter().filter(waits).filter_map(|&g| of(g)).collect()
 }
 
-/// Finds what two do together in the clips that the config names as pairs.
+/// Finds the interactions in the clips that the config names as pairs.
 ///
 /// - `rest`: poses of rest.
 ///
@@ -117,7 +116,7 @@ pub(super) fn find(
     Ok((takes, reports))
 }
 
-/// What two clips show together, or the tag and why not.
+/// Interactions in two clips, or the tag with the reason against it.
 fn find_in(given: &Given, clips: [usize; 2], rest: &[Rest]) -> Vec<Result<Take, (String, String)>> {
     let [a, b] = clips.map(|c| &given.clips.clips[c]);
     if a.num_frames() != b.num_frames() {
@@ -150,8 +149,8 @@ fn find_in(given: &Given, clips: [usize; 2], rest: &[Rest]) -> Vec<Result<Take, 
     out
 }
 
-/// The frames from where both stand near the beginning of a range to where both stand near its end, and the poses of
-/// rest that they are nearest to there.
+/// The frames from standing of both near the beginning of a range to standing of both near its end, with the nearest
+/// poses of rest.
 fn settle(
     given: &Given,
     clips: [usize; 2],
@@ -160,7 +159,7 @@ fn settle(
 ) -> Result<(FrameRange, [[u32; 2]; 2]), String> {
     let (rate, tracks) = (given.clips.clips[clips[0]].rate_hz, clips.map(|c| &given.tracks[c]));
     let near = (SETTLE_S * rate) as usize;
-    // Who stands still at the end of a clip is of use here, but what is left out for other reasons is not.
+    // Frames excluded only for standing still at the end of a clip are usable here; others are not.
     let is_usable = |c: usize, f: usize| {
         let mut excluded = given.clips.clips[c].excluded.iter();
         !excluded.any(|e| e.range.contains(&f) && e.reason != ExclusionReason::Still)
@@ -200,7 +199,7 @@ fn settle(
     Ok((start..end, [first, last]))
 }
 
-/// The pose of rest that a frame is nearest to: how far joints are turned from it on average (rad), and its group.
+/// Nearest pose of rest to a frame: mean turn of the joints (rad), and its group.
 fn nearest(given: &Given, clip: usize, frame: usize, rest: &[Rest]) -> (f32, u32) {
     let pose = &given.clips.clips[clip].frame_rotations(frame)[1..];
     let off = |r: &Rest| {
@@ -211,7 +210,7 @@ fn nearest(given: &Given, clip: usize, frame: usize, rest: &[Rest]) -> (f32, u32
     all.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f32::MAX, NONE))
 }
 
-/// Checks that each keeps to its side of the line between the two.
+/// Checks that each stays on its side of the line between the two.
 fn keeps_apart(given: &Given, clips: [usize; 2], range: FrameRange) -> Result<FrameRange, String> {
     let rate = given.clips.clips[clips[0]].rate_hz;
     let at = |side: usize, f: usize| {
@@ -236,14 +235,14 @@ fn keeps_apart(given: &Given, clips: [usize; 2], range: FrameRange) -> Result<Fr
     Ok(range)
 }
 
-/// The middle between two at a frame; its heading is from the first to the second.
+/// Midpoint between two at a frame; its heading is from the first to the second.
 fn between(given: &Given, clips: [usize; 2], frame: usize) -> Planar {
     let [a, b] = clips.map(|c| given.tracks[c].places[frame]);
     Planar::new(0.5 * (a.x + b.x), 0.5 * (a.z + b.z), (b.x - a.x).atan2(b.z - a.z))
 }
 
-/// The capture of a take as it lies in the tile, for an edge: that of the first, and that of the second as seen from the
-/// tile beyond the edge.
+/// Placement of a take in the tile, for an edge: that of the first, and that of the second in the frame of the tile
+/// beyond the edge.
 fn laid(given: &Given, take: &Take, edge: usize, region: &Region, edges: &TileEdges) -> [Planar; 2] {
     let side = &region.sides[edge];
     let at = region.centre + side.normal * (side.offset - side.normal.dot(region.centre));
@@ -300,8 +299,8 @@ pub(super) fn lay_out(
 }
 
 impl Layout {
-    /// The spot at which partners begin or end, which may be there already. All poses of rest serve: who begins comes from
-    /// one to the capture's in any case.
+    /// Spot at which partners begin or end, existing or new. Any pose of rest serves, as the first pose is blended from
+    /// it anyway.
     fn pair_spot(&mut self, place: Planar, group: u32, support: f32) -> u32 {
         let is_same = |s: &Spot| {
             (s.place.x - place.x).hypot(s.place.z - place.z) < SAME.0

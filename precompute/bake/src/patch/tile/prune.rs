@@ -1,22 +1,23 @@
-//! Pruning of tiles: no character that enters may get stuck, and all can be reached from all (Lee, Choi and Lee 2006, section 6).
+//! Pruning of tiles: no character that enters may get stuck, and all can be reached from all (Lee, Choi and Lee 2006,
+//! section 6).
 
 use petgraph::algo::tarjan_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 use serde::{Deserialize, Serialize};
 use throng_core::patch::NONE;
 
-/// Where links of a tile begin and end, as far as pruning cares.
+/// Begin or end of links of a tile, for pruning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TileCell {
-    /// A character enters across this edge.
+    /// Entry across this edge.
     Entry(u32),
-    /// A character leaves across edge `.0` and so is at the entry `.1` of the neighbour.
+    /// Exit across edge `.0`, to the entry `.1` of the neighbour.
     Exit(u32, u32),
-    /// A character rests within.
+    /// Rest inside.
     Rest,
 }
 
-/// What each entry of a tile has to offer.
+/// Guarantee for each entry of a tile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Freedom {
@@ -30,44 +31,45 @@ pub enum Freedom {
 /// A tile's graph.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileGraph {
-    /// The cells; every entry has one exit that leads to it.
+    /// Cells; every entry has one exit that leads to it.
     pub cells: Vec<TileCell>,
-    /// From an entry or rest to an exit or rest, by cell.
+    /// Links from an entry or rest to an exit or rest, by cell.
     pub links: Vec<(u32, u32)>,
-    /// For each edge those across which a character that entered there must be able to leave.
+    /// For each edge, the edges across which a character that entered there must be able to leave.
     pub ways_out: Vec<Vec<u32>>,
-    /// True where a character that entered must be able to rest in the tile.
+    /// True if a character that entered must be able to rest in the tile.
     pub must_rest: bool,
-    /// Edges whose entries belong to one strongly connected component. Ground has one set of all edges; where motion
-    /// does not turn round, as on a slide, each edge is a set by itself.
+    /// Sets of edges whose entries belong to one strongly connected component. Ground has one set of all edges; for
+    /// motion that does not turn round, as on a slide, each edge is a set by itself.
     pub together: Vec<Vec<u32>>,
 }
 
-/// What is left of a tile.
+/// Remaining cells and links of a tile.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pruned {
-    /// Cells that are left (cells.len()).
+    /// True for remaining cells (cells.len()).
     pub cells: Vec<bool>,
-    /// Links that are left (links.len()).
+    /// True for remaining links (links.len()).
     pub links: Vec<bool>,
-    /// Links taken out by the first condition.
+    /// Number of links removed by the first condition.
     pub directions: usize,
-    /// Links taken out by the second condition.
+    /// Number of links removed by the second condition.
     pub component: usize,
 }
 
-/// Takes out cells and links until both conditions hold.
+/// Removes cells and links until both conditions hold.
 ///
-/// 1. Every entry can leave across each of its ways out, and reach rest where that is wanted; one that cannot goes,
-///    with the exit that leads to it. [`Freedom::FurtherTiles`] asks for this not.
-/// 2. On the torus that the tile makes with itself, what is left of each set of edges is the largest strongly connected
-///    component with entries across all of them and, where that is wanted, with rest. So all that the first condition
-///    asks for within a tile can be reached through further ones.
+/// 1. Every entry can leave across each of its required edges, and reach rest if that is required; others are removed
+///    with the exits that lead to them. [`Freedom::FurtherTiles`] skips this condition.
+/// 2. On the torus that the tile makes with itself, each set of edges keeps the largest strongly connected component
+///    with entries across all of them and, if required, with rest. So everything that the first condition requires
+///    within a tile can be reached through further ones.
 ///
-/// Both are enforced alternately until nothing changes; nothing may be left then.
+/// Both are enforced alternately until nothing changes; the result may be empty.
 ///
 /// # Source
-/// Lee, Choi and Lee 2006, section 6. Differs: rest within reach is a condition too, and the first condition can be left out.
+/// Lee, Choi and Lee 2006, section 6. Differs: reachable rest is a condition too, and the first condition can be
+/// skipped.
 pub fn prune(graph: &TileGraph, freedom: Freedom) -> Pruned {
     let mut left = Pruned {
         cells: vec![true; graph.cells.len()],
@@ -119,7 +121,7 @@ fn drop_stuck_entries(graph: &TileGraph, left: &mut Pruned) {
     }
 }
 
-/// For each cell, the edges its links leave across, and [`NONE`] for rest.
+/// For each cell, the edges across which its links leave, and [`NONE`] for rest.
 fn ways(graph: &TileGraph, left: &Pruned) -> Vec<Vec<u32>> {
     let mut reached = vec![Vec::new(); graph.cells.len()];
     for (&(from, to), _) in graph.links.iter().zip(&left.links).filter(|(_, left)| **left) {
@@ -146,7 +148,7 @@ fn drop_loose_links(graph: &TileGraph, left: &mut Pruned) {
     }
 }
 
-/// One step of the second condition; true where it took out anything.
+/// One step of the second condition; true if it removed anything.
 fn keep_components(graph: &TileGraph, left: &mut Pruned) -> bool {
     let node = |cell: u32| match graph.cells[cell as usize] {
         TileCell::Exit(_, twin) => twin as usize,
@@ -185,7 +187,8 @@ fn keep_components(graph: &TileGraph, left: &mut Pruned) -> bool {
     before != *left
 }
 
-/// For each set of edges the component with the most cells that has an entry across each of them, and rest where that is wanted.
+/// For each set of edges, the component with the most cells that has an entry across each of them, and rest if
+/// required.
 fn largest(graph: &TileGraph, components: &[Vec<NodeIndex>], links_within: &[usize]) -> Vec<usize> {
     let mut kept = Vec::new();
     for edges in &graph.together {
@@ -195,7 +198,7 @@ fn largest(graph: &TileGraph, components: &[Vec<NodeIndex>], links_within: &[usi
                 && edges.iter().all(|&e| has(*c, TileCell::Entry(e)))
                 && (!graph.must_rest || has(*c, TileCell::Rest))
         };
-        // Of equally large ones, the one with the first cell.
+        // On a tie, the component with the first cell.
         let rank = |&c: &usize| (components[c].len(), std::cmp::Reverse(components[c].iter().min().copied()));
         kept.extend((0..components.len()).filter(fits).max_by_key(rank));
     }

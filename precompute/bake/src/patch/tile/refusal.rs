@@ -1,4 +1,4 @@
-//! Why a tile cannot be made, and the way out.
+//! Reasons why a tile cannot be made, and the way out.
 
 use super::layout::Layout;
 use super::prune::{TileCell, TileGraph};
@@ -9,14 +9,14 @@ use crate::environment::Unit;
 use crate::patch::is_ground;
 use throng_motion::error::BuildError;
 
-/// The config names a unit that is not there.
+/// Error for a missing unit.
 pub(super) fn no_unit(given: &Given, config: &TileConfig) -> BuildError {
     let names: Vec<_> = given.units.units.iter().map(|u| format!("`{}`", u.name)).collect();
     let why = format!("expected a unit ({}), found `{}`. Correct the config.", names.join(", "), config.unit);
     BuildError::key("unit", why)
 }
 
-/// The unit does not say where its edges are.
+/// Error for a unit without edges.
 pub(super) fn no_edges(unit: &Unit) -> BuildError {
     let why = format!(
         "the unit `{}` has no edges. Give it `tile = {{ steps = [[...]], widths = [...] }}` in the unit \
@@ -26,7 +26,7 @@ pub(super) fn no_edges(unit: &Unit) -> BuildError {
     BuildError::key("unit", why)
 }
 
-/// No clip serves the tile.
+/// Error for a tile without clips.
 pub(super) fn no_clips(unit: &Unit, config: &TileConfig) -> BuildError {
     let wanted = match (is_ground(unit), config.clips.is_empty()) {
         (true, true) => "a clip captured in no environment".to_owned(),
@@ -36,7 +36,7 @@ pub(super) fn no_clips(unit: &Unit, config: &TileConfig) -> BuildError {
     BuildError::key("clips", format!("`{}`: expected {wanted}, found none. Correct the config.", unit.name))
 }
 
-/// Pruning left nothing.
+/// Error for a tile of which pruning left nothing.
 pub(super) fn nothing_left(unit: &Unit, source: &Source, region: &Region, graph: &TileGraph) -> BuildError {
     let (message, help) = missing(source, region, graph).unwrap_or_else(|| {
         let help = format!(
@@ -59,7 +59,7 @@ pub(super) fn nothing_left(unit: &Unit, source: &Source, region: &Region, graph:
     }
 }
 
-/// How many of the entries across the first edge meet each condition.
+/// How many of the entries across the first edge meet each condition, in words.
 fn met(region: &Region, graph: &TileGraph) -> String {
     let entries: Vec<u32> =
         (0..graph.cells.len() as u32).filter(|&i| graph.cells[i as usize] == TileCell::Entry(0)).collect();
@@ -80,7 +80,7 @@ fn met(region: &Region, graph: &TileGraph) -> String {
     format!("of {} entries across an edge, {}", entries.len(), out.join(", "))
 }
 
-/// The first condition that no entry meets, and the motion that would.
+/// First condition that no entry meets, and the motion that would help.
 fn missing(source: &Source, region: &Region, graph: &TileGraph) -> Option<(String, String)> {
     const EDIT: &str = "or allow more editing (edit_m_per_m, edit_deg_per_m)";
     let enters = |from: u32| match graph.cells[from as usize] {
@@ -93,7 +93,7 @@ fn missing(source: &Source, region: &Region, graph: &TileGraph) -> Option<(Strin
             "Add motion that crosses it, or check where the environment places it".to_owned(),
         ));
     }
-    // Nobody enters a slide from below.
+    // A slide is not entered from below.
     let entered = |edge: usize| graph.cells.contains(&TileCell::Entry(edge as u32));
     for (edge, ways) in graph.ways_out.iter().enumerate().filter(|(e, _)| entered(*e)) {
         let leaves = |way: u32| {

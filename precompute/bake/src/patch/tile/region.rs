@@ -1,36 +1,36 @@
-//! The outline of a tile on the ground, and which paths stay within it.
+//! Outline of a tile on the ground, and the test of paths against it.
 
 use super::layout::{Layout, Spot};
 use crate::environment::TileEdges;
 use glam::Vec2;
 
-/// How far a path may sway back across the edge that it has just crossed (m).
+/// Largest sway of a path back across the edge that it has just crossed (m).
 const SWAY_M: f32 = 0.04;
 
 /// One side of the outline: points `p` with `normal . p <= offset` are inside.
 pub(super) struct Side {
-    /// Away from the tile, of unit length: (x, z).
+    /// Outward normal: (x, z). Unit.
     pub normal: Vec2,
-    /// (m)
+    /// Offset along the normal (m).
     pub offset: f32,
-    /// The edge that is crossed here, if any.
+    /// Edge on this side, if any.
     pub edge: Option<u32>,
 }
 
 /// The outline of a tile.
 pub(super) struct Region {
-    /// Sides; those of edges come first, in the order of the edges.
+    /// Sides; those of edges first, in the order of the edges.
     pub sides: Vec<Side>,
-    /// The middle of it: (x, z) (m).
+    /// Centre: (x, z) (m).
     pub centre: Vec2,
-    /// Roots stay this far from the sides (m).
+    /// Least distance of roots from the sides (m).
     pub margin: f32,
     /// Length of the longest step to a neighbour (m).
     pub size: f32,
 }
 
 impl Region {
-    /// The outline that edges imply; a margin takes at most half of the narrowest edge.
+    /// Outline implied by edges; a margin takes at most half of the narrowest edge.
     pub fn new(edges: &TileEdges, margin: f32) -> Self {
         let centre = Vec2::new(edges.centre[0], edges.centre[2]);
         let side = |normal: Vec2, half: f32, edge| Side { normal, offset: normal.dot(centre) + half, edge };
@@ -52,23 +52,23 @@ impl Region {
         Self { sides, centre, margin: margin.min(narrowest / 4.0), size }
     }
 
-    /// How far inside a side a point is; negative outside (m).
+    /// Depth of a point inside a side; negative outside (m).
     pub fn inset(&self, side: usize, p: Vec2) -> f32 {
         self.sides[side].offset - self.sides[side].normal.dot(p)
     }
 
-    /// True where a point is farther than `reach` outside the tile.
+    /// True if a point is more than `reach` outside the tile.
     pub fn is_left(&self, p: Vec2, reach: f32) -> bool {
         (0..self.sides.len()).any(|s| self.inset(s, p) < -reach)
     }
 
-    /// True where a path stays within the tile, away from its edges but where it crosses them.
+    /// True if a path stays within the tile, and away from its edges except where it crosses them.
     ///
-    /// - `path`: points, and the length of the path up to each.
+    /// - `path`: points, with the length of the path up to each.
     pub fn holds(&self, layout: &Layout, from: u32, to: u32, path: &[(Vec2, f32)]) -> bool {
         let (from, to) = (&layout.spots[from as usize], &layout.spots[to as usize]);
         let total = path.last().map_or(0.0, |p| p.1);
-        // Oblique paths need a little more than the margin to get clear of it.
+        // Oblique paths take a little more than the margin to leave it.
         let near = self.margin + 0.25;
         path.iter().all(|&(p, walked)| {
             self.sides.iter().enumerate().all(|(s, side)| {
@@ -81,14 +81,14 @@ impl Region {
     }
 }
 
-/// The direction to the left of `ahead`: (x, z).
+/// Direction to the left of `ahead`: (x, z).
 pub(super) fn lateral(ahead: Vec2) -> Vec2 {
     Vec2::new(ahead.y, -ahead.x)
 }
 
 /// True where a path crosses itself.
 ///
-/// - `points`: of the path, in order; looked at in steps of a few frames.
+/// - `points`: of the path, in order; sampled every few frames.
 pub(super) fn crosses_itself(points: &[(Vec2, f32)]) -> bool {
     const STRIDE: usize = 4;
     let coarse: Vec<Vec2> = points.iter().step_by(STRIDE).chain(points.last()).map(|p| p.0).collect();

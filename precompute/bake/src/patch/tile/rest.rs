@@ -1,4 +1,4 @@
-//! Links that stay where they are: standing, turning on the spot, and what people do meanwhile.
+//! Links that stay in place: standing, turning on the spot, and tagged activities.
 
 use super::best::{Best, Candidate};
 use super::layout::{Kind, Layout};
@@ -11,21 +11,21 @@ use throng_core::patch::{LinkRecord, Placement};
 use throng_core::planar::wrap_angle;
 use throng_motion::clip::FrameRange;
 
-/// How far the end of standing or turning may be moved (m).
+/// Largest shift of the end of standing or turning (m).
 const REACH_M: f32 = 0.05;
-/// How far it may be turned (rad).
+/// Largest turn of the end of standing or turning (rad).
 const TURN_RAD: f32 = 0.17;
-/// The root keeps this near to where it stood (m).
+/// Largest distance of the root from where it stood (m).
 const SWAY_M: f32 = 0.4;
-/// Longest time between rest and rest, but for what a tag names (frames).
+/// Longest time from rest to rest, except in tagged ranges (frames).
 const MAX_FRAMES: usize = 120;
-/// What a tag names ends this near to where it began (m, rad).
+/// Largest distance from begin to end of a tagged range (m, rad).
 const RETURN: (f32, f32) = (0.3, 0.35);
 
-/// From a pose of rest to another and a number of steps of the heading.
+/// Pose groups of rest at begin and end, and number of heading steps.
 type Change = (u32, u32, usize);
 
-/// Links between the spots of rest of a tile, of which each stays in its place.
+/// Links between the rest spots of a tile, each of which stays in its place.
 pub(super) fn links(search: &Search) -> Vec<LinkRecord> {
     let groups: Vec<u32> = {
         let rest = search.layout.spots.iter().filter(|s| s.kind == Kind::Rest);
@@ -69,7 +69,7 @@ fn follow(search: &Search, groups: &[u32], clip: usize, start: usize, found: &mu
     }
 }
 
-/// Offers what the clip's tags name, where it begins and ends at rest in one place.
+/// Offers the clip's tagged ranges that begin and end at rest in one place.
 fn behaviours(search: &Search, groups: &[u32], clip: usize, found: &mut BTreeMap<Change, Best>) {
     let track = &search.source.tracks[clip];
     for range in search.source.tag_ranges(clip) {
@@ -87,7 +87,7 @@ fn behaviours(search: &Search, groups: &[u32], clip: usize, found: &mut BTreeMap
     }
 }
 
-/// Offers one run of frames as a change of pose and heading, if it is near enough to one.
+/// Offers one run of frames as a change of pose and heading, if near enough to one.
 fn offer(
     search: &Search,
     clip: usize,
@@ -121,7 +121,7 @@ fn everywhere<'a>(
     let track = &search.source.tracks[c.clip];
     let turned = track.places[c.end].heading - track.places[c.start].heading + c.missing.heading;
     let spots = search.layout.spots.iter().enumerate().filter(move |(_, s)| s.kind == Kind::Rest && s.group == from);
-    // Partners wait for each other; what one does alone is done elsewhere.
+    // Partners wait for each other at pair spots; activities of one person take place elsewhere.
     let spots = spots.filter(move |(i, _)| tag == 0 || *i < search.layout.first_of_pairs);
     spots.filter_map(move |(i, spot)| {
         let end = Planar { heading: spot.place.heading + turned, ..spot.place };
@@ -139,14 +139,14 @@ fn everywhere<'a>(
 }
 
 impl Track {
-    /// True where the character stands still.
+    /// True if the character stands still.
     pub fn stands(&self, frame: usize) -> bool {
         self.stood[frame + 1] > self.stood[frame]
     }
 }
 
 impl Layout {
-    /// The spot of rest at a place, up to full turns, and in a pose.
+    /// Rest spot at a place, up to full turns, in a pose.
     fn rest_at(&self, place: Planar, group: u32) -> Option<u32> {
         let found = self.spots.iter().position(|s| {
             s.kind == Kind::Rest

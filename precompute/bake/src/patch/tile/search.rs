@@ -1,5 +1,5 @@
-//! All sub-sequences of the motion that lead from one spot of a tile to others, by looping over first and last frames
-//! (Lee, Choi and Lee 2006, section 6).
+//! All sub-sequences of the motion from one spot of a tile to others, by looping over first and last frames (Lee, Choi
+//! and Lee 2006, section 6).
 
 use super::Source;
 use super::best::{Best, Candidate};
@@ -13,25 +13,25 @@ use throng_core::Planar;
 use throng_core::patch::{LinkRecord, Placement};
 use throng_core::planar::wrap_angle;
 
-/// No link lasts longer (s).
+/// Longest link (s).
 const MAX_SECONDS: f32 = 12.0;
-/// Crossing a tile never takes more than this times the straight way.
+/// Longest path across a tile, over the straight one.
 const DETOUR: f32 = 2.5;
-/// A character that stops reaches the pose of rest within this after standing still, and leaves it within this before
-/// setting out (frames).
+/// Longest time from standing still to the pose of rest of a stopping character, and from that pose to setting out
+/// (frames).
 const SETTLING: usize = 30;
-/// Turning less than this on the way cannot cross the path (rad).
+/// Total turn below which a path cannot cross itself (rad).
 const LOOP_RAD: f32 = 3.5;
 
-/// Looks for motion between the spots of a tile.
+/// Search for motion between the spots of a tile.
 pub(super) struct Search<'a> {
     /// The motion.
     pub source: &'a Source<'a>,
-    /// Where it leads to.
+    /// Spots of the tile.
     pub layout: &'a Layout,
-    /// What it has to stay in.
+    /// Outline that roots must stay in.
     pub region: &'a Region,
-    /// How far it may be edited, and how much is kept.
+    /// Limits of editing, and number of kept motions.
     pub config: &'a TileConfig,
     /// Shortest link (frames).
     pub min_frames: usize,
@@ -39,7 +39,7 @@ pub(super) struct Search<'a> {
     pub targets: BTreeMap<u32, Vec<u32>>,
 }
 
-/// A first frame, and where its clip lies then in the tile's frame.
+/// A first frame, with the placement of its clip in the tile's frame.
 struct Start {
     clip: usize,
     frame: usize,
@@ -47,7 +47,7 @@ struct Start {
 }
 
 impl<'a> Search<'a> {
-    /// Prepares to look.
+    /// Prepares the search.
     pub fn new(
         source: &'a Source,
         layout: &'a Layout,
@@ -88,7 +88,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// True where a frame was captured at the spot of some copy of the tile, as near as editing reaches.
+    /// True if a frame was captured at the spot of some copy of the tile, within reach of editing.
     fn is_captured_at(&self, from: u32, clip: usize, frame: usize) -> bool {
         let spot = &self.layout.spots[from as usize];
         let (reach, turn) = self.tolerance(self.region.size);
@@ -101,12 +101,12 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// How far the end may be moved and turned after a way (m, rad).
+    /// Largest shift and turn of the end after a travelled distance (m, rad).
     fn tolerance(&self, travelled: f32) -> (f32, f32) {
         (self.config.edit_m_per_m as f32 * travelled, (self.config.edit_deg_per_m as f32).to_radians() * travelled)
     }
 
-    /// Offers all that begins with one frame.
+    /// Offers all sub-sequences that begin with one frame.
     fn follow(&self, from: u32, start: &Start, best: &mut Best) {
         let track = &self.source.tracks[start.clip];
         let last = (start.frame + (MAX_SECONDS * self.source.rate_hz) as usize)
@@ -140,7 +140,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// True where the frames stand and walk as a way between the spots should.
+    /// True if the frames stand and walk as motion between the spots should.
     fn suits(&self, from: u32, to: u32, track: &Track, start: usize, end: usize) -> bool {
         let (from, to) = (&self.layout.spots[from as usize], &self.layout.spots[to as usize]);
         let within = track.frames_standing(start..end);
@@ -152,13 +152,13 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// True where the support rises from spot to spot as it does in the clip.
+    /// True if the support rises from spot to spot as in the clip.
     fn reaches(&self, from: f32, to: f32, track: &Track, start: usize, end: usize) -> bool {
         let missing = (to - from) - (track.support[end] - track.support[start]);
         missing.abs() <= super::vocabulary::LEVEL_M
     }
 
-    /// True where the edited path stays within the tile, does not cross itself and makes no great detour.
+    /// True if the edited path stays within the tile, does not cross itself and makes no great detour.
     fn is_plausible(&self, from: u32, to: u32, start: &Start, c: &Candidate) -> bool {
         let track = &self.source.tracks[c.clip];
         let mut path: Vec<(Vec2, f32)> = Vec::with_capacity(c.end - c.start + 1);
@@ -196,12 +196,12 @@ impl<'a> Search<'a> {
 }
 
 impl Track {
-    /// True where the character is about to leave the place it stands on.
+    /// True if the character is about to leave its place.
     fn leaves_rest(&self, frame: usize) -> bool {
         self.standing.iter().any(|r| r.contains(&frame) && r.end - frame <= SETTLING)
     }
 
-    /// True where the character has come to stand not long ago.
+    /// True if the character has stopped recently.
     fn has_settled(&self, frame: usize) -> bool {
         self.standing.iter().any(|r| r.contains(&frame) && frame - r.start <= SETTLING)
     }

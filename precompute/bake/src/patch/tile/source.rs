@@ -1,25 +1,25 @@
-//! The motion that a tile is made from.
+//! Source motion of a tile.
 
 use crate::patch::track::Track;
 use std::collections::BTreeMap;
 use throng_core::patch::Placement;
 use throng_motion::clip::{ClipSet, FrameRange};
 
-/// Hips below this share of their usual height are those of somebody who sits or lies.
+/// Height of the hips, as a share of the usual one, below which a body sits or lies.
 const SEATED: f32 = 0.85;
 
-/// The motion that a tile is made from.
+/// Source motion of a tile.
 pub(in crate::patch) struct Source<'a> {
     /// Tracks of all clips.
     pub tracks: &'a [Track],
     /// Clips that are used, by number.
     pub clips: Vec<usize>,
-    /// Copies of a rising tile that the clips were captured on: clip, and where it stands. Level ground has none: what
-    /// was captured on it may be laid anywhere.
+    /// Copies of a rising tile that the clips were captured on: clip and placement. Level ground has none: motion
+    /// captured on it may be placed anywhere.
     pub copies: Vec<(usize, Placement)>,
-    /// Frames a second (Hz).
+    /// Frame rate (Hz).
     pub rate_hz: f32,
-    /// For each clip and frame the end of the run of usable frames that it is in; 0 outside.
+    /// For each clip and frame, the end of its run of usable frames; 0 outside.
     run_end: Vec<Vec<usize>>,
     by_group: BTreeMap<u32, Vec<(usize, usize)>>,
     tag_ranges: Vec<Vec<FrameRange>>,
@@ -47,7 +47,7 @@ impl<'a> Source<'a> {
         Self { tracks, clips, copies, rate_hz, run_end, by_group, tag_ranges }
     }
 
-    /// End of the run of usable frames that a frame is in; 0 outside.
+    /// End of the run of usable frames of a frame; 0 outside.
     pub fn run_end(&self, clip: usize, frame: usize) -> usize {
         self.run_end[clip][frame]
     }
@@ -57,24 +57,24 @@ impl<'a> Source<'a> {
         self.by_group.get(&group).into_iter().flatten().copied()
     }
 
-    /// What the tags of a clip cover.
+    /// Ranges of a clip that tags cover.
     pub fn tag_ranges(&self, clip: usize) -> &[FrameRange] {
         &self.tag_ranges[clip]
     }
 
-    /// How often somebody stands still.
+    /// Number of stops.
     pub fn stops(&self) -> usize {
         self.clips.iter().map(|&c| self.tracks[c].standing.len()).sum()
     }
 
-    /// Length of the motion (min).
+    /// Duration of the motion (min).
     pub fn minutes(&self) -> f32 {
         let frames: usize = self.clips.iter().map(|&c| self.tracks[c].places.len()).sum();
         frames as f32 / self.rate_hz / 60.0
     }
 }
 
-/// Takes frames out of runs in which somebody stays on a seat that is not there: low, and still.
+/// Removes frames of sitting on a missing seat from runs: low, and still.
 fn leave_out_seats(set: &ClipSet, tracks: &[Track], clips: &[usize], run_end: &mut [Vec<usize>]) {
     let height = |c: usize, f: usize| set.clips[c].root_positions[f].y - tracks[c].support[f];
     let mut all: Vec<f32> =

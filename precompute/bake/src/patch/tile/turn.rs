@@ -1,9 +1,9 @@
-//! Square tiles look the same after a quarter turn: what is found for one edge serves all four.
+//! Symmetry of square tiles under a quarter turn: links found for one edge serve all four.
 
 use std::f32::consts::TAU;
 use throng_core::patch::{LinkRecord, Placement};
 
-/// The spots from which links must be looked for: the first of each set that quarter turns lead through.
+/// Spots from which links must be searched: the first of each orbit of quarter turns.
 pub(super) fn first_of_each(turned: &[u32], spots: impl Iterator<Item = u32>) -> Vec<u32> {
     let first = |spot: u32| {
         let mut other = turned[spot as usize];
@@ -15,7 +15,7 @@ pub(super) fn first_of_each(turned: &[u32], spots: impl Iterator<Item = u32>) ->
     spots.filter(|&s| first(s)).collect()
 }
 
-/// All that quarter turns make of a link that begins in the first spot of its set, itself included.
+/// All images under quarter turns of a link that begins in the first spot of its orbit, itself included.
 pub(super) fn all_turns(turned: &[u32], link: LinkRecord) -> impl Iterator<Item = LinkRecord> {
     let quarter = Placement::new(0.0, 0.0, 0.0, TAU / 4.0);
     let next = move |l: &LinkRecord| {

@@ -1,4 +1,4 @@
-//! Which pose groups people enter, leave and rest in.
+//! Pose groups in which characters enter, leave and rest.
 
 use super::Source;
 use super::layout::edge_height;
@@ -9,9 +9,9 @@ use crate::patch::TileConfig;
 use glam::Vec2;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Roots this fast are on their way (m/s).
+/// Least speed of a walking root (m/s).
 const WALKING_MPS: f32 = 0.6;
-/// Heights of what holds one up at an edge that count as one (m).
+/// Largest difference of equal support heights at an edge (m).
 pub(super) const LEVEL_M: f32 = 0.05;
 
 /// A pose at an edge.
@@ -19,24 +19,24 @@ pub(super) const LEVEL_M: f32 = 0.05;
 pub(super) struct Word {
     /// Pose group.
     pub group: u32,
-    /// Height of what holds the character up, above the middle of the edge (m).
+    /// Height of the support above the middle of the edge (m).
     pub level: f32,
 }
 
 /// Poses at edges and at rest.
 pub(super) struct Vocabulary {
-    /// For each edge the poses in which it is entered.
+    /// For each edge, the poses in which it is entered.
     pub edge: Vec<Vec<Word>>,
     /// Pose groups of rest.
     pub rest: Vec<u32>,
 }
 
 impl Vocabulary {
-    /// Poses of level ground: what is commonest in walking, at every edge, and what is commonest in standing.
+    /// Poses of level ground: the most frequent ones of walking, at every edge, and of standing.
     ///
-    /// Groups count by the strides and stops that pass through them, not by frames: a link needs a pass.
+    /// Groups are counted by the strides and stops that pass through them, not by frames: a link needs a pass.
     ///
-    /// - `times`: as many times the groups that the config asks for.
+    /// - `times`: multiple of the configured number of groups.
     pub fn of_ground(source: &Source, num_edges: usize, config: &TileConfig, times: usize) -> Self {
         let (mut walking, mut standing) = (BTreeMap::<u32, usize>::new(), BTreeMap::<u32, usize>::new());
         for &c in &source.clips {
@@ -65,8 +65,8 @@ impl Vocabulary {
         Self { edge: vec![words; num_edges], rest: commonest(standing, times * config.rest_groups) }
     }
 
-    /// Poses in which captured copies of a rising tile were crossed: for each edge what is common where it is entered
-    /// and also where the opposite one is left.
+    /// Poses in which captured copies of a rising tile were crossed: for each edge the most frequent ones of entering
+    /// it that also occur in leaving the opposite one.
     pub fn of_rising(source: &Source, region: &Region, edges: &TileEdges, config: &TileConfig) -> Self {
         let edges = (0..2).map(|edge| {
             let [entered, left] =
@@ -80,10 +80,10 @@ impl Vocabulary {
     }
 }
 
-/// How often an edge of the captured copies is crossed, by pose group and level.
+/// Number of crossings of an edge of the captured copies, by pose group and level.
 ///
-/// - `height`: of the edge, which levels count from (m).
-/// - `inward`: count entries, else exits.
+/// - `height`: of the edge, from which levels are measured (m).
+/// - `inward`: true to count entries, false for exits.
 fn crossings(source: &Source, region: &Region, edge: usize, height: f32, inward: bool) -> BTreeMap<(u32, i32), usize> {
     let mut counts = BTreeMap::new();
     for (c, copy) in &source.copies {
@@ -95,7 +95,7 @@ fn crossings(source: &Source, region: &Region, edge: usize, height: f32, inward:
         let mut passed = BTreeSet::new();
         for f in 1..track.places.len() {
             let (before, now) = (inset(f - 1), inset(f));
-            // Not only the very frame: those around it may be moved onto the edge.
+            // Frames near the crossing may be moved onto the edge too.
             let near = now.abs() < (now - before).abs().max(0.05) && (now > before) == inward && now != before;
             if near && track.groups[f] != PoseGroups::NO_GROUP {
                 let level = ((track.support[f] - copy.y - height) / LEVEL_M).round() as i32;
@@ -110,7 +110,7 @@ fn crossings(source: &Source, region: &Region, edge: usize, height: f32, inward:
     counts
 }
 
-/// The `n` with the highest counts, the first of equal ones; sorted by number.
+/// The `n` with the highest counts, the first on a tie; sorted by number.
 fn commonest<T: Copy + Ord>(counts: BTreeMap<T, usize>, n: usize) -> Vec<T> {
     let mut all: Vec<(T, usize)> = counts.into_iter().collect();
     all.sort_by_key(|&(item, count)| (std::cmp::Reverse(count), item));

@@ -1,6 +1,6 @@
-//! One axis of a grid with fewer cells: how values are fitted to them, and what the fit gives back.
+//! One axis of a coarser grid: the fit of values to its cells, and the interpolation of the fit.
 
-/// A matrix, row after row.
+/// A matrix, row-major.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Matrix {
     pub rows: usize,
@@ -9,10 +9,10 @@ pub(super) struct Matrix {
 }
 
 impl Matrix {
-    /// The matrix times a block of values along one of its axes.
+    /// Multiplies the matrix with a block of values along one of its axes.
     ///
-    /// - `values`: (outer * columns * inner)
-    /// - `out`: becomes (outer * rows * inner)
+    /// - `values`: (outer * columns * inner).
+    /// - `out`: receives (outer * rows * inner).
     pub fn apply(&self, values: &[f32], inner: usize, out: &mut Vec<f32>) {
         out.clear();
         out.resize(values.len() / self.columns * self.rows, 0.0);
@@ -34,15 +34,15 @@ impl Matrix {
 pub(super) struct Resolution {
     /// Number of cells.
     pub count: u32,
-    /// Values of the finest cells to the best ones of these, by least squares (count x finest).
+    /// Matrix from values of the finest cells to the least-squares values of these cells (count x finest).
     pub fit: Matrix,
-    /// Values of the finest cells to what is interpolated there after the fit (finest x finest).
+    /// Matrix from values of the finest cells to those interpolated at them after the fit (finest x finest).
     pub seen: Matrix,
 }
 
-/// All numbers of cells that an axis may get, the finest first: each about 0.7 of the one before.
+/// Possible numbers of cells of an axis, finest first: each about 0.7 of the one before.
 ///
-/// - `around`: the axis comes back to its begin.
+/// - `around`: true for a periodic axis.
 /// - `least`: (1 to finest)
 pub(super) fn resolutions(finest: u32, least: u32, around: bool) -> Vec<Resolution> {
     let mut counts = vec![finest];
@@ -74,7 +74,7 @@ impl Resolution {
         let matrix = |rows, columns, elements: Vec<f64>| Matrix {
             rows,
             columns,
-            // What is rounding alone is none of the neighbours' business.
+            // Values that are only rounding are set to zero, so that they involve no neighbours.
             elements: elements.into_iter().map(|v| if v.abs() < 1e-9 { 0.0 } else { v as f32 }).collect(),
         };
         Self { count, fit: matrix(m, n, fit), seen: matrix(n, n, seen) }
@@ -98,7 +98,7 @@ fn interpolation(m: usize, n: usize, around: bool) -> Vec<f64> {
     weights
 }
 
-/// The matrix that takes `n` values to the `m` whose interpolation is nearest to them: (B'B)^-1 B'.
+/// Matrix from `n` values to the `m` whose interpolation is nearest to them: (B'B)^-1 B'.
 fn least_squares(spread: &[f64], m: usize) -> Vec<f64> {
     let n = spread.len() / m;
     // Normal equations with B' on the right-hand side, by Gauss-Jordan: positive definite, so without pivoting.

@@ -1,35 +1,35 @@
-//! Which state gets which grid: cells go where they lower the error most.
+//! Assignment of grids to states: cells go where they lower the error most.
 
-/// Where shapes are weighed: what each would cost and leave over.
+/// Costs and errors from which a shape is chosen for each state.
 #[derive(Clone, Copy)]
 pub(super) struct Choices<'a> {
     /// Cells of each shape.
     pub cells: &'a [usize],
     /// Sum of squared errors of each (state, shape), states one after the other.
     pub errors: &'a [f64],
-    /// What an error of each state counts (> 0).
+    /// Weight of the errors of each state (> 0).
     pub weights: &'a [f64],
-    /// Cells that all states together may have.
+    /// Most cells of all states together.
     pub budget: usize,
-    /// Sum of squared errors from which on a state gets no more cells.
+    /// Sum of squared errors below which a state gets no more cells.
     pub enough: f64,
 }
 
-/// One refinement of a state that pays.
+/// A worthwhile refinement of a state.
 struct Step {
     state: usize,
     shape: usize,
     cells: usize,
-    /// Weighted error that goes for each cell that comes.
+    /// Weighted error removed per added cell.
     gain: f64,
 }
 
 impl Choices<'_> {
-    /// A shape for every state, or the number of cells that the coarsest take where that is beyond the budget.
+    /// A shape for every state; fails with the number of cells of the coarsest shapes if that exceeds the budget.
     ///
-    /// Every state starts with the fewest cells. Of all refinements that lie on the lower hull of a state's errors over
-    /// its cells, the one that takes away most weighted error per cell is done first, until one finds no room. With as
-    /// many cells as this comes to, or fewer, no other choice has less weighted error.
+    /// Every state starts with the fewest cells. Of all refinements on the lower hull of a state's errors over its
+    /// cells, the one that removes most weighted error per cell comes first, until one does not fit. No other choice
+    /// with at most that many cells has less weighted error.
     pub fn choose(&self) -> Result<Vec<usize>, usize> {
         let hulls: Vec<Vec<usize>> = self.errors.chunks_exact(self.cells.len()).map(|e| self.hull(e)).collect();
         let mut chosen: Vec<usize> = hulls.iter().map(|h| h[0]).collect();
@@ -38,7 +38,7 @@ impl Choices<'_> {
             return Err(used);
         }
         let mut steps: Vec<Step> = hulls.iter().enumerate().flat_map(|(s, hull)| self.steps(s, hull)).collect();
-        // Steady, so that a state's own steps stay in order.
+        // Stable, so that a state's own steps stay in order.
         steps.sort_by(|a, b| b.gain.total_cmp(&a.gain).then(a.state.cmp(&b.state)));
         for step in steps {
             used += step.cells;
@@ -60,14 +60,14 @@ impl Choices<'_> {
         hull.windows(2).take_while(|pair| error(pair[0]) > self.enough).map(step).collect()
     }
 
-    /// Shapes from the fewest cells to the least error, such that each step pays less per cell than the one before.
+    /// Shapes from the fewest cells to the least error, such that each step gains less per cell than the one before.
     fn hull(&self, errors: &[f64]) -> Vec<usize> {
         let mut order: Vec<usize> = (0..errors.len()).collect();
         order.sort_by(|&a, &b| self.cells[a].cmp(&self.cells[b]).then(errors[a].total_cmp(&errors[b])).then(a.cmp(&b)));
         let mut hull: Vec<usize> = Vec::new();
         let gain = |a: usize, b: usize| (errors[a] - errors[b]) / (self.cells[b] - self.cells[a]) as f64;
         for shape in order {
-            // Not better than what has as many cells or fewer.
+            // No better than a shape with as many cells or fewer.
             if hull.last().is_some_and(|&last| errors[shape] >= errors[last]) {
                 continue;
             }

@@ -3,14 +3,14 @@
 use super::axis::{Resolution, resolutions};
 use throng_core::policy::TargetGrid;
 
-/// All grids that a state may get: every combination of the axes' counts.
+/// Possible grids of a state: every combination of the axes' counts.
 pub(super) struct Shapes {
-    /// Of angles, rings and heights, the finest first.
+    /// Resolutions of angles, rings and heights, finest first.
     axes: [Vec<Resolution>; 3],
     finest: [usize; 3],
 }
 
-/// A state's values, from one axis to the next.
+/// Scratch memory for a state's values, from one axis to the next.
 #[derive(Default)]
 pub(super) struct Scratch {
     stages: [Vec<f32>; 3],
@@ -24,7 +24,7 @@ impl Shapes {
         Self { axes, finest: [angles, rings, heights].map(|n| n as usize) }
     }
 
-    /// One shape alone: (rings, angles, heights), none above those of the grid.
+    /// A single shape: (rings, angles, heights), none above those of the grid.
     pub fn single(grid: &TargetGrid, counts: [u32; 3]) -> Self {
         let [rings, angles, heights] = grid.counts();
         let one = |k: usize, finest, around| vec![Resolution::new(counts[k], finest, around)];
@@ -60,7 +60,7 @@ impl Shapes {
 
     /// Sums of the squared errors of all shapes over the finest cells (len()).
     ///
-    /// - `values`: of a state with the finest grid.
+    /// - `values`: of a state on the finest grid.
     pub fn errors(&self, values: &[f32], scratch: &mut Scratch, out: &mut [f64]) {
         let [_, rings, heights] = self.axes.each_ref().map(Vec::len);
         let [a, b, c] = &mut scratch.stages;
@@ -81,7 +81,7 @@ impl Shapes {
         }
     }
 
-    /// The best values of a shape's cells, by least squares: the values themselves where it is the finest.
+    /// Least-squares values of a shape's cells; unchanged for the finest.
     pub fn fit(&self, shape: usize, values: &[f32]) -> Vec<f32> {
         let [by_angle, by_ring, by_height] = self.of(shape);
         let mut fitted = values.to_vec();

@@ -1,5 +1,5 @@
-//! A resolution for every state: the policy solved on the finest grid, compacted to where its values change fast
-//! (Lee and Lee 2004, section 7).
+//! Resolution per state: a policy solved on the finest grid and compacted to where its values change fast (Lee and Lee
+//! 2004, section 7).
 
 mod axis;
 mod choose;
@@ -20,26 +20,25 @@ use throng_motion::error::BuildError;
 
 /// Gives every state of a solved policy a grid of its own.
 ///
-/// Values are fitted to each state's grid by least squares over the finest cells; a state that keeps the finest grid
-/// keeps its values bit by bit. Cells go where they lower the squared error most, each state's counted as often as an
-/// action leads to it, as values are only read there. Best actions are not touched: see `bake`.
+/// Values are fitted to each state's grid by least squares over the finest cells; a state with the finest grid keeps
+/// its values bit by bit. Cells go where they lower the squared error most, with each state weighted by the number of
+/// actions that lead to it, as values are only read there. Best actions are set by `bake`.
 ///
-/// Sweeps over the fitted values would make them worse: every one of them adds the error of the coarse grids anew,
-/// while a fit to the finest ones has it once. On 2258 boxing states with an eighth of the memory, all states counted
-/// alike, what the policy collects falls short of the finest grid's by 4.9 %, by 9.6 % after a sweep and by 11.9 %
-/// after 21.
+/// Sweeps over the fitted values would make them worse: every one adds the error of the coarse grids again, while a fit
+/// to the finest values has it once. On 2258 boxing states with an eighth of the memory and equal weights, the policy
+/// collects 4.9 % less than on the finest grid, 9.6 % less after a sweep and 11.9 % less after 21.
 ///
-/// Errors of all cells count alike, whatever ground they cover: where rings grow outwards, cells near the character
-/// weigh more than queries at random distances do. There (`approach`, 16 x 32 cells, a quarter of the memory) one grid
-/// of 8 x 16 cells with fitted values is as good: off by 0.0018 on average against 0.0021. On the grids of blows, with
-/// equal rings, it is off by 1.7 times as much as these.
+/// Errors of all cells count equally, regardless of the ground they cover: with growing rings, cells near the character
+/// have more weight than in queries at random distances. There (`approach`, 16 x 32 cells, a quarter of the memory) one
+/// grid of 8 x 16 cells with fitted values is as good: off by 0.0018 on average against 0.0021. On the grids of blows,
+/// with equal rings, it is off by 1.7 times as much.
 ///
 /// # Errors
-/// [`BuildError::Key`] where not even the coarsest grids fit the memory.
+/// [`BuildError::Key`] if even the coarsest grids exceed the memory.
 ///
 /// # Source
-/// Lee and Lee (2004), section 7 names adaptive resolution as a way to compact its tables. Here each
-/// state keeps one small table with its own counts, so that a lookup remains a single load.
+/// Lee and Lee (2004), section 7 names adaptive resolution as a way to compact its tables. Differs: each state has one
+/// small table with its own counts, so that a lookup remains a single load.
 pub fn adapt(
     model: &ActionModel,
     solution: &Solution,
@@ -60,14 +59,14 @@ pub fn adapt(
     Ok(with_shapes(solution, &shapes, &chosen))
 }
 
-/// Actions that lead to each state, at least 1.
+/// Number of actions that lead to each state, at least 1.
 fn uses(model: &ActionModel) -> Vec<f64> {
     let mut uses = vec![0.0f64; model.num_states()];
     model.action_segments.iter().for_each(|&s| uses[model.segments[s as usize].end as usize] += 1.0);
     uses.iter().map(|n| n.max(1.0)).collect()
 }
 
-/// The same values with a shape for each state.
+/// The solution's values, stored with the chosen shape of each state.
 fn with_shapes(solution: &Solution, shapes: &Shapes, chosen: &[usize]) -> Solution {
     let mut first = 0;
     let state_grids = chosen.iter().map(|&shape| {
@@ -93,12 +92,12 @@ fn bytes(solution: &Solution) -> usize {
     solution.values.len() * bytes_per_cell(solution) + size_of_val(&*solution.state_grids)
 }
 
-/// Cells that there is memory for.
+/// Number of cells that fit the memory.
 fn budget(solution: &Solution, num_cells: usize, cfg: &AdaptiveConfig) -> usize {
     let num_states = solution.record.num_states as usize;
     let bytes = cfg.share * (num_states * num_cells * bytes_per_cell(solution)) as f64;
     let records = num_states * size_of::<StateGridRecord>();
-    // A state that keeps the finest grid costs its record too: the whole share is enough for all of them.
+    // A state with the finest grid needs its record too: a share of 1 suffices for all of them.
     let whole = if cfg.share >= 1.0 { records } else { 0 };
     (bytes as usize + whole).saturating_sub(records) / bytes_per_cell(solution)
 }

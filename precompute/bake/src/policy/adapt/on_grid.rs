@@ -4,7 +4,7 @@ use super::super::behaviour::{Behaviour, Spec};
 use super::super::model::SegmentMotion;
 use throng_core::policy::{SegmentRecord, TargetGrid};
 
-/// The same behaviour on another grid over the same places.
+/// A behaviour moved to another grid over the same region.
 pub(super) struct OnGrid<'a> {
     pub behaviour: &'a dyn Behaviour,
     pub grid: TargetGrid,

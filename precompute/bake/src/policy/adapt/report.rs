@@ -1,4 +1,4 @@
-//! What an adaptive policy gives away, and what uniform grids of the same size do.
+//! Loss of an adaptive policy, compared with uniform grids of equal size.
 
 use super::super::behaviour::Behaviour;
 use super::super::compare::random_target;
@@ -15,31 +15,31 @@ use throng_core::policy::{MAX_ACTIONS, PolicyTable, TargetGrid};
 use throng_motion::error::BuildError;
 use throng_motion::progress::Silent;
 
-/// Three ways to store a policy in the same memory, each against the policy on the finest grid everywhere.
+/// Three ways to store a policy in equal memory, each compared with the policy on the finest grid everywhere.
 ///
 /// Errors and losses are over random states and targets within the grid, angles, distances and heights uniform.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct AdaptiveReport {
     /// Bytes of values and best actions with the finest grid everywhere.
     pub finest_bytes: usize,
-    /// (State, target) pairs asked.
+    /// Number of (state, target) queries.
     pub samples: u32,
-    /// Mean size of a value on the finest grid, which errors may be measured by.
+    /// Mean size of a value on the finest grid, as a scale for errors.
     pub mean_value: f64,
-    /// A grid for every state, values fitted to the finest: what is stored.
+    /// One grid per state, with values fitted to the finest: the stored policy.
     pub adaptive: Approximation,
-    /// One grid for all states, at least as large, solved by itself.
+    /// One grid for all states, at least as large, solved separately.
     pub uniform: Approximation,
-    /// The same grid for all states, values fitted to the finest.
+    /// One grid for all states, with values fitted to the finest.
     pub uniform_fitted: Approximation,
 }
 
-/// A policy in less memory.
+/// A policy stored in less memory.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Approximation {
     /// Bytes of values, best actions and state grids.
     pub bytes: usize,
-    /// Rings, angles and heights of a state, means.
+    /// Mean rings, angles and heights of a state.
     pub counts: [f64; 3],
     /// Mean distance from the values on the finest grid.
     pub mean_error: f64,
@@ -47,18 +47,18 @@ pub struct Approximation {
     pub p95_error: f64,
     /// Largest such distance.
     pub max_error: f64,
-    /// Share of queries in which another action is best than on the finest grid.
+    /// Share of queries with another best action than on the finest grid.
     pub changed_share: f64,
-    /// What those actions lose by the look-ahead on the finest grid, as a share of the best scores' sum.
+    /// Loss by those actions in the look-ahead on the finest grid, as a share of the best scores' sum.
     pub mean_loss: f64,
 }
 
 impl AdaptiveReport {
     /// - `finest`: solved and baked.
-    /// - `adapted`: what was made of it.
+    /// - `adapted`: the adaptive policy.
     ///
     /// # Errors
-    /// [`BuildError::Stage`] where the uniform grid's values do not come to their end.
+    /// [`BuildError::Stage`] if the uniform grid's values do not converge.
     pub(in crate::policy) fn new(
         model: &ActionModel,
         behaviour: &dyn Behaviour,
@@ -82,13 +82,13 @@ impl AdaptiveReport {
                 / queries.values.len().max(1) as f64,
             adaptive: queries.approximation(model, adapted)?,
             uniform: queries.approximation(model, &uniform)?,
-            // One record would do for all states: they are not counted.
+            // One record would do for all states, so records are not counted.
             uniform_fitted: Approximation { bytes: bytes(&uniform), ..queries.approximation(model, &fitted)? },
         })
     }
 }
 
-/// The counts with about the proportions of a grid that come nearest to a number of cells, and not below it.
+/// Counts in about the proportions of a grid, nearest to a number of cells and not below it.
 fn uniform_counts(grid: &TargetGrid, num_cells: usize) -> [u32; 3] {
     let finest = grid.counts();
     let axes = finest.iter().filter(|&&n| n > 1).count().max(1) as f64;
@@ -114,7 +114,7 @@ fn uniform_counts(grid: &TargetGrid, num_cells: usize) -> [u32; 3] {
     best.1
 }
 
-/// Random queries, and what the policy on the finest grid says.
+/// Random queries, with the scores of the policy on the finest grid.
 struct Queries {
     at: Vec<(u32, Vec3)>,
     values: Vec<f32>,
@@ -136,7 +136,7 @@ impl Queries {
         Ok(Self { at, values, scores })
     }
 
-    /// A policy with less memory against the one asked first.
+    /// Compares a policy with less memory with that on the finest grid.
     fn approximation(&self, model: &ActionModel, solution: &Solution) -> Result<Approximation, BuildError> {
         let first = first_actions(solution);
         let table = solution.table(model, &first)?;
@@ -171,7 +171,7 @@ impl Queries {
     }
 }
 
-/// The first action everywhere: best actions are not asked for here.
+/// The first action everywhere, as best actions are not used here.
 fn first_actions(solution: &Solution) -> Vec<u8> {
     vec![0; solution.values.len() * solution.record.num_choices as usize]
 }
@@ -181,7 +181,7 @@ fn score<'a>(table: &PolicyTable, (state, target): (u32, Vec3), buffer: &'a mut 
     &buffer[..n]
 }
 
-/// The first of the best.
+/// Index of the first of the best scores.
 fn best_of(scores: &[f32]) -> usize {
     (0..scores.len()).fold(0, |best, a| if scores[a] > scores[best] { a } else { best })
 }

@@ -1,4 +1,4 @@
-//! Coming to a target and staying there.
+//! Moving to a target and staying there.
 
 use super::super::config::{BehaviourConfig, CentreConfig, KernelConfig, RewardForm};
 use super::super::model::SegmentMotion;
@@ -9,18 +9,17 @@ use throng_core::Planar;
 use throng_core::policy::{RegionRecord, Reward, SegmentRecord, TargetGrid};
 use throng_motion::error::BuildError;
 
-/// Come to the target and stay there.
+/// Behaviour of moving to the target and staying there.
 ///
 /// The default reward is the discounted *time* spent near: (1 - discount) * sum over the action's frames t of
-/// discount^t * exp(-distance(t) / scale), a little more where the character stands. Standing on the target for ever is
-/// then worth exactly 1, whatever the lengths of the actions that do it. Turning on the spot is not standing. Lee and
-/// Lee (2004), equation 5, pay each *action* once, by its best moment; an optimal policy then prefers many short
-/// actions to few long ones, and has no reason to stand. [`RewardForm::Max`] gives that form.
+/// discount^t * exp(-distance(t) / scale), a little more for a standing character. Standing on the target for ever is
+/// then worth exactly 1, for any lengths of actions. Turning on the spot is not standing. Lee and Lee (2004), equation
+/// 5, reward each *action* once, by its best moment; an optimal policy then prefers many short actions to few long
+/// ones, and has no reason to stand. [`RewardForm::Max`] gives that form.
 ///
-/// Either is evaluated at four moments: start, one third, two thirds, end. For the sum, the distance's kernel is
-/// taken as linear in time between them, which gives four weights that already hold discount and standing. p(t) is the
-/// root's path over ground, or with [`CentreConfig::Hits`] that of the centroid of the effective hitting points, as
-/// Lee and Lee do.
+/// Either is evaluated at four moments: start, one third, two thirds, end. For the sum, the distance's kernel is taken
+/// as linear in time between them, which gives four weights that include discount and standing. p(t) is the root's path
+/// over ground, or with [`CentreConfig::Hits`] that of the centroid of the effective hitting points, as in Lee and Lee.
 #[derive(Clone, Debug)]
 pub struct Approach {
     config: BehaviourConfig,
@@ -39,7 +38,7 @@ impl Approach {
     ///   (m).
     ///
     /// # Errors
-    /// [`BuildError::Key`] names the key that is out of its range.
+    /// [`BuildError::Key`] names the key out of its range.
     pub fn new(config: &BehaviourConfig, rate_hz: f64, hit_centre: Option<Vec2>) -> Result<Self, BuildError> {
         let c = config;
         c.check()?;
@@ -70,7 +69,7 @@ impl Approach {
         })
     }
 
-    /// Where what is to come to the target is at a moment, around where it was (m).
+    /// Position at a moment of the point that is to reach the target, relative to its start (m).
     fn place_at(&self, motion: &SegmentMotion, moment: f32) -> Vec2 {
         let heading = motion.path[(moment.round() as usize).min(motion.path.len() - 1)].heading;
         let turned = Planar::new(0.0, 0.0, heading).transform_point(self.centre);
@@ -95,8 +94,8 @@ impl Approach {
     }
 }
 
-/// Where the behaviour counts: where the config says, else for all targets, or for those beyond blows that land. Within their
-/// reach it is blows that count: who is paid for being there has no reason to leave a pose from which none comes soon.
+/// Active region: that of the config, else all targets, or those beyond the reach of landing blows. Within that reach
+/// blows count: a reward for being there would give no reason to leave a pose from which no blow comes soon.
 fn region_of(c: &BehaviourConfig, centre: Vec2) -> Result<RegionRecord, BuildError> {
     let mut region = c.region.make(false, RegionRecord::EVERYWHERE)?;
     if c.centre == CentreConfig::Hits && c.region.distance_m.is_none() {

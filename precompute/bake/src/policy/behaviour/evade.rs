@@ -1,8 +1,8 @@
 //! Evading a blow: the opponent's motion is part of the state.
 //!
-//! The boxers of Lee and Lee (2004) train against a target that stands; their discussion asks for policies learned from
-//! sparring. Here the opponent's motion is reduced to where the blow will land and the time left until then, which are
-//! the axes of a space-time grid.
+//! The boxers of Lee and Lee (2004) train against a standing target; their discussion asks for policies learned from
+//! sparring. Here the opponent's motion is reduced to the place of the coming blow and the time left until then, which
+//! are the axes of a space-time grid.
 
 use super::super::config::{BehaviourConfig, KernelConfig, RewardForm};
 use super::super::model::SegmentMotion;
@@ -18,11 +18,11 @@ use throng_core::{Joint, Skeleton};
 use throng_motion::clip::ClipSet;
 use throng_motion::error::BuildError;
 
-/// Be away from the place where a blow lands, at the moment it does.
+/// Behaviour of being away from the place where a blow lands, at that moment.
 ///
-/// The reward of an action is `gain * discount^t * kernel(distance)` where the blow lands during it, at time t, with
-/// the distance of the guarded point from the blow's place; a negative gain makes being hit a loss. Values where
-/// nothing comes are 0, so that the behaviour adds nothing to others then.
+/// The reward of an action is `gain * discount^t * kernel(distance)` if the blow lands during it, at time t, with the
+/// distance of the guarded point from the blow's place; a negative gain makes being hit a loss. Values without a coming
+/// blow are 0, so that the behaviour adds nothing to others then.
 #[derive(Clone, Debug)]
 pub struct Evade {
     config: BehaviourConfig,
@@ -74,7 +74,7 @@ impl Evade {
     }
 }
 
-/// The way of a joint over every segment (num_segments).
+/// Path of a joint over every segment (num_segments).
 fn paths(clips: &ClipSet, graph: &MotionGraph, joint: Joint, comm: &dyn Comm) -> Result<Vec<PathRecord>, BuildError> {
     let starts = clips.frame_starts();
     let offset = guarded_offset(&clips.skeleton, joint);
@@ -102,11 +102,11 @@ fn paths(clips: &ClipSet, graph: &MotionGraph, joint: Joint, comm: &dyn Comm) ->
     Ok(sent.into_iter().map(|s| s.0).collect())
 }
 
-/// A path as ranks send it.
+/// A path, serialized between ranks.
 #[derive(Serialize, Deserialize)]
 struct Sent(#[serde(with = "throng_motion::pod::one")] PathRecord);
 
-/// The middle of the head, or the joint itself (m).
+/// Offset of the guarded point from the joint: to the middle of the head, else zero (m).
 fn guarded_offset(skeleton: &Skeleton, joint: Joint) -> Vec3 {
     if joint == Joint::Head { 0.5 * skeleton.tips[0] } else { Vec3::ZERO }
 }

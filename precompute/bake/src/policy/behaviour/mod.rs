@@ -14,7 +14,7 @@ use throng_core::policy::{PathRecord, RegionRecord, Reward, SegmentRecord, Targe
 use throng_motion::error::BuildError;
 pub use throw_punches::{SegmentHit, ThrowPunches, segment_hits};
 
-/// What a behaviour is, whatever the motion.
+/// Specification of a behaviour, independent of motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Spec<'a> {
     /// Name of the policy; unique in a bundle.
@@ -25,37 +25,37 @@ pub struct Spec<'a> {
     pub reward: Reward,
     /// Discount per frame at the database rate (> 0, < 1).
     pub discount: f64,
-    /// Where it is active, in the character's frame.
+    /// Active region, in the character's frame.
     pub region: RegionRecord,
-    /// What the grid is around, in the character's frame: x, z (m).
+    /// Centre of the grid, in the character's frame: x, z (m).
     pub centre: Vec2,
-    /// Memory for states with resolutions of their own; `None` for one grid. Not in a space-time grid.
+    /// Memory for per-state resolutions; `None` for one grid. Not in a space-time grid.
     pub adaptive: Option<AdaptiveConfig>,
 }
 
 impl<'a> Spec<'a> {
-    /// Active everywhere, around the character's root, with one grid.
+    /// Specification of a behaviour that is active everywhere, around the character's root, with one grid.
     pub fn new(name: &'a str, grid: TargetGrid, reward: Reward, discount: f64) -> Self {
         Self { name, grid, reward, discount, region: RegionRecord::EVERYWHERE, centre: Vec2::ZERO, adaptive: None }
     }
 }
 
-/// What a policy is solved for.
+/// Behaviour that a policy is solved for.
 ///
-/// The reward is a function the runtime evaluates too, for any target: a weighted kernel of the distances to four
-/// samples of the action's motion, or in a space-time grid of the distance to its path. A behaviour says which
-/// samples and weights a segment has.
+/// The reward is a function that the runtime evaluates too, for any target: a weighted kernel of the distances to four
+/// samples of the action's motion, or in a space-time grid of the distance to its path. A behaviour defines the samples
+/// and weights of a segment.
 pub trait Behaviour: Sync {
-    /// What it is, whatever the motion.
+    /// Specification, independent of motion.
     fn spec(&self) -> Spec<'_>;
 
-    /// Sets the reward's samples: `inner`, `heights` and `weights` of `record`; the rest is set already.
+    /// Sets the reward's samples: `inner`, `heights` and `weights` of `record`, whose other fields are set already.
     ///
-    /// - `segment`: its index, for what a behaviour knows of segments beyond their path.
-    /// - places are around [`Spec::centre`].
+    /// - `segment`: its index, for data of the behaviour beyond the segment's path.
+    /// - positions are relative to [`Spec::centre`].
     fn sample(&self, segment: usize, motion: &SegmentMotion, record: &mut SegmentRecord);
 
-    /// In a space-time grid, the way of the point that is to be away (num_segments, else 0).
+    /// Paths of the point that is to be away, in a space-time grid (num_segments, else 0).
     fn paths(&self) -> &[PathRecord] {
         &[]
     }
@@ -63,7 +63,7 @@ pub trait Behaviour: Sync {
     /// Checks solved values: a behaviour that can never be rewarded is a mistake.
     ///
     /// # Errors
-    /// [`BuildError::Stage`] that says what to change.
+    /// [`BuildError::Stage`] with the change to make.
     fn check_values(&self, _values: &[f32]) -> Result<(), BuildError> {
         Ok(())
     }

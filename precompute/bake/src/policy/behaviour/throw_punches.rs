@@ -1,4 +1,4 @@
-//! Effective hits on a target in space: punches, kicks, and whatever tags say (Lee and Lee 2004, equations 2 and 6).
+//! Effective hits on a target in space: punches, kicks, and tagged kinds (Lee and Lee 2004, equations 2 and 6).
 
 use super::super::config::{BehaviourConfig, BehaviourKind, KernelConfig, RewardForm};
 use super::super::model::SegmentMotion;
@@ -24,11 +24,11 @@ pub struct SegmentHit {
     pub place: Vec3,
     /// Place in the frame of the hit itself (m).
     pub own_place: Vec3,
-    /// (> 0, <= 1)
+    /// Force of the hit (> 0, <= 1).
     pub force: f32,
 }
 
-/// The effective hits of every segment, after its first frame and up to its last (num_segments).
+/// Effective hits of every segment, after its first frame and up to its last (num_segments).
 pub fn segment_hits(clips: &ClipSet, graph: &MotionGraph) -> Vec<Vec<SegmentHit>> {
     let starts = clips.frame_starts();
     let of_segment = |s: &crate::graph::Segment| {
@@ -54,20 +54,20 @@ pub fn segment_hits(clips: &ClipSet, graph: &MotionGraph) -> Vec<Vec<SegmentHit>
     graph.segments.iter().map(of_segment).collect()
 }
 
-/// A place of a frame as seen from where the frame is seen from.
+/// A point in the frame of a planar transform.
 fn place(frame: Planar, p: Vec3) -> Vec3 {
     frame.translation() + frame.rotation() * p
 }
 
-/// Throw blows that land on the target.
+/// Behaviour of throwing blows that land on the target.
 ///
-/// An action's reward is the largest of `discount^t * force * I` over its effective hits, or their sum, with
-/// I = 1 - distance / scale for a hit within `scale` of the target, else 0. In Lee and Lee (2004, equations 2 and 6) I is 1 within
-/// `scale` (`kernel = "within"`); values that are interpolated between cells then promise what no hit
-/// pays where blows are few. An action keeps its two strongest hits.
+/// An action's reward is the largest of `discount^t * force * I` over its effective hits, or their sum, with I = 1 -
+/// distance / scale for a hit within `scale` of the target, else 0. In Lee and Lee (2004, equations 2 and 6) I is 1
+/// within `scale` (`kernel = "within"`); with few blows, values interpolated between cells then promise rewards that no
+/// hit gives. An action keeps its two strongest hits.
 ///
-/// Lee and Lee activate the behaviour in the bounding volume of the hits alone. Here its region is wider by
-/// `REACH_OUT`, so that a target which leaves the volume for a moment still counts.
+/// Lee and Lee activate the behaviour in the bounding volume of the hits only. Here its region is wider by `REACH_OUT`,
+/// so that a target which leaves the volume for a moment still counts.
 #[derive(Clone, Debug)]
 pub struct ThrowPunches {
     config: BehaviourConfig,
@@ -75,9 +75,9 @@ pub struct ThrowPunches {
     region: RegionRecord,
     reward: Reward,
     discount: f64,
-    /// The two strongest of each segment: weight and place.
+    /// Weight and position of the two strongest hits of each segment.
     blows: Vec<[(f32, Vec3); 2]>,
-    /// Least and greatest (angle, distance, height) of all.
+    /// Least and greatest (angle, distance, height) of all hits.
     reach: [Vec3; 2],
 }
 
@@ -86,7 +86,7 @@ impl ThrowPunches {
     /// - `hits`: of every segment, see [`segment_hits`] (num_segments).
     ///
     /// # Errors
-    /// [`BuildError::Key`] names the key that is out of its range, or that leaves no hit at all.
+    /// [`BuildError::Key`] names the key out of its range, or the one that leaves no hit.
     pub fn new(config: &BehaviourConfig, rate_hz: f64, hits: &[Vec<SegmentHit>]) -> Result<Self, BuildError> {
         let c = config;
         debug_assert_eq!(c.kind, BehaviourKind::ThrowPunches);
@@ -122,13 +122,13 @@ impl ThrowPunches {
     }
 }
 
-/// Distance from a target from which on a hit pays nothing, where the config has no `scale` (m).
+/// Default `scale`: distance of a hit from the target beyond which it has no reward (m).
 pub(super) const SCALE: f64 = 0.3;
 
-/// How far beyond its grid the behaviour is active (m).
+/// Extent of the active region beyond the grid (m).
 const REACH_OUT: f32 = 1.0;
 
-/// The joints that count, by name.
+/// Joints whose hits count, by name.
 fn joints(c: &BehaviourConfig) -> Result<Vec<Joint>, BuildError> {
     let of_name = |name: &String| {
         Joint::from_name(name).ok_or_else(|| {
@@ -141,7 +141,7 @@ fn joints(c: &BehaviourConfig) -> Result<Vec<Joint>, BuildError> {
     c.joints.iter().map(of_name).collect()
 }
 
-/// Bounding volume of hits, each as seen from where the character is when it lands: (angle, distance, height).
+/// Bounding volume of hits, each in the character's frame at that moment: (angle, distance, height).
 fn reach<'a>(hits: impl Iterator<Item = &'a SegmentHit>) -> Option<[Vec3; 2]> {
     let coordinates = |h: &SegmentHit| {
         let p = h.own_place;
@@ -170,17 +170,17 @@ fn nothing_counts(hits: &[Vec<SegmentHit>]) -> BuildError {
     )
 }
 
-/// A volume that is wider in every direction: what a blow beside it still pays shows in its cells.
+/// Volume widened in every direction, so that its cells include hits slightly outside.
 fn widened([low, high]: [Vec3; 2], by: f32) -> [Vec3; 2] {
-    /// Widest angle that is added (rad).
+    /// Largest angle that is added (rad).
     const WIDEST: f32 = 0.5;
     let angle = (by / (0.5 * (low.y + high.y)).max(by)).min(WIDEST);
     let by = Vec3::new(angle, by, by);
     [low - by, high + by]
 }
 
-/// Where the behaviour is active: all around, up to [`REACH_OUT`] beyond the grid, at its heights; with one height,
-/// at those of the hits.
+/// Active region: all around, up to [`REACH_OUT`] beyond the grid, at its heights; for a single height, at those of the
+/// hits.
 fn region_of(grid: &TargetGrid, reach: [Vec3; 2]) -> RegionRecord {
     let [first, last] = [0, grid.num_cells() - 1].map(|cell| grid.cell_coordinates(cell));
     RegionRecord {

@@ -1,22 +1,20 @@
-//! Resolution that follows the values.
+//! Settings of adaptive resolution.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_motion::error::{BuildError, check_ranges};
 
-/// A resolution for every state: fine where its values change fast, coarse where they do not (Lee and Lee 2004, section
-/// 7).
+/// Resolution per state: fine for values that change fast, coarse for others (Lee and Lee 2004, section 7).
 ///
 /// The policy is solved with the grid's counts everywhere, which are the finest; then every state gets a smaller grid
-/// over the same places, and values fitted to it. Cells are spent where they lower the error most.
+/// over the same region, with values fitted to it. Cells are spent where they lower the error most.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct AdaptiveConfig {
-    /// Memory that values and best actions may take, as a share of what they take with the finest grid everywhere.
-    /// (> 0, <= 1)
+    /// Memory of values and best actions, as a share of that of the finest grid everywhere (> 0, <= 1).
     pub share: f64,
     /// Error of a state's values, as a root mean square over the finest cells, below which it gets no finer grid even
-    /// where there is memory left (>= 0).
+    /// with memory left (>= 0).
     pub tolerance: f64,
 }
 
@@ -30,7 +28,7 @@ impl AdaptiveConfig {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// [`BuildError::Key`] names the key that is out of its range.
+    /// [`BuildError::Key`] names the key out of its range.
     pub(super) fn check(&self) -> Result<(), BuildError> {
         if self.share <= 0.0 {
             return Err(BuildError::key("share", format!("expected above 0, up to 1, found {}", self.share)));

@@ -1,4 +1,4 @@
-//! One behaviour, as the configuration describes it.
+//! Settings of a behaviour.
 
 use super::{CentreConfig, GridConfig, RegionConfig};
 use schemars::JsonSchema;
@@ -8,62 +8,60 @@ use throng_core::policy::{
 };
 use throng_motion::error::{BuildError, check_ranges};
 
-/// One behaviour: what is rewarded, over which cells of the target, and where it is active.
+/// Settings of a behaviour: its reward, its cells of the target, and its active region.
 ///
-/// Its kind says what is looked at: where the character is (`approach`), which blows it throws (`throw_punches`),
-/// where it is when a blow lands (`evade`). Custom behaviours are these with other numbers: keeping
-/// away (`gain = -1`), keeping a distance (`offset`), kicking (`hits = ["kick"]`), grasping by tags, guarding
-/// another joint (`point`).
+/// Its kind selects what is rewarded: the place of the character (`approach`), its blows (`throw_punches`), or its
+/// place when a blow lands (`evade`). Custom behaviours are these with other numbers: keeping away (`gain = -1`),
+/// keeping a distance (`offset`), kicking (`hits = ["kick"]`), grasping by tags, guarding another joint (`point`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct BehaviourConfig {
     /// Name of the policy in the bundle; unique, not empty.
     pub name: String,
-    /// What is looked at.
+    /// Kind of the behaviour.
     pub kind: BehaviourKind,
     /// Cells of the target.
     pub grid: GridConfig,
-    /// Where the behaviour is active.
+    /// Active region.
     pub region: RegionConfig,
-    /// Discount per frame at 30 Hz, whatever the database rate; 0.97 of Lee and Lee (2004) at 15 Hz is 0.985 here.
-    /// (0.5 to 0.9999)
+    /// Discount per frame at 30 Hz, for any database rate; 0.97 of Lee and Lee (2004) at 15 Hz is 0.985 here (0.5 to
+    /// 0.9999).
     pub discount: f64,
-    /// How moments of an action become its reward; `integral` for `approach` and `max` for `throw_punches` where
-    /// absent.
+    /// Combination of an action's moments to its reward; if absent, `integral` for `approach` and `max` for
+    /// `throw_punches`.
     pub reward: Option<RewardForm>,
-    /// How a distance is paid; `exponential` for `approach` and `evade`, `linear` for `throw_punches` where absent.
+    /// Reward by distance; if absent, `exponential` for `approach` and `evade`, `linear` for `throw_punches`.
     pub kernel: Option<KernelConfig>,
-    /// Distance at which nearness has fallen to 1/e, or up to which it counts; 1.5 for `approach`, 0.3 for
-    /// `throw_punches`, 0.2 for `evade` where absent (m, 0.001 to 1000).
+    /// Distance at which the kernel has fallen to 1/e, or up to which it extends; if absent, 1.5 for `approach`, 0.3
+    /// for `throw_punches`, 0.2 for `evade` (m, 0.001 to 1000).
     pub scale: Option<f64>,
-    /// Distance that is paid best, in place of the target itself (m, 0 to 100).
+    /// Distance with the greatest reward, in place of the target itself (m, 0 to 100).
     pub offset: f64,
-    /// Factor on the reward, negative to avoid; 1, and -1 for `evade`, where absent (-100 to 100).
+    /// Factor on the reward, negative to avoid; if absent, 1, and -1 for `evade` (-100 to 100).
     pub gain: Option<f64>,
-    /// What a transition costs: the delay that one between frames at a distance of 1 rad counts as; it grows with the
-    /// square of the distance. Characters change clips less often and at nearer frames, and come a little later. 1 for
-    /// `approach` with a positive gain, else 0, where absent (s, 0 to 60).
+    /// Cost of a transition: the equivalent delay of one between frames at a distance of 1 rad; grows with the square
+    /// of the distance. With a cost, characters change clips less often and at nearer frames, and arrive a little
+    /// later. If absent, 1 for `approach` with a positive gain, else 0 (s, 0 to 60).
     ///
     /// # Source
-    /// That transitions are weighed against control is of Treuille, Lee and Popovic (2007), *Near-optimal Character
-    /// Animation with Continuous Control*. Differs: it is a delay, so it weighs as much far from the target as near it.
+    /// Transitions are weighed against control in Treuille, Lee and Popovic (2007), *Near-optimal Character Animation
+    /// with Continuous Control*. Differs: the cost is a delay, so it weighs as much far from the target as near it.
     pub transition_cost_s: Option<f64>,
-    /// For `approach`: what is to come to the target.
+    /// For `approach`: point that is to reach the target.
     pub centre: CentreConfig,
-    /// For `approach` with `integral`: how much more a moment counts in which the character stands, as a share.
-    /// (0 to 1)
+    /// For `approach` with `integral`: additional weight of moments of standing, as a share (0 to 1).
     pub stand_bonus: f64,
-    /// Speed, over ground or of the feet in a turn on the spot, at which most of that bonus is gone (m/s).
-    /// (0.001 to 1000)
+    /// Speed, over ground or of the feet in a turn on the spot, at which most of that bonus is gone (m/s, 0.001 to
+    /// 1000).
     pub stand_speed: f64,
-    /// For `throw_punches`: kinds of hits that count (`punch`, `kick`, names of tags); all where empty.
+    /// For `throw_punches`: kinds of hits that count (`punch`, `kick`, names of tags); all if empty.
     pub hits: Vec<String>,
-    /// For `throw_punches`: joints that count (`left_hand`, ...); all where empty.
+    /// For `throw_punches`: joints that count (`left_hand`, ...); all if empty.
     pub joints: Vec<String>,
-    /// For `evade`: the joint that is not to be hit; `head` stands for its middle.
+    /// For `evade`: guarded joint; `head` means its middle.
     pub point: String,
-    /// For `evade`: height at which blows land; that of the point when the character stands at ease, as the median
-    /// over the database, where absent (m, -10 to 10).
+    /// For `evade`: height at which blows land; if absent, that of the guarded point of a character at ease, as the
+    /// median over the database (m, -10 to 10).
     pub height: Option<f64>,
 }
 
@@ -95,7 +93,7 @@ impl Default for BehaviourConfig {
     }
 }
 
-/// What a behaviour looks at.
+/// Kind of a behaviour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum BehaviourKind {
@@ -104,24 +102,23 @@ pub enum BehaviourKind {
     Approach,
     /// Effective hits on a target in space (Lee and Lee 2004, equations 2 and 6).
     ThrowPunches,
-    /// Not being there when a blow lands.
+    /// Being elsewhere when a blow lands.
     Evade,
 }
 
-/// How moments of an action become its reward.
+/// Combination of an action's moments to its reward.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RewardForm {
-    /// For `approach`: discounted sum over the action's frames, so that short and long actions are paid by time.
+    /// For `approach`: discounted sum over the action's frames, a reward by time.
     Integral,
-    /// The largest discounted moment of the action (Lee and Lee 2004, equations 2, 3, 5 and 6), so that actions are
-    /// paid by piece.
+    /// The largest discounted moment of the action (Lee and Lee 2004, equations 2, 3, 5 and 6), a reward by action.
     Max,
-    /// For `throw_punches`: the discounted hits of an action added up.
+    /// For `throw_punches`: sum of the discounted hits of an action.
     Sum,
 }
 
-/// How a distance is paid.
+/// Reward as a function of distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum KernelConfig {
@@ -134,7 +131,7 @@ pub enum KernelConfig {
 }
 
 impl BehaviourKind {
-    /// As the configuration writes it.
+    /// Name in configs.
     fn name(self) -> &'static str {
         match self {
             Self::Approach => "approach",
@@ -145,10 +142,10 @@ impl BehaviourKind {
 }
 
 impl BehaviourConfig {
-    /// Checks the name, the numbers that all kinds share, and that no key is given that the kind does not read.
+    /// Checks the name, the numbers of all kinds, and that no key of another kind is given.
     ///
     /// # Errors
-    /// [`BuildError::Key`] names the key that is out of its range or not read.
+    /// [`BuildError::Key`] names the key out of its range or of another kind.
     pub(crate) fn check(&self) -> Result<(), BuildError> {
         if self.name.trim().is_empty() {
             return Err(BuildError::key("name", "expected the policy's name in the bundle, found none"));
@@ -167,7 +164,7 @@ impl BehaviourConfig {
         ])
     }
 
-    /// Refuses keys of other kinds: they would have no effect.
+    /// Refuses keys of other kinds, which would have no effect.
     fn refuse_unread(&self) -> Result<(), BuildError> {
         use BehaviourKind::{Approach, Evade, ThrowPunches};
         let usual = Self::default();
@@ -193,7 +190,7 @@ impl BehaviourConfig {
         self.discount.powf(30.0 / rate_hz)
     }
 
-    /// The reward, with a kind's own numbers where the config says nothing.
+    /// Reward, with the kind's defaults.
     pub(in crate::policy) fn make_reward(
         &self,
         form: RewardForm,

@@ -1,26 +1,26 @@
-//! What a behaviour brings to its target.
+//! Settings of the point that a behaviour brings to its target.
 
 use schemars::JsonSchema;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// What is to come to the target.
+/// Point that is to reach the target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CentreConfig {
     /// The character's planar root.
     #[default]
     Root,
-    /// Where the effective hits land: at their median distance, in the middle of their directions. Lee and Lee (2004,
-    /// section 6) take the centroid of the hitting points, which is too near where hits lie to both sides.
+    /// Centre of the effective hits: at their median distance, in the middle of their directions. Lee and Lee (2004,
+    /// section 6) take the centroid of the hitting points, which is too near for hits to both sides.
     Hits,
     /// A place in the character's frame: to the left and ahead (m).
     #[serde(untagged)]
     Place([f64; 2]),
 }
 
-/// By hand, so that the error says what was found.
+/// Written by hand for an error message with the value found.
 impl<'de> Deserialize<'de> for CentreConfig {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(CentreVisitor)

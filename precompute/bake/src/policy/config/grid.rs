@@ -1,4 +1,4 @@
-//! Cells of a behaviour's target.
+//! Settings of the cells of a behaviour's target.
 
 use super::AdaptiveConfig;
 use super::region::ANGLE_TOLERANCE;
@@ -11,7 +11,7 @@ use throng_core::Error;
 use throng_core::policy::{MAX_AXIS, TargetGrid};
 use throng_motion::error::BuildError;
 
-/// Cells of the target. What is absent is taken from the behaviour's kind:
+/// Cells of the target. Absent settings depend on the behaviour's kind:
 ///
 /// - `approach`: polar, 16 rings x 32 angles over 8 m;
 /// - `throw_punches`: 10 rings x 10 angles over the bounding volume of the hits, `scale` wider, and 4 to 16 heights that
@@ -22,18 +22,18 @@ use throng_motion::error::BuildError;
 pub struct GridConfig {
     /// Rings, from the character outwards (2 to 4096).
     pub rings: Option<u32>,
-    /// Angles, the first straight ahead where they go all around (2 to 4096).
+    /// Angles, the first straight ahead if they go all around (2 to 4096).
     pub angles: Option<u32>,
     /// Heights, for `throw_punches` (1 to 4096).
     pub heights: Option<u32>,
     /// Times left until the event, for `evade` (2 to 4096).
     pub times: Option<u32>,
-    /// Distance of the last ring where angles go all around; targets farther away are treated as if on it.
-    /// (m, 0.01 to 10000)
+    /// Distance of the last ring if angles go all around; targets farther away are treated as if on it (m, 0.01 to
+    /// 10000).
     pub radius: Option<f64>,
-    /// For `approach`, distance between the first two rings: an equal share, radius / (rings - 1), or less, which
-    /// makes the distances grow outwards. Not read where there are two rings. Where absent 0.25, or as near to it as
-    /// rings and radius allow (m, > radius / (rings - 1)^2).
+    /// For `approach`, distance between the first two rings: an equal share, radius / (rings - 1), or less, which makes
+    /// the distances grow outwards. Unused for two rings. If absent 0.25, or as near to it as rings and radius allow
+    /// (m, > radius / (rings - 1)^2).
     pub inner_spacing: Option<f64>,
     /// For `evade`, the longest time left (s, 0.01 to 1000).
     pub horizon_s: Option<f64>,
@@ -41,16 +41,16 @@ pub struct GridConfig {
     pub falloff: Option<f64>,
     /// For `throw_punches`, the volume covered in place of that of the hits.
     pub bounds: BoundsConfig,
-    /// For `approach` and `throw_punches`: a resolution for every state, in place of these counts for all.
+    /// For `approach` and `throw_punches`: a resolution per state, in place of these counts for all.
     pub adaptive: Option<AdaptiveConfig>,
 }
 
-/// A volume in front of the character; what is absent is that of the hits.
+/// A volume in front of the character; absent settings are those of the hits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct BoundsConfig {
-    /// Least and greatest angle from straight ahead, positive to the left; less than a full turn apart (rad).
-    /// (-pi to pi)
+    /// Least and greatest angle from straight ahead, positive to the left; less than a full turn apart (rad, -pi to
+    /// pi).
     pub angle_rad: Option<[f64; 2]>,
     /// Least and greatest distance over ground (m, 0 to 1000).
     pub distance_m: Option<[f64; 2]>,
@@ -59,7 +59,7 @@ pub struct BoundsConfig {
 }
 
 impl BoundsConfig {
-    /// Checks every pair that is given, by its key.
+    /// Checks every given pair, by key.
     fn check(&self) -> Result<(), BuildError> {
         let half_turn = consts::PI + ANGLE_TOLERANCE;
         for (key, given, [least, most], limits) in [
@@ -69,7 +69,7 @@ impl BoundsConfig {
         ] {
             let Some([from, to]) = given else { continue };
             let turns = key == "angle_rad" && to - from > consts::TAU - LEAST_GIVEN_EXTENT / 10.0;
-            // The last digits of a difference are left to rounding.
+            // Differences may be off by rounding.
             if !(from >= least && to <= most && to - from >= 0.999 * LEAST_GIVEN_EXTENT) || turns {
                 let why = format!(
                     "expected [least, greatest] {limits}, {LEAST_GIVEN_EXTENT} apart or more, found [{from}, {to}]"
@@ -81,21 +81,21 @@ impl BoundsConfig {
     }
 }
 
-/// A volume that is not flat in any direction: (angle, distance, height), least and greatest.
+/// A volume with an extent in every direction: (angle, distance, height), least and greatest.
 pub type Bounds = [Vec3; 2];
 
-/// Least extent of a volume along each axis: a grid needs some (rad, m, m).
+/// Least extent of a volume along each axis, as a grid needs some (rad, m, m).
 const LEAST_EXTENT: Vec3 = Vec3::new(0.1, 0.05, 0.05);
 
-/// Fewest and most heights where the config gives no number of them.
+/// Fewest and most heights if the config gives no number.
 const LEAST_LAYERS: u32 = 4;
 const MOST_LAYERS: u32 = 16;
 
-/// Least extent of a volume that is given, along each axis (rad or m).
+/// Least extent of a configured volume, along each axis (rad or m).
 const LEAST_GIVEN_EXTENT: f64 = 0.01;
 
 impl GridConfig {
-    /// A polar grid with every number given. Lengths in metres.
+    /// A polar grid with all numbers given. Lengths in metres.
     pub fn polar(rings: u32, angles: u32, radius: f64, inner_spacing: f64, falloff: f64) -> Self {
         Self {
             rings: Some(rings),
@@ -107,7 +107,7 @@ impl GridConfig {
         }
     }
 
-    /// Checks every number that is given, by its key.
+    /// Checks every given number, by key.
     pub(super) fn check(&self) -> Result<(), BuildError> {
         let most = MAX_AXIS;
         for (key, given, least) in [
@@ -133,12 +133,12 @@ impl GridConfig {
         self.adaptive.map_or(Ok(()), |a| a.check().map_err(|e| e.within("grid.adaptive")))
     }
 
-    /// Distance between the first two rings: as given, or 0.25 m as far as that suits (m).
+    /// Distance between the first two rings: as given, or 0.25 m if possible (m).
     fn inner_spacing(&self, rings: u32, radius: f64) -> Result<f64, BuildError> {
         let last = f64::from(rings - 1);
         let (share, least) = (radius / last, radius / (last * last));
         let Some(given) = self.inner_spacing else { return Ok(0.25f64.max(2.0 * least).min(share)) };
-        // Some room for arithmetic in single precision. Of two rings there is only one distance.
+        // Tolerance for single precision. Two rings have a single distance.
         let suits = given > 1.001 * least + 2e-6 && given <= 1.00005 * share;
         if suits || (rings == 2 && given > 0.0 && given <= 1e4) {
             return Ok(given);
@@ -153,7 +153,7 @@ impl GridConfig {
         Err(fault("inner_spacing", why))
     }
 
-    /// The polar grid it describes.
+    /// Makes the polar grid.
     ///
     /// # Errors
     /// [`BuildError::Key`].
@@ -172,9 +172,9 @@ impl GridConfig {
         TargetGrid::polar(rings, self.angles.unwrap_or(32), radius as f32, inner as f32, falloff).map_err(|e| wrong(&e))
     }
 
-    /// The cylinder sector it describes, over `bounds` where the config does not say otherwise.
+    /// Makes the cylinder sector, by default over `bounds`.
     ///
-    /// - `layer`: largest distance between two heights where the config gives no number of them (m, > 0).
+    /// - `layer`: largest distance between two heights if the config gives no number (m, > 0).
     ///
     /// # Errors
     /// As [`Self::make_polar`].
@@ -205,7 +205,7 @@ impl GridConfig {
         TargetGrid::cylinder(counts, low, high, falloff).map_err(|e| wrong(&e))
     }
 
-    /// The space-time grid it describes.
+    /// Makes the space-time grid.
     ///
     /// # Errors
     /// As [`Self::make_polar`].
@@ -224,7 +224,7 @@ impl GridConfig {
     }
 }
 
-/// Refuses keys that a kind of behaviour does not read.
+/// Refuses keys that a kind of behaviour does not use.
 fn refuse(kind: &str, keys: &[(&str, bool)]) -> Result<(), BuildError> {
     match keys.iter().find(|(_, given)| *given) {
         Some((key, _)) => Err(fault(key, format!("the kind `{kind}` has no such key; leave it out"))),
@@ -232,12 +232,12 @@ fn refuse(kind: &str, keys: &[(&str, bool)]) -> Result<(), BuildError> {
     }
 }
 
-/// An error about one key of the grid.
+/// Error for one key of the grid.
 fn fault(key: &str, why: impl std::fmt::Display) -> BuildError {
     BuildError::key(format!("grid.{key}"), why)
 }
 
-/// What the runtime's own check says of the grid as a whole.
+/// Error of the runtime's own check of the whole grid.
 fn wrong(e: &Error) -> BuildError {
     BuildError::key("grid", e)
 }

@@ -1,4 +1,4 @@
-//! What the configuration says about behaviours and about solving them.
+//! Settings of behaviours and of solving them.
 
 mod adaptive;
 mod behaviour;
@@ -16,19 +16,19 @@ use serde::{Deserialize, Serialize};
 use throng_core::policy::MAX_RANKED;
 use throng_motion::error::{BuildError, check_ranges};
 
-/// How policies are solved.
+/// Settings of solving policies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PolicyConfig {
-    /// Values are within this of the optimal ones, on a scale where standing on the target for ever is worth 1.
-    /// (1e-6 to 1)
+    /// Largest distance of values from the optimal ones, on a scale on which standing on the target for ever is worth 1
+    /// (1e-6 to 1).
     pub epsilon: f64,
-    /// Full sweeps after which solving is given up (1 to 1e6).
+    /// Most full sweeps before solving fails (1 to 1e6).
     pub max_sweeps: u32,
-    /// Best actions stored per (state, cell) (1 to 4).
+    /// Number of best actions stored per (state, cell) (1 to 4).
     pub choices: u32,
-    /// Random (state, target) pairs on which the single-load answer is compared with the look-ahead.
-    /// (0 to 1e7)
+    /// Number of random (state, target) pairs on which the single-load answer is compared with the look-ahead (0 to
+    /// 1e7).
     pub compare_samples: u32,
 }
 
@@ -42,7 +42,7 @@ impl PolicyConfig {
     /// Checks every number against its range.
     ///
     /// # Errors
-    /// [`BuildError::Key`] names the first one out of it.
+    /// [`BuildError::Key`] names the first one out of its range.
     pub(crate) fn check(&self) -> Result<(), BuildError> {
         let ranges = [
             ("epsilon", self.epsilon, 1e-6, 1.0),

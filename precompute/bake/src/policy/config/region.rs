@@ -1,4 +1,4 @@
-//! Where a behaviour is active.
+//! Settings of the active region of a behaviour.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,9 +6,9 @@ use std::f64::consts::PI;
 use throng_core::policy::RegionRecord;
 use throng_motion::error::BuildError;
 
-/// Targets for which a behaviour counts, in the character's frame; what is absent is that of the behaviour's kind:
-/// everywhere for `approach`, but out of the reach of blows where its centre is that of hits; the grid itself for the others
-/// (Lee and Lee 2004, section 6).
+/// Targets for which a behaviour is active, in the character's frame. Absent settings depend on the kind: everywhere
+/// for `approach`, or beyond the reach of blows if its centre is that of hits; the grid itself for the others (Lee and
+/// Lee 2004, section 6).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RegionConfig {
@@ -22,13 +22,13 @@ pub struct RegionConfig {
     pub time_s: Option<[f64; 2]>,
 }
 
-/// How far beyond a half turn an angle may be, so that pi may be written with few digits (rad).
+/// Tolerance beyond a half turn, so that pi may be written with few digits (rad).
 pub(super) const ANGLE_TOLERANCE: f64 = 1e-4;
 
 impl RegionConfig {
-    /// The region, `default` where the config says nothing.
+    /// Makes the region, with `default` for absent settings.
     ///
-    /// - `default`: all targets that the behaviour can deal with; a region that has none of them is a mistake.
+    /// - `default`: all targets that the behaviour supports; a region without any of them is an error.
     ///
     /// # Errors
     /// [`BuildError::Key`].

@@ -1,4 +1,4 @@
-//! The bodies of all frames as spheres, made once: whether a frame collides depends on where it is laid only.
+//! Bodies of all frames as spheres, computed once: whether a frame collides depends only on its placement.
 
 use super::field::{Field, Told};
 use crate::environment::{Body, Bounds, NUM_SPHERES, Sphere};
@@ -10,68 +10,68 @@ use throng_core::patch::Placement;
 use throng_core::{Contacts, Joint, Skeleton};
 use throng_motion::clip::joint_transforms;
 
-/// Spheres beside each other, as many as processors take at once some times.
+/// Number of spheres, padded to whole vector registers.
 const LANES: usize = NUM_SPHERES.next_multiple_of(8);
 
-/// A number for every sphere; what is beyond the last one counts for nothing.
+/// A number for every sphere; the padding is ignored.
 type Lanes = [f32; LANES];
 
-/// Both feet: they may be in what is walked on.
+/// Both feet, which may be inside floors.
 const FEET: Contacts = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
 
-/// Room for a body beside a unit.
+/// Room of a body beside a unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::stitch) enum Room {
-    /// The unit may be moved that far (m).
+    /// Distance by which the unit may be moved (m).
     Clear(f32),
-    /// There is none: this is too near to the unit.
+    /// Collision: this point is too near to the unit.
     Taken(Ball),
 }
 
-/// A point of a body.
+/// A sphere of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::stitch) struct Ball {
-    /// In the unit's frame, or in that of a patch.
+    /// Centre, in the frame of the unit or of a patch.
     pub centre: Vec3,
-    /// How near a unit may be (m).
+    /// Least distance of a unit from the centre (m).
     pub limit: f32,
 }
 
-/// Numbers of what is planted.
+/// Number of combinations of planted parts.
 const PLANTED: usize = 1 << u8::BITS;
 
-/// A body in every frame.
+/// Bodies of all frames.
 #[derive(Clone, Debug)]
 pub(in crate::stitch) struct Bodies {
-    /// Of every frame, as seen from its root on the ground.
+    /// Spheres of every frame, relative to its root on the ground.
     frames: Vec<Pose>,
-    /// Of every frame (frames.len()).
+    /// Extents of every frame (frames.len()).
     reaches: Vec<Reach>,
-    /// At rest, for what does not depend on the frame.
+    /// Spheres at rest, for frame-independent data.
     spheres: [Sphere; NUM_SPHERES],
-    /// How near a unit may be to the middle of each sphere, by what is planted; then the same for units that are walked
-    /// on (m, 2 * PLANTED).
+    /// Least distance of a unit from the centre of each sphere, by planted parts; first for other units, then for
+    /// floors (m, 2 * PLANTED).
     limits: Vec<Lanes>,
-    /// No sphere that is clearer of a unit than this is told from others: there, grids end (m).
+    /// Clearance beyond which spheres are not distinguished, as grids end there (m).
     farthest: f32,
-    /// The widest of all frames (m).
+    /// Largest radius of all frames (m).
     radius: f32,
-    /// The lowest and the highest point of all frames (m).
+    /// Lowest and highest point of all frames (m).
     heights: [f32; 2],
 }
 
 /// The spheres of one frame.
 #[derive(Clone, Copy, Debug)]
 struct Pose {
-    /// x, y and z of the middle of every sphere.
+    /// x, y and z of the centre of every sphere.
     centres: [Lanes; 3],
     contacts: Contacts,
 }
 
-/// How far the body of one frame reaches: most are told from a unit by that alone, and it stays at hand.
+/// Extent of the body of one frame, which is compact and separates most bodies from a unit by itself.
 #[derive(Clone, Copy, Debug)]
 struct Reach {
-    /// No sphere reaches farther from the vertical through the root (m).
+    /// Largest distance of a sphere from the vertical through the root (m).
     radius: f32,
     /// Lowest and highest point (m).
     heights: [f32; 2],
@@ -87,7 +87,7 @@ impl Reach {
         Self { radius, heights }
     }
 
-    /// No sphere can be nearer to a unit than this, because of where the root is alone (m).
+    /// Lower bound of the distance of any sphere from a unit, from the root's place only (m).
     fn apart(&self, root: Placement, unit: &Field) -> f32 {
         let (shapes, beside) = (&unit.geometry.bounds, unit.plan().beside(root.x, root.z));
         let above = root.y + self.heights[0] - shapes.max.y;
@@ -102,7 +102,7 @@ impl Pose {
         Self { centres: [lanes(0), lanes(1), lanes(2)], contacts }
     }
 
-    /// The middles of all spheres where the root is.
+    /// Centres of all spheres for a root.
     fn placed(&self, root: Placement) -> [Lanes; 3] {
         let (sin, cos) = root.heading.sin_cos();
         let [x, y, z] = &self.centres;
@@ -118,8 +118,8 @@ fn lanes(beyond: f32, of: impl Fn(usize) -> f32) -> Lanes {
     std::array::from_fn(|s| if s < NUM_SPHERES { of(s) } else { beyond })
 }
 
-/// How near a unit may be to the middle of each sphere: a body may be `depth_m` deep in it, and what is planted by its
-/// whole radius more, as [`crate::environment::BodyPose::penetration`] says (m).
+/// Least distance of a unit from the centre of each sphere: a body may be `depth_m` deep in it, and planted parts
+/// deeper by their whole radius, as in [`crate::environment::BodyPose::penetration`] (m).
 fn limits(spheres: &[Sphere; NUM_SPHERES], depth_m: f32) -> Vec<Lanes> {
     let limit = |s: &Sphere, contacts: Contacts, floor: bool| match (floor && FEET.any(s.contact), s.contact) {
         (true, _) => f32::NEG_INFINITY,
@@ -136,7 +136,7 @@ fn limits(spheres: &[Sphere; NUM_SPHERES], depth_m: f32) -> Vec<Lanes> {
 impl Bodies {
     /// Places the spheres of every frame.
     ///
-    /// - `depth_m`: bodies may be that deep in units (m).
+    /// - `depth_m`: allowed depth of bodies in units (m).
     pub fn new(
         (frames, code): (&[FrameRow], &RotationCode),
         contacts: &[Contacts],
@@ -160,17 +160,17 @@ impl Bodies {
         Self { frames, reaches, spheres, limits, farthest, radius, heights: [lowest, highest] }
     }
 
-    /// No body reaches farther from the vertical through its root than this (m).
+    /// Largest distance of any body from the vertical through its root (m).
     pub fn radius(&self) -> f32 {
         self.radius
     }
 
-    /// No part of the body of a frame is farther from the vertical through its root than this (m).
+    /// Largest distance of the body of a frame from the vertical through its root (m).
     pub fn radius_of(&self, frame: usize) -> f32 {
         self.reaches[frame].radius
     }
 
-    /// Where a root must be for a body to touch what is in a box.
+    /// Box of the root positions for which a body may touch something in a box.
     pub fn around(&self, shapes: &Bounds) -> Bounds {
         let side = Vec3::new(self.radius, 0.0, self.radius);
         Bounds {
@@ -179,7 +179,7 @@ impl Bodies {
         }
     }
 
-    /// True where the body of a frame is in a unit.
+    /// True if the body of a frame collides with a unit.
     ///
     /// - `root`: in the unit's frame.
     pub fn collides(&self, frame: usize, root: Placement, unit: &Field) -> bool {
@@ -189,21 +189,21 @@ impl Bodies {
         matches!(self.room(frame, root, unit, 0.0), Room::Taken(_))
     }
 
-    /// No part of the body of a frame can be nearer to a unit than this, because of where its root is alone (m).
+    /// Lower bound of the distance of a frame's body from a unit, from its root's place only (m).
     ///
     /// - `root`: in the unit's frame.
     pub fn apart(&self, frame: usize, root: Placement, unit: &Field) -> f32 {
         self.reaches[frame].apart(root, unit)
     }
 
-    /// How far a unit may be moved without touching the body of a frame, or what of the body is in it.
+    /// Distance by which a unit may be moved without touching the body of a frame, or the sphere that collides.
     ///
-    /// What is taken is about the deepest of what is clearly in the unit: it stays in it the longest where the unit is
-    /// moved on. The exact geometry is asked where nothing is.
+    /// A reported sphere is about the deepest of those clearly in the unit, as it stays there longest when the unit is
+    /// moved on. The exact geometry is used if none is clearly inside.
     ///
     /// - `root`: in the unit's frame.
-    /// - `most`: what is clearer is not told apart, nor is what is clearer than [`Field::MARGIN_M`] less the thickest
-    ///   ball (m).
+    /// - `most`: larger clearances are not distinguished, nor those above [`Field::MARGIN_M`] less the thickest sphere
+    ///   (m).
     pub fn room(&self, frame: usize, root: Placement, unit: &Field, most: f32) -> Room {
         let pose = &self.frames[frame];
         let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
@@ -214,7 +214,7 @@ impl Bodies {
             nearest = if *here < nearest.1 { (s, *here) } else { nearest };
         }
         let nearest = nearest.0;
-        // Once the nearest is told, most others are clearly farther.
+        // Once the nearest is known, most others are clearly farther.
         let (mut least, mut unsure) = (most.min(self.farthest), 0u64);
         for s in std::iter::once(nearest).chain((0..NUM_SPHERES).filter(|s| *s != nearest)) {
             if about[s] >= least + Field::OFF_M {
@@ -237,7 +237,7 @@ impl Bodies {
         Room::Clear(least)
     }
 
-    /// The joint whose sphere is deepest in a unit, and how deep; none where the body does not collide.
+    /// Joint of the sphere deepest in a unit, and its depth; `None` without a collision.
     pub fn deepest(&self, frame: usize, root: Placement, unit: &Field) -> Option<(Joint, f32)> {
         let pose = &self.frames[frame];
         let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
@@ -248,12 +248,12 @@ impl Bodies {
         (0..NUM_SPHERES).filter_map(depth).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// How near a unit may be to the middle of each sphere (m).
+    /// Least distance of a unit from the centre of each sphere (m).
     fn limits(&self, pose: &Pose, unit: &Field) -> &Lanes {
         &self.limits[usize::from(unit.geometry.floor) * PLANTED + usize::from(pose.contacts.0)]
     }
 
-    /// Discs on the ground, as x, z and radius: what is beside all of them does not collide with a frame's body.
+    /// Discs on the ground, as x, z and radius: a unit outside all of them does not collide with a frame's body.
     pub fn shadow(&self, frame: usize, root: Placement) -> impl Iterator<Item = [f32; 3]> {
         let pose = &self.frames[frame];
         let (centres, limits) = (pose.placed(root), &self.limits[usize::from(pose.contacts.0)]);
@@ -261,7 +261,7 @@ impl Bodies {
     }
 }
 
-/// The middle of a sphere.
+/// Centre of a sphere.
 fn at([x, y, z]: &[Lanes; 3], sphere: usize) -> Vec3 {
     Vec3::new(x[sphere], y[sphere], z[sphere])
 }

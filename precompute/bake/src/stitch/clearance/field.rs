@@ -1,18 +1,18 @@
-//! Distances from a unit on a grid: most balls are clearly in it or clearly not, and need no exact distance.
+//! Distance field of a unit on a grid: most spheres are clearly inside or clearly outside, and need no exact distance.
 
 use super::plan::Plan;
 use crate::environment::UnitGeometry;
 use glam::Vec3;
 use std::sync::Arc;
 
-/// What a grid tells of a ball beside a unit.
+/// Answer of a distance field for a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::stitch) enum Told {
-    /// It is clear of the unit by so much at least (m).
+    /// Clear of the unit by at least this distance (m).
     Clear(f32),
-    /// It is in the unit.
+    /// Inside the unit.
     Within,
-    /// Only the exact geometry tells.
+    /// Undecided: needs the exact geometry.
     Unsure,
 }
 
@@ -25,7 +25,7 @@ pub(in crate::stitch) struct Field {
     min: Vec3,
     /// Grid cells along x, y and z.
     size: [usize; 3],
-    /// Of the middles of grid cells, in bytes.
+    /// Distances at the centres of grid cells, in bytes.
     distances: Vec<u8>,
     /// The least distance of each column of grid cells (size[0] * size[2]).
     columns: Vec<f32>,
@@ -35,19 +35,19 @@ pub(in crate::stitch) struct Field {
 impl Field {
     /// Edge length of a grid cell (m).
     const STEP_M: f32 = 0.04;
-    /// No distance is off by more than this because of how it is kept, and rounding (m).
+    /// Largest error of a distance by packing and rounding (m).
     const ROUNDING_M: f32 = 0.5 * PACKED_M + 1e-4;
     const STEPS_PER_M: f32 = 1.0 / Self::STEP_M;
-    /// The grid reaches this far from the unit's shapes: [`super::seen::SLACK_M`] beyond balls of 0.08 m, as a body has
-    /// that is a sixth larger than the default skeleton's and may be 0.05 m deep. Beyond thicker balls, less is told
-    /// apart; a wider grid takes more memory, and time to measure. No ball may be thicker than this (m).
+    /// Extent of the grid beyond the unit's shapes: [`super::seen::SLACK_M`] beyond spheres of 0.08 m, those of a body
+    /// a sixth larger than the default skeleton's that may be 0.05 m deep. Thicker spheres are distinguished less far;
+    /// a wider grid takes more memory, and time to measure. Upper bound of the radius of spheres (m).
     pub const MARGIN_M: f32 = 0.33;
-    /// From the middle of a grid cell to its corners (m).
+    /// Distance from the centre of a grid cell to its corners (m).
     const ERROR_M: f32 = 0.5 * 1.732_051 * Self::STEP_M;
-    /// No distance in a grid cell is farther than this from what is kept of it (m).
+    /// Largest difference between a distance in a grid cell and the stored one (m).
     pub const OFF_M: f32 = Self::ERROR_M + Self::ROUNDING_M;
 
-    /// Most cells of a grid, a byte each.
+    /// Most cells of a grid, one byte each.
     const MOST_CELLS: usize = 1 << 31;
 
     /// True for a unit whose grid would have more than [`Self::MOST_CELLS`].
@@ -65,7 +65,7 @@ impl Field {
         }
     }
 
-    /// Measures a unit that is not too large.
+    /// Computes the field of a unit that is not too large.
     pub fn new(geometry: &Arc<UnitGeometry>) -> Self {
         let (bounds, size) = (geometry.bounds.grown(Self::MARGIN_M), Self::size(geometry));
         let mut distances = Vec::with_capacity(size.iter().product());
@@ -88,13 +88,12 @@ impl Field {
         Self { geometry: Arc::clone(geometry), min: bounds.min, size, distances, columns, plan }
     }
 
-    /// The unit as seen from above.
+    /// The unit seen from above.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// The unit is nowhere nearer to the vertical line through a place than this, which is no more than
-    /// [`Self::MARGIN_M`] (m).
+    /// Lower bound of the distance from the unit to the vertical line through a place, at most [`Self::MARGIN_M`] (m).
     pub fn beside(&self, x: f32, z: f32) -> f32 {
         let at = [(x - self.min.x) / Self::STEP_M, (z - self.min.z) / Self::STEP_M];
         if at[0] < 0.0 || at[1] < 0.0 || at[0] >= self.size[0] as f32 || at[1] >= self.size[2] as f32 {
@@ -103,8 +102,8 @@ impl Field {
         (self.columns[at[1] as usize * self.size[0] + at[0] as usize] - Self::ERROR_M).min(Self::MARGIN_M)
     }
 
-    /// About how far the unit is from the vertical line through a place, below 0 where the line passes through it; for
-    /// what is beyond the grid, from the box around it, added to its margin (m).
+    /// Approximate distance of the unit from the vertical line through a place, negative if the line passes through it;
+    /// beyond the grid, from the box around it, added to its margin (m).
     pub fn far(&self, x: f32, z: f32) -> f32 {
         let at = [(x - self.min.x) / Self::STEP_M, (z - self.min.z) / Self::STEP_M];
         let size = [self.size[0] as f32, self.size[2] as f32];
@@ -115,7 +114,7 @@ impl Field {
         self.columns[at[1] as usize * self.size[0] + at[0] as usize]
     }
 
-    /// The grid cells that points are in; for those beyond the grid, others at its rim.
+    /// Grid cells of points; cells at the rim for points beyond the grid.
     pub fn cells<const N: usize>(&self, [x, y, z]: &[[f32; N]; 3]) -> [u32; N] {
         let last = self.size.map(|n| n.saturating_sub(1) as f32 + 0.5);
         let along = |v: f32, axis: usize| whole(((v - self.min[axis]) * Self::STEPS_PER_M).max(0.5).min(last[axis]));
@@ -127,20 +126,20 @@ impl Field {
         out
     }
 
-    /// About how much farther than `limit` a point in a cell is from the unit: [`Self::OFF_M`] less or more (m).
+    /// Approximate excess of a point's distance from the unit over `limit`: off by at most [`Self::OFF_M`] (m).
     ///
-    /// - `cell`: as [`Self::cells`]; what is beyond the grid is farther from the unit than that.
-    /// - `limit`: what is farther than [`Self::MARGIN_M`] less this is not told apart (m).
-    /// - returns less than any distance where only the exact geometry tells.
+    /// - `cell`: from [`Self::cells`]; points beyond the grid are farther from the unit than that.
+    /// - `limit`: excesses above [`Self::MARGIN_M`] less this are not distinguished (m).
+    /// - returns less than any distance if only the exact geometry can tell.
     pub fn about(&self, cell: u32, limit: f32) -> f32 {
         let is_told = limit - Self::ERROR_M >= LEAST_M || limit == f32::NEG_INFINITY;
         if is_told { unpacked(self.distances[cell as usize]) - limit } else { f32::NEG_INFINITY }
     }
 
-    /// How much farther than `limit` the unit is from a point, as far as the grid tells.
+    /// Excess of a point's distance from the unit over `limit`, as far as the grid can tell.
     ///
     /// - `limit`: (<= MARGIN_M - most)
-    /// - `most`: what is clearer is not told apart (m).
+    /// - `most`: larger excesses are not distinguished (m).
     pub fn told(&self, p: Vec3, limit: f32, most: f32) -> Told {
         let Some((at, cell)) = self.cell(p) else { return Told::Clear(most) };
         if limit - Self::ERROR_M < LEAST_M {
@@ -164,8 +163,8 @@ impl Field {
         }
     }
 
-    /// The least and the greatest distance that a point may have: distances change by no more than the way to where they
-    /// are known, and beyond the point, as seen from the unit, that is nearly what they change by.
+    /// Range of the distance at a point: distances change by at most the way to a cell centre, and by nearly all of it
+    /// if that lies beyond the point, seen from the unit.
     fn between(&self, at: Vec3, cell: usize) -> [f32; 2] {
         let whole = truncated(at);
         let from_middle = at - whole - 0.5;
@@ -181,7 +180,7 @@ impl Field {
                 let known = self.distances[if side < 0.0 { cell - stride } else { cell + stride }];
                 let way = (from_middle.length_squared() - 2.0 * side * from_middle[axis] + 1.0).sqrt() * Self::STEP_M
                     + Self::ROUNDING_M;
-                // The least and the greatest of what is kept may stand for less and for more.
+                // The least and the greatest stored values may stand for less and for more.
                 if known >= packed && known > 0 {
                     out[0] = out[0].max(unpacked(known) - way);
                 } else if known < packed {
@@ -192,9 +191,9 @@ impl Field {
         out
     }
 
-    /// How much farther than `limit` the unit is from a point; none where it is nearer. Slow (m).
+    /// Exact excess of a point's distance from the unit over `limit`; `None` if it is nearer. Slow (m).
     ///
-    /// - `most`: what is clearer is not told apart (m).
+    /// - `most`: larger excesses are not distinguished (m).
     pub fn clearance(&self, p: Vec3, limit: f32, most: f32) -> Option<f32> {
         match self.geometry.distance_below(p, limit + most) {
             Some(distance) => (distance >= limit).then_some(distance - limit),
@@ -202,7 +201,7 @@ impl Field {
         }
     }
 
-    /// True where the unit is nearer to a point than `limit` (limit <= MARGIN_M).
+    /// True if the unit is nearer to a point than `limit` (limit <= MARGIN_M).
     pub fn is_nearer(&self, p: Vec3, limit: f32) -> bool {
         match self.told(p, limit, 0.0) {
             Told::Clear(_) => false,
@@ -211,7 +210,7 @@ impl Field {
         }
     }
 
-    /// A point in steps from the grid's lowest corner, and the number of its grid cell; none beyond the grid.
+    /// A point in steps from the grid's lowest corner, with its grid cell; `None` beyond the grid.
     fn cell(&self, p: Vec3) -> Option<(Vec3, usize)> {
         let at = (p - self.min) * Self::STEPS_PER_M;
         if at.cmplt(Vec3::ZERO).any() {
@@ -221,33 +220,33 @@ impl Field {
         (x < size[0] && y < size[1] && z < size[2]).then_some((at, (z * size[1] + y) * size[0] + x))
     }
 
-    /// Distances change by no more than the way to the middle of the grid cell, and rounding (m).
+    /// Upper bound of the change of distance to the centre of the grid cell, including rounding (m).
     fn off(at: Vec3) -> f32 {
         (at - truncated(at) - 0.5).length() * Self::STEP_M + Self::ROUNDING_M
     }
 }
 
-/// Whole steps, which are 0 or more.
+/// Integer part of non-negative steps.
 fn truncated(at: Vec3) -> Vec3 {
     Vec3::from(at.to_array().map(|v| v as i32 as f32))
 }
 
-/// The whole part of a number of steps, but one less for exactly an odd number, as ties are rounded to even; the mantissa
-/// says it, of which processors take many at a time (>= 0.5, < 2^22).
+/// Integer part of a number of steps, but one less for exactly an odd number, as ties round to even; read from the
+/// mantissa, which vectorizes (>= 0.5, < 2^22).
 fn whole(steps: f32) -> u32 {
     const ONE_STEP: f32 = 8_388_608.0;
     (steps + (ONE_STEP - 0.5)).to_bits() & 0x007f_ffff
 }
 
-/// Steps in which distances are kept (m).
+/// Unit of stored distances (m).
 const PACKED_M: f32 = 0.0025;
-/// What is clearer than this need not be told more exactly: a smaller one saves looks at the grid cells beside, but units
-/// can be moved less far before bodies are looked at again (m).
+/// Clearance above which more exactness is useless: a smaller one saves accesses to adjacent grid cells, but shortens
+/// the moves of units after which bodies must be sampled again (m).
 const CLOSE_M: f32 = 0.06;
-/// The least distance that is told from others (m).
+/// Least distance that is distinguished (m).
 const LEAST_M: f32 = -0.2;
 
-/// A distance in a byte: of a world's units, those that matter stay at hand.
+/// A distance packed in a byte, so that the relevant part of a world's fields stays in the processor's cache.
 fn packed(distance: f32) -> u8 {
     ((distance - LEAST_M) / PACKED_M).round() as u8
 }

@@ -1,51 +1,51 @@
-//! Where a link collides first and last: it may be left before, and entered after.
+//! First and last collision of a link: it may be left before, and entered after.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Of a walk at 30 Hz every second frame is looked at: a hand moves some centimetres between them.
+/// Interval of sampled frames: in a walk at 30 Hz a hand moves some centimetres between two samples.
 pub(in crate::stitch) const STRIDE: usize = 2;
 
-/// First and last frame of a link at which a body is in a unit.
+/// First and last frame of a link in collision with a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::stitch) struct Hit {
-    /// Counted from the link's first one.
+    /// First frame, counted from the link's first one.
     pub first: u16,
-    /// The same frame or a later one.
+    /// Last frame, at or after the first.
     pub last: u16,
 }
 
 impl Hit {
-    /// Of both.
+    /// Span of both.
     pub fn union(self, other: Self) -> Self {
         Self { first: self.first.min(other.first), last: self.last.max(other.last) }
     }
 }
 
-/// Number of frames of a link that are looked at (num_frames > 0).
+/// Number of sampled frames of a link (num_frames > 0).
 pub(in crate::stitch) fn num_looks(num_frames: usize) -> usize {
     (num_frames - 1).div_ceil(STRIDE) + 1
 }
 
-/// The frame of a link that is looked at as one of so many (num_frames > 0).
+/// Frame of a link at a sample index (num_frames > 0).
 pub(in crate::stitch) fn frame_of(look: usize, num_frames: usize) -> usize {
     (look * STRIDE).min(num_frames - 1)
 }
 
-/// The number of the look at a frame that is looked at.
+/// Sample index of a sampled frame.
 pub(in crate::stitch) fn look_at(frame: usize) -> usize {
     frame.div_ceil(STRIDE)
 }
 
-/// The frames of a link that are looked at; the last one in any case (num_frames > 0).
+/// Sampled frames of a link, always including the last one (num_frames > 0).
 pub(in crate::stitch) fn looked_at(num_frames: usize) -> impl Iterator<Item = usize> {
     (0..num_looks(num_frames)).map(move |look| frame_of(look, num_frames))
 }
 
-/// First and last frame of a link that collide.
+/// Finds the first and last colliding frame of a link.
 ///
-/// - `known`: a frame at which it does, where one is known.
-/// - `look`: none where a frame collides, else how many frames before and after it do not either.
+/// - `known`: a colliding frame, if known.
+/// - `look`: samples a frame: `None` for a collision, else how many frames before and after it are free too.
 pub(in crate::stitch) fn of_link(
     num_frames: usize,
     known: Option<usize>,
@@ -71,21 +71,21 @@ pub(in crate::stitch) fn of_link(
     Some(Hit { first: frame(first) as u16, last: frame(last) as u16 })
 }
 
-/// Hits of links, found when they are first asked for.
+/// Collisions of links, found when first requested.
 #[derive(Debug, Default)]
 pub(in crate::stitch) struct Hits {
-    /// First and last frame of each link; [`UNKNOWN`] until they are found (links).
+    /// First and last frame of each link; [`UNKNOWN`] until found (links).
     packed: OnceLock<Box<[AtomicU32]>>,
 }
 
-/// No link is that long.
+/// Larger than any length of a link.
 const UNKNOWN: u32 = u32::MAX;
 
 impl Hits {
-    /// The hit of a link.
+    /// Collision of a link.
     ///
-    /// - `num_links`: of all.
-    /// - `find`: gives the same every time.
+    /// - `num_links`: number of all links.
+    /// - `find`: must always return the same.
     pub fn of(&self, link: usize, num_links: usize, find: impl FnOnce() -> Option<Hit>) -> Option<Hit> {
         let none = || (0..num_links).map(|_| AtomicU32::new(UNKNOWN)).collect();
         let packed = &self.packed.get_or_init(none)[link];

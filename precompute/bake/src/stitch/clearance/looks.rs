@@ -1,4 +1,4 @@
-//! Looks at the frames of links for bodies that are in a unit, and remembers what it saw.
+//! Collision sampling of the frames of links against a unit, with stored results.
 
 use super::bodies::{Ball, Room};
 use super::hit::{STRIDE, frame_of, look_at, num_looks};
@@ -7,36 +7,36 @@ use super::seen::{Clearance, ENOUGH_M, Earlier, SLACK_M, Seen, Touch};
 use glam::Vec3;
 use std::ops::Range;
 
-/// What was seen of links.
+/// Results of the collision sampling of links.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::stitch) struct Looks {
-    /// Of each link.
+    /// Result of each link.
     pub seen: Vec<Seen>,
-    /// How clear of the unit links that do not collide are at each frame that is looked at.
+    /// Clearances at each sampled frame of links that do not collide.
     pub clear: Vec<Clearance>,
 }
 
-/// Looks at one link after the other.
+/// Samples one link after the other.
 pub(in crate::stitch) struct Looker<'l, 'a> {
     obstacle: &'l Obstacle<'a>,
     earlier: Option<Earlier<'l>>,
-    /// As [`Looks::clear`].
+    /// Clearances, as in [`Looks::clear`].
     pub clear: Vec<Clearance>,
     /// Frame at which the last link collided.
     guess: usize,
-    /// Looks that have to be taken, and about how far the unit is from the roots (m).
+    /// Samples to take, with the approximate distance of the unit from their roots (m).
     likely: Vec<(f32, usize)>,
 }
 
 impl<'l, 'a> Looker<'l, 'a> {
-    /// - `earlier`: where the unit stood elsewhere: what is the same as there is found sooner.
+    /// - `earlier`: results for the unit at another place, which speed up equal ones.
     pub fn new(obstacle: &'l Obstacle<'a>, earlier: Option<Earlier<'l>>) -> Self {
         Self { obstacle, earlier, clear: Vec::new(), guess: 0, likely: Vec::new() }
     }
 
-    /// Looks at a link.
+    /// Samples a link.
     ///
-    /// - `radius`: no body of it reaches farther from its root (m).
+    /// - `radius`: largest distance of its bodies from their roots (m).
     pub fn see(&mut self, link: usize, roots: Range<usize>, radius: f32) -> Seen {
         let first = self.clear.len();
         let seen = self.look_again(link, &roots).unwrap_or_else(|| self.look_through(&roots, radius));
@@ -46,7 +46,7 @@ impl<'l, 'a> Looker<'l, 'a> {
         seen
     }
 
-    /// Looks at what may not be as it was before the unit was moved; none where that is all of a link.
+    /// Samples again where the move of the unit matters; `None` if that is the whole link.
     fn look_again(&mut self, link: usize, roots: &Range<usize>) -> Option<Seen> {
         let Earlier { mask, moved } = self.earlier?;
         match *mask.looks.seen.get(link)? {
@@ -71,8 +71,8 @@ impl<'l, 'a> Looker<'l, 'a> {
         }
     }
 
-    /// Looks at all frames of a link, until one collides: first at the one at which the link before did, then at those
-    /// to whose roots the unit is nearest.
+    /// Samples all frames of a link until one collides: first the one at which the previous link did, then in order of
+    /// the distance of their roots from the unit.
     fn look_through(&mut self, roots: &Range<usize>, radius: f32) -> Seen {
         if self.guess < roots.len()
             && let Err(collides) = self.look(roots, self.guess)
@@ -89,7 +89,7 @@ impl<'l, 'a> Looker<'l, 'a> {
             match self.look(roots, frame) {
                 Ok(clear) => self.clear[first + look] = clear,
                 Err(collides) => {
-                    // The last frame of a link is looked at in any case; of others, that one may not be.
+                    // The last frame of a link is always sampled; at other links it may not be.
                     if frame.is_multiple_of(STRIDE) {
                         self.guess = frame;
                     }
@@ -103,7 +103,7 @@ impl<'l, 'a> Looker<'l, 'a> {
         seen
     }
 
-    /// Finds how clear a link is of the unit where it passes far from it, and where it has to be looked at.
+    /// Estimates the clearance of a link where it passes far from the unit, and collects the frames to sample.
     fn glance(&mut self, roots: &Range<usize>, radius: f32) {
         let num_looks = num_looks(roots.len());
         let step = STRIDE as f32 * self.obstacle.paths.step();
@@ -115,7 +115,7 @@ impl<'l, 'a> Looker<'l, 'a> {
             if clear <= ENOUGH_M {
                 self.likely.push((self.obstacle.unit.far(x, z), look));
             }
-            // On from there, it comes nearer by no more than its steps.
+            // From there on, it approaches by at most its steps.
             loop {
                 self.clear.push(Clearance::new(clear));
                 (look, clear) = (look + 1, clear - step);
@@ -126,7 +126,7 @@ impl<'l, 'a> Looker<'l, 'a> {
         }
     }
 
-    /// How far the unit may be moved without touching the body at a frame; what collides where it does.
+    /// Distance by which the unit may be moved without touching the body at a frame; the collision if there is one.
     fn look(&self, roots: &Range<usize>, frame: usize) -> Result<Clearance, Seen> {
         let (row, root) = self.obstacle.pose(roots.start + frame);
         let (bodies, unit) = (self.obstacle.bodies, self.obstacle.unit);
@@ -143,9 +143,9 @@ impl<'l, 'a> Looker<'l, 'a> {
         }
     }
 
-    /// True where a point of a body, in the patch's frame, is in the unit beyond doubt.
+    /// True if a sphere of a body, in the patch's frame, is certainly in the unit.
     fn touches(&self, ball: Ball) -> bool {
-        /// A body that is placed another way is no farther away than this (m).
+        /// Largest error of the distance by another order of placements (m).
         const ROUNDING_M: f32 = 1e-4;
         let [x, z] = self.obstacle.in_unit(ball.centre);
         let centre = Vec3::new(x, ball.centre.y - self.obstacle.at.y, z);

@@ -1,4 +1,4 @@
-//! What of a patch's motion a unit is in the way of, for every way in which the unit may stand to the patch.
+//! Parts of a patch's motion that a unit obstructs, for every relative placement of the unit.
 
 use super::bodies::Bodies;
 use super::field::Field;
@@ -15,7 +15,7 @@ use std::ops::Range;
 use throng_core::patch::Placement;
 use throng_core::planar::wrap_angle;
 
-/// A unit that stands in a patch's motion.
+/// A unit as an obstacle to a patch's motion.
 #[derive(Clone, Copy)]
 pub(in crate::stitch) struct Obstacle<'a> {
     /// The motion.
@@ -24,7 +24,7 @@ pub(in crate::stitch) struct Obstacle<'a> {
     pub bodies: &'a Bodies,
     /// The unit.
     pub unit: &'a Field,
-    /// Where it stands in the patch's frame.
+    /// Placement in the patch's frame.
     pub at: Placement,
     /// Sine and cosine of its heading.
     turn: [f32; 2],
@@ -32,22 +32,22 @@ pub(in crate::stitch) struct Obstacle<'a> {
 
 impl<'a> Obstacle<'a> {
     /// - `paths`, `bodies`: the motion, and the bodies of its frames.
-    /// - `at`: where the unit stands in the patch's frame.
+    /// - `at`: placement of the unit in the patch's frame.
     pub fn new(paths: &'a Paths, bodies: &'a Bodies, unit: &'a Field, at: Placement) -> Self {
         Self { paths, bodies, unit, at, turn: at.heading.sin_cos().into() }
     }
 
-    /// How far any point of a unit, or that near it, moves from one place to another, at most (m).
+    /// Largest displacement of any point of a unit, or near it, from one placement to another (m).
     pub fn moved(unit: &Bounds, from: Placement, to: Placement) -> f32 {
         let farthest = unit.min.abs().max(unit.max.abs()).with_y(0.0).length() + Field::MARGIN_M;
         let turn = wrap_angle(to.heading - from.heading).abs();
         (to.translation() - from.translation()).length() + turn * farthest
     }
 
-    /// Which links collide.
+    /// Finds the colliding links.
     ///
-    /// - `swept`: of the motion; none where links have most of their roots in common.
-    /// - `earlier`: where the unit stood elsewhere: what is the same as there is found sooner.
+    /// - `swept`: of the motion; `None` if links have most of their roots in common.
+    /// - `earlier`: results for the unit at another place, which speed up equal ones.
     pub fn mask(&self, swept: Option<&Swept>, earlier: Option<Earlier<'_>>) -> Mask {
         if self.unit.geometry.bounds.is_empty() {
             return Mask::default();
@@ -55,7 +55,7 @@ impl<'a> Obstacle<'a> {
         let near = self.bodies.around(&self.unit.geometry.bounds.placed(self.at));
         let num_links = self.paths.num_links();
         let Some(swept) = swept else {
-            // Each root is looked at once, as a link of one frame.
+            // Each root is sampled once, as a link of one frame.
             let is_near = |at: &u32| near.contains(self.paths.roots()[*at as usize].translation());
             let roots: Vec<u32> = (0..self.paths.roots().len() as u32).filter(is_near).collect();
             let radius = |at: usize| self.bodies.radius_of(self.paths.rows()[at] as usize);
@@ -73,10 +73,10 @@ impl<'a> Obstacle<'a> {
         Mask { words: bits(num_links, hit), looks, by_roots: false, hits: Hits::default() }
     }
 
-    /// Looks at some links; those that follow each other play much the same.
+    /// Samples some links; consecutive ones play nearly equal motion.
     ///
-    /// - `link`: its roots, and how far bodies reach from them at most (m).
-    /// - `num_links`: of all.
+    /// - `link`: its roots, and the largest distance of bodies from them (m).
+    /// - `num_links`: number of all links.
     fn see(
         &self,
         links: &[u32],
@@ -102,16 +102,16 @@ impl<'a> Obstacle<'a> {
         all
     }
 
-    /// First and last frame of a link that collide.
+    /// First and last colliding frame of a link.
     ///
-    /// - `mask`: where the unit stands.
+    /// - `mask`: result at this placement of the unit.
     pub fn hit(&self, mask: &Mask, link: usize) -> Option<Hit> {
         let range = self.paths.range(link);
         let find = || of_link(range.len(), mask.frame(link), |k| self.look(range.start + k));
         mask.hits.of(link, self.paths.num_links(), find)
     }
 
-    /// Looks at a root: none where it collides, else how many frames before and after it do not either.
+    /// Samples a root: `None` for a collision, else how many frames before and after it are free too.
     fn look(&self, at: usize) -> Option<usize> {
         let (row, root) = self.pose(at);
         let way = self.unit.plan().beside(root.x, root.z) - self.bodies.radius();
@@ -133,7 +133,7 @@ impl<'a> Obstacle<'a> {
     }
 }
 
-/// The bits of some of a patch's links; no words where there are none.
+/// Bits of some of a patch's links; empty if there are none.
 fn bits(num_links: usize, links: impl Iterator<Item = u32>) -> Vec<u64> {
     let mut links = links.peekable();
     let mut words = vec![0; if links.peek().is_some() { num_words(num_links) } else { 0 }];
@@ -141,10 +141,10 @@ fn bits(num_links: usize, links: impl Iterator<Item = u32>) -> Vec<u64> {
     words
 }
 
-/// What roots collide that many links have in common.
+/// Collisions of roots shared by many links.
 struct Shared {
     hits: Vec<bool>,
-    /// The first root that collides among every [`STRIDE`]th from one on (hits.len()).
+    /// First colliding root among every [`STRIDE`]th from each one on (hits.len()).
     next: Vec<u32>,
 }
 

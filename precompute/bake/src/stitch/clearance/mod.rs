@@ -1,6 +1,6 @@
-//! What of a patch's motion collides with a unit: bodies as balls, distances from a unit, and the links that pass by it.
+//! Collisions of a patch's motion with a unit: bodies as spheres, distances from a unit, and the links that pass by it.
 //!
-//! [`mask::Obstacle`] finds the links in the way of one unit; what was looked at is kept in [`seen`] for small moves.
+//! [`mask::Obstacle`] finds the links that one unit obstructs; [`seen`] holds the samples, for reuse after small moves.
 
 pub(in crate::stitch) mod bodies;
 pub(in crate::stitch) mod field;

@@ -1,29 +1,29 @@
-//! A unit as seen from above: how far it is from points on the ground.
+//! A unit seen from above: its distance from points on the ground.
 
-/// Distances over the ground from what stands on it.
+/// Distances over the ground from a unit.
 #[derive(Clone, Debug)]
 pub(in crate::stitch) struct Plan {
     /// Lowest corner of the grid: x and z (m).
     min: [f32; 2],
     /// Squares along x and z.
     size: [usize; 2],
-    /// Nothing of the unit is nearer to any point of a square (m, size[0] * size[1]).
+    /// Lower bound of the distance of any point of a square (m, size[0] * size[1]).
     distances: Vec<f32>,
 }
 
 impl Plan {
     /// Edge length of a square (m).
     const STEP_M: f32 = 0.08;
-    /// The grid reaches this far beyond the columns that it is made from (m).
+    /// Extent of the grid beyond the columns that it is computed from (m).
     const MARGIN_M: f32 = 0.6;
 
-    /// Measures how far every square is from the columns that a unit touches.
+    /// Measures the distance of every square from the columns that a unit touches.
     ///
     /// - `min`, `step`, `size`: lowest corner, edge length and number of the columns along x and z (m).
-    /// - `is_touched`: of a column; those along x follow each other.
+    /// - `is_touched`: of a column; columns along x are adjacent.
     pub fn new(min: [f32; 2], step: f32, size: [usize; 2], is_touched: impl Fn(usize) -> bool) -> Self {
         let touched: Vec<bool> = (0..size[0] * size[1]).map(is_touched).collect();
-        // What is nearest to a point beside them all is on the rim.
+        // For a point beside them all, the nearest one is on the rim.
         let is_within = |c: usize| {
             let (x, z) = (c % size[0], c / size[0]);
             let is_inner = x > 0 && z > 0 && x + 1 < size[0] && z + 1 < size[1];
@@ -38,7 +38,7 @@ impl Plan {
             true => [0; 2],
             false => size.map(|n| ((n as f32 * step + 2.0 * Self::MARGIN_M) / Self::STEP_M).ceil() as usize),
         };
-        // From the middles to the corners of both.
+        // From the centres to the corners of both.
         let off = std::f32::consts::FRAC_1_SQRT_2 * (Self::STEP_M + step) + 1e-4;
         let distance = |k: usize| {
             let p: [f32; 2] = [
@@ -55,24 +55,24 @@ impl Plan {
         Self { min: low, size: squares, distances: (0..squares[0] * squares[1]).map(distance).collect() }
     }
 
-    /// The unit is nowhere nearer to a place over the ground than this (m).
+    /// Lower bound of the distance of the unit from a place over the ground (m).
     pub fn beside(&self, x: f32, z: f32) -> f32 {
         let at = [(x - self.min[0]) / Self::STEP_M, (z - self.min[1]) / Self::STEP_M];
         let out = [(-at[0]).max(at[0] - self.size[0] as f32), (-at[1]).max(at[1] - self.size[1] as f32)];
         if out[0] >= 0.0 || out[1] >= 0.0 {
-            // The columns begin that far within the grid, which ends less than a square beyond.
+            // The columns begin at the margin within the grid, which ends less than a square beyond.
             return Self::MARGIN_M + Self::STEP_M * (out[0].max(out[1]) - 1e-3);
         }
         self.distances[at[1] as usize * self.size[0] + at[0] as usize]
     }
 }
 
-/// The squared distance of the nearest point; infinite where there is none (m^2).
+/// Squared distance of the nearest point; infinite without points (m^2).
 ///
-/// - `rows`: points of one z each, both x and z ascending.
+/// - `rows`: points of one z each; both x and z ascending.
 fn least_square(rows: &[&[[f32; 2]]], p: [f32; 2]) -> f32 {
     let mut least = f32::INFINITY;
-    // False where no row beyond has a nearer point.
+    // False if no row beyond has a nearer point.
     let mut look = |row: &&[[f32; 2]]| {
         let k = row.partition_point(|r| r[0] < p[0]);
         let beside = row[k.saturating_sub(1)..row.len().min(k + 1)].iter();

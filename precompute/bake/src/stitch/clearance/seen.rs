@@ -1,30 +1,30 @@
-//! What is remembered of looking at links, so that little is looked at again where a unit is moved a little.
+//! Stored results of collision sampling, so that few samples are repeated when a unit is moved a little.
 
 use super::bodies::Ball;
 use super::hit::Hits;
 use super::looks::Looks;
 
-/// Bodies that are clear by more than this because of their place alone are not looked at: a smaller one saves looks, but
-/// less is known of how clear they are, so they are looked at again after shorter moves (m).
+/// Clearance by place alone above which bodies are not sampled: a smaller one saves samples, but leaves clearances less
+/// exact, so that bodies are sampled again after shorter moves (m).
 pub(in crate::stitch) const ENOUGH_M: f32 = 0.12;
-/// How far those are told apart that are looked at: with more, units can be moved farther before bodies are looked at
-/// again, but more spheres have to be told from the unit, on wider grids (m).
+/// Clearance up to which sampled bodies are distinguished: with more, units can be moved farther before bodies are
+/// sampled again, but more spheres have to be compared with the unit, on wider grids (m).
 pub(in crate::stitch) const SLACK_M: f32 = 0.25;
 
-/// What is known of a link and a unit.
+/// Known relation of a link and a unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::stitch) enum Seen {
-    /// Not looked at: it passes beside the unit.
+    /// Not sampled: the link passes beside the unit.
     #[default]
     Nothing,
-    /// It collides.
+    /// Collision.
     Collides(Touch),
-    /// It does not: where in [`Looks::clear`] its clearances begin, one for every frame that is looked at.
+    /// No collision: index in [`Looks::clear`] of its first clearance; one for every sampled frame.
     Clear(u32),
 }
 
 impl Seen {
-    /// The same where so many clearances of others come first.
+    /// This result, with its index moved by so many clearances of other links.
     pub fn after(self, others: u32) -> Self {
         match self {
             Self::Clear(first) => Self::Clear(first + others),
@@ -33,56 +33,56 @@ impl Seen {
     }
 }
 
-/// What of a link collides.
+/// Collision of a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::stitch) struct Touch {
-    /// At this frame, counted from its first one.
+    /// Colliding frame, counted from its first one.
     pub frame: u16,
-    /// This point of the body, in the patch's frame: where it still does, nothing else need be looked at.
+    /// Colliding sphere of the body, in the patch's frame: while it still collides, no other sample is needed.
     pub ball: Ball,
 }
 
-/// How far a unit may be moved without touching a body.
+/// Distance by which a unit may be moved without touching a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::stitch) struct Clearance {
-    /// (mm)
+    /// Rounded-down distance (mm).
     least: u16,
 }
 
 impl Clearance {
-    /// A millimetre less than so many metres, so that no rounding makes it more.
+    /// A millimetre less than a distance, against rounding (m).
     pub fn new(metres: f32) -> Self {
         Self { least: (1000.0 * metres - 1.0) as u16 }
     }
 
-    /// What is left of it after the unit was moved; none where it may have got there (m).
+    /// Remaining clearance after a move of the unit; `None` if it may touch the body (m).
     pub fn after(self, moved: f32) -> Option<Self> {
         let least = self.least.saturating_sub((1000.0 * moved).ceil() as u16);
         (least > 0).then_some(Self { least })
     }
 
-    /// No body is nearer than this (m).
+    /// Lower bound of the distance of the body (m).
     #[cfg(test)]
     pub fn least(self) -> f32 {
         0.001 * f32::from(self.least)
     }
 }
 
-/// What a unit is in the way of, for one way in which it stands to a patch.
+/// Links that a unit obstructs, for one relative placement of unit and patch.
 #[derive(Debug, Default)]
 pub(in crate::stitch) struct Mask {
-    /// Bits of the links that collide; no words where none does.
+    /// Bits of the links that collide; empty if there are none.
     pub words: Vec<u64>,
-    /// What was seen of each link, or of each root.
+    /// Result for each link, or for each root.
     pub looks: Looks,
-    /// True where roots were looked at, each as a link of one frame, because links have most of them in common.
+    /// True if roots were sampled, each as a link of one frame, because links have most of them in common.
     pub by_roots: bool,
     /// First and last collisions of links.
     pub hits: Hits,
 }
 
 impl Mask {
-    /// A frame at which a link collides, where one is known.
+    /// A colliding frame of a link, if known.
     pub fn frame(&self, link: usize) -> Option<usize> {
         match self.looks.seen.get(link) {
             Some(Seen::Collides(touch)) if !self.by_roots => Some(usize::from(touch.frame)),
@@ -91,12 +91,12 @@ impl Mask {
     }
 }
 
-/// A mask for the same patch and unit, which stood elsewhere.
+/// A mask for the same patch and unit at another place.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::stitch) struct Earlier<'m> {
     /// The mask.
     pub mask: &'m Mask,
-    /// No point of the unit, nor any near it, has been moved farther (m).
+    /// Largest displacement of any point of the unit, or near it (m).
     pub moved: f32,
 }
 

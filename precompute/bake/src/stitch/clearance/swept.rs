@@ -1,5 +1,5 @@
-//! Where the bodies of a patch's links pass over the ground, as bits: most links pass beside a unit, and none of their
-//! frames need be looked at.
+//! Ground swept by the bodies of a patch's links, as bits: most links pass beside a unit, and need no sampling of
+//! frames.
 
 use super::bodies::Bodies;
 use super::field::Field;
@@ -23,9 +23,9 @@ pub(in crate::stitch) struct Swept {
     /// Edge length of a square (m).
     step: f32,
     /// A bit for each link, in the order of [`Paths::order`]: all squares for the first 64 links, then for the next
-    /// ones. Squares along x follow each other (words of links * SIDE * SIDE).
+    /// ones. Squares along x are adjacent (words of links * SIDE * SIDE).
     squares: Vec<u64>,
-    /// No body of a link reaches farther from its root over the ground (m, links).
+    /// Largest distance of a body of each link from its root over the ground (m, links).
     radii: Vec<f32>,
 }
 
@@ -33,7 +33,7 @@ pub(in crate::stitch) struct Swept {
 pub(in crate::stitch) type Shadow = Vec<std::ops::Range<usize>>;
 
 impl Swept {
-    /// Follows all links of a patch.
+    /// Computes the swept squares of all links of a patch.
     pub fn new(paths: &Paths, bodies: &Bodies) -> Self {
         let all = (0..paths.num_links()).fold(Bounds::EMPTY, |b, l| b.union(*paths.bounds(l))).grown(bodies.radius());
         let side = (all.max - all.min).max_element().max(1e-3);
@@ -50,7 +50,7 @@ impl Swept {
         out
     }
 
-    /// The squares that a link's bodies touch: a row for each along z, in which each along x is a bit.
+    /// Squares that a link's bodies touch: a row for each along z, with a bit for each along x.
     fn rows(&self, paths: &Paths, bodies: &Bodies, link: usize) -> [u128; SIDE] {
         let mut rows = [0; SIDE];
         let range = paths.range(link);
@@ -62,7 +62,7 @@ impl Swept {
     }
 
     fn mark(&self, [x, z, radius]: [f32; 3], rows: &mut [u128; SIDE]) {
-        // What lies just on the edge of a square is in both.
+        // A point on the edge of a square is in both.
         let radius = radius + 0.001 * self.step;
         let square = |v: f32, min: f32| (((v - min) / self.step) as usize).min(SIDE - 1);
         let (low, high) = (square(x - radius, self.min[0]), square(x + radius, self.min[0]));
@@ -71,12 +71,12 @@ impl Swept {
         rows[first..=last].iter_mut().for_each(|r| *r |= bits);
     }
 
-    /// No body of a link reaches farther from its root over the ground (m).
+    /// Largest distance of a body of a link from its root over the ground (m).
     pub fn radius(&self, link: usize) -> f32 {
         self.radii[link]
     }
 
-    /// Squares that a unit may touch which stands at `unit_at` in the patch's frame.
+    /// Squares that a unit at `unit_at` in the patch's frame may touch.
     pub fn shadow(&self, unit: &Field, unit_at: Placement) -> Shadow {
         let (sin, cos) = unit_at.heading.sin_cos();
         let reach = self.step * std::f32::consts::FRAC_1_SQRT_2 + 1e-4;
@@ -90,7 +90,7 @@ impl Swept {
         touched.chunk_by(|a, b| a + 1 == *b).map(|run| run[0]..run[run.len() - 1] + 1).collect()
     }
 
-    /// Places in [`Paths::order`] of the links of which a body may touch what casts a shadow; ascending.
+    /// Positions in [`Paths::order`] of the links with a body that may touch the owner of a shadow; ascending.
     pub fn meeting(&self, shadow: &Shadow) -> Vec<u32> {
         let word = |squares: &[u64]| {
             let mut all = 0;
@@ -108,7 +108,7 @@ impl Swept {
     }
 }
 
-/// From a row of squares for each link to a word of links for each square.
+/// Converts a row of squares for each link to a word of links for each square.
 fn turn(links: &[[u128; SIDE]], words: &mut [u64]) {
     for (row, words) in words.chunks_exact_mut(SIDE).enumerate() {
         for (half, words) in words.chunks_exact_mut(LINKS).enumerate() {
@@ -124,7 +124,7 @@ fn turn(links: &[[u128; SIDE]], words: &mut [u64]) {
     }
 }
 
-/// Turns 64 words of 64 bits, halves first (Warren, "Hacker's Delight", section 7-3).
+/// Transposes 64 words of 64 bits, halves first (Warren, "Hacker's Delight", section 7-3).
 fn transpose(block: &mut [u64; LINKS]) {
     let (mut width, mut mask) = (LINKS / 2, u64::MAX >> (LINKS / 2));
     while width != 0 {

@@ -1,11 +1,11 @@
-//! What is possible in a world before dead ends are looked for: everything that no unit is in the way of.
+//! Graph of a world before dead ends are removed: all motion that no unit obstructs.
 
 use super::joined::{Joined, Overlap, Part, exits};
 use super::prepare::Prepared;
 use crate::stitch::place::lay::Laid;
 use throng_core::patch::{NONE, Patches};
 
-/// Puts the graph of a world together (prepared for `laid`, whose sizes are checked).
+/// Builds the graph of a world (prepared for `laid`, whose sizes are checked).
 pub(in crate::stitch) fn allow(patches: &Patches, laid: &Laid, prepared: Prepared) -> Joined {
     let mut joined = Joined {
         patches: patches.clone(),
@@ -42,7 +42,7 @@ fn parts(laid: &Laid, situations: &[u32], joined: &mut Joined) {
     }
 }
 
-/// From each instance where it overlaps others, by their number.
+/// Adds the overlaps of each instance, by the number of the other.
 fn overlaps(laid: &Laid, joined: &mut Joined) {
     let pairs = || (0u32..).zip(&laid.pairs).zip(&joined.crossing_of).filter(|(_, crossing)| **crossing != NONE);
     for ((_, (a, b, _)), _) in pairs() {

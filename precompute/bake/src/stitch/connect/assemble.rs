@@ -1,4 +1,4 @@
-//! Writes the world that is left: bits of what belongs to the component, and the tables it needs.
+//! Writes the remaining world: bits of cells in the component, and the tables it needs.
 
 use super::crossing::Crossing;
 use super::joined::Joined;
@@ -12,18 +12,18 @@ use std::sync::Arc;
 use throng_core::patch::NONE;
 use throng_world::{AdjacencyRecord, InstanceRecord, JointTableRecord, UnitRecord, WorldData};
 
-/// A world that was written before it was changed, and what of it is the same.
+/// The world written before a change, with the unchanged part of it.
 #[derive(Clone, Copy)]
 pub(in crate::stitch) struct Written<'w> {
-    /// What was left.
+    /// Remaining instances and pairs of the previous world.
     pub remains: &'w Remains,
-    /// As [`super::resettle::Before::same`].
+    /// Previous number of each instance, as in [`super::resettle::Before::same`].
     pub same: &'w [u32],
 }
 
-/// Writes the world that is left, but for its meta data.
+/// Writes the remaining world, except its metadata.
 ///
-/// - `world`: as it was before the change; where all is new, it may be any.
+/// - `world`: the world before the change; ignored if everything is new.
 pub(in crate::stitch) fn write(
     environment: &Environment,
     laid: &Laid,
@@ -41,7 +41,7 @@ pub(in crate::stitch) fn write(
     resources(laid, joined, world);
 }
 
-/// Instances and their bits. Of those, what has not changed is not touched: they are most of a world.
+/// Writes instances and their bits. Unchanged ones, most of a world, are not touched.
 fn instances(laid: &Laid, remains: &Remains, before: Option<Written<'_>>, world: &mut WorldData) {
     let were = std::mem::take(&mut world.instances);
     let (mut first_cell_word, mut first_link_word) = (0, 0);
@@ -78,7 +78,7 @@ fn instances(laid: &Laid, remains: &Remains, before: Option<Written<'_>>, world:
     }
 }
 
-/// Joint tables that are needed, bits of joints, adjacencies.
+/// Writes the needed joint tables, bits of joints, adjacencies.
 fn joints(laid: &Laid, joined: &Joined, remains: &Remains, world: &mut WorldData) {
     let used: Vec<bool> = used(joined, remains);
     let of_used = joined.crossings.iter().zip(&used).filter(|(_, used)| **used).map(|(crossing, _)| crossing.as_ref());
@@ -96,7 +96,7 @@ fn joints(laid: &Laid, joined: &Joined, remains: &Remains, world: &mut WorldData
             if left.count == 0 {
                 continue;
             }
-            // As the first of both is written.
+            // Bits are shared with the first of both.
             if first_words[number] == NONE && o.side == 0 {
                 first_words[number] = pool.place(&left.words);
             }
@@ -110,7 +110,7 @@ fn joints(laid: &Laid, joined: &Joined, remains: &Remains, world: &mut WorldData
     world.joint_words = pool.words;
 }
 
-/// Crossings of which joints are left.
+/// True for each crossing with remaining joints.
 fn used(joined: &Joined, remains: &Remains) -> Vec<bool> {
     let mut used = vec![false; joined.crossings.len()];
     for (&crossing, &left) in joined.crossing_of.iter().zip(&remains.left_of) {
@@ -141,7 +141,7 @@ fn tables<'j>(crossings: impl Iterator<Item = &'j Crossing>, world: &mut WorldDa
     (0u32..).zip(by_relation).map(|(number, (relation, _))| (relation, number)).collect()
 }
 
-/// What characters hold in each instance: its own units, and for a block the panels of tiles that it takes place on.
+/// Reserved resources of each instance: its own units, and for a block the panels of tiles that its motion uses.
 fn resources(laid: &Laid, joined: &Joined, world: &mut WorldData) {
     let on_floor = || laid.pairs.iter().zip(&joined.shares_floor).filter(|(_, shares)| **shares).map(|(pair, _)| pair);
     let mut ends: Vec<usize> = laid.fitted.iter().map(|f| f.units.len()).collect();

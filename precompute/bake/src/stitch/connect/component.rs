@@ -1,17 +1,17 @@
-//! The largest strongly connected component of a graph that is never built (Tarjan 1972, as Pearce 2016 stores it).
+//! Largest strongly connected component of an implicit graph (Tarjan 1972, as Pearce 2016 stores it).
 
-/// A graph that tells where each node leads, one way after the other.
+/// A graph that enumerates the successors of each node.
 pub(in crate::stitch) trait Ways {
-    /// Where the enumeration of a node's ways stands.
+    /// Position in the enumeration of a node's successors.
     type Cursor: Copy + Default;
 
     /// Number of nodes (< u32::MAX).
     fn num_nodes(&self) -> usize;
 
-    /// The next way of a node after those that the cursor has been given for.
+    /// Next successor of a node after those already enumerated with the cursor.
     fn next(&self, node: u32, cursor: &mut Self::Cursor) -> Option<u32>;
 
-    /// All ways of a node.
+    /// All successors of a node.
     fn ways(&self, node: u32) -> impl Iterator<Item = u32> {
         let mut cursor = Self::Cursor::default();
         std::iter::from_fn(move || self.next(node, &mut cursor))
@@ -20,8 +20,8 @@ pub(in crate::stitch) trait Ways {
 
 /// Number of the strongly connected component of every node.
 ///
-/// Components are numbered downwards from `num_nodes` in the order in which they are finished: every way leads to
-/// a component of the same number or a higher one. Memory: one number a node beside the depth of the search.
+/// Components are numbered downwards from `num_nodes` in the order of completion: every edge leads to a component of
+/// the same number or a higher one. Memory: one number a node beside the depth of the search.
 pub(in crate::stitch) fn components<G: Ways>(graph: &G) -> Vec<u32> {
     let mut search = Search::<G> {
         graph,
@@ -47,9 +47,9 @@ struct Step<C> {
 
 struct Search<'a, G: Ways> {
     graph: &'a G,
-    /// 0 for nodes not seen; for those on the way the lowest index they lead back to; then the component.
+    /// State of each node: 0 if unseen; on the current path the lowest index it leads back to; then its component.
     number: Vec<u32>,
-    /// Finished nodes whose component is not.
+    /// Finished nodes without a component yet.
     pending: Vec<u32>,
     path: Vec<Step<G::Cursor>>,
     index: u32,
@@ -104,9 +104,9 @@ impl<G: Ways> Search<'_, G> {
     }
 }
 
-/// The first node of the component of most nodes; of the one with the first node where several have as many.
+/// First node of the component with most nodes; on a tie of the one with the first node.
 ///
-/// - returns none where no node leads back to itself.
+/// - returns `None` if no node leads back to itself.
 pub(in crate::stitch) fn largest<G: Ways>(graph: &G) -> Option<u32> {
     let component = components(graph);
     let lowest = *component.iter().min()?;

@@ -1,4 +1,4 @@
-//! The joints that may be taken between two instances, as sets of cells: what a search over a world follows.
+//! Usable joints between two instances, as sets of cells, which a search over a world follows.
 
 use super::outcome::Outcome;
 use super::situation::Situation;
@@ -12,18 +12,18 @@ use std::sync::Arc;
 use throng_core::patch::{LinkRecord, NONE, Patches};
 use throng_world::is_set;
 
-/// Joints of a table that may be taken where side a is in a certain situation: the same for all such pairs.
+/// Joints of a table that are usable with side a in a certain situation: shared by all such pairs.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::stitch) struct Crossing {
-    /// How the two sides stand to each other.
+    /// Relative placement of the two sides.
     pub relation: Relation,
     /// All joints of the pair.
     pub table: Arc<JointTable>,
-    /// Bits of those that may be taken, two a joint; none where all may be.
+    /// Bits of usable joints, two a joint; `None` if all are.
     words: Option<Vec<u64>>,
-    /// True where joints lead from cell to cell: there, links are taken and no further joint.
+    /// True if joints lead from cell to cell: after such a joint, a link must follow.
     pub between_cells: bool,
-    /// Cells of the other side that each cell of side a, and of side b, leads to.
+    /// Cells of the other side reached from each cell of side a, and of side b.
     pub out: [Rows; 2],
     /// Cells of the other side that lead to each cell of side a, and of side b.
     pub into: [Rows; 2],
@@ -31,7 +31,7 @@ pub(in crate::stitch) struct Crossing {
 
 impl Crossing {
     /// - `situation`: of side a.
-    /// - `hit`: as [`Situation::joint_words`] asks.
+    /// - `hit`: as for [`Situation::joint_words`].
     pub fn new(
         patches: &Patches,
         relation: Relation,
@@ -59,10 +59,10 @@ impl Crossing {
         Self { relation, table: Arc::clone(table), words, between_cells, out, into }
     }
 
-    /// Joints that are left.
+    /// Remaining joints.
     ///
     /// - `links`: of side a.
-    /// - `a`, `b`: bits of the cells that are left of each side.
+    /// - `a`, `b`: bits of the remaining cells of each side.
     pub fn left(&self, links: &[LinkRecord], a: &[u64], b: &[u64]) -> Left {
         let joints = &self.table.joints;
         let mut left = Left { words: vec![0; num_words(2 * joints.len())], count: 0 };
@@ -82,20 +82,20 @@ impl Crossing {
     }
 }
 
-/// Joints that are left between two instances.
+/// Remaining joints between two instances.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::stitch) struct Left {
     /// Two bits a joint of the table.
     pub words: Vec<u64>,
-    /// How many are set.
+    /// Number of set bits.
     pub count: u64,
 }
 
-/// What the joints that are left between two instances depend on.
+/// Key of the remaining joints between two instances.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(in crate::stitch) struct PairState {
-    /// Joints that may be taken.
+    /// Usable joints.
     pub crossing: Same<Crossing>,
-    /// What is left of side a and of side b.
+    /// Remaining cells and links of side a and of side b.
     pub sides: [Same<Outcome>; 2],
 }

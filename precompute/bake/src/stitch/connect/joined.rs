@@ -1,5 +1,5 @@
-//! The graph of a whole world: cells of instances, joined by links, by joints and across the edges of tiles. Only
-//! bits belong to an instance; where a node leads is looked up in its patch and in tables.
+//! Graph of a whole world: cells of instances, connected by links, by joints and across the edges of tiles. An instance
+//! stores only bits; edges are looked up in its patch and in tables.
 
 use super::component::Ways;
 use super::crossing::Crossing;
@@ -15,59 +15,59 @@ pub(in crate::stitch) struct Part {
     pub patch: u32,
     /// Node of its first cell.
     pub first_node: u32,
-    /// Word of its first cell, where cells are bits.
+    /// Word of its first cell, in sets of cells as bits.
     pub first_word: u32,
     /// Number of its situation.
     pub situation: u32,
-    /// Its edges' neighbours.
+    /// Index of the neighbours across its edges.
     pub first_neighbour: u32,
-    /// Its first overlap.
+    /// Index of its first overlap.
     pub first_overlap: u32,
     /// Number of overlaps.
     pub num_overlaps: u32,
 }
 
-/// Two instances that overlap, from one of them.
+/// Overlap of two instances, seen from one of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::stitch) struct Overlap {
     /// The other instance.
     pub other: u32,
-    /// 0 where the owner is side a, 1 where it is side b.
+    /// Side of the owner: 0 for side a, 1 for side b.
     pub side: u32,
     /// Number of the pair.
     pub pair: u32,
-    /// Number of the joints that may be taken.
+    /// Number of the usable joints.
     pub crossing: u32,
 }
 
-/// All that is possible in a world before the component is chosen.
+/// All possible motion of a world before the component is chosen.
 #[derive(Clone, Debug)]
 pub(in crate::stitch) struct Joined {
     /// The patches.
     pub patches: Patches,
-    /// Bits of every patch's exits.
+    /// Bits of the exits of every patch.
     pub exits: Vec<Vec<u64>>,
     /// The instances.
     pub parts: Vec<Part>,
     /// Instance across each edge of each tile.
     pub neighbours: Vec<u32>,
-    /// What is left of their motion.
+    /// Situations, each with the unobstructed motion of instances.
     pub situations: Vec<Arc<Situation>>,
     /// Overlaps of all instances.
     pub overlaps: Vec<Overlap>,
-    /// Joints that nothing is in the way of.
+    /// Usable joints of pairs.
     pub crossings: Vec<Arc<Crossing>>,
-    /// Number of those of each pair; [`NONE`] where it has no joints (pairs).
+    /// Number of the usable joints of each pair; [`NONE`] without joints (pairs).
     pub crossing_of: Vec<u32>,
-    /// True for pairs of a tile and a block that takes place on its panel (pairs).
+    /// True for pairs of a tile and a block whose motion uses its panel (pairs).
     pub shares_floor: Vec<bool>,
     /// Number of nodes.
     pub num_nodes: usize,
-    /// Number of words that they are bits of; each instance begins with a word of its own.
+    /// Number of words in a set of nodes; each instance begins with a word of its own.
     pub num_words: usize,
 }
 
-/// How far the ways of a node have been enumerated: its links, then the joints of each overlap.
+/// Position in the enumeration of a node's successors: its links, then the joints of each overlap.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::stitch) struct Place {
     part: u32,
@@ -75,7 +75,7 @@ pub(in crate::stitch) struct Place {
     at: u32,
 }
 
-/// Bits of every patch's exits.
+/// Bits of the exits of every patch.
 pub(in crate::stitch) fn exits(patches: &Patches) -> Vec<Vec<u64>> {
     let of_patch = |(p, record): (usize, &PatchRecord)| {
         let mut words = vec![0; num_words(record.num_cells as usize)];
@@ -87,7 +87,7 @@ pub(in crate::stitch) fn exits(patches: &Patches) -> Vec<Vec<u64>> {
 }
 
 impl Joined {
-    /// The instance a node belongs to, and its cell.
+    /// Instance and cell of a node.
     pub fn part_of(&self, node: u32) -> (u32, u32) {
         let part = self.parts.partition_point(|p| p.first_node <= node) - 1;
         (part as u32, node - self.parts[part].first_node)
@@ -98,7 +98,7 @@ impl Joined {
         self.patches.cells_of(self.parts[part as usize].patch as usize)
     }
 
-    /// Where the bits of an instance's cells are.
+    /// Words of an instance's cells in a set.
     pub fn words(&self, part: u32) -> std::ops::Range<usize> {
         let p = &self.parts[part as usize];
         let first = p.first_word as usize;
@@ -111,7 +111,7 @@ impl Joined {
         (other != NONE).then_some(other)
     }
 
-    /// The node of a cell: for an exit the entry across the edge, where there is a neighbour.
+    /// Node of a cell: for an exit the entry across the edge, if there is a neighbour.
     pub fn node(&self, part: u32, cell: u32) -> Option<u32> {
         let c = &self.cells(part)[cell as usize];
         if !c.is(CellRecord::IS_EXIT) {
@@ -126,7 +126,7 @@ impl Joined {
         &self.overlaps[p.first_overlap as usize..(p.first_overlap + p.num_overlaps) as usize]
     }
 
-    /// The instances that an instance leads to or is led to from, some of them more than once.
+    /// Instances that an instance leads to or is reached from, possibly repeated.
     pub fn adjacent(&self, part: u32) -> impl Iterator<Item = u32> {
         let edges = self.patches.edges_of(self.parts[part as usize].patch as usize).len() as u32;
         let across = (0..edges).filter_map(move |edge| self.neighbour(part, edge));
@@ -138,7 +138,7 @@ impl Joined {
         &self.crossings[overlap.crossing as usize]
     }
 
-    /// What is left of an instance's motion.
+    /// Situation of an instance.
     pub fn situation(&self, part: u32) -> &Arc<Situation> {
         &self.situations[self.parts[part as usize].situation as usize]
     }
@@ -149,7 +149,7 @@ impl Joined {
     }
 
     /// Joints of cells do not follow each other without motion: they lead to the cell's second node, which has links
-    /// alone.
+    /// only.
     fn next_joint(&self, cell: u32, overlap: &Overlap, at: &mut u32) -> Option<u32> {
         let crossing = self.crossing(overlap);
         let out = &crossing.out[overlap.side as usize];
@@ -163,7 +163,7 @@ impl Joined {
 impl Ways for Joined {
     type Cursor = Place;
 
-    /// Two a cell: come to by motion, then come to by a joint.
+    /// Two nodes a cell: reached by motion, then reached by a joint.
     fn num_nodes(&self) -> usize {
         2 * self.num_nodes
     }

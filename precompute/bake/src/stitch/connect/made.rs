@@ -1,4 +1,4 @@
-//! What stitching leaves: the world's graph, and what of it belongs to the component.
+//! Result of stitching: the world's graph, and its component.
 
 use super::joined::Joined;
 use super::remains::Remains;
@@ -6,16 +6,16 @@ use super::settled::Settled;
 use crate::stitch::place::lay::Laid;
 use crate::stitch::report::StitchReport;
 
-/// A stitched world and all that was found on the way.
+/// A stitched world, with its intermediate results.
 pub(in crate::stitch) struct Made {
-    /// Patches in their places.
+    /// Placed patches.
     pub laid: Laid,
     /// The graph.
     pub joined: Joined,
-    /// What its cells are to the component.
+    /// Membership of its cells in the component.
     pub settled: Settled,
-    /// What is left of its instances and pairs.
+    /// Remaining instances and pairs.
     pub remains: Remains,
-    /// What came of it.
+    /// Report.
     pub report: StitchReport,
 }

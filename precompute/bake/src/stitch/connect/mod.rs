@@ -1,7 +1,8 @@
-//! Joins patches that overlap, and keeps what belongs to the largest strongly connected component.
+//! Joins overlapping patches, and keeps the largest strongly connected component.
 //!
-//! [`prepare`] finds joints once for all pairs that stand alike, [`allow`] puts the graph together, [`settled`] finds
-//! its component (or [`resettle`] around a change), [`remains`] what is left, and [`assemble`] writes the world.
+//! [`prepare`] finds joints once for all pairs with equal relative placement, [`allow`] builds the graph, [`settled`]
+//! finds its component (or [`resettle`] around a change), [`remains`] the remaining motion, and [`assemble`] writes the
+//! world.
 
 pub(in crate::stitch) mod allow;
 pub(in crate::stitch) mod assemble;

@@ -1,4 +1,4 @@
-//! What is left of an instance: the same for all in the same situation of which the same cells are taken out.
+//! Remaining motion of an instance: shared by all in the same situation with the same cells removed.
 
 use super::settled::Standing;
 use super::situation::Situation;
@@ -9,23 +9,23 @@ use std::hash::{Hash, Hasher};
 use throng_core::patch::{CellRecord, Patches};
 use throng_world::is_set;
 
-/// Figures of a world, or of a part of it.
+/// Counts of a world, or of a part of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::stitch) struct Counts {
-    /// Nodes left.
+    /// Remaining nodes.
     pub cells: u64,
-    /// Links left.
+    /// Remaining links.
     pub links: u64,
-    /// Joints left.
+    /// Remaining joints.
     pub joints: u64,
-    /// Frames of the links left.
+    /// Frames of the remaining links.
     pub frames: u64,
-    /// Cells and links taken out, by reason.
+    /// Removed cells and links, by reason.
     pub disabled: [u64; 4],
 }
 
 impl Counts {
-    /// Counts more.
+    /// Adds other counts.
     pub fn add(&mut self, more: &Self) {
         self.cells += more.cells;
         self.links += more.links;
@@ -35,21 +35,21 @@ impl Counts {
     }
 }
 
-/// What an instance is to the component: what is left of it depends on that alone.
+/// State of an instance relative to the component, which determines its remaining motion.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::stitch) struct State {
-    /// What is in its way.
+    /// Situation: the obstacles to its motion.
     pub situation: Same<Situation>,
-    /// Bits of the cells that belong to the component.
+    /// Bits of the cells in the component.
     pub inside: Vec<u64>,
-    /// Bits of the cells that lead to it.
+    /// Bits of the cells that lead to the component.
     pub leads: Vec<u64>,
-    /// For each edge, whether there is a neighbour.
+    /// For each edge, true if there is a neighbour.
     pub has_neighbour: Vec<bool>,
 }
 
 impl Hash for State {
-    /// Many words for each instance of a world: they are taken together first.
+    /// Combines the many words of each instance before hashing.
     fn hash<H: Hasher>(&self, state: &mut H) {
         self.situation.hash(state);
         let words = [&self.inside, &self.leads].map(|w| xxhash_rust::xxh3::xxh3_64(bytemuck::cast_slice(w)));
@@ -58,7 +58,7 @@ impl Hash for State {
 }
 
 impl State {
-    /// Why a cell is taken out; none where it is left.
+    /// Reason why a cell is removed; `None` if it remains.
     fn cell(&self, cell: &CellRecord, number: u32) -> Option<Reason> {
         let standing = match (is_set(&self.inside, 0, number), is_set(&self.leads, 0, number)) {
             (true, _) => Standing::Inside,
@@ -69,19 +69,19 @@ impl State {
     }
 }
 
-/// What is left of an instance.
+/// Remaining motion of an instance.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::stitch) struct Outcome {
-    /// Bits of its cells.
+    /// Bits of its remaining cells.
     pub cells: Vec<u64>,
-    /// Bits of its links.
+    /// Bits of its remaining links.
     pub links: Vec<u64>,
-    /// How many there are.
+    /// Counts of its remaining motion.
     pub counts: Counts,
 }
 
 impl Outcome {
-    /// Of all instances in that state.
+    /// Remaining motion of all instances in a state.
     pub fn new(patches: &Patches, state: &State) -> Self {
         let situation = &state.situation.0;
         let patch = situation.surroundings.patch as usize;
@@ -92,7 +92,7 @@ impl Outcome {
         for (cell, reason) in cells.iter().zip(&taken_out) {
             match reason {
                 Some(reason) => out.counts.disabled[*reason as usize] += 1,
-                // An exit is the neighbour's entry.
+                // An exit is the neighbour's entry, and is counted there.
                 None => out.counts.cells += u64::from(!cell.is(CellRecord::IS_EXIT)),
             }
         }
@@ -116,9 +116,9 @@ pub(in crate::stitch) fn is_end(cell: &CellRecord) -> bool {
     cell.flags & (CellRecord::IS_ENTRY | CellRecord::IS_EXIT) != 0
 }
 
-/// Why a cell is taken out; none where it is left.
+/// Reason why a cell is removed; `None` if it remains.
 ///
-/// - `alone`: it is at an edge across which there is no neighbour.
+/// - `alone`: true at an edge without a neighbour.
 pub(in crate::stitch) fn of_cell(standing: Standing, alone: bool) -> Option<Reason> {
     match standing {
         Standing::Inside => None,
@@ -128,10 +128,10 @@ pub(in crate::stitch) fn of_cell(standing: Standing, alone: bool) -> Option<Reas
     }
 }
 
-/// Why a link is taken out; none where it is left.
+/// Reason why a link is removed; `None` if it remains.
 ///
-/// - `free`: nothing is in its way.
-/// - `from`, `to`: why the cells are taken out that it leads from and to.
+/// - `free`: true if nothing obstructs it.
+/// - `from`, `to`: reasons against the cells at its begin and end.
 pub(in crate::stitch) fn of_link(
     free: bool,
     from: Option<Reason>,
@@ -143,7 +143,7 @@ pub(in crate::stitch) fn of_link(
     match to() {
         Some(Reason::NoNeighbour) => Some(Reason::NoNeighbour),
         None => from,
-        // It would be part of the component if it led back to it.
+        // The cell would be part of the component if it led back to it.
         Some(_) => from.or(Some(Reason::DeadEnd)),
     }
 }

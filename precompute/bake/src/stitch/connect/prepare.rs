@@ -1,4 +1,5 @@
-//! Finds what pairs and surroundings of a world need, once for all that stand alike, and keeps it for the next change.
+//! Finds tables and obstacle masks for the pairs and surroundings of a world, once for equal placements, and caches
+//! them for the next change.
 
 use super::crossing::{Crossing, Left, PairState};
 use super::made::Made;
@@ -26,15 +27,15 @@ use throng_core::patch::NONE;
 use throng_motion::progress::Progress;
 use throng_world::is_set;
 
-/// A bundle's patches, and what was found of them and of pairs of them that does not depend on an environment.
+/// A bundle's patches, with cached results that do not depend on an environment.
 pub(in crate::stitch) struct Stitcher<'a> {
-    /// Lays the patches.
+    /// Placement of patches.
     pub placer: Placer<'a>,
-    /// What worlds needed so far.
+    /// Cached results of previous worlds.
     pub found: Found,
 }
 
-/// What depends on patches alone, and tables that the last world needed.
+/// Results that depend on patches only, and tables of the last world.
 pub(in crate::stitch) struct Found {
     paths: Vec<OnceLock<Paths>>,
     spots: Vec<OnceLock<Spots>>,
@@ -43,20 +44,20 @@ pub(in crate::stitch) struct Found {
     fields: Vec<OnceLock<Field>>,
     tables: HashMap<Relation, Arc<JointTable>>,
     masks: HashMap<Relation, Arc<Mask>>,
-    /// Relations of tables and of masks that may not be needed any more.
+    /// Relations of tables and of masks that may be unused.
     stale: [Vec<Relation>; 2],
-    /// What is left of motion among units.
+    /// Unobstructed motion of patches, by their surroundings.
     pub situations: HashMap<Surroundings, Arc<Situation>>,
-    /// What is left of instances, by what they are to the component.
+    /// Remaining motion of instances, by their state relative to the component.
     pub outcomes: HashMap<State, Arc<Outcome>>,
-    /// Joints that may be taken, by the pair and the situation of its side a.
+    /// Usable joints, by the pair and the situation of its side a.
     crossings: HashMap<(Relation, Same<Situation>), Arc<Crossing>>,
-    /// Joints that are left between instances.
+    /// Remaining joints between instances.
     pub left: HashMap<PairState, Arc<Left>>,
 }
 
 impl Found {
-    /// Nothing is found yet.
+    /// An empty cache.
     pub fn new(num_patches: usize, num_units: usize) -> Self {
         fn empty<T>(count: usize) -> Vec<OnceLock<T>> {
             (0..count).map(|_| OnceLock::new()).collect()
@@ -78,34 +79,34 @@ impl Found {
     }
 }
 
-/// What instances and pairs of a world are to what is around them.
+/// Situations of instances and usable joints of pairs of a world.
 #[derive(Clone, Debug, Default)]
 pub(in crate::stitch) struct Prepared {
     /// Number of each instance's situation.
     pub situation_of: Vec<u32>,
     /// The situations, each once, by the first instance.
     pub situations: Vec<Arc<Situation>>,
-    /// Number of the joints of each pair that may be taken; [`NONE`] where it has no joints at all.
+    /// Number of the usable joints of each pair; [`NONE`] without joints.
     pub crossing_of: Vec<u32>,
-    /// Those, each once, by the first pair.
+    /// Usable joints, each set once, by the first pair.
     pub crossings: Vec<Arc<Crossing>>,
-    /// True for pairs of a tile and a block that takes place on its panel.
+    /// True for pairs of a tile and a block whose motion uses its panel.
     pub shares_floor: Vec<bool>,
 }
 
-/// A world that was changed, and what of it is left.
+/// The world before a change, with its unchanged part.
 #[derive(Clone, Copy)]
 pub(in crate::stitch) struct Past<'p> {
     /// The world.
     pub made: &'p Made,
-    /// What is left.
+    /// Unchanged part.
     pub kept: &'p Kept,
 }
 
-/// Tables and masks that may not be needed are looked through when there are more than so many.
+/// Number of possibly unused tables and masks above which they are checked.
 const MAX_STALE: usize = 64;
 
-/// What is named, once each; ascending.
+/// Distinct values; ascending.
 fn distinct<T: Ord>(named: impl Iterator<Item = T>) -> Vec<T> {
     let mut out: Vec<T> = named.collect();
     out.sort_unstable();
@@ -113,7 +114,7 @@ fn distinct<T: Ord>(named: impl Iterator<Item = T>) -> Vec<T> {
     out
 }
 
-/// Makes what is not known yet; keys may be named more than once.
+/// Computes missing entries in parallel; keys may be repeated.
 pub(in crate::stitch) fn learn<K: Eq + Hash + Clone + Sync + Send, V: Send>(
     known: &mut HashMap<K, V>,
     keys: &[K],
@@ -126,15 +127,15 @@ pub(in crate::stitch) fn learn<K: Eq + Hash + Clone + Sync + Send, V: Send>(
 }
 
 impl<'a> Stitcher<'a> {
-    /// Nothing is found yet.
+    /// A stitcher without cached results.
     pub fn new(placer: Placer<'a>) -> Self {
         let found = Found::new(placer.patches.patches.len(), placer.library.units.units.len());
         Self { placer, found }
     }
 
-    /// Makes the tables, masks, situations and crossings that a world needs and no earlier one has.
+    /// Computes the tables, masks, situations and crossings of a world that are not cached.
     ///
-    /// - `past`: what was changed, where that is so.
+    /// - `past`: the world before a change, if any.
     pub fn prepare(&mut self, laid: &Laid, past: Option<Past<'_>>, progress: &dyn Progress) -> Prepared {
         self.forget_unshared();
         let new_pairs = || {
@@ -165,7 +166,7 @@ impl<'a> Stitcher<'a> {
         out
     }
 
-    /// Forgets tables and masks that a change made needless.
+    /// Drops tables and masks that a change made unused.
     ///
     /// - `laid`: the changed world.
     /// - `gone`: as in [`Kept::gone`].
@@ -189,7 +190,7 @@ impl<'a> Stitcher<'a> {
         }
     }
 
-    /// Forgets all tables and masks but those of a world.
+    /// Drops all tables and masks except those of a world.
     pub fn forget_all_but(&mut self, laid: &Laid) {
         let needed = |of: &[(u32, u32, Relation)]| of.iter().map(|p| p.2).collect::<HashSet<Relation>>();
         let (pairs, obstacles) = (needed(&laid.pairs), needed(&laid.obstacles));
@@ -198,7 +199,7 @@ impl<'a> Stitcher<'a> {
         self.found.stale = [Vec::new(), Vec::new()];
     }
 
-    /// Forgets what belongs to no world any more: first what itself shares other things.
+    /// Drops results that no world uses any more: first those that share others.
     fn forget_unshared(&mut self) {
         self.found.left.retain(|_, left| Arc::strong_count(left) > 1);
         self.found.outcomes.retain(|_, outcome| Arc::strong_count(outcome) > 1);
@@ -206,7 +207,7 @@ impl<'a> Stitcher<'a> {
         self.found.situations.retain(|_, situation| Arc::strong_count(situation) > 1);
     }
 
-    /// What is made in parallel itself must not be waited for by what is.
+    /// Computes parallel results up front, so that other parallel work does not wait for them.
     fn ready(&self, obstacles: &[Relation]) {
         if obstacles.is_empty() {
             return;
@@ -222,7 +223,7 @@ impl<'a> Stitcher<'a> {
         }
     }
 
-    /// The situations of all instances.
+    /// Finds the situations of all instances.
     fn situate(&mut self, laid: &Laid, past: Option<Past<'_>>, out: &mut Prepared) {
         let is_alike = |i: usize| past.is_some_and(|past| past.kept.is_alike[i]);
         let mut obstacles = laid.obstacles.chunk_by(|o, p| o.0 == p.0).peekable();
@@ -252,9 +253,9 @@ impl<'a> Stitcher<'a> {
         self.found.situations = known;
     }
 
-    /// The joints of all pairs that may be taken.
+    /// Finds the usable joints of all pairs.
     fn cross(&mut self, laid: &Laid, past: Option<Past<'_>>, out: &mut Prepared) {
-        // What a pair was, where that and what is around its side a are as they were.
+        // Previous number of a pair, if it and the surroundings of its side a are unchanged.
         let was =
             |k: usize, a: u32| past.filter(|p| p.kept.is_alike[a as usize]).map_or(NONE, |p| p.kept.pairs_were[k]);
         let key = |(k, (a, _, r)): (usize, &(u32, u32, Relation))| {
@@ -286,7 +287,7 @@ impl<'a> Stitcher<'a> {
         self.found.crossings = known;
     }
 
-    /// First and last frame of a link that collide with anything around it.
+    /// First and last frame of a link that collide with its surroundings.
     fn hit(&self, surroundings: &Surroundings, link: u32) -> Option<Hit> {
         let in_the_way = surroundings.obstacles.iter().map(|r| (r, &self.found.masks[r]));
         let in_the_way = in_the_way.filter(|(_, mask)| is_set(&mask.words, 0, link));
@@ -307,7 +308,7 @@ impl<'a> Stitcher<'a> {
         })
     }
 
-    /// Where links pass; none where they have most of their roots in common.
+    /// Ground swept by links; `None` if they have most of their roots in common.
     fn swept(&self, patch: u32) -> Option<&Swept> {
         let paths = self.paths(patch);
         let make = || Swept::new(paths, self.bodies());
@@ -333,7 +334,7 @@ impl<'a> Stitcher<'a> {
         JointTable::new(&self.placer.patches, spots, pattern.is_tile.then_some(panel), relation, rule)
     }
 
-    /// - `before`: masks of the world that is changed.
+    /// - `before`: masks of the world before the change.
     fn mask(&self, relation: &Relation, before: &HashMap<Relation, Arc<Mask>>) -> Mask {
         let (unit, at) = (&self.placer.library.geometries[relation.b as usize].bounds, relation.placement());
         let alike = before.iter().filter(|(r, _)| (r.a, r.b) == (relation.a, relation.b));

@@ -1,60 +1,60 @@
-//! What can be reached in a world from one cell, and from where that cell can be reached: cells are bits, and one step
-//! takes all cells of an instance that are new.
+//! Cells of a world reachable from one cell, or from which it is reachable: cells are bits, and one step handles all
+//! new cells of an instance.
 
 use super::joined::Joined;
 use crate::stitch::sets::rows::{Rows, ones};
 use std::collections::VecDeque;
 use throng_core::patch::CellRecord;
 
-/// Which way ways are followed.
+/// Direction of a search along edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::stitch) enum Direction {
-    /// To where they lead.
+    /// Along edges.
     Forth,
-    /// To where they come from.
+    /// Against edges.
     Back,
 }
 
-/// Nodes as bits. The bit of an exit is that of the entry across the edge.
+/// A set of nodes as bits. The bit of an exit is that of the entry across the edge.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::stitch) struct Reached {
-    /// Cells come to by motion (words of the graph).
+    /// Cells reached by motion (words of the graph).
     pub moved: Vec<u64>,
-    /// Cells come to by joints from other cells (words of the graph).
+    /// Cells reached by joints from other cells (words of the graph).
     pub joined: Vec<u64>,
 }
 
 impl Reached {
-    /// No node of a graph with that many words.
+    /// An empty set for a graph with that many words.
     pub fn none(num_words: usize) -> Self {
         Self { moved: vec![0; num_words], joined: vec![0; num_words] }
     }
 
-    /// Nodes that are in both.
+    /// Intersection of two sets.
     pub fn and(&self, other: &Self) -> Self {
         let both = |a: &[u64], b: &[u64]| a.iter().zip(b).map(|(a, b)| a & b).collect();
         Self { moved: both(&self.moved, &other.moved), joined: both(&self.joined, &other.joined) }
     }
 }
 
-/// Everything that is reached from a cell come to by motion, or from where it is reached.
+/// All nodes reachable from a cell reached by motion, or from which it is reachable.
 pub(in crate::stitch) fn reach(graph: &Joined, part: u32, cell: u32, direction: Direction) -> Reached {
     let mut search = Search::new(graph, direction);
     search.start(part, cell);
     search.run()
 }
 
-/// A search from some nodes on.
+/// A search from several nodes.
 pub(in crate::stitch) struct Search<'j> {
     graph: &'j Joined,
     direction: Direction,
     /// Nodes found so far.
     pub found: Reached,
-    /// Nodes whose ways have been followed.
+    /// Nodes whose edges have been followed.
     pub done: Reached,
-    /// Instances whose nodes' ways are followed; none where all are.
+    /// Instances whose edges are followed; `None` for all.
     pub within: Option<&'j [bool]>,
-    /// Instances with nodes whose ways have not been.
+    /// Queue of instances with nodes still to be followed.
     open: VecDeque<u32>,
     is_open: Vec<bool>,
 }
@@ -65,12 +65,12 @@ struct New {
     first_cell: u32,
     moved: u64,
     joined: u64,
-    /// Those whose links are to be followed.
+    /// Bits of cells whose links are to be followed.
     links: u64,
 }
 
 impl<'j> Search<'j> {
-    /// Nothing is found yet.
+    /// A search without nodes.
     pub fn new(graph: &'j Joined, direction: Direction) -> Self {
         Self {
             graph,
@@ -83,13 +83,13 @@ impl<'j> Search<'j> {
         }
     }
 
-    /// Finds everything.
+    /// Runs the search to its end.
     pub fn run(mut self) -> Reached {
         while self.follow_next() {}
         self.found
     }
 
-    /// Follows all ways of one instance's nodes; false where there is none left.
+    /// Follows all edges of one instance's nodes; false if none is left.
     pub fn follow_next(&mut self) -> bool {
         let Some(part) = self.open.pop_front() else { return false };
         self.is_open[part as usize] = false;
@@ -97,12 +97,12 @@ impl<'j> Search<'j> {
         true
     }
 
-    /// What is searched.
+    /// Graph that is searched.
     pub fn graph(&self) -> &'j Joined {
         self.graph
     }
 
-    /// Begins at a cell come to by motion.
+    /// Begins at a cell reached by motion.
     pub fn start(&mut self, part: u32, cell: u32) {
         self.add(part, cell);
         // An entry and the exit that leads there are one node.
@@ -119,7 +119,7 @@ impl<'j> Search<'j> {
         }
     }
 
-    /// The ways of an instance's nodes are followed that are found and not done.
+    /// Queues an instance with found nodes that are not followed.
     pub fn open(&mut self, part: u32) {
         let is_within = self.within.is_none_or(|within| within[part as usize]);
         if is_within && !std::mem::replace(&mut self.is_open[part as usize], true) {
@@ -127,7 +127,7 @@ impl<'j> Search<'j> {
         }
     }
 
-    /// From an exit of a tile to the entry across the edge, or the other way.
+    /// Moves from an exit of a tile to the entry across the edge, or back.
     fn cross(&mut self, part: u32, cell: u32) {
         let c = &self.graph.cells(part)[cell as usize];
         if let Some(other) = self.graph.neighbour(part, c.edge) {
@@ -135,7 +135,7 @@ impl<'j> Search<'j> {
         }
     }
 
-    /// Follows the ways of all new nodes of an instance, until none within it is new.
+    /// Follows the edges of all new nodes of an instance, until none within it is new.
     fn follow(&mut self, part: u32) {
         let is_tile = !self.graph.patches.edges_of(self.graph.parts[part as usize].patch as usize).is_empty();
         loop {
@@ -155,7 +155,7 @@ impl<'j> Search<'j> {
         }
     }
 
-    /// New nodes of one word, which are new no longer.
+    /// Takes the new nodes of one word, marking them as followed.
     fn take(&mut self, part: u32, word: usize) -> Option<New> {
         let (moved, joined) = (&mut self.done.moved[word], &mut self.done.joined[word]);
         let before = *moved | *joined;
@@ -164,7 +164,7 @@ impl<'j> Search<'j> {
         *joined |= new[1];
         let links = match self.direction {
             Direction::Forth => (new[0] | new[1]) & !before,
-            // Links end in cells come to by motion.
+            // Links end in cells reached by motion.
             Direction::Back => new[0],
         };
         let first_cell = 64 * (word - self.graph.words(part).start) as u32;
@@ -178,7 +178,7 @@ impl<'j> Search<'j> {
             Direction::Back => &situation.into,
         };
         add_rows(rows, new.first_cell, new.links, &mut self.found.moved[words.clone()]);
-        // Links begin in cells however they are come to.
+        // Links begin in cells reached either way.
         if self.direction == Direction::Back {
             add_rows(rows, new.first_cell, new.links, &mut self.found.joined[words]);
         }
@@ -188,7 +188,7 @@ impl<'j> Search<'j> {
         let graph = self.graph;
         for overlap in graph.overlaps_of(part) {
             let (crossing, words) = (graph.crossing(overlap), graph.words(overlap.other));
-            // Joints begin in cells come to by motion; those from cell to cell end in cells come to by joints.
+            // Joints begin in cells reached by motion; those from cell to cell end in cells reached by joints.
             let (rows, cells, joined) = match self.direction {
                 Direction::Forth => (&crossing.out, new.moved, crossing.between_cells),
                 Direction::Back if crossing.between_cells => (&crossing.into, new.joined, false),
@@ -214,7 +214,7 @@ impl<'j> Search<'j> {
     }
 }
 
-/// Adds rows to a set: true where any number was not in it.
+/// Adds rows to a set; true if any number was new.
 fn add_rows(rows: &Rows, first_row: u32, which: u64, set: &mut [u64]) -> bool {
     let mut more = 0;
     for bit in ones(which) {

@@ -1,4 +1,4 @@
-//! What is left of a world's instances and pairs: found again only for those that a change has touched.
+//! Remaining motion of a world's instances and pairs: recomputed only where a change matters.
 
 use super::crossing::{Left, PairState};
 use super::joined::Joined;
@@ -14,32 +14,32 @@ use std::sync::Arc;
 use throng_core::patch::NONE;
 use throng_world::is_set;
 
-/// The graph of a world and what each of its cells is to the component.
+/// The graph of a world, with the membership of its cells in the component.
 pub(in crate::stitch) struct Judged<'j> {
     /// The graph.
     pub joined: &'j Joined,
-    /// What every cell is.
+    /// Membership of every cell.
     pub settled: &'j Settled,
 }
 
 impl Judged<'_> {
-    /// Why a cell is taken out; none where it is left.
+    /// Reason why a cell is removed; `None` if it remains.
     pub fn cell(&self, part: u32, cell: u32) -> Option<Reason> {
         let c = &self.joined.cells(part)[cell as usize];
         let alone = is_end(c) && self.joined.neighbour(part, c.edge).is_none();
         of_cell(self.settled.standing(self.joined, part, cell), alone)
     }
 
-    /// Why a link is taken out; none where it is left.
+    /// Reason why a link is removed; `None` if it remains.
     pub fn link(&self, part: u32, link: u32) -> Option<Reason> {
         let l = &self.joined.patches.links_of(self.joined.parts[part as usize].patch as usize)[link as usize];
         let free = is_set(&self.joined.situation(part).link_words, 0, link);
         of_link(free, self.cell(part, l.from), || self.cell(part, l.to))
     }
 
-    /// True for an instance that is to the component what it was before the world was changed.
+    /// True for an instance whose state relative to the component is unchanged.
     ///
-    /// - `was`: its number there, where the same was around it.
+    /// - `was`: its previous number, with equal surroundings.
     fn is_alike(&self, part: u32, before: &Self, was: u32) -> bool {
         let (now, old) = (self.joined.words(part), before.joined.words(was));
         let edges = self.joined.patches.edges_of(self.joined.parts[part as usize].patch as usize).len() as u32;
@@ -48,7 +48,7 @@ impl Judged<'_> {
             && (0..edges).all(|e| self.joined.neighbour(part, e).is_some() == before.joined.neighbour(was, e).is_some())
     }
 
-    /// What an instance is to the component.
+    /// State of an instance relative to the component.
     fn state(&self, part: u32) -> State {
         let (joined, words) = (self.joined, self.joined.words(part));
         let edges = joined.patches.edges_of(joined.parts[part as usize].patch as usize).len() as u32;
@@ -61,26 +61,26 @@ impl Judged<'_> {
     }
 }
 
-/// What is left of instances and pairs.
+/// Remaining motion of instances and pairs.
 #[derive(Clone, Debug, Default)]
 pub(in crate::stitch) struct Remains {
-    /// Number of what is left of each instance.
+    /// Number of the remaining motion of each instance.
     pub outcome_of: Vec<u32>,
-    /// That, each once, by the first instance.
+    /// Remaining motions, each once, by the first instance.
     pub outcomes: Vec<Arc<Outcome>>,
-    /// Number of the joints that are left of each pair; [`NONE`] where it has no joints at all.
+    /// Number of the remaining joints of each pair; [`NONE`] without joints.
     pub left_of: Vec<u32>,
-    /// Those, each once, by the first pair.
+    /// Remaining joints, each set once, by the first pair.
     pub left: Vec<Arc<Left>>,
 }
 
 impl Remains {
-    /// What is left of an instance.
+    /// Remaining motion of an instance.
     pub fn outcome(&self, instance: u32) -> &Arc<Outcome> {
         &self.outcomes[self.outcome_of[instance as usize] as usize]
     }
 
-    /// How much is left of everything.
+    /// Counts of all remaining motion.
     pub fn counts(&self) -> Counts {
         let mut sum = Counts::default();
         self.outcome_of.iter().for_each(|&o| sum.add(&self.outcomes[o as usize].counts));
@@ -90,9 +90,9 @@ impl Remains {
     }
 }
 
-/// Finds what is left of a world.
+/// Finds the remaining motion of a world.
 ///
-/// - `past`: what was changed, and the number that each instance has had before which is the same, as
+/// - `past`: the world before a change, and the previous number of each unchanged instance, as in
 ///   [`super::resettle::Before::same`].
 pub(in crate::stitch) fn remain(
     found: &mut Found,
@@ -106,7 +106,7 @@ pub(in crate::stitch) fn remain(
     out
 }
 
-/// - returns for each instance whether the same is left of it as before.
+/// - returns for each instance whether its remaining motion is unchanged.
 fn outcomes(
     found: &mut Found,
     laid: &Laid,
@@ -137,14 +137,14 @@ fn outcomes(
     states.iter().map(Option::is_none).collect()
 }
 
-/// - `is_same`: of each instance, whether the same is left of it as before.
+/// - `is_same`: for each instance, whether its remaining motion is unchanged.
 fn left(found: &mut Found, laid: &Laid, joined: &Joined, past: Option<Past<'_>>, is_same: &[bool], out: &mut Remains) {
     let before = past.map(|past| past.made);
     let crossing_before = |was: u32| {
         let joined = &before?.joined;
         joined.crossings.get(*joined.crossing_of.get(was as usize)? as usize)
     };
-    // What a pair was, where all is as it was.
+    // Previous number of a pair, if everything about it is unchanged.
     let was = |k: usize| {
         let was = past.map_or(NONE, |past| past.kept.pairs_were[k]);
         let (a, b, _) = laid.pairs[k];

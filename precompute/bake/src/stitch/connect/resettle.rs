@@ -1,8 +1,7 @@
-//! What a change makes of the component: only what the change may have touched is searched.
+//! Update of the component after a change, which searches only the affected part.
 //!
-//! All that stays as it was and belonged to the component still does where what led through the changed instances has
-//! a way around them. That is looked for near by; then what the changed instances now are follows from what they lead
-//! to, and where they are led to from.
+//! Unchanged cells of the component still belong to it if each path through the changed instances has a bypass, which
+//! is searched nearby. Then the membership of the changed instances follows from their edges to and from the component.
 
 use super::joined::Joined;
 use super::reach::{Direction, Reached, Search};
@@ -10,25 +9,25 @@ use super::settled::Settled;
 use crate::stitch::sets::rows::ones;
 use throng_core::patch::NONE;
 
-/// How many instances around the changed ones are settled anew, and how many more around those ways may lead; one after
-/// the other, until one does.
+/// Numbers of rings of instances around the changed ones that are updated, and of further rings in which bypasses are
+/// searched; tried in turn until one succeeds.
 const RINGS: [[usize; 2]; 3] = [[1, 2], [2, 4], [4, 8]];
-/// Of worlds in which ways would lead through more of all instances than one in this many, all is searched.
+/// Reciprocal of the share of all instances above which the bypass search is given up for a full search.
 const SHARE: usize = 2;
 
-/// A world before it was changed.
+/// The world before a change.
 pub(in crate::stitch) struct Before<'b> {
     /// Its graph.
     pub joined: &'b Joined,
-    /// What its cells were to the component.
+    /// Membership of its cells in the component.
     pub settled: &'b Settled,
-    /// The number that each instance of the changed world had before; [`NONE`] for those that are new or have
-    /// something else around them.
+    /// Previous number of each instance of the changed world; [`NONE`] for new ones and those with changed
+    /// surroundings.
     pub same: Vec<u32>,
 }
 
 impl Before<'_> {
-    /// Moves what belongs to instances that are left to their new numbers.
+    /// Moves the nodes of unchanged instances to their new numbers.
     fn renumbered(&self, graph: &Joined, nodes: &Reached) -> Reached {
         let mut out = Reached::none(graph.num_words);
         for (part, same) in (0u32..).zip(&self.same).filter(|(_, same)| **same != NONE) {
@@ -40,7 +39,7 @@ impl Before<'_> {
     }
 }
 
-/// What every cell of a changed world is; none where everything has to be searched to tell.
+/// Membership of the cells of a changed world; `None` if a full search is needed.
 pub(in crate::stitch) fn resettle(before: &Before<'_>, graph: &Joined) -> Option<Settled> {
     let mut region = Region::changed(before);
     let inside = before.settled.from.and(&before.settled.to);
@@ -64,7 +63,7 @@ pub(in crate::stitch) fn resettle(before: &Before<'_>, graph: &Joined) -> Option
     None
 }
 
-/// Instances by their numbers before and after the change: those that are in it and not new are in both.
+/// A set of instances by their numbers before and after the change: unchanged ones are in both.
 #[derive(Clone)]
 struct Region {
     before: Vec<bool>,
@@ -72,7 +71,7 @@ struct Region {
 }
 
 impl Region {
-    /// What is not the same any more.
+    /// The set of changed instances.
     fn changed(before: &Before<'_>) -> Self {
         let mut out = Self {
             before: vec![true; before.joined.parts.len()],
@@ -83,7 +82,7 @@ impl Region {
         out
     }
 
-    /// Adds the instances around it.
+    /// Adds the adjacent instances.
     fn grow(&mut self, before: &Before<'_>, graph: &Joined) {
         add_adjacent(before.joined, &mut self.before);
         add_adjacent(graph, &mut self.after);
@@ -93,7 +92,7 @@ impl Region {
         }
     }
 
-    /// Parts of it that have nothing to do with each other: each holds all that is next to what it holds.
+    /// Splits the set into independent parts: each contains all neighbours of its instances.
     fn apart(&self, before: &Before<'_>, graph: &Joined) -> Vec<Self> {
         let mut now = vec![NONE; self.before.len()];
         (0u32..).zip(&before.same).filter(|(_, s)| **s != NONE).for_each(|(i, &s)| now[s as usize] = i);
@@ -134,7 +133,7 @@ impl Region {
         before.or_else(|| marked(&self.after).next().map(Instance::After))
     }
 
-    /// What of it is in another.
+    /// Intersection with another set.
     fn within(&self, other: &Self) -> Self {
         let both = |a: &[bool], b: &[bool]| a.iter().zip(b).map(|(a, b)| *a && *b).collect();
         Self { before: both(&self.before, &other.before), after: both(&self.after, &other.after) }
@@ -145,7 +144,7 @@ impl Region {
     }
 }
 
-/// An instance by its number before the change, or by that after it.
+/// An instance by its number before or after the change.
 #[derive(Clone, Copy, Debug)]
 enum Instance {
     Before(u32),
@@ -162,10 +161,12 @@ fn marked(parts: &[bool]) -> impl Iterator<Item = u32> {
     (0u32..).zip(parts).filter(|(_, is_in)| **is_in).map(|(part, _)| part)
 }
 
-/// True where what belonged to the component outside of a region is still connected.
+/// True if the component outside of a region is still connected.
 ///
-/// From all nodes that led into the region to all that it led to there is a way by one of them.
-/// - `around`: where ways are looked for; all that is next to the region is in it.
+/// Each node that led into the region must have a path to all nodes that the region led to; one search from one of them
+/// shows it.
+///
+/// - `around`: region in which paths are searched; contains all neighbours of `region`.
 fn is_bypassed(before: &Before<'_>, graph: &Joined, region: &Region, around: &Region) -> bool {
     let search = |direction| Border::new(before, region, around, direction);
     let (into, out_of) = rayon::join(|| search(Direction::Back), || search(Direction::Forth));
@@ -185,7 +186,7 @@ fn is_bypassed(before: &Before<'_>, graph: &Joined, region: &Region, around: &Re
 
 /// Nodes of the component outside of a region that lead into it, or that it leads to.
 struct Border {
-    /// Instances by their number after the change, with the words of their cells come to by motion, and by joints.
+    /// Instances by their number after the change, with the words of their cells reached by motion, and by joints.
     parts: Vec<(u32, [Vec<u64>; 2])>,
 }
 
@@ -211,13 +212,13 @@ impl Border {
             };
             [inside(&found.moved, &from.moved, &to.moved), inside(&found.joined, &from.joined, &to.joined)]
         };
-        // What is not the same any more is in the region.
+        // Changed instances are in the region.
         let outside = marked(&around.after).filter(|&part| !region.after[part as usize]);
         let parts = outside.map(|part| (part, nodes(part)));
         Self { parts: parts.filter(|(_, nodes)| nodes.iter().flatten().any(|word| *word != 0)).collect() }
     }
 
-    /// The first instance and cell come to by motion.
+    /// First instance and cell reached by motion.
     fn first(&self) -> Option<(u32, u32)> {
         self.parts.iter().find_map(|(part, [moved, _])| {
             let mut words = (0u32..).zip(moved);
@@ -225,7 +226,7 @@ impl Border {
         })
     }
 
-    /// True where a search finds all of it; it ends as soon as it has.
+    /// True if a search finds the whole border; it stops as soon as that is the case.
     fn is_found(&self, mut search: Search<'_>) -> bool {
         let holds = |a: &[u64], b: &[u64]| a.iter().zip(b).all(|(a, b)| b & !a == 0);
         self.parts.iter().all(|(part, [moved, joined])| {
@@ -243,7 +244,7 @@ impl Border {
     }
 }
 
-/// All that is reached from the component, or leads to it.
+/// All nodes reachable from the component, or from which it is reachable.
 ///
 /// - `inside`: nodes that belonged to it; those outside of the region still do.
 fn derive(before: &Before<'_>, graph: &Joined, inside: &Reached, region: &Region, direction: Direction) -> Reached {
@@ -251,7 +252,7 @@ fn derive(before: &Before<'_>, graph: &Joined, inside: &Reached, region: &Region
         Direction::Forth => &before.settled.from,
         Direction::Back => &before.settled.to,
     };
-    // What does not belong to the component may have been reached by way of the region alone.
+    // Nodes outside of the component may have been reached through the region only.
     let mut search = Search::new(before.joined, direction);
     search.done = inside.clone();
     for part in marked(&region.before) {
@@ -278,7 +279,7 @@ fn derive(before: &Before<'_>, graph: &Joined, inside: &Reached, region: &Region
             again[part as usize] = is_less;
         }
     }
-    // What is kept and leads to what is not has to be followed again.
+    // Kept nodes that lead to others have to be followed again.
     let mut search = Search::new(graph, direction);
     search.found = before.renumbered(graph, &kept);
     search.done = search.found.clone();

@@ -1,4 +1,4 @@
-//! What every cell of a world is to its largest strongly connected component.
+//! Membership of every cell of a world in its largest strongly connected component.
 
 use super::component::largest;
 use super::joined::Joined;
@@ -6,43 +6,44 @@ use super::reach::{Direction, Reached, reach};
 use super::resettle::{Before, resettle};
 use crate::stitch::sets::rows::ones;
 
-/// What a cell is to the component.
+/// Membership of a cell in the component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::stitch) enum Standing {
-    /// It belongs to it.
+    /// Inside the component.
     Inside,
-    /// It leads to it, but is not reached from it.
+    /// Leads to the component, but is not reached from it.
     Unreached,
-    /// It does not lead to it.
+    /// Does not lead to the component.
     DeadEnd,
 }
 
-/// What every cell is to the component, as bits. The bit of an exit is that of the entry across the edge; those without
-/// a neighbour lead nowhere.
+/// Membership of every cell in the component, as bits. The bit of an exit is that of the entry across the edge; exits
+/// without a neighbour lead nowhere.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::stitch) struct Settled {
     /// Nodes reached from the component.
     pub from: Reached,
     /// Nodes that lead to it.
     pub to: Reached,
-    /// Cells that belong to it (words of the graph).
+    /// Cells in the component (words of the graph).
     pub inside: Vec<u64>,
 }
 
-/// Cells that are tried as one of the component before everything is searched through.
+/// Number of cells tried as seeds of the component before a full search.
 const TRIES: usize = 4;
 
-/// Finds the component; none where no motion goes on for ever.
+/// Finds the component; `None` if no motion continues for ever.
 ///
-/// A cell that joints lead to, but no motion, belongs to it as well: its links do, and nothing that belongs to the
-/// component ends there.
-/// - `before`: the world that was changed, where it was.
+/// A cell reached by joints only, not by motion, belongs to it as well: its links do, and nothing in the component ends
+/// there.
+///
+/// - `before`: the world before a change, if any.
 pub(in crate::stitch) fn settle(graph: &Joined, before: Option<&Before<'_>>) -> Option<Settled> {
     let changed = before.and_then(|before| resettle(before, graph));
     changed.or_else(|| seeds(graph).find_map(|seed| around(graph, seed))).or_else(|| exact(graph))
 }
 
-/// Cells that motion leads on from, of instances all over the world.
+/// Cells from which motion continues, of instances all over the world.
 fn seeds<'s>(graph: &'s Joined) -> impl Iterator<Item = (u32, u32)> + 's {
     let part = move |k: usize| ((2 * k + 1) * graph.parts.len() / (2 * TRIES)) as u32;
     (0..TRIES).map(part).filter_map(|part| {
@@ -52,43 +53,43 @@ fn seeds<'s>(graph: &'s Joined) -> impl Iterator<Item = (u32, u32)> + 's {
     })
 }
 
-/// The component that a cell belongs to; none where that is not surely the largest.
+/// Component of a cell; `None` if it is not certainly the largest.
 fn around(graph: &Joined, seed: (u32, u32)) -> Option<Settled> {
     let settled = Settled::of(graph, seed);
     settled.is_largest(graph).then_some(settled)
 }
 
-/// The component by a search through everything.
+/// Component found by a full search.
 fn exact(graph: &Joined) -> Option<Settled> {
-    // Every component has cells come to by motion, and they are numbered first.
+    // Every component has cells reached by motion, which have the first numbers.
     largest(graph).map(|node| Settled::of(graph, graph.part_of(node)))
 }
 
 impl Settled {
-    /// Where a cell belongs to the component.
+    /// Membership relative to the component of a cell.
     fn of(graph: &Joined, (part, cell): (u32, u32)) -> Self {
         let search = |direction| reach(graph, part, cell, direction);
         let (from, to) = rayon::join(|| search(Direction::Forth), || search(Direction::Back));
         Self::new(from, to)
     }
 
-    /// - `from`: all that is reached from the component.
-    /// - `to`: all that leads to it.
+    /// - `from`: all nodes reached from the component.
+    /// - `to`: all nodes that lead to it.
     pub fn new(from: Reached, to: Reached) -> Self {
         let Reached { mut moved, joined } = from.and(&to);
         moved.iter_mut().zip(joined).for_each(|(m, j)| *m |= j);
         Self { from, to, inside: moved }
     }
 
-    /// True where no other component can have as many nodes as that of all nodes reached in both directions.
+    /// True if no other component can have as many nodes as that of all nodes reached in both directions.
     ///
-    /// What is in one component is reached in the same directions.
+    /// All nodes of one component are reached in the same directions.
     pub fn is_largest(&self, graph: &Joined) -> bool {
         let (from, to) = (&self.from, &self.to);
         let mut counts = [0u64; 4];
         for (part, p) in (0u32..).zip(&graph.parts) {
             let exits = &graph.exits[p.patch as usize];
-            // No other cells are come to by joints from cells.
+            // Only these cells are reached by joints from cells.
             let joins = graph.overlaps_of(part).iter().any(|o| graph.crossing(o).between_cells);
             let cells = graph.cells(part).len();
             for (k, word) in graph.words(part).enumerate() {
@@ -106,7 +107,7 @@ impl Settled {
         counts[0] > 1 && counts[1..].iter().all(|&n| n < counts[0])
     }
 
-    /// What a cell of an instance is.
+    /// Membership of a cell of an instance.
     pub fn standing(&self, graph: &Joined, part: u32, cell: u32) -> Standing {
         let has = |words: &[u64]| words[graph.words(part).start + cell as usize / 64] & 1 << (cell % 64) != 0;
         match (has(&self.inside), has(&self.to.moved)) {
@@ -116,7 +117,7 @@ impl Settled {
         }
     }
 
-    /// True where any cell of an instance, but for exits, is that.
+    /// True if any cell of an instance, except exits, has a given membership.
     pub fn has(&self, graph: &Joined, part: u32, what: Standing) -> bool {
         let exits = &graph.exits[graph.parts[part as usize].patch as usize];
         let cells = (0u32..).zip(graph.words(part)).zip(exits);

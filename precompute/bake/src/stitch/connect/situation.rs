@@ -1,4 +1,4 @@
-//! What is left of a patch's motion among the units around it: the same for all instances with the same surroundings.
+//! Unobstructed motion of a patch among the units around it: shared by all instances with equal surroundings.
 
 use super::table::JointTable;
 use crate::stitch::clearance::hit::Hit;
@@ -8,30 +8,30 @@ use crate::stitch::sets::rows::Rows;
 use throng_core::patch::{NONE, Patches};
 use throng_world::is_set;
 
-/// A patch and what is in the way of its motion.
+/// A patch with the obstacles to its motion.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(in crate::stitch) struct Surroundings {
     /// Number of the patch.
     pub patch: u32,
-    /// How the units stand to it that any of its links collides with; ascending.
+    /// Relative placements of the units that any of its links collides with; ascending.
     pub obstacles: Vec<Relation>,
 }
 
-/// What is left of a patch's motion.
+/// Unobstructed motion of a patch.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::stitch) struct Situation {
-    /// What is around it.
+    /// Patch and obstacles.
     pub surroundings: Surroundings,
-    /// Links that nothing is in the way of.
+    /// Bits of unobstructed links.
     pub link_words: Vec<u64>,
-    /// Cells that each cell's links lead to.
+    /// Cells reached by each cell's links.
     pub out: Rows,
     /// Cells from which links lead to each cell.
     pub into: Rows,
 }
 
 impl Situation {
-    /// - `masks`: bits of the links that each of the obstacles is in the way of.
+    /// - `masks`: bits of the links that each of the obstacles obstructs.
     pub fn new<'m>(patches: &Patches, surroundings: Surroundings, masks: impl Iterator<Item = &'m [u64]>) -> Self {
         let patch = surroundings.patch as usize;
         let (cells, links) = (patches.cells_of(patch), patches.links_of(patch));
@@ -40,17 +40,17 @@ impl Situation {
             link_words.iter_mut().zip(mask).for_each(|(w, m)| *w &= !m);
         }
         // Links are sorted by the cell they begin in.
-        // Nobody gets anywhere alone by what two people do together.
+        // Links of interactions are skipped: one person alone does not use them.
         let left = (0u32..).zip(links).filter(|(l, link)| is_set(&link_words, 0, *l) && !link.is_for_two());
         let into = Rows::new(cells.len(), left.map(|(_, link)| (link.to, link.from)));
         let out = into.transposed(cells.len());
         Self { surroundings, link_words, out, into }
     }
 
-    /// Joints that may be taken where links of side a collide: out of a link that is clear up to there, into one that
-    /// is clear from there. Two bits a joint; none where that is so for all.
+    /// Usable joints if links of side a collide: out of a link that is clear up to the joint, into one that is clear
+    /// from there. Two bits a joint; `None` if all are usable.
     ///
-    /// - `hit`: first and last frame of a link of side a that collide with anything.
+    /// - `hit`: first and last colliding frame of a link of side a.
     pub fn joint_words(&self, table: &JointTable, mut hit: impl FnMut(u32) -> Option<Hit>) -> Option<Vec<u64>> {
         let mut words: Option<Vec<u64>> = None;
         let mut first = 0;

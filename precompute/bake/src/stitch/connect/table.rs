@@ -1,4 +1,4 @@
-//! Joint tables: where motion of one patch may go on as motion of another that stands to it in a certain way
+//! Joint tables: places at which motion of one patch may continue as motion of another in a given relative placement
 //! (Lee, Choi and Lee 2006, section 5).
 
 use crate::environment::Bounds;
@@ -8,34 +8,35 @@ use rayon::prelude::*;
 use throng_core::patch::{CellRecord, Patches, Placement};
 use throng_world::JointRecord;
 
-/// The joints of all pairs of instances that stand in one relation, ready to be followed from either side.
+/// Joints of all pairs of instances in one relation, indexed from either side.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::stitch) struct JointTable {
-    /// Sorted by (a, a_offset, b).
+    /// Joints, sorted by (a, a_offset, b).
     pub joints: Vec<JointRecord>,
     /// Numbers of the joints, sorted by (b, a, a_offset).
     pub by_b: Vec<u32>,
-    /// True where side a is a tile on whose panel motion of b takes place: characters in b are in the way of those on a.
+    /// True if motion of b takes place on the panel of tile a: characters in b obstruct those on a.
     pub shares_floor: bool,
 }
 
-/// What joints are looked for.
+/// Limits of the search for joints.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::stitch) struct Rule {
-    /// How near.
+    /// Tolerances of a joint.
     pub nearness: Nearness,
-    /// How many for each cell of side b.
+    /// Number of joints for each cell of side b.
     pub joints_per_cell: usize,
 }
 
-/// Cells of side b that are looked at together.
+/// Cells of side b that are processed together.
 const CELLS: usize = 32;
 
 impl JointTable {
     /// Finds the joints between patch `relation.a`, whose spots are given, and the block `relation.b`.
     ///
-    /// Of a link's frames that are near a cell, the nearest is taken; of all joints of a cell of b the nearest ones.
-    /// - `floor`: the panel, where a is a tile.
+    /// Takes the nearest of a link's frames near a cell, and the nearest ones of all joints of a cell of b.
+    ///
+    /// - `floor`: the panel, if a is a tile.
     pub fn new(patches: &Patches, spots: &Spots, floor: Option<&Bounds>, relation: &Relation, rule: Rule) -> Self {
         let (b, at) = (relation.b as usize, relation.placement());
         let cells = patches.cells_of(b);
@@ -48,7 +49,7 @@ impl JointTable {
             }
             joints
         };
-        // The spots of one group stay at hand.
+        // Cells of one group are processed together, so that its spots stay in the processor's cache.
         let mut order: Vec<u32> = (0..cells.len() as u32).collect();
         order.sort_unstable_by_key(|&c| (cells[c as usize].group, c));
         let mut joints: Vec<JointRecord> = order.par_chunks(CELLS).flat_map_iter(of_cells).collect();
@@ -60,8 +61,8 @@ impl JointTable {
     }
 }
 
-/// True for hips at a height at which feet or a seat are on a panel, and above it. Who is nearer to its edge than a hand's
-/// width is left to the neighbour: on tiles, roots keep away from edges that are not crossed.
+/// True for hips above a panel and near enough for feet or a seat on it. Within a hand's width of its edge the
+/// neighbour is responsible: on tiles, roots keep away from edges that are not crossed.
 fn stands_on(floor: &Bounds, hips: Placement) -> bool {
     const BESIDE_M: f32 = -0.05;
     const HIPS_M: [f32; 2] = [0.2, 1.3];
@@ -78,7 +79,7 @@ struct Near {
     distance: f32,
 }
 
-/// The nearest spots of side a for all joints of one cell of side b, one an item, in no order.
+/// Nearest spots of side a for all joints of one cell of side b, one an item, in no order.
 fn of_cell(spots: &Spots, cell: &CellRecord, at: Placement, rule: Rule, near: &mut Vec<Near>) {
     let place = at.compose(cell.placement);
     near.clear();

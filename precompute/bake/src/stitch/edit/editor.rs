@@ -1,4 +1,4 @@
-//! A world that can be changed: what stays as it was is not computed again.
+//! An editable world: unchanged parts are not computed again.
 
 use super::history::History;
 use super::make::make;
@@ -15,12 +15,12 @@ use throng_motion::error::BuildError;
 use throng_motion::progress::{Progress, Silent};
 use throng_world::WorldData;
 
-/// A stitched world and all that was found on the way, so that a change costs little.
+/// A stitched world with its intermediate results, so that a change is cheap.
 ///
-/// Joint tables and obstacle masks belong to pairs of things that stand to each other in one way: a change makes
-/// those of the new pairs only, and looks only at the links that it may have touched where a unit was moved a little.
-/// The component is searched for only around what is not as it was. After every change the world is the one that
-/// stitching anew would give. It may be sent to another thread, so that what is shown goes on meanwhile.
+/// Joint tables and obstacle masks belong to pairs in one relative placement: a change computes only those of new
+/// pairs, and after a small move of a unit samples only the links that it may have affected. The component is searched
+/// only around changed parts. After every change the world equals a newly stitched one. An editor may be sent to
+/// another thread, so that the display continues meanwhile.
 pub struct Editor<'a> {
     stitcher: Stitcher<'a>,
     environment: Environment,
@@ -47,30 +47,30 @@ impl<'a> Editor<'a> {
         Ok(Self { stitcher, environment, made, world, history: History::default() })
     }
 
-    /// The world as it is.
+    /// The current world.
     pub fn world(&self) -> &WorldData {
         &self.world
     }
 
-    /// The world, when no more changes are made.
+    /// The world, once there are no more changes.
     pub fn into_world(self) -> (WorldData, StitchReport) {
         (self.world, self.made.report)
     }
 
-    /// The environment as it is.
+    /// The current environment.
     pub fn environment(&self) -> &Environment {
         &self.environment
     }
 
-    /// What came of the last change.
+    /// Report of the last change.
     pub fn report(&self) -> &StitchReport {
         &self.made.report
     }
 
-    /// Places one more unit, after all others.
+    /// Adds a unit after all others.
     ///
     /// - `unit`: its number in the bundle's set.
-    /// - returns the number of the place.
+    /// - returns the index of the placed unit.
     ///
     /// # Errors
     /// As [`crate::stitch::stitch`]; the world stays as it was.
@@ -80,7 +80,7 @@ impl<'a> Editor<'a> {
         Ok(index)
     }
 
-    /// Takes a placed unit away; those after it move up.
+    /// Removes a placed unit; those after it move up.
     ///
     /// # Errors
     /// As [`crate::stitch::stitch`], or where there is no such place; the world stays as it was.
@@ -98,9 +98,9 @@ impl<'a> Editor<'a> {
         self.edit(Edit::Move { index, placement })
     }
 
-    /// Takes the last change back that was not.
+    /// Undoes the last change.
     ///
-    /// - returns false where there is none.
+    /// - returns false if there is none.
     ///
     /// # Errors
     /// As [`crate::stitch::stitch`]; the world stays as it was.
@@ -111,9 +111,9 @@ impl<'a> Editor<'a> {
         Ok(true)
     }
 
-    /// Makes the change again that was taken back last, unless others were made since.
+    /// Redoes the change undone last, unless others were made since.
     ///
-    /// - returns false where there is none.
+    /// - returns false if there is none.
     ///
     /// # Errors
     /// As [`crate::stitch::stitch`]; the world stays as it was.
@@ -124,10 +124,10 @@ impl<'a> Editor<'a> {
         Ok(true)
     }
 
-    /// Takes the last change back as if it had never been made: it cannot be made again, and what could be before it
-    /// was made can be again.
+    /// Undoes the last change as if it had never been made: it cannot be redone, and changes that could be redone
+    /// before it can be redone again.
     ///
-    /// - returns false where there is none.
+    /// - returns false if there is none.
     ///
     /// # Errors
     /// As [`crate::stitch::stitch`]; the world stays as it was.
@@ -138,12 +138,12 @@ impl<'a> Editor<'a> {
         Ok(true)
     }
 
-    /// Number of changes that can be taken back.
+    /// Number of changes that can be undone.
     pub fn num_undos(&self) -> usize {
         self.history.counts()[0]
     }
 
-    /// Number of changes that were taken back and can be made again.
+    /// Number of changes that can be redone.
     pub fn num_redos(&self) -> usize {
         self.history.counts()[1]
     }
@@ -154,7 +154,7 @@ impl<'a> Editor<'a> {
         Ok(())
     }
 
-    /// Changes the world; returns the change that takes this one back.
+    /// Changes the world; returns the reverse change.
     fn apply(&mut self, edit: Edit) -> Result<Edit, BuildError> {
         let mut environment = self.environment.clone();
         let back = edit.apply(&mut environment.units);

@@ -1,53 +1,53 @@
-//! The changes that can be taken back, and those that can be made again.
+//! Undo and redo of changes.
 
 use crate::stitch::place::change::Edit;
 
-/// What takes changes back, and what makes them again.
+/// Stacks of changes for undo and redo.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::stitch) struct History {
     undo: Vec<Edit>,
     redo: Vec<Edit>,
-    /// What could be made again before the last change was made; none unless that is the last thing that was done.
+    /// Redoable changes that the last change discarded; empty unless it was the last operation.
     dropped: Vec<Edit>,
 }
 
 impl History {
-    /// A change was made, which `back` takes back: those taken back before are forgotten.
+    /// Records a change with its reverse `back`, and discards redoable changes.
     pub fn done(&mut self, back: Edit) {
         self.undo.push(back);
         self.dropped = std::mem::take(&mut self.redo);
     }
 
-    /// The last change was taken back as if it had never been made: where it has just been, what could be made again
-    /// before it can be again.
+    /// Records that the last change was withdrawn: if it was the last operation, changes redoable before it are
+    /// restored.
     pub fn withdrawn(&mut self) {
         self.undo.pop();
         self.redo.append(&mut self.dropped);
     }
 
-    /// Number of changes that can be taken back, and of those that can be made again.
+    /// Numbers of changes that can be undone and redone.
     pub fn counts(&self) -> [usize; 2] {
         [self.undo.len(), self.redo.len()]
     }
 
-    /// The change to make to take the last one back.
+    /// Change that undoes the last one.
     pub fn to_undo(&self) -> Option<Edit> {
         self.undo.last().cloned()
     }
 
-    /// That was made, and `again` takes it back.
+    /// Records that it was undone, with its reverse `again`.
     pub fn undone(&mut self, again: Edit) {
         self.undo.pop();
         self.redo.push(again);
         self.dropped.clear();
     }
 
-    /// The change to make to make the last one again that was taken back.
+    /// Change that redoes the one undone last.
     pub fn to_redo(&self) -> Option<Edit> {
         self.redo.last().cloned()
     }
 
-    /// That was made, and `back` takes it back.
+    /// Records that it was redone, with its reverse `back`.
     pub fn redone(&mut self, back: Edit) {
         self.redo.pop();
         self.undo.push(back);

@@ -1,4 +1,4 @@
-//! Stitching from the first step to the last, all of it or what a change left to do.
+//! Stitching from the first step to the last, in full or after a change.
 
 use crate::environment::{Environment, Solid};
 use crate::stitch::clearance::field::Field;
@@ -29,8 +29,8 @@ use throng_world::{WorldData, WorldMeta};
 
 /// Stitching, in reading order.
 ///
-/// - `before`: what is changed, and what takes the change back.
-/// - `world`: where the world is written to; what it was before the change. It stays as it was where an error is returned.
+/// - `before`: the world before a change, and the reverse of the change.
+/// - `world`: previous world, which is overwritten; unchanged if an error is returned.
 ///
 /// # Errors
 /// As [`crate::stitch::stitch`].
@@ -85,11 +85,11 @@ pub(in crate::stitch) fn make<'a>(
     Ok(Made { laid, joined, settled, remains, report })
 }
 
-/// Most cells of a world, about 80 bytes each while it is stitched, and most words of 64 links.
+/// Most cells of a world, about 80 bytes each during stitching, and most words of 64 links.
 const MOST_CELLS: u64 = 50_000_000;
 const MOST_WORDS: u64 = 100_000_000;
 
-/// What follows takes memory with the number of cells; what is in the way of motion is measured on a grid.
+/// Checks limits up front: later steps need memory for each cell, and obstacles are measured on a grid.
 fn check_sizes(stitcher: &Stitcher<'_>, environment: &Environment, laid: &Laid) -> Result<(), BuildError> {
     let patches = &stitcher.placer.patches.patches;
     let sizes = laid.fitted.iter().map(|f| &patches[f.patch as usize]).map(|p| [p.num_cells, p.num_links]);
@@ -105,7 +105,7 @@ fn check_sizes(stitcher: &Stitcher<'_>, environment: &Environment, laid: &Laid) 
     Err(refused(environment, why, "Make several smaller units of it"))
 }
 
-/// Why a world of instances with so many cells and links each is too large, if it is.
+/// Reason why a world of instances with so many cells and links each is too large, if it is.
 fn too_many(sizes: impl ExactSizeIterator<Item = [u32; 2]>) -> Option<String> {
     let instances = sizes.len();
     let (cells, words) = sizes.fold((0, 0), |(cells, words), [num_cells, num_links]| {
@@ -118,9 +118,9 @@ fn too_many(sizes: impl ExactSizeIterator<Item = [u32; 2]>) -> Option<String> {
     })
 }
 
-/// The number that each instance had before; [`NONE`] for those that are new or have something else around them.
+/// Previous number of each instance; [`NONE`] for new ones and those with changed surroundings.
 ///
-/// - `was`: the same, but for what is around them.
+/// - `was`: previous numbers, regardless of surroundings.
 fn same(before: &Joined, joined: &Joined, was: &[u32]) -> Vec<u32> {
     let is_same = |i: u32, was: u32| Arc::ptr_eq(joined.situation(i), before.situation(was));
     (0u32..).zip(was).map(|(i, &was)| if was != NONE && is_same(i, was) { was } else { NONE }).collect()
@@ -132,7 +132,7 @@ fn no_component(stitcher: &Stitcher<'_>, environment: &Environment) -> BuildErro
     refused(environment, why, "Place more units, so that ways through them lead back to where they began")
 }
 
-/// Every unit that is more than an obstacle must belong to an instance of which something is left.
+/// Checks that every unit that is not just an obstacle belongs to an instance with remaining motion.
 fn check_reached(
     stitcher: &Stitcher<'_>,
     environment: &Environment,
@@ -200,7 +200,7 @@ fn meta(stitcher: &Stitcher<'_>, environment: &Environment, report: &StitchRepor
     })
 }
 
-/// An environment or its settings as text.
+/// Serializes an environment or its settings as text.
 ///
 /// # Errors
 /// [`BuildError::Stage`] for numbers that TOML cannot hold.
@@ -212,7 +212,7 @@ pub(in crate::stitch) fn as_toml(value: &impl Serialize) -> Result<String, Build
     })
 }
 
-/// Content hash of all that a world is stitched from. The bundle holds the units; their meshes are files beside it.
+/// Content hash of all inputs of a stitched world. The bundle contains the units; their meshes are separate files.
 ///
 /// # Errors
 /// As [`as_toml`].

@@ -1,4 +1,4 @@
-//! A world that can be changed: edits with undo and redo, and why something was taken out.
+//! An editable world: edits with undo and redo, and explanations of removals.
 
 pub(in crate::stitch) mod editor;
 pub(in crate::stitch) mod history;

@@ -1,4 +1,4 @@
-//! Why something of a world is taken out: found on request, not stored.
+//! Explanations of removed cells and links: computed on request, not stored.
 
 use super::editor::Editor;
 use crate::stitch::clearance::hit::looked_at;
@@ -9,38 +9,38 @@ use throng_core::Joint;
 /// A part of an instance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Item {
-    /// A cell, by its number within the patch.
+    /// Cell number within the patch.
     Cell(u32),
-    /// A link, likewise.
+    /// Link number within the patch.
     Link(u32),
 }
 
-/// Why a cell or a link is taken out.
+/// Explanation why a cell or a link is removed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Why {
-    /// In a word.
+    /// Reason.
     pub reason: Reason,
-    /// What collides, where that is the reason.
+    /// Collision, if that is the reason.
     pub collision: Option<Collision>,
     /// One sentence that names the units.
     pub message: String,
 }
 
-/// What of a body would be in what.
+/// Collision of a body with a unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Collision {
     /// Number of the placed unit.
     pub unit: usize,
-    /// The joint whose surroundings are deepest in it.
+    /// Joint of the deepest sphere.
     pub joint: Joint,
-    /// How deep (m).
+    /// Depth (m).
     pub depth_m: f32,
     /// Frame of the link, counted from its first one.
     pub frame: u32,
 }
 
 impl Editor<'_> {
-    /// In a word why a cell or a link of an instance is taken out; none where it is left.
+    /// Reason why a cell or a link of an instance is removed; `None` if it remains.
     ///
     /// (instance < number of instances, the item within its patch)
     pub fn reason(&self, instance: u32, item: Item) -> Option<Reason> {
@@ -51,7 +51,7 @@ impl Editor<'_> {
         }
     }
 
-    /// Why a cell or a link of an instance is taken out; none where it is left.
+    /// Explanation why a cell or a link of an instance is removed; `None` if it remains.
     ///
     /// (instance < number of instances, the item within its patch)
     pub fn why(&self, instance: u32, item: Item) -> Option<Why> {
@@ -80,14 +80,14 @@ impl Editor<'_> {
         Some(Why { reason, collision, message: format!("{what} of {}: {because}", self.describe(instance)) })
     }
 
-    /// An instance in words: its patch and the units it consists of.
+    /// Description of an instance: its patch and its units.
     fn describe(&self, instance: u32) -> String {
         let (f, library) = (&self.made().laid.fitted[instance as usize], &self.stitcher().placer.library);
         let units: Vec<String> = f.units.iter().map(|&u| library.describe(self.environment(), u as usize)).collect();
         format!("patch {} on {}", library.names[f.patch as usize].name, units.join(" and "))
     }
 
-    /// The deepest collision of a link with any of the units that are in its way.
+    /// Deepest collision of a link with any unit that obstructs it.
     fn collision(&self, instance: u32, link: u32) -> Option<Collision> {
         let s = self.stitcher();
         let patch = self.made().laid.fitted[instance as usize].patch;

@@ -1,34 +1,34 @@
-//! One change of what stands in an environment.
+//! A change of the placed units of an environment.
 
 use crate::environment::PlacedUnit;
 use throng_core::patch::Placement;
 
-/// A change of what stands in an environment.
+/// A change of the placed units of an environment.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::stitch) enum Edit {
-    /// One more unit, before the one that has this place (index <= number of units).
+    /// Inserts a unit before the one with this index (index <= number of units).
     Insert {
-        /// Its place.
+        /// Index of the unit.
         index: usize,
-        /// The unit.
+        /// Unit with its placement.
         unit: PlacedUnit,
     },
-    /// One less (index < number of units).
+    /// Removes a unit (index < number of units).
     Remove {
-        /// Its place.
+        /// Index of the unit.
         index: usize,
     },
-    /// One stands elsewhere (index < number of units).
+    /// Moves a unit (index < number of units).
     Move {
-        /// Its place.
+        /// Index of the unit.
         index: usize,
-        /// Where it stands.
+        /// New placement.
         placement: Placement,
     },
 }
 
 impl Edit {
-    /// Makes the change; returns the one that takes it back.
+    /// Makes the change; returns the reverse one.
     pub fn apply(self, units: &mut Vec<PlacedUnit>) -> Self {
         match self {
             Self::Insert { index, unit } => {

@@ -1,16 +1,16 @@
-//! Fits patches into an environment by matching the shapes they consist of (Lee, Choi and Lee 2006, section 5).
+//! Fits patches into an environment by matching their units (Lee, Choi and Lee 2006, section 5).
 
 use crate::environment::Environment;
 use crate::stitch::library::{Library, Pattern, normalised, turned};
 use std::collections::{HashMap, HashSet};
 use throng_core::patch::{EdgeRecord, NONE, Patches, Placement};
 
-/// Placed units match a patch's where they are no farther away than this, as seen from the patch (m).
+/// Largest distance of matching units, in the patch's frame (m).
 const TOLERANCE_M: f32 = 0.02;
-/// And turned by no more than this, modulo their symmetry (rad).
+/// Largest heading difference of matching units, modulo their symmetry (rad).
 const TOLERANCE: f32 = 1.0 * std::f32::consts::PI / 180.0;
 
-/// A patch and the placed units that it fits.
+/// A patch fitted to placed units.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::stitch) struct Fitted {
     /// Number of the patch.
@@ -19,18 +19,18 @@ pub(in crate::stitch) struct Fitted {
     pub placement: Placement,
     /// Placed units, in the order of the patch's.
     pub units: Vec<u32>,
-    /// Turns of the first of them by its symmetry until it stands as the patch's does.
+    /// Number of steps by which the first of them is turned, within its symmetry, from the patch's unit.
     pub turn: u32,
 }
 
 impl Fitted {
-    /// What instances are sorted by: no two have the same.
+    /// Unique sort key of instances.
     pub fn order(&self) -> (u32, u32, u32) {
         (self.units[0], self.patch, self.turn)
     }
 }
 
-/// Placed units, found by what and where they are.
+/// Index of placed units by number and place.
 pub(in crate::stitch) struct UnitIndex<'a> {
     environment: &'a Environment,
     buckets: HashMap<(usize, [i32; 3]), Vec<u32>>,
@@ -40,12 +40,12 @@ impl<'a> UnitIndex<'a> {
     /// Edge length of a bucket (m).
     const BUCKET_M: f32 = 0.5;
 
-    /// Sorts all units of an environment.
+    /// Indexes all units of an environment.
     pub fn new(environment: &'a Environment) -> Self {
         Self::of(environment, 0..environment.units.len() as u32)
     }
 
-    /// Sorts some units of an environment; ascending.
+    /// Indexes some units of an environment; ascending.
     pub fn of(environment: &'a Environment, units: impl Iterator<Item = u32>) -> Self {
         let mut buckets: HashMap<_, Vec<u32>> = HashMap::new();
         for i in units {
@@ -60,7 +60,7 @@ impl<'a> UnitIndex<'a> {
         (v / Self::BUCKET_M).floor() as i32
     }
 
-    /// Placed units of a kind whose origin is within `radius` of a place, nearest first (radius < BUCKET_M).
+    /// Placed units of a given number with their origin within `radius` of a place, nearest first (radius < BUCKET_M).
     pub fn near(&self, unit: usize, at: Placement, radius: f32) -> Vec<u32> {
         let p = at.translation();
         let mut corners: Vec<[i32; 3]> = (0..8)
@@ -78,16 +78,16 @@ impl<'a> UnitIndex<'a> {
         found
     }
 
-    /// The placed unit of a kind that stands just there, but for turns by `period`.
+    /// Placed unit of a given number at a placement, modulo turns by `period`.
     fn at(&self, unit: usize, at: Placement, period: f32) -> Option<u32> {
         let heading = |i: &u32| self.environment.units[*i as usize].placement.heading;
         self.near(unit, at, TOLERANCE_M).into_iter().find(|i| turned(heading(i), at.heading, period) <= TOLERANCE)
     }
 }
 
-/// Every set of placed units that matches a patch's, once, ascending by [`Fitted::order`].
+/// Every set of placed units that matches a patch's units, once, ascending by [`Fitted::order`].
 ///
-/// - `firsts`: placed units that may be the first of a set; ascending.
+/// - `firsts`: possible first units of a set; ascending.
 pub(in crate::stitch) fn fit(
     library: &Library<'_>,
     patterns: &[Pattern],
@@ -120,7 +120,7 @@ pub(in crate::stitch) fn fit(
     out
 }
 
-/// The placed units that a patch in this frame consists of, the first of which is `first`.
+/// Placed units of a patch in this frame, beginning with `first`.
 fn matching(
     library: &Library<'_>,
     pattern: &Pattern,
@@ -139,9 +139,9 @@ fn matching(
     Some(units)
 }
 
-/// The instance across every edge of every tile, [`NONE`] where there is none.
+/// Instance across every edge of every tile; [`NONE`] without one.
 ///
-/// - returns the neighbours and, for each instance, where its own begin.
+/// - returns the neighbours and, for each instance, the index of its first.
 pub(in crate::stitch) fn neighbours(
     patches: &Patches,
     patterns: &[Pattern],
@@ -168,7 +168,7 @@ pub(in crate::stitch) fn neighbours(
             out.extend(patches.edges_of(f.patch as usize).iter().map(|e| across(f, e)));
         }
     }
-    // Just at the tolerance one may have seen the other and not been seen.
+    // At the tolerance, rounding may make only one of two instances find the other.
     for (i, f) in fitted.iter().enumerate() {
         for (e, edge) in patches.edges_of(f.patch as usize).iter().enumerate() {
             let at = first[i] as usize + e;

@@ -1,4 +1,4 @@
-//! Lays patches over an environment and finds what meets there.
+//! Places patches in an environment, and finds overlaps and obstacles.
 
 use super::fit::{Fitted, UnitIndex, fit, neighbours};
 use super::near::overlapping;
@@ -10,52 +10,52 @@ use crate::stitch::library::{Library, Pattern, STAGE, refused};
 use throng_core::patch::Patches;
 use throng_motion::error::BuildError;
 
-/// Patches in their places, and what meets there.
+/// Placed patches, with their overlaps and obstacles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::stitch) struct Laid {
     /// The instances.
     pub fitted: Vec<Fitted>,
-    /// All that bodies reach in each of them.
+    /// Bounds of the bodies in each of them.
     pub bounds: Vec<Bounds>,
-    /// The boxes around placed units.
+    /// Bounds of placed units.
     pub shapes: Vec<Bounds>,
     /// Instance across each edge of each tile.
     pub neighbours: Vec<u32>,
-    /// First of each instance's.
+    /// Index of each instance's first neighbour.
     pub first_neighbour: Vec<u32>,
     /// Pairs of instances that overlap, side a first; ascending.
     pub pairs: Vec<(u32, u32, Relation)>,
-    /// Units that are in the reach of an instance and do not belong to it: instance, placed unit; ascending.
+    /// Units within the bounds of an instance they do not belong to: instance, placed unit; ascending.
     pub obstacles: Vec<(u32, u32, Relation)>,
 }
 
-/// Lays the patches of a bundle over environments.
+/// Places the patches of a bundle in environments.
 pub(in crate::stitch) struct Placer<'a> {
     /// The patches.
     pub patches: Patches,
-    /// What else is known of the bundle.
+    /// Other data of the bundle.
     pub library: Library<'a>,
-    /// How to stitch.
+    /// Settings of stitching.
     pub config: StitchConfig,
     /// Units of the patches.
     pub patterns: Vec<Pattern>,
 }
 
 impl<'a> Placer<'a> {
-    /// Checks settings, and that the parts of the library go together.
+    /// Checks settings, and that the parts of the library match.
     ///
     /// # Errors
-    /// [`BuildError`] where the parts of the library do not go together or a setting is out of its limits.
+    /// [`BuildError`] if the parts of the library do not match or a setting is out of its limits.
     pub fn new(patches: &Patches, library: Library<'a>, config: &StitchConfig) -> Result<Self, BuildError> {
         config.check()?;
         let patterns = library.patterns(patches)?;
         Ok(Self { patches: patches.clone(), library, config: config.clone(), patterns })
     }
 
-    /// Fits patches into an environment and finds what meets there.
+    /// Fits patches into an environment, and finds overlaps and obstacles.
     ///
     /// # Errors
-    /// [`BuildError::Stage`] names units that stand in each other or that no block fits.
+    /// [`BuildError::Stage`] names units that overlap or that no block fits.
     pub fn lay(&self, environment: &Environment) -> Result<Laid, BuildError> {
         self.check_units(environment)?;
         solids::check(&self.library, environment, self.config.overlap_m)?;
@@ -70,18 +70,18 @@ impl<'a> Placer<'a> {
         Ok(Laid { fitted, bounds, shapes, neighbours, first_neighbour, pairs, obstacles })
     }
 
-    /// All that bodies reach in an instance.
+    /// Bounds of the bodies in an instance.
     pub fn reach(&self, fitted: &Fitted) -> Bounds {
         let p = &self.patches.patches[fitted.patch as usize];
         Bounds { min: p.min.into(), max: p.max.into() }.placed(fitted.placement)
     }
 
-    /// The box around a placed unit.
+    /// Bounds of a placed unit.
     pub fn shape(&self, unit: &PlacedUnit) -> Bounds {
         self.library.geometries[unit.unit].bounds.placed(unit.placement)
     }
 
-    /// Pairs of which one at least is a block; a tile is side a, of two blocks that of the lower patch.
+    /// Overlapping pairs with at least one block; a tile is side a, and of two blocks that of the lower patch.
     fn pairs(&self, fitted: &[Fitted], bounds: &[Bounds]) -> Vec<(u32, u32, Relation)> {
         let both = overlapping(bounds, bounds).into_iter().filter(|(i, j)| i < j);
         let mut pairs: Vec<_> = both.filter_map(|(i, j)| self.pair(fitted, i, j)).collect();
@@ -89,7 +89,7 @@ impl<'a> Placer<'a> {
         pairs
     }
 
-    /// Two instances that overlap, side a first; none for two tiles.
+    /// Overlap of two instances, side a first; `None` for two tiles.
     pub fn pair(&self, fitted: &[Fitted], i: u32, j: u32) -> Option<(u32, u32, Relation)> {
         let tile = |i: u32| self.patterns[fitted[i as usize].patch as usize].is_tile;
         let here = |i: u32| (fitted[i as usize].patch, fitted[i as usize].placement);
@@ -98,7 +98,7 @@ impl<'a> Placer<'a> {
             (true, true) => return None,
             (true, false) => true,
             (false, true) => false,
-            // Of two that see each other in the same way, the first one.
+            // For a symmetric relation, the first instance is side a.
             (false, false) => (ij, i) <= (ji, j),
         };
         Some(if first { (i, j, ij) } else { (j, i, ji) })
@@ -115,7 +115,7 @@ impl<'a> Placer<'a> {
         near.filter_map(|(i, u)| self.obstacle_to(environment, fitted, i, u)).collect()
     }
 
-    /// How a unit stands to an instance that it does not belong to.
+    /// Relative placement of a unit that obstructs an instance.
     pub fn obstacle_to(
         &self,
         environment: &Environment,
@@ -128,7 +128,7 @@ impl<'a> Placer<'a> {
         (!f.units.contains(&u)).then(|| (i, u, relation()))
     }
 
-    /// Every unit must be one of the bundle's, in a place not too far away.
+    /// Checks that every unit is one of the bundle's, at a valid place.
     fn check_units(&self, environment: &Environment) -> Result<(), BuildError> {
         let count = self.library.units.units.len();
         if let Some(i) = environment.units.iter().position(|u| !self.is_known(u)) {
@@ -144,12 +144,12 @@ impl<'a> Placer<'a> {
         Err(refused(environment, why, "Correct the name"))
     }
 
-    /// True for one of the bundle's units in a place not too far away.
+    /// True for one of the bundle's units at a valid place.
     pub fn is_known(&self, unit: &PlacedUnit) -> bool {
         unit.unit < self.library.units.units.len() && unit.placement.is_moderate(1e5)
     }
 
-    /// Every unit that is more than an obstacle must belong to an instance.
+    /// Checks that every unit that is not just an obstacle belongs to an instance.
     pub fn check_cover(&self, environment: &Environment, fitted: &[Fitted]) -> Result<(), BuildError> {
         let mut covered = vec![false; environment.units.len()];
         fitted.iter().flat_map(|f| &f.units).for_each(|&u| covered[u as usize] = true);
@@ -176,7 +176,7 @@ impl<'a> Placer<'a> {
         BuildError::Stage { stage: STAGE, message, help: "Place units that its patches consist of".into() }
     }
 
-    /// True for a unit that is only in the way.
+    /// True for a unit that is an obstacle only.
     pub fn is_obstacle(&self, environment: &Environment, index: usize) -> bool {
         self.config.obstacles.contains(&self.library.units.units[environment.units[index].unit].name)
     }

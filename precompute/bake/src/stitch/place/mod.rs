@@ -1,6 +1,6 @@
-//! Lays patches over an environment: which block or tile fits where, what overlaps, and what stands in its reach.
+//! Places patches in an environment: fitting blocks and tiles, overlaps, and obstacles.
 //!
-//! [`lay::Placer::lay`] looks at a whole environment, [`relay`] only at what is near one unit that was changed.
+//! [`lay::Placer::lay`] handles a whole environment, [`relay`] only the surroundings of one changed unit.
 
 pub(in crate::stitch) mod change;
 pub(in crate::stitch) mod fit;

@@ -1,9 +1,9 @@
-//! Which boxes overlap.
+//! Search for overlapping boxes.
 
 use crate::environment::Bounds;
 use glam::Vec3;
 
-/// All (i, j) of which `a[i]` and `b[j]` overlap, ascending. Boxes may be less than flat, as those are that were shrunk.
+/// All (i, j) for which `a[i]` and `b[j]` overlap, ascending. Boxes may be inverted by shrinking.
 pub(in crate::stitch) fn overlapping(a: &[Bounds], b: &[Bounds]) -> Vec<(u32, u32)> {
     let extents = a.iter().chain(b).map(|o| o.max - o.min);
     let widest = extents.fold(Vec3::splat(1e-3), Vec3::max);

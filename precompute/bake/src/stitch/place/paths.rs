@@ -1,4 +1,4 @@
-//! Where motion of a patch is, frame by frame and cell by cell, so that what is near is found without a search.
+//! Positions of a patch's motion, by frame and by cell, sorted for fast neighbour queries.
 
 use crate::environment::Bounds;
 use crate::stitch::library::Library;
@@ -7,7 +7,7 @@ use throng_core::planar::wrap_angle;
 
 /// Roots of all frames of all links of a patch, in its frame; y is the height of the clip's ground.
 ///
-/// Links that play the same motion in the same place, as the overlapping sub-sequences of a block do, share theirs.
+/// Links that play the same motion in the same place share roots, as the overlapping sub-sequences of a block do.
 #[derive(Clone, Debug, Default)]
 pub(in crate::stitch) struct Paths {
     /// First root of each link (links).
@@ -18,21 +18,21 @@ pub(in crate::stitch) struct Paths {
     roots: Vec<Placement>,
     /// Frame row of each root (roots.len()).
     rows: Vec<u32>,
-    /// The links by the frames they play.
+    /// Links, sorted by the frames they play.
     order: Vec<u32>,
-    /// The box around the roots of each link (links).
+    /// Bounds of the roots of each link (links).
     bounds: Vec<Bounds>,
-    /// The longest way over the ground from one frame to the next (m).
+    /// Longest step over the ground from one frame to the next (m).
     step: f32,
-    /// True where links have most of their roots in common.
+    /// True if links have most of their roots in common.
     shared: bool,
 }
 
-/// Links that play one motion in one place: where frame row 0 of the motion would lie, in steps.
+/// Motion in one place: where its frame row 0 would be, in steps; equal for links that share it.
 type Motion = [i64; 4];
 
 impl Paths {
-    /// Follows all links of a patch.
+    /// Computes the roots of all links of a patch.
     pub fn new(patches: &Patches, library: &Library<'_>, patch: usize) -> Self {
         let links = patches.links_of(patch);
         let mut order: Vec<(Option<Motion>, usize)> =
@@ -47,7 +47,7 @@ impl Paths {
         let mut before: Option<Motion> = None;
         for (motion, l) in order {
             let link = &links[l];
-            // The same motion goes on from the roots of the link before, or within them.
+            // The motion continues from the roots of the previous link, or lies within them.
             let shared = match out.rows.last() {
                 Some(&last) if motion.is_some() && motion == before && link.frame <= last + 1 => last + 1 - link.frame,
                 _ => 0,
@@ -69,7 +69,7 @@ impl Paths {
         Self { bounds, step, shared, ..out }
     }
 
-    /// True where links have most of their roots in common.
+    /// True if links have most of their roots in common.
     pub fn is_shared(&self) -> bool {
         self.shared
     }
@@ -79,17 +79,17 @@ impl Paths {
         self.starts.len()
     }
 
-    /// All links, by the frames they play: those that follow each other need the same bodies.
+    /// All links, sorted by the frames they play: consecutive ones need the same bodies.
     pub fn order(&self) -> &[u32] {
         &self.order
     }
 
-    /// The box around the roots of a link.
+    /// Bounds of the roots of a link.
     pub fn bounds(&self, link: usize) -> &Bounds {
         &self.bounds[link]
     }
 
-    /// The longest way over the ground from one frame to the next (m).
+    /// Longest step over the ground from one frame to the next (m).
     pub fn step(&self) -> f32 {
         self.step
     }
@@ -104,7 +104,7 @@ impl Paths {
         &self.rows[self.range(link)]
     }
 
-    /// Where the roots of one link are among all.
+    /// Range of the roots of one link among all.
     pub fn range(&self, link: usize) -> std::ops::Range<usize> {
         let first = self.starts[link] as usize;
         first..first + self.counts[link] as usize
@@ -121,7 +121,7 @@ impl Paths {
     }
 }
 
-/// The motion a link plays, where its path is not edited.
+/// Motion of a link, unless its path is edited.
 fn motion(library: &Library<'_>, link: &LinkRecord) -> Option<Motion> {
     const STEPS_PER_M: f32 = 1000.0;
     let frames = [link.frame, link.frame + u32::from(link.num_frames)];
@@ -137,7 +137,7 @@ fn motion(library: &Library<'_>, link: &LinkRecord) -> Option<Motion> {
     begin.iter().zip(&end).all(|(a, b)| (a - b).abs() <= 1).then_some(begin)
 }
 
-/// Where motion of a patch may be left and entered: a cell of a block, a frame of a tile's link.
+/// Spot at which motion of a patch may be left and entered: a cell of a block, a frame of a tile's link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::stitch) struct Spot {
     /// Cell or link.
@@ -151,35 +151,35 @@ pub(in crate::stitch) struct Spot {
 /// The spots of a patch by pose group and place.
 #[derive(Clone, Debug)]
 pub(in crate::stitch) struct Spots {
-    /// First spot of each strip of each group (groups * num_strips + 1).
+    /// Index of the first spot of each strip of each group (groups * num_strips + 1).
     starts: Vec<u32>,
-    /// By group, then by strip along x, then along z.
+    /// Spots by group, then by strip along x, then along z.
     spots: Vec<Spot>,
-    /// The lowest strip, and how many there are.
+    /// Number of the lowest strip, and count of strips.
     first_strip: i32,
     num_strips: usize,
-    /// The box around all of them.
+    /// Bounds of all spots.
     bounds: Bounds,
 }
 
-/// How near two spots are for motion to go on.
+/// Largest distances of two spots at which motion continues.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::stitch) struct Nearness {
-    /// On the ground (m).
+    /// Distance on the ground (m).
     pub position: f32,
-    /// Of the hips' height (m).
+    /// Difference of the hips' height (m).
     pub height: f32,
-    /// (rad)
+    /// Heading difference (rad).
     pub heading: f32,
 }
 
 impl Nearness {
-    /// How far apart two places are, 1 being the farthest for each of the three; none where they are too far apart.
+    /// Relative distance of two placements, 1 at the largest of any of the three; `None` if too far apart.
     pub fn distance(&self, a: Placement, b: Placement) -> Option<f32> {
         let (x, z) = (a.x - b.x, a.z - b.z);
         let on_ground = (x * x + z * z).sqrt() / self.position;
         let height = (a.y - b.y).abs() / self.height;
-        // Most are told by where they are, which is cheaper.
+        // Most are rejected by position, which is cheaper.
         if on_ground > 1.0 || height > 1.0 {
             return None;
         }
@@ -191,7 +191,7 @@ impl Nearness {
 /// Width of the strips that spots are sorted into (m).
 const STRIP_M: f32 = 0.1;
 
-/// The strip of a place.
+/// Number of the strip of a coordinate.
 fn strip(x: f32) -> i32 {
     (x / STRIP_M).floor() as i32
 }
@@ -202,10 +202,10 @@ impl Spots {
     pub fn new(patches: &Patches, library: &Library<'_>, paths: &Paths, patch: usize, min_frames: u32) -> Self {
         let mut of_groups: Vec<(u32, Spot)> = Vec::new();
         if patches.patches[patch].kind == KIND_TILE {
-            // Nobody leaves what two people do together on the way.
+            // Interactions are not left midway.
             for (l, link) in patches.links_of(patch).iter().enumerate().filter(|(_, link)| !link.is_for_two()) {
                 let frames = u32::from(link.num_frames);
-                // Slides cross a tile in a few frames: of short links, a quarter is enough.
+                // Slides cross a tile in a few frames: for short links, a quarter suffices.
                 let margin = min_frames.min(frames / 4).max(1);
                 for offset in margin..=frames.saturating_sub(margin) {
                     let row = (link.frame + offset) as usize;
@@ -220,7 +220,7 @@ impl Spots {
             };
             of_groups.extend(patches.cells_of(patch).iter().enumerate().map(spot));
         }
-        // Frames that are left out of the motion belong to no group.
+        // Excluded frames belong to no group.
         of_groups.retain(|(group, _)| *group != NONE);
         of_groups.sort_unstable_by(|(g, s), (h, t)| {
             let strips = strip(s.at.x).cmp(&strip(t.at.x));
@@ -243,9 +243,9 @@ impl Spots {
         Self { starts, spots, first_strip, num_strips, bounds }
     }
 
-    /// Spots of a group that are near a place, and how far they are.
+    /// Spots of a group near a placement, with their relative distance.
     pub fn near(&self, group: u32, at: Placement, nearness: Nearness) -> impl Iterator<Item = (&Spot, f32)> {
-        // Rounding hides nothing.
+        // A margin against rounding.
         let reach = nearness.position + 1e-4;
         let around = self.bounds.grown(reach.max(nearness.height + 1e-4));
         let first_of_group = group as usize * self.num_strips;

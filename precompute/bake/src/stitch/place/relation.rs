@@ -1,14 +1,14 @@
-//! How two things stand to each other, coarsely enough that pairs that stand alike are seen as such.
+//! Relative placement of two things, rounded so that equal placements compare equal.
 
 use std::f32::consts::TAU;
 use throng_core::patch::Placement;
 
-/// Steps of places (m).
+/// Unit of positions (m).
 const STEP_M: f32 = 0.001;
-/// Steps of a full turn.
+/// Number of heading steps of a full turn.
 const TURN: i32 = 3600;
 
-/// Two kinds of things and where the second stands as seen from the first, in steps.
+/// Numbers of two things, and the placement of the second relative to the first, in steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(in crate::stitch) struct Relation {
     /// Number of the first: a patch.
@@ -28,7 +28,7 @@ impl Relation {
         Self { a, b, steps: [metres(r.x), metres(r.y), metres(r.z), turn] }
     }
 
-    /// Where `b` stands as seen from `a`.
+    /// Placement of `b` relative to `a`.
     pub fn placement(&self) -> Placement {
         let [x, y, z, turn] = self.steps;
         let turn = if turn > TURN / 2 { turn - TURN } else { turn };

@@ -1,4 +1,4 @@
-//! Lays patches over an environment again in which one unit was changed: only what is near it is looked at.
+//! Updates placed patches after the change of one unit, looking only at its surroundings.
 
 use super::change::Edit;
 use super::fit::{Fitted, UnitIndex, fit, neighbours};
@@ -8,41 +8,41 @@ use super::solids;
 use crate::environment::{Bounds, Environment};
 use throng_core::patch::NONE;
 
-/// Patches in their places, and what of them is as it was.
+/// Updated placed patches, with their unchanged part.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::stitch) struct Relaid {
-    /// What meets in the changed environment.
+    /// Placed patches of the changed environment.
     pub laid: Laid,
-    /// What is as it was.
+    /// Unchanged part.
     pub kept: Kept,
 }
 
-/// What of patches in their places is as it was before a change.
+/// Part of the placed patches that a change left as it was.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::stitch) struct Kept {
-    /// The number that each instance had before; [`NONE`] for those that are new.
+    /// Previous number of each instance; [`NONE`] for new ones.
     pub was: Vec<u32>,
-    /// True for instances that are not new and have the same units around them (instances).
+    /// True for instances that are not new and have unchanged surrounding units (instances).
     pub is_alike: Vec<bool>,
-    /// The number that each pair had before; [`NONE`] for those that are new (pairs).
+    /// Previous number of each pair; [`NONE`] for new ones (pairs).
     pub pairs_were: Vec<u32>,
-    /// How units stand to instances that did not before.
+    /// Relative placements of new obstacles to instances.
     pub new_obstacles: Vec<Relation>,
-    /// Relations of pairs, and of units to instances, some of which are not there any more.
+    /// Relations of removed pairs, and of removed obstacles to instances.
     pub gone: [Vec<Relation>; 2],
 }
 
-/// Which placed unit was changed.
+/// The placed unit that was changed.
 #[derive(Clone, Copy, Debug)]
 struct Changed {
-    /// Its number before; none where it is new.
+    /// Its previous number; `None` if it is new.
     before: Option<u32>,
-    /// Its number now; none where it is gone.
+    /// Its new number; `None` if it was removed.
     after: Option<u32>,
 }
 
 impl Changed {
-    /// By a change that has been made, which `back` takes back.
+    /// Determined from the reverse `back` of a change already made.
     fn by(back: &Edit) -> Self {
         match *back {
             Edit::Move { index, .. } => Self { before: Some(index as u32), after: Some(index as u32) },
@@ -51,7 +51,7 @@ impl Changed {
         }
     }
 
-    /// The number now of a unit that was not changed.
+    /// New number of another unit.
     fn number(self, before: u32) -> u32 {
         match (self.before, self.after) {
             (None, Some(new)) if before >= new => before + 1,
@@ -62,11 +62,11 @@ impl Changed {
 }
 
 impl Placer<'_> {
-    /// Finds what meets in an environment of which one unit was changed; none where something is wrong with it, which
-    /// [`Placer::lay`] names.
+    /// Placed patches of an environment with one changed unit; `None` if it is invalid, for which [`Placer::lay`] gives
+    /// the error.
     ///
-    /// - `before`: what met before.
-    /// - `back`: what takes the change back.
+    /// - `before`: placed patches before the change.
+    /// - `back`: reverse of the change.
     pub fn relay(&self, environment: &Environment, before: &Laid, back: &Edit) -> Option<Relaid> {
         let changed = Changed::by(back);
         let shapes = self.shapes(environment, before, changed)?;
@@ -77,7 +77,7 @@ impl Placer<'_> {
         }
         let (fitted, was) = self.refit(environment, &before.fitted, changed);
         self.check_cover(environment, &fitted).ok()?;
-        // Those that are left keep their order, and all that is sorted by it.
+        // Remaining instances keep their order, and so does all that is sorted by it.
         let mut now = vec![NONE; before.fitted.len()];
         (0u32..).zip(&was).filter(|(_, was)| **was != NONE).for_each(|(i, &was)| now[was as usize] = i);
         let mut laid = Laid { fitted, shapes, ..Laid::default() };
@@ -92,7 +92,7 @@ impl Placer<'_> {
         Some(Relaid { laid, kept })
     }
 
-    /// The boxes around all units; none where the changed one is none of the bundle's.
+    /// Bounds of all units; `None` if the changed one is not one of the bundle's.
     fn shapes(&self, environment: &Environment, before: &Laid, changed: Changed) -> Option<Vec<Bounds>> {
         let mut shapes = before.shapes.clone();
         let new = match changed.after.map(|unit| &environment.units[unit as usize]) {
@@ -108,7 +108,7 @@ impl Placer<'_> {
         Some(shapes)
     }
 
-    /// The instances, and the number that each had before.
+    /// Instances, with the previous number of each.
     fn refit(&self, environment: &Environment, before: &[Fitted], changed: Changed) -> (Vec<Fitted>, Vec<u32>) {
         let is_left = |f: &Fitted| changed.before.is_none_or(|unit| !f.units.contains(&unit));
         let numbered = |f: &Fitted| {
@@ -125,14 +125,14 @@ impl Placer<'_> {
         all.into_iter().unzip()
     }
 
-    /// Everything that fits near a unit: all that it belongs to is among it.
+    /// All patches that fit near a unit, including all that it belongs to.
     fn fit_around(&self, environment: &Environment, unit: u32) -> Vec<Fitted> {
         let far = |(_, at): &(usize, throng_core::patch::Placement)| at.translation().length();
         let widest = self.patterns.iter().flat_map(|p| p.units.iter().map(far)).fold(0.0, f32::max);
         let at = environment.units[unit as usize].placement.translation();
         let apart = |i: u32| (environment.units[i as usize].placement.translation() - at).length();
         let all = || 0..environment.units.len() as u32;
-        // Any two of a set are no farther apart than twice that, and what else may fit from there is as far again.
+        // Units of one set are at most that far apart, and further ones that fit with them as far again.
         let index = UnitIndex::of(environment, all().filter(|&i| apart(i) < 4.0 * widest + 1.0));
         fit(&self.library, &self.patterns, &index, all().filter(|&i| apart(i) < 2.0 * widest + 0.5))
     }
@@ -168,7 +168,7 @@ impl Placer<'_> {
         let num_left = pairs.len();
         for new in (0..laid.fitted.len() as u32).filter(|&i| kept.was[i as usize] == NONE) {
             let near = overlapped(&laid.bounds, &laid.bounds[new as usize]);
-            // Two that are new are seen from the first of them.
+            // A pair of new instances is handled from the first of them.
             let others = near.filter(|&o| o != new && (kept.was[o as usize] != NONE || o > new));
             let pair = |o: u32| self.pair(&laid.fitted, new.min(o), new.max(o));
             pairs.extend(others.filter_map(pair).map(|pair| (pair, NONE)));
@@ -218,10 +218,10 @@ impl Placer<'_> {
     }
 }
 
-/// Sorts a list of which the first so many are sorted.
+/// Sorts a list with a sorted prefix of known length.
 fn merge<T: Ord>(list: &mut [T], sorted: usize) {
     list[sorted..].sort_unstable();
-    // Two runs, which a stable sort only merges.
+    // Two sorted runs, which a stable sort only merges.
     list.sort();
 }
 

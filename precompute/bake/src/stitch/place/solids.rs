@@ -1,4 +1,4 @@
-//! Units that stand in each other: an environment like that was put together by mistake.
+//! Overlapping units, which make an environment invalid.
 
 use super::near::overlapping;
 use crate::environment::{Bounds, Environment, Shape, Unit};
@@ -8,10 +8,10 @@ use throng_base::maths;
 use throng_core::patch::Placement;
 use throng_motion::error::BuildError;
 
-/// Copies of a unit stand in the same place where they are no farther apart than this (m).
+/// Largest distance of copies of a unit in the same place (m).
 const SAME_PLACE_M: f32 = 0.05;
 
-/// A box that may be turned any way.
+/// A box with any orientation.
 #[derive(Clone, Copy, Debug)]
 struct Solid {
     centre: Vec3,
@@ -20,7 +20,7 @@ struct Solid {
 }
 
 impl Solid {
-    /// The boxes of a unit, in its frame. Bars and triangles are not solid.
+    /// Boxes of a unit, in its frame. Bars and triangles are not solid.
     fn of(unit: &Unit) -> Vec<Self> {
         unit.shapes.iter().filter_map(Self::from_shape).collect()
     }
@@ -40,7 +40,7 @@ impl Solid {
         Self { centre: at.transform_point(self.centre), axes: self.axes.map(|a| turn * a), half: self.half }
     }
 
-    /// Half its extent along a direction.
+    /// Extent from the centre along a direction (m).
     fn reach(&self, direction: Vec3) -> f32 {
         (0..3).map(|k| self.half[k] * self.axes[k].dot(direction).abs()).sum()
     }
@@ -50,7 +50,7 @@ impl Solid {
         Bounds { min: self.centre - r, max: self.centre + r }
     }
 
-    /// How far one must move to leave the other: the least overlap along the directions that can separate two boxes.
+    /// Penetration depth of two boxes: the least overlap along the directions that can separate them.
     fn depth(&self, other: &Self) -> f32 {
         let crossed = self.axes.iter().flat_map(|a| other.axes.iter().map(|b| a.cross(*b)));
         let directions = self.axes.into_iter().chain(other.axes).chain(crossed);
@@ -61,7 +61,7 @@ impl Solid {
     }
 }
 
-/// Checks that no unit stands in another.
+/// Checks that no unit overlaps another.
 ///
 /// # Errors
 /// [`BuildError::Stage`] names two that do.
@@ -97,9 +97,9 @@ pub(in crate::stitch) fn check(
     Ok(())
 }
 
-/// True where no other unit stands in one of them, and no copy of it in the same place.
+/// True if no other unit overlaps a given one, and no copy of it is in the same place.
 ///
-/// - `shapes`: the boxes around all units (units).
+/// - `shapes`: bounds of all units (units).
 pub(in crate::stitch) fn is_free(
     library: &Library<'_>,
     environment: &Environment,

@@ -1,8 +1,8 @@
-//! Bits in words of 64, and lists of such words of which equal ones are stored once.
+//! Bits in words of 64, and lists of such words with equal ones stored once.
 
 use std::collections::HashMap;
 
-/// Words that `count` bits need.
+/// Number of words for `count` bits.
 pub(in crate::stitch) fn num_words(count: usize) -> usize {
     count.div_ceil(64)
 }
@@ -28,7 +28,7 @@ pub(in crate::stitch) fn set(words: &mut [u64], bit: u32) {
     words[bit as usize / 64] |= 1 << (bit % 64);
 }
 
-/// Lists of words one after the other, equal ones once.
+/// Concatenated lists of words, with equal ones stored once.
 #[derive(Clone, Debug)]
 pub(in crate::stitch) struct Pool {
     /// All words.
@@ -37,13 +37,13 @@ pub(in crate::stitch) struct Pool {
 }
 
 impl Pool {
-    /// Of no lists yet, in the memory of some words.
+    /// An empty pool that reuses the memory of some words.
     pub fn new(mut memory: Vec<u64>) -> Self {
         memory.clear();
         Self { words: memory, known: HashMap::new() }
     }
 
-    /// Where a list of words begins, which is added unless it is there.
+    /// Begin of a list of words, which is added if missing.
     pub fn place(&mut self, list: &[u64]) -> u32 {
         let hash = xxhash_rust::xxh3::xxh3_64(bytemuck::cast_slice(list));
         let same = |&(first, len): &(u32, u32)| self.words[first as usize..(first + len) as usize] == *list;

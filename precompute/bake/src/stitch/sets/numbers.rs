@@ -1,27 +1,27 @@
-//! Shared things by number: what a changed world has in common with the one before keeps being shared, and is found
-//! without a look at what it was made from.
+//! Numbering of shared values: values of a changed world in common with the previous one stay shared, and are found by
+//! number, without comparing their inputs.
 
 use super::same::Same;
 use std::collections::HashMap;
 use std::sync::Arc;
 use throng_core::patch::NONE;
 
-/// Numbers of shared things, in the order in which they are named.
+/// Numbers of shared values, in the order of first use.
 pub(in crate::stitch) struct Numbers<'b, T> {
     before: &'b [Arc<T>],
-    /// The number of each of those before; [`NONE`] until it is named (before.len()).
+    /// New number of each previous value; [`NONE`] until used (before.len()).
     now: Vec<u32>,
     known: HashMap<Same<T>, u32>,
     all: Vec<Arc<T>>,
 }
 
 impl<'b, T> Numbers<'b, T> {
-    /// - `before`: those of the world before.
+    /// - `before`: values of the previous world.
     pub fn new(before: &'b [Arc<T>]) -> Self {
         Self { before, now: vec![NONE; before.len()], known: HashMap::new(), all: Vec::new() }
     }
 
-    /// The number of what had a number before, or [`NONE`] for [`NONE`].
+    /// New number of a value with a previous number; [`NONE`] for [`NONE`].
     pub fn same(&mut self, was: u32) -> u32 {
         let Some(&now) = self.now.get(was as usize) else { return NONE };
         if now != NONE {
@@ -41,7 +41,7 @@ impl<'b, T> Numbers<'b, T> {
         })
     }
 
-    /// All that were named, by number.
+    /// All used values, by number.
     pub fn into_all(self) -> Vec<Arc<T>> {
         self.all
     }

@@ -1,10 +1,9 @@
-//! Sets of cells, one for each cell of a patch, in words of 64 of which only those are stored that hold anything: a
-//! search takes many cells at a time.
+//! Sets of cells, one for each cell of a patch, as non-empty words of 64 bits: a search handles many cells at a time.
 
 /// Up to 64 numbers of a set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::stitch) struct Word {
-    /// Number of the word: it holds the numbers `64 * index + bit`.
+    /// Index of the word, which holds the numbers `64 * index + bit`.
     pub index: u32,
     /// One bit for each number.
     pub bits: u64,
@@ -30,7 +29,7 @@ impl Rows {
         }
         let mut numbers = vec![0u32; ends[num_rows] as usize];
         for (row, number) in pairs {
-            // The first of the row, which moves on until it is that of the next one.
+            // Insert position in the row.
             let at = &mut ends[row as usize];
             numbers[*at as usize] = number;
             *at += 1;
@@ -52,7 +51,7 @@ impl Rows {
         self.starts.push(self.words.len() as u32);
     }
 
-    /// The rows that each number is in (num_rows).
+    /// The transposed relation: rows with each number (num_rows).
     pub fn transposed(&self, num_rows: usize) -> Self {
         let rows = 0..self.starts.len() as u32 - 1;
         Self::new(num_rows, rows.flat_map(|row| self.numbers(row).map(move |number| (number, row))))
@@ -68,14 +67,14 @@ impl Rows {
         self.of(row).iter().flat_map(|word| ones(word.bits).map(|bit| 64 * word.index + bit))
     }
 
-    /// The next number of a row; `at` is 0 at first and moves on.
+    /// Next number of a row; `at` starts at 0 and is advanced.
     pub fn next(&self, row: u32, at: &mut u32) -> Option<u32> {
         let words = self.of(row);
         while let Some(word) = words.get(*at as usize / 64) {
             let left = word.bits & (u64::MAX << (*at % 64));
             if left != 0 {
                 let bit = left.trailing_zeros();
-                // One after the last bit is the next word's first.
+                // After the last bit comes the first of the next word.
                 *at = *at / 64 * 64 + bit + 1;
                 return Some(64 * word.index + bit);
             }

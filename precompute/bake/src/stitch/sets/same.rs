@@ -1,14 +1,14 @@
-//! Keys for what is known once: a shared thing instead of all that it was made from.
+//! Keys by identity: a shared value in place of everything it was computed from.
 
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-/// A shared thing, equal to itself alone.
+/// A shared value, equal only to itself.
 #[derive(Debug)]
 pub(in crate::stitch) struct Same<T>(pub Arc<T>);
 
 impl<T> Same<T> {
-    /// Of a shared thing.
+    /// Key of a shared value.
     pub fn new(shared: &Arc<T>) -> Self {
         Self(Arc::clone(shared))
     }

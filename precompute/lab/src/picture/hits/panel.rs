@@ -13,7 +13,7 @@ use glam::{Vec2, Vec3};
 const STEP: f32 = 0.25;
 /// Radii of the least and the most forceful hit (px of a picture 1600 px wide).
 const RADII: [f32; 2] = [3.5, 8.5];
-/// More points than this are drawn smaller, so that they do not hide each other and the body.
+/// Number of points above which they are drawn smaller, so that they do not hide each other and the body.
 const MANY: usize = 150;
 /// Length of the tail of the most forceful hit (m).
 const TAIL: f32 = 0.12;
@@ -35,17 +35,17 @@ impl Axis {
 /// One view.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Panel {
-    /// Where it is seen from.
+    /// Name of the view.
     pub title: &'static str,
-    /// Its place on the page.
+    /// Position and size on the page.
     pub area: Area,
-    /// Draws into the panel's own picture.
+    /// Camera of the panel's own picture.
     pub camera: Camera,
-    /// Along the lower edge.
+    /// Axis along the lower edge.
     pub across: Axis,
-    /// Along the left edge.
+    /// Axis along the left edge.
     pub upwards: Axis,
-    /// Corner of the space that is shown (m).
+    /// Corner of the shown space (m).
     pub min: Vec3,
     /// The opposite corner (m).
     pub max: Vec3,
@@ -60,7 +60,7 @@ impl Panel {
         if let Some(body) = body {
             sprite::draw(&mut panel, body, &colours, &self.camera);
         }
-        // Farther ones first.
+        // Far points first.
         let mut order: Vec<&HitPoint> = points.iter().collect();
         order.sort_by(|a, b| self.camera.depth(b.position).total_cmp(&self.camera.depth(a.position)));
         let scale = (MANY as f32 / points.len().max(1) as f32).sqrt().clamp(0.4, 1.0);
@@ -105,7 +105,7 @@ impl Panel {
         }
     }
 
-    /// Numbers along the edges, names of the axes, title.
+    /// Draws numbers along the edges, names of the axes, and the title.
     fn labels(&self, page: &mut Picture, unit: f32) {
         let (min, max) = (self.area.min, self.area.max());
         let style = TextStyle { size: 17.0 * unit, colour: colour::INK_SOFT, align: Align::Centre, bold: false };

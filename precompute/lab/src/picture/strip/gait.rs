@@ -1,4 +1,4 @@
-//! The gait diagram: when which part of which foot is planted.
+//! The gait diagram: planted heels and toes over time.
 
 use super::super::canvas::{Area, Picture};
 use super::super::colour;
@@ -31,7 +31,7 @@ pub(super) fn draw(page: &mut Picture, layout: &Layout, frames: &[StripFrame]) {
     }
 }
 
-/// Horizontal position of a frame: at the middle of its column where it has one.
+/// Horizontal position of a frame; a frame with a column is at its centre (px).
 fn frame_x(layout: &Layout, frames: &[StripFrame], frame: f32) -> f32 {
     let last = frames.len().saturating_sub(1).max(1) as f32;
     layout.column_x(frame.clamp(0.0, last) / last * (layout.columns - 1) as f32)

@@ -1,4 +1,4 @@
-//! One character's motion over time: poses side by side, or where they really were.
+//! One character's motion over time: poses side by side, or at their true places.
 
 mod gait;
 mod onion;
@@ -21,17 +21,17 @@ use throng_runtime::{Contacts, Joint, Planar};
 /// One frame of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StripFrame {
-    /// Since the beginning (s). Ascending from frame to frame.
+    /// Time since the beginning, ascending from frame to frame (s).
     pub time_s: f32,
     /// Position and heading on the ground.
     pub root: Planar,
     /// The body, in the world.
     pub figure: Figure,
-    /// Which parts of the feet are planted.
+    /// Planted parts of the feet.
     pub contacts: Contacts,
 }
 
-/// What [`pose_strip`] and [`onion_skin`] draw.
+/// Input of [`pose_strip`] and [`onion_skin`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseStrip<'a> {
     /// First line.
@@ -40,7 +40,7 @@ pub struct PoseStrip<'a> {
     pub subtitle: &'a str,
     /// Every frame of the motion; the poses are chosen from them, evenly in time.
     pub frames: &'a [StripFrame],
-    /// Poses drawn (2 to 40).
+    /// Number of drawn poses (2 to 40).
     pub columns: usize,
     /// Adds a row with the same poses from the front ([`pose_strip`] only).
     pub front_row: bool,
@@ -49,7 +49,7 @@ pub struct PoseStrip<'a> {
 }
 
 /// Draws poses side by side as seen from the side of the motion, with contacts under the feet and in a gait
-/// diagram below, and the way of the root as a small map. Left limbs are orange, right ones blue.
+/// diagram below, and the path of the root as a small map. Left limbs are orange, right ones blue.
 ///
 /// Every pose is seen from its own right, facing right, with the root in the middle of its column.
 pub fn pose_strip(strip: &PoseStrip<'_>) -> Picture {
@@ -67,10 +67,10 @@ pub fn pose_strip(strip: &PoseStrip<'_>) -> Picture {
     page
 }
 
-/// A pose that is drawn: the number of its frame, and the frame.
+/// A drawn pose: the number of its frame, and the frame.
 type Pose<'a> = (usize, &'a StripFrame);
 
-/// Where things are on a strip (px).
+/// Layout of a strip (px).
 struct Layout {
     unit: f32,
     width: f32,
@@ -82,7 +82,7 @@ struct Layout {
     labels: Area,
     /// Gait diagram.
     gait: Area,
-    /// Map of the root's way.
+    /// Map of the root's path.
     map: Area,
     px_per_m: f32,
 }
@@ -116,7 +116,7 @@ impl Layout {
             .collect()
     }
 
-    /// Horizontal middle of a column; fractions lie between columns.
+    /// Horizontal centre of a column; fractions lie between columns (px).
     fn column_x(&self, column: f32) -> f32 {
         let area = self.rows[0];
         area.min.x + (column + 0.5) * area.size.x / self.columns as f32
@@ -158,7 +158,7 @@ fn draw_row(
     page.draw_picture(&panel, (area.min.x as i32, area.min.y as i32));
 }
 
-/// Figures with their shadows and contacts, in the order given; `faded` tells how far each has gone pale.
+/// Draws figures with their shadows and contacts, in the given order; `faded` is how pale each is (0 to 1).
 fn draw_poses(page: &mut Picture, views: &[(Camera, &StripFrame)], unit: f32, faded: impl Fn(usize) -> f32) {
     if let Some(mut shadows) = Shadows::new(page) {
         views.iter().for_each(|(camera, frame)| shadows.add(&frame.figure, camera));
@@ -172,7 +172,7 @@ fn draw_poses(page: &mut Picture, views: &[(Camera, &StripFrame)], unit: f32, fa
     }
 }
 
-/// A bar below every planted heel and toe, in the colour of its side.
+/// Draws a bar below every planted heel and toe, in the colour of its side.
 fn draw_contacts(page: &mut Picture, camera: &Camera, frame: &StripFrame, unit: f32, faded: f32) {
     for (contact, joint, tint) in [
         (Contacts::LEFT_HEEL, Joint::LeftFoot, colour::LEFT),
@@ -188,7 +188,7 @@ fn draw_contacts(page: &mut Picture, camera: &Camera, frame: &StripFrame, unit: 
     }
 }
 
-/// Time and speed of every pose.
+/// Draws time and speed of every pose.
 fn draw_labels(page: &mut Picture, layout: &Layout, frames: &[StripFrame], poses: &[Option<Pose<'_>>]) {
     let unit = layout.unit;
     let style = TextStyle { size: 20.0 * unit, colour: colour::INK, align: Align::Centre, bold: true };

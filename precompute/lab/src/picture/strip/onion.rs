@@ -1,4 +1,4 @@
-//! Poses where they really were, the older the paler.
+//! Poses at their true places, older ones paler.
 
 use super::super::camera::Camera;
 use super::super::canvas::{Area, Picture};
@@ -9,7 +9,7 @@ use super::{Layout, Pose, PoseStrip, StripFrame, draw_poses, steady_heading};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_PI_2;
 
-/// Draws poses along the true path of the root, seen from the side of the whole way and a little from above.
+/// Draws poses along the true path of the root, seen from the side of the whole path and a little from above.
 pub fn onion_skin(strip: &PoseStrip<'_>) -> Picture {
     let unit = strip.width.clamp(200, 8000) as f32 / 1600.0;
     let layout = Layout::new(strip, unit);
@@ -36,10 +36,10 @@ pub fn onion_skin(strip: &PoseStrip<'_>) -> Picture {
     page
 }
 
-/// Times are so far below the root on the floor (m).
+/// Distance of the times below the root on the floor (m).
 const BELOW_M: f32 = 0.24;
 
-/// The time under every pose that leaves room for it.
+/// Draws the time under every pose that leaves room for it.
 fn draw_times(panel: &mut Picture, camera: &Camera, unit: f32, poses: &[Pose<'_>]) {
     let style = TextStyle { size: 18.0 * unit, colour: colour::INK_SOFT, align: Align::Centre, bold: false };
     let mut drawn: Vec<Vec2> = Vec::new();
@@ -52,7 +52,7 @@ fn draw_times(panel: &mut Picture, camera: &Camera, unit: f32, poses: &[Pose<'_>
     }
 }
 
-/// The camera, and the height that its view needs (px).
+/// Camera of all poses, and the height that its view needs (px).
 fn fit(poses: &[Pose<'_>], frames: &[StripFrame], width: f32, unit: f32) -> (Camera, f32) {
     let tilt: f32 = 0.3;
     let (Some(first), Some(last)) = (poses.first(), poses.last()) else {

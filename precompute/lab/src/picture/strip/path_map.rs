@@ -1,4 +1,4 @@
-//! The way of the root from above, north up as in the overview: +X right, +Z down.
+//! The path of the root from above, oriented as the overview: +X right, +Z down.
 
 use super::super::camera::Camera;
 use super::super::canvas::{Area, Picture};

@@ -1,10 +1,10 @@
-//! Flow across a line.
+//! Measures the flow across a line.
 
 use glam::Vec2;
 use serde::Serialize;
 use throng_runtime::simulation::scene::GateConfig;
 
-/// Flow of people through openings, least and most that was measured: about 1.2 on level ways (Weidmann 1993, Transporttechnik
+/// Least and greatest measured flow of people through openings: about 1.2 on level ways (Weidmann 1993, Transporttechnik
 /// der Fussgaenger), 1.3 as escape routes are planned for (Nelson and Mowrer 2002, SFPE Handbook), to 1.9 in experiments with
 /// bottlenecks of about 1 m (Kretz, Gruenebohm and Schreckenberg 2006, J. Stat. Mech. P10014; Seyfried et al. 2009, Transp.
 /// Res. Rec. 2122). The flow grows in proportion to the width up to 5 m (Liao et al. 2014, Transp. Res. Procedia 2), so that
@@ -14,12 +14,12 @@ pub const HUMAN_FLOW_PER_M_S: [f64; 2] = [1.2, 1.9];
 /// Flow through a gate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Flow {
-    /// Agents that have crossed it in the direction of most.
+    /// Agents that have crossed it, in the more frequent direction.
     pub crossed: usize,
-    /// From the first to the last of the middle 80 % of them, so that neither the beginning nor the end counts. `None`
-    /// where fewer than 10 have crossed (persons/(m s)).
+    /// Flow from the first to the last of the middle 80 % of crossings, so that neither the beginning nor the end counts.
+    /// `None` if fewer than 10 agents have crossed (persons/(m s)).
     pub flow_per_m_s: Option<f64>,
-    /// What people do: least and most that was measured (persons/(m s)).
+    /// Least and greatest measured flow of people (persons/(m s)).
     pub human_flow_per_m_s: [f64; 2],
 }
 
@@ -28,20 +28,20 @@ pub struct Flow {
 pub struct GateMeter {
     from: Vec2,
     along: Vec2,
-    /// Of each agent: where it was.
+    /// Last position of each agent.
     before: Vec<Option<Vec2>>,
     /// Times of crossings, to the left of the line and to its right (s).
     crossings: [Vec<f64>; 2],
 }
 
 impl GateMeter {
-    /// Nobody has crossed yet.
+    /// A meter without crossings.
     pub fn new(gate: &GateConfig) -> Self {
         let from = Vec2::from(gate.from);
         Self { from, along: Vec2::from(gate.to) - from, before: Vec::new(), crossings: Default::default() }
     }
 
-    /// Looks at all agents, in the same order each time; `None` where one has left.
+    /// Observes the positions of all agents, in the same order each time; `None` for an agent that has left.
     pub fn observe(&mut self, time_s: f64, agents: impl Iterator<Item = Option<Vec2>>) {
         for (m, now) in agents.enumerate() {
             if m == self.before.len() {
@@ -54,7 +54,7 @@ impl GateMeter {
         }
     }
 
-    /// The side to which a step led across the gate.
+    /// Side to which a step led across the gate: 0 left, 1 right; `None` without a crossing.
     fn crossed(&self, a: Vec2, b: Vec2) -> Option<usize> {
         let [sa, sb] = [a, b].map(|p| self.along.perp_dot(p - self.from));
         if (sa > 0.0) == (sb > 0.0) {

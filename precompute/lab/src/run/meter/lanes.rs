@@ -1,9 +1,9 @@
-//! How far agents sort themselves into lanes by direction.
+//! Measures how far agents sort themselves into lanes by direction.
 
 use glam::Vec2;
 use throng_runtime::simulation::scene::LanesConfig;
 
-/// Fewest others in an agent's band for it to count.
+/// Least number of others in an agent's band for it to count.
 const FEWEST: usize = 2;
 
 /// The order of lanes over time.
@@ -12,29 +12,29 @@ pub struct LaneMeter {
     along: Vec2,
     width_m: f32,
     reach_m: f32,
-    /// Order at each time (s).
+    /// Time and order of each sample (s, 0 to 1).
     pub order: Vec<(f64, f64)>,
 }
 
 impl LaneMeter {
-    /// Nothing seen yet.
+    /// A meter without samples.
     pub fn new(config: &LanesConfig) -> Self {
         let along = Vec2::from(config.along);
-        // Lengths whose squares are no numbers any more, too.
+        // Also for lengths whose squares overflow.
         let along = along.try_normalize().unwrap_or_else(|| (along / along.abs().max_element()).normalize());
         Self { along, width_m: config.width_m, reach_m: config.reach_m, order: Vec::new() }
     }
 
-    /// Looks at all agents where the groups have met.
+    /// Observes all agents; nothing is added unless the groups overlap.
     ///
-    /// - `agents`: place, and whether it goes along the corridor rather than against it (m).
+    /// - `agents`: position (m), and whether the agent goes along the corridor rather than against it.
     pub fn observe(&mut self, time_s: f64, agents: &[(Vec2, bool)]) {
         if let Some(order) = lane_order(agents, self.along, self.width_m, self.reach_m) {
             self.order.push((time_s, order));
         }
     }
 
-    /// Mean order over the last quarter of what was seen: 0 as mixed as by chance, 1 all agents in lanes.
+    /// Mean order over the last quarter of the samples: 0 as mixed as by chance, 1 all agents in lanes.
     pub fn last(&self) -> Option<f64> {
         let last = &self.order[self.order.len() - self.order.len().div_ceil(4)..];
         (!last.is_empty()).then(|| last.iter().map(|o| o.1).sum::<f64>() / last.len() as f64)
@@ -72,7 +72,7 @@ fn lane_order(agents: &[(Vec2, bool)], along: Vec2, width_m: f32, reach_m: f32) 
     (num >= 20 && chance < 0.9).then(|| (order - chance) / (1.0 - chance))
 }
 
-/// Where the groups overlap along the corridor, their foremost and hindmost twentieths left out.
+/// Range along the corridor in which the groups overlap, without their foremost and hindmost twentieths.
 fn meeting(at: &[(f32, f32, bool)]) -> Option<(f32, f32)> {
     let range = |which: bool| {
         let mut all: Vec<f32> = at.iter().filter(|m| m.2 == which).map(|m| m.0).collect();

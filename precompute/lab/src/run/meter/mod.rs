@@ -1,4 +1,4 @@
-//! What is measured: overlaps of agents, progress, stuck agents, flow, lanes.
+//! Meters of agents: overlaps, progress, stuck agents, flow, lanes.
 
 mod gate;
 mod lanes;

@@ -1,4 +1,4 @@
-//! How far agents reach into each other.
+//! Measures overlaps of agents.
 
 use throng_runtime::crowd::{Obstacle, Space};
 
@@ -11,7 +11,7 @@ pub struct OverlapMeter {
     pub over_1cm: u64,
     /// Deepest overlap (m).
     pub max_m: f64,
-    /// Agents over all frames.
+    /// Sum of the numbers of agents over all frames.
     pub agent_frames: u64,
     cells: Cells,
 }
@@ -24,7 +24,7 @@ struct Cells {
 }
 
 impl OverlapMeter {
-    /// Looks at one frame.
+    /// Observes one frame.
     ///
     /// - `places`: centres and radii of all agents that have not left (m).
     pub fn observe<V: Space>(&mut self, places: &[(V, f32)]) {
@@ -33,7 +33,7 @@ impl OverlapMeter {
         let mut found = [0u64; 2];
         let mut deepest = self.max_m;
         self.cells.for_each_near(places, 2.0 * widest, |a, b| {
-            // In f64: the difference of two near places is exact to less than what is counted.
+            // In f64, so that the difference of two near places is more exact than the least counted depth.
             let between = (a.0 - b.0).coordinates().map(f64::from);
             let apart = between.iter().map(|c| c * c).sum::<f64>().sqrt();
             let deep = f64::from(a.1) + f64::from(b.1) - apart;
@@ -46,7 +46,7 @@ impl OverlapMeter {
         self.max_m = deepest;
     }
 
-    /// Looks at what stands, in the same frame.
+    /// Observes overlaps with obstacles, in the same frame.
     pub fn observe_solids<V: Space>(&mut self, places: &[(V, f32)], obstacles: &[Obstacle<V>]) {
         let all = places.iter().flat_map(|&p| obstacles.iter().map(move |o| depth(p, o)));
         for deep in all.filter(|d| *d > 0.0) {
@@ -57,7 +57,7 @@ impl OverlapMeter {
     }
 }
 
-/// Depth of a disc or ball in an obstacle that stands; below zero outside (m).
+/// Depth of a disc or ball in a static obstacle; below zero outside (m).
 fn depth<V: Space>((at, radius): (V, f32), obstacle: &Obstacle<V>) -> f64 {
     let line = |from: V, to: V| {
         let along = to - from;
@@ -78,7 +78,7 @@ fn depth<V: Space>((at, radius): (V, f32), obstacle: &Obstacle<V>) -> f64 {
 }
 
 impl Cells {
-    /// Calls with every pair that may be nearer than `reach`, once.
+    /// Calls `f` once with every pair that may be nearer than `reach`.
     fn for_each_near<V: Space>(&mut self, places: &[(V, f32)], reach: f32, mut f: impl FnMut(&(V, f32), &(V, f32))) {
         let Some(first) = places.first() else { return };
         let wide = |(l, h): (V, V), p: &(V, f32)| (l.min(p.0), h.max(p.0));

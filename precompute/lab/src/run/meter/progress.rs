@@ -1,66 +1,66 @@
-//! How agents get on towards their goals.
+//! Measures the progress of agents towards their goals.
 
 use throng_runtime::crowd::Space;
 
-/// An agent that stays within this distance is stuck .. (m).
+/// An agent that stays within this distance for `STUCK_S` is stuck (m).
 const STUCK_M: f32 = 0.5;
-/// ... after this time (s).
+/// See [`STUCK_M`] (s).
 const STUCK_S: f64 = 10.0;
-/// An agent that comes no nearer to its goal by that much is stuck, too, after this time: it may walk about in a jam (s).
+/// An agent that does not come `STUCK_M` nearer to its goal in this time is stuck, too: it may walk about in a jam (s).
 const JAMMED_S: f64 = 20.0;
-/// Time over which a speed is told (s).
+/// Time over which a speed is averaged (s).
 const WINDOW_S: f64 = 10.0;
 
-/// Progress along ways, and agents that make none.
+/// Progress along paths, and agents that make none.
 #[derive(Clone, Debug, Default)]
 pub struct ProgressMeter<V> {
     agents: Vec<OnTheWay<V>>,
-    /// Way gained by all agents (m).
+    /// Distance gained along the paths by all agents (m).
     gained_m: f64,
-    /// Time on the way of all agents (s).
+    /// Time that all agents were on their way (s).
     on_the_way_s: f64,
-    /// The same two in each ten seconds (m, s).
+    /// Distance gained and time on the way in each ten seconds (m, s).
     by_10s: Vec<[f64; 2]>,
 }
 
-/// Where an agent is on its way.
+/// Progress of one agent along its path.
 #[derive(Clone, Debug)]
 struct OnTheWay<V> {
-    /// Number of the way that it is on.
+    /// Number of its path.
     way: u32,
-    /// The corner that it goes to.
+    /// Next corner of the path.
     corner: usize,
-    /// Way that is left (m).
+    /// Remaining length of the path (m).
     left_m: f32,
-    /// When it was looked at, (s)
+    /// Time of the last sample (s).
     time_s: f64,
-    /// Where and since when it has been about there.
+    /// Place within `STUCK_M` of which it has stayed, and since when (m, s).
     stays: (V, f64),
-    /// The shortest way that was left as it is found by the agent, and since when (m, s).
+    /// Shortest remaining path so far, by the agent's own route, and since when (m, s).
     nearest: (f32, f64),
     has_arrived: bool,
     is_stuck: bool,
 }
 
-/// What is known of an agent at a time.
+/// Sample of an agent at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct Sight<'a, V> {
-    /// Where it is; `None` where it has left (m).
+    /// Position; `None` if it has left (m).
     pub at: Option<V>,
-    /// Corners of its way from its start to its goal (m).
+    /// Corners of its path from its start to its goal (m).
     pub way: &'a [V],
-    /// How often its way has changed.
+    /// How often its path has changed.
     pub way_number: u32,
-    /// The way that is left by corners that it finds itself, around what stands (m).
+    /// Remaining length of its own route around obstacles (m).
     pub left_m: f32,
-    /// How near to the goal is there (m).
+    /// Distance from the goal at which it has arrived (m).
     pub arrival_m: f32,
-    /// It begins its way again at the end.
+    /// True if it begins its path again at the end.
     pub again: bool,
 }
 
 impl<V: Space> ProgressMeter<V> {
-    /// Looks at all agents, in the same order each time.
+    /// Observes all agents, in the same order each time.
     pub fn observe<'a>(&mut self, time_s: f64, agents: impl Iterator<Item = Sight<'a, V>>) {
         for (m, sight) in agents.enumerate() {
             if m == self.agents.len() {
@@ -79,17 +79,17 @@ impl<V: Space> ProgressMeter<V> {
         }
     }
 
-    /// Mean speed along their ways of agents that have not arrived (m/s).
+    /// Mean speed along their paths of agents that have not arrived (m/s).
     pub fn progress_mps(&self) -> f64 {
         self.gained_m / self.on_the_way_s.max(1e-9)
     }
 
-    /// The same in each ten seconds in which there were any (m/s).
+    /// Mean speed along their paths in each ten seconds in which agents were on their way (m/s).
     pub fn progress_by_10s_mps(&self) -> Vec<f64> {
         self.by_10s.iter().filter(|w| w[1] > 0.0).map(|w| w[0] / w[1]).collect()
     }
 
-    /// Agents that stay within half a metre now, for 10 s or longer, on their way, or have come no nearer for 20 s.
+    /// Agents on their way that by now have stayed within half a metre for 10 s, or come no nearer for 20 s.
     pub fn stuck_at(&self, time_s: f64) -> usize {
         self.agents.iter().filter(|m| !m.has_arrived && m.stands(time_s)).count()
     }
@@ -99,8 +99,8 @@ impl<V: Space> ProgressMeter<V> {
         self.agents.iter().filter(|m| m.has_arrived).count()
     }
 
-    /// Agents that stayed within half a metre for 10 s though they were not there, or came no nearer to their goal by as much
-    /// for 20 s.
+    /// Agents that at any time stayed within half a metre for 10 s away from their goal, or did not come half a metre nearer in
+    /// 20 s.
     pub fn stuck(&self) -> usize {
         self.agents.iter().filter(|m| m.is_stuck).count()
     }
@@ -124,7 +124,7 @@ impl<V: Space> OnTheWay<V> {
         one
     }
 
-    /// Goes on to what is seen now: way gained and time spent on the way.
+    /// Advances to a sample; returns the distance gained and the time spent on the way (m, s).
     fn go_on(&mut self, sight: &Sight<'_, V>, time_s: f64) -> (f32, f64) {
         if self.way != sight.way_number {
             *self = Self { is_stuck: self.is_stuck, ..Self::start(sight, time_s) };
@@ -144,7 +144,7 @@ impl<V: Space> OnTheWay<V> {
         }
         let is_there = self.is_there(sight, at);
         let left = self.left(sight.way, at);
-        // A way that begins again may have begun; one by other corners is longer by those of the way.
+        // A loop may have begun again; a route by other corners may be longer than the path.
         let left = if is_there { left.min(sight.left_m) } else { left };
         let gained = std::mem::replace(&mut self.left_m, left) - left;
         if (at - self.stays.0).length() > STUCK_M {
@@ -164,26 +164,26 @@ impl<V: Space> OnTheWay<V> {
         (gained, spent)
     }
 
-    /// It makes no progress.
+    /// True if it makes no progress.
     fn stands(&self, time_s: f64) -> bool {
         time_s - self.stays.1 > STUCK_S || time_s - self.nearest.1 > JAMMED_S
     }
 
-    /// The corner is behind: near, or beyond the plane through it across the next leg.
+    /// True if the corner is behind: near, or beyond the plane through it across the next leg.
     fn has_passed(&self, way: &[V], at: V, near_m: f32) -> bool {
         let (Some(&corner), Some(&next)) = (way.get(self.corner), way.get(self.corner + 1)) else { return false };
         let off = at - corner;
         off.length() <= near_m || off.dot(next - corner) > 0.0 && off.dot(corner - way[self.corner - 1]) > 0.0
     }
 
-    /// It may have come by other corners than those of the way.
+    /// True if it has arrived; it may have come by other corners than those of the path.
     fn is_there(&self, sight: &Sight<'_, V>, at: V) -> bool {
         let is_on_last =
             self.corner >= sight.way.len().saturating_sub(1) || !sight.again && sight.left_m <= sight.arrival_m;
         is_on_last && sight.way.last().is_none_or(|&goal| (at - goal).length() <= sight.arrival_m)
     }
 
-    /// To the corner, and from there on along the way (m).
+    /// Remaining length: to the corner, and from there along the path (m).
     fn left(&self, way: &[V], at: V) -> f32 {
         let Some(&corner) = way.get(self.corner) else { return 0.0 };
         (at - corner).length() + way[self.corner..].windows(2).map(|l| (l[1] - l[0]).length()).sum::<f32>()
@@ -202,7 +202,7 @@ mod tests {
         Sight { at, way: &WAY, way_number: 0, left_m, arrival_m: 0.5, again }
     }
 
-    /// Walks the way at a speed, `dt` between looks.
+    /// Position after a distance along the path (m).
     fn along(s: f32) -> Vec2 {
         if s < 10.0 { Vec2::new(s, 0.0) } else { Vec2::new(10.0, (s - 10.0).min(10.0)) }
     }
@@ -245,7 +245,7 @@ mod tests {
             for i in 0..=seconds * 30 {
                 let t = f64::from(i) / 30.0;
                 let walks = sight(Some(Vec2::new(4.0 + 0.4 * (t as f32).sin(), 2.0 * (0.3 * t as f32).cos())), false);
-                // Round a wall that its own way is found by, away from the goal at first.
+                // Around a wall on its own route, away from the goal at first.
                 let round =
                     Sight { left_m: 60.0 - t as f32, ..sight(Some(Vec2::new(4.0 - 0.2 * t as f32, 0.0)), false) };
                 meter.observe(t, [walks, round].into_iter());

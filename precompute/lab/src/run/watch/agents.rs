@@ -1,4 +1,4 @@
-//! Watches agents: overlaps, progress, flow, lanes.
+//! Measures agents: overlaps, progress, flow, lanes.
 
 use crate::run::figures::{AgentFigures, ThingFigures};
 use crate::run::meter::{GateMeter, LaneMeter, OverlapMeter, ProgressMeter, Sight};
@@ -9,7 +9,7 @@ use throng_runtime::simulation::agents::{self as crowd, Handled, plan};
 use throng_runtime::simulation::scene::MeasureConfig;
 use throng_runtime::simulation::{GroupCast, Simulation};
 
-/// What was measured of all agents until now.
+/// Figures of all agents until now.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AgentsNow {
     /// Agents that have not left.
@@ -22,11 +22,11 @@ pub struct AgentsNow {
     pub progress_mps: f64,
     /// Agents that have reached their goal.
     pub arrived: usize,
-    /// Agents that stayed within half a metre for 10 s on their way, or came no nearer to their goal by as much for 20 s.
+    /// Agents that stayed within half a metre for 10 s on their way, or did not come half a metre nearer to their goal in 20 s.
     pub stuck: usize,
 }
 
-/// Does something with the agents of a cast, on the ground or in the air, and with what watches them.
+/// Applies an expression to the agents of a group, on the ground or in the air, and to their watch.
 macro_rules! with_agents {
     ($watch:expr, $cast:expr, |$w:ident, $agents:ident| $work:expr) => {
         match ($watch, $cast) {
@@ -40,9 +40,9 @@ macro_rules! with_agents {
 /// Measures agents of a simulation, on the ground or in the air.
 #[derive(Clone, Debug)]
 pub struct AgentsMeter {
-    /// Number of their cast.
+    /// Number of their character group.
     cast: usize,
-    /// The number that the first agent has among the characters of the simulation.
+    /// Number of the first agent among the characters of the simulation.
     first: usize,
     agents: Agents,
 }
@@ -54,12 +54,12 @@ enum Agents {
 }
 
 impl AgentsMeter {
-    /// Nothing seen yet; none for a simulation without agents.
+    /// A meter without observations; none for a simulation without agents.
     pub fn new(sim: &Simulation) -> Option<Self> {
         Self::of_groups(sim, |_| true)
     }
 
-    /// For the agents of some groups, by their number; none if there are none.
+    /// Meter of the agents of some groups, by their number; none without agents.
     pub(super) fn of_groups(sim: &Simulation, is_seen: impl Fn(usize) -> bool) -> Option<Self> {
         let cast = sim.casts().iter().position(|c| matches!(c, GroupCast::Ground(_) | GroupCast::Air(_)))?;
         let groups = || sim.groups().iter().enumerate().filter(|(_, g)| g.cast == cast);
@@ -78,38 +78,38 @@ impl AgentsMeter {
         Some(Self { cast, first, agents })
     }
 
-    /// Looks at all agents, at most 30 times a simulated second.
+    /// Observes all agents; to be called at most 30 times a simulated second.
     pub fn observe(&mut self, sim: &Simulation) -> AgentsNow {
         with_agents!(&mut self.agents, &sim.casts()[self.cast], |w, all| w.observe_now(all)).unwrap_or_default()
     }
 
-    /// How far bodies are from their discs, after a step.
+    /// Measures the distances of bodies from their discs, after a step.
     pub(super) fn observe_bodies(&mut self, sim: &Simulation) {
         with_agents!(&mut self.agents, &sim.casts()[self.cast], |w, all| w.observe_bodies(sim, self.first, all));
     }
 
-    /// Number of agents that are stuck, and what was measured.
+    /// Number of stuck agents, and the figures.
     ///
-    /// - `is_timed`: the simulation's times count for these agents.
+    /// - `is_timed`: the wall times of the simulation are attributed to these agents.
     pub(super) fn figures(&self, sim: &Simulation, seconds: f64, is_timed: bool) -> Option<(usize, AgentFigures)> {
         let busy_s = sim.busy_s().get(self.cast).filter(|_| is_timed).map(|&s| (s, s));
         with_agents!(&self.agents, &sim.casts()[self.cast], |w, all| (w.stuck(), w.figures(all, seconds, busy_s)))
     }
 }
 
-/// Looks at some agents thirty times a second.
+/// Measures some agents thirty times a second.
 #[derive(Clone, Debug)]
 pub(in crate::run) struct AgentWatch<V> {
-    /// Their numbers in the crowd.
+    /// Numbers of the agents in the crowd.
     agents: Vec<usize>,
     overlaps: OverlapMeter,
     progress: ProgressMeter<V>,
     gate: Option<GateMeter>,
     lanes: Option<LaneMeter>,
-    /// Of each group of the scene: it goes along the direction of lanes.
+    /// Flags of the scene's groups that go along the direction of lanes.
     goes_along: Vec<bool>,
     places: Vec<(V, f32)>,
-    /// How often they were looked at.
+    /// Number of samples.
     looks: u64,
     hips_off_max_m: Option<f64>,
 }
@@ -129,7 +129,7 @@ impl<V: Space> AgentWatch<V> {
         }
     }
 
-    /// Looks at all of them now.
+    /// Observes all of them.
     pub fn observe(&mut self, agents: &crowd::Agents<V>) {
         let (layout, time_s) = (agents.layout(), agents.crowd().now());
         let at = |m: usize| agents.position(m, time_s);
@@ -161,7 +161,7 @@ impl<V: Space> AgentWatch<V> {
         }
     }
 
-    /// Looks at all of them, and says what was measured until now.
+    /// Observes all of them, and returns the figures until now.
     fn observe_now(&mut self, agents: &crowd::Agents<V>) -> AgentsNow {
         let before = self.overlaps.over_1mm;
         self.observe(agents);
@@ -179,15 +179,15 @@ impl<V: Space> AgentWatch<V> {
         self.progress.stuck()
     }
 
-    /// What was measured.
+    /// The figures.
     ///
-    /// - `busy_s`: wall time of the engine, and time that it was running, where that is told (s).
+    /// - `busy_s`: wall time and running time of the engine, if they are measured (s).
     pub fn figures(&self, agents: &crowd::Agents<V>, seconds: f64, busy_s: Option<(f64, f64)>) -> AgentFigures {
         let n = self.agents.len();
         let of_all = n == agents.num_agents();
         let counts = agents.crowd().counts();
         let frames = self.overlaps.agent_frames.max(1) as f64;
-        // Those who left cost nothing any more.
+        // Agents that have left cost nothing any more.
         let present_s = frames * seconds / self.looks.max(1) as f64;
         let a_second = |count: u64| of_all.then_some(count as f64 / present_s);
         let speeds = self.agents.iter().map(|&m| f64::from(agents.layout().setup.agents[m].speed));
@@ -217,7 +217,7 @@ impl<V: Space> AgentWatch<V> {
         }
     }
 
-    /// How far bodies are from their discs over the ground.
+    /// Measures the distances over ground of bodies from their discs.
     fn observe_bodies(&mut self, sim: &Simulation, first: usize, agents: &crowd::Agents<V>) {
         for &m in &self.agents {
             let Some(pose) = sim.joint_positions(first + m) else { continue };
@@ -229,7 +229,7 @@ impl<V: Space> AgentWatch<V> {
     }
 }
 
-/// Events inside a crowd; with steps instead of events, every agent acts at each.
+/// Number of events of a crowd; in a stepped engine, the number of decisions.
 fn events(c: &Counts) -> u64 {
     if c.steps > 0 {
         return c.decisions;
@@ -237,7 +237,7 @@ fn events(c: &Counts) -> u64 {
     c.resetting + c.colliding + c.meeting + c.entering + c.leaving + c.contacting + c.separating
 }
 
-/// Of each group: on the whole, its agents go along a direction.
+/// Flags of the groups whose agents on the whole go along a direction.
 fn goes_along<V: Space>(agents: &crowd::Agents<V>, along: Vec2) -> Vec<bool> {
     let layout = agents.layout();
     let mut sums = vec![0.0; layout.groups.iter().max().map_or(0, |g| g + 1)];
@@ -247,7 +247,7 @@ fn goes_along<V: Space>(agents: &crowd::Agents<V>, along: Vec2) -> Vec<bool> {
     sums.iter().map(|s| *s > 0.0).collect()
 }
 
-/// What hands did.
+/// Figures of hands.
 fn things(handled: &Handled) -> ThingFigures {
     ThingFigures {
         things_taken: handled.taken,

@@ -1,4 +1,4 @@
-//! Watches what two people do together: how often, how near to the capture, and how long they wait for each other.
+//! Measures pairs of people that act together: how often, how near to the capture, and how long they wait for each other.
 
 use crate::histogram::Histogram;
 use serde::Serialize;
@@ -7,38 +7,38 @@ use throng_core::planar::wrap_angle;
 use throng_runtime::simulation::inhabited::Inhabited;
 use throng_runtime::world::inhabitants::{InhabitantEvent, Wish};
 
-/// What was measured of people who do something together.
+/// Figures of pairs of people that act together.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PartnerFigures {
-    /// Times that two began to do something together.
+    /// Times that two people began to act together.
     pub pairs_begun: u64,
-    /// Times that two did it as long as they wished.
+    /// Times that two people completed their action.
     pub pairs_finished: u64,
-    /// Times that one of two left in the middle of it, or was told something else.
+    /// Times that one of two people left during the action, or got another order.
     pub pairs_broken_off: u64,
-    /// Times that two were to come together and did not begin.
+    /// Times that two people were to meet and did not begin.
     pub pairs_given_up: u64,
-    /// Distance of a partner from where the capture has it, once both have begun for half a second, 95th percentile of all
+    /// Distance of a partner from its place in the capture, from half a second after both have begun, 95th percentile of all
     /// steps (m).
     pub partner_off_p95_m: f64,
-    /// The same at worst (m).
+    /// Largest distance of a partner from its place in the capture (m).
     pub partner_off_max_m: f64,
-    /// How far a partner is turned from its heading in the capture, 95th percentile (deg).
+    /// Angle of a partner off its heading in the capture, 95th percentile (deg).
     pub partner_turned_p95_deg: f64,
-    /// The same at worst (deg).
+    /// Largest angle of a partner off its heading in the capture (deg).
     pub partner_turned_max_deg: f64,
-    /// How long the first one of two waited for the other one, mean (s).
+    /// Time that the first of two waited for the other, mean (s).
     pub partner_wait_mean_s: f64,
-    /// The same, 95th percentile (s).
+    /// Time that the first of two waited for the other, 95th percentile (s).
     pub partner_wait_p95_s: f64,
-    /// The same at worst (s).
+    /// Longest time that the first of two waited for the other (s).
     pub partner_wait_max_s: f64,
 }
 
-/// Values up to a thousand, to a hundredth.
+/// Histogram of values up to a thousand, to a hundredth.
 type Hundredths = Histogram<100, 100_001>;
 
-/// Looks at pairs after each step.
+/// Measures pairs after each step.
 #[derive(Default)]
 pub(super) struct PartnerMeter {
     begun: u64,
@@ -51,7 +51,7 @@ pub(super) struct PartnerMeter {
 }
 
 impl PartnerMeter {
-    /// Looks at all people of a world.
+    /// Observes all people of a world.
     pub fn look(&mut self, people: &Inhabited) {
         let inhabitants = people.inhabitants();
         for &(id, event) in inhabitants.events() {
@@ -83,7 +83,7 @@ impl PartnerMeter {
         }
     }
 
-    /// What was measured; nothing where nobody was to do anything together.
+    /// The figures; none if no pair was to act together.
     pub fn figures(&self) -> Option<PartnerFigures> {
         if self.begun + self.given_up == 0 {
             return None;

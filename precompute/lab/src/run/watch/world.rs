@@ -1,4 +1,4 @@
-//! Watches characters of a world: penetrations, progress.
+//! Measures characters of a world: penetrations, progress.
 
 use crate::run::figures::InhabitedFigures;
 use crate::run::report::{fault, geometry};
@@ -13,15 +13,15 @@ use throng_runtime::{Joint, NUM_JOINTS};
 
 /// Penetrations deeper than this into a unit count (m).
 const PENETRATION_M: f32 = 0.08;
-/// A character that wants to go somewhere and stays within `STUCK_M` for this long is stuck (s).
+/// A character that has a goal elsewhere and stays within `STUCK_M` for this long is stuck (s).
 const STUCK_S: f64 = 30.0;
 /// See [`STUCK_S`] (m).
 const STUCK_M: f32 = 0.5;
 
-/// Turning is counted from one stretch of a way to the next, each this long over ground (m).
+/// Length over ground of the path stretches between which turning is measured (m).
 const STRETCH_M: f32 = 0.5;
 
-/// The last stretch of a character's way over ground.
+/// The last stretch of a character's path over ground.
 #[derive(Clone, Copy, Debug)]
 struct Stretch {
     end: Vec2,
@@ -29,23 +29,23 @@ struct Stretch {
     direction: Vec2,
 }
 
-/// Where a character was when it last came forward.
+/// Place and time of a character's last progress.
 #[derive(Clone, Copy, Debug)]
 struct Progress {
     at: Vec3,
     since_s: f64,
 }
 
-/// Looks at some characters of one world every tenth of a second.
+/// Measures some characters of one world every tenth of a second.
 pub(super) struct WorldWatch {
     pub cast: usize,
-    /// Their numbers in the simulation.
+    /// Numbers of the characters in the simulation.
     characters: Vec<usize>,
     body: Body,
     geometry: PlacedGeometry,
-    /// Penetrations: time, character, what (s).
+    /// Penetrations: time (s), character, description.
     pub faults: Vec<(f32, usize, String)>,
-    /// Characters and the units that they are in now.
+    /// Current pairs of a character and a unit that it penetrates.
     inside: BTreeSet<(usize, usize)>,
     penetrations: u64,
     deepest_m: f32,
@@ -54,7 +54,7 @@ pub(super) struct WorldWatch {
     last: Vec<Vec3>,
     travelled_m: f64,
     stretches: Vec<Stretch>,
-    /// Sum over all stretches (deg, m).
+    /// Sum of turning angles, and of lengths, over all stretches (deg, m).
     turned_deg: f64,
     along_m: f64,
     looks: u64,
@@ -126,7 +126,7 @@ impl WorldWatch {
         }
     }
 
-    /// Finds the characters that are in units.
+    /// Finds the characters that penetrate units.
     fn look_around(&mut self, sim: &Simulation) {
         let mut inside = BTreeSet::new();
         for &c in &self.characters {

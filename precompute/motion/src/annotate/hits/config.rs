@@ -1,18 +1,18 @@
-//! What makes a motion of a limb an effective hit.
+//! Settings of the search for effective hits.
 
 use crate::error::{BuildError, check_ranges};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How effective hits are found (Lee and Lee 2004, section 6).
+/// Settings of the search for effective hits (Lee and Lee 2004, section 6).
 ///
-/// A *thrust* is the blow of Lee and Lee (2004): the fist moves along the forearm, faster than a threshold. A *swing* moves across
-/// it, as hooks and most kicks do, and is told by its whole speed. Speeds that decide are relative to the ground
-/// speed of the hips, so that neither running nor stepping back counts.
+/// A *thrust* is the blow of Lee and Lee (2004): the fist moves along the forearm, faster than a threshold. A *swing* moves
+/// across it, as hooks and most kicks do, and is found by its whole speed. Speeds that decide are relative to the ground speed
+/// of the hips, so that neither running nor stepping back counts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct HitConfig {
-    /// Look for hits. What sidecars mark by hand counts in any case.
+    /// Look for hits. Hits that sidecars mark by hand count in any case.
     pub enabled: bool,
     /// A blow lands at the last frame at which the fist or foot still has this share of its greatest speed: near the
     /// limb's full length, with most of its power. 1 is the fastest frame itself (> 0, <= 1).
@@ -40,13 +40,13 @@ pub struct PunchConfig {
     pub swing_speed: Option<f32>,
     /// A swing's fist is at most this far below its shoulder where it lands (m, >= 0).
     pub swing_drop: f32,
-    /// An arm that strikes points at most so far above or below level where it is longest, and its fist moves upwards by
-    /// no more: who reaches up or down does not strike (deg, 0 to 90).
+    /// Largest angle above or below level at which a striking arm points where it is longest, and at which its fist moves
+    /// upwards: an arm that reaches up or down does not strike (deg, 0 to 90).
     pub elevation_deg: f32,
     /// Least shortening of the arm within 0.6 s of a thrust, as a share of its length: a hand that is offered, or that
     /// points, stays out. Thrusts at the end of a clip need not come back (0 to 1).
     pub retreat: f32,
-    /// While a foot is more than this above the other one, and 0.4 s before and after, arms balance or guard (m, >= 0).
+    /// Height of one foot above the other from which arms balance or guard, 0.4 s before and after, too (m, >= 0).
     pub raised_foot: f32,
     /// Least time between two punches of one hand (s, >= 0).
     pub min_gap: f32,
@@ -99,7 +99,7 @@ impl Default for KickConfig {
 }
 
 impl HitConfig {
-    /// Refuses numbers outside their limits.
+    /// Checks every number against its limits.
     ///
     /// # Errors
     /// [`BuildError::Config`] with the key, what was expected and what was found.

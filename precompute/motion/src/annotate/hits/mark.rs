@@ -10,13 +10,13 @@ use throng_core::{Joint, Skeleton};
 /// A hit that a sidecar marks, in the clip's frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HitMark {
-    /// What kind of blow.
+    /// Kind of blow.
     pub kind: HitKind,
     /// The joint that strikes.
     pub joint: Joint,
-    /// Where the joint's fastest moment is looked for. Not empty, inside the clip.
+    /// Range in which the joint's fastest moment is searched for. Not empty, inside the clip.
     pub range: FrameRange,
-    /// Where it is marked.
+    /// Place in a file at which the hit is marked.
     pub place: Place,
 }
 
@@ -24,7 +24,7 @@ impl HitMark {
     /// The hit at the fastest moment of the range.
     ///
     /// # Errors
-    /// Where that frame is left out or the joint does not move.
+    /// Errors where that frame is left out, or the joint does not move.
     pub(super) fn hit(&self, clip: &Clip, poses: &Poses, skeleton: &Skeleton) -> Result<Hit, BuildError> {
         let joint = self.joint.name();
         let refuse = |what: String| Err(self.place.fault(what));

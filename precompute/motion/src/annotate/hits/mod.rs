@@ -31,40 +31,40 @@ use std::collections::BTreeMap;
 use throng_core::{Contacts, Joint, Skeleton};
 use track::{Limb, Poses, Track};
 
-/// Blows that are shorter are faults of the recording: a joint that jumps from one frame to the next (s).
+/// Least duration of a blow; shorter ones are faults of the recording: a joint that jumps from one frame to the next (s).
 const MIN_DURATION: f64 = 0.05;
 
 /// Least time between two swings of one hand (s).
 const SWING_GAP: f64 = 0.25;
 
-/// Arms whose wrist is this near to the shoulder, as a share of the arm's length, are bent: the elbow by 50 degrees.
+/// Distance from wrist to shoulder, as a share of the arm's length, below which the arm is bent: the elbow by 50 degrees.
 const BENT: f32 = 0.9;
 
-/// Limbs shorter than this where they are longest, as a share of their length, do not strike: knee or elbow is bent by
-/// more than 80 degrees there, as a guard's is.
+/// Length of a limb where it is longest, as a share of its full length, below which it does not strike: knee or elbow is bent
+/// by more than 80 degrees there, as a guard's is.
 const FOLDED: f32 = 0.75;
 
-/// Whose trunk is nearer to level lies, crawls, or reaches for the ground (rad above level).
+/// Angle of the trunk above level below which a body lies, crawls, or reaches for the ground (rad).
 const UPRIGHT: f32 = 0.35;
 
-/// A fist that is at its full extension later after its fastest moment reaches for something (s).
+/// Time from its fastest moment to its full extension above which a fist reaches for something (s).
 const LATE: f64 = 0.35;
 
-/// Within this time of its full extension a fist that struck comes back (s).
+/// Time within which a fist that struck comes back after its full extension (s).
 const COMES_BACK: f64 = 0.6;
 
-/// Arms balance a kick so long before and after (s).
+/// Time before and after a kick in which arms balance it (s).
 const BALANCE: f64 = 0.4;
 
-/// A slower joint has no direction to strike in (m/s).
+/// Speed below which a joint has no direction to strike in (m/s).
 const MIN_SPEED: f32 = 0.05;
 
-/// Effective hits of a clip whose contacts and unusable frames are known: those that are found and those that are
-/// marked, ascending by frame. Forces are left at 1; [`set_forces`] fills them in.
+/// Finds the effective hits of a clip whose contacts and unusable frames are known: those that the search finds and those that
+/// are marked, ascending by frame. Forces are left at 1; [`set_forces`] fills them in.
 ///
-/// A mark takes the place of what is found for the same joint nearby.
+/// A mark replaces a found hit of the same joint nearby.
 ///
-/// - `automatic`: false leaves the marks alone.
+/// - `automatic`: false keeps the marks alone.
 ///
 /// # Errors
 /// [`BuildError::Config`] for a mark on a frame that is left out or on a joint that does not move.
@@ -106,7 +106,7 @@ pub fn set_forces(clips: &mut [Clip]) {
     }
 }
 
-/// What is looked through.
+/// Inputs of the search for hits of one clip.
 struct Search<'a> {
     clip: &'a Clip,
     skeleton: &'a Skeleton,
@@ -127,7 +127,7 @@ impl Search<'_> {
             let track = self.track(limb);
             let mut blows = self.thrusts(limb, &track, cfg);
             if let Some(speed) = cfg.swing_speed {
-                // The arm is bent and need not grow longer.
+                // A bent arm need not grow longer.
                 let shoulder = |f: usize| self.poses[f][limb.root.index()].0.y;
                 let min_frames = self.frames_up(MIN_DURATION);
                 let all = self
@@ -147,7 +147,7 @@ impl Search<'_> {
         out
     }
 
-    /// Blows along the forearm; in the world, too, they go where it points, and outwards.
+    /// Blows along the forearm; in the world, too, they go in its direction, and outwards.
     fn thrusts(&self, limb: Limb, track: &Track, cfg: &PunchConfig) -> Vec<Blow> {
         let level = cfg.elevation_deg.to_radians();
         let strikes = |(range, run): (&FrameRange, Run)| {
@@ -173,7 +173,7 @@ impl Search<'_> {
         self.runs(track).filter_map(strikes).collect()
     }
 
-    /// Blows of the feet, which are where the leg is longest high above the other foot.
+    /// Blows of feet that are high above the other foot where the leg is longest.
     fn kicks(&self, cfg: &KickConfig) -> Vec<Hit> {
         let tracks = Limb::LEGS.map(|limb| self.track(limb));
         let planted = [Contacts::LEFT, Contacts::RIGHT];
@@ -202,7 +202,7 @@ impl Search<'_> {
         Track::new(self.poses, self.skeleton, limb, self.clip.rate_hz)
     }
 
-    /// Every time that a limb grows longer, for as long as a blow takes at least, and the usable frames that it is in.
+    /// Runs in which a limb grows longer, for at least as long as a blow takes, and the usable frames that each is in.
     fn runs(&self, track: &Track) -> impl Iterator<Item = (&FrameRange, Run)> {
         let shortest = self.frames_up(MIN_DURATION);
         let in_range = |r: &'_ FrameRange| runs::outward(&track.extensions, r.clone());
@@ -241,7 +241,7 @@ fn elevation(direction: Vec3) -> f32 {
     direction.normalize_or_zero().y.clamp(-1.0, 1.0).asin()
 }
 
-/// Adds blows that are at least `min_gap` frames from those that are there.
+/// Adds blows that are at least `min_gap` frames from the blows that are there.
 fn add_apart(blows: &mut Vec<Blow>, more: impl IntoIterator<Item = Blow>, min_gap: usize) {
     let num = blows.len();
     for b in more {
@@ -251,7 +251,7 @@ fn add_apart(blows: &mut Vec<Blow>, more: impl IntoIterator<Item = Blow>, min_ga
     }
 }
 
-/// A hit as seen from its frame's planar root; `None` where the joint does not move.
+/// A hit relative to its frame's planar root; `None` where the joint does not move.
 ///
 /// - `motion`: position and velocity of the striking point in the world.
 fn hit_at(clip: &Clip, frame: usize, kind: HitKind, joint: Joint, motion: (glam::Vec3, glam::Vec3)) -> Option<Hit> {

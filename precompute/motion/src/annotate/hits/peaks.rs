@@ -3,7 +3,7 @@
 use super::runs::Run;
 use crate::clip::FrameRange;
 
-/// A swing lasts as long as it has at least this share of its greatest speed.
+/// Share of its greatest speed down to which a swing lasts.
 const SWING_LASTS: f32 = 0.25;
 
 /// A blow.
@@ -43,7 +43,7 @@ pub fn swings(speeds: &[f32], range: FrameRange, least: f32, min_frames: usize, 
     peaks.map(|peak| Blow::from_peak(speeds, peak, range.end, landing_share)).collect()
 }
 
-/// Of blows that land too near to each other, the fastest; ascending.
+/// Keeps the fastest of blows that land too near to each other; ascending.
 pub fn strongest(mut blows: Vec<Blow>, min_gap: usize) -> Vec<Blow> {
     blows.sort_by(|a, b| b.speed.total_cmp(&a.speed).then(a.landing.cmp(&b.landing)));
     let mut kept: Vec<Blow> = Vec::new();
@@ -56,7 +56,7 @@ pub fn strongest(mut blows: Vec<Blow>, min_gap: usize) -> Vec<Blow> {
     kept
 }
 
-/// True where a frame inside the range is fast enough and no slower than its neighbours; the first of equals.
+/// True for a frame inside the range that is fast enough and no slower than its neighbours; the first of equals.
 fn is_peak(speeds: &[f32], range: &FrameRange, f: usize, least: f32) -> bool {
     let inside = f > range.start && f + 1 < range.end;
     inside && speeds[f] >= least && speeds[f] > speeds[f - 1] && speeds[f] >= speeds[f + 1]

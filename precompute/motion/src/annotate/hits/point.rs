@@ -1,28 +1,28 @@
-//! Hits as rows: of clips and of bundles alike, for reports, pictures and other programs.
+//! Hits as rows, from clips and from bundles, for reports, pictures and other programs.
 
 use crate::clip::{Clip, ClipSet};
 use glam::Vec3;
 use std::io::{self, Write};
 use throng_core::{Bundle, Joint};
 
-/// A hit and where it comes from.
+/// A hit and its clip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HitPoint {
     /// Name of its clip.
     pub clip: String,
     /// Frame within the clip.
     pub frame: usize,
-    /// Since the clip's first frame (s).
+    /// Time since the clip's first frame (s).
     pub time_s: f64,
     /// Name of its kind.
     pub kind: String,
     /// The joint that strikes.
     pub joint: Joint,
-    /// Effective hitting point, as seen from the frame's planar root (m).
+    /// Effective hitting point, relative to the frame's planar root (m).
     pub position: Vec3,
-    /// Direction in which it moves, likewise, of unit length.
+    /// Direction of its motion, relative to the planar root (unit).
     pub direction: Vec3,
-    /// How fast it moves (m/s).
+    /// Speed (m/s).
     pub speed_mps: f32,
     /// Speed over that of the fastest hit of its kind in the set (> 0, <= 1).
     pub force: f32,
@@ -88,7 +88,7 @@ impl HitPoint {
 /// +Z ahead), speed and force.
 ///
 /// # Errors
-/// Whatever `out` fails with.
+/// Errors of `out`.
 pub fn write_csv(points: &[HitPoint], out: &mut (impl Write + ?Sized)) -> io::Result<()> {
     writeln!(out, "clip,frame,time_s,kind,joint,x_m,y_m,z_m,dir_x,dir_y,dir_z,speed_mps,force")?;
     for h in points {

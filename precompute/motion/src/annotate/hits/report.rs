@@ -1,27 +1,27 @@
-//! How many hits there are and where they land, as Lee and Lee (2004) report it.
+//! Number of hits, and where they land, as Lee and Lee (2004) report it.
 
 use super::HitPoint;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Effective hitting points as seen from the planar root: number, kinds and extent. The names of the fields are keys
+/// Effective hitting points relative to the planar root: number, kinds and extent. The names of the fields are keys
 /// of JSON reports.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct HitReport {
-    /// How many there are.
+    /// Number of hits.
     pub count: usize,
     /// Smallest and largest angle from straight ahead, positive to the left; absent where there is no hit (rad).
     pub angle_rad: Option<[f32; 2]>,
     /// Smallest and largest distance over the ground; absent where there is no hit (m).
     pub distance_m: Option<[f32; 2]>,
-    /// Lowest and highest above the ground; absent where there is no hit (m).
+    /// Least and greatest height above the ground; absent where there is no hit (m).
     pub height_m: Option<[f32; 2]>,
-    /// How many there are of each kind.
+    /// Number of hits of each kind.
     pub kinds: BTreeMap<String, usize>,
 }
 
 impl HitReport {
-    /// Of some hits.
+    /// Summarises hits.
     pub fn new(points: &[HitPoint]) -> Self {
         let mut out = Self { count: points.len(), ..Self::default() };
         for h in points {
@@ -40,7 +40,7 @@ fn widen(range: &mut Option<[f32; 2]>, value: f32) {
 }
 
 impl std::fmt::Display for HitReport {
-    /// As Lee and Lee (2004), section 6, put it.
+    /// Writes the report in the words of Lee and Lee (2004), section 6.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (Some(angle), Some(distance), Some(height)) = (self.angle_rad, self.distance_m, self.height_m) else {
             return f.write_str("no effective hitting points");

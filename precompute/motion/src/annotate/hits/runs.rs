@@ -2,10 +2,10 @@
 
 use crate::clip::FrameRange;
 
-/// A limb that grows longer by less, or shortens by less in between, does not turn round (share of its length).
+/// Change of length below which a limb does not turn round (share of its length).
 const RIPPLE: f32 = 0.05;
 
-/// A limb is at its full extension from where it is within this of its longest (share of its length).
+/// Distance from its greatest length within which a limb is at its full extension (share of its length).
 const FULL: f32 = 0.02;
 
 /// One run of a limb outwards.
@@ -17,7 +17,7 @@ pub struct Run {
     pub full: usize,
     /// Its greatest length, as a share of the limb's.
     pub longest: f32,
-    /// How much longer it became, likewise.
+    /// Growth of its length, as a share of the limb's.
     pub growth: f32,
 }
 

@@ -1,4 +1,4 @@
-//! How a limb moves over a clip: what decides whether and when it strikes.
+//! Motion of a limb over a clip, by which hits are found.
 
 use crate::clip::Clip;
 use glam::{Quat, Vec3};
@@ -76,12 +76,12 @@ impl Track {
     }
 }
 
-/// World positions of the point of a joint that strikes (m, num_frames).
+/// World positions of a joint's striking point (m, num_frames).
 pub fn striking_points(poses: &Poses, skeleton: &Skeleton, joint: Joint) -> Vec<Vec3> {
     poses.iter().map(|p| tip(p, skeleton, joint)).collect()
 }
 
-/// World position of the point of a joint that strikes, in one pose (m).
+/// World position of a joint's striking point, in one pose (m).
 pub fn tip(pose: &[(Vec3, Quat); NUM_JOINTS], skeleton: &Skeleton, joint: Joint) -> Vec3 {
     let (at, turn) = pose[joint.index()];
     striking_point(skeleton, joint, at, turn)
@@ -92,7 +92,7 @@ pub fn velocities(positions: &[Vec3], rate_hz: f64) -> Vec<Vec3> {
     (0..positions.len()).map(|f| velocity(&|f| positions[f], positions.len(), f, rate_hz)).collect()
 }
 
-/// As [`velocities`], of one of `num` frames.
+/// Velocity at one of `num` frames, as [`velocities`] measures it.
 pub fn velocity(position: &impl Fn(usize) -> Vec3, num: usize, frame: usize, rate_hz: f64) -> Vec3 {
     let reach = ((DIFFERENCE * rate_hz).round() as usize).max(1);
     let (a, b) = (frame.saturating_sub(reach), (frame + reach).min(num - 1));

@@ -17,16 +17,16 @@ pub struct SidecarHit {
     /// The moment; without `start` and `end` (as `unit` says).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at: Option<f64>,
-    /// Where the range begins in which the joint's fastest moment is the hit; with `end` (as `unit` says).
+    /// Begin of the range whose fastest moment of the joint is the hit; with `end` (as `unit` says).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start: Option<f64>,
-    /// Where the range ends (as `unit` says).
+    /// End of the range (as `unit` says).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub end: Option<f64>,
 }
 
 impl SidecarHit {
-    /// Its beginning and end, the same for a single moment, or what is wrong with it.
+    /// Begin and end, the same for a single moment, or the fault in it.
     pub(super) fn times(&self) -> Result<(f64, f64), String> {
         let sound = |t: f64| t >= 0.0 && t.is_finite();
         let name = &self.name;
@@ -43,7 +43,7 @@ impl SidecarHit {
         }
     }
 
-    /// The joint of that name, or what is wrong with the name.
+    /// The joint of that name, or the fault in the name.
     pub(super) fn joint(&self) -> Result<Joint, String> {
         Joint::from_name(&self.joint).ok_or_else(|| {
             let meant = did_you_mean(&self.joint, Joint::ALL.into_iter().map(Joint::name));
@@ -51,7 +51,7 @@ impl SidecarHit {
         })
     }
 
-    /// What kind of blow it is.
+    /// Kind of blow.
     pub(super) fn kind(&self) -> HitKind {
         [HitKind::Punch, HitKind::Kick]
             .into_iter()

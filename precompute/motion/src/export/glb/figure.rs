@@ -7,14 +7,14 @@ use glam::{Mat4, Vec3};
 use serde_json::{Value, json};
 use throng_core::{Joint, NUM_JOINTS, PlainBody, Skeleton};
 
-/// What characters of one skeleton share: the mesh and the accessor of its bind matrices.
+/// Mesh and bind matrices that characters of one skeleton share.
 struct Shared {
     skeleton: Skeleton,
     mesh: usize,
     bind: usize,
 }
 
-/// A document of all actors; one figure with an animation for each of them, where they are clips.
+/// The document of all actors with plain bodies; one figure with an animation for each of them, where they are clips.
 pub fn of_bodies(take: &Take) -> Parts {
     let json = json!({ "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [] }] });
     let mut parts = Parts::new(json, Vec::new());
@@ -44,7 +44,7 @@ pub fn of_bodies(take: &Take) -> Parts {
     parts
 }
 
-/// An animation that moves nothing yet.
+/// An animation without channels.
 pub fn empty(name: &str) -> Value {
     json!({ "name": name, "samplers": [], "channels": [] })
 }

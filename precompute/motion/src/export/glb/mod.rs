@@ -2,8 +2,8 @@
 //!
 //! Every skeleton hangs below a node of its own, so that programs which make one armature of all joints of a tree keep
 //! characters apart; skinned meshes are roots of the scene, where a node's frame could not be taken for the mesh's.
-//! Meshes, bind matrices and times are shared. The document comes first in such a file: what it says of lengths is
-//! known before a number is written, and numbers are then copied from the take's file track by track.
+//! Meshes, bind matrices and times are shared. The document comes first in such a file: the lengths in it are known before a
+//! number is written, and numbers are then copied from the take's file track by track.
 
 mod figure;
 pub(crate) mod parts;
@@ -19,14 +19,14 @@ use throng_core::PlainBody;
 /// A document of a take, ready to be written.
 pub struct Glb<'a> {
     take: &'a Take,
-    /// Where numbers of tracks are.
+    /// File that holds the numbers of tracks.
     scratch: &'a Scratch,
     parts: Parts,
     document: String,
 }
 
 impl<'a> Glb<'a> {
-    /// Of plain bodies.
+    /// A document with plain bodies.
     ///
     /// # Errors
     /// [`BuildError::Stage`] for a take that is too large for the format.
@@ -34,7 +34,7 @@ impl<'a> Glb<'a> {
         Self::of(take, figure::of_bodies(take), take.scratch())
     }
 
-    /// - `parts`: bodies and what moves them; `scratch`: where their tracks are.
+    /// - `parts`: bodies and their animations; `scratch`: file that holds their tracks.
     pub(crate) fn of(take: &'a Take, parts: Parts, scratch: &'a Scratch) -> Result<Self, BuildError> {
         let document = parts.document();
         let glb = Self { take, scratch, parts, document };
@@ -57,7 +57,7 @@ impl<'a> Glb<'a> {
     /// Writes the file.
     ///
     /// # Errors
-    /// What the disk says.
+    /// Errors of the disk.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         let document = &self.document;
         let word = |n: u64| u32::try_from(n).unwrap_or(u32::MAX).to_le_bytes();
@@ -73,12 +73,12 @@ impl<'a> Glb<'a> {
     }
 }
 
-/// Bytes of numbers.
+/// The bytes of numbers.
 pub(super) fn bytes_of<T: bytemuck::Pod>(numbers: &[T]) -> Vec<u8> {
     bytemuck::cast_slice(numbers).to_vec()
 }
 
-/// The parts of a plain body that glTF wants.
+/// Arrays of a plain body, as bytes for glTF.
 pub(super) struct BodyBytes {
     pub positions: Vec<u8>,
     pub normals: Vec<u8>,

@@ -11,9 +11,9 @@ pub const FLOAT: u32 = 5126;
 pub const UNSIGNED_BYTE: u32 = 5121;
 /// Pairs of bytes.
 pub const UNSIGNED_SHORT: u32 = 5123;
-/// A view holds what corners have.
+/// Target of a view that holds data of corners.
 pub const VERTICES: u32 = 34962;
-/// A view holds corners of triangles.
+/// Target of a view that holds corners of triangles.
 pub const INDICES: u32 = 34963;
 
 /// A run of bytes in the buffer.
@@ -23,7 +23,7 @@ enum Piece {
     Times(usize),
     /// A track of an actor.
     Track(usize, usize),
-    /// Whether an actor is there, as a scale along three axes.
+    /// Presence of an actor, as a scale along three axes.
     There(usize, usize, f32),
 }
 
@@ -32,9 +32,9 @@ pub struct Parts {
     json: Value,
     pieces: Vec<Piece>,
     num_bytes: u64,
-    /// The view of all numbers that move something.
+    /// View of all numbers that move something.
     moving: Option<(usize, u64)>,
-    /// Accessors of times by number of frames.
+    /// Accessors of times, by number of frames.
     times: BTreeMap<usize, usize>,
 }
 
@@ -64,19 +64,19 @@ impl Parts {
         }
     }
 
-    /// Sets what an entry of a list says.
+    /// Sets a key of an entry of a list.
     pub fn set(&mut self, list: &str, place: usize, key: &str, value: Value) {
         self.json[list][place][key] = value;
     }
 
-    /// Shows a node as a root of the scene.
+    /// Adds a node to the roots of the scene.
     pub fn show(&mut self, node: usize) {
         if let Some(roots) = self.json["scenes"][0]["nodes"].as_array_mut() {
             roots.push(node.into());
         }
     }
 
-    /// Adds a piece to the buffer, which begins at a multiple of four; returns where.
+    /// Adds a piece to the buffer, which begins at a multiple of four; returns its position.
     fn add(&mut self, length: u64, piece: Piece) -> u64 {
         let at = self.num_bytes;
         self.pieces.push(piece);
@@ -89,9 +89,9 @@ impl Parts {
         at
     }
 
-    /// Adds numbers that do not move; returns their accessor.
+    /// Adds numbers that do not change over time; returns their accessor.
     ///
-    /// - `target`: what they are for, where that is vertices or indices.
+    /// - `target`: purpose of the numbers, where they are vertices or indices.
     pub fn still(&mut self, bytes: Vec<u8>, kind: u32, shape: &str, count: usize, target: Option<u32>) -> usize {
         let length = bytes.len();
         let at = self.add(length as u64, Piece::Bytes(bytes));
@@ -103,13 +103,13 @@ impl Parts {
         self.push("accessors", json!({ "bufferView": view, "componentType": kind, "count": count, "type": shape }))
     }
 
-    /// Says between which numbers those of an accessor are.
+    /// Sets the bounds of an accessor's numbers.
     pub fn bound(&mut self, accessor: usize, min: &[f32], max: &[f32]) {
         self.json["accessors"][accessor]["min"] = json!(min);
         self.json["accessors"][accessor]["max"] = json!(max);
     }
 
-    /// An accessor of numbers that move something.
+    /// Adds an accessor of numbers that move something.
     fn moving(&mut self, length: u64, piece: Piece, shape: &str, count: usize) -> usize {
         let at = self.add(length, piece);
         let (view, begin) = match self.moving {
@@ -125,7 +125,7 @@ impl Parts {
         self.push("accessors", accessor)
     }
 
-    /// Times of so many frames (> 0).
+    /// Adds the times of a number of frames (> 0).
     pub fn times(&mut self, frames: usize, rate_hz: f64) -> usize {
         if let Some(known) = self.times.get(&frames) {
             return *known;
@@ -136,18 +136,18 @@ impl Parts {
         accessor
     }
 
-    /// A track of an actor.
+    /// Adds a track of an actor.
     pub fn track(&mut self, actor: usize, track: usize, width: usize, frames: usize) -> usize {
         let shape = if width == 4 { "VEC4" } else { "VEC3" };
         self.moving((4 * width * frames) as u64, Piece::Track(actor, track), shape, frames)
     }
 
-    /// The scale of an actor who is away now and then: 0 where it is away.
+    /// Adds the scale of an actor who is absent now and then: 0 where it is absent.
     pub fn there(&mut self, actor: usize, track: usize, scale: f32, frames: usize) -> usize {
         self.moving(12 * frames as u64, Piece::There(actor, track, scale), "VEC3", frames)
     }
 
-    /// A sampler and a channel.
+    /// Adds a sampler and a channel.
     pub fn channel(&self, animation: &mut Value, [times, values]: [usize; 2], node: usize, path: &str) {
         let interpolation = if path == "scale" { "STEP" } else { "LINEAR" };
         let sampler = json!({ "input": times, "output": values, "interpolation": interpolation });
@@ -174,7 +174,7 @@ impl Parts {
 
     /// Writes the buffer.
     ///
-    /// - `scratch`: where tracks are; `take`: where it is said who is there.
+    /// - `scratch`: file that holds tracks; `take`: file that holds the presence of actors.
     pub fn write(&self, rate_hz: f64, scratch: &Scratch, take: &Scratch, out: &mut dyn Write) -> io::Result<()> {
         for piece in &self.pieces {
             match piece {

@@ -9,27 +9,27 @@ use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_core::Joint;
 
-/// Away and back within this time is a fault (s).
+/// Time within which a departure that comes back is a fault (s).
 const MAX_POP: f64 = 0.1;
-/// A flip that is not taken back within this time is two (s).
+/// Time within which a flip has to be taken back to count as one glitch (s).
 const MAX_FLIP: f64 = 1.0;
-/// What stands apart from the motion at an end is no longer (s).
+/// Longest part at an end that stands apart from the motion (s).
 const MAX_EDGE: f64 = 0.25;
-/// A body that stops dead for at least so long is frozen (s).
+/// Least time for which a body that stops dead is frozen (s).
 const MIN_FREEZE: f64 = 0.08;
-/// A single frame that is turned by so much between even ones is a fault (degrees).
+/// Turn of a single frame between even ones that is a fault (degrees).
 const SHARP_TURN: f32 = 25.0;
-/// No joint of a frozen body moves or turns more from frame to frame (m, rad).
+/// Motion and turn of all joints from frame to frame below which a body is frozen (m, rad).
 const FROZEN: (f32, f32) = (1e-5, 3e-4);
-/// A body that moves this fast does not stop within a frame (m/s, rad/s).
+/// Speed of a moving body, which does not stop within a frame (m/s, rad/s).
 const MOVING: (f32, f32) = (0.15, 1.2);
-/// At the ends of a clip, this share of it.
+/// Share of that speed at the ends of a clip.
 const AT_ENDS: f32 = 0.15;
 
 /// The tracks of one clip.
 struct Tracks {
-    /// Joint, its turns against the one that it hangs on, and where it is as seen from there. The hips' are the
-    /// world's.
+    /// Joint, its turns relative to the joint that it hangs on, and its position in the frame of that joint. The hips are in
+    /// the world.
     joints: Vec<(Joint, Vec<Quat>, Vec<Vec3>)>,
     rate_hz: f64,
     num_frames: usize,
@@ -82,7 +82,7 @@ fn above(roles: &RoleMap, j: Joint) -> Option<usize> {
     std::iter::successors(j.parent(), |p| p.parent()).find_map(|p| roles.get(p))
 }
 
-/// Sorted, and those that overlap or touch in one; the first one's words stay.
+/// Sorts glitches, and merges those that overlap or touch; the words of the first one stay.
 fn merge(mut all: Vec<Glitch>) -> Vec<Glitch> {
     all.retain(|g| !g.frames.is_empty());
     all.sort_by_key(|g| (g.frames.start, g.kind, g.frames.end));
@@ -92,7 +92,7 @@ fn merge(mut all: Vec<Glitch>) -> Vec<Glitch> {
             Some(last) if g.frames.start <= last.frames.end => {
                 last.frames.end = last.frames.end.max(g.frames.end);
                 last.kind = last.kind.max(g.kind);
-                // None are all of them.
+                // An empty list stands for all joints.
                 if last.joints.is_empty() || g.joints.is_empty() {
                     last.joints.clear();
                 } else {
@@ -107,8 +107,8 @@ fn merge(mut all: Vec<Glitch>) -> Vec<Glitch> {
     out
 }
 
-/// Frames in which every number of the file is zero, in a clip where that is not the rule, between frames in which the body
-/// is elsewhere: at the ends, and where it stays in its place, that is a pose of rest.
+/// Frames in which every number of the file is zero, in a clip where that is not the rule, between frames in which the body is
+/// elsewhere: at the ends, and where the body stays in place, such a frame is a pose of rest.
 fn drop_outs(clip: &RawClip) -> Vec<Glitch> {
     let n = clip.joints.len();
     let roots: Vec<usize> = (0..n).filter(|&j| clip.joints[j].parent.is_none()).collect();
@@ -148,7 +148,7 @@ impl Tracks {
         (seconds * self.rate_hz).round() as usize
     }
 
-    /// Lays all tracks on the way past some frames, so that they are not found again.
+    /// Bridges all tracks over some frames, so that these are not found again.
     fn lay_past(&mut self, start: usize, end: usize) {
         let n = self.num_frames;
         let (before, after) = (start.checked_sub(1), Some(end).filter(|&f| f < n));
@@ -162,14 +162,14 @@ impl Tracks {
         }
     }
 
-    /// Distance that the hips travel, and the largest turn of a joint, from the frame before to this one.
+    /// Travel of the hips, and the largest turn of a joint, from the frame before to this one.
     fn step(&self, f: usize) -> (f32, f32) {
         let turn = |(_, turns, _): &(Joint, Vec<Quat>, Vec<Vec3>)| turns[f].apart(turns[f - 1]);
         let travel = self.joints.first().map_or(0.0, |(_, _, p)| p[f].apart(p[f - 1]));
         (travel, self.joints.iter().map(turn).fold(0.0, f32::max))
     }
 
-    /// Nothing moves from one frame to the next, in the middle of motion.
+    /// Finds stretches in the middle of motion in which nothing moves from one frame to the next.
     fn freezes(&self) -> Vec<Glitch> {
         let steps: Vec<(f32, f32)> =
             (0..self.num_frames).map(|f| if f == 0 { (1.0, 1.0) } else { self.step(f) }).collect();
@@ -180,7 +180,7 @@ impl Tracks {
         };
         let long = self.frames(MIN_FREEZE).max(3);
         let found = |r: FrameRange| {
-            // Where the data stop at an end, even who stands swayed a little before.
+            // Where the data stop at an end, even a standing body swayed a little before.
             let share = if r.start == 1 || r.end == self.num_frames { AT_ENDS } else { 1.0 };
             let (before, after) = (r.start > 1 && moves(r.start - 1, share), moves(r.end, share));
             let (kind, what) = match r {
@@ -197,7 +197,7 @@ impl Tracks {
         runs(1..self.num_frames, still).into_iter().filter_map(found).collect()
     }
 
-    /// A pose at the start or end that the motion does not lead to.
+    /// Finds poses at the start or end that the motion does not lead to.
     fn edges(&self) -> Vec<Glitch> {
         let n = self.num_frames;
         // Sum of the turns of all joints, and the largest.
@@ -221,7 +221,7 @@ impl Tracks {
         out
     }
 
-    /// What is away from its path for a few frames. It is laid onto it.
+    /// Finds joints that leave their paths for a few frames, and bridges them.
     fn pops(&mut self, clip: &RawClip, roles: &RoleMap) -> Vec<Glitch> {
         let longest = self.frames(MAX_POP).clamp(1, 12);
         let rate = self.rate_hz as f32;
@@ -247,7 +247,7 @@ impl Tracks {
         out
     }
 
-    /// What is elsewhere from one frame to the next: the two frames, or all up to where it is back.
+    /// Finds jumps from one frame to the next: the two frames, or all up to the frame at which the joint is back.
     fn jumps(&self, clip: &RawClip, roles: &RoleMap) -> Vec<Glitch> {
         let rate = self.rate_hz as f32;
         let (far, turned) = (0.1 + 3.0 / rate, 20.0 + 2100.0 / rate);
@@ -271,7 +271,7 @@ impl Tracks {
                         out.push(Glitch { joints, ..glitch(GlitchKind::Flip, step.start, back.start, what) });
                         leaps.next();
                     }
-                    // Nothing hangs on it: its turn can be spread over a few frames.
+                    // No other joint hangs on it: its turn can be spread over a few frames.
                     None if carries_nothing(*j) => {
                         let joints = path(clip, roles, *j);
                         out.push(Glitch { joints, ..self.at_step(step.start, GlitchKind::Flip, what) });

@@ -1,11 +1,11 @@
-//! Fills frames with what leads past them.
+//! Fills frames of glitches by interpolation.
 
 use super::Glitch;
 use crate::raw::RawClip;
 use throng_base::maths;
 
-/// Lays what is wrong in a run of frames on the way from the frame before it to the one after; at the ends of the
-/// clip the nearest sound frame is held.
+/// Replaces the faulty joints in a run of frames by the interpolation from the frame before it to the one after; at the ends of
+/// the clip the nearest sound frame is held.
 pub fn bridge(clip: &mut RawClip, glitch: &Glitch) {
     let (n, frames) = (clip.joints.len(), &glitch.frames);
     let joints = if glitch.joints.is_empty() { (0..n).collect() } else { glitch.joints.clone() };

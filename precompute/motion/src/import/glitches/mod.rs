@@ -1,8 +1,8 @@
 //! Frames that are no motion: jumps, flips, freezes, drop-outs. Found by what bodies cannot do, cut out or bridged.
 //!
-//! A body turns and travels smoothly: what leaves its path for a frame or a few and comes back, what is elsewhere from
-//! one frame to the next, and what stops dead while in motion is a fault of the recording. Every measure is held
-//! against its surroundings in the clip, so that fast motion is not taken for a fault.
+//! A body turns and travels smoothly: a joint that leaves its path for a frame or a few and comes back, one that is elsewhere
+//! from one frame to the next, and a body that stops dead while in motion are faults of the recording. Every measure is
+//! compared with its surroundings in the clip, so that fast motion is not taken for a fault.
 
 mod find;
 mod mend;
@@ -16,33 +16,33 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// What becomes of glitches.
+/// Treatment of glitches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Glitches {
-    /// Left out like a range that a sidecar excludes: nothing that was not captured gets into the database, but each one
-    /// parts the clip.
+    /// Left out like a range that a sidecar excludes: the database only holds captured motion, but each glitch parts the clip.
     Cut,
-    /// A few frames, up to 0.12 s, that the body comes back from are filled with what leads past them; all else is cut
-    /// out: longer ones, jumps, freezes, and the ends of clips.
+    /// A few frames, up to 0.12 s, from which the body comes back are interpolated; all else is cut out: longer ones, jumps,
+    /// freezes, and the ends of clips.
     #[default]
     Bridge,
-    /// Left as they are, and told.
+    /// Left as they are, and reported.
     Keep,
 }
 
-/// What is wrong with some frames.
+/// Kind of a glitch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum GlitchKind {
-    /// The frame before again, for a frame or a few in motion: of takes whose rate was raised, or that lost frames.
+    /// A repetition of the frame before, for a frame or a few in motion, as in takes whose rate was raised, or that lost
+    /// frames.
     Repeat,
-    /// Away and back again within a few frames.
+    /// Leaves the path, and comes back within a few frames.
     Pop,
-    /// Elsewhere from one frame to the next.
+    /// A change of place from one frame to the next.
     Jump,
     /// A joint turns away and back again within a few frames, or stays turned.
     Flip,
-    /// Nothing at all moves, in the middle of motion.
+    /// Stillness of the whole body, in the middle of motion.
     Freeze,
     /// A pose that is not part of the motion, at the start or end.
     Apart,
@@ -50,34 +50,34 @@ pub enum GlitchKind {
     DropOut,
 }
 
-/// Frames that are no motion.
+/// A run of frames that is no motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Glitch {
-    /// What is wrong.
+    /// Kind of the fault.
     pub kind: GlitchKind,
     /// The frames of the file, from 0.
     pub frames: FrameRange,
-    /// The joints of the file that are wrong; none are all of them.
+    /// The faulty joints of the file; an empty list stands for all of them.
     pub joints: Vec<usize>,
-    /// What was found, as warnings print it.
+    /// Finding, as warnings print it.
     pub what: String,
-    /// What was done about it.
+    /// Treatment that it got.
     pub treated: Treated,
 }
 
-/// What was done about a glitch.
+/// Treatment that a glitch got.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Treated {
-    /// Left out of what follows.
+    /// Left out of all stages that follow.
     Cut,
-    /// Filled with what leads past it.
+    /// Interpolated.
     Bridged,
     /// Left as it is.
     Kept,
 }
 
 impl Treated {
-    /// In words.
+    /// Name in words.
     pub fn name(self) -> &'static str {
         match self {
             Self::Cut => "cut out",
@@ -88,7 +88,7 @@ impl Treated {
 }
 
 impl GlitchKind {
-    /// In words.
+    /// Name in words.
     pub fn name(self) -> &'static str {
         match self {
             Self::Repeat => "repeat",
@@ -118,10 +118,10 @@ const MAX_BRIDGE: f64 = 0.12;
 /// Most glitches that a warning lists.
 const MAX_LISTED: usize = 8;
 
-/// Above this share of repeated frames, the warning says what rate the take really has.
+/// Share of repeated frames above which the warning names the real rate of the take.
 const MANY_REPEATS: f64 = 0.25;
 
-/// Finds the glitches of a clip in metres and mends them as told. What is cut is bridged, too: a joint that is
+/// Finds the glitches of a clip in metres and treats them as configured. Frames that are cut are bridged, too: a joint that is
 /// elsewhere for a frame must not move the ground of the whole clip.
 pub(super) fn treat(clip: &mut RawClip, roles: &RoleMap, how: Glitches, warnings: &mut Warnings) -> Vec<Glitch> {
     let mut all = find::find(clip, roles);
@@ -149,7 +149,7 @@ pub(super) fn treat(clip: &mut RawClip, roles: &RoleMap, how: Glitches, warnings
         (false, true) => Treated::Cut.name(),
         (false, false) => Treated::Kept.name(),
     };
-    // Of a take whose rate was raised, every other frame is one.
+    // In a take whose rate was raised, every other frame is a repetition.
     let (repeats, others): (Vec<_>, Vec<_>) = all.iter().partition(|g| g.kind == GlitchKind::Repeat);
     let mut list: Vec<String> = others.iter().take(MAX_LISTED).map(ToString::to_string).collect();
     if others.len() > MAX_LISTED {

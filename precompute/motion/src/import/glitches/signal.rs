@@ -1,4 +1,4 @@
-//! Tracks of positions and rotations, and how far from its path a value lies.
+//! Tracks of positions and rotations, and the distance of a value from its path.
 
 use glam::{Quat, Vec3};
 use throng_base::maths;
@@ -7,7 +7,7 @@ use throng_base::maths;
 pub trait Value: Copy {
     /// Distance (m) or angle (rad).
     fn apart(self, other: Self) -> f32;
-    /// On the way to another.
+    /// Interpolation towards another value.
     fn towards(self, other: Self, ratio: f32) -> Self;
 }
 
@@ -23,7 +23,7 @@ impl Value for Vec3 {
 
 impl Value for Quat {
     fn apart(self, other: Self) -> f32 {
-        // Exact for small angles, where a dot product says nothing.
+        // Exact for small angles, where a dot product is not.
         let d = maths::compose(self.inverse(), other);
         2.0 * d.xyz().length().atan2(d.w.abs())
     }
@@ -33,20 +33,20 @@ impl Value for Quat {
     }
 }
 
-/// Frames on either side that a measure is held against.
+/// Number of frames on either side with which a measure is compared.
 const AROUND: usize = 12;
-/// What leaves its path does so by this much more than is common around it.
+/// Factor above the common distance around it at which a value leaves its path.
 const CONTRAST: f32 = 6.0;
-/// Frames on either side that are even around a sharp move.
+/// Number of frames on either side of a sharp move that are even.
 const CALM: usize = 6;
-/// A sharp move is this much farther than any around it.
+/// Factor of a sharp move above any move around it.
 const SHARP: f32 = 3.0;
-/// What jumps does so this much farther than the frames next to it.
+/// Factor of a jump above the moves of the frames next to it.
 const STEP_CONTRAST: f32 = 3.0;
-/// What comes back, does so to within this share of how far it was away.
+/// Share of its departure within which a value counts as back.
 const BACK: f32 = 0.5;
 
-/// A run of frames that is away from its path, and how far.
+/// A run of frames that is away from its path, and its distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Away {
     pub start: usize,
@@ -54,8 +54,8 @@ pub struct Away {
     pub by: f32,
 }
 
-/// Runs of up to `max_frames` frames that are farther than `limit` from the way between the frames around them, which
-/// go on as if nothing had been. They are laid onto that way.
+/// Finds runs of up to `max_frames` frames that are farther than `limit` from the interpolation between the frames around them,
+/// which go on as if nothing had been, and replaces them by that interpolation.
 pub fn spikes<V: Value>(track: &mut [V], max_frames: usize, limit: f32) -> Vec<Away> {
     let mut out = Vec::new();
     for width in 1..=max_frames {
@@ -78,8 +78,8 @@ pub fn spikes<V: Value>(track: &mut [V], max_frames: usize, limit: f32) -> Vec<A
     out
 }
 
-/// Single frames that are farther than `limit` from the way between their neighbours, in a stretch where nothing else is: what
-/// is around goes on evenly, as no body does next to so sharp a move. They are laid onto that way.
+/// Finds single frames that are farther than `limit` from the mean of their neighbours, in a stretch where no other is: the
+/// frames around go on evenly, as no body does next to so sharp a move. Replaces them by that mean.
 pub fn sharp<V: Value>(track: &mut [V], limit: f32) -> Vec<Away> {
     let n = track.len();
     let mut out = Vec::new();
@@ -101,7 +101,7 @@ pub fn sharp<V: Value>(track: &mut [V], limit: f32) -> Vec<Away> {
     out
 }
 
-/// How far the least of `width` frames from `f` on is away from the way past them.
+/// Least distance of `width` frames from `f` on from the interpolation past them.
 fn residual<V: Value>(track: &[V], f: usize, width: usize) -> f32 {
     let (a, b) = (track[f - 1], track[f + width]);
     let off = |k: usize| track[f + k].apart(a.towards(b, (k + 1) as f32 / (width + 1) as f32));
@@ -124,7 +124,7 @@ fn spike<V: Value>(track: &[V], f: usize, width: usize, limit: f32) -> Option<f3
     (by > CONTRAST * common(f, width, n, |k| residual(track, k, width))).then_some(by)
 }
 
-/// The median of a measure around frames that do not touch those looked at.
+/// Median of a measure around a run of frames, without the frames that touch it.
 fn common(f: usize, width: usize, n: usize, of: impl Fn(usize) -> f32) -> f32 {
     let (low, high) = (f.saturating_sub(AROUND + width).max(1), (f + AROUND + width).min(n.saturating_sub(width + 1)));
     let mut all: Vec<f32> =
@@ -133,7 +133,8 @@ fn common(f: usize, width: usize, n: usize, of: impl Fn(usize) -> f32) -> f32 {
     all.get(all.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// Frames that are farther than `limit` from the one before, which the frames next to them do not lead to.
+/// Finds frames that are farther than `limit` from the one before, without a motion of the frames next to them that leads
+/// there.
 pub fn steps<V: Value>(track: &[V], limit: f32) -> Vec<Away> {
     let n = track.len();
     let step = |k: usize| if k == 0 || k >= n { 0.0 } else { track[k].apart(track[k - 1]) };

@@ -9,7 +9,7 @@ use std::path::{Component, Path, PathBuf};
 
 /// Most bytes of all buffers of a document together (1 GiB).
 pub const MAX_BYTES: u64 = 1 << 30;
-/// Most items of an accessor that no bytes stand for.
+/// Most items of an accessor without bytes.
 const MAX_ZEROS: usize = 1_000_000;
 
 const BYTE: u32 = 5120;
@@ -22,7 +22,7 @@ const FLOAT: u32 = 5126;
 /// The buffers of a document, read.
 pub struct Reader<'a> {
     document: &'a Document,
-    /// Some have no bytes: compressed parts stand for what is in them.
+    /// Bytes of each buffer; `None` for buffers whose contents are only in compressed parts.
     buffers: Vec<Option<Cow<'a, [u8]>>>,
 }
 
@@ -44,7 +44,7 @@ impl<'a> Reader<'a> {
                 }
                 Some(uri) => {
                     let file = beside(path, uri).map_err(|e| fail(&e, "Put it there"))?;
-                    // Buffers of one file count each time: what is left for all of them is what this one may have.
+                    // Buffers of one file count each time: the rest of the limit for all is the limit of this one.
                     Some(Cow::Owned(read_file(&file, "what is left for the buffers of a document", left)?))
                 }
             };
@@ -56,7 +56,7 @@ impl<'a> Reader<'a> {
         Ok(Self { document, buffers })
     }
 
-    /// The one buffer of a document, which was read before.
+    /// A reader of the only buffer of a document, which was read before.
     pub(crate) fn of_buffer(document: &'a Document, bytes: &'a [u8]) -> Self {
         Self { document, buffers: vec![Some(Cow::Borrowed(bytes))] }
     }
@@ -64,7 +64,7 @@ impl<'a> Reader<'a> {
     /// The bytes of a part of a buffer.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// The fault in it.
     pub(crate) fn view(&self, view: usize) -> Result<&[u8], String> {
         let length = self.document.buffer_views.get(view).map_or(0, |v| v.byte_length);
         let mut whole = self.items(view, 0, 1, length)?;
@@ -81,12 +81,12 @@ impl<'a> Reader<'a> {
         self.buffers.iter().flatten().map(|b| b.len()).sum()
     }
 
-    /// Numbers of an accessor, those of one item after another; whole numbers that stand for fractions are made such.
+    /// Numbers of an accessor, those of one item after another; whole numbers that stand for fractions are converted.
     ///
-    /// - `kind`: what its items are: `SCALAR`, `VEC2`, `VEC3`, `VEC4` or `MAT4`.
+    /// - `kind`: type of its items: `SCALAR`, `VEC2`, `VEC3`, `VEC4` or `MAT4`.
     ///
     /// # Errors
-    /// The accessor and what is wrong with it.
+    /// The accessor and its fault.
     pub fn floats(&self, accessor: usize, kind: &str) -> Result<Vec<f32>, String> {
         let a = self.accessor(accessor)?;
         self.numbers(a, kind).map_err(|what| format!("accessors[{accessor}]: {what}"))
@@ -95,7 +95,7 @@ impl<'a> Reader<'a> {
     /// Numbers of an accessor of indices.
     ///
     /// # Errors
-    /// The accessor and what is wrong with it.
+    /// The accessor and its fault.
     pub fn indices(&self, accessor: usize) -> Result<Vec<u32>, String> {
         let name = |what: String| format!("accessors[{accessor}]: {what}");
         let a = self.accessor(accessor)?;
@@ -109,7 +109,7 @@ impl<'a> Reader<'a> {
     /// Number of items of an accessor.
     ///
     /// # Errors
-    /// An accessor that is not there.
+    /// An accessor that does not exist.
     pub fn count(&self, accessor: usize) -> Result<usize, String> {
         Ok(self.accessor(accessor)?.count)
     }
@@ -158,7 +158,7 @@ impl<'a> Reader<'a> {
         Ok(out)
     }
 
-    /// Whole numbers that are none of them negative.
+    /// Whole numbers, none of them negative.
     fn whole(&self, view: usize, offset: usize, kind: u32, count: usize) -> Result<Vec<u32>, String> {
         let size = match kind {
             UNSIGNED_BYTE => 1,
@@ -213,7 +213,7 @@ impl<'a> Reader<'a> {
 /// Reads a number from its bytes.
 type ReadNumber = fn(&[u8]) -> f32;
 
-/// Bytes of a number of a type, and what reads it.
+/// Length of a number of a type (bytes), and its reader.
 fn number(kind: u32, normalized: bool) -> Result<(usize, ReadNumber), String> {
     Ok(match (kind, normalized) {
         (BYTE, true) => (1, |b| (f32::from(b[0] as i8) / 127.0).max(-1.0)),
@@ -265,7 +265,7 @@ pub fn beside(path: &Path, uri: &str) -> Result<PathBuf, String> {
     }
     let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let file = folder.join(&name);
-    // Links may lead anywhere. Where this fails there is no such file, which is said when it is read.
+    // Links may lead anywhere. Where this fails the file does not exist, which is reported when it is read.
     match (file.canonicalize(), folder.canonicalize()) {
         (Ok(real), Ok(folder)) if !real.starts_with(&folder) => Err(outside()),
         _ => Ok(file),

@@ -63,7 +63,7 @@ pub struct SceneNodes {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub struct Node {
-    /// Its name, which need not be the only one of its kind.
+    /// Name, which need not be unique.
     pub name: String,
     /// Nodes in its frame.
     pub children: Vec<usize>,
@@ -71,7 +71,7 @@ pub struct Node {
     pub mesh: Option<usize>,
     /// Skin that moves the mesh.
     pub skin: Option<usize>,
-    /// Camera that stands there.
+    /// Camera at the node.
     pub camera: Option<usize>,
     /// Frame in that of its parent, in columns; instead of the three that follow.
     pub matrix: Option<[f32; 16]>,
@@ -93,17 +93,17 @@ pub struct Mesh {
 /// A part of a mesh.
 #[derive(Debug, Deserialize)]
 pub struct Primitive {
-    /// What each corner has.
+    /// Attributes of each corner.
     pub attributes: Attributes,
     /// Accessor of the corners in order.
     pub indices: Option<usize>,
     /// Points, lines or triangles.
     pub mode: Option<u32>,
-    /// What its surface is like.
+    /// Index of its material.
     pub material: Option<usize>,
 }
 
-/// Accessors of what each corner has; the others are not read.
+/// Accessors of the attributes of corners; other attributes are not read.
 #[derive(Debug, Deserialize)]
 pub struct Attributes {
     /// Accessor of positions.
@@ -139,7 +139,7 @@ pub struct Skin {
 pub struct Animation {
     /// Its name.
     pub name: String,
-    /// What is moved by which sampler.
+    /// Quantities that move, with their samplers.
     #[serde(deserialize_with = "limited")]
     pub channels: Vec<Channel>,
     /// Values over time.
@@ -172,16 +172,16 @@ pub struct Sampler {
     pub input: usize,
     /// Accessor of the values.
     pub output: usize,
-    /// What is between them.
+    /// Interpolation between them.
     #[serde(default)]
     pub interpolation: Interpolation,
 }
 
-/// What is between two keys.
+/// Interpolation between two keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum Interpolation {
-    /// The shortest way from one to the other.
+    /// The shortest path from one to the other.
     #[default]
     Linear,
     /// The earlier one.
@@ -194,9 +194,9 @@ pub enum Interpolation {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Accessor {
-    /// Where they are; zeros where it is absent.
+    /// Buffer view of the numbers; zeros where it is absent.
     pub buffer_view: Option<usize>,
-    /// First byte in it.
+    /// First byte in the view.
     #[serde(default)]
     pub byte_offset: usize,
     /// Code of the type of one number.
@@ -206,7 +206,7 @@ pub struct Accessor {
     pub normalized: bool,
     /// Number of items.
     pub count: usize,
-    /// How many numbers an item has: `SCALAR`, `VEC3` and so on.
+    /// Type of an item by its numbers: `SCALAR`, `VEC3` and so on.
     #[serde(rename = "type")]
     pub kind: String,
     /// Items that differ from those in the buffer view.
@@ -216,15 +216,15 @@ pub struct Accessor {
 /// Items that replace those of an accessor.
 #[derive(Debug, Deserialize)]
 pub struct Sparse {
-    /// Number of them.
+    /// Number of replaced items.
     pub count: usize,
-    /// Their places.
+    /// Indices of the replaced items.
     pub indices: SparsePart,
     /// Their numbers.
     pub values: SparsePart,
 }
 
-/// Where places or numbers of replaced items are.
+/// Buffer view of indices or numbers of replaced items.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SparsePart {
@@ -250,16 +250,16 @@ pub struct BufferView {
     pub byte_length: usize,
     /// Bytes from one item to the next.
     pub byte_stride: Option<usize>,
-    /// What extensions say of it.
+    /// Data of extensions.
     #[serde(default)]
     pub extensions: ViewExtensions,
 }
 
-/// What extensions say of a part of a buffer.
+/// Data of extensions for a part of a buffer.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub struct ViewExtensions {
-    /// Its bytes are elsewhere, compressed.
+    /// Present where its bytes are elsewhere, compressed.
     #[serde(rename = "EXT_meshopt_compression", alias = "KHR_meshopt_compression")]
     pub meshopt: Option<IgnoredAny>,
 }
@@ -267,14 +267,14 @@ pub struct ViewExtensions {
 /// Bytes, in a file of their own, in the text, or in the binary container.
 #[derive(Debug, Deserialize)]
 pub struct Buffer {
-    /// Where they are.
+    /// Place of the bytes.
     pub uri: Option<String>,
 }
 
 /// The document of a `.gltf` or `.glb` file and the bytes that come with it.
 ///
 /// # Errors
-/// What is wrong, and the way out.
+/// The fault, and the way out.
 pub fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
     let (text, binary) = split(bytes)?;
     if text.len() > MAX_TEXT {
@@ -288,7 +288,7 @@ pub fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
 /// The text of a document and the bytes that come with it.
 ///
 /// # Errors
-/// What is wrong with the container.
+/// The fault in the container.
 pub(crate) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     if bytes.starts_with(MAGIC) { chunks(bytes) } else { Ok((bytes, None)) }
 }

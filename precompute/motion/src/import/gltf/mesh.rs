@@ -8,9 +8,9 @@ use throng_base::file::read_file;
 
 /// Most levels of nodes.
 const MAX_DEPTH: usize = 64;
-/// Most triangles of a file, each time that a node shows them counted.
+/// Most triangles of a file, counted each time that a node shows them.
 pub const MAX_TRIANGLES: usize = 5_000_000;
-/// Most corners of them, of positions that no triangle uses too.
+/// Most corners of triangles, including positions that no triangle uses.
 const MAX_POSITIONS: usize = 3 * MAX_TRIANGLES;
 /// Most parts of meshes that nodes show.
 pub(crate) const MAX_PARTS: usize = 1_000_000;
@@ -68,11 +68,11 @@ fn roots(document: &Document) -> Result<Vec<usize>, String> {
 struct Scene<'a> {
     document: &'a Document,
     reader: Reader<'a>,
-    /// Nodes that were met.
+    /// True for nodes that were visited.
     seen: Vec<bool>,
-    /// Positions that were read, over all parts.
+    /// Positions that were read so far, over all parts.
     positions: usize,
-    /// Parts of meshes that were met.
+    /// Parts of meshes that were visited so far.
     parts: usize,
     out: Vec<[Vec3; 3]>,
 }
@@ -112,7 +112,7 @@ impl Scene<'_> {
         let Some(accessor) = primitive.attributes.position else {
             return Err("expected an attribute POSITION, found none".into());
         };
-        // Parts may share accessors, so that little text asks for much memory: count before anything is made.
+        // Parts may share accessors, so that a short text asks for much memory: they are counted before anything is made.
         let positions = self.reader.count(accessor)?;
         self.positions = self.positions.saturating_add(positions);
         let triangles = primitive.indices.map_or(Ok(positions), |i| self.reader.count(i))? / 3;
@@ -154,7 +154,7 @@ fn transform(node: &Node) -> Result<Mat4, String> {
             let rotation = Quat::from_array(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
             let scale = Vec3::from(node.scale.unwrap_or([1.0; 3]));
             let translation = Vec3::from(node.translation.unwrap_or([0.0; 3]));
-            // Exporters round: the length is made 1 again.
+            // Exporters round: the length is normalised.
             let m = Mat4::from_scale_rotation_translation(scale, rotation.normalize(), translation);
             (m, "rotation")
         }

@@ -30,7 +30,7 @@ const HELP: &str = "Export it again";
 
 /// The files beside a `.gltf` file that hold its numbers.
 ///
-/// - `bytes`: what the file at `path` holds.
+/// - `bytes`: contents of the file at `path`.
 ///
 /// # Errors
 /// [`ImportError::Content`] for a document that cannot be read, or names a file elsewhere.
@@ -63,10 +63,10 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<SourceClip>, ImportError> 
     Scene { path, format, num_bytes, nodes: scene_nodes, skins, animations }.clips()
 }
 
-/// The people of a `.gltf` or `.glb` file that skins are on, as its nodes have them at rest.
+/// The people of a `.gltf` or `.glb` file that have skins, in the rest pose of its nodes.
 ///
 /// # Errors
-/// [`ImportError::Content`] naming what is missing.
+/// [`ImportError::Content`] naming the missing part.
 pub(crate) fn rigs(bytes: &[u8], path: &Path) -> Result<Vec<nodes::Rig>, ImportError> {
     let fail = |what: String| content_error(path, what, HELP);
     let (document, binary) = document(bytes).map_err(fail)?;
@@ -113,7 +113,7 @@ pub(crate) fn local(node: &Node) -> Transform {
     }
 }
 
-/// Notes how joints were turned when skins were bound to them.
+/// Records the rotations of joints in which skins were bound to them.
 fn bind(document: &Document, reader: &Reader<'_>, nodes: &mut [nodes::Node]) -> Result<(), String> {
     for (i, skin) in document.skins.iter().enumerate() {
         if skin.joints.len() > MAX_JOINTS {
@@ -131,7 +131,7 @@ fn bind(document: &Document, reader: &Reader<'_>, nodes: &mut [nodes::Node]) -> 
         for (&joint, m) in skin.joints.iter().zip(numbers.chunks_exact(16)) {
             let node = nodes.get_mut(joint).ok_or_else(|| format!("skins[{i}]: there is no node {joint}"))?;
             let matrix = DMat4::from_cols_array(&std::array::from_fn(|k| f64::from(m[k])));
-            // A matrix that says nothing of rotation leaves the pose of the nodes.
+            // A matrix without a rotation leaves the pose of the nodes.
             let (_, rotation, _) = matrix.inverse().to_scale_rotation_translation();
             node.bind = node.bind.or(Some(rotation).filter(|r| r.is_normalized()));
         }
@@ -146,7 +146,7 @@ struct Tracks {
     moved: BTreeSet<usize>,
 }
 
-/// What keys move, in the order of [`Tracks::by_node`].
+/// Quantities that keys move, in the order of [`Tracks::by_node`].
 const PATHS: [&str; 3] = ["scale", "rotation", "translation"];
 
 impl Tracks {

@@ -1,4 +1,4 @@
-//! Keys of glTF animations, and what is between them.
+//! Keys of glTF animations, and their interpolation.
 
 use super::accessor::Reader;
 use super::document::{Interpolation, Sampler};
@@ -6,17 +6,17 @@ use glam::{DQuat, DVec3, DVec4};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// Times of keys are less than this (s).
+/// Bound of the times of keys (s).
 const MAX_TIME_S: f64 = 1e6;
-/// A time that misses a key by less than this is the key's: times have single precision (s).
+/// Distance from a key within which a time is the key's: times have single precision (s).
 const NEAR_S: f64 = 5e-5;
 
-/// Reads samplers. Those that share accessors share their numbers.
+/// Reader of samplers. Samplers that share accessors share their numbers.
 pub struct Samplers<'a> {
     reader: &'a Reader<'a>,
     times: BTreeMap<usize, Rc<[f64]>>,
     values: BTreeMap<usize, Rc<[f32]>>,
-    /// Numbers that may still be read.
+    /// Number of numbers that may still be read.
     left: usize,
 }
 
@@ -150,11 +150,11 @@ impl Keys {
     }
 }
 
-/// Where a time is among keys.
+/// Position of a time among keys.
 struct Place {
     key: usize,
-    /// 0 at the key, less than 1.
+    /// Share of the way to the next key (0 to less than 1).
     share: f64,
-    /// Seconds to the next key.
+    /// Time from the key to the next one (s).
     span: f64,
 }

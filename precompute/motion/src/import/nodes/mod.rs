@@ -1,7 +1,7 @@
 //! Nodes of scene files (glTF, FBX) and their animations, to clips: one for each person that an animation moves.
 //!
-//! Nodes have frames of their own at rest, and scales; joints of clips have neither. A clip therefore holds where each
-//! joint is in the world, and how far it is turned from its rest. So nodes above a skeleton count for its root.
+//! Nodes have frames of their own at rest, and scales; joints of clips have neither. A clip therefore holds the world position
+//! of each joint, and its rotation relative to rest. So nodes above a skeleton count for its root.
 
 mod people;
 mod rate;
@@ -22,12 +22,12 @@ use std::path::Path;
 const MAX_CLIPS: usize = 10_000;
 /// Numbers of transforms are smaller than this (units of the file).
 const MAX_NUMBER: f64 = 1e9;
-/// Parts of a frame by which a time may miss a key (rounding of times).
+/// Share of a frame by which a time may miss a key (rounding of times).
 const ON_FRAME: f64 = 0.01;
-/// Joint transforms that a file may make however short it is, beside one for each byte: few keys may stand for long motion.
+/// Joint transforms that any file may make, beside one for each byte: few keys may stand for long motion.
 const FREE_TRANSFORMS: usize = 2 << 20;
-/// Bytes of joints that all clips of a file may have together, for each byte of it and for every file: clips have the joints
-/// each by itself.
+/// Bytes of joints that all clips of a file may have together, for each byte of it and for every file: each clip has joints of
+/// its own.
 const JOINT_BYTES: usize = 64;
 const FREE_JOINT_BYTES: usize = 256 << 20;
 
@@ -53,9 +53,9 @@ impl Transform {
 pub(crate) struct Node {
     pub name: String,
     pub parent: Option<usize>,
-    /// Where no animation moves it.
+    /// Transform without animation.
     pub local: Transform,
-    /// Its rotation in the space in which the skin was bound to it, where the file says so.
+    /// Rotation in the space in which the skin was bound to it, where the file has it.
     pub bind: Option<DQuat>,
     /// True where it shows something itself, such as a mesh.
     pub shows: bool,
@@ -64,13 +64,13 @@ pub(crate) struct Node {
 /// Motion of nodes.
 pub(super) trait Animation {
     fn name(&self) -> String;
-    /// The nodes that it moves.
+    /// Nodes that it moves.
     fn moved(&self) -> &BTreeSet<usize>;
-    /// When it moves any of some nodes.
+    /// Time span in which it moves any of some nodes.
     fn span(&self, nodes: &BTreeSet<usize>) -> Span;
-    /// A node that it moves at a time (s); `rest`: where it is otherwise.
+    /// Transform of a node that it moves, at a time (s); `rest`: its transform otherwise.
     fn local(&self, node: usize, seconds: f64, rest: Transform) -> Transform;
-    /// Layers that are added up for a transform (1 or more).
+    /// Number of layers that are added up for a transform (1 or more).
     fn num_layers(&self) -> usize {
         1
     }
@@ -81,7 +81,7 @@ pub(super) struct Span {
     pub begin: f64,
     pub end: f64,
     pub rate_hz: f64,
-    /// Why that rate.
+    /// Reason for that rate.
     pub finding: String,
 }
 
@@ -93,7 +93,7 @@ pub(crate) struct Rig {
     pub above: Vec<usize>,
     /// Nodes of the skeleton, parents first.
     pub joints: Vec<usize>,
-    /// How each node is turned in the world where its joint of the clip is not (joints.len()).
+    /// World rotation of each node where its joint of the clip is not turned (joints.len()).
     pub axes: Vec<DQuat>,
 }
 
@@ -101,7 +101,7 @@ pub(crate) struct Rig {
 pub(super) struct Scene<'a> {
     pub path: &'a Path,
     pub format: SourceFormat,
-    /// Its length, that of buffers beside it included (bytes).
+    /// Length of the file, including buffers beside it (bytes).
     pub num_bytes: usize,
     pub nodes: Vec<Node>,
     /// Nodes that carry a mesh together; none where the file has no such mesh.
@@ -161,7 +161,7 @@ impl Scene<'_> {
         Ok(clips)
     }
 
-    /// The people of the scene as its nodes have them where no animation moves them: clips of one frame.
+    /// The people of the scene without animation: clips of one frame.
     ///
     /// # Errors
     /// [`ImportError::Content`] naming the node.
@@ -197,8 +197,8 @@ impl Scene<'_> {
         Ok(Rig { clip, above, joints, axes: rest.rotations })
     }
 
-    /// What clips are called in their file: by animation where there are several, by person where there are several; not
-    /// at all where there is one clip.
+    /// Names of clips in their file: by animation where there are several, by person where there are several; `None` where
+    /// there is one clip.
     fn names(&self, pairs: &[(usize, usize)], people: &[Person]) -> Vec<Option<String>> {
         let several = |of: fn(&(usize, usize)) -> usize| pairs.iter().any(|p| of(p) != of(&pairs[0]));
         let (animations, persons) = (several(|p| p.0), several(|p| p.1));
@@ -231,7 +231,7 @@ impl Scene<'_> {
             |what: String, help| content_error(self.path, format!("animation `{}`: {what}", animation.name()), help);
         let Span { begin, end, rate_hz, finding } = span;
         let rest = Rest::new(self, person).map_err(|e| fail(e, "Apply scales and mirrors, and export it again"))?;
-        // What is above is posed, too, and each layer is looked at for each transform.
+        // Nodes above are posed, too, and each layer is evaluated for each transform.
         let cost = rest.joints.len().max(person.above.len()) * animation.num_layers();
         let mut sink = FrameSink::new(rest.joints.clone(), *budget / cost * rest.joints.len());
         let mut turned = vec![(DVec3::ZERO, DQuat::IDENTITY); rest.joints.len()];
@@ -266,13 +266,13 @@ impl Scene<'_> {
     }
 }
 
-/// A name without what stands for folders in paths.
+/// A name without the characters that stand for folders in paths.
 fn plain(name: &str) -> String {
     let of = |c: char| if c.is_control() || matches!(c, '/' | '\\' | ':') { '_' } else { c };
     name.trim().trim_start_matches('.').chars().map(of).collect()
 }
 
-/// A node in the world.
+/// World transform of a node.
 #[derive(Clone, Copy)]
 struct World {
     affine: DAffine3,
@@ -281,7 +281,7 @@ struct World {
 }
 
 impl Person {
-    /// Joints in the world (joints.len()).
+    /// World transforms of the joints (joints.len()).
     fn world(&self, scene: &Scene<'_>, local: impl Fn(usize) -> Transform) -> Result<Vec<World>, String> {
         let step = |outer: World, node: usize| {
             let wrong = || format!("node `{}`: expected moderate numbers and a rotation", scene.nodes[node].name);
@@ -311,7 +311,7 @@ struct Rest {
 }
 
 impl Rest {
-    /// The pose in which skins were bound, as far as the file has it; the pose without animation otherwise.
+    /// The pose in which skins were bound, as far as the file has it; else the pose without animation.
     fn new(scene: &Scene<'_>, person: &Person) -> Result<Self, String> {
         let world = person.world(scene, |node| scene.nodes[node].local)?;
         let node = |j: usize| &scene.nodes[person.joints[j]];
@@ -330,7 +330,7 @@ impl Rest {
             let offset =
                 above * (world[j].affine.translation - parent.map_or(DVec3::ZERO, |p| world[p].affine.translation));
             let name = node(j).name.clone();
-            // A root is where its motion has it.
+            // A root keeps the place that its motion gives it.
             let offset = if parent.is_some() { offset.as_vec3() } else { Vec3::ZERO };
             joints.push(RawJoint { name, parent, offset, rest_rotation: Quat::IDENTITY, is_end: false });
         }

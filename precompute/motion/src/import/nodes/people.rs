@@ -1,4 +1,4 @@
-//! Which nodes of a scene are the skeletons of people.
+//! Search for the skeletons of people among the nodes of a scene.
 
 use super::super::source::{MAX_JOINTS, MAX_NAME};
 use super::Scene;
@@ -8,27 +8,27 @@ use std::collections::{BTreeMap, BTreeSet};
 const MAX_DEPTH: usize = 512;
 /// Most skeletons of a file.
 const MAX_PEOPLE: usize = 100;
-/// Skeletons of fewer joints are no persons: cameras, doors, weapons.
+/// Least number of joints of a person: smaller skeletons are cameras, doors, weapons.
 const MIN_JOINTS: usize = 8;
 
 /// A skeleton in a scene.
 pub(super) struct Person {
-    /// What it is called: the node above the skeleton, or its root.
+    /// Name: that of the node above the skeleton, or of its root.
     pub name: String,
     /// Nodes above the root, outermost first.
     pub above: Vec<usize>,
     /// Nodes, parents first.
     pub joints: Vec<usize>,
-    /// Place of each joint's parent among the joints (joints.len()).
+    /// Index of each joint's parent among the joints (joints.len()).
     pub parents: Vec<Option<usize>>,
 }
 
-/// Finds the skeletons: of each skin, what carries it; where there is no skin, what animations move.
+/// Finds the skeletons: of each skin, the nodes that carry it; where there is no skin, the nodes that animations move.
 ///
-/// Skins whose joints are below those of another one are of one body, as clothes are.
+/// Skins whose joints are below those of another one belong to one body, as clothes do.
 ///
 /// # Errors
-/// A node that is not in a tree, or what is missing.
+/// A node that is not in a tree, or the missing part.
 pub(super) fn find(scene: &Scene<'_>) -> Result<Vec<Person>, String> {
     let tree = Tree::new(scene)?;
     let moved: BTreeSet<usize> = scene.animations.iter().flat_map(|a| a.moved()).copied().collect();
@@ -67,7 +67,7 @@ pub(super) fn find(scene: &Scene<'_>) -> Result<Vec<Person>, String> {
     }
 }
 
-/// Nodes of a scene and who is below whom.
+/// Nodes of a scene, with the nodes below each of them.
 struct Tree<'a, 'b> {
     scene: &'a Scene<'b>,
     children: Vec<Vec<usize>>,
@@ -108,7 +108,7 @@ impl<'a, 'b> Tree<'a, 'b> {
         std::iter::successors(Some(node), |&n| self.scene.nodes[n].parent)
     }
 
-    /// The nearest node that is above both, or one of them.
+    /// The nearest node that is above both, or is one of them.
     fn meeting(&self, mut a: usize, mut b: usize) -> Option<usize> {
         while a != b {
             let deeper = if self.depth[a] >= self.depth[b] { &mut a } else { &mut b };
@@ -117,7 +117,7 @@ impl<'a, 'b> Tree<'a, 'b> {
         Some(a)
     }
 
-    /// The children that lead to joints.
+    /// Children that lead to joints.
     fn leading(&self, node: usize, leads: &BTreeSet<usize>) -> Vec<usize> {
         self.children[node].iter().copied().filter(|c| leads.contains(c)).collect()
     }
@@ -133,7 +133,7 @@ impl<'a, 'b> Tree<'a, 'b> {
         below
     }
 
-    /// The skeleton at or below a node: what carries a skin, is moved or leads there, and all else that shows nothing,
+    /// The skeleton at or below a node: nodes that carry a skin, are moved or lead there, and all others that show nothing,
     /// such as ends of chains.
     fn person(&self, top: usize, carriers: &BTreeSet<usize>, moved: &BTreeSet<usize>) -> Result<Person, String> {
         let mut leads = BTreeSet::from([top]);
@@ -142,7 +142,7 @@ impl<'a, 'b> Tree<'a, 'b> {
                 leads.insert(n);
             }
         }
-        // What moves all of a skeleton and is no part of it, such as an armature, is above it.
+        // A node that moves all of a skeleton and is no part of it, such as an armature, is above it.
         let mut top = top;
         while let (false, [only]) = (carriers.contains(&top), &self.leading(top, &leads)[..]) {
             top = *only;

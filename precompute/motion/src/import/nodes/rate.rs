@@ -1,18 +1,18 @@
-//! How many frames a second a clip has whose file only has keys.
+//! Frame rate of a clip whose file only has keys.
 
 use std::collections::{BTreeMap, HashMap};
 
-/// Frames a second where keys do not tell (Hz).
+/// Frame rate where keys do not tell (Hz).
 pub const FALLBACK_HZ: f64 = 30.0;
-/// Keys further apart than this are poses that somebody set, not frames (s).
+/// Distance of keys above which they are poses that somebody set, not frames (s).
 const FRAMES_S: f64 = 0.05;
-/// Keys nearer to each other than this are one key whose value jumps (s).
+/// Distance of keys below which they are one key whose value jumps (s).
 const JUMP_S: f64 = 0.001;
-/// Spacings that count as one (s).
+/// Difference of spacings that count as one (s).
 const BUCKET_S: f64 = 1e-5;
-/// Keys that are looked at one by one, those that nodes share each time; of more, those that are shared are looked at once.
+/// Most keys that are examined one by one, shared ones each time; of more, shared ones are examined once.
 const MAX_KEYS: usize = 1 << 28;
-/// How far a rate may be from a whole number that is meant: far below 29.97 and 30, above the rounding of times.
+/// Largest distance of a rate from the whole number that is meant: far below that of 29.97 and 30, above the rounding of times.
 const ROUNDING: f64 = 3e-4;
 
 /// Frames a second by the most frequent spacing of keys, and a sentence that says why (Hz).
@@ -23,7 +23,7 @@ pub fn rate_of_keys<'a>(tracks: impl Iterator<Item = &'a [f64]>) -> Option<f64> 
 }
 
 fn rate_of<'a>(tracks: impl Iterator<Item = &'a [f64]>, max_keys: usize) -> Option<f64> {
-    // With how often each counts.
+    // Spacings, each with its number.
     let mut all: Vec<(&[f64], usize)> = tracks.map(|t| (t, 1)).collect();
     if all.iter().map(|(t, _)| t.len()).sum::<usize>() > max_keys {
         let mut times = HashMap::<_, usize>::new();

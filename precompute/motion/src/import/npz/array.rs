@@ -23,7 +23,7 @@ pub struct Arrays<'a> {
 pub struct Array {
     pub shape: Vec<usize>,
     file: Vec<u8>,
-    /// Where the numbers begin in the file (bytes).
+    /// Position of the numbers in the file (bytes).
     data: usize,
     /// Length of a number (bytes).
     size: usize,
@@ -76,7 +76,7 @@ impl<'a> Arrays<'a> {
             return Err(format!("there is no array `{name}`, only: {}", names.join(", ")));
         };
         let (mut bytes, most) = (Vec::new(), self.most);
-        // What an archive says of lengths need not be true; the checksum is looked at where the file ends.
+        // Lengths in an archive need not be true; the checksum is checked at the end of the file.
         let read = self
             .zip
             .by_index(index)

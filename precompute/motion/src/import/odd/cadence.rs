@@ -1,4 +1,4 @@
-//! Steps that come faster than anybody takes them, as where the rate of a file is not what it was captured at.
+//! Detection of steps faster than anybody takes them, as in a file whose rate is not that of the capture.
 
 use crate::import::roles::RoleMap;
 use crate::raw::RawClip;
@@ -8,22 +8,22 @@ use throng_core::Joint;
 
 /// Time over which the velocity of the hips is measured (s).
 const WAY_S: f64 = 0.4;
-/// Slower than this, nobody takes steps (m/s).
+/// Speed below which nobody takes steps (m/s).
 const WALKING_MPS: f32 = 0.5;
-/// A foot is ahead of the other one by more than this (m).
+/// Distance by which a foot is ahead of the other one (m).
 const AHEAD_M: f32 = 0.08;
-/// Least number of times from a step to the next that says something.
+/// Least number of times from a step to the next that are conclusive.
 const INTERVALS: usize = 2;
-/// More steps a second than sprinters take.
+/// More steps a second than sprinters take (Hz).
 const MOST_HZ: f64 = 5.5;
 
 /// A walk or run that is too fast.
 pub(super) struct Cadence {
-    /// Of the median time from a step to the next (steps/s).
+    /// Step rate by the median time from a step to the next (steps/s).
     steps_hz: f64,
     /// Median over its steps (m/s).
     speed_mps: f32,
-    /// The rate that the clip is read with (Hz).
+    /// Frame rate with which the clip is read (Hz).
     rate_hz: f64,
 }
 
@@ -38,7 +38,7 @@ impl fmt::Display for Cadence {
     }
 }
 
-/// Looks for steps that are too fast: one foot gets ahead of the other along the way of the hips, by turns.
+/// Finds steps that are too fast: one foot gets ahead of the other along the path of the hips, by turns.
 pub(super) fn find(clip: &RawClip, roles: &RoleMap) -> Option<Cadence> {
     let [hips, left, right] = [Joint::Hips, Joint::LeftFoot, Joint::RightFoot].map(|j| roles.get(j));
     let (hips, left, right) = (hips?, left?, right?);

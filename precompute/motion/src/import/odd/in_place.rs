@@ -1,4 +1,4 @@
-//! Walks on the spot: treadmills, and exports whose root was left where it is.
+//! Detection of walks on the spot: treadmills, and exports whose root was left in place.
 
 use crate::clip::runs;
 use crate::import::roles::RoleMap;
@@ -9,28 +9,28 @@ use throng_core::Joint;
 
 /// Time over which speeds are measured (s).
 const SPEED_S: f64 = 0.1;
-/// Time over which the way of the hips is measured: about a step (s).
+/// Time over which the travel of the hips is measured: about a step (s).
 const STEP_S: f64 = 0.6;
-/// A foot that is lower than this above its lowest place carries weight (m).
+/// Height above its lowest place below which a foot carries weight (m).
 const LOW_M: f32 = 0.04;
-/// Feet that carry weight slide faster than this (m/s).
+/// Speed above which feet that carry weight slide (m/s).
 const SLIDING_MPS: f32 = 0.3;
-/// The hips go by less than this share of it.
+/// Share of that speed below which the hips stay.
 const STAYING: f32 = 0.35;
-/// A foot that carries weight and is slower stands (m/s).
+/// Speed below which a foot that carries weight stands (m/s).
 const STANDING_MPS: f32 = 0.15;
-/// A slide is at least so long (s).
+/// Least duration of a slide (s).
 const SLIDE_S: f64 = 0.12;
-/// Share of the clip.
+/// Share of the clip above which it is a walk on the spot.
 const MOST: f32 = 0.3;
-/// Shorter clips say nothing (s).
+/// Shortest clip that is conclusive (s).
 const SHORTEST_S: f64 = 0.8;
 
 /// A walk on the spot.
 pub(super) struct InPlace {
-    /// How fast its feet slide (m/s).
+    /// Speed of sliding feet (m/s).
     pub speed_mps: f32,
-    /// Share of the frames in which they do.
+    /// Share of the frames in which they slide.
     pub share: f32,
 }
 
@@ -46,7 +46,7 @@ impl fmt::Display for InPlace {
     }
 }
 
-/// Looks for a walk on the spot: each foot that carries weight slides in its turn, while the hips stay and no foot stands.
+/// Finds a walk on the spot: each foot that carries weight slides in its turn, while the hips stay and no foot stands.
 pub(super) fn find(clip: &RawClip, roles: &RoleMap) -> Option<InPlace> {
     let hips = roles.get(Joint::Hips)?;
     let feet = [[Joint::LeftFoot, Joint::LeftToe], [Joint::RightFoot, Joint::RightToe]]
@@ -85,7 +85,7 @@ pub(super) fn find(clip: &RawClip, roles: &RoleMap) -> Option<InPlace> {
     let all_parts = || (0..2).flat_map(|side| (0..2).map(move |part| (side, part)));
     let stands =
         |f: usize| all_parts().any(|(s, p)| low(s, p, f) && foot(s, p, f).is_some_and(|v| v.length() < STANDING_MPS));
-    // Speed of a foot that carries weight, slides, and the hips stay.
+    // Speed of a foot that carries weight and slides, while the hips stay.
     let slide = |side: usize, f: usize| {
         let foot = foot(side, (0..2).find(|&part| low(side, part, f))?, f)?;
         let body = velocity(&|f| Some(roots[f]), f, STEP_S)?;

@@ -1,4 +1,4 @@
-//! What is odd about a person's motion as a whole, and worth a word before anything is built of it.
+//! Oddities of a person's motion as a whole, which deserve a warning before anything is built of it.
 
 mod cadence;
 mod in_place;

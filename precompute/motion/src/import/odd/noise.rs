@@ -7,13 +7,13 @@ use std::fmt;
 use throng_base::maths;
 use throng_core::Joint;
 
-/// Frames are looked at about so many a second, so that clips of all rates compare (Hz).
+/// Rate at which frames are compared, so that clips of all rates compare (Hz).
 const RATE_HZ: f64 = 30.0;
-/// What captured motion shakes: the median of the CMU database, the most of three studios (deg/s2).
+/// Shaking of captured motion: the median of the CMU database, the most of three studios (deg/s2).
 const CAPTURED: f32 = 300.0;
-/// Times that, from which on it is told: no clip of the three studios reaches it.
+/// Multiple of that from which a warning is given: no clip of the three studios reaches it.
 const TIMES: f32 = 4.0;
-/// Joints whose turns are looked at.
+/// Joints whose turns are measured.
 const JOINTS: [Joint; 9] = [
     Joint::Hips,
     Joint::LeftThigh,
@@ -28,7 +28,7 @@ const JOINTS: [Joint; 9] = [
 
 /// A clip that shakes.
 pub(super) struct Noise {
-    /// (deg/s2)
+    /// Median shaking (deg/s2).
     shaking: f32,
 }
 
@@ -44,16 +44,16 @@ impl fmt::Display for Noise {
     }
 }
 
-/// Looks for noise.
+/// Measures the noise of a clip.
 pub(super) fn find(clip: &RawClip, roles: &RoleMap) -> Option<Noise> {
     let shaking = shaking(clip, roles)?;
     (shaking > TIMES * CAPTURED).then_some(Noise { shaking })
 }
 
-/// How much joints shake: the acceleration that is taken back in the next frame, in the median frame of the median joint;
-/// none of clips with few frames (deg/s2).
+/// Shaking of joints: the acceleration that is taken back in the next frame, in the median frame of the median joint; `None`
+/// for clips with few frames (deg/s2).
 ///
-/// Of smooth motion, however fast, accelerations go on from frame to frame, and it is 0; those of noise change their sign.
+/// In smooth motion, however fast, accelerations go on from frame to frame, and it is 0; those of noise change their sign.
 pub(super) fn shaking(clip: &RawClip, roles: &RoleMap) -> Option<f32> {
     let stride = (clip.rate_hz / RATE_HZ).round().max(1.0) as usize;
     let rate = (clip.rate_hz / stride as f64) as f32;
@@ -78,7 +78,7 @@ fn products(track: &[Quat]) -> Vec<f32> {
     accelerations.windows(2).map(|w| w[0].dot(w[1])).collect()
 }
 
-/// None of few.
+/// The median; `None` for few numbers.
 fn median(mut all: Vec<f32>) -> Option<f32> {
     all.sort_by(f32::total_cmp);
     (all.len() >= 10).then(|| all[all.len() / 2])

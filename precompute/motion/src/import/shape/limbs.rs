@@ -1,37 +1,37 @@
-//! Pairs of limbs: chains of equal lengths that hang on one joint, and where on them the limb's three joints are.
+//! Pairs of limbs: chains of equal lengths that hang on one joint, and the places of the limb's three joints on them.
 
 use super::names::Part::{self, Foot, Forearm, Hand, Shin, Thigh, UpperArm};
 use super::names::Side;
 use super::tree::Tree;
 use std::collections::HashSet;
 
-/// Segments of a left and a right limb differ by less than this share.
+/// Largest difference of segments of a left and a right limb (share).
 const MAX_ASYMMETRY: f32 = 0.22;
-/// Deepest chain looked at.
+/// Depth of the deepest chain that is searched.
 const MAX_DEPTH: usize = 14;
 /// Most branches of a joint that are compared, the longest first.
 const MAX_BRANCHES: usize = 48;
-/// Limbs shorter than this share of the longest pair's are no arms or legs.
+/// Length of a pair, as a share of the longest pair's, below which it is no arms or legs.
 const MIN_SHARE: f32 = 0.3;
-/// A joint in the middle of a segment makes it this much less likely to be one.
+/// Factor on the score of a segment for a joint in its middle.
 const BETWEEN: f32 = 0.65;
-/// And the end of a chain is this much less likely a hand or foot than a joint.
+/// Factor on the score of a hand or foot that is the end of a chain, not a joint.
 const END: f32 = 0.8;
-/// The upper and lower segment of a limb differ by less than this factor.
+/// Least ratio of the upper and lower segment of a limb.
 const MIN_RATIO: f32 = 0.4;
 
 /// The three joints of a limb on both sides: `[upper, middle, end][side]`, sides in the order of the file.
 #[derive(Clone, Debug)]
 pub struct Limb {
-    /// Joints on the way from the first below the meeting to the limb's end.
+    /// Joints from the first one below the meeting to the limb's end.
     pub paths: [Vec<usize>; 2],
-    /// Where on the path the upper segment starts, where it bends, and where the lower segment ends.
+    /// Places on the path at which the upper segment starts, the limb bends, and the lower segment ends.
     pub at: [usize; 3],
     /// Length of upper and lower segment.
     pub length: f32,
-    /// How well it is a limb: length, weighted by how equal its segments are and what the names say.
+    /// Score as a limb: length, weighted by the equality of its segments and by names.
     pub score: f32,
-    /// How far the names agree: 1 for all, negative where they speak against it.
+    /// Agreement of the names: 1 for all, negative where they contradict.
     pub names: f32,
 }
 
@@ -41,7 +41,7 @@ impl Limb {
         self.paths[side][self.at[part]]
     }
 
-    /// The side that the names give to the first of the two, where they are of one mind.
+    /// The side that the names give to the first of the two, where they agree.
     pub fn named_side(&self, tree: &Tree) -> Option<Side> {
         let mut votes = 0;
         for part in 0..3 {
@@ -65,7 +65,7 @@ fn side_vote(tree: &Tree, joint: usize) -> i32 {
     }
 }
 
-/// Two chains that mirror each other: what may be a pair of legs, and what may be a pair of arms.
+/// Two chains that mirror each other: candidates for a pair of legs, and for a pair of arms.
 #[derive(Clone, Debug)]
 pub struct Pair {
     /// The joint that both hang on.
@@ -108,7 +108,7 @@ fn pair(tree: &Tree, parent: usize, a: usize, b: usize) -> Option<Pair> {
     Some(Pair { parent, first: [a, b], leg: best([Thigh, Shin, Foot])?, arm: best([UpperArm, Forearm, Hand])? })
 }
 
-/// True where two joints are as far from their parents; those that are named left and right may differ by more.
+/// True where two joints are equally far from their parents; those that are named left and right may differ by more.
 fn alike(tree: &Tree, a: usize, b: usize) -> bool {
     let (x, y) = (tree.lengths[a], tree.lengths[b]);
     let size = tree.heights[a].max(tree.heights[b]) + x.max(y);
@@ -117,7 +117,7 @@ fn alike(tree: &Tree, a: usize, b: usize) -> bool {
     (x - y).abs() <= slack * (MAX_ASYMMETRY * x.max(y) + 0.02 * size)
 }
 
-/// All ways down two chains at once, as far as they are alike.
+/// Collects all paths down two chains at once, as far as they are alike.
 fn walk(tree: &Tree, path: &mut Vec<[usize; 2]>, out: &mut Vec<Vec<[usize; 2]>>) {
     let [a, b] = path[path.len() - 1];
     let matched = if path.len() < MAX_DEPTH { match_children(tree, a, b) } else { Vec::new() };
@@ -150,7 +150,7 @@ fn match_children(tree: &Tree, a: usize, b: usize) -> Vec<[usize; 2]> {
     all.into_iter().map(|(_, both)| both).collect()
 }
 
-/// The three joints of a limb on one way down.
+/// The three joints of a limb on one path down.
 fn limb(tree: &Tree, path: &[[usize; 2]], parts: [Part; 3]) -> Option<Limb> {
     let mut along = vec![0f32; path.len()];
     for k in 1..path.len() {

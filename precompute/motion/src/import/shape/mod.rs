@@ -1,4 +1,4 @@
-//! Finds which joint plays which role from the shape of a skeleton.
+//! Finds the role of each joint from the shape of a skeleton.
 //!
 //! Legs and arms are pairs of chains of equal lengths. Legs are the longer ones, nearer to the root, and point away
 //! from the arms; the spine lies between where the two pairs meet; neck and head go on from where the arms meet.
@@ -22,23 +22,23 @@ use std::collections::HashMap;
 use throng_core::{Joint, NUM_JOINTS};
 pub(super) use tree::Tree;
 
-/// Pairs that are looked at as legs, and as arms; people have a few dozen of them.
+/// Most pairs that are tried as legs, and as arms; people have a few dozen of them.
 const MAX_PAIRS: usize = 256;
 
-/// Why a skeleton is no person: what it is instead, and the way out.
+/// Reason why a skeleton is no person, and the way out.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NoPerson {
     pub message: String,
     pub help: String,
 }
 
-/// What was found of a body.
+/// Parts of a body as found.
 struct Body {
     legs: Limb,
     arms: Limb,
-    /// Where the legs meet.
+    /// Joint at which the legs meet.
     hips: usize,
-    /// Where the arms meet.
+    /// Joint at which the arms meet.
     chest: usize,
 }
 
@@ -103,9 +103,9 @@ fn likeliest(pairs: &[Pair], limb: impl Fn(&Pair) -> &Limb, longest: f32) -> Vec
     all.into_iter().map(|i| &pairs[i]).collect()
 }
 
-/// How well two pairs are the legs and the arms of one body; `None` where they cannot be.
+/// Score of two pairs as the legs and the arms of one body; `None` where they cannot be.
 ///
-/// - `has_head`: asked whether a head goes on from where the arms meet.
+/// - `has_head`: called to find whether a head goes on from where the arms meet.
 fn score(tree: &Tree, legs: &Pair, arms: &Pair, longest: f32, has_head: &mut dyn FnMut() -> bool) -> Option<f32> {
     let inside = |a: &Pair, b: &Pair| a.first.iter().any(|&f| tree.is_above(f, b.parent));
     let apart = legs.first.iter().all(|f| !arms.first.contains(f)) && !inside(legs, arms) && !inside(arms, legs);
@@ -123,7 +123,7 @@ fn score(tree: &Tree, legs: &Pair, arms: &Pair, longest: f32, has_head: &mut dyn
         (false, true) => -1.0,
         (false, false) => 0.5,
     };
-    // 1.5 is a person's.
+    // The ratio of a person is 1.5.
     let proportion = 1.0 - (ratio / 1.5).ln().abs();
     let away = pointing_away(tree, legs, arms) - pointing_away(tree, arms, legs);
     let names = legs.leg.names + arms.arm.names;
@@ -132,7 +132,7 @@ fn score(tree: &Tree, legs: &Pair, arms: &Pair, longest: f32, has_head: &mut dyn
     Some(2.0 * names + nearer_root + proportion + 0.5 * away + size + head)
 }
 
-/// How far the limbs of one pair point away from where the other one meets: -1 to 1, the mean over the frames.
+/// Degree to which the limbs of one pair point away from where the other one meets: -1 to 1, the mean over the frames.
 fn pointing_away(tree: &Tree, pair: &Pair, other: &Pair) -> f32 {
     let of = |frame: &[Vec3]| {
         let ends = (frame[pair.leg.joint(2, 0)] + frame[pair.leg.joint(2, 1)]) * 0.5;
@@ -142,7 +142,7 @@ fn pointing_away(tree: &Tree, pair: &Pair, other: &Pair) -> f32 {
     tree.mean(of).unwrap_or(0.0)
 }
 
-/// Roles of the limbs; `left` has which of the two legs and of the two arms is the left one.
+/// Sets the roles of the limbs; `left` has the index of the left one of the two legs and of the two arms.
 fn set_limbs(tree: &Tree, body: &Body, left: [usize; 2], map: &mut RoleMap) {
     use Joint::*;
     for right in [false, true] {
@@ -167,7 +167,7 @@ fn set_limbs(tree: &Tree, body: &Body, left: [usize; 2], map: &mut RoleMap) {
     }
 }
 
-/// The joint below a foot that is called a toe, or else starts the longest chain.
+/// The joint below a foot that is named a toe, or else starts the longest chain.
 fn toe(tree: &Tree, foot: usize) -> Option<usize> {
     let mut chain = Vec::new();
     let mut at = foot;

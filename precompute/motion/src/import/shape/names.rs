@@ -1,4 +1,4 @@
-//! What the name of a joint says: its side, the part of the body, or that it plays no role.
+//! Meaning of the name of a joint: its side, the part of the body, or that it plays no role.
 //!
 //! Names are in the conventions of many tools and languages. They confirm what the shape of a skeleton says, and
 //! decide where it says nothing.
@@ -239,16 +239,16 @@ const NOISE: [&str; 18] = [
     "biped",
 ];
 
-/// What a name says.
+/// Meaning of a name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Label {
     /// The side it names.
     pub side: Option<Side>,
     /// The parts it may mean, by bit; 0 where it names none.
     parts: u16,
-    /// The name is the word of the part and nothing else.
+    /// True where the name is the word of the part and nothing else.
     pub exact: bool,
-    /// It names a finger, a twist joint, a prop or another thing that plays no role.
+    /// True where it names a finger, a twist joint, a prop or another thing that plays no role.
     pub left_out: bool,
 }
 
@@ -288,7 +288,7 @@ impl Label {
         self.parts != 0
     }
 
-    /// How far the name agrees with a part: 1 yes, -0.5 no, 0 says nothing.
+    /// Agreement of the name with a part: 1 yes, -0.5 no, 0 says nothing.
     pub fn agreement(self, part: Part) -> f32 {
         match (self.may_be(part), self.names_a_part()) {
             (true, _) => 1.0,

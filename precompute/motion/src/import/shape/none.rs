@@ -1,15 +1,15 @@
-//! Says what a skeleton is that is no whole body.
+//! Explains why a skeleton is no whole body.
 
 use super::limbs::Pair;
 use super::tree::Tree;
 use super::{Body, NoPerson, trunk};
 
-/// Chains that make a hand.
+/// Number of chains that make a hand.
 const FINGERS: usize = 4;
 /// Names listed in an error.
 const MAX_NAMES: usize = 40;
 
-/// Why two arms, two legs and what joins them were not found.
+/// Explains why two arms, two legs and the parts that join them were not found.
 pub(super) fn explain(tree: &Tree, pairs: &[Pair]) -> NoPerson {
     let longest = pairs.iter().max_by(|a, b| a.leg.length.total_cmp(&b.leg.length));
     let Some(pair) = longest else {

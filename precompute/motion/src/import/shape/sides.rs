@@ -1,4 +1,4 @@
-//! Which side is left: toes point and knees bend ahead; the arms lie as the legs do. Names are held against it.
+//! Finds which side is left: toes point and knees bend ahead; the arms lie as the legs do. Names are compared with it.
 
 use super::names::Side;
 use super::tree::Tree;
@@ -7,14 +7,14 @@ use crate::import::roles::RoleMap;
 use glam::Vec3;
 use throng_core::Joint;
 
-/// Toes this far ahead of the ankles, as a share of the way, say which way the body looks.
+/// Distance of toes ahead of the ankles, as a share of the way, from which they show which way the body faces.
 const CLEAR_TOES: f32 = 0.35;
-/// Knees this far before the line from hip to ankle, as a share of its length, do so too.
+/// Distance of knees before the line from hip to ankle, as a share of its length, from which they show it.
 const CLEAR_KNEES: f32 = 0.015;
-/// Shoulders this much along the line of the hips say on which side an arm is (cosine).
+/// Part of the shoulders along the line of the hips from which they show on which side an arm is (cosine).
 const CLEAR_ARMS: f32 = 0.3;
 
-/// Shoulders are wider than this share of the hips.
+/// Least width of shoulders, as a share of the hips'.
 const MIN_SHOULDERS: f32 = 0.5;
 
 /// Which of the two legs and arms, in the order of the file, are the left ones.
@@ -24,13 +24,13 @@ pub struct Sides {
     pub warnings: Vec<String>,
 }
 
-/// What the shape says about a body's sides.
+/// Evidence of the shape about a body's sides.
 struct Shown {
-    /// Above 0 where the first leg is the left one; 0 where nothing tells.
+    /// Positive where the first leg is the left one; 0 where nothing tells.
     legs: f32,
-    /// Toes and knees are of one mind and clear.
+    /// True where toes and knees agree and are clear.
     is_certain: bool,
-    /// Above 0 where the first arm is on the first leg's side; 0 where that is not clear.
+    /// Positive where the first arm is on the first leg's side; 0 where that is not clear.
     arms: f32,
 }
 
@@ -91,7 +91,7 @@ pub(super) fn decide(tree: &Tree, body: &Body) -> Result<Sides, NoPerson> {
     Ok(Sides { left_leg: index(first_leg), left_arm: index(first_arm), warnings })
 }
 
-/// What names have put on the wrong side.
+/// Roles that names have put on the wrong side.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wrong {
     legs: bool,
@@ -100,7 +100,7 @@ pub struct Wrong {
 }
 
 impl Wrong {
-    /// Exchanges the sides of legs or arms that are on the other one, and tells it.
+    /// Exchanges the sides of legs or arms that are on the wrong one, and adds warnings.
     pub fn correct(self, map: &mut RoleMap) {
         let all = Joint::ALL;
         let (arms, legs) = (Joint::LeftClavicle.index(), Joint::LeftThigh.index());
@@ -113,7 +113,7 @@ impl Wrong {
     }
 }
 
-/// Holds the sides of roles that names have given against the shape.
+/// Compares the sides of roles that names have given with the shape.
 pub fn of_roles(tree: &Tree, map: &RoleMap) -> Result<Wrong, NoPerson> {
     use Joint::*;
     let both = |j: Joint| Some([map.get(j)?, map.get(j.mirrored())?]);
@@ -145,9 +145,9 @@ fn of_sign(value: f32) -> Option<Side> {
     }
 }
 
-/// Looks at toes, knees and shoulders in all frames.
+/// Examines toes, knees and shoulders in all frames.
 fn show(tree: &Tree, joints: Legs) -> Shown {
-    // Of a body whose first leg is the left one, this is ahead.
+    // For a body whose first leg is the left one, this is ahead.
     let ahead = |frame: &[Vec3]| {
         let middle = (frame[joints.thighs[0]] + frame[joints.thighs[1]]) * 0.5;
         let across = (frame[joints.thighs[0]] - frame[joints.thighs[1]]).try_normalize()?;
@@ -169,7 +169,7 @@ fn show(tree: &Tree, joints: Legs) -> Shown {
             let leg = hip.distance(knee) + knee.distance(ankle);
             let along = (ankle - hip).try_normalize()?;
             let bend = (knee - hip).reject_from_normalized(along);
-            // Seen from the side: legs that are spread do not count.
+            // Measured from the side: legs that are spread do not count.
             (leg > 0.0).then(|| bend.dot(ahead) / leg)
         };
         Some(0.5 * (part(0)? + part(1)?))
@@ -184,7 +184,7 @@ fn show(tree: &Tree, joints: Legs) -> Shown {
     let arms = tree.mean(|frame| {
         let across = |pair: [usize; 2]| frame[pair[0]] - frame[pair[1]];
         let (arms, thighs) = (across(joints.arms), across(joints.thighs));
-        // Shoulders in one place, as in broken frames, say nothing.
+        // Shoulders in one place, as in broken frames, are no evidence.
         let apart = arms.length() > MIN_SHOULDERS * thighs.length();
         Some(arms).filter(|_| apart)?.try_normalize().map(|a| a.dot(thighs.normalize_or_zero()))
     });
@@ -199,7 +199,7 @@ fn toe_tip(tree: &Tree, foot: usize) -> Option<usize> {
     std::iter::successors(Some(foot), next).last().filter(|&tip| tip != foot && tree.heights[foot] > 0.0)
 }
 
-/// `LeftArm` is named left, but is to the right of the spine.
+/// Warnings about joints such as one named left that is to the right of the spine.
 fn conflicts(tree: &Tree, joints: [usize; 2], first: Side) -> Vec<String> {
     [(joints[0], first), (joints[1], first.other())]
         .map(|(joint, side)| {

@@ -1,27 +1,27 @@
-//! A skeleton as a tree of lengths: who hangs on whom, how long each segment is in the motion, where joints are.
+//! A skeleton as a tree of lengths: parents and children, lengths of segments in the motion, positions of joints.
 
 use super::super::units::sample_frames;
 use super::names::Label;
 use crate::raw::RawClip;
 use glam::Vec3;
 
-/// Frames looked at.
+/// Most frames that are examined.
 const MAX_FRAMES: usize = 48;
 
-/// A skeleton and where its joints are in some frames of the motion; lengths in units of the file.
+/// A skeleton, and the positions of its joints in some frames of the motion; lengths in units of the file.
 ///
 /// Lengths are those of the motion, not of the rest pose: files whose rest offsets follow some other rule are
 /// bodies in their motion alone.
 pub struct Tree<'a> {
     pub clip: &'a RawClip,
-    /// What each joint's name says.
+    /// Meaning of each joint's name.
     pub labels: Vec<Label>,
     pub children: Vec<Vec<usize>>,
     /// Distance of each joint to its parent, the median over the frames; 0 for roots.
     pub lengths: Vec<f32>,
-    /// Longest way along joints below each one.
+    /// Length of the longest path along joints below each one.
     pub heights: Vec<f32>,
-    /// Each joint and those below it have places in a row: the first, and the one after the last.
+    /// Joints in an order in which each one and those below it are consecutive: the first index, and the one after the last.
     rows: Vec<[usize; 2]>,
     /// True where neither the joint nor any below it may play a role, by name.
     pub pruned: Vec<bool>,
@@ -50,7 +50,7 @@ impl<'a> Tree<'a> {
         let (mut heights, mut pruned) = (vec![0f32; n], vec![true; n]);
         for j in (0..n).rev() {
             let is_end = clip.joints[j].is_end;
-            // The end of a chain is as its joint is; what hangs below a joint that plays no role may play one.
+            // The end of a chain is treated as its joint is; joints below one that plays no role may play one.
             let parent_is_out = clip.joints[j].parent.is_some_and(|p| labels[p].left_out);
             pruned[j] &= if is_end { parent_is_out } else { labels[j].left_out };
             if let (false, Some(p)) = (pruned[j], clip.joints[j].parent) {
@@ -98,7 +98,7 @@ impl<'a> Tree<'a> {
         &self.clip.joints[joint].name
     }
 
-    /// Mean over the frames of a number that not every frame has; `None` where no frame has.
+    /// Mean over the frames of a number that some frames lack; `None` where all do.
     pub fn mean(&self, of: impl Fn(&[Vec3]) -> Option<f32>) -> Option<f32> {
         let all: Vec<f32> = self.frames.iter().filter_map(|f| of(f)).filter(|v| v.is_finite()).collect();
         (!all.is_empty()).then(|| all.iter().sum::<f32>() / all.len() as f32)

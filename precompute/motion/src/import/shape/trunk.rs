@@ -1,4 +1,4 @@
-//! Hips, spine, neck and head: what lies between the legs and the arms, and goes on from there.
+//! Hips, spine, neck and head: the joints between the legs and the arms, and the chain that goes on from there.
 
 use super::limbs::Pair;
 use super::names::Part;
@@ -7,11 +7,11 @@ use super::{Body, RoleMap};
 use glam::Vec3;
 use throng_core::Joint::{Chest, Head, Hips, Neck, Spine, UpperChest};
 
-/// The head joint is no farther along neck joints from where the arms meet than this share of a leg: what follows
-/// are hats and hair.
+/// Largest distance of the head joint along neck joints from where the arms meet, as a share of a leg: joints beyond are hats
+/// and hair.
 const MAX_NECK: f32 = 0.47;
 
-/// Sets the roles of the trunk. The hips are the joint where the legs meet: what turns it moves the legs.
+/// Sets the roles of the trunk. The hips are the joint where the legs meet: its turns move the legs.
 pub fn set(tree: &Tree, body: &Body, map: &mut RoleMap) {
     map.joints[Hips.index()] = Some(body.hips);
     let mut spine = spine(tree, body);
@@ -57,7 +57,7 @@ fn spine(tree: &Tree, body: &Body) -> Vec<usize> {
 
 /// True where a chain goes on from where a pair of arms meets, away from the legs.
 ///
-/// - `necks`: what may start it, as [`necks`] has it.
+/// - `necks`: joints that may start it, from [`necks`].
 pub fn has_head(tree: &Tree, arms: &Pair, necks: &[usize]) -> bool {
     let start = necks.iter().copied().find(|j| !arms.first.contains(j));
     start.is_some_and(|start| goes_on(tree, arms.parent, start).next().is_some())
@@ -92,7 +92,7 @@ fn goes_on<'a>(tree: &'a Tree, chest: usize, start: usize) -> impl Iterator<Item
     std::iter::successors(Some(start), next).filter(|&j| tree.is_candidate(j))
 }
 
-/// How well a joint starts the neck: it goes on where the trunk points, and is called so.
+/// Score of a joint as the start of the neck: it goes on where the trunk points, and is named so.
 fn head_score(tree: &Tree, chest: usize, hips: usize, joint: usize) -> f32 {
     let of = |frame: &[Vec3]| {
         let up = (frame[chest] - frame[hips]).try_normalize()?;

@@ -1,4 +1,4 @@
-//! A walker of a blend space, frame by frame into a clip.
+//! Records a walker of a blend space, frame by frame, into a clip.
 
 use crate::rotation::wrap;
 use crate::task::entries::PaceEntry;
@@ -12,36 +12,36 @@ use throng_motion::export::Pose;
 
 /// Steps a second at least.
 const STEP_HZ: f64 = 60.0;
-/// How fast somebody who stands turns (rad/s).
+/// Turning speed of a character that stands (rad/s).
 const TURN: f64 = 1.6;
-/// How fast walks begin and end (m/s^2).
+/// Acceleration at the beginning and end of a walk (m/s^2).
 const START: f64 = 1.2;
-/// Until feet that turned on the spot stand again (s).
+/// Time until feet that turned on the spot are at rest (s).
 const SETTLE_S: f64 = 0.3;
-/// A turn on the spot that nobody makes (rad).
+/// Smallest turn on the spot (rad).
 const NO_TURN: f64 = 0.02;
-/// A walk begins with its own turn where that is less (rad).
+/// Turn below which a walk begins with the turn itself (rad).
 const ON_THE_WAY: f64 = 0.5;
 
-/// Somebody who walks, and all frames so far.
+/// A walker, and all frames so far.
 #[derive(Clone)]
 pub(super) struct Gait {
     walkers: Walkers,
     who: Id,
     rate_hz: f64,
     steps: usize,
-    /// Where it stands and looks when it stands.
+    /// Position and heading of the walker while it stands.
     at: DVec2,
     heading: f64,
     roots: Vec<Vec3>,
     rotations: Vec<Quat>,
     contacts: Vec<Contacts>,
-    /// What it looks at (m).
+    /// Gaze target (m).
     pub look_at: Option<DVec3>,
 }
 
 impl Gait {
-    /// Stands at a place (x and z, m) with a heading (rad); frame 0 is there.
+    /// Starts a walker that stands at a position (x and z, m) with a heading (rad), at frame 0.
     pub fn new(space: &BlendSpace, at: DVec2, heading: f64, rate_hz: f64) -> Result<Self> {
         let mut walkers = Walkers::with_capacity(space.clone(), &[], WalkersConfig::default(), 1)?;
         let root = Planar::new(at.x as f32, at.y as f32, heading as f32);
@@ -68,12 +68,12 @@ impl Gait {
         (self.roots.len() - 1) as f64 / self.rate_hz
     }
 
-    /// Where it stands (x and z, m) and looks (rad).
+    /// Position (x and z, m) and heading (rad) of the walker while it stands.
     pub fn place(&self) -> (DVec2, f64) {
         (self.at, self.heading)
     }
 
-    /// Hips and rotations of the last frame.
+    /// Position of the hips and rotations of the last frame.
     pub fn pose(&self) -> (DVec3, [DQuat; NUM_JOINTS]) {
         self.frame_pose(self.roots.len() - 1)
     }
@@ -84,7 +84,7 @@ impl Gait {
         (self.roots[frame].as_dvec3(), turns)
     }
 
-    /// Frames after a time: when, hips and rotations.
+    /// Frames after a time: time, position of the hips and rotations.
     pub fn frames_after(&self, time_s: f64) -> Vec<(f64, (DVec3, [DQuat; NUM_JOINTS]))> {
         let first = (time_s * self.rate_hz).round() as usize + 1;
         (first..self.roots.len()).map(|f| (f as f64 / self.rate_hz, self.frame_pose(f))).collect()
@@ -111,7 +111,7 @@ impl Gait {
         let Some(end_s) = pace.last().map(|p| p.t_s) else { return Ok(()) };
         let (start_s, from, heading) = (self.time_s(), self.at, self.heading);
         let ahead = DVec2::new(maths::sin(heading), maths::cos(heading));
-        // How far and how fast (m, m/s).
+        // Distance (m) and speed (m/s).
         let along = |t: f64| {
             let mut way = 0.0;
             for w in pace.windows(2) {
@@ -134,13 +134,13 @@ impl Gait {
         Ok(())
     }
 
-    /// Turns on the spot, evenly eased.
+    /// Turns on the spot to a heading, evenly eased.
     pub fn turn(&mut self, heading: f64) -> Result<()> {
         let by = wrap(heading - self.heading);
         if by.abs() < NO_TURN {
             return Ok(());
         }
-        // Fastest in the middle, by half more than in the mean.
+        // The turn is fastest in the middle, by half more than in the mean.
         let seconds = 1.5 * by.abs() / TURN;
         let (at, from, start_s) = (self.at, self.heading, self.time_s());
         while self.time_s() - start_s < seconds {
@@ -154,10 +154,10 @@ impl Gait {
         self.stand(until_s)
     }
 
-    /// Walks along a way from where it stands.
+    /// Walks along a path from where it stands.
     ///
-    /// - `way`: x and z (m, two at least), the first where it stands.
-    /// - returns when the way ends (s).
+    /// - `way`: x and z (m, two at least), the first where the walker stands.
+    /// - returns the time at which the path ends (s).
     pub fn walk(&mut self, way: &[DVec2], speed_mps: f64) -> Result<f64> {
         let lengths: Vec<f64> = way.windows(2).map(|w| w[0].distance(w[1])).collect();
         let length: f64 = lengths.iter().sum();
@@ -170,7 +170,7 @@ impl Gait {
         let (ramp_s, even_s) = (top / START, (length - top * top / START) / top);
         let total_s = 2.0 * ramp_s + even_s;
         let start_s = self.time_s();
-        // How far along the way, and how fast (m, m/s).
+        // Distance along the path (m), and speed (m/s).
         let along = |t: f64| {
             let t = (t - start_s).clamp(0.0, total_s);
             let left = total_s - t;
@@ -197,7 +197,7 @@ impl Gait {
         Ok(self.time_s())
     }
 
-    /// One frame on: place (x and z, m), velocity (m/s) and heading (rad) at a time.
+    /// Adds a frame: position (x and z, m), velocity (m/s) and heading (rad) are a function of time.
     fn frame(&mut self, mut path: impl FnMut(f64) -> (DVec2, DVec2, f64)) -> Result<()> {
         let from_s = self.time_s();
         let dt_s = 1.0 / (self.rate_hz * self.steps as f64);
@@ -232,7 +232,7 @@ impl Gait {
     }
 }
 
-/// Where a way is after a length, and its direction.
+/// Point of a path at a length, and its direction.
 fn on_way(way: &[DVec2], lengths: &[f64], along: f64) -> (DVec2, DVec2) {
     let mut left = along;
     for (w, length) in way.windows(2).zip(lengths) {

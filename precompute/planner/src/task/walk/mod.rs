@@ -1,4 +1,4 @@
-//! Characters who walk up to what they do: where they stand, the way there, and when the limb sets out.
+//! Characters who walk up to their steps: standing places, paths to them, and times at which limbs set out.
 
 mod gait;
 mod route;
@@ -12,82 +12,82 @@ use glam::DVec2;
 use stand::Wanted;
 use throng_core::blend::BlendSpace;
 
-/// How long before a walk ends a limb sets out (s).
+/// Time by which a limb sets out before a walk ends (s).
 const EARLY_S: f64 = 0.45;
-/// From the end of the walk until hand or foot is there, at least; from its setting out, too (s).
+/// Least time from the end of the walk until hand or foot is at its target, and from its setting out (s).
 const THERE_S: f64 = 0.25;
 const OUT_S: f64 = 0.85;
-/// How long the limb is on its way back into the clip (s).
+/// Time of the limb's path back into the clip (s).
 const BACK_S: f64 = 0.9;
-/// How long somebody stands on before the next walk (s).
+/// Time for which a character stands before its next walk (s).
 const STAY_S: f64 = 0.35;
-/// Standing at the beginning and at the end of everything (s).
+/// Time of standing at the beginning and at the end of everything (s).
 const REST_S: f64 = 0.5;
-/// How often places to stand are changed because a limb found no way.
+/// Most changes of standing places because a limb found no path.
 const MOST_TRIES: usize = 12;
-/// How far somebody walks to one thing to do at most (m).
+/// Longest walk to one step (m).
 const FARTHEST_M: f64 = 200.0;
-/// Nobody sets out for more after so long (s).
+/// Time after which no character sets out for another step (s).
 const LONGEST_S: f64 = 3600.0;
 
-/// How a character moves.
+/// Motion of a character.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "there are as many as characters, once")]
 pub enum Source<'a> {
-    /// As a clip says.
+    /// A clip.
     Clip(ActorClip),
-    /// It walks up to what it does, with bodies of a blend space whose first axis is speed.
+    /// Walking up to its steps, with bodies of a blend space whose first axis is speed.
     Walks(&'a BlendSpace),
 }
 
-/// Clips of characters who walk, and the task with the times at which they are where they have to be.
+/// Clips of characters who walk, and the task with the times at which they are in place.
 #[derive(Clone, Debug)]
 pub struct Walked {
-    /// To be run with the clips.
+    /// The task, to be run with the clips.
     pub task: Task,
-    /// Of every character.
+    /// Clips of all characters.
     pub clips: Vec<ActorClip>,
 }
 
-/// Why nobody walks.
+/// Reason why characters cannot walk.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum NoWalk {
-    /// Clips that do not fit.
+    /// Clips do not fit.
     #[error(transparent)]
     Clips(#[from] NoClips),
-    /// The blend space refuses.
+    /// The blend space refuses the walk.
     #[error("`{name}`: {source}")]
     Space {
-        /// Who walks.
+        /// Name of the character.
         name: String,
-        /// Why.
+        /// Reason.
         source: throng_base::Error,
     },
-    /// There is no place to stand, or no way to one.
+    /// No standing place was found, or no path to one.
     #[error("{task}: {why}")]
     Nowhere {
-        /// The task.
+        /// Name of the task.
         task: String,
-        /// Why, of the place that came nearest, and the way out.
+        /// Failure of the place that came nearest, and the way out.
         why: String,
     },
 }
 
 impl Task {
-    /// True where somebody walks up to what it does: the task has to be walked before it is run.
+    /// True where a character walks up to its steps: the walks have to be planned before the task is run.
     pub fn walks(&self) -> bool {
         self.characters.iter().any(|c| c.clip.walk.is_some())
     }
 
-    /// Lets characters walk up to what they do: for each task without a time, in the file's order, the nearest place to
-    /// stand from which the limb reaches what it has to, within limits and free, and a way there past what stands
-    /// around. The limb sets out before the walk ends.
+    /// Plans the walks of characters up to their steps: for each step without a time, in the file's order, the nearest standing
+    /// place from which the limb reaches its target, within limits and free, and a path there past obstacles. The limb sets out
+    /// before the walk ends.
     ///
-    /// Where a limb finds no way from a place, the next one is taken, a few times.
+    /// Where a limb finds no path from a place, the next place is tried, a few times.
     ///
     /// - `sources`: one for each character, in the task's order.
-    /// - `rate_hz`: of the clips of those who walk, where nobody has one.
+    /// - `rate_hz`: rate of the clips of walking characters, where no character has a clip.
     /// - `seed`: as in [`Task::run`].
     ///
     /// # Errors
@@ -123,7 +123,7 @@ impl Task {
             .ok_or_else(|| NoWalk::Nowhere { task: "the task".into(), why: "nobody walks".into() })
     }
 
-    /// - `passed`: places of each step that were taken before.
+    /// - `passed`: number of places of each step that were rejected before.
     fn walk(&self, sources: &[Source<'_>], rate_hz: f64, passed: &[usize]) -> Result<Walked, NoWalk> {
         let (expected, found) = (self.characters.len(), sources.len());
         if expected != found {
@@ -179,15 +179,15 @@ impl Task {
     }
 }
 
-/// Walks to where a step can be done, and stands there as long as it takes.
+/// Walks to a place from which a step can be done, and stands there for as long as it takes.
 ///
-/// - returns when the limb sets out, is there and is back (s), and who has walked.
+/// - returns the times at which the limb sets out, is there and is back (s), and the walker.
 fn go(task: &Task, clips: &[ActorClip], i: usize, gait: &Gait, mut passed: usize) -> Result<([f64; 3], Gait), NoWalk> {
     let step = &task.steps[i];
     let who = step.character;
     let speed_mps = task.characters[who].clip.walk.as_ref().map_or(1.2, |w| w.speed_mps);
     let wrong = |source| NoWalk::Space { name: task.characters[who].name.clone(), source };
-    // When the limb is back from what it did before.
+    // Time at which the limb is back from its step before.
     let same = |s: &&super::step::Step| s.character == who && s.limb == step.limb && s.is_timed();
     let free_s = task.steps[..i].iter().filter(same).map(|s| s.times_s[2]).fold(0.0, f64::max);
     let mut wanted = Wanted::new(Stage::new(task, clips), step, gait);
@@ -200,7 +200,7 @@ fn go(task: &Task, clips: &[ActorClip], i: usize, gait: &Gait, mut passed: usize
     if gait.time_s() > LONGEST_S {
         return nowhere(format!("it begins after {LONGEST_S} s; do the rest in another task file"));
     }
-    // Who need not bend, does not.
+    // Places that need no bend come first.
     let upright = stands.iter().map(|stand| (stand, false));
     let leaning = stands.iter().map(|stand| (stand, true)).filter(|_| task.lean && step.limb.is_arm());
     for (stand, leans) in upright.chain(leaning) {

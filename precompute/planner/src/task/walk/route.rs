@@ -1,4 +1,4 @@
-//! Ways on the ground past what stands around.
+//! Paths on the ground past obstacles.
 
 use crate::rotation::Rigid;
 use crate::shape::{Segment, Shape};
@@ -8,32 +8,32 @@ use std::collections::{BinaryHeap, HashMap};
 
 /// Side of a cell of the ground (m).
 const CELL_M: f64 = 0.1;
-/// What is between these heights is in the way (m).
+/// Heights between which a thing is an obstacle (m).
 const HEIGHTS_M: [f64; 2] = [0.2, 1.6];
-/// Half of the room that a walker needs, and where it begins and ends (m).
+/// Half width of the path that a walker needs, and half width at both ends (m).
 const ROOM_M: f64 = 0.32;
 const NARROW_M: f64 = 0.16;
-/// How far from its ends a way has all of its room (m).
+/// Distance from its ends from which a path has its full width (m).
 const NEAR_M: f64 = 0.6;
-/// How far ways go round beyond what they lead between (m).
+/// Largest detour beyond the ends of a path (m).
 const DETOUR_M: f64 = 4.0;
-/// Most cells that are looked at.
+/// Most cells that are searched.
 const MOST_CELLS: usize = 200_000;
-/// How often corners are cut, and how far from a corner at most: the first that stays free (m).
+/// Number of times that corners are cut, and distances from a corner, of which the first that stays free is taken (m).
 const CUTS: u32 = 4;
 const CUTS_M: [f64; 3] = [0.6, 0.3, 0.15];
-/// Room that is looked for beside what is needed, so that corners can be cut (m).
+/// Width beside what is needed that is searched for, so that corners can be cut (m).
 const SPARE_M: f64 = 0.15;
 
-/// What stands on the ground, where it is.
+/// Obstacles on the ground.
 pub(super) struct Ground {
     pub things: Vec<(Shape, Rigid)>,
-    /// Discs that nobody walks into: place and radius (m).
+    /// Discs that no path enters: middle and radius (m).
     pub discs: Vec<(DVec2, f64)>,
 }
 
 impl Ground {
-    /// The shortest way that is free, with its corners cut; none where there is none.
+    /// The shortest free path, with its corners cut; `None` where there is none.
     ///
     /// # Source
     /// Hart, Nilsson and Raphael 1968 (A*); Chaikin 1974 (corners).
@@ -46,7 +46,7 @@ impl Ground {
         Some(smooth.unwrap_or(corners))
     }
 
-    /// Half of the room that there has to be at a place (m).
+    /// Half of the width that a path needs at a place (m).
     fn room(p: DVec2, ends: [DVec2; 2], spare_m: f64) -> f64 {
         let near = ends.into_iter().map(|e| e.distance(p)).fold(f64::INFINITY, f64::min);
         NARROW_M + (ROOM_M + spare_m - NARROW_M) * (near / NEAR_M).min(1.0)
@@ -74,7 +74,7 @@ struct Search<'a> {
     ground: &'a Ground,
     ends: [DVec2; 2],
     spare_m: f64,
-    /// Whether cells are free, as far as that was asked.
+    /// Whether cells are free, as far as they were tested.
     cells: HashMap<Cell, bool>,
 }
 
@@ -126,7 +126,7 @@ impl Search<'_> {
         None
     }
 
-    /// The way back to the start, pulled tight.
+    /// The path back to the start, pulled tight.
     fn pulled(&self, best: &HashMap<Cell, (u64, Cell)>, mut cell: Cell) -> Vec<DVec2> {
         let mut all = vec![self.ends[1]];
         while cell != (0, 0) {
@@ -146,7 +146,7 @@ impl Search<'_> {
     }
 }
 
-/// Cuts corners, again and again: the ends stay.
+/// Cuts corners of a path, again and again; its ends stay.
 fn cut(way: &[DVec2], most_m: f64) -> Vec<DVec2> {
     let mut way = way.to_vec();
     for round in 0..CUTS {

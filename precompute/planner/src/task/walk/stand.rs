@@ -1,4 +1,4 @@
-//! Places to stand from which a limb reaches what it has to.
+//! Standing places from which a limb reaches its target.
 
 use super::gait::{Gait, heading_of};
 use super::route::Ground;
@@ -16,61 +16,61 @@ use glam::{DQuat, DVec2, DVec3};
 use std::f64::consts::TAU;
 use throng_core::{Joint, NUM_JOINTS};
 
-/// How far from the target somebody stands, the best one, and how many to either side (m).
+/// Best distance from the target, step of distances, and number of steps to either side (m).
 const BEST_M: f64 = 0.5;
 const STEP_M: f64 = 0.05;
 const NUM_RINGS: i32 = 8;
-/// Directions in which somebody stands.
+/// Number of directions around the target.
 const NUM_SIDES: u32 = 20;
-/// By how much somebody looks past the target, so that the shoulder is nearer to it (rad).
+/// Turns past the target, so that the shoulder is nearer to it (rad).
 const ASIDE: [f64; 3] = [0.35, 0.0, 0.8];
-/// Prices: of turning once there (m/rad), of standing nearer or farther (1), of looking aside (m/rad).
+/// Costs: of a turn at the place (m/rad), of a distance off the best one (1), of a turn past the target (m/rad).
 const TURN_M: f64 = 0.4;
 const RING_M: f64 = 1.5;
 const ASIDE_M: f64 = 0.3;
-/// How far a body that stands is from everything, and its arms (m).
+/// Least distance of a standing body, and of its arms, from everything (m).
 const CLEAR_M: f64 = 0.04;
 const ARM_M: f64 = 0.01;
-/// How much nearer than need be somebody stands who brings something (m).
+/// Distance by which a character that brings something stands nearer than needed (m).
 const BRING_M: f64 = 0.05;
-/// How far it is from everything while a limb is planned, and how deep in something at other times (m).
+/// Least distance of the body while a limb is planned, and tolerated depth at other times (m).
 const WALK_M: f64 = 0.004;
 const PRESS_M: f64 = 0.02;
-/// Turning at the beginning and at the end, and coming to a stand, at a guess (s).
+/// Guess of the time for turns at the beginning and at the end, and for coming to a stand (s).
 const AROUND_S: f64 = 2.0;
-/// How far around others nobody walks (m).
+/// Radius around other characters that no path enters (m).
 const BODY_M: f64 = 0.25;
 
-/// A place to stand.
+/// A standing place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stand {
-    /// x and z (m).
+    /// Position, x and z (m).
     pub at: DVec2,
-    /// (rad)
+    /// Heading (rad).
     pub heading: f64,
-    /// When the target is reached from there, about (s).
+    /// Approximate time at which the target is reached from there (s).
     pub at_s: f64,
     price: f64,
 }
 
-/// What is to be reached, and by whom.
+/// Search for standing places of a step.
 pub(super) struct Wanted<'a> {
     stage: Stage<'a>,
     step: &'a Step,
-    /// Where it stands now.
+    /// Position and heading of the character now.
     from: (DVec2, f64),
     now_s: f64,
-    /// How it stands there.
+    /// Pose in which it stands.
     pose: (DVec3, [DQuat; NUM_JOINTS]),
     nearest: Option<Unreached<String>>,
-    /// The trunk may bend.
+    /// True where the trunk may bend.
     pub leans: bool,
-    /// What the body met on the way to a place that would do.
+    /// Obstacle on the path to a place that would otherwise do.
     met: Option<String>,
 }
 
 impl<'a> Wanted<'a> {
-    /// - `stage`: with the clip of who walks so far.
+    /// - `stage`: with the clip so far of the walking character.
     pub fn new(stage: Stage<'a>, step: &'a Step, gait: &Gait) -> Self {
         Self {
             stage,
@@ -84,22 +84,22 @@ impl<'a> Wanted<'a> {
         }
     }
 
-    /// Where the object is, or is brought.
+    /// Place of the object, or the place to which it is brought.
     pub fn target(&self, time_s: f64) -> Rigid {
         target(&self.stage, self.step, time_s)
     }
 
-    /// Places that may do, the best first: where it stands already, then around the target.
+    /// Candidate places, the best first: where the character stands already, then around the target.
     pub fn stands(&self, speed_mps: f64) -> Vec<Stand> {
         let (from, heading) = self.from;
         let soon_s = self.now_s + 1.0;
         let mut all = vec![Stand { at: from, heading, at_s: soon_s, price: f64::NEG_INFINITY }];
         let flat = |p: DVec3| DVec2::new(p.x, p.z);
-        // Where it will be by the time somebody is there.
+        // Transform of the target by the time the character is there.
         let distance = flat(self.target(soon_s).position).distance(from);
         let at_s = self.now_s + distance / speed_mps + AROUND_S;
         let target = flat(self.target(at_s).position);
-        // A right arm is nearer to what is to the right: who looks to the left of it.
+        // A right arm is nearer to what is to the right: the character faces to the left of it.
         let side = if self.step.limb.joints()[0].name().starts_with("left") { -1.0 } else { 1.0 };
         for ring in -NUM_RINGS..=NUM_RINGS {
             let radius = BEST_M + STEP_M * f64::from(ring);
@@ -124,7 +124,7 @@ impl<'a> Wanted<'a> {
         all
     }
 
-    /// Hips and rotations of somebody who stands there.
+    /// Position of the hips and rotations of a character that stands there.
     fn pose_at(&self, stand: &Stand) -> (DVec3, [DQuat; NUM_JOINTS]) {
         let (root, mut turns) = self.pose;
         let (from, heading) = self.from;
@@ -134,7 +134,7 @@ impl<'a> Wanted<'a> {
         (ground(stand.at) + turn * (root - ground(from)), turns)
     }
 
-    /// True where a body that stands there is in nothing.
+    /// True where a body that stands there collides with nothing.
     pub fn is_free(&self, stand: &Stand) -> bool {
         let actor = &self.stage.actors[self.step.character];
         let (root, turns) = self.pose_at(stand);
@@ -151,7 +151,7 @@ impl<'a> Wanted<'a> {
         })
     }
 
-    /// What stands on the ground until somebody is there.
+    /// Obstacles on the ground until the character is there.
     pub fn ground(&self, stand: &Stand) -> Ground {
         let both = [self.now_s, stand.at_s].map(|t| self.around(t).into_iter().map(|(_, shape, at)| (shape, at)));
         let mut ground = Ground { things: both.into_iter().flatten().collect(), discs: Vec::new() };
@@ -166,10 +166,10 @@ impl<'a> Wanted<'a> {
         ground
     }
 
-    /// True where who has walked so was in nothing on the way, frame by frame, but for limbs that have tasks of their own,
-    /// and arms while nothing is planned.
+    /// True where the walking body collided with nothing on the way, frame by frame, but for limbs that have steps of their
+    /// own, and arms while nothing is planned.
     ///
-    /// - `window_s`: in which the limb is planned.
+    /// - `window_s`: window in which the limb is planned.
     pub fn is_walk_free(&mut self, walked: &Gait, window_s: [f64; 2]) -> bool {
         let actor = &self.stage.actors[self.step.character];
         let steps = self.stage.task.steps.iter().filter(|s| s.character == self.step.character);
@@ -179,7 +179,7 @@ impl<'a> Wanted<'a> {
             let places = placed(&actor.skeleton, root, &turns);
             let is_planned = (window_s[0]..=window_s[1]).contains(&time_s);
             let room = if is_planned { WALK_M } else { -PRESS_M };
-            // Arms that swing into something on the way are mended by tasks of their own.
+            // Arms that swing into something on the way are corrected by steps of their own.
             let counts = |j: Joint| !limbs.iter().any(|l| l.moves(j)) && (is_planned || !is_arm(j));
             for c in actor.shape.capsules.iter().filter(|c| counts(c.joint)) {
                 let core = c.core.map(|p| places[c.joint.index()].point(p));
@@ -198,7 +198,7 @@ impl<'a> Wanted<'a> {
         true
     }
 
-    /// Everything but the object that is taken or brought, and what hands carry.
+    /// Shapes of everything but the object that is taken or brought, and things that hands carry.
     fn around(&self, time_s: f64) -> Vec<(String, Shape, Rigid)> {
         let is_carried = |i: usize| matches!(self.stage.stretch(i, time_s), Whereabouts::On { .. });
         let things = self.stage.task.things.iter().enumerate();
@@ -210,12 +210,13 @@ impl<'a> Wanted<'a> {
         placed.collect()
     }
 
-    /// True where the limb of who stands there reaches, within limits and free.
+    /// True where the limb of a character that stands there reaches its target, within limits and free.
     pub fn is_reached_from(&mut self, stand: &Stand) -> bool {
         self.is_reached_at(self.pose_at(stand), stand.at_s)
     }
 
-    /// The same of a pose: hips and rotations. Where it is not known yet how the object lies in the hand, a little farther.
+    /// True where the target is reached from a pose: hips and rotations. An object to be brought has to be reachable from a
+    /// little farther away, too, as its place in the hand is not known yet.
     pub fn is_reached_at(&mut self, (root, turns): (DVec3, [DQuat; NUM_JOINTS]), at_s: f64) -> bool {
         let away = (root - self.target(at_s).position).with_y(0.0).normalize_or_zero();
         let is_near = !self.step.deed.holds() || self.is_reached_by((root + BRING_M * away, turns), at_s);
@@ -244,7 +245,7 @@ impl<'a> Wanted<'a> {
         is_reached
     }
 
-    /// The same of who bends there.
+    /// True where the target is reached from a pose with a bend of the trunk.
     fn is_reached_leaning(&mut self, pose: Pose, at_s: f64, by_m: f64) -> bool {
         let (actor, at) = (&self.stage.actors[self.step.character], self.target(at_s).position);
         let trunk = Trunk { skeleton: &actor.skeleton, limits: &actor.limits, balances: self.stage.task.balance };
@@ -258,7 +259,7 @@ impl<'a> Wanted<'a> {
         is_reached
     }
 
-    /// Why there is no place.
+    /// Reason why there is no place.
     pub fn why(&self) -> String {
         let nearest =
             self.nearest.as_ref().map_or_else(|| "everywhere something is in the way".into(), |u| u.to_string());

@@ -1,4 +1,4 @@
-//! Activities: names told apart, frames within their clips, looped parts within them.
+//! Checks of activities: distinct names, frames within their clips, looped parts within the frames.
 
 use super::super::Bundle;
 use crate::format::{ActivityMeta, FormatError};

@@ -18,7 +18,7 @@ const MOST_PHASES: u32 = 4096;
 const FARTHEST_TURN: f32 = 10.0;
 /// Hips are nearer to the arc, and hands and ankles to the hips (m).
 const FARTHEST_JOINT: f32 = 4.0 * LONGEST_BONE;
-/// How far the sum of a weight row may be from 1.
+/// Largest deviation of the sum of a weight row from 1.
 const SUM_TOLERANCE: f32 = 1e-4;
 /// Frames more than a cycle ends within: it may end between two frames.
 const FRAME: u64 = 1;

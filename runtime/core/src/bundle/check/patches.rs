@@ -6,7 +6,7 @@ use crate::patch::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NO
 
 /// Coordinates within a patch stay below this (m).
 const FAR: f32 = 1e4;
-/// How far the steps across opposite edges may be from being opposite (m).
+/// Largest deviation of the steps across opposite edges from being opposite (m).
 const STEP_TOLERANCE: f32 = 1e-3;
 /// Most edges of a tile: sets of them, and of its inside, have a bit each.
 const MOST_EDGES: u32 = 31;
@@ -69,7 +69,7 @@ pub fn patches(t: &Bundle) -> Result<(), FormatError> {
     }
 }
 
-/// Both links of a pair are for two, play the same time and show the same; pairs ascend.
+/// Both links of a pair are for two people and have the same length and tag; pairs ascend.
 fn pairs(t: &Bundle) -> Result<(), FormatError> {
     let all = t.patches();
     let order = |p: &PairRecord| (p.patch, p.edge, p.link, p.partner_link);

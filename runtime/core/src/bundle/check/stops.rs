@@ -73,7 +73,7 @@ pub fn stops(t: &Bundle) -> Result<(), FormatError> {
         let reach = stop.radius.min(s.sweeps[stop.segment as usize].radius) - BODY_RADIUS_M;
         let is_good = match stop.kind {
             REST => stop.frames == 0 && after.kind == REST && rests(s.nodes_of(stop.segment), reach),
-            // The time grows with every segment, so that the way has an end.
+            // The time grows with every segment, so that the chain has an end.
             WALK_ON => after.frames.checked_add(segment.num_frames) == Some(stop.frames),
             SLOW_DOWN => segment.num_frames.checked_mul(2) == Some(stop.frames),
             _ => return wrong("no such kind"),
@@ -88,9 +88,9 @@ pub fn stops(t: &Bundle) -> Result<(), FormatError> {
     }
 }
 
-/// True where one who rests stays in its disc: what it goes is taken back evenly.
+/// True if a character at rest stays within its disc: any displacement is taken back evenly.
 ///
-/// - `reach`: how far the body's disc may be from the middle (m).
+/// - `reach`: largest distance of the body's disc from its middle (m).
 fn rests(nodes: &[SweepNode], reach: f32) -> bool {
     let end = nodes[nodes.len() - 1];
     nodes.iter().all(|n| {
@@ -107,7 +107,7 @@ mod tests {
     fn who_rests_sways_no_farther_than_its_disc_reaches() {
         let way =
             |x: f32| [(0, 0.0, 0.0), (5, 0.1 + x, 0.0), (10, 0.2, 0.0)].map(|(frame, x, z)| SweepNode { frame, x, z });
-        // The way to the end is taken back: what is left is how far it sways.
+        // The displacement to the end is taken back: the rest is the distance that it sways.
         assert!(rests(&way(0.0), 0.0) && rests(&way(0.3), 0.3) && !rests(&way(0.3), 0.2));
     }
 }

@@ -1,4 +1,4 @@
-//! Choices that are safe: the best action whose ground is clear, or the stop.
+//! Safe choices: the best action whose ground is clear, or the stop.
 
 use super::super::block::{Block, Body, LAID};
 use super::super::blow::PassedHits;
@@ -17,10 +17,11 @@ use std::cmp::Reverse;
 use throng_base::maths;
 use throng_base::simd::LANES;
 
-/// One who is held looks again after this (frames).
+/// Time after which a held character chooses again (frames).
 const LOOK_AGAIN: f32 = 8.0;
 
-/// Choices at which nobody turns aside widely, but waits; and after which anything that leads out is taken.
+/// Number of failed choices up to which a character waits rather than turn aside widely, and after which it takes any
+/// action that leads away.
 const WAITS: u32 = 3;
 const DESPAIRS: u32 = 8;
 /// See [`WAITS`] (rad).
@@ -31,7 +32,7 @@ const AWAY_M: f32 = 0.15;
 /// Actions that turn by less do not turn (rad).
 const TURN: f32 = 0.3;
 
-/// What a step gives to choose by.
+/// Inputs of the choices of one step.
 pub(crate) struct Step<'a> {
     pub motion_set: &'a MotionSet,
     pub config: &'a CharactersConfig,
@@ -40,7 +41,7 @@ pub(crate) struct Step<'a> {
     pub num_characters: usize,
 }
 
-/// Lets every character choose that has come to the end of its segment, one after the other in the order of time.
+/// Lets every character that has reached the end of its segment choose, one after the other in the order of time.
 pub(crate) fn choose(
     avoiding: &mut Avoiding,
     (blocks, bodies): (&mut [Block], &mut [Body]),
@@ -49,7 +50,7 @@ pub(crate) fn choose(
 ) {
     let motion_set = step.motion_set;
     if avoiding.is_stale {
-        // Whoever was moved may be where another is: that comes to an end as they go on.
+        // A character that was moved may overlap another one; the overlap ends as they move on.
         avoiding.rebuild(blocks, step.num_characters, motion_set);
     }
     for at in 0..step.num_characters {
@@ -63,7 +64,7 @@ pub(crate) fn choose(
     }
 }
 
-/// Notes one who has come to the end of a segment.
+/// Queues a character that has reached the end of a segment.
 fn push_due(avoiding: &mut Avoiding, b: &Block, at: usize) {
     let lane = at % LANES;
     let ago = match b.pace[lane] {
@@ -77,7 +78,7 @@ fn push_due(avoiding: &mut Avoiding, b: &Block, at: usize) {
     }
 }
 
-/// One choice.
+/// Makes one choice.
 fn one(
     avoiding: &mut Avoiding,
     (blocks, bodies): (&mut [Block], &mut [Body]),
@@ -143,20 +144,20 @@ fn moves(plan: Plan, motion_set: &MotionSet) -> bool {
     leads_away(plan, motion_set) || motion_set.graph.segments[plan.segment as usize].displacement[2].abs() > TURN
 }
 
-/// Who chooses.
+/// The character that chooses.
 struct Own<'a> {
     at: usize,
     state: u32,
     root: Planar,
-    /// It stands in the middle of its motion.
+    /// True if it was stopped in the middle of its motion.
     is_held: bool,
-    /// How long ago (s).
+    /// Time since the end of its segment (s).
     ago_s: f32,
     goals: &'a [OwnGoal],
 }
 
 impl Own<'_> {
-    /// The best action whose ground is clear, and whether it is what would be done if nobody else were there; its path is
+    /// Best action whose ground is clear, and whether it is the action that it would take without others; its path is
     /// left in `avoiding.path`.
     fn clear_plan(&self, avoiding: &mut Avoiding, b: &Block, step: &Step<'_>) -> Option<(Plan, bool)> {
         let motion_set = step.motion_set;
@@ -194,7 +195,7 @@ impl Own<'_> {
         if patience < DESPAIRS {
             return None;
         }
-        // Anything that leads out, whatever it is worth.
+        // Any action that leads away, whatever its value.
         let begin = patience as usize % segments.len();
         let others = (begin..segments.len()).chain(0..begin).map(|action| action as u8);
         let plans =
@@ -211,7 +212,7 @@ impl Own<'_> {
         is_first
     }
 
-    /// How an action would be played.
+    /// Pace and bending with which an action would be played.
     fn plan(&self, segment: u32, turn: f32, step: &Step<'_>) -> Plan {
         let new = &step.motion_set.graph.segments[segment as usize];
         match self.goals.first() {

@@ -1,10 +1,11 @@
-//! Characters that make way: each reserves the ground of what it does and of the stop that may follow, and takes no action
-//! whose ground meets another's.
+//! Collision avoidance of characters: each reserves the ground of its action and of the stop that may follow, and takes
+//! no action whose ground meets another's.
 //!
-//! The proof. Whenever a character has chosen, its path leads on to a stand and stays there, and meets no other path: that of
-//! a chosen action because it was tested, that of a stop because it is the rest of the path that it has. Places of roots
-//! are on their paths, which hold the bodies' discs. So no two discs ever overlap, whatever policies want. Choices are
-//! made one after the other, in the order of their times within a step and of characters, so that threads change nothing.
+//! The proof. Whenever a character has chosen, its path leads on to a stand and stays there, and meets no other path:
+//! that of a chosen action because it was tested, that of a stop because it is the rest of the character's own path.
+//! Roots are on their paths, whose discs hold the bodies. So no two discs ever overlap, whatever the policies choose.
+//! Choices are made one after the other, in the order of their times within a step and of characters, so that threads
+//! change nothing.
 
 mod choose;
 mod path;
@@ -26,15 +27,15 @@ use throng_base::simd::LANES;
 pub(crate) use choose::{Step, choose};
 pub(crate) use path::Plan;
 
-/// How characters make way for each other.
+/// Settings of collision avoidance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AvoidConfig {
-    /// How far ahead a collision is steered clear of (s, 0 to 20; 0 only stops).
+    /// Time ahead within which collisions are avoided by steering (s, 0 to 20; 0 only stops).
     pub horizon_s: f32,
     /// Room that is left between bodies where there is a choice (m, 0 to 10).
     pub room_m: f32,
-    /// How far characters 2i and 2i + 1 may come into each other's discs, who do not turn aside for each other, as opponents
-    /// do; none where they make way as anybody (m, 0 to 10).
+    /// Depth to which the discs of characters 2i and 2i + 1 may overlap; such pairs, as opponents are, do not turn
+    /// aside for each other. None treats them as any others (m, 0 to 10).
     pub pairs_m: Option<f32>,
 }
 
@@ -59,16 +60,17 @@ impl AvoidConfig {
 #[derive(Clone, Debug)]
 pub(crate) struct Avoiding {
     pub book: Reservations,
-    /// Who comes to the end of a segment within the step, the first one on top: how long ago at its end (bits of frames).
+    /// Characters that reach the end of a segment within the step, the first one on top: time since that end (bits of
+    /// frames).
     due: BinaryHeap<(u32, Reverse<u32>)>,
     /// The path that is tried.
     path: Path,
-    /// Speed of those who walk (m/s).
+    /// Speed of a walking character (m/s).
     speed_mps: f32,
     turns: steer::Turns,
     /// See [`AvoidConfig::pairs_m`].
     pairs: bool,
-    /// Paths follow from the state no more, as somebody was moved.
+    /// True after a character was moved: paths no longer follow from the state.
     is_stale: bool,
 }
 
@@ -90,12 +92,12 @@ impl Avoiding {
         }
     }
 
-    /// Somebody was moved: all paths are laid anew at the next step.
+    /// Marks all paths as stale after a character was moved: they are reserved anew at the next step.
     pub fn stale(&mut self) {
         self.is_stale = true;
     }
 
-    /// Lays the path of one anew, from its state; false where it meets another's or a wall.
+    /// Reserves the path of one character anew, from its state; false where it meets another path or a wall.
     fn lay(&mut self, blocks: &[Block], motion_set: &MotionSet, at: usize) -> bool {
         let (b, lane) = (&blocks[at / LANES], at % LANES);
         path::of_state(b, lane, motion_set, &mut self.path);
@@ -106,7 +108,8 @@ impl Avoiding {
         clear
     }
 
-    /// As [`Self::lay`], where the paths of all `n` others may have to be laid first.
+    /// Reserves the path of one character, and first those of all `n` characters where they are stale; see
+    /// [`Self::lay`].
     pub fn reserve(&mut self, blocks: &[Block], n: usize, motion_set: &MotionSet, at: usize) -> bool {
         if self.is_stale {
             self.rebuild(blocks, n, motion_set);
@@ -114,7 +117,8 @@ impl Avoiding {
         self.lay(blocks, motion_set, at)
     }
 
-    /// Lays all paths anew, from the state of characters; one whose path meets another's, if any does.
+    /// Reserves all paths anew, from the state of the characters; returns one whose path meets another one, if there is
+    /// any.
     pub fn rebuild(&mut self, blocks: &[Block], n: usize, motion_set: &MotionSet) -> Option<usize> {
         self.book.clear();
         self.is_stale = false;
@@ -139,38 +143,39 @@ fn walking_speed(motion_set: &MotionSet) -> f32 {
 }
 
 impl Characters {
-    /// What stands for good, for characters that make way: nobody walks into it. Others take no notice.
+    /// Sets the walls, which characters with collision avoidance never enter. Others ignore them.
     ///
-    /// Set it before anybody walks there: whoever is on the way through a new wall goes on to its stop, and may have to stay.
+    /// Set walls before characters walk there: a character whose path crosses a new wall goes on to its stop, and may
+    /// be unable to leave.
     pub fn set_walls(&mut self, walls: &[Rod]) {
         if let Some(avoiding) = &mut self.avoiding {
             avoiding.book.set_walls(walls);
         }
     }
 
-    /// Whom others move, for characters that make way: nobody walks onto ground that these hold.
+    /// Sets the external obstacles: characters with collision avoidance do not enter the regions that these reserve.
     pub fn mind<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
         if let Some(avoiding) = &mut self.avoiding {
             avoiding.book.outsiders_mut().set(others);
         }
     }
 
-    /// Minds what other characters mind.
+    /// Copies walls and external obstacles from other characters.
     pub(super) fn surround_as(&mut self, other: &Self) {
         if let (Some(avoiding), Some(other)) = (&mut self.avoiding, &other.avoiding) {
             avoiding.book.surround_as(&other.book);
         }
     }
 
-    /// Adds all bodies, and the ground that they hold: of those who make way, what they need for what they do and for the
-    /// stop after it.
+    /// Adds the bodies of all characters and the regions that they reserve: with collision avoidance, those of their
+    /// actions and of the stops after them.
     pub fn hold_ground(&mut self, motion_set: &MotionSet, out: &mut Held) {
         let n = self.num_characters;
         if let Some(avoiding) = self.avoiding.as_mut().filter(|a| a.is_stale) {
             avoiding.rebuild(&self.blocks, n, motion_set);
         }
         if let Some(avoiding) = &self.avoiding {
-            // What is held before a step and after it, however long the ways become.
+            // Regions reserved before a step and after it, however long the paths become.
             let most = 2 * n * Moving::most_held(avoiding.book.room());
             out.ground.reserve(most.saturating_sub(out.ground.len()));
         }
@@ -189,13 +194,13 @@ impl Characters {
         }
     }
 
-    /// Moves one over the ground as a whole, unless that is in another's way; see [`Characters::shift`].
+    /// Moves a character over the ground as a whole, unless that blocks another one; see [`Characters::shift`].
     pub(super) fn shift_aside(&mut self, motion_set: &MotionSet, at: usize, by: Vec2) -> Result<()> {
         let is_stale = self.avoiding.as_ref().is_some_and(|a| a.is_stale);
         let before = self.blocks[at / LANES];
         self.shift(at, by)?;
         if let Some(avoiding) = &mut self.avoiding {
-            // Nobody else was moved.
+            // No other character was moved.
             avoiding.is_stale = is_stale;
             if !self.reserve(motion_set, at) {
                 self.blocks[at / LANES] = before;
@@ -205,12 +210,13 @@ impl Characters {
         Ok(())
     }
 
-    /// Choices in a row at which nothing was clear for a character that makes way (character < num_characters).
+    /// Number of choices in a row at which no action of a character with collision avoidance was clear (character <
+    /// num_characters).
     pub fn blocked(&self, character: usize) -> u32 {
         self.blocks[character / LANES].blocked[character % LANES]
     }
 
-    /// The reservations of characters that make way, by number.
+    /// Reservations of the characters with collision avoidance, by number.
     pub fn reservations(&self) -> Option<&Reservations> {
         self.avoiding.as_ref().map(|a| &a.book)
     }

@@ -1,4 +1,4 @@
-//! Paths of segments and of the stops after them, laid in the world.
+//! Paths of segments and of the stops after them, in the world.
 
 use super::super::bent;
 use super::super::block::{Block, LAID, NO_STATE};
@@ -26,14 +26,14 @@ pub fn most_nodes(motion_set: &MotionSet) -> usize {
     longest + stops.most_nodes(&graph.segments) + 2 * (PACE_NODES + 2) + 1
 }
 
-/// How a segment is to be played.
+/// Segment to play, with pace and bending.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
-    /// Its number.
+    /// Number of the segment.
     pub segment: u32,
     /// See [`pace`].
     pub pace: u32,
-    /// How fast it is bent (rad/frame).
+    /// Rate of bending (rad/frame).
     pub bend: f32,
 }
 
@@ -66,14 +66,15 @@ pub fn of_plan(plan: Plan, from: Option<u32>, root: Planar, motion_set: &MotionS
 /// The path that a character has, which is that of its last choice.
 pub fn of_state(b: &Block, lane: usize, motion_set: &MotionSet, out: &mut Path) {
     if b.segment[lane] == LAID {
-        // It is moved by others, who know where it goes.
+        // A scheduled clip is set by the caller, who knows where it leads.
         let root = Planar::new(b.root[0][lane], b.root[1][lane], 0.0);
         return Laying::begin(motion_set, root, out).stay(BODY_RADIUS_M);
     }
     let plan = Plan { segment: b.segment[lane], pace: b.pace[lane], bend: b.bend[lane] };
     match plan.pace {
         pace::HELD => of_plan(plan, None, b.end(lane, motion_set), motion_set, out),
-        // One who has not begun is where its segment ends, and stops from then on, however long ago that is.
+        // A character that has not begun is at the end of its segment, and stops from then on, however long ago that
+        // is.
         pace::NORMAL if b.choice_state[lane] == NO_STATE && b.time[lane] >= b.length[lane] as f32 => {
             let mut laying = Laying::begin(motion_set, b.end(lane, motion_set), out);
             laying.time_s = b.length[lane] as f32 / motion_set.rate_hz;
@@ -90,13 +91,13 @@ pub fn of_state(b: &Block, lane: usize, motion_set: &MotionSet, out: &mut Path) 
 struct Laying<'a> {
     motion_set: &'a MotionSet,
     out: &'a mut Path,
-    /// Since the path began (s).
+    /// Time since the path began (s).
     time_s: f32,
-    /// Where it has come to.
+    /// Root at the end of the path so far.
     root: Planar,
-    /// Of the disc from here on (m).
+    /// Radius of the disc from here on (m).
     radius_m: f32,
-    /// Of the disc about the pose that one comes from, and until when it counts (m, s).
+    /// Radius of the disc about the previous pose, and the time until which it counts (m, s).
     pose: (f32, f32),
 }
 
@@ -107,7 +108,7 @@ impl<'a> Laying<'a> {
         Self { motion_set, out, time_s: 0.0, root, radius_m: 0.0, pose: (0.0, 0.0) }
     }
 
-    /// Stands from here on.
+    /// Adds a stand at the end of the path.
     fn stay(&mut self, radius_m: f32) {
         self.pose = (0.0, 0.0);
         self.radius_m = radius_m + MARGIN_M;
@@ -135,7 +136,7 @@ impl<'a> Laying<'a> {
         }
     }
 
-    /// Adds a segment that one comes to from a state, and goes on to its end.
+    /// Adds a segment to its end, entered from a state.
     fn segment(&mut self, plan: Plan, from: Option<u32>) {
         let motion_set = self.motion_set;
         let pose = from.map_or(0.0, |s| motion_set.stops.stops[s as usize].pose_radius + MARGIN_M);
@@ -178,7 +179,7 @@ impl<'a> Laying<'a> {
         self.root = self.root.compose(end);
     }
 
-    /// Adds the way from a state to a stand.
+    /// Adds the stop from a state to a stand.
     fn stop(&mut self, mut state: u32) {
         let (graph, stops) = (&self.motion_set.graph, &self.motion_set.stops.stops);
         loop {

@@ -1,4 +1,4 @@
-//! Where to head so as to pass others: the direction that turns least from the target and does not run into anybody soon.
+//! Steering: the direction that turns least from the target and does not run into others soon.
 
 use super::AvoidConfig;
 use crate::reserve::{Bounds, Reservations};
@@ -10,25 +10,25 @@ use throng_base::maths;
 const TURNS: [f32; 13] = [0.0, -0.2, 0.2, -0.4, 0.4, -0.65, 0.65, -0.95, 0.95, -1.3, 1.3, -1.8, 1.8];
 /// Directions that are tried, best first.
 pub const NUM_DIRECTIONS: usize = 4;
-/// What running into somebody at once counts, as a turn (rad).
+/// Cost of an immediate collision, as a turn (rad).
 const COLLISION: f32 = 3.0;
-/// To the right is turned for a little less, so that two who meet pass on the same side (rad).
+/// Advantage of a turn to the right, so that two that meet pass on the same side (rad).
 const RIGHT: f32 = 0.05;
-/// Nearer to its target than this nobody turns aside (m).
+/// Distance to the target below which a character does not turn aside (m).
 const NEAR_M: f32 = 0.3;
-/// Others who are weighed at most; paths are tested against all.
+/// Most others that are weighed; paths are tested against all.
 const OTHERS: usize = 32;
 
-/// Who chooses, and where it wants to go.
+/// The character that chooses, and its target.
 pub struct Chooser {
     pub number: usize,
-    /// Where it is (m).
+    /// Position of the character (m).
     pub place: Vec2,
-    /// Its target (m).
+    /// Target (m).
     pub target: Vec2,
-    /// Of those who walk (m/s).
+    /// Speed of a walking character (m/s).
     pub speed_mps: f32,
-    /// How long ago it chooses (s).
+    /// Time since its choice (s).
     pub ago_s: f32,
 }
 
@@ -44,12 +44,12 @@ struct Other {
 /// [`TURNS`], with the sine and cosine of each.
 pub type Turns = [(f32, Vec2); TURNS.len()];
 
-/// All directions that are weighed.
+/// All candidate directions.
 pub fn turns() -> Turns {
     TURNS.map(|turn| (turn, Vec2::new(maths::sin(turn), maths::cos(turn))))
 }
 
-/// Turns from the target to try, best first (rad); the first is 0 where nobody is in the way.
+/// Turns from the target to try, best first (rad); the first is 0 where nothing is in front.
 pub fn directions(
     chooser: &Chooser,
     turns: &Turns,
@@ -64,7 +64,7 @@ pub fn directions(
         let num = gather(chooser, book, config, others);
         let horizon = config.horizon_s.min(distance / chooser.speed_mps);
         for ((cost, _), (_, Vec2 { x: sin, y: cos })) in costs.iter_mut().zip(turns) {
-            // To the left is towards +X where +Z is ahead.
+            // The left of the direction is towards +X where +Z is ahead.
             let ahead = Vec2::new(way.x * cos + way.y * sin, way.y * cos - way.x * sin) / distance;
             let velocity = ahead * chooser.speed_mps;
             let soonest = others[..num].iter().map(|o| time_to(o, velocity)).fold(f32::INFINITY, f32::min);
@@ -84,7 +84,7 @@ fn gather(chooser: &Chooser, book: &Reservations, config: &AvoidConfig, out: &mu
     let reach = 2.0 * BODY_RADIUS_M + config.room_m + chooser.speed_mps * config.horizon_s;
     let mut num = 0;
     let mut add = |number: u32, now: Vec2, velocity: Vec2, radius_m: f32| {
-        // Whoever stands by the target does not keep one from it.
+        // A character that stands beside the target does not block the way to it.
         let most = if velocity == Vec2::ZERO { 0.95 * now.distance(chooser.target) } else { f32::INFINITY };
         let reach_m = (BODY_RADIUS_M + radius_m + config.room_m).min(most);
         let o = Other { number, place: now - chooser.place, velocity, reach_m };
@@ -113,7 +113,7 @@ fn gather(chooser: &Chooser, book: &Reservations, config: &AvoidConfig, out: &mu
     num
 }
 
-/// When two collide who both keep their velocities; never where they do not (s).
+/// Time until two that keep their velocities collide; infinite where they do not (s).
 fn time_to(other: &Other, velocity: Vec2) -> f32 {
     let (place, velocity) = (other.place, other.velocity - velocity);
     let gap = place.length_squared() - other.reach_m * other.reach_m;
@@ -130,7 +130,7 @@ fn time_to(other: &Other, velocity: Vec2) -> f32 {
     if root < 0.0 { f32::INFINITY } else { (approach - root.sqrt()) / speed }
 }
 
-/// When a wall is met (s): looked for at a few places ahead.
+/// Time until a wall is hit (s), sampled at a few points ahead.
 fn walls_ahead(chooser: &Chooser, velocity: Vec2, book: &Reservations, config: &AvoidConfig) -> f32 {
     const PLACES: usize = 4;
     let nearest = |place: Vec2| {

@@ -11,14 +11,14 @@ use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 use throng_base::{Error, Id, Inline, Run};
 
-/// Radius of everybody's disc in the made-up bundle (m).
+/// Radius of every character's disc in the made-up bundle (m).
 const RADIUS_M: f32 = 0.3;
 
 fn config(bend_rad_per_m: f32, choice: Choice) -> CharactersConfig {
     CharactersConfig { avoid: Some(AvoidConfig::default()), bend_rad_per_m, choice, ..CharactersConfig::default() }
 }
 
-/// As many as there is room for of those who are asked for.
+/// Characters at the starts that have room, among those asked for.
 fn cast(starts: &[(f32, f32, f32, u32)], config: CharactersConfig) -> PolicyCharacters {
     let mut cast = PolicyCharacters::with_capacity(&tables(), starts.len(), config).unwrap();
     for &(x, z, heading, state) in starts {
@@ -34,13 +34,13 @@ fn places(cast: &PolicyCharacters) -> Vec<Vec2> {
     cast.bodies().roots.iter().map(|r| Vec2::new(r.x, r.z)).collect()
 }
 
-/// How far the two nearest are apart, beyond their discs (m).
+/// Smallest gap between the discs of any two characters (m).
 fn least_room(places: &[Vec2]) -> f32 {
     let pairs = places.iter().enumerate().flat_map(|(i, a)| places[..i].iter().map(|b| a.distance(*b)));
     pairs.fold(f32::INFINITY, f32::min) - 2.0 * RADIUS_M
 }
 
-/// Everybody is on the path that is reserved.
+/// Asserts that every character is on its reserved path.
 fn assert_on_paths(cast: &PolicyCharacters) {
     let book = cast.characters().reservations().expect("they make way");
     for (at, place) in places(cast).iter().enumerate() {
@@ -60,7 +60,7 @@ fn choices() -> impl Strategy<Value = Choice> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
 
-    /// Whatever they are told, at whatever steps: no two discs ever overlap, and all are where they said.
+    /// Under any orders and steps, no two discs ever overlap, and all are where their paths say.
     #[test]
     fn nobody_ever_walks_through_anybody(
         starts in starts(), choice in choices(), bend in prop_oneof![Just(0.0f32), 0.0f32..0.6],
@@ -176,7 +176,7 @@ fn the_stop_of_one_who_has_not_begun_follows_its_segment() {
     let mut cast = cast(&[(0.0, 0.0, 0.0, 1)], config(0.0, Choice::BestAction));
     let (tables, mut out) = (tables(), crate::reserve::Path::default());
     let motion_set = crate::characters::MotionSet::new(&tables);
-    // A step has come past the end of the segment, and everybody's path is laid anew before the next choice.
+    // A step has passed the end of the segment, and every path is reserved anew before the next choice.
     let (block, _, lane) = cast.characters.lane_mut(0);
     let end_s = block.length[lane] as f32 / motion_set.rate_hz;
     block.time[lane] = block.length[lane] as f32 + 0.7;
@@ -210,7 +210,7 @@ fn who_would_start_in_anothers_way_is_refused_and_forged_snapshots_too() {
     let before = cast.hash();
     assert!(matches!(cast.place(far, Planar::new(0.3, 0.3, 0.0)), Err(Error::Occupied { .. })));
     assert_eq!(cast.hash(), before);
-    // The same places without avoidance: two in each other, whom those who make way do not take over.
+    // The same places without avoidance: two overlap, which characters with avoidance do not accept.
     let blind = CharactersConfig { avoid: None, ..config(0.0, Choice::BestAction) };
     let mut others = PolicyCharacters::with_capacity(&tables(), 3, blind).unwrap();
     others.spawn(Spawn { root: Planar::IDENTITY, state: Some(0) }).unwrap();
@@ -241,7 +241,7 @@ fn what_is_refused_changes_nothing_and_names_who_it_is_about() {
         cast.shift(id, towards).unwrap();
         assert_eq!(cast.hash(), before, "it stays where it is");
     }
-    // One that has turned to the other has room to stop, and none to walk on.
+    // A character that has turned to the other one has room to stop, and none to walk on.
     let (mut refused, segments) = (0, 0..cast.motion_set().graph().segments.len() as u32);
     for (x, segment) in (8..30).flat_map(|k| segments.clone().map(move |s| (0.1 * k as f32, s))) {
         for heading in [-1.6, 1.6] {
@@ -267,7 +267,7 @@ fn what_is_refused_changes_nothing_and_names_who_it_is_about() {
 
 #[test]
 fn blows_come_in_the_order_of_their_numbers() {
-    // Everybody strikes twice: at the end of a segment and at the start of the next one.
+    // Every character strikes twice: at the end of a segment and at the start of the next one.
     let hits: Vec<_> = (0..80).map(crate::characters::tests::blows::hit).collect();
     let tables = crate::characters::made_up::tables_with(&hits);
     let mut cast = PolicyCharacters::with_capacity(&tables, 12, config(0.0, Choice::BestAction)).unwrap();
@@ -324,7 +324,7 @@ fn ways_that_leap_are_saved_and_read_back_and_refused_where_they_leap_too_far() 
             for n in 0..6 {
                 let root = Planar::new((n % 3) as f32 * 4.0, (n / 3) as f32 * 4.0, 6.0 * draw(n));
                 let target = Vec3::new(8.0 * draw(n + 10), 0.0, 8.0 * draw(n + 20));
-                // Some find their place on another's long way.
+                // Some starts lie on another character's long path.
                 if let Ok(id) = cast.spawn(Spawn { root, state: Some(n as u32 % 4) }) {
                     cast.order(id, Order::aim(0, target)).unwrap();
                 }

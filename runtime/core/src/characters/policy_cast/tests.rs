@@ -34,7 +34,7 @@ fn step(cast: &mut PolicyCharacters, times: usize) {
     (0..times).for_each(|_| cast.step(DT, &Inline).unwrap());
 }
 
-/// Where a character is, and its pose.
+/// Planar root and pose of a character.
 fn seen(cast: &PolicyCharacters, id: Id) -> (Planar, [crate::Mat3x4; NUM_JOINTS]) {
     let bodies = cast.bodies();
     let body = bodies.get(id).unwrap();

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A hit at a frame; its place tells which it is.
+/// A hit at a frame; its position identifies it.
 pub(crate) fn hit(frame: u32) -> HitRecord {
     HitRecord {
         frame,
@@ -21,7 +21,7 @@ fn hits() -> Vec<HitRecord> {
     [0, 5, 20, 25, 33, 39, 40, 60, 66, 79, 80, 81, 90, 100].map(hit).to_vec()
 }
 
-/// What characters strike, from the segments they play: a plain replay of every character, frame by frame.
+/// Blows of all characters, from the segments they play: a plain replay of every character, frame by frame.
 fn expected(r: &MotionSet, before: &[(u32, f32)], after: &[(u32, f32)]) -> Vec<(u32, u32)> {
     let mut out = Vec::new();
     let offset = |s: u32, h: &HitRecord| h.frame as f32 - r.graph.segments[s as usize].start as f32;

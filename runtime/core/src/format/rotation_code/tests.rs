@@ -8,7 +8,7 @@ use throng_base::simd::{Array, Work, dispatch};
 /// Frames of a motion; few for an interpreter.
 const FRAMES: usize = if cfg!(miri) { 16 } else { 120 };
 
-/// Where all joints are, hips first (m).
+/// Positions of all joints, hips first (m).
 fn joints(skeleton: &Skeleton, local: &[Quat; NUM_JOINTS]) -> [Vec3; NUM_JOINTS] {
     let (mut turned, mut at) = (*local, skeleton.offsets);
     for j in 1..NUM_JOINTS {

@@ -319,7 +319,7 @@ impl TargetGrid {
     }
 }
 
-/// One count over another.
+/// Ratio of two counts.
 fn ratio(a: u32, b: u32) -> f32 {
     a as f32 / b as f32
 }

@@ -1,12 +1,12 @@
-//! Ways on the ground round what stands: the shortest ones that keep a clearance.
+//! Shortest paths on the ground round obstacles, with a clearance.
 //!
 //! A visibility graph: around every corner stand points at a little more than the clearance; points that see each other
-//! are joined, and A* (Hart, Nilsson and Raphael 1968) finds the shortest way. Unlike a mesh of triangles, the graph gives the
-//! shortest ways themselves. It is small for tens of corners, and takes seconds to make for thousands.
+//! are joined, and A* (Hart, Nilsson and Raphael 1968) finds the shortest path. Unlike a mesh of triangles, the graph
+//! gives the shortest paths themselves. It is small for tens of corners, and takes seconds to make for thousands.
 //!
-//! Doors are what was opened once. The graph leads through them too, and knows of each line between two points which doors it
-//! goes through: a door that closes makes no new graph. A closed one is as good as a very long way: none leads there where
-//! there is another.
+//! Doors are obstacles that were opened once. The graph leads through them too, and stores for each line between two
+//! points which doors it goes through: a door that closes makes no new graph. A closed one counts as a very long path:
+//! none leads there where there is another.
 
 mod near;
 mod search;
@@ -23,7 +23,7 @@ use serde::Serialize;
 use throng_base::error::check;
 use throng_base::{Error, Result};
 
-/// Ways round obstacles that keep a clearance.
+/// Paths round obstacles that keep a clearance.
 #[derive(Clone, Debug)]
 pub struct Streets {
     obstacles: Vec<Obstacle>,
@@ -35,27 +35,27 @@ pub struct Streets {
     /// Lowest and highest that agents are (m).
     heights: Option<[f32; 2]>,
     clearance: f32,
-    /// How near to an obstacle a goal may be (m).
+    /// Smallest distance of a goal from an obstacle (m).
     nearest: f32,
-    /// Which of the doors each outline is; 0 where it is none.
+    /// Door that each outline is; 0 where it is none.
     doors: Vec<Doors>,
-    /// Those that are closed.
+    /// Closed doors.
     closed: Doors,
     /// Points to go round corners by.
     points: Vec<Vec2>,
-    /// Of each point: where it lies from its corner (unit vector), how far it is free that way (m), and the number of its
-    /// corner.
+    /// Offset of each point from its corner (unit vector), the free distance in that direction (m), and the number of
+    /// its corner.
     around: Vec<(Vec2, f32, u32)>,
-    /// Of each point: the doors that it is in, and the one whose corner it is at.
+    /// Doors that each point is in, and the door whose corner it is at.
     at_doors: Vec<[Doors; 2]>,
-    /// Of each point: those that it sees and ways may lead to, how far they are (m), and the doors in between.
+    /// Points that each point sees and that paths may lead to, with their distances (m) and the doors in between.
     seen: Vec<Vec<(u32, f32, Doors)>>,
 }
 
 /// A set of doors.
 type Doors = u64;
 
-/// How far a goal is from all points of some streets: where it is seen from, or by which point to go on.
+/// Distances of a goal from all points of some streets: the points that see it, and the next point of the others.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Costs {
     goal: Vec2,
@@ -63,7 +63,7 @@ pub(crate) struct Costs {
     seen: Vec<(u32, f32, Doors)>,
     /// (points)
     of: Vec<Cost>,
-    /// How far the goal is from what stands, if that is less than the clearance (m).
+    /// Distance of the goal from obstacles, if that is less than the clearance (m).
     pub near: f32,
 }
 
@@ -74,7 +74,7 @@ impl Costs {
     }
 }
 
-/// How far a goal is from a point.
+/// Distance of a goal from a point.
 #[derive(Clone, Copy, Debug)]
 struct Cost {
     /// (m)
@@ -88,7 +88,7 @@ struct Cost {
 impl Cost {
     const NO_WAY: Self = Self { way: f32::INFINITY, next: NONE, closed: 0 };
 
-    /// Way that is as bad as this one (m).
+    /// Length of a path that is equally costly (m).
     fn key(&self) -> f32 {
         self.way + CLOSED_M * self.closed as f32
     }
@@ -99,38 +99,38 @@ impl Cost {
 pub(crate) struct Corner {
     /// A point beside the corner (m).
     pub at: Vec2,
-    /// Unit vector away from the corner, across the way.
+    /// Unit vector away from the corner, across the path.
     pub out: Vec2,
-    /// How far it is free that way (m).
+    /// Free distance in that direction (m).
     pub free: f32,
     /// Number of the corner.
     pub number: u32,
-    /// Where the way leads after this corner, and how far it is from there on (m).
+    /// Next point of the path after this corner, and the remaining distance from there (m).
     pub next: Vec2,
     pub rest: f32,
-    /// Way to the goal by this corner (m).
+    /// Length of the path to the goal by this corner (m).
     pub way: f32,
 }
 
-/// Farthest that a corner is taken to be free across the way (m).
+/// Largest free distance across the path that a corner is given (m).
 const WIDEST_M: f32 = 12.0;
-/// Largest part of a straight way at a corner that may lead away from the corner or to it: others are no shortest ways.
+/// Largest part of a straight path at a corner that may lead away from the corner or to it: others are no shortest paths.
 const TAUT: f32 = 0.5;
-/// Way that is as bad as a closed door (m).
+/// Length of a path that is as costly as a closed door (m).
 const CLOSED_M: f32 = 1e4;
 /// Most corners that ways lead round: memory and time to make a graph grow with their square.
 const MOST_AROUND: usize = 4000;
 /// Most corners between which an agent chooses.
 pub(crate) const MOST_CORNERS: usize = 6;
 
-/// Why there is no way.
+/// Reason why there is no path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoWay {
     /// The start is in that obstacle.
     Start(usize),
     /// The goal is in that obstacle, or too near to it.
     Goal(usize),
-    /// What stands separates the two, or leaves no gap that is wide enough.
+    /// Obstacles separate the two, or leave no gap that is wide enough.
     Separated,
 }
 
@@ -147,11 +147,11 @@ impl Streets {
         Self::with(obstacles, None, clearance_m, 0.5 * clearance_m)
     }
 
-    /// As [`Streets::new`], with all that there is to choose.
+    /// Streets with all settings, see [`Streets::new`].
     ///
-    /// - `heights`: lowest and highest that agents in the air are: what they pass above or below is not gone round (m);
-    ///   `None` on the ground.
-    /// - `nearest_m`: how near to an obstacle a goal may be (m, 0 to `clearance_m`).
+    /// - `heights`: lowest and highest position of agents in the air; obstacles that they pass above or below are
+    ///   ignored (m); `None` on the ground.
+    /// - `nearest_m`: smallest distance of a goal from an obstacle (m, 0 to `clearance_m`).
     ///
     /// # Errors
     /// As [`Streets::new`].
@@ -206,7 +206,7 @@ impl Streets {
         }
     }
 
-    /// Opens an obstacle, or closes it: ways lead through open ones, and round closed ones where there is a way round. The
+    /// Opens an obstacle, or closes it: paths lead through open ones, and round closed ones where there is a path round. The
     /// first time that one is opened or closed costs as much as [`Streets::new`].
     ///
     /// - `obstacle`: number in [`Streets::obstacles`].
@@ -223,7 +223,7 @@ impl Streets {
         self.set_doors(&open_of).map(|_| ())
     }
 
-    /// Makes some obstacles doors that are open or not, and all others none; true where there are other doors than before.
+    /// Makes some obstacles doors that are open or not, and all others none; true where the set of doors changed.
     ///
     /// # Errors
     /// [`Error::Value`] for more than 64 doors; nothing has changed then.
@@ -250,7 +250,7 @@ impl Streets {
         Ok(is_new)
     }
 
-    /// All that tells them from others but what is open.
+    /// Content by which streets differ, without the states of doors.
     pub(crate) fn hashed(&self) -> impl Serialize + use<'_> {
         (&self.obstacles, self.heights, self.clearance, self.nearest)
     }
@@ -270,12 +270,12 @@ impl Streets {
         self.is_clear(at.xz(), at.xz(), self.clearance)
     }
 
-    /// What ways lead round.
+    /// Obstacles that paths lead round.
     pub fn obstacles(&self) -> &[Obstacle] {
         &self.obstacles
     }
 
-    /// A route from one place to another, through the corners of the shortest way: for crowds without streets of their own.
+    /// A route from one place to another, through the corners of the shortest path: for crowds without streets of their own.
     ///
     /// # Errors
     /// [`Error::NoWay`] where an obstacle holds one of the places, or nothing leads from one to the other.
@@ -284,7 +284,7 @@ impl Streets {
         Ok(Route { subgoals: corners[1..].to_vec(), arrival_radius: 0.5, at_end: AtEnd::Stay })
     }
 
-    /// Corners of the shortest way, with both its ends; heights go evenly from one to the other. The way keeps the
+    /// Corners of the shortest path, with both its ends; heights go evenly from one to the other. The path keeps the
     /// clearance; the legs of an end that is nearer to an obstacle keep as much as that end has.
     ///
     /// # Errors
@@ -301,7 +301,8 @@ impl Streets {
         Ok(flat.iter().zip(legs).map(raise).collect())
     }
 
-    /// How near the ends of a way are to what stands, and a hair less, so that rounding does not close the way out (m).
+    /// Distances of both ends of a path from obstacles, less a small margin, so that rounding does not close the path
+    /// out (m).
     fn check_ends(&self, from: Vec2, to: Vec2) -> std::result::Result<[f32; 2], NoWay> {
         let stands = |i: &usize| self.doors[*i] == 0 || self.doors[*i] & self.closed != 0;
         let all = 0..self.outlines.len();
@@ -315,12 +316,12 @@ impl Streets {
         Ok([at_start * 0.999, self.near(to)])
     }
 
-    /// How far a goal is from all outlines, if that is less than the clearance, and a hair less (m).
+    /// Distance of a goal from all outlines, if that is less than the clearance, less a small margin (m).
     fn near(&self, goal: Vec2) -> f32 {
         self.outlines.iter().map(|s| s.distance(goal)).fold(self.clearance, f32::min) * 0.999
     }
 
-    /// Checks that a way leads from a place to a goal, be it through closed doors. Allocates nothing.
+    /// Checks that a path leads from a place to a goal, be it through closed doors. Allocates nothing.
     pub(crate) fn check_way(&self, from: Vec2, goal: &Costs) -> std::result::Result<(), NoWay> {
         let [at_start, at_goal] = self.check_ends(from, goal.goal)?;
         let leads = |n: usize| goal.of[n].way.is_finite() && self.sees(from, n, at_start).is_some();
@@ -345,7 +346,7 @@ impl Streets {
         self.at_doors.push(at_doors);
     }
 
-    /// How far a point is that can be seen with a clearance, and that ways may lead to, and the doors in between.
+    /// Distance of a point that is seen with a clearance and that paths may lead to, and the doors in between.
     fn sees(&self, p: Vec2, n: usize, clearance: f32) -> Option<(f32, Doors)> {
         let (q, (out, ..)) = (self.points[n], self.around[n]);
         let distance = p.distance(q);
@@ -354,7 +355,7 @@ impl Streets {
         Some((distance, doors))
     }
 
-    /// True for a point round a door that is open: nothing is there to go round.
+    /// True for a point round an open door, which leaves nothing to go round.
     fn is_idle(&self, n: usize) -> bool {
         self.at_doors[n][1] & !self.closed != 0
     }
@@ -364,7 +365,7 @@ impl Streets {
         (doors & self.closed & !but).count_ones()
     }
 
-    /// How far it is free from a point along a unit vector, less the clearance (m).
+    /// Free distance from a point along a unit vector, less the clearance (m).
     fn free_way(&self, from: Vec2, along: Vec2) -> f32 {
         let mut way = 0.0;
         while way < WIDEST_M {
@@ -387,7 +388,7 @@ impl Streets {
         way.min(WIDEST_M)
     }
 
-    /// Memory that [`Streets::find_costs`] takes at most: points, and points that wait to be looked at.
+    /// Largest memory of [`Streets::find_costs`]: points, and points that wait to be expanded.
     pub(crate) fn sizes(&self) -> [usize; 2] {
         [self.points.len(), self.points.len() + self.seen.iter().map(Vec::len).sum::<usize>()]
     }

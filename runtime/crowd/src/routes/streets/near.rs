@@ -1,4 +1,4 @@
-//! Which outlines a straight line comes near: their edges, in a grid.
+//! Search for outlines near a straight line: their edges, in a grid.
 
 use crate::routes::outline::{Outline, line_to_line};
 use glam::Vec2;
@@ -7,7 +7,7 @@ use glam::Vec2;
 const MOST_SIDE: usize = 128;
 /// Fewer edges than that share one cell.
 const FEW: usize = 16;
-/// Of the largest coordinate: cells are looked at this much farther, for rounding.
+/// Tolerance of rounding, as a share of the largest coordinate: cells are searched this much farther.
 const SLACK: f32 = 1e-5;
 
 /// Edges of outlines, by where they are.
@@ -21,9 +21,9 @@ pub(super) struct Edges {
     side: usize,
     /// Largest coordinate of an edge (m).
     farthest: f32,
-    /// Of each cell: the edges that come into it.
+    /// Edges that reach into each cell.
     edges: Lists,
-    /// Of each cell: the polygons that may hold a place in it.
+    /// Polygons that may hold a place in each cell.
     polygons: Lists,
 }
 

@@ -1,4 +1,4 @@
-//! The shortest ways over the graph.
+//! The shortest paths over the graph.
 
 use super::{CLOSED_M, Corner, Cost, Costs, Doors, MOST_CORNERS, NoWay, Streets, TAUT};
 use crate::NONE;
@@ -6,7 +6,7 @@ use glam::Vec2;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Both ends of a way, how far the points are that they see, and the doors in between.
+/// Both ends of a path, with the points that they see, the distances, and the doors in between.
 struct Ends {
     from: Vec2,
     to: Vec2,
@@ -16,14 +16,14 @@ struct Ends {
     straight: Option<Doors>,
 }
 
-/// A point whose neighbours are to be looked at; the one with the smallest estimate comes first.
+/// Point that waits to be expanded; the one with the smallest estimate comes first.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Open {
-    /// Of the whole way (m).
+    /// Estimated length of the whole path (m).
     estimate: f32,
-    /// In a straight line to the goal (m).
+    /// Straight distance to the goal (m).
     left: f32,
-    /// From the start (m).
+    /// Length from the start (m).
     length: f32,
     n: usize,
 }
@@ -72,8 +72,8 @@ impl Streets {
         self.find_ways(costs, open);
     }
 
-    /// How far a goal is from all points, as doors are now: Dijkstra (1959), from the goal on. Equal ways are resolved by the
-    /// numbers of points.
+    /// Computes the distances of a goal from all points, with the present doors: Dijkstra (1959), from the goal on.
+    /// Equal paths are resolved by the numbers of points.
     pub(crate) fn find_ways(&self, costs: &mut Costs, open: &mut BinaryHeap<Open>) {
         open.clear();
         let Costs { of, seen, .. } = costs;
@@ -94,7 +94,7 @@ impl Streets {
         }
     }
 
-    /// Notes a way to a point if it is the best one so far.
+    /// Notes a path to a point if it is the best one so far.
     fn reach(&self, n: u32, then: Cost, of: &mut [Cost], open: &mut BinaryHeap<Open>) {
         let (key, at) = (then.key(), n as usize);
         if key < of[at].key() && !self.is_idle(at) {
@@ -103,7 +103,7 @@ impl Streets {
         }
     }
 
-    /// The corners by which shortest ways lead from a place to a goal, the best first, one point of each corner; those that
+    /// The corners by which shortest paths lead from a place to a goal, the best first, one point of each corner; those that
     /// are more than `longer` longer than the best are left out. Returns their number; none where nothing leads there.
     ///
     /// - `through`: closed doors are passed, as none leads round them; otherwise they are walls.
@@ -115,12 +115,12 @@ impl Streets {
     ) -> usize {
         let mut num = 0;
         let mut most = f32::INFINITY;
-        // Points in the order of their ways, equal ones in that of their numbers.
+        // Points in the order of their paths, equal ones in that of their numbers.
         let mut last = (f32::NEG_INFINITY, 0);
         while num < MOST_CORNERS {
             let mut best = (most, NONE);
             for (n, ((p, cost), (away, ..))) in (0u32..).zip(self.points.iter().zip(&costs.of).zip(&self.around)) {
-                // The straight line is no longer than any way.
+                // The straight line is no longer than any path.
                 let is_closed = cost.closed > 0 && !through;
                 let cost = cost.key();
                 if cost >= best.0 || is_closed {
@@ -147,7 +147,7 @@ impl Streets {
                 continue;
             }
             let (away, free, number) = self.around[n];
-            // On to where the way leaves this corner.
+            // Follows the path to where it leaves this corner.
             let mut on = n;
             while costs.of[on].next != NONE && self.around[on].2 == number {
                 on = costs.of[on].next as usize;
@@ -222,7 +222,7 @@ impl Streets {
     }
 }
 
-/// Length of a way (m).
+/// Length of a path (m).
 pub(super) fn length(way: &[Vec2]) -> f32 {
     way.windows(2).map(|w| w[0].distance(w[1])).sum()
 }

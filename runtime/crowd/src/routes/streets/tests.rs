@@ -1,4 +1,4 @@
-//! Ways over the ground.
+//! Paths over the ground.
 
 use super::*;
 use crate::routes::streets::search::length;
@@ -18,7 +18,7 @@ fn streets(obstacles: Vec<Obstacle>, clearance: f32, nearest: f32) -> Streets {
     Streets::with(&obstacles, None, clearance, nearest).unwrap()
 }
 
-/// Length of the shortest way over a fine grid whose steps keep the clearance: brute force.
+/// Length of the shortest path over a fine grid whose steps keep the clearance: brute force.
 fn over_grid(map: &Streets, from: Vec2, to: Vec2, half: f32, step: f32) -> Option<f32> {
     let n = (2.0 * half / step) as i32 + 1;
     let at = |i: i32| Vec2::new((i % n) as f32, (i / n) as f32) * step - half;
@@ -26,7 +26,7 @@ fn over_grid(map: &Streets, from: Vec2, to: Vec2, half: f32, step: f32) -> Optio
         let c = ((p + half) / step).round();
         c.y as i32 * n + c.x as i32
     };
-    // Sixteen directions: ways over a grid are at most 3 % longer than straight ones.
+    // Sixteen directions: paths over a grid are at most 3 % longer than straight ones.
     let mut moves = Vec::new();
     for dx in -2i32..=2 {
         for dz in -2i32..=2 {
@@ -151,7 +151,7 @@ fn more_corners_than_a_graph_has_room_for_are_refused() {
     assert!(length(&flat) < 182.0 * 2.0 && length(&flat) > 182.0 * SQRT_2, "{}", length(&flat));
 }
 
-/// Two rooms with a door between them, and a way round the wall or none.
+/// Two rooms with a door between them, and a path round the wall or none.
 fn rooms(far: f32) -> Vec<Obstacle> {
     vec![wall([0.0, -far], [0.0, -0.6]), wall([0.0, 0.6], [0.0, far + 1.0]), wall([0.0, -0.6], [0.0, 0.6])]
 }

@@ -1,4 +1,4 @@
-//! Few agents, whose events can be worked out.
+//! Few agents, whose events can be computed by hand.
 
 use super::invariants::{contacts_are_true, lists_are_exact};
 use super::*;

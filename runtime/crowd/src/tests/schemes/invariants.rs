@@ -1,4 +1,4 @@
-//! What holds at every event.
+//! Invariants at every event.
 
 use super::*;
 use crate::events::baselines::occupancy_events::{CONTACT, REST};
@@ -41,7 +41,7 @@ fn bounds_of_balls_stay_in_their_regions() {
     registration_holds::<Vec3>();
 }
 
-/// Lists hold exactly those whose bounds reach into a cell.
+/// Lists hold exactly the agents whose bounds reach into a cell.
 pub(super) fn lists_are_exact<V: Space>(crowd: &Engine<V>) {
     let (o, side) = (occupancy(crowd), crowd.cells.side());
     for id in crowd.ids() {
@@ -68,7 +68,8 @@ pub(super) fn lists_are_exact<V: Space>(crowd: &Engine<V>) {
     }
 }
 
-/// Whose bounds have touched for longer than the smallest interval was asked for another plan, or is in contact.
+/// Agents whose bounds have touched for longer than the smallest interval were asked for another plan, or are in
+/// contact.
 fn nobody_is_unseen<V: Space>(crowd: &Engine<V>) -> usize {
     let (o, now) = (occupancy(crowd), crowd.now);
     let ids: Vec<Id> = crowd.ids().collect();

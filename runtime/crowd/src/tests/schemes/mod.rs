@@ -71,7 +71,7 @@ fn driven() -> Field {
         turning: 0.0,
         safety: 0.0,
         relaxation_s: 0.4,
-        // Nobody is seen.
+        // No agent is seen.
         perception_m: 1e-3,
         ..Field::default()
     }
@@ -190,7 +190,7 @@ fn damaged_state_is_refused_or_runs() {
                 let sum = throng_base::crc32(&bytes[HEADER..]);
                 bytes[HEADER - 4..HEADER].copy_from_slice(&sum.to_le_bytes());
                 if crowd.load(&bytes).is_ok() {
-                    // It only has to come to an end.
+                    // Only the end of the run matters here.
                     let _ = crowd.advance(crowd.now + 0.2, &mut |_| ());
                 }
             }

@@ -1,4 +1,4 @@
-//! What is done and on what condition: predicates, amounts, behaviours and their actions.
+//! Compilation of expressions and behaviours: predicates, amounts, actions with their arguments.
 
 use super::{Compiled, Compiler, Wrong, checked_point, wrong};
 use crate::scenario::language::{self, Amount, Program, Sort, Spot, Type};
@@ -7,7 +7,7 @@ use crate::scenario::verbs::{Operand, Verb, WORDS, Word};
 use crate::scene::{ActionConfig, DoConfig, WordConfig};
 use throng_base::text::did_you_mean;
 
-/// Most points of a list: each who follows it has a route of its own.
+/// Most points of a list: each agent that follows it has a route of its own.
 const MOST_POINTS: usize = 1000;
 
 impl Compiler<'_> {
@@ -26,7 +26,7 @@ impl Compiler<'_> {
         compiled.map_err(|fault| Wrong { key: key.into(), at: Some(fault.at), why: fault.why })
     }
 
-    /// The actions of a behaviour: the first of them, and whether all take no time.
+    /// Compiles the actions of a behaviour: returns the first of them, and whether all take no time.
     pub(super) fn behaviour(&mut self, does: &DoConfig, key: &str, trigger: u16) -> Compiled<(u32, bool)> {
         let (actions, key) = match does {
             DoConfig::Actions(actions) => (actions, key.to_string()),
@@ -64,7 +64,7 @@ impl Compiler<'_> {
     }
 
     pub(super) fn action(&mut self, action: &ActionConfig, key: &str, trigger: u16) -> Compiled<Action> {
-        // `speed` is a verb of its own, and a word of others.
+        // `speed` is an action of its own, and an argument of others.
         let verbs: Vec<&String> = action.keys().filter(|k| self.out.primitives.verb(k).is_some()).collect();
         let own: Vec<&String> = verbs.iter().copied().filter(|k| verbs.len() == 1 || *k != "speed").collect();
         let [name] = own[..] else {

@@ -1,4 +1,4 @@
-//! What there is: values, places, thresholds, events, relations.
+//! Compilation of facts: values, places, thresholds, events, relations.
 
 use super::{Compiled, Compiler, MOST_SLOTS, MOST_THRESHOLDS, MOST_TOLD, point, wrong};
 use crate::scenario::language::Sort;
@@ -82,7 +82,7 @@ impl Compiler<'_> {
         Ok(())
     }
 
-    /// Finds all thresholds that rules and edges name, by value.
+    /// Collects all thresholds that rules and edges name, sorted by value.
     pub(super) fn thresholds(&mut self) -> Compiled<()> {
         let scene = self.scene;
         let of_rules = scene.rules.iter().enumerate().map(|(i, r)| (format!("rules[{i}].on"), &r.on));
@@ -110,7 +110,7 @@ impl Compiler<'_> {
         Ok(())
     }
 
-    /// `fatigue > 0.7`, if it is one.
+    /// Parses a threshold such as `fatigue > 0.7`; `None` for other triggers.
     pub(super) fn threshold(&self, on: &str, key: &str) -> Compiled<Option<Threshold>> {
         let Some((name, rises, at)) =
             on.split_once('>').map(|(n, a)| (n, true, a)).or_else(|| on.split_once('<').map(|(n, a)| (n, false, a)))

@@ -1,4 +1,4 @@
-//! What agents go through: states, what leads from one to another, and rules.
+//! Compilation of state graphs and rules.
 
 use super::{Compiled, Compiler, MOST_EDGES, MOST_PAUSES, wrong};
 use crate::scenario::language::Sort;
@@ -50,7 +50,7 @@ impl Compiler<'_> {
         let mut at = 0;
         for (name, graph) in &scene.graphs {
             self.check_reached(name, graph)?;
-            // Each with the state that it leads from; any where absent.
+            // Each edge with the state that it leads from; any state where absent.
             let mut all = Vec::with_capacity(graph.edges.len());
             for (i, edge) in graph.edges.iter().enumerate() {
                 let key = format!("graphs.{name}.edges[{i}]");
@@ -95,7 +95,7 @@ impl Compiler<'_> {
         Ok(())
     }
 
-    /// Every state of a graph can be reached from its start.
+    /// Checks that every state of a graph can be reached from its start.
     pub(super) fn check_reached(&self, name: &str, graph: &GraphConfig) -> Compiled<()> {
         let mut led: BTreeMap<Option<&str>, Vec<&str>> = BTreeMap::new();
         for edge in &graph.edges {
@@ -127,7 +127,7 @@ impl Compiler<'_> {
         wrong(key, format!("the graph has no state `{state}`: it has {}.{help}", known.join(", ")))
     }
 
-    /// The start of a graph of a lower level.
+    /// Start state of a graph of a lower level.
     pub(super) fn below(&self, name: &str, level: LevelConfig, key: &str) -> Compiled<u32> {
         let Some(graph) = self.scene.graphs.get(name) else {
             let help = did_you_mean(name, self.scene.graphs.keys().map(String::as_str));
@@ -187,7 +187,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// Happenings are events with one rule: who learns of it takes the way to its goal.
+    /// Compiles happenings to events with one rule each: agents that learn of one take the path to its goal.
     pub(super) fn happenings(&mut self, triggers: &mut Vec<u16>) {
         for i in 0..self.scene.happenings.len() {
             let actions = self.out.actions.len() as u32;

@@ -1,4 +1,4 @@
-//! From what a scene file says to flat tables.
+//! Compiler from a scene file to flat tables.
 
 mod deeds;
 mod facts;
@@ -14,23 +14,23 @@ use std::collections::{BTreeMap, BTreeSet};
 use throng_base::Result;
 use throng_base::text::did_you_mean;
 
-/// Most events, groups and places that are entered once: each is a bit.
+/// Most events, groups, and places that are entered once, each of which is a bit.
 const MOST_BITS: usize = 64;
-/// Most events that are told on: bits of what agents sense of each other, less the one for meetings.
+/// Most events that agents pass on: bits of what agents sense of each other, less the one for meetings.
 const MOST_TOLD: usize = 31;
-/// Most thresholds: bits of 32.
+/// Most thresholds, each of which is a bit of 32.
 const MOST_THRESHOLDS: usize = 32;
-/// Most edges that lead from one state: those that are open at a time are bits.
+/// Most edges that lead from one state; the open ones are bits of 64.
 const MOST_EDGES: usize = 64;
-/// Most of all that has numbers of 16 bits, of which the last means none.
+/// Most items of any kind numbered with 16 bits, of which the last number means none.
 const MOST_NUMBERS: usize = NO as usize;
 
-/// Most slots of all places: as many as agents.
+/// Most slots of all places, as many as agents.
 const MOST_SLOTS: usize = 1_000_000;
-/// Most times that agents followed rules with a pause (2 GB).
+/// Most stored times at which agents followed rules with a pause (2 GB).
 const MOST_PAUSES: usize = 1 << 28;
 
-/// What is wrong with a key, and at which byte of its text.
+/// Fault of a key's value, with its byte in the text of the value.
 struct Wrong {
     key: String,
     at: Option<usize>,
@@ -43,7 +43,7 @@ fn wrong<T>(key: impl Into<String>, why: impl Into<String>) -> Compiled<T> {
     Err(Wrong { key: key.into(), at: None, why: why.into() })
 }
 
-/// A point with as many numbers as a space has dimensions.
+/// Point with as many numbers as a space has dimensions.
 fn checked_point(at: &[f32], key: &str, dimensions: usize) -> Compiled<Vec3> {
     match check_point(key, at, dimensions) {
         Ok(()) => Ok(point(at)),
@@ -51,7 +51,7 @@ fn checked_point(at: &[f32], key: &str, dimensions: usize) -> Compiled<Vec3> {
     }
 }
 
-/// Refuses what is too many, as (count, most, what, key).
+/// Refuses counts that are too large, given as (count, most, what, key).
 fn check_counts(counts: &[(usize, usize, &str, &str)]) -> Compiled<()> {
     match counts.iter().find(|(count, most, ..)| count > most) {
         Some((count, most, what, key)) => wrong(*key, format!("expected at most {most} {what}, found {count}")),
@@ -60,9 +60,9 @@ fn check_counts(counts: &[(usize, usize, &str, &str)]) -> Compiled<()> {
 }
 
 impl Scenario {
-    /// Compiles all that people of a scene live by; `None` where the scene says nothing of it.
+    /// Compiles the rules, graphs, events and places of a scene; `None` where the scene has only goals.
     ///
-    /// - `num`: of each group of the scene, its agents.
+    /// - `primitives`: primitive behaviours that actions may name.
     ///
     /// # Errors
     /// [`throng_base::Error::Text`] with file, line, column, and the nearest name that is known.
@@ -79,10 +79,10 @@ impl Scenario {
 struct Compiler<'a> {
     scene: &'a Scene,
     out: Scenario,
-    /// Of each named behaviour that is compiled: first of its actions, and whether they take no time, by the event's kind.
+    /// Compiled named behaviours, by name and kind of event: first action, and whether all actions take no time.
     done: BTreeMap<(String, bool, bool), (u32, bool)>,
     graph_starts: BTreeMap<String, u32>,
-    /// Names of states by graph.
+    /// Numbers of states, by names of graph and state.
     state_numbers: BTreeMap<(String, String), u32>,
 }
 
@@ -243,7 +243,7 @@ impl<'a> Compiler<'a> {
         found.map(|n| n as u16).map_err(|why| Wrong { key: key.into(), at: None, why })
     }
 
-    /// Names that an expression may use where it is about an event of a kind.
+    /// Sets the names that an expression about a kind of event may use.
     fn scope(&mut self, trigger: u16) {
         let is_event = (trigger::EVENTS..trigger::EVENTS + self.out.names.events.0.len() as u16).contains(&trigger);
         // A behaviour of a state goes on through several events: it may name all of them.
@@ -254,7 +254,7 @@ impl<'a> Compiler<'a> {
     }
 }
 
-/// A point of the file in the world.
+/// World position of a point of the scene file (m).
 pub(super) fn point(of: &[f32]) -> Vec3 {
     match of {
         [x, y, z] => Vec3::new(*x, *y, *z),

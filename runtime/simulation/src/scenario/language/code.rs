@@ -1,4 +1,4 @@
-//! Flat code, and what runs it.
+//! Flat code of expressions, and its interpreter.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,68 +21,68 @@ pub enum Op {
     Unequal,
     Less,
     LessOrEqual,
-    /// Name and set: is it in the set?
+    /// Membership of a name in a set.
     In,
-    /// Is the name one of `count` that follow in the code as numbers? They are skipped.
+    /// Membership of a name in a list of this length, which follows in the code as numbers and is skipped.
     OneOf(u32),
-    /// Members of a set.
+    /// Number of members of a set.
     Size,
     Least,
     Greatest,
     Absolute,
     Root,
     Floor,
-    /// Goes on `0` operations later where the truth on the stack is false, and keeps it; otherwise drops it.
+    /// Jumps ahead by this number of operations where the truth on the stack is false, and keeps it; otherwise drops it.
     And(u32),
-    /// The same where it is true.
+    /// Jumps ahead where the truth on the stack is true, and keeps it; otherwise drops it.
     Or(u32),
-    /// Drops a truth, and goes on later where it is false.
+    /// Drops a truth, and jumps ahead where it is false.
     Unless(u32),
-    /// Goes on later.
+    /// Jumps ahead.
     Skip(u32),
 }
 
-/// Something that is looked up.
+/// Quantity that an expression looks up.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Load {
     /// Simulated time (s).
     Time,
-    /// A number by chance, from 0 up to 1.
+    /// Random number, from 0 up to 1.
     Random,
-    /// Something of somebody.
+    /// Attribute of an agent.
     Of(Who, Attribute),
-    /// Of the event.
+    /// Attribute of the event.
     Event(EventAttribute),
-    /// Of a place.
+    /// Attribute of a place.
     Place(Spot, PlaceAttribute),
-    /// Set of the events on the global board (`false`) or on those of the agent's cells (`true`).
+    /// Set of the events on the global blackboard (`false`) or also on those of the agent's cells (`true`).
     Board(bool),
-    /// Between two spots (m); infinite where one is not there.
+    /// Distance between two spots; infinite where one is not there (m).
     Distance(Spot, Spot),
-    /// Of one to the other (-1 to 1).
+    /// Friendship of one agent for another (-1 to 1).
     Friendship(Who, Who),
-    /// Of one in somebody or something (-1 to 1).
+    /// Curiosity of an agent about a spot (-1 to 1).
     Curiosity(Who, Spot),
-    /// Number of those of a group who are there.
+    /// Number of agents of a group that are there.
     Count(u16),
-    /// 1 where a door is open.
+    /// Truth: a door is open.
     Open(u16),
-    /// 1 where somebody has a thing in hand, or goes to take it.
+    /// Truth: some agent has a thing in hand, or a claim to take it.
     Taken(u16),
-    /// 1 where it is this one.
+    /// Truth: this agent has a thing in hand, or a claim to take it.
     Holds(Who, u16),
 }
 
-/// Who.
+/// Agent that an expression is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Who {
-    /// To whom the event happens.
+    /// Agent to which the event happens.
     Me,
-    /// Who is met, or tells.
+    /// Other agent, which is met or tells of the event.
     Other,
 }
 
-/// What somebody has.
+/// Attribute of an agent.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Attribute {
     /// A value of the scene, by its number.
@@ -94,78 +94,78 @@ pub enum Attribute {
     Group,
     /// State of a level: 0 social, 1 spatial, 2 primitive.
     State(u8),
-    /// How long it has been in its state of the highest level (s).
+    /// Time in its state of the highest level (s).
     StateSeconds,
     /// Events that it knows of.
     News,
-    /// 1 while a rule's behaviour lasts.
+    /// Truth: a rule's behaviour lasts.
     Busy,
     /// Number of the agent.
     Number,
     Y,
 }
 
-/// What an event has.
+/// Attribute of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum EventAttribute {
-    /// Its name.
+    /// Name of the event.
     Name,
-    /// Time since it happened first (s).
+    /// Time since it happened last (s).
     Age,
-    /// 1 as it happens, weaker farther off for what is conveyed.
+    /// Strength: 1 where it happens, less at a distance where it is conveyed.
     Strength,
-    /// How one learnt of it.
+    /// Way in which the agent learnt of it.
     How,
 }
 
-/// What a place has.
+/// Attribute of a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PlaceAttribute {
     Name,
     Kind,
-    /// Slots that nobody holds.
+    /// Number of free slots.
     Free,
-    /// Slots that are held.
+    /// Number of slots that agents hold.
     Held,
 }
 
-/// Somewhere.
+/// Named position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Spot {
     Me,
     Other,
-    /// Where the agent entered.
+    /// Position at which the agent entered.
     Home,
     /// The place of the event.
     Here,
     Place(u16),
 }
 
-/// Where the code of an expression is among that of all.
+/// Range of an expression's code within the code of all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Program {
     pub(super) first: u32,
     pub(super) count: u32,
 }
 
-/// A number that the file gives, or an expression for it.
+/// Number of the scene file, or an expression for it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Amount {
-    /// The same always.
+    /// Constant number.
     Number(f64),
-    /// As it is when it is asked for.
+    /// Expression that is evaluated when the number is needed.
     Program(Program),
 }
 
-/// What a program looks at.
+/// Source of the quantities that a program looks up.
 pub trait Perception {
-    /// What is asked for, as a number of the stack.
+    /// Looks up a quantity, as a number of the stack.
     fn load(&mut self, what: Load) -> f64;
 }
 
 /// Runs a program of code that [`super::compile`] made, or that was checked when it was read.
 ///
-/// - returns what is left on the stack.
+/// - returns the number that is left on the stack.
 pub fn run(code: &[Op], program: Program, perception: &mut impl Perception) -> f64 {
     let code = &code[program.first as usize..][..program.count as usize];
     let mut stack = [0.0_f64; STACK];

@@ -1,10 +1,10 @@
-//! From a tree to flat code, with all names found and all types checked.
+//! Compiler from expression trees to flat code: resolves names and checks types.
 
 use super::code::{Attribute, EventAttribute, Load, Op, PlaceAttribute, Program, STACK, Spot, Who};
 use super::parse::{Fault, Node, Tree};
 use throng_base::text::did_you_mean;
 
-/// Names of one sort, by their numbers.
+/// Names of one kind, by their numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Names(pub Vec<String>);
 
@@ -15,22 +15,22 @@ impl Names {
     }
 }
 
-/// What an expression is worth.
+/// Type of an expression.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Type {
     /// A number.
     Number,
     /// True or false.
     Truth,
-    /// A name of some sort.
+    /// A name of some kind.
     Name(Sort),
     /// A set of events.
     Set,
-    /// Somebody or somewhere.
+    /// An agent or a place.
     Spot(Spot),
 }
 
-/// Sorts of names.
+/// Kind of a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sort {
     Group,
@@ -43,7 +43,7 @@ pub enum Sort {
     Thing,
 }
 
-/// All names that expressions may use, and whether there is another one and a place.
+/// All names that expressions may use, and whether the event has another agent and a place.
 #[derive(Clone, Debug, Default)]
 pub struct Vocabulary {
     pub groups: Names,
@@ -54,17 +54,17 @@ pub struct Vocabulary {
     pub values: Names,
     pub doors: Names,
     pub things: Names,
-    /// How one learns of an event.
+    /// Ways of learning of an event.
     pub how: Names,
-    /// Somebody is met, or tells.
+    /// Whether the event has another agent, which is met or tells.
     pub has_other: bool,
-    /// The event has a place.
+    /// Whether the event has a place.
     pub has_place: bool,
-    /// The expression is about nobody in particular.
+    /// Whether the expression is about no agent in particular.
     pub is_of_all: bool,
 }
 
-/// Words that stand alone, with what they mean to an author.
+/// Words that stand alone, with their quantities and types.
 const WORDS: &[(&str, Load, Type)] = &[
     ("time", Load::Time, Type::Number),
     ("random", Load::Random, Type::Number),
@@ -81,7 +81,7 @@ const WORDS: &[(&str, Load, Type)] = &[
     ("cell", Load::Board(true), Type::Set),
 ];
 
-/// What `me` and `other` have, beside the values of the scene.
+/// Attributes of `me` and `other`, beside the values of the scene.
 const ATTRIBUTES: &[(&str, Attribute, Type)] = &[
     ("x", Attribute::X, Type::Number),
     ("y", Attribute::Y, Type::Number),
@@ -98,10 +98,10 @@ const ATTRIBUTES: &[(&str, Attribute, Type)] = &[
     ("number", Attribute::Number, Type::Number),
 ];
 
-/// Why words of one agent have no meaning.
+/// Message for words of one agent in an expression about no agent.
 const OF_ALL: &str = "what an event waits for is about nobody in particular, such as `count(\"a group\") > 9`";
 
-/// Functions, and how they are called.
+/// Functions, with their forms of call.
 const CALLS: &[(&str, &str)] = &[
     ("distance", "distance(me, other)"),
     ("friendship", "friendship(me, other)"),
@@ -163,10 +163,10 @@ impl Vocabulary {
         }
     }
 
-    /// Number of a name of a sort.
+    /// Number of a name of a kind.
     ///
     /// # Errors
-    /// With the nearest that there is.
+    /// A message with the nearest known name.
     pub fn number(&self, sort: Sort, name: &str) -> Result<usize, String> {
         let known = &self.names(sort).0;
         known.iter().position(|n| n == name).ok_or_else(|| {
@@ -199,7 +199,7 @@ pub fn compile(node: &Node, expected: Type, names: &Vocabulary, code: &mut Vec<O
 struct Compiler<'a> {
     names: &'a Vocabulary,
     code: &'a mut Vec<Op>,
-    /// Of the stack at this place of the code.
+    /// Depth of the stack at this place of the code.
     depth: usize,
 }
 
@@ -213,7 +213,7 @@ impl Compiler<'_> {
         Ok(())
     }
 
-    /// An operation with two operands.
+    /// Adds an operation with two operands.
     fn join(&mut self, op: Op) {
         self.code.push(op);
         self.depth -= 1;
@@ -357,7 +357,7 @@ impl Compiler<'_> {
         Fault::new(at, format!("unknown word `{word}`.{way_out}"))
     }
 
-    /// Somebody or somewhere that this event has.
+    /// Checks that the event has the named agent or place.
     fn check_there(&self, spot: Spot, at: usize) -> Result<(), Fault> {
         match spot {
             Spot::Me if self.names.is_of_all => Fault::new(at, format!("there is no `me`: {OF_ALL}")),

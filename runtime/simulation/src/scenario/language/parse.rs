@@ -1,11 +1,11 @@
-//! From text to a tree.
+//! Parser of expressions.
 
-/// What is wrong with a text, and at which byte of it.
+/// Fault of an expression, with its byte in the text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
     /// Byte of the text.
     pub at: usize,
-    /// What, in words.
+    /// Description of the fault.
     pub why: String,
 }
 
@@ -15,16 +15,16 @@ impl Fault {
     }
 }
 
-/// A part of an expression.
+/// Node of an expression tree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Node {
     /// First byte of its text.
     pub at: usize,
-    /// What it is.
+    /// Kind and children of the node.
     pub tree: Tree,
 }
 
-/// What a part of an expression is.
+/// Kind and children of a node.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Tree {
     /// `1.5`, and `true` and `false`.
@@ -47,10 +47,10 @@ pub enum Tree {
 
 /// Deepest nesting of an expression.
 const DEPTH: usize = 40;
-/// Most operators of an expression: each may be a level of the tree, which is walked by recursion.
+/// Most operators of an expression; each may be a level of the tree, which is walked by recursion.
 const OPERATORS: usize = 500;
 
-/// Operators of two sides by how tightly they hold, loosest first.
+/// Binary operators by precedence, lowest first.
 const LEVELS: [&[&str]; 5] = [&["or"], &["and"], &["==", "!=", "<=", ">=", "<", ">", "in"], &["+", "-"], &["*", "/"]];
 
 /// Parses an expression.
@@ -71,7 +71,7 @@ struct Parser<'a> {
     text: &'a str,
     at: usize,
     depth: usize,
-    /// Operators of two sides so far.
+    /// Number of binary operators so far.
     operators: usize,
 }
 
@@ -84,7 +84,7 @@ impl<'a> Parser<'a> {
         self.at = self.text.len() - self.rest().trim_start().len();
     }
 
-    /// Goes on past a token, if it is the next: words end where no letter follows.
+    /// Consumes a token, if it is the next one; words end where no letter follows.
     fn take(&mut self, token: &str) -> bool {
         self.skip();
         let Some(rest) = self.rest().strip_prefix(token) else { return false };
@@ -132,7 +132,7 @@ impl<'a> Parser<'a> {
         let at = self.at;
         for operator in ["not", "-"] {
             if self.take(operator) {
-                // `not` holds looser than comparisons: `not a == b` is `not (a == b)`.
+                // `not` binds looser than comparisons: `not a == b` is `not (a == b)`.
                 let of = self.level(if operator == "not" { 2 } else { LEVELS.len() })?;
                 return Ok(Node { at, tree: Tree::Unary(operator, Box::new(of)) });
             }
@@ -184,7 +184,7 @@ impl<'a> Parser<'a> {
         Ok(Node { at, tree })
     }
 
-    /// Expressions between commas, up to a closing bracket.
+    /// Parses expressions between commas, up to a closing bracket.
     fn list(&mut self, end: &str) -> Result<Vec<Node>, Fault> {
         let mut out = Vec::new();
         if self.take(end) {

@@ -1,4 +1,4 @@
-//! What may be said of it, and how it grows with a scene.
+//! Checks and scaling of places, values, events, rules and graphs.
 
 use super::{
     ActionConfig, DoConfig, DoorConfig, EventConfig, RelationConfig, SiteConfig, SourceConfig, ThingConfig,
@@ -8,7 +8,7 @@ use crate::scene::PlaceConfig;
 use crate::scene::check::{Fault, check_numbers, check_point, check_ranges, fault};
 use crate::scene::goal::scale;
 
-/// Words of actions that are lengths, or lengths over time.
+/// Arguments of actions that are lengths, or lengths over time.
 const LENGTHS: [&str; 4] = ["speed", "within_m", "distance_m", "spacing_m"];
 
 /// Multiplies all lengths of actions that are given as numbers and points.
@@ -37,7 +37,7 @@ impl DoConfig {
 }
 
 impl SiteConfig {
-    /// Multiplies its lengths; those of slots and queues among each other stay where only the layout grows.
+    /// Multiplies its lengths; the shapes of slots and queues stay where only the layout grows.
     pub(in crate::scene) fn stretch(&mut self, by: f32, also_sizes: bool) {
         let before = self.at.clone();
         scale(&mut [&mut self.at], by);
@@ -173,7 +173,7 @@ impl ThingConfig {
         sizes.iter().try_for_each(|(key, size)| check_numbers(&[(key, *size, 0.01, 2.0)]))
     }
 
-    /// Heights and the thing itself stay, but where units are converted.
+    /// Multiplies its position; heights and sizes only where `also_size`, when units are converted.
     pub(in crate::scene) fn stretch(&mut self, by: f32, also_size: bool) {
         self.at[0] *= by;
         self.at[2] *= by;

@@ -1,4 +1,4 @@
-//! What people of a scene live by: places, values, relations, events, rules and state graphs (Kim, Kim and Shin 2003a,
+//! Story of a scene: places, values, relations, events, rules and state graphs (Kim, Kim and Shin 2003a,
 //! section 3, and 2003b, section 3).
 
 mod check;
@@ -9,34 +9,34 @@ use std::collections::BTreeMap;
 
 pub(super) use check::stretch_actions;
 
-/// A store, a picture, a guidepost, a region of interest, a queue: somewhere that people come to.
+/// Place to which agents come: a store, a picture, a guidepost, a region of interest, a queue.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SiteConfig {
-    /// Its name, once in the scene.
+    /// Name, unique in the scene.
     pub name: String,
-    /// What it is, for predicates (`place.kind`): "store", "picture", any word.
+    /// Kind of place, for predicates (`place.kind`): "store", "picture", any word.
     #[serde(default = "place")]
     pub kind: String,
-    /// Its middle (m).
+    /// Centre (m).
     pub at: Vec<f32>,
-    /// How near to its middle one is at the place: `enters` and `leaves` happen there (m, 0.05 to 1000).
+    /// Radius, at which `enters` and `leaves` happen (m, 0.05 to 1000).
     #[serde(default = "site_radius")]
     pub radius_m: f32,
-    /// Who enters reads the boards: the global one and those of the cells there.
+    /// Whether agents that enter read the blackboards: the global one and those of the cells there.
     #[serde(default)]
     pub guidepost: bool,
-    /// Each agent enters it once; later it takes no notice.
+    /// Whether each agent enters it only once.
     #[serde(default)]
     pub once: bool,
-    /// Where those who read its arrow go: the name of another place.
+    /// Name of the place to which its arrow points.
     #[serde(default)]
     pub arrow: Option<String>,
-    /// Where people stand, sit or look here, each a place for one.
+    /// Slots, each a place where one agent stands, sits or looks.
     #[serde(default)]
     pub slots: Vec<SlotConfig>,
-    /// Slots in a row along a line, the first one first.
+    /// Queue: slots in a row along a line, from its head.
     #[serde(default)]
     pub queue: Option<QueueConfig>,
 }
@@ -49,26 +49,26 @@ fn site_radius() -> f32 {
     2.0
 }
 
-/// A place for one.
+/// Slot: a place for one agent.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SlotConfig {
-    /// Where (m).
+    /// Position (m).
     pub at: Vec<f32>,
-    /// What who stands there faces (m); the middle of the place where absent.
+    /// Position that an agent there faces; the centre of the place where absent (m).
     #[serde(default)]
     pub facing: Option<Vec<f32>>,
 }
 
-/// Slots along a line.
+/// Queue of slots along a line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct QueueConfig {
-    /// The line, from its head (m, >= 2).
+    /// Points of the line, from its head (m, >= 2).
     pub points: Vec<Vec<f32>>,
-    /// Between two who stand in it (m, 0.3 to 10).
+    /// Distance between neighbours (m, 0.3 to 10).
     #[serde(default = "queue_spacing")]
     pub spacing_m: f32,
 }
@@ -77,31 +77,31 @@ fn queue_spacing() -> f32 {
     0.8
 }
 
-/// A thing that people of a scene take, carry and put down.
+/// Thing that agents take, carry and put down.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ThingConfig {
-    /// Its name, once in the scene.
+    /// Name, unique in the scene.
     pub name: String,
-    /// Where its middle lies at the start: x, y up, z (m).
+    /// Centre at the start: x, y up, z (m).
     pub at: [f32; 3],
-    /// Its lengths along x, y and z, for pictures (m, 0.01 to 2).
+    /// Size along x, y and z, for pictures (m, 0.01 to 2).
     #[serde(default = "thing_size")]
     pub size_m: [f32; 3],
-    /// How it is carried.
+    /// Style in which it is carried.
     #[serde(default)]
     pub carried: Carried,
 }
 
-/// How a thing is carried.
+/// Style in which a thing is carried.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Carried {
-    /// In a hand that swings as one walks: a bag, a stick.
+    /// In a hand that swings while walking, such as a bag or a stick.
     Hanging,
-    /// Before the belly, upright: a cup, a tray.
+    /// In front of the belly, upright, such as a cup or a tray.
     #[default]
     Level,
 }
@@ -110,39 +110,39 @@ fn thing_size() -> [f32; 3] {
     [0.08, 0.1, 0.08]
 }
 
-/// A door: a wall that opens and closes.
+/// Door: a wall that opens and closes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DoorConfig {
-    /// Its name, once in the scene.
+    /// Name, unique in the scene.
     pub name: String,
     /// One end (m).
     pub from: Vec<f32>,
     /// The other end (m).
     pub to: Vec<f32>,
-    /// Half its thickness (m, 0 to 10).
+    /// Radius: half its thickness (m, 0 to 10).
     #[serde(default)]
     pub radius_m: f32,
-    /// Open at the start.
+    /// Whether it is open at the start.
     #[serde(default)]
     pub open: bool,
 }
 
-/// What agents feel, as a number that changes with time: v' = rate + (rest - v) ln 2 / half-life, within its limits.
+/// Value that agents feel, a number that changes with time: v' = rate + (rest - v) ln 2 / half-life, within its limits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct ValueConfig {
-    /// Least and most at the start.
+    /// Least and greatest value at the start.
     pub start: [f32; 2],
-    /// How fast it grows (1/s).
+    /// Growth by itself (1/s).
     pub rate_per_s: f32,
-    /// Where it goes by itself; needs `half_life_s`.
+    /// Value of rest, to which it returns by itself with `half_life_s`.
     pub rest: Option<f32>,
-    /// Time in which half of the way to rest is gone (s, 0.01 to 1e6).
+    /// Half-life of the distance from the value of rest (s, 0.01 to 1e6).
     pub half_life_s: f32,
-    /// Least and greatest.
+    /// Least and greatest value.
     pub limits: [f32; 2],
 }
 
@@ -152,7 +152,7 @@ impl Default for ValueConfig {
     }
 }
 
-/// What some feel for others, or for a place.
+/// Relation of some agents to others, or to a place.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -161,13 +161,13 @@ pub struct RelationConfig {
     pub of: String,
     /// A group, one agent of it, or a place.
     pub to: String,
-    /// Of the pairs, those that it is true of, drawn by chance; of both sides alike (0 to 1).
+    /// Share of the pairs for which it holds, drawn at random, alike from both sides (0 to 1).
     #[serde(default = "whole")]
     pub share: f32,
-    /// From -1 (enemies) to 1 (close friends).
+    /// Friendship, from -1 (enemies) to 1 (close friends).
     #[serde(default)]
     pub friendship: Option<f32>,
-    /// From -1 (keeps away) to 1 (drawn to it).
+    /// Curiosity, from -1 (keeps away) to 1 (drawn to it).
     #[serde(default)]
     pub curiosity: Option<f32>,
 }
@@ -176,49 +176,49 @@ fn whole() -> f32 {
     1.0
 }
 
-/// Something that happens, and what is told of it.
+/// Event that happens in the scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct EventConfig {
-    /// Its name, once in the scene: what rules and graphs wait for.
+    /// Name, unique in the scene, for which rules and graphs wait.
     pub name: String,
-    /// When it happens (s).
+    /// Time at which it happens (s).
     pub at_s: Option<f64>,
-    /// When it happens, drawn evenly between two times (s).
+    /// Range of times from which the time of the event is drawn evenly (s).
     pub between_s: Option<[f64; 2]>,
-    /// It happens again and again, by chance, with this mean time between (s, 0.01 to 1e6).
+    /// Mean time between random occurrences (s, 0.01 to 1e6).
     pub every_s: Option<f64>,
-    /// It happens again and again, after exactly this time (s, 0.01 to 1e6).
+    /// Time between regular occurrences (s, 0.01 to 1e6).
     pub period_s: Option<f64>,
-    /// When it happens: each time that this becomes true, of what is there for all (`time`, `count`, `free`, `held`, `open`,
-    /// `board`); looked at whenever something happens to anybody.
+    /// Condition: the event happens each time that it becomes true. It has only words about no agent in particular (`time`, `count`,
+    /// `free`, `held`, `open`, `board`), and is evaluated whenever something happens to any agent.
     pub when: Option<String>,
-    /// To whom it happens: a predicate. Nobody, where `nobody = true`; all where absent.
+    /// Predicate of the agents to which it happens; all where absent, none where `nobody = true`.
     pub who: Option<String>,
-    /// It happens to nobody: only boards show it.
+    /// Whether it happens to no agent, so that only blackboards show it.
     pub nobody: bool,
     /// Doors that open with it.
     pub opens: Vec<String>,
-    /// Doors that close with it, once nobody stands in them.
+    /// Doors that close with it, as soon as no agent stands in them.
     pub closes: Vec<String>,
-    /// Who knows of it tells those it meets.
+    /// Whether agents that know of it tell those that they meet.
     pub told_on: bool,
-    /// It is on the global board from then on.
+    /// Whether it is on the global blackboard from then on.
     pub posted: bool,
-    /// How long it is told and posted (s); for ever where absent.
+    /// Time for which it is passed on and posted; unlimited where absent (s).
     pub fresh_s: Option<f64>,
 }
 
-/// To an event, those of a group react with a behaviour (E, M, B).
+/// Rule (E, M, B): agents of some groups react to an event with a behaviour.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RuleConfig {
-    /// What explanations call it; its number where absent.
+    /// Name in explanations; the number of the rule where absent.
     #[serde(default)]
     pub name: String,
-    /// The event: its name; `starts`, `meets`, `enters`, `leaves`, `crosses`, `arrives`, `stuck`, `done`, `full` or
+    /// Trigger: the name of an event; `starts`, `meets`, `enters`, `leaves`, `crosses`, `arrives`, `stuck`, `done`, `full` or
     /// `timer`; or a value that passes a threshold, such as `"fatigue > 0.7"`.
     pub on: String,
     /// Groups that it is for; all where empty.
@@ -227,35 +227,35 @@ pub struct RuleConfig {
     /// Predicate; true where absent.
     #[serde(default)]
     pub when: Option<String>,
-    /// How likely it is followed (0 to 1).
+    /// Probability of following it (0 to 1).
     #[serde(default = "whole")]
     pub probability: f32,
-    /// What is done: name of a behaviour, or actions.
+    /// Behaviour: a name, or actions.
     #[serde(rename = "do")]
     pub does: DoConfig,
-    /// It interrupts behaviours of rules with the same or a lower priority.
+    /// Priority: it interrupts behaviours of rules with the same or a lower one.
     #[serde(default)]
     pub priority: i8,
-    /// Least time between two of one agent (s, 0 to 1e6).
+    /// Least time between two uses of the rule by one agent (s, 0 to 1e6).
     #[serde(default)]
     pub pause_s: f32,
 }
 
-/// What is done.
+/// Behaviour of a rule or state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum DoConfig {
-    /// A behaviour of `[behaviours]`.
+    /// Name of a behaviour of `[behaviours]`.
     Named(String),
-    /// One after the other.
+    /// Actions, one after the other.
     Actions(Vec<ActionConfig>),
 }
 
-/// An action: a table whose one word says what is done, and the others how: `{ go = "exit", speed = 1.5 }`.
+/// Action: a table in which one key names the action, and others are its arguments: `{ go = "exit", speed = 1.5 }`.
 pub type ActionConfig = BTreeMap<String, WordConfig>;
 
-/// What is said of an action.
+/// Argument of an action.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
@@ -272,64 +272,64 @@ pub enum WordConfig {
     Points(Vec<Vec<f32>>),
 }
 
-/// A state-transition graph.
+/// State-transition graph.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct GraphConfig {
-    /// Social graphs are made of spatial ones, and these of primitive ones.
+    /// Level: social graphs are made of spatial ones, and these of primitive ones.
     pub level: LevelConfig,
-    /// The state in which it begins.
+    /// Start state.
     pub start: String,
     /// Its states by name.
     pub states: BTreeMap<String, StateConfig>,
-    /// Ways from state to state (at most 64 from one state).
+    /// Edges between states (at most 64 from one state).
     #[serde(default)]
     pub edges: Vec<EdgeConfig>,
 }
 
-/// Levels of graphs, the highest first.
+/// Level of a graph, the highest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum LevelConfig {
-    /// What one is about: to go shopping.
+    /// Purpose, such as to go shopping.
     Social,
-    /// Where one goes or stays.
+    /// Place to go to or to stay at.
     Spatial,
-    /// Single motions.
+    /// Single motion.
     Primitive,
 }
 
-/// A state: a graph of a level below, or a behaviour.
+/// State: a graph of a lower level, or a behaviour.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct StateConfig {
-    /// A graph of a lower level, which begins anew.
+    /// Name of a graph of a lower level, which begins anew.
     pub graph: Option<String>,
-    /// What is done: name of a behaviour, or actions. Before a graph, only what takes no time.
+    /// Behaviour: a name, or actions. Before a graph, only actions that take no time.
     #[serde(rename = "do")]
     pub does: Option<DoConfig>,
 }
 
-/// A way from one state to another, or back to the same: then nothing changes.
+/// Edge from one state to another, or back to the same one, in which case nothing changes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct EdgeConfig {
-    /// From this state; from any of the graph where absent.
+    /// State from which it leads; any state of the graph where absent.
     #[serde(default)]
     pub from: Option<String>,
-    /// To this state.
+    /// State to which it leads.
     pub to: String,
-    /// The event, as in rules; `done` where absent.
+    /// Trigger, as in rules; `done` where absent.
     #[serde(default = "done")]
     pub on: String,
     /// Predicate; true where absent.
     #[serde(default)]
     pub when: Option<String>,
-    /// How likely it is taken. Edges without one share what the others leave (0 to 1).
+    /// Probability of taking it. Edges without one share what the others leave (0 to 1).
     #[serde(default)]
     pub probability: Option<f32>,
 }
@@ -338,35 +338,35 @@ fn done() -> String {
     "done".into()
 }
 
-/// Who enters while time runs.
+/// Source of agents that enter while time runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SourceConfig {
-    /// Of the group, how many are there at the start; the others enter one by one.
+    /// Number of the group's agents that are there at the start; the others enter one by one.
     #[serde(default)]
     pub start: usize,
-    /// How many enter, by chance (Poisson), as (from time, per second), in order of time (s, 1/s).
+    /// Rates of random entries (Poisson), as (from time, per second), in order of time (s, 1/s).
     pub rates: Vec<[f64; 2]>,
-    /// Where they enter; `place` of the group where absent.
+    /// Place at which they enter; `place` of the group where absent.
     #[serde(default)]
     pub place: Option<PlaceConfig>,
 }
 
-/// When the scene ends.
+/// Conditions of which any ends the scene early.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct EndConfig {
-    /// When all of these groups have left.
+    /// Groups whose agents must all have left.
     pub left: Vec<String>,
-    /// When all who are there know of this event.
+    /// Event that all agents that are there must know of.
     pub known: Option<String>,
-    /// When this event happens to anybody.
+    /// Event that must have happened.
     pub event: Option<String>,
 }
 
-/// What lengths of a scene file are in.
+/// Unit of lengths in a scene file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]

@@ -1,8 +1,8 @@
-//! Which places at the rim of a cluster are alike.
+//! Alike places at the rim of a cluster.
 //!
-//! Motion that goes the same way soon comes to the same poses, whatever it began with: what costs differ by then is when
-//! each came there. So a few entrances and exits, each of many places with a part of the cost of its own, tell what all the
-//! places would.
+//! Motions along one path soon come to the same poses, whatever they began with: from then on, costs differ only by the
+//! time of arrival there. So a few entrances and exits, each of many places with an additional cost of their own, stand
+//! for all places.
 
 use super::super::dial::UNREACHED;
 
@@ -12,7 +12,7 @@ const SPREAD: i32 = 8;
 
 /// Places that may be alike: on the same tile, at the same edge.
 pub(super) struct Group {
-    /// What lies beyond, as a number in [`super::Outline::beyond`].
+    /// Part of the world beyond, as a number in [`super::Outline::beyond`].
     pub beyond: u32,
     /// True for a tile; only tiles have parts.
     pub is_tile: bool,
@@ -23,14 +23,14 @@ pub(super) struct Group {
 /// An entrance or out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct AlikePlaces {
-    /// What lies beyond.
+    /// Part of the world beyond.
     pub beyond: u32,
     /// Numbers of its places, and the part of the cost of each that is counted outside (frames).
     pub places: Vec<(u32, u16)>,
 }
 
 impl AlikePlaces {
-    /// All places of a group, with no parts.
+    /// All places of a group, without additional costs.
     pub fn of(group: &Group) -> Self {
         Self { beyond: group.beyond, places: group.places.iter().map(|&n| (n, 0)).collect() }
     }
@@ -40,7 +40,7 @@ impl AlikePlaces {
         self.places.iter().map(|p| p.1).max().unwrap_or(0)
     }
 
-    /// Lowers the parts of an entrance until no way through the cluster, to any exit, costs less than 0 beyond them.
+    /// Lowers the parts of an entrance until no path through the cluster, to any exit, costs less than 0 beyond them.
     pub fn fit<'a>(&mut self, exits: impl Iterator<Item = (&'a [u16], u16)>) {
         let least = exits.map(|(costs, more)| self.across(costs, more)).min().unwrap_or(0);
         let less = least.min(0).unsigned_abs() as u16;
@@ -85,7 +85,7 @@ pub(super) fn part(groups: &[Group], costs: &[Vec<u16>]) -> Vec<AlikePlaces> {
     all
 }
 
-/// How much more a place costs than another one; none where they are not alike.
+/// Difference of the costs of two places; none where they are not alike.
 fn difference(costs: &[Vec<u16>], a: u32, b: u32) -> Option<i32> {
     let (mut least, mut most) = (i32::MAX, i32::MIN);
     for costs in costs {
@@ -134,7 +134,8 @@ mod tests {
             let turned: Vec<Vec<u16>> = (0..6).map(|i| costs.iter().map(|c| c[i]).collect()).collect();
             let groups = [group];
             let (mut entrances, exits) = (part(&groups, &costs), part(&groups, &turned));
-            // To each exit from all places, and its largest part more, as the search for it finds them.
+            // Costs to each exit from all places, raised by its largest additional cost, as the search for it finds
+            // them.
             let to = |alike: &AlikePlaces| (0..6).map(|i| {
                 let cost = |&(o, part): &(u32, u16)| match costs[o as usize][i] {
                     UNREACHED => UNREACHED,

@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_core::patch::{CellRecord, NONE};
 
-/// Where an exit ends.
+/// End of an exit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(super) struct Landing {
-    /// How many copies away from the tile; in another cluster, the number of the instance and nothing.
+    /// Offset from the tile (copies); in another cluster, the number of the instance and 0.
     pub offset: [i32; 2],
     /// The cell there.
     pub cell: u32,
@@ -22,9 +22,9 @@ pub(super) struct Landing {
 pub(super) struct ExitStep {
     /// The cell.
     pub from: u32,
-    /// Where it leads to, as a number in [`Edges::exits`].
+    /// End of the step, as a number in [`Edges::exits`].
     pub to: u32,
-    /// What it takes.
+    /// Length of the step (frames).
     pub frames: u16,
 }
 
@@ -32,13 +32,13 @@ pub(super) struct ExitStep {
 /// between blocks; the cells beyond that entrances begin at. Exits are listed apart.
 pub(super) struct Edges<'p, 'a> {
     outline: &'p Outline<'a>,
-    /// From node to node, in so many frames.
+    /// Arcs from node to node, with their lengths (frames).
     pub arcs: Vec<(u32, u32, u16)>,
     /// Steps out.
     pub exit_steps: Vec<ExitStep>,
-    /// Where entrances begin, by what lies beyond, the class of the cell there and the cell, and the number of each.
+    /// Number of each start of an entrance, by the part of the world beyond, the class of the cell there and the cell.
     pub entrances: BTreeMap<(u32, u32, u32), u32>,
-    /// Where exits end, by what lies beyond, the sector that they lead to and the cell, and the number of each.
+    /// Number of each end of an exit, by the part of the world beyond, the sector that it leads to and the cell.
     pub exits: BTreeMap<(u32, u32, Landing), u32>,
 }
 
@@ -134,7 +134,7 @@ impl<'p, 'a> Edges<'p, 'a> {
         self.exit_steps.push(ExitStep { from, to, frames });
     }
 
-    /// Exits are told apart by the edge that a tile is entered by, or inside of one by heading.
+    /// Sector of an exit: the edge by which a tile is entered, or the heading inside of one.
     fn sector(&self, to: Node) -> u32 {
         let graph = self.outline.graph;
         let p = &graph.patches().patches[graph.instance(to.instance).patch as usize];
@@ -154,7 +154,7 @@ impl<'p, 'a> Edges<'p, 'a> {
         2 * self.outline.num_cells + *self.entrances.entry((beyond, class, cell)).or_insert(next)
     }
 
-    /// What leads into the cluster from an instance beyond.
+    /// Adds the steps into the cluster from an instance beyond.
     fn add_entrances(&mut self, instance: u32, a: &AdjacencyRecord, t: &JointTableRecord, beyond: Beyond) {
         let (outline, graph) = (self.outline, self.outline.graph);
         let Some(&k) = outline.numbers.get(&beyond) else { return };

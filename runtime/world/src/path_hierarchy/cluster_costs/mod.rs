@@ -13,7 +13,7 @@ pub(super) use outline::Outline;
 use search_graph::SearchGraph;
 use serde::{Deserialize, Serialize};
 
-/// What a cluster overlaps.
+/// Part of the world that a cluster overlaps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Beyond {
     /// A tile of a floor.
@@ -34,11 +34,11 @@ impl Beyond {
     }
 }
 
-/// Costs within clusters that are alike: from where they are entered, to where they are left.
+/// Costs within alike clusters, from their entrances to their exits.
 ///
-/// An entrance begins at some cells, and an exit ends at some, each of them so much before or after the others: costs
-/// leave that out, which is counted where one comes to those cells or goes on from there. Costs to single cells are for
-/// the caller to search for, see [`ClusterCosts::back`].
+/// An entrance begins at some cells, and an exit ends at some, each with an additional cost of its own: the tables
+/// leave it out, and it is added on entering those cells or leaving from there. Costs to single cells are left to a
+/// search by the caller, see [`ClusterCosts::back`].
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct ClusterCosts {
     num_cells: u32,
@@ -48,9 +48,9 @@ pub(crate) struct ClusterCosts {
     /// Exits: what each leads to.
     #[serde(with = "crate::pod")]
     pub exits: Vec<u32>,
-    /// Where each exit leads to, with what of the way is counted on going on from there (frames).
+    /// Ends of each exit, with the part of the cost that is added on leaving from there (frames).
     spots: Vec<Vec<(Landing, u16)>>,
-    /// What costs to an exit are in the table beyond what they are (frames).
+    /// Excess of the table over the true costs to each exit (frames).
     #[serde(with = "crate::pod")]
     more: Vec<u16>,
     /// States that each entrance begins at, see [`ClusterCosts::back`], with what is counted on coming there.
@@ -58,10 +58,10 @@ pub(crate) struct ClusterCosts {
     /// Least frames to leave by each exit, from each cell (exits * cells).
     #[serde(with = "crate::pod")]
     to_exit: Vec<u16>,
-    /// The same from each entrance (exits * entrances).
+    /// Least frames to leave by each exit, from each entrance (exits * entrances).
     #[serde(with = "crate::pod")]
     across: Vec<u16>,
-    /// What leads to each state.
+    /// Arcs into each state.
     back: Arcs<u32>,
 }
 
@@ -96,10 +96,9 @@ impl ClusterCosts {
         out
     }
 
-    /// True where all that is looked up in a table read from a file is there, and ways from state to state can be counted
-    /// in frames.
+    /// True where all entries of a table read from a file are in range, and path lengths can be counted in frames.
     ///
-    /// - `longest`: no link takes more (frames).
+    /// - `longest`: length of the longest link (frames).
     pub fn is_sound(&self, longest: u32) -> bool {
         let (exits, states) = (self.exits.len(), self.num_states());
         let mut starts = self.starts.iter().flatten();
@@ -125,7 +124,7 @@ impl ClusterCosts {
         self.back.num_nodes()
     }
 
-    /// From where a state is come to, in so many frames.
+    /// Arcs into a state: the states before it, and their lengths (frames).
     pub fn back(&self, state: u32) -> &[(u32, u16)] {
         self.back.of(state)
     }
@@ -145,8 +144,8 @@ impl ClusterCosts {
         frames(self.across[out as usize * self.entrances.len() + entrance as usize])
     }
 
-    /// Where an exit leads to: how many copies away from the tile that it leads through, the cell there, and what is
-    /// counted on going on from it.
+    /// Ends of an exit: the offset from the tile that it leads through (copies), the cell there, and the cost that is
+    /// added on leaving from it.
     pub fn spots(&self, out: u32) -> impl ExactSizeIterator<Item = ([i32; 2], u32, f32)> {
         self.spots[out as usize].iter().map(|(l, part)| (l.offset, l.cell, f32::from(*part)))
     }

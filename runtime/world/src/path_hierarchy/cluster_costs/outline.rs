@@ -6,15 +6,15 @@ use super::Beyond;
 use crate::WorldGraph;
 use std::collections::BTreeMap;
 
-/// One cluster, and what its parts are numbered by.
+/// Cluster, with the numbering of its parts.
 pub(crate) struct Outline<'a> {
     /// The world.
     pub graph: &'a WorldGraph,
-    /// All floors.
+    /// Floors of the world.
     pub floors: &'a Floors,
-    /// All clusters.
+    /// Clusters of the world.
     pub clusters: &'a Clusters,
-    /// This one.
+    /// Number of this cluster.
     pub cluster: u32,
     /// Instances that overlap the cluster, in its order.
     pub beyond: Vec<Beyond>,
@@ -44,7 +44,7 @@ impl<'a> Outline<'a> {
         out
     }
 
-    /// What an instance is to the cluster; none for its own.
+    /// Part of the world that an instance is to the cluster; none for its own.
     pub fn beyond(&self, instance: u32) -> Option<Beyond> {
         match self.clusters.of(instance) {
             None => Some(Beyond::Tile(instance)),
@@ -52,7 +52,7 @@ impl<'a> Outline<'a> {
         }
     }
 
-    /// All that its costs depend on: clusters with the same key have the same costs_in.
+    /// Key on which all its costs depend: clusters with the same key have the same costs.
     pub fn key(&self) -> Vec<u64> {
         let (graph, world) = (self.graph, self.graph.world());
         let members = &self.clusters.members[self.cluster as usize];

@@ -14,9 +14,9 @@ pub(super) struct SearchGraph {
     /// Turned around.
     pub back: Arcs<u32>,
     exit_steps: Vec<ExitStep>,
-    /// Where entrances begin: what lies beyond, the class of the cell there, and the cell.
+    /// Starts of entrances: the part of the world beyond, the class of the cell there, and the cell.
     entrances: Vec<(u32, u32, u32)>,
-    /// Where exits end: what lies beyond, the sector, and where that is.
+    /// Ends of exits: the part of the world beyond, the sector, and the landing.
     exits: Vec<(u32, u32, Landing)>,
     /// Whether what lies beyond is a tile.
     is_tile: Vec<bool>,
@@ -39,7 +39,7 @@ impl SearchGraph {
         }
     }
 
-    /// Entrances and out: cells of a kind of which one is as good as another one, but for when one is there.
+    /// Entrances and exits: groups of cells that differ by the time of arrival alone.
     pub fn entrances_and_exits(&self, search: &mut Dial) -> [Vec<AlikePlaces>; 2] {
         let entrances = self.groups(self.entrances.iter().map(|i| (i.0, i.1)));
         let exits = self.groups(self.exits.iter().map(|o| (o.0, o.1)));
@@ -75,12 +75,12 @@ impl SearchGraph {
         });
     }
 
-    /// What was found where entrances begin.
+    /// Costs found at the starts of entrances.
     pub fn costs_of_entrances(&self, search: &Dial) -> Vec<u16> {
         (0..self.entrances.len() as u32).map(|n| search.cost(self.entrance_state(n))).collect()
     }
 
-    /// What was found where exits end.
+    /// Costs found at the ends of exits.
     fn costs_of_exits(&self, search: &Dial) -> Vec<u16> {
         let mut costs = vec![UNREACHED; self.exits.len()];
         for l in &self.exit_steps {
@@ -100,12 +100,12 @@ impl SearchGraph {
         self.entrances[number as usize].2
     }
 
-    /// Where an exit ends.
+    /// End of an exit.
     pub fn landing(&self, number: u32) -> Landing {
         self.exits[number as usize].2
     }
 
-    /// Those with the same key together.
+    /// Groups of places with the same key.
     fn groups(&self, keys: impl Iterator<Item = (u32, u32)>) -> Vec<Group> {
         let mut groups = BTreeMap::new();
         for (number, key) in (0..).zip(keys) {

@@ -1,10 +1,10 @@
-//! Far ways: bounds on what they cost that grow with distance.
+//! Lower bounds of the costs of far paths, which grow with distance.
 //!
-//! Take a price for every copy that one goes along each direction of the lattice, off what links cost. As long as no
-//! cycle of links earns more than it costs, what is left from a cell to the target is at least the least way between
-//! their kinds, wherever the copies are; the price of all the copies between comes on top. Prices that no cycle earns by
-//! lie in a polygon, with a side for some of the cycles of links that lead somewhere at the least cost (least ratio
-//! cycles, Lawler 1967); the highest price of any way is at one of its corners.
+//! A price for every copy passed along each direction of the lattice is subtracted from the costs of links. As long as
+//! no cycle of links then has a negative cost, the rest of the cost from a cell to the target is at least the least
+//! rest between their kinds, wherever the copies are; the price of all the copies between is added. Prices without
+//! negative cycles lie in a polygon, with a side for some of the cycles of links that lead somewhere at the least cost
+//! (least ratio cycles, Lawler 1967); the highest price of any path is at one of its corners.
 
 use super::super::dial::Arcs;
 use throng_base::maths;
@@ -13,24 +13,24 @@ use throng_base::maths;
 const HIGHEST: f32 = 5e3;
 /// Prices are that much below what still has no cycle that earns, so that rounding makes none.
 const CARE: f32 = 1e-4;
-/// What is below 0 by less costs nothing: of a million links together, less than `SLACK` (frames).
+/// Tolerance below 0 of costs that count as none: of a million links together, less than `SLACK` (frames).
 const NOTHING: f64 = 1e-8;
-/// What all that, and the rounding of sums that are looked up, come to at most (frames).
+/// Bound of the sum of these tolerances and of rounding in table look-ups (frames).
 const SLACK: f64 = 0.1;
-/// Rounds after which a price is given up: what a way costs is known one link a round where its cells ascend, sooner
-/// elsewhere; more of them find bounds for longer ways, and take as much longer where none is found.
+/// Rounds after which a price is given up: what a path costs is known one link a round where its cells ascend, sooner
+/// elsewhere; more of them find bounds for longer paths, and take as much longer where none is found.
 const MAX_ROUNDS: usize = 200;
 /// A corner that would be lowered by a smaller share is not cut into two: bounds are lower by that share, and searches
 /// fewer.
 const NEAR: f64 = 2e-3;
-/// Prices are no farther from the next ones than that share of the highest one: closer ones would bound ways that are
+/// Prices are no farther from the next ones than that share of the highest one: closer ones would bound paths that are
 /// not so far better, and each is one more row for every goal.
 const SIDE: f64 = 0.5;
 /// Prices that are tried at most, each with a search: corners that are left untried are given up, and bounds in their
 /// direction are lower.
 const MAX_TRIES: usize = 500;
 
-/// From each cell back to where links to it begin: how many copies away that leads, and the cell.
+/// Links into each cell: the offset to their start (copies), and the cell there.
 pub(super) type Back = Arcs<([i32; 2], u32)>;
 
 /// Prices that earn nothing on any cycle, and between which no others are much higher (frames/copy).
@@ -54,8 +54,8 @@ pub(super) fn prices(back: &Back, num_cells: u32) -> Vec<[f32; 2]> {
     between(&corners.iter().map(|c| c.at).collect::<Vec<_>>()).into_iter().map(careful).collect()
 }
 
-/// Corners, and prices on the sides between that are far from each other: ways that are not so far cost more by them,
-/// since less of those prices is left at the ends.
+/// Corners, and prices on the sides between those that are far from each other: nearer paths get higher bounds from
+/// them, since less of those prices is left at the ends.
 fn between(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let length = |[u, v]: [f64; 2]| maths::hypot(u, v);
     let longest = corners.iter().map(|&c| length(c)).fold(0.0, f64::max) * SIDE;
@@ -69,10 +69,10 @@ fn between(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
     out
 }
 
-/// What `price` leaves of the least cost from each cell to some, each with a cost of its own: infinite where no way
-/// leads there.
+/// Rest of the least cost from each cell to some others, each with a cost of its own, after subtracting `price`:
+/// infinite where no path leads there.
 ///
-/// - returns none where a cycle earns, or a way that costs least has more links than rounds are followed.
+/// - returns none where a cycle has a negative cost, or a cheapest path has more links than rounds are followed.
 pub(super) fn rest(
     back: &Back,
     price: [f32; 2],
@@ -81,7 +81,7 @@ pub(super) fn rest(
 ) -> Option<Vec<f32>> {
     let mut search = Search::new(num_cells);
     to.for_each(|(cell, cost)| search.costs[cell as usize] = f64::from(cost));
-    // Whoever was not noticed to cost so little less is not counted.
+    // Subtracts the decreases that were too small to be noticed.
     search.run(back, price).then(|| search.costs.into_iter().map(|c| (c - SLACK) as f32).collect())
 }
 
@@ -185,7 +185,7 @@ impl Search {
         None
     }
 
-    /// How many copies away the cycle that was found leads, and its frames.
+    /// Offset of the cycle that was found (copies), and its frames.
     fn cycle(&self) -> Option<([f64; 2], f64)> {
         let first = self.on_cycle?;
         let (mut cell, mut cost, mut far) = (first, 0.0, [0.0; 2]);

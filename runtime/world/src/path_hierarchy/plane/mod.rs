@@ -1,6 +1,6 @@
-//! Least costs on the endless plane of copies of a tile, without obstacles: found once a patch, looked up ever after.
+//! Least costs on the endless plane of copies of a tile, without obstacles: computed once for a patch, then looked up.
 //!
-//! They are bounds: whatever stands on the ground, no way over it is faster.
+//! They are lower bounds for any obstacles on the ground.
 
 mod far;
 mod lattice;
@@ -16,23 +16,23 @@ use throng_core::patch::{CellRecord, NONE, Patches};
 
 /// Costs to the cells of a class are in the table up to this many copies away (copies).
 const RADIUS: i32 = 6;
-/// The same for other goals, of which there are many (copies).
+/// Radius of offsets with rows for other goals, of which there are many (copies).
 const GOAL_RADIUS: i32 = 3;
-/// Up to here the price to go by is in a table (copies).
+/// Largest offset for which the best price is in a table (copies).
 const FAR: i32 = 48;
-/// Prices and least costs of a file are within this of 0: it is more than any way costs, and sums of it are finite
+/// Prices and least costs of a file are within this of 0: it is more than any path costs, and sums of it are finite
 /// (frames).
 const CREDIBLE: f32 = 1e9;
-/// Ways may lead this far around them.
+/// Margin around the offsets through which paths may lead (copies).
 const MARGIN: i32 = 2;
 
-/// A cell, and what it costs there beside the way (frames).
+/// Cell, with an additional cost on reaching it (frames).
 pub(crate) type Spot = (u32, u16);
 
-/// A tile whose copies fill a plane. Its cells are of classes: those that are entered across each edge, and the inside.
+/// Tile whose copies fill a plane. Its cells are of classes: those that are entered across each edge, and the inside.
 ///
-/// Costs to *goals*, which are sets of cells, are in rows: of each goal one a direction for all that is far away, and then
-/// one an offset nearby. The first goals are the classes.
+/// Costs to *goals*, which are sets of cells, are in rows: for each goal one row a direction for everything far away,
+/// and then one an offset nearby. The first goals are the classes.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Plane {
     /// Steps across each edge, in copies along two directions.
@@ -43,10 +43,10 @@ pub(crate) struct Plane {
     classes: Vec<Vec<u32>>,
     #[serde(skip)]
     back: Back,
-    /// What a copy costs at least, for some directions: one or more (frames/copy).
+    /// Least cost of a copy, for one or more directions (frames/copy).
     #[serde(with = "crate::pod")]
     prices: Vec<[f32; 2]>,
-    /// For each of them, what it leaves at least of a way from any cell to any other (frames).
+    /// Least rest of a path from any cell to any other, for each price (frames).
     #[serde(with = "crate::pod")]
     leasts: Vec<f32>,
     /// Number of the best price by offset (offsets up to `FAR`).
@@ -56,13 +56,13 @@ pub(crate) struct Plane {
     /// Least frames from each cell, beyond what its row costs (rows * cells).
     #[serde(with = "crate::pod")]
     costs: Vec<u16>,
-    /// What a row costs at least: for a direction, what its price leaves (frames, rows).
+    /// Least cost of a row; for a direction, the rest after its price (frames, rows).
     #[serde(with = "crate::pod")]
     least: Vec<f32>,
     /// The least over cells of a class, beyond what the row costs (rows * classes).
     #[serde(with = "crate::pod")]
     least_of: Vec<u16>,
-    /// How far costs of a row may lie below those of the ways found; infinite without a way (rows).
+    /// Bound of the distance of a row's costs below those of the paths found; infinite without a path (rows).
     #[serde(with = "crate::pod")]
     slack: Vec<f32>,
     /// Goal that consists of one cell alone; [`NONE`] where none does (cells).
@@ -74,10 +74,10 @@ pub(crate) struct Plane {
     rest: Option<u32>,
 }
 
-/// Cells that ways lead to.
+/// Goal: cells that paths lead to.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Goal {
-    /// Each with what it costs to have come there.
+    /// Cells of the goal, each with its additional cost.
     cells: Vec<Spot>,
     first_row: u32,
     radius: i32,
@@ -96,7 +96,7 @@ struct Costs {
     slack: f32,
 }
 
-/// Where costs to a goal at an offset are found: for a cell, those of [`Plane::cost`] in a row, and so much more.
+/// Location of the costs to a goal at an offset: for a cell, the sum of [`Plane::cost`] in a row and `more`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Look {
     /// Number of the row.
@@ -111,7 +111,7 @@ pub(crate) fn class(cell: &CellRecord, num_edges: u32) -> u32 {
 }
 
 impl Plane {
-    /// The table of a patch; none for blocks, and for tiles whose copies form a line or no lattice.
+    /// Table of a patch; none for blocks, and for tiles whose copies form a line or no lattice.
     pub fn new(patches: &Patches, patch: usize, search: &mut Dial) -> Option<Self> {
         let edges = patches.edges_of(patch);
         let vectors: Vec<Vec3> = edges.iter().map(|e| Vec3::from_array(e.step)).collect();
@@ -144,7 +144,7 @@ impl Plane {
             }
         }
         if out.prices.is_empty() {
-            // No way costs less than nothing.
+            // No path costs less than nothing.
             out.prices.push([0.0, 0.0]);
             out.leasts.push(0.0);
         }
@@ -157,7 +157,7 @@ impl Plane {
         Some(out)
     }
 
-    /// True where all that is looked up in a table read from a file is there, and costs are numbers.
+    /// True where all entries of a table read from a file are in range, and costs are numbers.
     ///
     /// - `num_cells`, `num_edges`: of its patch.
     pub fn is_sound(&self, num_cells: u32, num_edges: u32) -> bool {
@@ -205,7 +205,7 @@ impl Plane {
         cell.map_or(self.rest, |c| Some(self.goal_of[c as usize])).filter(|g| *g != NONE)
     }
 
-    /// Cells in which one can stay, each as a goal, and all of them as one: where most ways lead to.
+    /// Rest cells, each as a goal, and all of them as one: the most frequent goals.
     pub fn rests(&self) -> Vec<Vec<Spot>> {
         let all = (!self.rest_cells.is_empty()).then(|| self.rest_cells.iter().map(|&c| (c, 0)).collect());
         self.rest_cells.iter().map(|&c| vec![(c, 0)]).chain(all).collect()
@@ -237,7 +237,7 @@ impl Plane {
         self.rows_of(&[(cell, 0)], GOAL_RADIUS, search)
     }
 
-    /// The rows of a goal from those of its cells, each with what it costs there beside the way.
+    /// Rows of a goal from those of its cells, each with its additional cost.
     pub fn join(&self, parts: &[(&Rows, u16)]) -> Rows {
         let cells = parts.iter().flat_map(|&(rows, cost)| rows.goal.cells.iter().map(move |c| (c.0, c.1 + cost)));
         let goal = Goal { cells: cells.collect(), first_row: 0, radius: GOAL_RADIUS };
@@ -258,7 +258,7 @@ impl Plane {
         Rows { rows: rows.collect(), goal }
     }
 
-    /// Where costs to a goal are found, that many copies away.
+    /// Location of the costs to a goal at an offset (copies).
     pub fn look(&self, goal: u32, offset: [i32; 2]) -> Look {
         let g = &self.goals[goal as usize];
         if offset.iter().all(|w| w.abs() <= g.radius) {
@@ -276,7 +276,7 @@ impl Plane {
         Look { row, more: p[0] * offset[0] as f32 + p[1] * offset[1] as f32 + self.least[row as usize] }
     }
 
-    /// Number of the price that most is known by of what a way costs.
+    /// Number of the price that gives the highest lower bound of a path.
     fn best_price(&self, offset: [i32; 2]) -> u32 {
         let mut best = (0, f32::NEG_INFINITY);
         for ((k, p), least) in (0..).zip(&self.prices).zip(&self.leasts) {
@@ -286,7 +286,7 @@ impl Plane {
         best.0
     }
 
-    /// Cost from a cell; infinite where there is no way (frames).
+    /// Cost from a cell; infinite where there is no path (frames).
     pub fn cost(&self, look: Look, cell: u32) -> f32 {
         (frames(self.costs[(look.row * self.num_cells + cell) as usize]) + look.more).max(0.0)
     }
@@ -302,8 +302,8 @@ impl Plane {
         (0..self.classes.len() as u32).map(|class| self.least(look, class)).fold(f32::INFINITY, f32::min)
     }
 
-    /// The highest cost to a goal from any cell of another one nearby, beyond what that cell costs there: no way to the
-    /// best cell costs more. Infinite where the goal is far away, or that is not known (frames).
+    /// Highest cost to a goal from any cell of another goal nearby, beyond the cost of that cell there: no path to the
+    /// best cell costs more. Infinite where the goal is far away, or the cost is not known (frames).
     pub fn most(&self, to: u32, offset: [i32; 2], from: u32) -> f32 {
         if offset.iter().any(|w| w.abs() > self.goals[to as usize].radius) {
             return f32::INFINITY;
@@ -316,7 +316,7 @@ impl Plane {
     fn rows_of(&self, cells: &[Spot], radius: i32, search: &mut Dial) -> Rows {
         let mut out = Rows { goal: Goal { cells: cells.to_vec(), first_row: 0, radius }, rows: Vec::new() };
         for (&price, &least) in self.prices.iter().zip(&self.leasts) {
-            // Where no more is known, as much is left as of any way.
+            // Where no more is known, as much is left as of any path.
             let rest = far::rest(&self.back, price, cells.iter().copied(), self.num_cells)
                 .unwrap_or_else(|| vec![least; self.num_cells as usize]);
             let least = rest.iter().copied().fold(f32::INFINITY, f32::min);
@@ -344,7 +344,7 @@ impl Plane {
                 }
             }
         });
-        // Where no way leads at all, none leads from far away.
+        // Where no path leads at all, none leads from far away.
         let leads: Vec<bool> = rows.rows[0].beyond.iter().map(|c| *c != UNREACHED).collect();
         for (offset, around) in offsets(radius).zip(self.around(radius)) {
             // The goal lies there as seen from where this is.
@@ -354,7 +354,7 @@ impl Plane {
                 let found = found(cell);
                 let cost = if leads[cell as usize] { found.min(around) } else { found };
                 beyond.push(whole(cost));
-                // As long as can be told is maybe longer.
+                // The largest stored cost may stand for a larger one.
                 let most = if whole(found) >= UNREACHED - 1 { f32::INFINITY } else { found };
                 slack = if cost < f32::INFINITY { slack.max(most - cost.floor()) } else { slack };
             }
@@ -362,7 +362,7 @@ impl Plane {
         }
     }
 
-    /// For each offset, what a way costs at least that leads farther around than ways are followed for the table.
+    /// Lower bound for each offset of the cost of paths that lead farther around than paths are followed for the table.
     fn around(&self, radius: i32) -> Vec<f32> {
         let along = |offset: [i32; 2]| {
             let prices = self.prices.iter().zip(&self.leasts);

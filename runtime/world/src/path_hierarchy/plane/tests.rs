@@ -112,7 +112,7 @@ fn chain() -> impl Iterator<Item = (u32, u32, u16)> {
 const LAST: u32 = 258;
 const NUM_INSIDE: usize = (LAST - 8) as usize + 1;
 
-/// No bound on the costs from some cells to the goals is above what ways cost.
+/// No bound on the costs from some cells to the goals is above what paths cost.
 fn check_bounds(tile: &Tile, plane: &Plane, goals: &[u32]) {
     for from in [0, 2, 8, LAST] {
         let found = tile.dijkstra(from);

@@ -4,7 +4,7 @@ use super::*;
 use crate::made_up::{Tile, costs_to, nodes, places, tiles};
 use proptest::prelude::*;
 
-/// Checks that no estimate is above what ways cost; how many ways on from regions were found dominated.
+/// Checks that no estimate is above what paths cost; how many paths on from regions were found dominated.
 fn check_estimates(tile: &Tile, depths: [i32; 3], target: usize) -> usize {
     let world = tile.floor(&places(depths));
     let graph = WorldGraph::new(&tile.patches(), &world.view()).unwrap();

@@ -1,4 +1,4 @@
-//! Where states of a small graph lie: in rows, by how many edges they are from the start.
+//! Layout of the states of a small graph: in rows, by number of edges from the start.
 
 use eframe::egui::{Rect, Vec2, pos2, vec2};
 use throng_runtime::simulation::scene::GraphConfig;
@@ -19,14 +19,14 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// That of a graph of a scene; states are in the order of their names.
+    /// The graph of a scene; states are in the order of their names.
     pub fn of(graph: &GraphConfig) -> Self {
         let number = |name: &str| graph.states.keys().position(|s| s == name).unwrap_or(0);
         let edges = graph.edges.iter().map(|e| (e.from.as_deref().map(number), number(&e.to)));
         Self { start: number(&graph.start), edges: edges.collect() }
     }
 
-    /// States by how many edges they are from the start, those from any state counted from the start.
+    /// States by their number of edges from the start; edges from any state count from the start.
     fn rows(&self, num: usize) -> Vec<Vec<usize>> {
         let mut far = vec![usize::MAX; num];
         let mut rows = vec![vec![self.start]];
@@ -59,7 +59,7 @@ pub fn lay_out(shape: &Shape, sizes: &[Vec2], width: f32) -> (Vec<Rect>, f32) {
         for part in wrapped(&row, sizes, room) {
             let taken: f32 = part.iter().map(|&s| sizes[s].x).sum::<f32>() + COLUMNS * (part.len() - 1) as f32;
             let height = part.iter().map(|&s| sizes[s].y).fold(0.0, f32::max);
-            // What is left over goes between the boxes, too, so that edges have room.
+            // Spare width goes between the boxes, too, so that edges have room.
             let spare = ((room - taken) / (part.len() + 1) as f32).max(0.0);
             let mut x = MARGIN + spare;
             for state in part {
@@ -72,7 +72,7 @@ pub fn lay_out(shape: &Shape, sizes: &[Vec2], width: f32) -> (Vec<Rect>, f32) {
     (boxes, (y - ROWS + 4.0).max(0.0))
 }
 
-/// A row in as many parts as there is no room for it in one.
+/// Splits a row into as many parts as the width needs.
 fn wrapped(row: &[usize], sizes: &[Vec2], room: f32) -> Vec<Vec<usize>> {
     let mut parts: Vec<Vec<usize>> = Vec::new();
     let mut taken = 0.0;

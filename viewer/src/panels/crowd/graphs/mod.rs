@@ -39,7 +39,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &Minds) {
     }
 }
 
-/// One graph, with what is known of how the agent came to its state.
+/// Shows one graph, and how the agent came to its state.
 fn one(ui: &mut Ui, (level, now): (usize, StateNow<'_>), graph: &GraphConfig, entry: Option<Entry>) {
     let since = entry.and_then(|e| e.since_s).map_or_else(String::new, |s| format!(", since {s:.1} s"));
     ui.horizontal_wrapped(|ui| {

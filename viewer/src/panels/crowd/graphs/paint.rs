@@ -16,18 +16,18 @@ const HEAD: f32 = 7.0;
 /// An edge is pointed at within this distance (points).
 const REACH: f32 = 5.0;
 
-/// What stands out.
+/// Highlighted parts of a graph.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Marks {
     /// The present state.
     pub now: Option<usize>,
-    /// The edge that was taken last.
+    /// The last edge taken.
     pub taken: Option<usize>,
-    /// It began anew with a change above.
+    /// The graph began anew with a change at a higher level.
     pub is_anew: bool,
 }
 
-/// Shows a graph as wide as there is room; the tip tells the edge or the state under the pointer.
+/// Shows a graph within the available width; a tooltip describes the edge or the state under the pointer.
 pub fn show(ui: &mut Ui, name: &str, graph: &GraphConfig, shape: &Shape, marks: Marks) {
     let font = TextStyle::Body.resolve(ui.style());
     let size = |state: &String| {
@@ -73,7 +73,7 @@ pub fn show(ui: &mut Ui, name: &str, graph: &GraphConfig, shape: &Shape, marks: 
         };
         painter.rect_stroke(*place, corners, line, StrokeKind::Inside);
         if graph.states[name].graph.is_some() {
-            // A second frame: it is made of a graph.
+            // A second frame marks a state that is a graph itself.
             let inner = Stroke::new(1.0, if is_now { on(palette.head) } else { visuals.weak_text_color() });
             painter.rect_stroke(place.shrink(3.0), CornerRadius::same(2), inner, StrokeKind::Inside);
         }
@@ -114,7 +114,7 @@ fn arrow(painter: &Painter, curve: &route::Curve, stroke: Stroke) {
     painter.add(Drawn::convex_polygon(head, stroke.color, Stroke::NONE));
 }
 
-/// A word beside an edge, on the side to which it bends, with a ground of its own, within the drawing.
+/// A label beside an edge, on the side to which it bends, on its own background, within the drawing.
 fn label(painter: &Painter, within: Rect, curve: &route::Curve, text: &str, (colour, ground): (Color32, Color32)) {
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(11.0), colour);
     let half = 0.5 * galley.size() + vec2(3.0, 1.0);

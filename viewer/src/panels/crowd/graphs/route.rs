@@ -1,12 +1,12 @@
-//! How edges run between the boxes of states: curves that keep clear of other boxes.
+//! Curves of edges between the boxes of states, which avoid other boxes.
 
 use eframe::egui::{Pos2, Rect, Vec2, vec2};
 
-/// How far curves bend aside, the nearest that is clear first (points).
+/// Offsets by which curves bend aside, the nearest free one first (points).
 const BENDS: [f32; 9] = [9.0, -9.0, 26.0, -26.0, 48.0, -48.0, 75.0, -75.0, 110.0];
 /// Points of a curve.
 const POINTS: usize = 24;
-/// How far a self edge stands off its box (points).
+/// Distance of a self edge from its box (points).
 const LOOP: f32 = 15.0;
 /// Length of the stroke of an edge from any state (points).
 const STUB: f32 = 20.0;
@@ -16,7 +16,7 @@ pub type Curve = Vec<Pos2>;
 
 /// The curves of all edges: from which box, any where absent, to which.
 ///
-/// - `within`: what curves keep to.
+/// - `within`: bounds of the curves.
 pub fn curves(edges: &[(Option<usize>, usize)], boxes: &[Rect], within: Rect) -> Vec<Curve> {
     let mut out: Vec<Curve> = Vec::new();
     for &(from, to) in edges {
@@ -28,7 +28,7 @@ pub fn curves(edges: &[(Option<usize>, usize)], boxes: &[Rect], within: Rect) ->
             Some(from) => {
                 let all = BENDS.iter().map(|bend| arc((boxes[from], boxes[to]), *bend));
                 let cost = |c: &Curve| cost(c, (from, to), boxes, within, &out);
-                // The first of those that cost the least.
+                // Of equally cheap curves, the first one.
                 all.reduce(|best, next| if cost(&next) < cost(&best) { next } else { best }).unwrap_or_default()
             }
         };
@@ -41,7 +41,7 @@ pub fn curves(edges: &[(Option<usize>, usize)], boxes: &[Rect], within: Rect) ->
 fn arc((from, to): (Rect, Rect), bend: f32) -> Curve {
     let (a, b) = (from.center(), to.center());
     let along = (b - a).normalized();
-    // Twice as far, since a curve comes half as far as its control point.
+    // A quadratic curve reaches only half as far as its control point.
     let control = a + (b - a) * 0.5 + vec2(along.y, -along.x) * (2.0 * bend);
     let at = |t: f32| {
         let (p, q) = (a.lerp(control, t), control.lerp(b, t));
@@ -81,7 +81,7 @@ fn stub(of: Rect, number: usize) -> Curve {
     (0..=POINTS).map(|i| from.lerp(end, i as f32 / POINTS as f32)).collect()
 }
 
-/// What is wrong with a curve: through boxes, over the side, on another curve, a long way round.
+/// Cost of a curve: through boxes, out of bounds, near other curves, long.
 fn cost(curve: &Curve, ends: (usize, usize), boxes: &[Rect], within: Rect, others: &[Curve]) -> f32 {
     let is_in_box = |p: &Pos2| {
         let mut others = boxes.iter().enumerate().filter(|(i, _)| *i != ends.0 && *i != ends.1);
@@ -101,7 +101,7 @@ pub fn middle(curve: &Curve) -> Pos2 {
     curve.get(curve.len() / 2).copied().unwrap_or(Pos2::ZERO)
 }
 
-/// To which side a curve bends, as a unit vector; to the right where it is straight.
+/// Direction in which a curve bends, a unit vector; to the right for a straight curve.
 pub fn bend(curve: &Curve) -> Vec2 {
     let (Some(&first), Some(&last)) = (curve.first(), curve.last()) else { return Vec2::X };
     let aside = middle(curve) - first.lerp(last, 0.5);
@@ -117,7 +117,7 @@ pub fn head(curve: &Curve, length: f32) -> [Pos2; 3] {
     [tip, tip + back + aside, tip + back - aside]
 }
 
-/// How far a place is from a curve (points).
+/// Distance of a place from a curve (points).
 pub fn distance(curve: &Curve, at: Pos2) -> f32 {
     curve.iter().map(|p| p.distance(at)).fold(f32::INFINITY, f32::min)
 }

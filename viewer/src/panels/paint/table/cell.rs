@@ -1,4 +1,4 @@
-//! What stands in a cell: a text, and a bar behind it.
+//! Content of a cell: a text, and a bar behind it.
 
 use eframe::egui::text::LayoutJob;
 use eframe::egui::{Align, Align2, Color32, FontId, Galley, Rect, TextStyle, Ui, vec2};
@@ -7,14 +7,14 @@ use std::sync::Arc;
 /// Space between the edge of a cell and its text (points).
 const PAD: f32 = 5.0;
 
-/// What stands in a cell.
+/// Content of a cell.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cell {
     /// The text.
     pub text: String,
-    /// It matters less.
+    /// Shown in a weak colour.
     pub weak: bool,
-    /// Where there is no room for all of it, its end is shown instead of its beginning.
+    /// A text that is too long keeps its end instead of its beginning.
     pub ending: bool,
     /// Length of a bar behind the text (0 to 1).
     pub bar: Option<f32>,
@@ -31,12 +31,12 @@ impl Cell {
         Self { text: text.into(), weak: true, ..Self::default() }
     }
 
-    /// The same, of which the end tells more than the beginning.
+    /// This cell, keeping its end if it is too long.
     pub fn ending(self) -> Self {
         Self { ending: true, ..self }
     }
 
-    /// The same with a bar behind it (0 to 1).
+    /// This cell with a bar behind the text (0 to 1).
     pub fn bar(self, length: f32) -> Self {
         Self { bar: Some(length), ..self }
     }
@@ -64,7 +64,7 @@ impl Cell {
     }
 }
 
-/// One line; what does not fit of it is left out at its end or, where its end tells more, at its beginning.
+/// Paints one line; a text that is too long loses its end or, with `ending`, its beginning.
 pub(super) fn paint_text(
     ui: &Ui,
     rect: Rect,
@@ -86,7 +86,7 @@ pub(super) fn paint_text(
     ui.painter().with_clip_rect(rect.intersect(ui.clip_rect())).galley(place.min, galley, colour);
 }
 
-/// The text, or as much of its beginning or end as fits, with an ellipsis.
+/// The text, or the part of its beginning or end that fits, with an ellipsis.
 fn fitted(text: &str, ending: bool, fits: impl Fn(&str) -> bool) -> String {
     if fits(text) {
         return text.to_owned();

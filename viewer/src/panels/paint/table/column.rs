@@ -1,13 +1,13 @@
-//! Columns: which there is room for, and where they lie.
+//! Columns: which of them fit, and their positions.
 
 use std::ops::Range;
 
 /// A column.
 #[derive(Clone, Copy, Debug)]
 pub struct Column<'a> {
-    /// What stands above it.
+    /// Title above the column.
     pub title: &'a str,
-    /// What it means.
+    /// Meaning of the column.
     pub hint: &'a str,
     /// Least width (points).
     pub width: f32,
@@ -15,8 +15,8 @@ pub struct Column<'a> {
     pub grows: f32,
     /// Numbers stand at the right.
     pub is_number: bool,
-    /// Where there is no room for all columns, those with the largest rank are left out first, the last of them before
-    /// the others; those of rank 0 always stay.
+    /// Rank for leaving columns out: if there is no room for all, the largest rank goes first, and of equal ranks the
+    /// last column; columns of rank 0 always stay.
     pub spare: u8,
 }
 
@@ -31,7 +31,7 @@ impl<'a> Column<'a> {
         Self { title, hint, width, grows: 0.0, is_number: true, spare: 0 }
     }
 
-    /// The same, left out where there is no room; see [`Column::spare`].
+    /// This column with a rank for leaving it out; see [`Column::spare`].
     pub const fn spare(self, rank: u8) -> Self {
         Self { spare: rank, ..self }
     }
@@ -42,16 +42,16 @@ pub fn least_width(columns: &[Column<'_>]) -> f32 {
     columns.iter().map(|c| c.width).sum()
 }
 
-/// A column that there is room for.
+/// A visible column.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Place {
-    /// Its number.
+    /// Number of the column.
     pub column: usize,
     /// From where to where it goes, from the left edge of a row on (points).
     pub x: Range<f32>,
 }
 
-/// Where the columns lie that there is room for.
+/// Positions of the visible columns.
 pub(super) fn places(columns: &[Column<'_>], width: f32) -> Vec<Place> {
     let kept = fitting(columns, width);
     let least: f32 = kept.iter().map(|&c| columns[c].width).sum();
@@ -67,7 +67,7 @@ pub(super) fn places(columns: &[Column<'_>], width: f32) -> Vec<Place> {
         .collect()
 }
 
-/// Numbers of the columns that there is room for.
+/// Numbers of the columns that fit.
 fn fitting(columns: &[Column<'_>], width: f32) -> Vec<usize> {
     let mut kept: Vec<usize> = (0..columns.len()).collect();
     while kept.iter().map(|&c| columns[c].width).sum::<f32>() > width {

@@ -15,10 +15,10 @@ pub struct Sort {
 }
 
 impl Sort {
-    /// By no column: rows stay in the order in which they come.
+    /// No sorting: rows stay in their order.
     pub const NONE: Self = Self { column: usize::MAX, descending: false };
 
-    /// By a column; by the same one again the other way round.
+    /// Sorted by a column; by the same column again in reverse.
     pub fn by(self, column: usize) -> Self {
         Self { column, descending: self.column == column && !self.descending }
     }

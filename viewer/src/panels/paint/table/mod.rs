@@ -17,29 +17,29 @@ use eframe::egui::{
     pos2, vec2,
 };
 
-/// What a click on a row does.
+/// Effect of a click on a row.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Click<'a> {
-    /// It selects the row, as the arrow keys do while the table has the focus. Rows are called by their names.
+    /// Selects the row, as the arrow keys do while the table has the focus. Rows are called by their names.
     #[default]
     Selects,
-    /// It does what this word says with what the row stands for. The arrow keys only move a mark to another row, and
-    /// the enter key does it. Rows are called by the word and their names.
+    /// Performs the action of this name on the row. The arrow keys only move a mark to another row, and the enter key
+    /// performs the action. Rows are called by the action and their names.
     Does(&'a str),
 }
 
 /// A table of many rows.
 #[derive(Clone, Copy, Debug)]
 pub struct Table<'a> {
-    /// Tells it from others in the same place.
+    /// Name, unique in the same place.
     pub id: &'a str,
-    /// Its columns.
+    /// Columns of the table.
     pub columns: &'a [Column<'a>],
     /// Number of rows.
     pub num_rows: usize,
     /// The column that has the names of rows.
     pub named_by: usize,
-    /// What a click on a row does.
+    /// Effect of a click on a row.
     pub click: Click<'a>,
     /// The row that stands out.
     pub selected: Option<usize>,
@@ -47,11 +47,11 @@ pub struct Table<'a> {
     pub sort: Option<Sort>,
     /// Bring the selected row into sight.
     pub scroll_to_selected: bool,
-    /// Most rows that are seen at once; without, the table takes all the room there is.
+    /// Most visible rows; none takes all the available room.
     pub most_rows: Option<usize>,
 }
 
-/// What the user did to a table.
+/// Actions of the user in a table.
 #[derive(Clone, Debug, Default)]
 pub struct TableResponse {
     /// Row that was clicked, or chosen by keys.
@@ -62,10 +62,10 @@ pub struct TableResponse {
     pub sort: Option<Sort>,
 }
 
-/// What a table remembers from one frame to the next.
+/// State of a table between frames.
 #[derive(Clone, Copy, Debug, Default)]
 struct Memory {
-    /// How far it is scrolled (points).
+    /// Scroll offset (points).
     offset: f32,
     /// Row that the keys have moved to.
     cursor: Option<usize>,
@@ -87,7 +87,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Shows the table; `cell` is asked for the row and the column of what is seen.
+    /// Shows the table; `cell` is called with row and column of each visible cell.
     pub fn show(&self, ui: &mut Ui, cell: impl FnMut(usize, usize) -> Cell) -> TableResponse {
         let row_height = row_height(ui);
         let all = ui.available_rect_before_wrap();
@@ -167,7 +167,7 @@ impl<'a> Table<'a> {
         places: &[Place],
         cell: &mut impl FnMut(usize, usize) -> Cell,
     ) -> Response {
-        // Known by its number, whatever else is shown in this frame.
+        // A fixed number keeps the widget's identity, whatever else is shown.
         let response = ui.interact(rect, id.with(row), Sense::CLICK);
         let selected = self.selected == Some(row);
         let name = cell(row, self.named_by).text;
@@ -196,7 +196,7 @@ fn row_height(ui: &Ui) -> f32 {
     ui.text_style_height(&TextStyle::Body) + 4.0
 }
 
-/// Where to scroll so that a row is seen; none if it is seen already.
+/// Scroll offset that brings a row into view; none if it is visible.
 fn shown_offset(now: f32, row: usize, row_height: f32, height: f32) -> Option<f32> {
     let (top, bottom) = (row as f32 * row_height, (row + 1) as f32 * row_height);
     if top < now {

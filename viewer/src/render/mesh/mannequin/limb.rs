@@ -10,9 +10,9 @@ use throng_runtime::Joint;
 struct Section {
     /// Along the limb: 0 to 1 from the first to the second joint, 1 to 2 from there to the third.
     along: f32,
-    /// Half axes across: sideways (arms: up and down), and front to back (m).
+    /// Semi-axes: sideways (arms: up and down), and front to back (m).
     half: [f32; 2],
-    /// How far forward (m).
+    /// Offset to the front (m).
     forward: f32,
     /// The coarsest level of detail that has it.
     level: usize,
@@ -78,16 +78,16 @@ pub(super) fn arm(plan: &Plan, side: Side, mesh: &mut Mesh) {
 
 /// A limb's joints and how its surface bends.
 struct Tube {
-    /// Where the limb starts, its middle and its end.
+    /// Start, middle and end of the limb.
     joints: [Joint; 3],
-    /// What carries the part before the first joint.
+    /// Joint that carries the part before the first joint.
     before: Joint,
     /// Direction of the first half axis.
     across: Vec3,
-    /// Half widths of the soft stretches around the first and the second joint (m).
+    /// Widths to each side of the soft stretches around the first and the second joint (m).
     blends: [f32; 2],
     part: Part,
-    /// Where it ends, along the limb, at the coarsest level of detail.
+    /// End along the limb at the coarsest level of detail.
     coarse_end: f32,
 }
 

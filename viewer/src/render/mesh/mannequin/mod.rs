@@ -14,7 +14,7 @@ use super::{Influence, LEVELS, Mesh, Part, Side};
 use glam::Vec3;
 use throng_runtime::{Joint, NUM_JOINTS, Skeleton};
 
-/// What all parts of one mannequin share.
+/// Data shared by all parts of one mannequin.
 struct Plan {
     /// Rest positions of the joints (m).
     rest: [Vec3; NUM_JOINTS],
@@ -31,7 +31,7 @@ impl Plan {
         self.rest[joint.index()]
     }
 
-    /// At the coarsest level there are no neck and no hands: head and arms reach over to where they end.
+    /// True at the coarsest level, which has no neck and no hands: head and arms extend to cover them.
     fn is_coarsest(&self) -> bool {
         self.level == LEVELS - 1
     }
@@ -41,7 +41,7 @@ impl Plan {
         by_level[self.level]
     }
 
-    /// A ball around a joint, moved by the joint. It is round, so turns do not show. Only close up.
+    /// A ball around a joint, moved by the joint. It is round, so turns are not visible. Only at the finest level.
     fn ball(&self, joint: Joint, radius: f32, part: Part, mesh: &mut Mesh) {
         if self.level > 0 {
             return;

@@ -36,7 +36,7 @@ const WAIST: f32 = 1.03;
 /// Joints along the spine.
 const SPINE: [Joint; 6] = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest, Joint::Neck, Joint::Head];
 
-/// Heights of the default skeleton onto those of another, joint by joint.
+/// Maps heights of the default skeleton to those of another, joint by joint.
 struct Heights {
     from: Vec<f32>,
     to: Vec<Vec3>,
@@ -91,13 +91,13 @@ pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {
     mesh.vertices[first..].iter_mut().for_each(|v| hide_hem(plan, v));
 }
 
-/// Where the pelvis ends on the thighs, light falls on it as on them, so that no edge is seen.
+/// Aligns the normals of the pelvis with those of the thighs, so that no edge is visible between them.
 fn hide_hem(plan: &Plan, vertex: &mut Vertex) {
     let (p, normal, s) = (Vec3::from(vertex.position), Vec3::from(vertex.normal), plan.scale);
     let thigh = plan.at(if p.x < 0.0 { Joint::RightThigh } else { Joint::LeftThigh });
     let low = 1.0 - smooth(thigh.y + 0.02 * s, thigh.y + 0.12 * s, p.y);
     let level = Vec3::new(normal.x, normal.y * (1.0 - low), normal.z).normalize_or(normal);
-    // Thighs are deeper than wide. Between them the crotch stays as it is.
+    // Thighs are deeper than wide. Between them the crotch is unchanged.
     let outward = Vec3::new(1.5 * (p.x - thigh.x), 0.0, p.z - thigh.z).normalize_or(level);
     let beside = smooth(0.0, 0.05 * s, p.x.abs());
     vertex.normal = level.lerp(outward, low * beside).normalize_or(level).to_array();
