@@ -13,7 +13,7 @@ use throng_precompute::features::{FeaturesConfig, extract};
 use throng_precompute::import::{ImportConfig, read};
 use throng_precompute::progress::Silent;
 use throng_precompute::resample::{ResampleConfig, resample};
-use throng_precompute::retarget::{RetargetConfig, onto};
+use throng_precompute::retarget::{RetargetConfig, retarget_clips};
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::{BuildError, Clip, ClipSet, Warnings, memory, mirror};
 
@@ -25,22 +25,22 @@ fn main() -> Result<(), BuildError> {
     if !std::env::args().any(|a| a == "--bench") {
         return measure("walk", &walk(0.3, false)?, 500);
     }
-    measure("walk", &part(&walk(29.0, false)?, PLAYGROUND), 10_000)?;
+    measure("walk", &first_frames(&walk(29.0, false)?, PLAYGROUND), 10_000)?;
     if let Some(recorded) = recorded()? {
-        measure("recordings", &part(&recorded, PLAYGROUND), 10_000)?;
+        measure("recordings", &first_frames(&recorded, PLAYGROUND), 10_000)?;
     }
-    measure("walk, with mirrored copies", &part(&walk(139.5, true)?, 500_000), 0)
+    measure("walk, with mirrored copies", &first_frames(&walk(139.5, true)?, 500_000), 0)
 }
 
 /// Prints the figures of a set, beside those of complete linkage of its first frames.
 fn measure(name: &str, clips: &ClipSet, exact_frames: usize) -> Result<(), BuildError> {
     let whole = extract(clips, &FeaturesConfig::default())?;
-    let first = part(clips, exact_frames);
+    let first = first_frames(clips, exact_frames);
     let features = extract(&first, &FeaturesConfig::default())?;
     for threshold in [0.2, 0.3, 0.45] {
         let config = ClusterConfig { threshold };
         let (begun, worked) = (Instant::now(), processor_seconds());
-        let groups = group(clips, &whole, &config, &Silent, &throng_runtime::base::Alone)?;
+        let groups = group(clips, &whole, &config, &Silent, &throng_runtime::base::SingleRank)?;
         println!(
             "{name}, below {threshold} rad: {} frames in {} groups, widest {:.4} rad, {:.2} s, {:.2} s of processors, \
              peak {:.0} MB",
@@ -53,7 +53,7 @@ fn measure(name: &str, clips: &ClipSet, exact_frames: usize) -> Result<(), Build
         );
         if exact_frames > 0 {
             let begun = Instant::now();
-            let ours = group(&first, &features, &config, &Silent, &throng_runtime::base::Alone)?.num_groups();
+            let ours = group(&first, &features, &config, &Silent, &throng_runtime::base::SingleRank)?.num_groups();
             let (seconds, begun) = (begun.elapsed().as_secs_f64(), Instant::now());
             let exact = reference::complete_linkage(&first, &features, &config)?.len();
             let ratio = seconds / begun.elapsed().as_secs_f64();
@@ -68,9 +68,9 @@ fn measure(name: &str, clips: &ClipSet, exact_frames: usize) -> Result<(), Build
 }
 
 fn walk(minutes: f64, mirrored: bool) -> Result<ClipSet, BuildError> {
-    let mut clips = synth::make(SynthSet::Walk, &SynthConfig { minutes, ..SynthConfig::default() })?;
+    let mut clips = synth::make_set(SynthSet::Walk, &SynthConfig { minutes, ..SynthConfig::default() })?;
     if mirrored {
-        clips.clips = clips.clips.into_iter().flat_map(|c| [mirror::mirror(&c), c]).collect();
+        clips.clips = clips.clips.into_iter().flat_map(|c| [mirror::mirror_clip(&c), c]).collect();
         for pair in clips.clips.chunks_exact_mut(2) {
             pair[0].contacts = pair[1].contacts.iter().map(|c| c.mirrored()).collect();
         }
@@ -83,13 +83,13 @@ fn recorded() -> Result<Option<ClipSet>, BuildError> {
     let Some(root) = mocap::recording("") else { return Ok(None) };
     let folders = ["cmu-asfamc/01", "cmu-asfamc/02", "cmu-asfamc/03", "snu/single", "snu/session23", "snu/multi"];
     let raw = read(&folders.map(|f| root.join(f)), &ImportConfig::default(), &Silent)?;
-    let clips = onto(&raw.clips, &RetargetConfig::default(), &mut Warnings::default())?;
+    let clips = retarget_clips(&raw.clips, &RetargetConfig::default(), &mut Warnings::default())?;
     let clips = resample(&clips, &ResampleConfig { mirror: false, ..ResampleConfig::default() })?;
     annotate(&clips, &AnnotateConfig::default(), &Sidecars::default()).map(Some)
 }
 
 /// The first frames of a set.
-fn part(clips: &ClipSet, mut num_frames: usize) -> ClipSet {
+fn first_frames(clips: &ClipSet, mut num_frames: usize) -> ClipSet {
     let mut first = Vec::new();
     for clip in &clips.clips {
         let n = clip.num_frames().min(num_frames);

@@ -16,7 +16,7 @@ use std::process::Command;
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::progress::Silent;
-use throng_precompute::retarget::{RetargetConfig, onto};
+use throng_precompute::retarget::{RetargetConfig, retarget_clips};
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::{Clip, ClipSet, Warnings, export, import, memory, mirror, pipeline};
 use throng_runtime::{Joint, NUM_JOINTS};
@@ -46,7 +46,7 @@ fn main() -> Result<(), Failure> {
     println!("  minutes  processor   peak MB  bundle MB   states   actions   wall, s a stage:{stages}");
     for minutes in minutes {
         let folder = tempfile::tempdir()?;
-        write(&base, minutes, folder.path())?;
+        write_clips(&base, minutes, folder.path())?;
         let status = Command::new(std::env::current_exe()?).env(BAKE, folder.path()).status()?;
         if !status.success() {
             return Err(format!("{minutes} minutes: the build failed").into());
@@ -58,7 +58,7 @@ fn main() -> Result<(), Failure> {
 /// Bakes the clips of a folder and prints a row of the table.
 fn bake(folder: &Path) -> Result<(), Failure> {
     let config = BuildConfig::new("database", vec![folder.to_path_buf()]);
-    let report = pipeline::build(&config, &folder.join("database.throng"), &Cache::none(), &Silent)?;
+    let report = pipeline::build(&config, &folder.join("database.throng"), &Cache::disabled(), &Silent)?;
     let stages: BTreeMap<&str, f64> = report.stage_s.clone();
     let times: String = STAGES.iter().map(|s| format!("{:9.2}", stages.get(s).copied().unwrap_or(0.0))).collect();
     println!(
@@ -79,7 +79,7 @@ fn synthetic(most_minutes: f64) -> Result<ClipSet, Failure> {
     let mut of_sets = Vec::new();
     for set in sets {
         let usual = SynthConfig::for_set(set);
-        of_sets.push(synth::make(set, &SynthConfig { minutes: usual.minutes.min(most_minutes), ..usual })?.clips);
+        of_sets.push(synth::make_set(set, &SynthConfig { minutes: usual.minutes.min(most_minutes), ..usual })?.clips);
     }
     let longest = of_sets.iter().map(Vec::len).max().unwrap_or(0);
     let clips = (0..longest).flat_map(|k| of_sets.iter().filter_map(move |set| set.get(k).cloned())).collect();
@@ -89,11 +89,11 @@ fn synthetic(most_minutes: f64) -> Result<ClipSet, Failure> {
 /// The clips of files and folders, on the database skeleton.
 fn recorded(inputs: &[PathBuf]) -> Result<ClipSet, Failure> {
     let raw = import::read(inputs, &import::ImportConfig::default(), &Silent)?;
-    Ok(onto(&raw.clips, &RetargetConfig::default(), &mut Warnings::default())?)
+    Ok(retarget_clips(&raw.clips, &RetargetConfig::default(), &mut Warnings::default())?)
 }
 
 /// Writes files of `minutes` in total: the clips as they are, then perturbed copies, again and again.
-fn write(base: &ClipSet, minutes: f64, folder: &Path) -> Result<(), Failure> {
+fn write_clips(base: &ClipSet, minutes: f64, folder: &Path) -> Result<(), Failure> {
     let mut seconds = 0.0;
     for (number, clip) in base.clips.iter().cycle().enumerate() {
         if seconds >= 60.0 * minutes {
@@ -102,7 +102,7 @@ fn write(base: &ClipSet, minutes: f64, folder: &Path) -> Result<(), Failure> {
         let copy = number / base.clips.len();
         let clip = if copy == 0 { clip.clone() } else { perturbed(clip, copy, number as u64) };
         let mut file = BufWriter::new(std::fs::File::create(folder.join(format!("{number:05}.bvh")))?);
-        export::bvh::write(&export::to_raw(&clip, &base.skeleton), &mut file)?;
+        export::bvh::write_clip(&export::to_raw(&clip, &base.skeleton), &mut file)?;
         file.flush()?;
         seconds += clip.num_frames() as f64 / clip.rate_hz;
     }
@@ -113,11 +113,13 @@ fn write(base: &ClipSet, minutes: f64, folder: &Path) -> Result<(), Failure> {
 /// mirrored, with joints that sway independently.
 fn perturbed(clip: &Clip, copy: usize, seed: u64) -> Clip {
     let mut rng = Pcg64::seed_from_u64(seed);
-    let clip = if copy % 2 == 1 { mirror::mirror(clip) } else { clip.clone() };
+    let clip = if copy % 2 == 1 { mirror::mirror_clip(clip) } else { clip.clone() };
     let (pace, sway) = (rng.random_range(0.88..1.12), rng.random_range(0.02..0.08));
     let (phase, turn) = (rng.random_range(0.0..TAU), Quat::from_rotation_y(rng.random_range(0.0..TAU) as f32));
     let swings: Vec<[Vec3; 2]> = (0..NUM_JOINTS)
-        .map(|j| [(); 2].map(|()| Vec3::from_array([(); 3].map(|()| rng.random_range(-1.0..1.0f32))) * swing(j)))
+        .map(|j| {
+            [(); 2].map(|()| Vec3::from_array([(); 3].map(|()| rng.random_range(-1.0..1.0f32))) * sway_amplitude(j))
+        })
         .collect();
     let (mut root_positions, mut rotations) = (Vec::new(), Vec::new());
     let last = clip.num_frames().saturating_sub(1);
@@ -141,7 +143,7 @@ fn perturbed(clip: &Clip, copy: usize, seed: u64) -> Clip {
 }
 
 /// Amplitude of a joint's sway: small for legs, so that feet stay in place (rad).
-fn swing(joint: usize) -> f32 {
+fn sway_amplitude(joint: usize) -> f32 {
     match Joint::ALL[joint].name() {
         name if ["thigh", "shin", "foot", "toe"].iter().any(|part| name.ends_with(part)) => 0.004,
         _ => 0.05,

@@ -6,12 +6,12 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 use throng_runtime::Bundle;
-use throng_runtime::format::{ALIGN, Header, Section, Tag, crc32};
+use throng_runtime::format::{ALIGN, FileHeader, SectionEntry, SectionTag, crc32};
 
 /// Methods to open a file.
-const WAYS: [&str; 4] = ["open", "map", "open_unverified", "map_unverified"];
+const OPEN_METHODS: [&str; 4] = ["open", "map", "open_unverified", "map_unverified"];
 /// Number of repetitions of each; the fastest counts, as the least disturbed one.
-const TIMES: usize = 5;
+const REPEATS: usize = 5;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args: Vec<String> = std::env::args().collect();
@@ -29,9 +29,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let file = folder.path().join("padded.throng");
         std::fs::write(&file, padded(size)?)?;
         let mut rows = Vec::new();
-        for way in WAYS {
+        for way in OPEN_METHODS {
             let mut best = [f64::INFINITY; 3];
-            for _ in 0..TIMES {
+            for _ in 0..REPEATS {
                 let out = Command::new(std::env::current_exe()?).args(["--one", way]).arg(&file).output()?;
                 let text = String::from_utf8(out.stdout)?;
                 let found: Vec<f64> = text.split_whitespace().map_while(|w| w.parse().ok()).collect();
@@ -84,12 +84,13 @@ fn padded(size: usize) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join(format!("data/golden/tables_v{}.throng", throng_runtime::format::VERSION));
     let golden = std::fs::read(path)?;
-    let head = size_of::<Header>();
-    let mut header: Header = bytemuck::pod_read_unaligned(&golden[..head]);
-    let table = &golden[head..head + header.num_sections as usize * size_of::<Section>()];
-    let old: Vec<Section> = table.chunks_exact(size_of::<Section>()).map(bytemuck::pod_read_unaligned).collect();
-    let padding = Section { tag: Tag(*b"XPAD"), elem_size: 1, count: size as u64, ..old[0] };
-    let mut out = vec![0; head + (old.len() + 1) * size_of::<Section>()];
+    let head = size_of::<FileHeader>();
+    let mut header: FileHeader = bytemuck::pod_read_unaligned(&golden[..head]);
+    let table = &golden[head..head + header.num_sections as usize * size_of::<SectionEntry>()];
+    let old: Vec<SectionEntry> =
+        table.chunks_exact(size_of::<SectionEntry>()).map(bytemuck::pod_read_unaligned).collect();
+    let padding = SectionEntry { tag: SectionTag(*b"XPAD"), elem_size: 1, count: size as u64, ..old[0] };
+    let mut out = vec![0; head + (old.len() + 1) * size_of::<SectionEntry>()];
     let mut rows = Vec::new();
     for s in old.iter().chain([&padding]) {
         out.resize(out.len().next_multiple_of(ALIGN as usize), 0);
@@ -99,7 +100,7 @@ fn padded(size: usize) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
         } else {
             out.extend(&golden[s.range(golden.len() as u64)?]);
         }
-        rows.push(Section { offset: offset as u64, crc32: crc32(&out[offset..]), ..*s });
+        rows.push(SectionEntry { offset: offset as u64, crc32: crc32(&out[offset..]), ..*s });
     }
     let rows: &[u8] = bytemuck::cast_slice(&rows);
     (header.num_sections, header.table_crc32) = (header.num_sections + 1, crc32(rows));

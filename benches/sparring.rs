@@ -12,10 +12,10 @@ use throng_precompute::config::BuildConfig;
 use throng_precompute::pipeline;
 use throng_precompute::progress::Silent;
 use throng_runtime::characters::{
-    Characters, CharactersConfig, Choice, MotionSet, Order, ReactionConfig, Spawn, Start,
+    ActionChoice, CharacterStart, Characters, CharactersConfig, MotionSet, PolicyOrder, ReactionConfig, Spawn,
 };
 use throng_runtime::sparring::{Sparring, SparringConfig};
-use throng_runtime::{Bundle, Cast, Inline, Planar};
+use throng_runtime::{Bundle, CharacterGroup, Inline, Planar};
 
 /// Config of the bundle: the two behaviours of Lee and Lee (2004) on grids of their size, and evasion.
 const CONFIG: &str = r#"
@@ -55,14 +55,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn report(tables: &Bundle, characters: usize, steps: usize) -> Result<(), Box<dyn std::error::Error>> {
-    let choice = Choice::LookAhead { temperature: 0.05 };
+    let choice = ActionChoice::LookAhead { temperature: 0.05 };
     let moving = CharactersConfig { choice, ..CharactersConfig::default() };
     let (motion_set, starts) = (&MotionSet::new(tables), starts(tables, characters));
     let config = SparringConfig { characters: moving, ..SparringConfig::default() };
     let mut sparring = Sparring::with_capacity(tables, starts.len() / 2, config)?;
-    let all = (0..3).fold(Order::IDLE, |order, policy| order.and(policy, 1.0));
+    let all = (0..3).fold(PolicyOrder::IDLE, |order, policy| order.with_policy(policy, 1.0));
     for pair in starts.as_chunks::<2>().0 {
-        let first = sparring.spawn(pair.map(|Start { root, state }| Spawn { root, state: Some(state) }))?;
+        let first = sparring.spawn(pair.map(|CharacterStart { root, state }| Spawn { root, state: Some(state) }))?;
         for id in [first, sparring.opponent(first)?] {
             sparring.order(id, all)?;
         }
@@ -75,7 +75,7 @@ fn report(tables: &Bundle, characters: usize, steps: usize) -> Result<(), Box<dy
     let mut alone = Characters::new(motion_set, plain, &starts)?;
     alone.restore(motion_set, &sparring.characters().snapshot())?;
     let places = sparring.heads().iter().zip(sparring.threats());
-    let orders: Vec<Order> = places.map(|(head, threat)| all.around(*head).threatened(*threat)).collect();
+    let orders: Vec<PolicyOrder> = places.map(|(head, threat)| all.with_target(*head).with_threat(*threat)).collect();
     let mut copy = sparring.characters().model_matrices().to_vec();
 
     // In turns, so that other load of the machine affects all three alike.
@@ -119,14 +119,14 @@ fn undisturbed_mean(times: Vec<f64>) -> f64 {
 }
 
 /// Pairs on a square, two metres apart and face to face.
-fn starts(tables: &Bundle, characters: usize) -> Vec<Start> {
+fn starts(tables: &Bundle, characters: usize) -> Vec<CharacterStart> {
     let num_states = tables.graph().states.len();
     let start = |c: usize| {
         let pair = c / 2;
         let middle = Planar::new(4.0 * (pair % 32) as f32, 4.0 * (pair / 32) as f32, pair as f32);
         let side =
             if c.is_multiple_of(2) { Planar::new(0.0, -1.0, 0.0) } else { Planar::new(0.0, 1.0, std::f32::consts::PI) };
-        Start { root: middle.compose(side), state: (c * 37 % num_states) as u32 }
+        CharacterStart { root: middle.compose(side), state: (c * 37 % num_states) as u32 }
     };
     (0..characters).map(start).collect()
 }
@@ -134,6 +134,6 @@ fn starts(tables: &Bundle, characters: usize) -> Vec<Start> {
 fn build(bundle: &Path, minutes: f64) -> Result<(), Box<dyn std::error::Error>> {
     let mut config = BuildConfig::parse(CONFIG, Path::new("bench.toml"))?;
     config.synth.iter_mut().for_each(|s| s.minutes = Some(minutes));
-    pipeline::build(&config, bundle, &Cache::none(), &Silent)?;
+    pipeline::build(&config, bundle, &Cache::disabled(), &Silent)?;
     Ok(())
 }

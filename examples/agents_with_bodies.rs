@@ -10,7 +10,7 @@ use std::path::Path;
 use throng_runtime::crowd::{Agent, AtEnd, Crowd, Field, Go, Obstacle, Setup, Streets};
 use throng_runtime::simulation::Pedestrians;
 use throng_runtime::walkers::WalkersConfig;
-use throng_runtime::{Bundle, Cast, Inline, Joint};
+use throng_runtime::{Bundle, CharacterGroup, Inline, Joint};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);

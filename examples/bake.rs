@@ -9,7 +9,7 @@ use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::progress::Silent;
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
-use throng_precompute::{pipeline, policy::BehaviourConfig};
+use throng_precompute::{pipeline, policy::PolicyBehaviourConfig};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     run(std::env::args().nth(1).unwrap_or_else(|| "walk.throng".into()).as_ref())
@@ -19,13 +19,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 pub fn run(out: &Path) -> Result<(), Box<dyn std::error::Error>> {
     // Any BVH or ASF/AMC files will do; these are made here.
     let folder = tempfile::tempdir()?;
-    synth::write(SynthSet::Walk, &SynthConfig { minutes: 2.0, ..SynthConfig::default() }, folder.path())?;
+    synth::write_set(SynthSet::Walk, &SynthConfig { minutes: 2.0, ..SynthConfig::default() }, folder.path())?;
 
     // The settings of a config file, field by field. A second behaviour looks further ahead.
     let mut config = BuildConfig::new("walk", vec![folder.path().to_path_buf()]);
-    config.behaviours.push(BehaviourConfig { name: "far".into(), discount: 0.99, ..BehaviourConfig::default() });
+    config.behaviours.push(PolicyBehaviourConfig {
+        name: "far".into(),
+        discount: 0.99,
+        ..PolicyBehaviourConfig::default()
+    });
 
-    let report = pipeline::build(&config, out, &Cache::none(), &Silent)?;
+    let report = pipeline::build(&config, out, &Cache::disabled(), &Silent)?;
     println!("{} states, {} actions, {} bytes", report.states, report.actions, report.bundle_bytes);
     for p in &report.policies {
         println!("{}: {} cells, residual {:.1e} after {} sweeps", p.name, p.cells, p.residual, p.sweeps);

@@ -8,7 +8,7 @@
 use glam::Vec2;
 use std::path::Path;
 use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Bundle, Cast, Inline, Joint, Planar};
+use throng_runtime::{Bundle, CharacterGroup, Inline, Joint, Planar};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);

@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 use std::path::Path;
 use throng_runtime::crowd::{Obstacle, Streets};
 use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Bundle, Cast, Error};
+use throng_runtime::{Bundle, CharacterGroup, Error};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);

@@ -9,7 +9,7 @@ use glam::Vec2;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Adopted, Bundle, Cast, Inline};
+use throng_runtime::{AdoptReport, Bundle, CharacterGroup, Inline};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);
@@ -26,7 +26,7 @@ struct Game {
 
 impl Game {
     /// Adopts the file if it changed. A bad file leaves everything as it was, and returns the reason.
-    fn poll(&mut self) -> Result<Option<Adopted>, Box<dyn std::error::Error>> {
+    fn poll(&mut self) -> Result<Option<AdoptReport>, Box<dyn std::error::Error>> {
         let changed = std::fs::metadata(&self.file)?.modified()?;
         if changed == self.changed {
             return Ok(None);

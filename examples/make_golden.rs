@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // The bundle names its sources: from inside the folder, their names are the same on every machine.
     std::env::set_current_dir(folder.path())?;
     let motion = SynthConfig { minutes: 0.35, clip_seconds: 12.0, ..SynthConfig::default() };
-    synth::write(SynthSet::Walk, &motion, "walk".as_ref())?;
+    synth::write_set(SynthSet::Walk, &motion, "walk".as_ref())?;
     let mut config = BuildConfig::new("golden", vec!["walk".into()]);
     config.resample.rate_hz = 20.0;
     config.behaviours[0].grid = GridConfig::polar(5, 8, 6.0, 0.75, 2.5);
@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..BlendConfig::default()
     };
     config.blend.insert("walks".into(), walks);
-    let report = pipeline::build(&config, &out, &Cache::none(), &Silent)?;
+    let report = pipeline::build(&config, &out, &Cache::disabled(), &Silent)?;
     println!("{} bytes, {} states, {} actions", report.bundle_bytes, report.states, report.actions);
     Ok(())
 }

@@ -9,7 +9,7 @@ use glam::Vec2;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Bundle, Cast, Inline, Planar, Run};
+use throng_runtime::{Bundle, CharacterGroup, Executor, Inline, Planar};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// A number of threads, each of which runs one part after the other. An engine passes the parts to its job system here.
 struct Threads(usize);
 
-impl Run for Threads {
+impl Executor for Threads {
     fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
         let next = AtomicUsize::new(0);
         std::thread::scope(|scope| {

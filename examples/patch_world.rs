@@ -8,8 +8,8 @@
 use glam::Vec3;
 use std::path::Path;
 use throng_runtime::world::World;
-use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, Wish, scatter};
-use throng_runtime::{Bundle, Cast, Error, Inline, Planar};
+use throng_runtime::world::inhabitants::{InhabitantGoal, Inhabitants, InhabitantsConfig, scatter_rest_nodes};
+use throng_runtime::{Bundle, CharacterGroup, Error, Inline, Planar};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);
@@ -24,14 +24,14 @@ pub fn run(bundle: &Path, world: &Path) -> Result<(), Box<dyn std::error::Error>
     let world = World::open(world, &bundle)?;
     let mut kids = Inhabitants::new(&world, 10, InhabitantsConfig::default())?;
     // Distant places where a person can stand; all people roam until they get an order.
-    for start in scatter(world.graph(), 10, 1) {
+    for start in scatter_rest_nodes(world.graph(), 10, 1) {
         kids.spawn(start)?;
     }
 
     // Each person takes the nearest free place; one that finds none waits.
-    let place = world.near(Vec3::ZERO, 20.0)?.at;
+    let place = world.nearest_place(Vec3::ZERO, 20.0)?.at;
     for id in kids.ids().to_vec() {
-        kids.order(id, Wish::GoNear { place, within_m: 3.0 })?;
+        kids.order(id, InhabitantGoal::GoNear { place, within_m: 3.0 })?;
     }
     for _ in 0..60 * 60 {
         kids.step(1.0 / 60.0, &Inline)?;
@@ -42,7 +42,7 @@ pub fn run(bundle: &Path, world: &Path) -> Result<(), Box<dyn std::error::Error>
 
     // An impossible order is an error at once, which names the person.
     let first = kids.ids()[0];
-    let far = Wish::GoNear { place: Vec3::new(500.0, 0.0, 0.0), within_m: 3.0 };
+    let far = InhabitantGoal::GoNear { place: Vec3::new(500.0, 0.0, 0.0), within_m: 3.0 };
     assert!(matches!(kids.order(first, far), Err(Error::Value { who, .. }) if who == Some(first)));
     // One person is moved to the nearest free place beside another one, if there is any, and goes home.
     let other = kids.bodies().roots[1];

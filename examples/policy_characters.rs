@@ -8,7 +8,7 @@
 use glam::Vec3;
 use std::path::Path;
 use throng_runtime::characters::{AvoidConfig, CharactersConfig, PolicyCharacters, Spawn};
-use throng_runtime::{Bundle, Cast, Id, Inline, Joint, Planar};
+use throng_runtime::{Bundle, CharacterGroup, Id, Inline, Joint, Planar};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     run(std::env::args().nth(1).unwrap_or_else(|| "demo.throng".into()).as_ref())
@@ -22,11 +22,11 @@ pub fn run(bundle: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let config = CharactersConfig { avoid: Some(AvoidConfig::default()), ..CharactersConfig::default() };
     let mut people = PolicyCharacters::with_capacity(&bundle, 200, config)?;
     let places = (0..200).map(|i| Planar::new(2.0 * (i % 20) as f32, 2.0 * (i / 20) as f32, 0.0));
-    let ids = places.map(|root| people.spawn(Spawn::standing(root))).collect::<Result<Vec<Id>, _>>()?;
+    let ids = places.map(|root| people.spawn(Spawn::standing_at(root))).collect::<Result<Vec<Id>, _>>()?;
 
     // Only changes need an order. An order stays.
     let click = Vec3::new(30.0, 0.0, 25.0);
-    people.order(ids[17], approach.aim(click))?;
+    people.order(ids[17], approach.order_towards(click))?;
     for _ in 0..600 {
         people.step(1.0 / 60.0, &Inline)?;
     }

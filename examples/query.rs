@@ -8,7 +8,7 @@
 use glam::Vec3;
 use std::path::Path;
 use throng_runtime::Bundle;
-use throng_runtime::policy::{BestActionJob, Goal, LookAheadJob, RankedActions};
+use throng_runtime::policy::{BestActionJob, LookAheadGoal, LookAheadJob, RankedActions};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     run(std::env::args().nth(1).unwrap_or_else(|| "demo.throng".into()).as_ref())
@@ -29,7 +29,7 @@ pub fn run(bundle: &Path) -> Result<(), Box<dyn std::error::Error>> {
 
     // Every action, scored by its reward and the value of the state that it leads to; several behaviours could be summed.
     let mut ranked = [RankedActions::NONE; 3];
-    let goals = [Goal { policy, weights: &[1.0; 3], targets: &targets }];
+    let goals = [LookAheadGoal { policy, weights: &[1.0; 3], targets: &targets }];
     LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked }.run()?;
 
     for i in 0..3 {

@@ -37,17 +37,17 @@ pub fn run(bundle: &Path, space: &str) -> Result<(), Box<dyn std::error::Error>>
     let scene = Scene::parse(&SCENE.replace("SPACE", space), "square.toml".as_ref())?;
     let scene = scene.compile(&Bundle::open(bundle)?)?;
     let mut people = Simulation::new(&scene)?;
-    go_on(&mut people)?;
+    step_one_second(&mut people)?;
 
     let mut bytes = people.snapshot();
-    go_on(&mut people)?;
+    step_one_second(&mut people)?;
     let later = people.hash();
 
     // Into a new simulation of the same scene, such as after a restart, or into the one that runs.
     let mut others = Simulation::new(&scene)?;
     for simulation in [&mut others, &mut people] {
         simulation.restore(&bytes)?;
-        go_on(simulation)?;
+        step_one_second(simulation)?;
         assert_eq!(simulation.hash(), later, "the same second repeats");
     }
 
@@ -60,6 +60,6 @@ pub fn run(bundle: &Path, space: &str) -> Result<(), Box<dyn std::error::Error>>
 }
 
 /// Simulates one second.
-fn go_on(people: &mut Simulation) -> throng_runtime::Result<()> {
+fn step_one_second(people: &mut Simulation) -> throng_runtime::Result<()> {
     (0..60).try_for_each(|_| people.step(1.0 / 60.0))
 }

@@ -3,21 +3,21 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-struct Counting;
+struct CountingAllocator;
 
 static COUNT: AtomicU64 = AtomicU64::new(0);
 
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 /// Number of memory allocations so far.
-pub fn count() -> u64 {
+pub fn num_allocations() -> u64 {
     COUNT.load(Relaxed)
 }
 
 #[allow(unsafe_code, reason = "an allocator cannot be written otherwise")]
 // SAFETY: every call is passed on unchanged to the allocator of the system.
-unsafe impl GlobalAlloc for Counting {
+unsafe impl GlobalAlloc for CountingAllocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         COUNT.fetch_add(1, Relaxed);
         // SAFETY: as the caller promises.

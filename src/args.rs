@@ -8,7 +8,7 @@ use throng_precompute::import;
 use throng_precompute::trial::TrialConfig;
 use throng_runtime::Bundle;
 use throng_runtime::base::limits;
-use throng_runtime::characters::Choice;
+use throng_runtime::characters::ActionChoice;
 use throng_runtime::crowd::Scheme;
 use throng_runtime::simulation::Scene;
 use throng_runtime::simulation::scene::engine;
@@ -29,7 +29,7 @@ pub const AFTER_HELP: &str = "Exit codes: 0 done, 1 failed (the message names fi
 2 wrong usage. With --json, a command prints one JSON object on standard output and everything else on standard error.";
 
 /// Result of a subcommand.
-pub type Outcome = Result<(), Box<dyn std::error::Error>>;
+pub type CommandResult = Result<(), Box<dyn std::error::Error>>;
 
 /// An error with a message.
 pub fn fail<T>(message: impl Into<String>) -> Result<T, Box<dyn std::error::Error>> {
@@ -42,7 +42,7 @@ pub fn is_bundle(file: &Path) -> bool {
 }
 
 /// Opens a bundle; messages name the file.
-pub fn open(path: &Path) -> Result<Bundle, Box<dyn std::error::Error>> {
+pub fn open_bundle(path: &Path) -> Result<Bundle, Box<dyn std::error::Error>> {
     Bundle::open(path).map_err(|e| match e {
         throng_runtime::FormatError::Io { .. } => e.to_string().into(),
         e => format!("{}: {e}", path.display()).into(),
@@ -96,7 +96,7 @@ impl ReadArgs {
 
 /// The engine of a name.
 pub fn named_engine(name: &str) -> Result<Scheme, Box<dyn std::error::Error>> {
-    match engine::named(name) {
+    match engine::scheme_named(name) {
         Some(engine) => Ok(engine),
         None => fail(format!("--engine {name}: expected one of {}", engine::names())),
     }
@@ -119,7 +119,7 @@ pub struct CacheArgs {
         value_name = "GB",
         default_value_t = Cache::LIMIT_BYTES as f64 / 1e9,
         allow_negative_numbers = true,
-        value_parser = limits::number::<f64>(&limits::CACHE_GB)
+        value_parser = limits::number_parser::<f64>(&limits::CACHE_GB)
     )]
     cache_limit: f64,
     /// Run every stage, and keep nothing.
@@ -136,8 +136,8 @@ impl CacheArgs {
     /// Opens the cache of these options.
     pub fn cache(&self) -> Result<Cache, BuildError> {
         match self.no_cache {
-            true => Ok(Cache::none()),
-            false => Cache::at(&self.cache, (self.cache_limit * 1e9) as u64),
+            true => Ok(Cache::disabled()),
+            false => Cache::at_address(&self.cache, (self.cache_limit * 1e9) as u64),
         }
     }
 }
@@ -145,7 +145,7 @@ impl CacheArgs {
 /// Reads a point of the ground plane, X,Z (m).
 pub fn parse_point(text: &str) -> Result<[f32; 2], String> {
     let limit = &limits::COORDINATE;
-    let number = |t: &str| t.trim().parse().ok().filter(|v: &f32| limit.holds(f64::from(*v)));
+    let number = |t: &str| t.trim().parse().ok().filter(|v: &f32| limit.contains(f64::from(*v)));
     let both = text.split_once(',').and_then(|(x, z)| Some([number(x)?, number(z)?]));
     both.ok_or_else(|| format!("expected X,Z in metres, such as 1.5,4; each is {}", limit.range))
 }
@@ -157,10 +157,10 @@ const SECONDS: f32 = 20.0;
 #[derive(clap::Args)]
 pub struct CrowdArgs {
     /// Number of characters; 1000, or what the scene says, where absent.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = limits::number::<usize>(&limits::CHARACTERS))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = limits::number_parser::<usize>(&limits::CHARACTERS))]
     characters: Option<usize>,
     /// Simulated time; 20, or what the scene says, where absent.
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number::<f32>(&limits::SECONDS))]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f32>(&limits::SECONDS))]
     seconds: Option<f32>,
     /// Steps a simulated second.
     #[arg(
@@ -168,17 +168,17 @@ pub struct CrowdArgs {
         default_value_t = 60.0,
         value_name = "HZ",
         allow_negative_numbers = true,
-        value_parser = limits::number::<f32>(&limits::STEP_HZ)
+        value_parser = limits::number_parser::<f32>(&limits::STEP_HZ)
     )]
     step_hz: f32,
     /// Seed of places, targets and choices; 1, or what the scene says, where absent.
-    #[arg(long, allow_negative_numbers = true, value_parser = limits::number::<u64>(&limits::SEED))]
+    #[arg(long, allow_negative_numbers = true, value_parser = limits::number_parser::<u64>(&limits::SEED))]
     seed: Option<u64>,
     /// Choose by the stored best action instead of looking ahead; not for scenes.
     #[arg(long)]
     single_load: bool,
     /// Choose at random among the best few actions, 0 for always the best; 0, or what the scene says, where absent.
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = limits::number::<f32>(&limits::TEMPERATURE))]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = limits::number_parser::<f32>(&limits::TEMPERATURE))]
     temperature: Option<f32>,
     /// How far a walked action may be bent towards the target, in radians a metre; 0 plays motion as captured. Not
     /// for scenes.
@@ -187,7 +187,7 @@ pub struct CrowdArgs {
         default_value_t = 0.0,
         value_name = "RAD_PER_M",
         allow_negative_numbers = true,
-        value_parser = limits::number::<f32>(&limits::BEND)
+        value_parser = limits::number_parser::<f32>(&limits::BEND)
     )]
     bend: f32,
     /// Let characters take no notice of each other; not for scenes.
@@ -199,7 +199,7 @@ pub struct CrowdArgs {
         default_value_t = 0,
         value_name = "N",
         allow_negative_numbers = true,
-        value_parser = limits::number::<usize>(&limits::FOLLOWED)
+        value_parser = limits::number_parser::<usize>(&limits::FOLLOWED)
     )]
     follow: usize,
 }
@@ -219,7 +219,8 @@ impl CrowdArgs {
         trial.motion.bend_rad_per_m = self.bend;
         trial.motion.avoid = trial.motion.avoid.filter(|_| !self.no_avoid);
         let temperature = self.temperature.unwrap_or(0.0);
-        trial.motion.choice = if self.single_load { Choice::BestAction } else { Choice::LookAhead { temperature } };
+        trial.motion.choice =
+            if self.single_load { ActionChoice::BestAction } else { ActionChoice::LookAhead { temperature } };
         trial
     }
 
@@ -234,7 +235,7 @@ impl CrowdArgs {
     }
 
     /// Overrides settings of a scene by the given options.
-    pub fn change(&self, scene: &mut Scene) -> Outcome {
+    pub fn override_scene(&self, scene: &mut Scene) -> CommandResult {
         if self.single_load || self.bend != 0.0 || self.follow != 0 {
             return fail("--single-load, --bend and --follow are for bundles, not for scenes");
         }

@@ -1,7 +1,7 @@
 //! `throng bake`: one shard of a build.
 
-use crate::args::{CacheArgs, Outcome, fail};
-use crate::build::{WhatArgs, plan};
+use crate::args::{CacheArgs, CommandResult, fail};
+use crate::build::{BuildInputArgs, plan};
 use crate::{keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -14,10 +14,10 @@ use throng_precompute::pipeline::{self, Shard, ShardReport};
 /// in the cache, it makes the clips of its own, so run all shards, and then run them again. They may run in any order, at
 /// once, and again after a failure. `throng build` with the same arguments and the same cache does the rest.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<Report>())]
+#[command(after_long_help = keys::json_keys::<BakeReport>())]
 pub struct Args {
     #[command(flatten)]
-    what: WhatArgs,
+    what: BuildInputArgs,
     /// The share: I of N, from 0/N to N-1/N.
     #[arg(long, value_name = "I/N")]
     shard: Shard,
@@ -30,28 +30,28 @@ pub struct Args {
 
 /// Printed report.
 #[derive(Serialize, JsonSchema)]
-struct Report {
+struct BakeReport {
     #[serde(flatten)]
     shard: ShardReport,
     /// Peak memory of this process (bytes); absent if the system does not report it.
     peak_bytes: Option<u64>,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let Some(folder) = args.cache.folder() else {
         return fail("a shard leaves what it does in the cache: run it without --no-cache");
     };
     let plan = plan(&args.what)?;
-    let bar = progress::Bar::on_interrupt(Some(folder.clone()));
+    let bar = progress::BuildProgressBar::on_interrupt(Some(folder.clone()));
     let shard = pipeline::bake_shard(&plan.config, plan.parts, args.shard, &args.cache.cache()?, &bar);
     drop(bar);
     let shard = shard.map_err(|e| plan.error(e))?;
     output::warnings(&shard.skipped, &shard.warnings);
-    let report = Report { shard, peak_bytes: memory::peak_bytes() };
+    let report = BakeReport { shard, peak_bytes: memory::peak_bytes() };
     if args.json { output::json(&report) } else { print(&report.shard, &folder.display().to_string()) }
 }
 
-fn print(r: &ShardReport, folder: &str) -> Outcome {
+fn print(r: &ShardReport, folder: &str) -> CommandResult {
     let left = match r.missing {
         0 => "nothing: run `throng build` once all shards say so".to_owned(),
         n => format!("{n} files of other shards are not in the cache: run this one again after them, for its clips"),

@@ -6,17 +6,17 @@ mod motion;
 mod plan;
 mod scenario;
 
-use crate::args::Outcome;
+use crate::args::CommandResult;
 
 /// Measure what a bundle, a crowd, a scenario, or plans of limbs cost on this machine, and how motion looks.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]
-    what: What,
+    what: BenchCommand,
 }
 
 #[derive(clap::Subcommand)]
-enum What {
+enum BenchCommand {
     Bundle(bundle::Args),
     Motion(motion::Args),
     Crowd(crowd::Args),
@@ -24,12 +24,12 @@ enum What {
     Scenario(scenario::Args),
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     match &args.what {
-        What::Bundle(a) => bundle::run(a),
-        What::Motion(a) => motion::run(a),
-        What::Crowd(a) => crowd::run(a),
-        What::Plan(a) => plan::run(a),
-        What::Scenario(a) => scenario::run(a),
+        BenchCommand::Bundle(a) => bundle::run(a),
+        BenchCommand::Motion(a) => motion::run(a),
+        BenchCommand::Crowd(a) => crowd::run(a),
+        BenchCommand::Plan(a) => plan::run(a),
+        BenchCommand::Scenario(a) => scenario::run(a),
     }
 }

@@ -1,6 +1,6 @@
 //! `throng build`: motion files to a bundle.
 
-use crate::args::{CacheArgs, Outcome, fail, is_toml};
+use crate::args::{CacheArgs, CommandResult, fail, is_toml};
 use crate::{keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use throng_precompute::config::BuildConfig;
 use throng_precompute::error::BuildError;
 use throng_precompute::examples::BlendReport;
 use throng_precompute::files;
-use throng_precompute::parts::Parts;
+use throng_precompute::parts::RequiredParts;
 use throng_precompute::patch::Freedom;
 use throng_precompute::pipeline;
 use throng_precompute::policy::{AdaptiveReport, Approximation};
@@ -25,10 +25,10 @@ use throng_precompute::verdict::{self, Verdict};
 /// space if there are steady gaits; parts that cannot be made are reported. A config names its parts, and all of them must
 /// be made.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<Report>())]
+#[command(after_long_help = keys::json_keys::<BuildCommandReport>())]
 pub struct Args {
     #[command(flatten)]
-    what: WhatArgs,
+    what: BuildInputArgs,
     /// Bundle to write; the database's name with `.throng`, in the current folder, where absent.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -44,7 +44,7 @@ pub struct Args {
 
 /// Options that name what to build.
 #[derive(clap::Args)]
-pub struct WhatArgs {
+pub struct BuildInputArgs {
     /// Motion: files, folders and `.zip` archives, searched to any depth, and patterns, in which `**` stands for any
     /// number of folders; or one config (`.toml`), whose schema `throng schema` prints.
     #[arg(required = true, value_name = "MOTION_OR_CONFIG")]
@@ -60,7 +60,7 @@ pub struct WhatArgs {
 
 /// Printed report.
 #[derive(Serialize, JsonSchema)]
-struct Report {
+struct BuildCommandReport {
     #[serde(flatten)]
     build: BuildReport,
     /// Settings of the config that do not apply to the motion given in place of its own.
@@ -72,16 +72,16 @@ struct Report {
 }
 
 /// A build: its config, its parts, and messages on replaced motion.
-pub struct Plan<'a> {
+pub struct BuildPlan<'a> {
     pub config: BuildConfig,
-    pub parts: Parts,
+    pub parts: RequiredParts,
     /// File of the config, if there is one.
     file: Option<&'a Path>,
     /// Settings that do not apply to the motion.
     replaced: Vec<String>,
 }
 
-impl Plan<'_> {
+impl BuildPlan<'_> {
     /// Adds the file of the config to an error of the build.
     pub fn error(&self, e: BuildError) -> BuildError {
         match self.file {
@@ -92,13 +92,13 @@ impl Plan<'_> {
 }
 
 /// The build that the options name; settings that do not apply to replaced motion are reported.
-pub fn plan(args: &WhatArgs) -> Result<Plan<'_>, Box<dyn std::error::Error>> {
+pub fn plan(args: &BuildInputArgs) -> Result<BuildPlan<'_>, Box<dyn std::error::Error>> {
     let mut plan = match (args.what.as_slice(), args.input.as_slice()) {
         ([file], input) if is_toml(file) => {
             let mut config = BuildConfig::load(file)?;
             let replaced = if input.is_empty() { Vec::new() } else { config.replace_motion(input.to_vec())? };
-            let parts = if input.is_empty() || args.strict { Parts::All } else { Parts::Possible };
-            Plan { config, parts, file: Some(file), replaced }
+            let parts = if input.is_empty() || args.strict { RequiredParts::All } else { RequiredParts::Possible };
+            BuildPlan { config, parts, file: Some(file), replaced }
         }
         (all, _) if all.iter().any(|p| is_toml(p)) => {
             return fail("expected motion alone or one config alone; `throng build CONFIG --input MOTION...` has both");
@@ -106,15 +106,15 @@ pub fn plan(args: &WhatArgs) -> Result<Plan<'_>, Box<dyn std::error::Error>> {
         (_, [_, ..]) => return fail("--input is for a config: name motion without it"),
         (motion, []) => {
             let config = BuildConfig::of_motion(motion_name(motion), motion.to_vec())?;
-            Plan { config, parts: Parts::Possible, file: None, replaced: Vec::new() }
+            BuildPlan { config, parts: RequiredParts::Possible, file: None, replaced: Vec::new() }
         }
     };
     plan.config.import.strict |= args.strict;
-    plan.replaced.iter().for_each(|r| output::tell(format_args!("config: {r}")));
+    plan.replaced.iter().for_each(|r| output::print_to_stderr(format_args!("config: {r}")));
     Ok(plan)
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let plan = plan(&args.what)?;
     let config = &plan.config;
     let out = match &args.out {
@@ -125,39 +125,39 @@ pub fn run(args: &Args) -> Outcome {
         None => PathBuf::from(format!("{}.throng", config.name)),
     };
     files::check_targets(&args.report, args.what.what.iter().chain(&args.what.input).chain([&out]))?;
-    let bar = progress::Bar::on_interrupt(args.cache.folder());
+    let bar = progress::BuildProgressBar::on_interrupt(args.cache.folder());
     let build = match plan.parts {
-        Parts::All => pipeline::build,
-        Parts::Possible => pipeline::build_possible,
+        RequiredParts::All => pipeline::build,
+        RequiredParts::Possible => pipeline::build_possible,
     };
     let report = build(config, &out, &args.cache.cache()?, &bar);
     drop(bar);
     let report = report.map_err(|e| plan.error(e))?;
     output::warnings(&report.skipped, &report.warnings);
-    let (trial, verdict) = verdict::try_out(&crate::args::open(&out)?, &report.blend_spaces)?.unzip();
+    let (trial, verdict) = verdict::try_out(&crate::args::open_bundle(&out)?, &report.blend_spaces)?.unzip();
     if let Some(path) = &args.report {
         let text = report::markdown(&report);
         files::write_atomically(path, |w| w.write_all(text.as_bytes()))?;
     }
     if args.json {
-        return output::json(&Report { build: report, replaced: plan.replaced, trial, verdict });
+        return output::json(&BuildCommandReport { build: report, replaced: plan.replaced, trial, verdict });
     }
     print(&report, &out.display().to_string())?;
     if plan.file.is_some() && report.hits.count > 0 {
         print_paper(&report)?;
     }
     match verdict {
-        Some(verdict) => output::text(format!("\n{}", crate::run::words(&verdict))),
+        Some(verdict) => output::text(format!("\n{}", crate::run::verdict_text(&verdict))),
         None => Ok(()),
     }
 }
 
 /// Prints the report of a build as text.
-pub fn print(r: &BuildReport, out: &str) -> Outcome {
+pub fn print(r: &BuildReport, out: &str) -> CommandResult {
     let g = &r.graph;
     let stages: Vec<_> = r.stage_s.iter().map(|(name, s)| format!("{name} {s:.2}")).collect();
     let cached = if r.cached.is_empty() { String::new() } else { format!(", from cache: {}", r.cached.join(", ")) };
-    let mut rows = vec![("made", r.made())];
+    let mut rows = vec![("made", r.summary())];
     rows.extend(r.not_made.iter().map(|n| ("not made", format!("{}: {}", n.part, n.why))));
     rows.extend(vec![
         (
@@ -259,9 +259,9 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
 }
 
 /// Prints the figures of Lee and Lee (2004) beside those of a build with hits.
-fn print_paper(r: &BuildReport) -> Outcome {
+fn print_paper(r: &BuildReport) -> CommandResult {
     output::text("\n")?;
-    let lines = report::beside_paper(r);
+    let lines = report::compare_with_paper(r);
     output::columns(["", "Lee and Lee 2004", "this build"], lines.iter().map(|l| [&*l.figure, l.paper, &*l.here]))
 }
 

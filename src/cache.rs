@@ -1,6 +1,6 @@
 //! `throng cache`: stage outputs of earlier builds, for reuse.
 
-use crate::args::Outcome;
+use crate::args::CommandResult;
 use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -11,10 +11,10 @@ use throng_precompute::cache::Cache;
 
 /// List what the cache keeps, or clear it. Builds keep the outputs of their stages there, up to `--cache-limit`.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<Report<'static>>())]
+#[command(after_long_help = keys::json_keys::<CacheReport<'static>>())]
 pub struct Args {
     #[command(subcommand)]
-    what: Option<What>,
+    what: Option<CacheCommand>,
     /// Folder that keeps the outputs of stages between builds, or s3://BUCKET/PREFIX in programs built for it.
     #[arg(long, value_name = "DIR", default_value = Cache::FOLDER, global = true)]
     cache: PathBuf,
@@ -24,14 +24,14 @@ pub struct Args {
 }
 
 #[derive(clap::Subcommand)]
-enum What {
+enum CacheCommand {
     /// Remove every entry; files that are none stay.
     Clear,
 }
 
 /// Printed report.
 #[derive(Serialize, JsonSchema)]
-struct Report<'a> {
+struct CacheReport<'a> {
     /// The folder.
     folder: &'a Path,
     /// Number of entries; with `clear`, of the removed ones.
@@ -39,14 +39,14 @@ struct Report<'a> {
     /// Length of all entries (bytes).
     bytes: u64,
     /// Entries of each stage.
-    stages: BTreeMap<String, OfStage>,
+    stages: BTreeMap<String, StageEntries>,
     /// True if they were removed.
     cleared: bool,
 }
 
 /// The entries of a stage.
 #[derive(Default, Serialize, JsonSchema)]
-struct OfStage {
+struct StageEntries {
     /// Number of entries.
     entries: usize,
     /// Length of the entries (bytes).
@@ -55,10 +55,10 @@ struct OfStage {
     last_use_s: u64,
 }
 
-pub fn run(args: &Args) -> Outcome {
-    let (cache, now) = (Cache::at(&args.cache, Cache::LIMIT_BYTES)?, SystemTime::now());
+pub fn run(args: &Args) -> CommandResult {
+    let (cache, now) = (Cache::at_address(&args.cache, Cache::LIMIT_BYTES)?, SystemTime::now());
     let listed = cache.entries()?;
-    let mut stages = BTreeMap::<String, OfStage>::new();
+    let mut stages = BTreeMap::<String, StageEntries>::new();
     // The most recently used entry comes last.
     for entry in &listed {
         let of = stages.entry(entry.stage.clone()).or_default();
@@ -67,22 +67,22 @@ pub fn run(args: &Args) -> Outcome {
         of.last_use_s = now.duration_since(entry.used).map_or(0, |d| d.as_secs());
     }
     let (mut entries, mut bytes) = (listed.len(), listed.iter().map(|e| e.bytes).sum());
-    let cleared = matches!(args.what, Some(What::Clear));
+    let cleared = matches!(args.what, Some(CacheCommand::Clear));
     if cleared {
         (entries, bytes) = cache.clear()?;
     }
-    let report = Report { folder: &args.cache, entries, bytes, stages, cleared };
+    let report = CacheReport { folder: &args.cache, entries, bytes, stages, cleared };
     if args.json { output::json(&report) } else { print(&report) }
 }
 
-fn print(r: &Report<'_>) -> Outcome {
+fn print(r: &CacheReport<'_>) -> CommandResult {
     let sum = format!("{} entries, {}", r.entries, output::bytes(r.bytes));
     let what = if r.cleared { "removed" } else { "kept" };
     output::table(&[("cache", r.folder.display().to_string()), (what, sum)])?;
     if r.cleared || r.stages.is_empty() {
         return Ok(());
     }
-    let row = |(stage, of): (&String, &OfStage)| {
+    let row = |(stage, of): (&String, &StageEntries)| {
         let last = match of.last_use_s {
             s @ 0..120 => format!("used {s} s ago"),
             s @ 120..7200 => format!("used {} min ago", s / 60),

@@ -2,7 +2,7 @@
 
 mod task;
 
-use crate::args::{CacheArgs, Outcome};
+use crate::args::{CacheArgs, CommandResult};
 use crate::{keys, output};
 use serde::Serialize;
 use std::fmt::Write;
@@ -26,19 +26,19 @@ pub struct Args {
 
 /// Printed report. A faulty scene is refused with file, line and column instead.
 #[derive(Serialize, schemars::JsonSchema)]
-struct Checked {
+struct SceneCheckReport {
     /// The scene's name.
     scene: String,
     /// Number of characters and agents.
     characters: usize,
     /// Sizes of the tables that it is compiled to.
-    tables: Vec<Table>,
+    tables: Vec<TableSize>,
     /// Motion that actions ask for and that a bundle lacks: people stand meanwhile.
     missing_motion: Vec<String>,
 }
 
 #[derive(Serialize, schemars::JsonSchema)]
-struct Table {
+struct TableSize {
     /// Name of the table.
     name: String,
     /// Number of rows.
@@ -47,24 +47,27 @@ struct Table {
 
 /// Help on the JSON keys, for each kind of input.
 fn help() -> String {
-    [keys::section::<Checked>("JSON keys (of a scene)"), keys::section::<task::Report>("JSON keys (of a task)")]
-        .join("\n")
+    [
+        keys::json_keys_under::<SceneCheckReport>("JSON keys (of a scene)"),
+        keys::json_keys_under::<task::TaskCheckReport>("JSON keys (of a task)"),
+    ]
+    .join("\n")
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     if throng_precompute::plans::is_task(&args.scene) {
         return task::run(args);
     }
     let scene = Scene::load(&args.scene)?;
-    crate::run::ensure(&scene, &args.cache)?;
+    crate::run::ensure_scene(&scene, &args.cache)?;
     let compiled = scene.open()?;
     // Starts and goals are checked when the characters are placed.
     let sim = Simulation::new(&compiled)?;
-    let sizes = compiled.scenario().map_or_else(Vec::new, |s| s.sizes().to_vec());
-    let checked = Checked {
+    let sizes = compiled.scenario().map_or_else(Vec::new, |s| s.table_sizes().to_vec());
+    let checked = SceneCheckReport {
         scene: scene.name.clone(),
         characters: sim.num_characters(),
-        tables: sizes.into_iter().map(|(name, rows)| Table { name: name.into(), rows }).collect(),
+        tables: sizes.into_iter().map(|(name, rows)| TableSize { name: name.into(), rows }).collect(),
         missing_motion: compiled.missing_motion(),
     };
     if args.json {

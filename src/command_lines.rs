@@ -5,7 +5,7 @@ use clap::{Command, FromArgMatches};
 use std::ffi::OsString;
 
 /// Parses arguments as the program does; true if they are accepted. Refused ones need a message.
-fn try_words(parser: &mut Command, words: &[OsString]) -> bool {
+fn try_command_line(parser: &mut Command, words: &[OsString]) -> bool {
     let name = OsString::from("throng");
     // As `Cli::try_parse_from`, which would make the parser anew for each line.
     let parsed = parser.try_get_matches_from_mut(std::iter::once(&name).chain(words));
@@ -21,7 +21,7 @@ fn try_words(parser: &mut Command, words: &[OsString]) -> bool {
 /// Decodes arguments, one for each line. The bytes 1 and n stand for subcommand n of the preceding command, 2 and n for its
 /// flag n, with the rest of the line as its value, so that the fuzzer finds subcommands and flags without guessing.
 #[cfg(fuzzing)]
-fn words_of(root: &Command, data: &[u8]) -> Vec<OsString> {
+fn decode_words(root: &Command, data: &[u8]) -> Vec<OsString> {
     use std::os::unix::ffi::OsStringExt;
     let mut command = root;
     let mut words = Vec::new();
@@ -98,7 +98,7 @@ mod tests {
         let (mut parser, mut all) = (Cli::command(), Vec::new());
         lines(&parser, &[], &mut all);
         assert!(all.len() > 2000, "{} command lines", all.len());
-        let parsed = all.iter().filter(|line| try_words(&mut parser, line)).count();
+        let parsed = all.iter().filter(|line| try_command_line(&mut parser, line)).count();
         assert!(parsed > 50 && parsed < all.len() / 2, "{parsed} of {} are accepted", all.len());
     }
 }

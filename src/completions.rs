@@ -1,6 +1,6 @@
 //! `throng completions`: completions for a shell.
 
-use crate::args::Outcome;
+use crate::args::CommandResult;
 use clap::CommandFactory;
 use std::io::Write;
 
@@ -11,7 +11,7 @@ pub struct Args {
     shell: clap_complete::Shell,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let mut out = Vec::new();
     clap_complete::generate(args.shell, &mut crate::Cli::command(), "throng", &mut out);
     std::io::stdout().write_all(&out)?;

@@ -1,6 +1,6 @@
 //! `throng demo`: from synthetic motion to a crowd and its picture.
 
-use crate::args::{CrowdArgs, Outcome};
+use crate::args::{CommandResult, CrowdArgs};
 use crate::{build, keys, output, progress, run};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -14,7 +14,7 @@ use throng_precompute::{pipeline, synth};
 
 /// Synthesise motion, bake it, run 1000 characters, draw a picture.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<Report>())]
+#[command(after_long_help = keys::json_keys::<DemoReport>())]
 pub struct Args {
     /// Picture to write.
     #[arg(long, value_name = "FILE", default_value = "demo.png")]
@@ -30,7 +30,7 @@ pub struct Args {
 }
 
 #[derive(Serialize, JsonSchema)]
-struct Report {
+struct DemoReport {
     #[serde(flatten)]
     trial: TrialReport,
     /// Report of the build.
@@ -39,27 +39,27 @@ struct Report {
 
 /// Bakes the synthetic walk.
 pub fn bake(bundle: &Path) -> Result<BuildReport, Box<dyn std::error::Error>> {
-    let clips = progress::Scratch::new()?;
+    let clips = progress::ScratchFolder::new()?;
     eprintln!("synthesising motion ...");
-    synth::write(SynthSet::Walk, &SynthConfig::default(), clips.path())?;
+    synth::write_set(SynthSet::Walk, &SynthConfig::default(), clips.path())?;
     eprintln!("baking it ...");
     let mut config = BuildConfig::new("demo", vec![clips.path().to_path_buf()]);
     config.resample.mirror = true;
-    let built = pipeline::build(&config, bundle, &Cache::none(), &progress::Bar::on_interrupt(None))?;
+    let built = pipeline::build(&config, bundle, &Cache::disabled(), &progress::BuildProgressBar::on_interrupt(None))?;
     output::warnings(&built.skipped, &built.warnings);
     Ok(built)
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let built = bake(&args.bundle)?;
     eprintln!("running the crowd ...");
-    let tables = crate::args::open(&args.bundle)?;
+    let tables = crate::args::open_bundle(&args.bundle)?;
     // Farther than most targets of a run, so that many characters pass each other.
     let trial_config = TrialConfig { streams: true, distances: [7.0, 8.0], ..args.crowd.trial() };
     let (report, record) = trial::run(&tables, &trial_config)?;
-    run::draw(&tables, &trial_config, &report, &record, &args.out)?;
+    run::save_trial_picture(&tables, &trial_config, &report, &record, &args.out)?;
     if args.json {
-        return output::json(&Report { trial: report, build: built });
+        return output::json(&DemoReport { trial: report, build: built });
     }
     build::print(&built, &args.bundle.display().to_string())?;
     run::print(&report)?;

@@ -1,28 +1,28 @@
 //! `throng explain`: why an agent acted as it did, in a recorded run.
 
-use crate::args::{CacheArgs, Outcome, fail};
+use crate::args::{CacheArgs, CommandResult, fail};
 use crate::{keys, output};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
-use throng_precompute::run::Recording;
+use throng_precompute::run::RunRecording;
 use throng_runtime::base::limits;
-use throng_runtime::simulation::scenario::{Explanation, Known, Minds};
+use throng_runtime::simulation::scenario::{AgentBrains, Explanation, KnownEvent};
 
 /// Replay a run that `throng run SCENE --record FILE` has recorded, and explain what an agent did, why, and from whom it
 /// learnt of events.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<Explanation>())]
+#[command(after_long_help = keys::json_keys::<Explanation>())]
 pub struct Args {
     /// Recording.
     #[arg(value_name = "RECORDING")]
     recording: PathBuf,
     /// Number of an agent.
-    #[arg(long, value_name = "A", value_parser = limits::number::<usize>(&limits::FOLLOWED))]
+    #[arg(long, value_name = "A", value_parser = limits::number_parser::<usize>(&limits::FOLLOWED))]
     agent: Option<usize>,
     /// Simulated time; the end where absent.
-    #[arg(long, value_name = "T", value_parser = limits::number::<f64>(&limits::SECONDS))]
+    #[arg(long, value_name = "T", value_parser = limits::number_parser::<f64>(&limits::SECONDS))]
     at: Option<f64>,
     /// Name of an event: who learnt of it from whom, as a tree.
     #[arg(long, value_name = "NAME")]
@@ -36,42 +36,42 @@ pub struct Args {
 
 /// Printed report: agents that learnt of an event, and from whom.
 #[derive(Serialize)]
-struct Message {
+struct EventSpreadReport {
     event: String,
-    learnt: Vec<Learnt>,
+    learnt: Vec<InformedAgent>,
 }
 
 #[derive(Serialize)]
-struct Learnt {
+struct InformedAgent {
     agent: usize,
     #[serde(flatten)]
-    known: Known,
+    known: KnownEvent,
 }
 
-pub fn run(args: &Args) -> Outcome {
-    let recording = Recording::load(&args.recording)?;
+pub fn run(args: &Args) -> CommandResult {
+    let recording = RunRecording::load(&args.recording)?;
     let scene = recording.scene()?;
-    crate::run::ensure(&scene, &args.cache)?;
+    crate::run::ensure_scene(&scene, &args.cache)?;
     let sim = recording.replay(&scene.open()?, args.at)?;
-    let Some(minds) = sim.minds() else {
+    let Some(minds) = sim.brains() else {
         return fail("the scene says no more than goals: nobody has anything in mind");
     };
     match (&args.message, args.agent) {
-        (Some(event), _) => message(minds, event, args.json),
+        (Some(event), _) => print_event_spread(minds, event, args.json),
         (None, Some(agent)) if agent < sim.num_characters() => {
             let why = minds.explain(agent, sim.time_s());
-            if args.json { output::json(&why) } else { output::text(words(&why)) }
+            if args.json { output::json(&why) } else { output::text(explanation_text(&why)) }
         }
         (None, Some(agent)) => fail(format!("--agent {agent}: expected less than {}", sim.num_characters())),
         (None, None) => fail("expected `--agent A` or `--message NAME`"),
     }
 }
 
-fn message(minds: &Minds, event: &str, json: bool) -> Outcome {
-    let learnt = minds.message(event)?;
+fn print_event_spread(minds: &AgentBrains, event: &str, json: bool) -> CommandResult {
+    let learnt = minds.event_learners(event)?;
     if json {
-        let learnt = learnt.into_iter().map(|(agent, known)| Learnt { agent, known }).collect();
-        return output::json(&Message { event: event.into(), learnt });
+        let learnt = learnt.into_iter().map(|(agent, known)| InformedAgent { agent, known }).collect();
+        return output::json(&EventSpreadReport { event: event.into(), learnt });
     }
     let mut text = String::new();
     let mut told: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();
@@ -92,7 +92,7 @@ fn message(minds: &Minds, event: &str, json: bool) -> Outcome {
     output::text(text)
 }
 
-fn words(why: &Explanation) -> String {
+fn explanation_text(why: &Explanation) -> String {
     let mut text = format!("agent {} of {} at {:.2} s", why.agent, why.group, why.time_s);
     if !why.is_there {
         text.push_str(" is not there");

@@ -2,7 +2,7 @@
 
 mod take;
 
-use crate::args::{Outcome, ReadArgs, fail};
+use crate::args::{CommandResult, ReadArgs, fail};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use throng_precompute::annotate::hits::{self, HitPoint};
@@ -62,14 +62,14 @@ fn holds_motion(file: &Path) -> bool {
     is_motion(file) || clip_in_file(file).is_some()
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let is_take = match args.format {
         Format::PositionsCsv | Format::HitsCsv | Format::GraphJson | Format::PolicyCsv => false,
         Format::Bvh => !holds_motion(&args.file),
         _ => true,
     };
     if !is_take {
-        if let Some(given) = args.take.given() {
+        if let Some(given) = args.take.first_given_flag() {
             return fail(format!("{given} is for glb, usda, bvh, npz, amass and csv"));
         }
         files::check_targets(&args.out, [&args.file])?;
@@ -78,20 +78,20 @@ pub fn run(args: &Args) -> Outcome {
         _ if is_take => take::run(args),
         Format::HitsCsv => {
             let points = if crate::args::is_bundle(&args.file) {
-                HitPoint::of_tables(&crate::args::open(&args.file)?)
+                HitPoint::from_bundle(&crate::args::open_bundle(&args.file)?)
             } else {
                 let config = args.read.config_for(std::slice::from_ref(&args.file))?;
                 let imported = read_clip(&args.file, &config.import)?;
-                HitPoint::of_set(&pipeline::clips_of(&[imported], &config, &mut Warnings::default())?)
+                HitPoint::from_clip_set(&pipeline::clips_of(&[imported], &config, &mut Warnings::default())?)
             };
             write(args.out.as_deref(), |w| hits::write_csv(&points, w))
         }
         Format::GraphJson => {
-            let tables = crate::args::open(&args.file)?;
+            let tables = crate::args::open_bundle(&args.file)?;
             write(args.out.as_deref(), |w| graph::write_graph_json(&graph::graph_rows(&tables), w))
         }
         Format::PolicyCsv => {
-            let tables = crate::args::open(&args.file)?;
+            let tables = crate::args::open_bundle(&args.file)?;
             let name = args.behaviour.as_ref().or(tables.meta().behaviours.first());
             let Some(index) = name.and_then(|n| tables.find_policy(n).ok()) else {
                 let known = tables.meta().behaviours.join(", ");
@@ -103,7 +103,7 @@ pub fn run(args: &Args) -> Outcome {
     }
 }
 
-fn clip(args: &Args) -> Outcome {
+fn clip(args: &Args) -> CommandResult {
     if crate::args::is_bundle(&args.file) {
         return fail(format!(
             "{}: a bundle is written as glb, usda, bvh, npz, amass, csv, graph-json, policy-csv or hits-csv; positions-csv is of a motion file",
@@ -119,13 +119,13 @@ fn clip(args: &Args) -> Outcome {
         imported.clip
     };
     write(args.out.as_deref(), |w| match args.format {
-        Format::Bvh => export::bvh::write(&raw, w),
+        Format::Bvh => export::bvh::write_clip(&raw, w),
         _ => export::positions_csv(&raw, w),
     })
 }
 
 /// Writes to a file, which appears when it is complete, or to standard output.
-fn write(out: Option<&Path>, body: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Outcome {
+fn write(out: Option<&Path>, body: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> CommandResult {
     match out {
         Some(path) => Ok(files::write_atomically(path, body)?),
         None => {

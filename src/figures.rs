@@ -1,9 +1,9 @@
 //! Figures of scenes, for people.
 
-use throng_precompute::run::Figures;
+use throng_precompute::run::SceneFigures;
 
 /// What was measured of a scene or a group: labels and texts.
-pub fn figures(r: &Figures) -> Vec<(&'static str, String)> {
+pub fn figures(r: &SceneFigures) -> Vec<(&'static str, String)> {
     let mut rows = Vec::new();
     if let Some(b) = &r.blows {
         let thrown = format!("{} thrown: {:.1} % landed", b.thrown, 100.0 * b.landed_fraction);

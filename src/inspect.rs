@@ -3,7 +3,7 @@
 mod environment;
 mod scene;
 
-use crate::args::{Outcome, ReadArgs, fail, is_bundle};
+use crate::args::{CommandResult, ReadArgs, fail, is_bundle};
 use crate::{keys, output, progress};
 use std::path::PathBuf;
 use throng_precompute::inspect::{self, BundleReport, ClipReport, FolderReport, hit_picture};
@@ -42,15 +42,15 @@ pub struct Args {
 
 /// Help on the JSON keys, for each kind of input.
 fn help() -> String {
-    let clip = keys::section::<ClipReport>("JSON keys (of a motion file)");
-    let bundle = keys::section::<BundleReport>("JSON keys (of a bundle)");
+    let clip = keys::json_keys_under::<ClipReport>("JSON keys (of a motion file)");
+    let bundle = keys::json_keys_under::<BundleReport>("JSON keys (of a bundle)");
     let with = "JSON keys (with --environment-out or --environment-png)";
-    let folder = keys::section::<FolderReport>("JSON keys (of several motion files or a folder)");
-    let scene = keys::section::<scene::Report>("JSON keys (with --scene)");
-    [clip, folder, bundle, scene, keys::section::<environment::Report<'static>>(with)].join("\n")
+    let folder = keys::json_keys_under::<FolderReport>("JSON keys (of several motion files or a folder)");
+    let scene = keys::json_keys_under::<scene::SceneCollisionReport>("JSON keys (with --scene)");
+    [clip, folder, bundle, scene, keys::json_keys_under::<environment::EnvironmentReport<'static>>(with)].join("\n")
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     if let Some(task) = &args.scene {
         return scene::run(args, task);
     }
@@ -64,33 +64,34 @@ pub fn run(args: &Args) -> Outcome {
     let is_one = |p: &PathBuf| is_bundle(p) || is_clip(p);
     let file = match args.files.as_slice() {
         [file] if !file.exists() || is_one(file) => file,
-        _ => return many(args),
+        _ => return inspect_many(args),
     };
     let stem = file.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     let title = format!("{stem}: effective hitting points");
     if crate::args::is_bundle(file) {
-        let tables = crate::args::open(file)?;
+        let tables = crate::args::open_bundle(file)?;
         if let Some(path) = &args.hits_png {
-            hit_picture::of_tables(&tables, &title).save_png(path)?;
+            hit_picture::bundle_hit_picture(&tables, &title).save_png(path)?;
         }
         return print(args, &BundleReport::new(file, &tables));
     }
     let inspected = inspect::inspect_clip(file, &args.read.config_for(&args.files)?)?;
     if let Some(path) = &args.hits_png {
-        hit_picture::of_set(&inspected.clips, &title).save_png(path)?;
+        hit_picture::clip_hit_picture(&inspected.clips, &title).save_png(path)?;
     }
     print(args, &inspected.report)
 }
 
 /// Inspects several files, or those of a folder.
-fn many(args: &Args) -> Outcome {
+fn inspect_many(args: &Args) -> CommandResult {
     if args.hits_png.is_some() {
         return fail("--hits-png is for one clip or bundle");
     }
     if let Some(bundle) = args.files.iter().find(|f| is_bundle(f)) {
         return fail(format!("{}: expected a bundle alone, or motion alone", bundle.display()));
     }
-    let report = inspect::inspect_all(&args.files, &args.read.config_for(&args.files)?, &progress::Bar::default())?;
+    let report =
+        inspect::inspect_all(&args.files, &args.read.config_for(&args.files)?, &progress::BuildProgressBar::default())?;
     print(args, &report)?;
     match report.files.iter().all(|f| f.verdict == "skipped") {
         true => fail(format!("none of {} file(s) can be read: a build would make nothing of them", report.files.len())),
@@ -98,7 +99,7 @@ fn many(args: &Args) -> Outcome {
     }
 }
 
-fn print(args: &Args, report: &(impl serde::Serialize + std::fmt::Display)) -> Outcome {
+fn print(args: &Args, report: &(impl serde::Serialize + std::fmt::Display)) -> CommandResult {
     if args.json {
         return output::json(report);
     }

@@ -41,11 +41,11 @@ use throng_runtime::base::limit_threads;
 #[command(name = "throng", version, after_help = args::AFTER_HELP)]
 struct Cli {
     #[command(subcommand)]
-    command: Option<Command>,
+    command: Option<MainCommand>,
 }
 
 #[derive(Subcommand)]
-enum Command {
+enum MainCommand {
     Demo(demo::Args),
     Synth(synth::Args),
     Build(build::Args),
@@ -71,43 +71,43 @@ fn main() -> ExitCode {
     limit_threads();
     let cli = Cli::parse();
     let Some(command) = cli.command else {
-        return ended(output::text(args::FIRST_STEPS));
+        return exit_code(output::text(args::FIRST_STEPS));
     };
     let done = match command {
-        Command::Demo(a) => demo::run(&a),
-        Command::Synth(a) => synth::run(&a),
-        Command::Build(a) => build::run(&a),
-        Command::Bake(a) => bake::run(&a),
-        Command::Inspect(a) => inspect::run(&a),
-        Command::Verify(a) => verify::run(&a),
-        Command::Query(a) => query::run(&a),
-        Command::Stitch(a) => stitch::run(&a),
-        Command::Check(a) => check::run(&a),
-        Command::Run(a) => run::run(&a),
-        Command::Explain(a) => explain::run(&a),
-        Command::Plan(a) => plan::run(&a),
-        Command::Bench(a) => bench::run(&a),
-        Command::Export(a) => export::run(&a),
+        MainCommand::Demo(a) => demo::run(&a),
+        MainCommand::Synth(a) => synth::run(&a),
+        MainCommand::Build(a) => build::run(&a),
+        MainCommand::Bake(a) => bake::run(&a),
+        MainCommand::Inspect(a) => inspect::run(&a),
+        MainCommand::Verify(a) => verify::run(&a),
+        MainCommand::Query(a) => query::run(&a),
+        MainCommand::Stitch(a) => stitch::run(&a),
+        MainCommand::Check(a) => check::run(&a),
+        MainCommand::Run(a) => run::run(&a),
+        MainCommand::Explain(a) => explain::run(&a),
+        MainCommand::Plan(a) => plan::run(&a),
+        MainCommand::Bench(a) => bench::run(&a),
+        MainCommand::Export(a) => export::run(&a),
         // The viewer prints its own errors; its exit code is passed on.
-        Command::View(a) => match view::run(&a) {
+        MainCommand::View(a) => match view::run(&a) {
             Ok(code) => return code,
             Err(e) => Err(e),
         },
-        Command::Selftest(a) => selftest::run(&a),
-        Command::Schema(a) => schema::run(&a),
-        Command::Cache(a) => cache::run(&a),
-        Command::Completions(a) => completions::run(&a),
+        MainCommand::Selftest(a) => selftest::run(&a),
+        MainCommand::Schema(a) => schema::run(&a),
+        MainCommand::Cache(a) => cache::run(&a),
+        MainCommand::Completions(a) => completions::run(&a),
     };
-    ended(done)
+    exit_code(done)
 }
 
 /// Prints an error, and gives the exit code.
-fn ended(done: args::Outcome) -> ExitCode {
+fn exit_code(done: args::CommandResult) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) if output::is_broken_pipe(e.as_ref()) => ExitCode::SUCCESS,
         Err(e) => {
-            output::tell(format_args!("error: {e}"));
+            output::print_to_stderr(format_args!("error: {e}"));
             ExitCode::FAILURE
         }
     }

@@ -2,28 +2,29 @@
 
 use serde::Serialize;
 use std::io::Write;
-use throng_runtime::base::text::{plain, plain_json};
+use throng_runtime::base::text::{escape_for_terminal, escape_json_for_terminal};
 
 /// Prints one JSON object on standard output, without control characters for a terminal.
 pub fn json(value: &impl Serialize) -> Result<(), Box<dyn std::error::Error>> {
-    writeln!(std::io::stdout().lock(), "{}", plain_json(&serde_json::to_string_pretty(value)?))?;
+    writeln!(std::io::stdout().lock(), "{}", escape_json_for_terminal(&serde_json::to_string_pretty(value)?))?;
     Ok(())
 }
 
 /// Prints text, without control characters for a terminal. Unlike `print!`, a closed output is an error here, not a panic.
 pub fn text(text: impl std::fmt::Display) -> Result<(), Box<dyn std::error::Error>> {
-    write!(std::io::stdout().lock(), "{}", plain(&text.to_string()))?;
+    write!(std::io::stdout().lock(), "{}", escape_for_terminal(&text.to_string()))?;
     Ok(())
 }
 
 /// Prints a line on standard error, without control characters for a terminal.
-pub fn tell(line: impl std::fmt::Display) {
-    eprintln!("{}", plain(&line.to_string()));
+pub fn print_to_stderr(line: impl std::fmt::Display) {
+    eprintln!("{}", escape_for_terminal(&line.to_string()));
 }
 
 /// Prints lines of a label and a text, aligned.
 pub fn table(rows: &[(&str, String)]) -> Result<(), Box<dyn std::error::Error>> {
-    let rows: Vec<_> = rows.iter().map(|(label, text)| (plain(label), plain(text))).collect();
+    let rows: Vec<_> =
+        rows.iter().map(|(label, text)| (escape_for_terminal(label), escape_for_terminal(text))).collect();
     let width = rows.iter().map(|r| r.0.chars().count()).max().unwrap_or(0);
     let mut out = std::io::stdout().lock();
     for (label, text) in rows {
@@ -37,7 +38,7 @@ pub fn columns<'a>(
     heading: [&'a str; 3],
     rows: impl Iterator<Item = [&'a str; 3]>,
 ) -> Result<(), Box<dyn std::error::Error>> {
-    let rows: Vec<_> = std::iter::once(heading).chain(rows).map(|row| row.map(plain)).collect();
+    let rows: Vec<_> = std::iter::once(heading).chain(rows).map(|row| row.map(escape_for_terminal)).collect();
     let width = |column: usize| rows.iter().map(|r| r[column].chars().count()).max().unwrap_or(0);
     let (first, second) = (width(0), width(1));
     let mut out = std::io::stdout().lock();
@@ -50,10 +51,10 @@ pub fn columns<'a>(
 /// Prints warnings and skipped files on standard error.
 pub fn warnings(skipped: &[String], warnings: &[String]) {
     for w in warnings {
-        tell(format_args!("warning: {w}"));
+        print_to_stderr(format_args!("warning: {w}"));
     }
     for s in skipped {
-        tell(format_args!("skipped: {s}"));
+        print_to_stderr(format_args!("skipped: {s}"));
     }
     if !skipped.is_empty() {
         eprintln!("{} file(s) skipped; --strict stops at the first", skipped.len());

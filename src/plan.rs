@@ -2,10 +2,10 @@
 
 mod strip;
 
-use crate::args::{CacheArgs, Outcome, ReadArgs, fail};
+use crate::args::{CacheArgs, CommandResult, ReadArgs, fail};
 use crate::{keys, output};
 use std::path::PathBuf;
-use throng_planner::task::{Task, Watch};
+use throng_planner::task::{RunOptions, Task};
 use throng_precompute::files;
 use throng_precompute::plans::{self, PlanReport};
 use throng_runtime::base::limits;
@@ -18,7 +18,7 @@ use throng_runtime::base::limits;
 /// changed to CLIP.NAME.bvh. Nothing is written unless every task is solved, or --partial is given, and an independent check
 /// finds no fault.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<PlanReport>())]
+#[command(after_long_help = keys::json_keys::<PlanReport>())]
 pub struct Args {
     /// Task file, see `throng schema --of task`.
     #[arg(value_name = "TASK")]
@@ -30,7 +30,7 @@ pub struct Args {
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100))]
     variants: u64,
     /// Seed in place of the task's: same seed, same motion.
-    #[arg(long, allow_negative_numbers = true, value_parser = limits::number::<u64>(&limits::SEED))]
+    #[arg(long, allow_negative_numbers = true, value_parser = limits::number_parser::<u64>(&limits::SEED))]
     seed: Option<u64>,
     /// Draw moments before and after, seen from two sides (PNG); of an unsolved task, too.
     #[arg(long, value_name = "FILE")]
@@ -47,17 +47,18 @@ pub struct Args {
     json: bool,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     if !args.out.extension().is_some_and(|e| e.eq_ignore_ascii_case("bvh")) {
         return fail(format!("{}: expected a name that ends with .bvh", args.out.display()));
     }
     files::check_targets(args.png.iter().chain([&args.out]), [&args.task])?;
     let task = Task::read(&args.task)?;
     let config = args.read.config()?;
-    let sources = crate::run::with(&args.cache, |with| plans::sources(&task, &config, None, with))??;
-    let (task, clips) = sources.staged(task, args.seed)?;
-    let found = plans::variants(&task, &clips, args.variants, &Watch { seed: args.seed, ..Watch::default() })?;
-    let Some(mut report) = plans::report(&task, &found) else { return fail("no motion was made") };
+    let sources = crate::run::with_build_context(&args.cache, |with| plans::load_sources(&task, &config, None, with))??;
+    let (task, clips) = sources.stage_task(task, args.seed)?;
+    let found =
+        plans::variants(&task, &clips, args.variants, &RunOptions { seed: args.seed, ..RunOptions::default() })?;
+    let Some(mut report) = plans::plan_report(&task, &found) else { return fail("no motion was made") };
     if let Some(png) = &args.png {
         let title = args.task.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         strip::draw(&task, &clips, &found[0].1, &title).save_png(png)?;
@@ -66,7 +67,7 @@ pub fn run(args: &Args) -> Outcome {
     let fault = faults.map(|v| format!("the check found at {:.3} s: {}", v.time_s, v.what)).next();
     if (report.solved || args.partial) && fault.is_none() {
         for (i, (_, outcome)) in found.iter().enumerate() {
-            report.files.extend(plans::write(&task, &clips, outcome, &args.out, i)?);
+            report.files.extend(plans::write_plan(&task, &clips, outcome, &args.out, i)?);
         }
     }
     if args.json {
@@ -77,20 +78,20 @@ pub fn run(args: &Args) -> Outcome {
     if let Some(fault) = fault {
         return fail(format!("{fault}; nothing was written. Try another --seed, or a larger clearance_m"));
     }
-    let Some(why) = report.tasks.iter().find(|t| !t.solved) else { return few(found.len(), args) };
+    let Some(why) = report.tasks.iter().find(|t| !t.solved) else { return warn_of_few(found.len(), args) };
     let written = if args.partial { "the rest was written" } else { "nothing was written (--partial writes the rest)" };
     fail(format!("{}: {}; {written}", why.name, why.why.as_deref().unwrap_or_default()))
 }
 
-fn few(found: usize, args: &Args) -> Outcome {
+fn warn_of_few(found: usize, args: &Args) -> CommandResult {
     if (found as u64) < args.variants {
-        let (n, tried) = (args.variants, args.variants * plans::SEEDS_EACH);
+        let (n, tried) = (args.variants, args.variants * plans::SEEDS_PER_VARIANT);
         eprintln!("warning: {found} of {n} motions: others of {tried} seeds are the same, or not solved");
     }
     Ok(())
 }
 
-fn print(r: &PlanReport) -> Outcome {
+fn print(r: &PlanReport) -> CommandResult {
     let mut rows: Vec<(&str, String)> = Vec::new();
     for t in &r.tasks {
         rows.push((

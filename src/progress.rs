@@ -8,20 +8,20 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 use tempfile::TempDir;
-use throng_precompute::progress::{Progress, Status};
+use throng_precompute::progress::{BuildStatus, Progress};
 
 /// Time between lines if standard error is no terminal.
-const EVERY: Duration = Duration::from_secs(5);
+const LINE_PERIOD: Duration = Duration::from_secs(5);
 /// Exit code of a program that was interrupted, as shells have it.
 const INTERRUPTED: i32 = 130;
 
-/// Existing folders of [`Scratch`].
-static FOLDERS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+/// Existing folders of [`ScratchFolder`].
+static SCRATCH_FOLDERS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// A temporary folder that is removed when the command ends, also by Ctrl+C.
-pub struct Scratch(TempDir);
+pub struct ScratchFolder(TempDir);
 
-impl Scratch {
+impl ScratchFolder {
     pub fn new() -> std::io::Result<Self> {
         let folder = tempfile::tempdir().map_err(|e| {
             let why = format!(
@@ -29,7 +29,7 @@ impl Scratch {
             );
             std::io::Error::new(e.kind(), why)
         })?;
-        lock(&FOLDERS).push(folder.path().to_path_buf());
+        lock(&SCRATCH_FOLDERS).push(folder.path().to_path_buf());
         Ok(Self(folder))
     }
 
@@ -38,55 +38,55 @@ impl Scratch {
     }
 }
 
-impl Drop for Scratch {
+impl Drop for ScratchFolder {
     fn drop(&mut self) {
-        lock(&FOLDERS).retain(|folder| folder != self.0.path());
+        lock(&SCRATCH_FOLDERS).retain(|folder| folder != self.0.path());
     }
 }
 
 /// Flag that Ctrl+C sets for runs that then end by themselves.
-static STOP: OnceLock<AtomicBool> = OnceLock::new();
+static STOP_REQUESTED: OnceLock<AtomicBool> = OnceLock::new();
 
 /// From now on, Ctrl+C does not end the program but sets the returned flag.
 pub fn stop_on_interrupt() -> &'static AtomicBool {
-    let stop = STOP.get_or_init(AtomicBool::default);
+    let stop = STOP_REQUESTED.get_or_init(AtomicBool::default);
     // Refused if a build has set its own handler, which honours the flag.
     _ = ctrlc::set_handler(move || stop.store(true, Ordering::Relaxed));
     stop
 }
 
 /// Shows the progress of a build on standard error.
-pub struct Bar {
+pub struct BuildProgressBar {
     bar: Mutex<Option<ProgressBar>>,
-    now: Arc<Mutex<Now>>,
+    now: Arc<Mutex<BuildState>>,
     is_terminal: bool,
 }
 
 /// State of a build.
 #[derive(Debug, Default)]
-struct Now {
-    status: Status,
+struct BuildState {
+    status: BuildStatus,
     /// True if the build has ended.
     is_over: bool,
 }
 
-impl Drop for Bar {
+impl Drop for BuildProgressBar {
     fn drop(&mut self) {
         lock(&self.now).is_over = true;
     }
 }
 
-impl Default for Bar {
+impl Default for BuildProgressBar {
     fn default() -> Self {
-        let (now, is_terminal) = (Arc::<Mutex<Now>>::default(), std::io::stderr().is_terminal());
+        let (now, is_terminal) = (Arc::<Mutex<BuildState>>::default(), std::io::stderr().is_terminal());
         if !is_terminal {
             let watched = Arc::downgrade(&now);
             std::thread::spawn(move || {
                 loop {
-                    std::thread::sleep(EVERY);
+                    std::thread::sleep(LINE_PERIOD);
                     let Some(now) = watched.upgrade() else { return };
-                    if let Some(line) = lock(&now).status.line() {
-                        output::tell(line);
+                    if let Some(line) = lock(&now).status.status_line() {
+                        output::print_to_stderr(line);
                     }
                 }
             });
@@ -95,7 +95,7 @@ impl Default for Bar {
     }
 }
 
-impl Bar {
+impl BuildProgressBar {
     /// A bar that on Ctrl+C prints what is kept and how to go on, and ends the program.
     ///
     /// - `cache`: folder of the cache; none if nothing is kept.
@@ -104,20 +104,23 @@ impl Bar {
         let now = Arc::clone(&bar.now);
         // If the signal cannot be caught, the program ends without a message.
         _ = ctrlc::set_handler(move || {
-            if let Some(stop) = STOP.get() {
+            if let Some(stop) = STOP_REQUESTED.get() {
                 return stop.store(true, Ordering::Relaxed);
             }
             let now = lock(&now);
             if !now.is_over {
-                output::tell(format_args!("\n{}", now.status.farewell(cache.as_deref(), "the same command")));
+                output::print_to_stderr(format_args!(
+                    "\n{}",
+                    now.status.interruption_text(cache.as_deref(), "the same command")
+                ));
             }
-            lock(&FOLDERS).iter().for_each(|folder| _ = std::fs::remove_dir_all(folder));
+            lock(&SCRATCH_FOLDERS).iter().for_each(|folder| _ = std::fs::remove_dir_all(folder));
             std::process::exit(INTERRUPTED);
         });
         bar
     }
 
-    fn with(&self, f: impl FnOnce(&mut Option<ProgressBar>)) {
+    fn with_bar(&self, f: impl FnOnce(&mut Option<ProgressBar>)) {
         f(&mut lock(&self.bar));
     }
 }
@@ -126,7 +129,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Progress for Bar {
+impl Progress for BuildProgressBar {
     fn begin(&self, stage: &'static str, total: u64, unit: &'static str) {
         lock(&self.now).status.begin(stage, total, unit);
         if !self.is_terminal {
@@ -139,24 +142,24 @@ impl Progress for Bar {
         };
         let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
         let bar = if total > 0 { ProgressBar::new(total) } else { ProgressBar::no_length() };
-        self.with(|b| *b = Some(bar.with_style(style.progress_chars("=> ")).with_prefix(stage)));
+        self.with_bar(|b| *b = Some(bar.with_style(style.progress_chars("=> ")).with_prefix(stage)));
     }
 
     fn advance(&self, done: u64) {
         lock(&self.now).status.advance(done);
-        self.with(|b| b.iter().for_each(|b| b.inc(done)));
+        self.with_bar(|b| b.iter().for_each(|b| b.inc(done)));
     }
 
     fn end(&self) {
         lock(&self.now).status.end();
-        self.with(|b| b.take().iter().for_each(ProgressBar::finish_and_clear));
+        self.with_bar(|b| b.take().iter().for_each(ProgressBar::finish_and_clear));
     }
 
-    fn comes_to(&self, stage: &'static str) {
-        lock(&self.now).status.comes_to(stage);
+    fn enter_stage(&self, stage: &'static str) {
+        lock(&self.now).status.enter_stage(stage);
     }
 
-    fn kept(&self, stage: &'static str) {
+    fn stage_kept(&self, stage: &'static str) {
         lock(&self.now).status.keep(stage);
     }
 }

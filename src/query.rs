@@ -3,24 +3,24 @@
 mod action;
 mod path;
 
-use crate::args::Outcome;
+use crate::args::CommandResult;
 
 /// Ask a policy for an action, or plan a path through a world.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]
-    what: What,
+    what: QueryCommand,
 }
 
 #[derive(clap::Subcommand)]
-enum What {
+enum QueryCommand {
     Action(action::Args),
     Path(path::Args),
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     match &args.what {
-        What::Action(a) => action::run(a),
-        What::Path(a) => path::run(a),
+        QueryCommand::Action(a) => action::run(a),
+        QueryCommand::Path(a) => path::run(a),
     }
 }

@@ -1,6 +1,6 @@
 //! `throng run`: a scene, or characters on a bundle.
 
-use crate::args::{CacheArgs, CrowdArgs, Outcome, fail, is_bundle, is_toml, named_engine};
+use crate::args::{CacheArgs, CommandResult, CrowdArgs, fail, is_bundle, is_toml, named_engine};
 use crate::figures::figures;
 use crate::{keys, output, progress};
 use schemars::JsonSchema;
@@ -10,14 +10,14 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use throng_precompute::error::BuildError;
 use throng_precompute::files;
-use throng_precompute::live::{LiveConfig, LiveReport, Server};
+use throng_precompute::live::{LiveConfig, LiveReport, SceneServer};
 use throng_precompute::picture;
-use throng_precompute::run::{self, Cached, RunConfig, SceneReport, TrajectoryPoint};
+use throng_precompute::run::{self, BuildContext, SceneReport, SceneRunConfig, TrajectoryPoint};
 use throng_precompute::trial::{self, TrialConfig, TrialRecord, TrialReport};
 use throng_precompute::verdict::Verdict;
 use throng_runtime::Bundle;
 use throng_runtime::base::limits;
-use throng_runtime::simulation::{CompiledScene, Motion, Scene};
+use throng_runtime::simulation::{CompiledScene, GroupMotion, Scene};
 
 /// Run a scene, or characters on a bundle that each chase a target of their own, and measure them.
 #[derive(clap::Args)]
@@ -76,7 +76,7 @@ struct LiveArgs {
         requires = "serve",
         default_value_t = 1.0,
         allow_negative_numbers = true,
-        value_parser = limits::number::<f64>(&limits::LIVE_SPEED)
+        value_parser = limits::number_parser::<f64>(&limits::LIVE_SPEED)
     )]
     speed: f64,
 }
@@ -85,19 +85,20 @@ struct LiveArgs {
 fn help() -> String {
     let scene =
         "JSON keys (of a scene; those that do not apply are left out, and `groups[]` has the same of each group)";
-    [keys::section::<Report>("JSON keys (of a bundle)"), keys::section::<SceneReport>(scene)].join("\n")
+    [keys::json_keys_under::<BundleRunReport>("JSON keys (of a bundle)"), keys::json_keys_under::<SceneReport>(scene)]
+        .join("\n")
 }
 
 /// Printed report of a bundle.
 #[derive(Serialize, JsonSchema)]
-struct Report {
+struct BundleRunReport {
     #[serde(flatten)]
     trial: TrialReport,
     /// Verdict on the trial.
     verdict: Verdict,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let files = [&args.png, &args.trajectories, &args.record];
     files::check_targets(files.into_iter().flatten(), args.what.iter().chain(&args.bundle))?;
     let is_single = |p: &PathBuf| is_toml(p) || is_bundle(p);
@@ -119,7 +120,7 @@ pub fn run(args: &Args) -> Outcome {
         );
     }
     let tables = match args.what.as_slice() {
-        [bundle] if is_bundle(bundle) => crate::args::open(bundle)?,
+        [bundle] if is_bundle(bundle) => crate::args::open_bundle(bundle)?,
         motion => motion_bundle(motion, &args.cache)?,
     };
     let mut config = args.crowd.trial();
@@ -127,27 +128,27 @@ pub fn run(args: &Args) -> Outcome {
     config.recorded = config.recorded.filter(|&c| args.png.is_some() || c >= config.characters);
     let (report, record) = trial::run(&tables, &config)?;
     if let Some(png) = &args.png {
-        draw(&tables, &config, &report, &record, png)?;
+        save_trial_picture(&tables, &config, &report, &record, png)?;
     }
     let verdict = Verdict::new(&tables, &report, &[]);
     if args.json {
-        return output::json(&Report { trial: report, verdict });
+        return output::json(&BundleRunReport { trial: report, verdict });
     }
     print(&report)?;
-    output::text(format!("\n{}", words(&verdict)))
+    output::text(format!("\n{}", verdict_text(&verdict)))
 }
 
 /// Opens the bundle of some motion, which is built into the cache if it is not there yet.
 pub fn motion_bundle(motion: &[PathBuf], cache: &CacheArgs) -> Result<Bundle, Box<dyn std::error::Error>> {
-    let folder = progress::Scratch::new()?;
+    let folder = progress::ScratchFolder::new()?;
     let otherwise = folder.path().join("motion.throng");
-    let bundle = with(cache, |with| run::ensure_motion(motion, &otherwise, with))??;
+    let bundle = with_build_context(cache, |with| run::ensure_motion(motion, &otherwise, with))??;
     // Read, not mapped: without a cache, the file goes with its folder.
-    crate::args::open(&bundle)
+    crate::args::open_bundle(&bundle)
 }
 
 /// A verdict as text.
-pub fn words(verdict: &Verdict) -> String {
+pub fn verdict_text(verdict: &Verdict) -> String {
     let mut text = format!("verdict  {}.\n", verdict.sentences.join(";\n         "));
     for advice in &verdict.advice {
         _ = writeln!(text, "advice   {advice}.");
@@ -155,22 +156,22 @@ pub fn words(verdict: &Verdict) -> String {
     text
 }
 
-fn run_scene(file: &Path, args: &Args) -> Outcome {
+fn run_scene(file: &Path, args: &Args) -> CommandResult {
     let mut scene = Scene::load(file)?;
-    change(&mut scene, args)?;
+    override_scene(&mut scene, args)?;
     scene.check()?;
-    ensure(&scene, &args.cache)?;
+    ensure_scene(&scene, &args.cache)?;
     let compiled = scene.open()?;
     if let Some(address) = args.live.serve {
         return serve(&compiled, address, args);
     }
-    let config = RunConfig {
+    let config = SceneRunConfig {
         seconds: args.crowd.seconds().map(f64::from),
         step_hz: args.crowd.step_hz(),
         recorded: args.png.is_some(),
         trajectories: args.trajectories.is_some(),
     };
-    let mut recording = args.record.as_ref().map(|_| run::Recording::new(&compiled, config.step_hz)).transpose()?;
+    let mut recording = args.record.as_ref().map(|_| run::RunRecording::new(&compiled, config.step_hz)).transpose()?;
     let (report, record, sim) = run::run_recorded(&compiled, &config, recording.as_mut())?;
     if let (Some(file), Some(recording)) = (&args.record, &recording) {
         files::write_atomically(file, |out| out.write_all(&recording.bytes()))?;
@@ -182,24 +183,25 @@ fn run_scene(file: &Path, args: &Args) -> Outcome {
         write_trajectories(&record.trajectories, file)?;
     }
     for (time_s, character, what) in record.faults.iter().take(5) {
-        output::tell(format_args!("at {time_s:.1} s, character {character}: {what}"));
+        output::print_to_stderr(format_args!("at {time_s:.1} s, character {character}: {what}"));
     }
     if args.json { output::json(&report) } else { print_scene(&report) }
 }
 
 /// Runs a scene for programs that show it.
-fn serve(scene: &CompiledScene, address: SocketAddr, args: &Args) -> Outcome {
-    let server = Server::bind(address, args.live.serve_anyone)?;
+fn serve(scene: &CompiledScene, address: SocketAddr, args: &Args) -> CommandResult {
+    let server = SceneServer::bind(address, args.live.serve_anyone)?;
     let (name, at) = (&scene.scene().name, server.address()?);
     output::text(format!("{name}: served at {at}; it begins when somebody connects. Ctrl+C ends it.\n"))?;
     let (seconds, step_hz) = (args.crowd.seconds().map(f64::from), args.crowd.step_hz());
     let config = LiveConfig { seconds, step_hz, speed: args.live.speed };
-    let LiveReport { frames, clients, missed } = server.serve(scene, &config, progress::stop_on_interrupt())?;
+    let LiveReport { frames, clients, missed_frames: missed } =
+        server.serve(scene, &config, progress::stop_on_interrupt())?;
     output::text(format!("{frames} frames for {clients} client(s), who missed {missed}\n"))
 }
 
 /// Writes trajectories of agents as CSV.
-fn write_trajectories(points: &[TrajectoryPoint], file: &Path) -> Outcome {
+fn write_trajectories(points: &[TrajectoryPoint], file: &Path) -> CommandResult {
     if points.is_empty() {
         return fail("--trajectories is for scenes with agents");
     }
@@ -212,8 +214,8 @@ fn write_trajectories(points: &[TrajectoryPoint], file: &Path) -> Outcome {
 }
 
 /// Overrides settings of a scene by the given options.
-fn change(scene: &mut Scene, args: &Args) -> Outcome {
-    args.crowd.change(scene)?;
+fn override_scene(scene: &mut Scene, args: &Args) -> CommandResult {
+    args.crowd.override_scene(scene)?;
     if let Some(name) = &args.engine {
         if !scene.groups.iter().any(|g| g.is_of_agents()) {
             return fail("--engine is for scenes with agents");
@@ -229,7 +231,7 @@ fn change(scene: &mut Scene, args: &Args) -> Outcome {
         scene.groups.iter_mut().for_each(|g| g.behaviours.retain(|b| b.name != *name));
     }
     if let Some(bundle) = &args.bundle {
-        if scene.groups.iter().all(|g| g.motion == Motion::None) {
+        if scene.groups.iter().all(|g| g.motion == GroupMotion::None) {
             return fail("--bundle: the scene has no group with a bundle that it could replace");
         }
         scene.set_bundle(bundle);
@@ -238,23 +240,23 @@ fn change(scene: &mut Scene, args: &Args) -> Outcome {
 }
 
 /// Builds and stitches what a scene names and is missing.
-pub fn ensure(scene: &Scene, cache: &CacheArgs) -> Outcome {
-    Ok(with(cache, |with| run::ensure(scene, with))??)
+pub fn ensure_scene(scene: &Scene, cache: &CacheArgs) -> CommandResult {
+    Ok(with_build_context(cache, |with| run::ensure_scene(scene, with))??)
 }
 
 /// Builds a bundle if it is missing.
-pub fn make_bundle(bundle: &Path, config: Option<&Path>, cache: &CacheArgs) -> Outcome {
-    Ok(with(cache, |with| run::ensure_bundle(bundle, config, with))??)
+pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, cache: &CacheArgs) -> CommandResult {
+    Ok(with_build_context(cache, |with| run::ensure_bundle(bundle, config, with))??)
 }
 
 /// Calls `make` with the cache, a progress bar, and messages on standard error.
-pub fn with<T>(cache: &CacheArgs, make: impl FnOnce(&Cached<'_>) -> T) -> Result<T, BuildError> {
-    let (cache, progress) = (cache.cache()?, progress::Bar::on_interrupt(cache.folder()));
-    Ok(make(&Cached { cache: &cache, progress: &progress, tell: &|news| output::tell(news) }))
+pub fn with_build_context<T>(cache: &CacheArgs, make: impl FnOnce(&BuildContext<'_>) -> T) -> Result<T, BuildError> {
+    let (cache, progress) = (cache.cache()?, progress::BuildProgressBar::on_interrupt(cache.folder()));
+    Ok(make(&BuildContext { cache: &cache, progress: &progress, report_news: &|news| output::print_to_stderr(news) }))
 }
 
 /// Prints the report of a scene as text.
-fn print_scene(r: &SceneReport) -> Outcome {
+fn print_scene(r: &SceneReport) -> CommandResult {
     let who = r.total.characters.map(|n| format!("{n} character(s)"));
     let agents = r.total.agents.map(|n| format!("{n} agent(s)"));
     let all: Vec<String> = who.into_iter().chain(agents).collect();
@@ -271,13 +273,19 @@ fn print_scene(r: &SceneReport) -> Outcome {
 }
 
 /// Writes the picture of a trial.
-pub fn draw(tables: &Bundle, config: &TrialConfig, report: &TrialReport, record: &TrialRecord, path: &Path) -> Outcome {
+pub fn save_trial_picture(
+    tables: &Bundle,
+    config: &TrialConfig,
+    report: &TrialReport,
+    record: &TrialRecord,
+    path: &Path,
+) -> CommandResult {
     throng_precompute::picture::trial_sheet(tables, config, report, record).save_png(path)?;
     Ok(())
 }
 
 /// Prints the report of a trial as text.
-pub fn print(r: &TrialReport) -> Outcome {
+pub fn print(r: &TrialReport) -> CommandResult {
     output::table(&[
         ("crowd", format!("{} characters, {:.0} s", r.characters, r.simulated_s)),
         (

@@ -1,6 +1,6 @@
 //! `throng schema`: schemas of input files.
 
-use crate::args::Outcome;
+use crate::args::CommandResult;
 use crate::output;
 use throng_planner::task::Task;
 use throng_precompute::config::BuildConfig;
@@ -10,13 +10,13 @@ use throng_precompute::run::scene_schema;
 #[derive(clap::Args)]
 pub struct Args {
     /// Kind of files.
-    #[arg(long, value_enum, default_value_t = Of::Config)]
-    of: Of,
+    #[arg(long, value_enum, default_value_t = SchemaKind::Config)]
+    of: SchemaKind,
 }
 
 /// Files with a schema.
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Of {
+enum SchemaKind {
     /// Configs of bundles, see `throng build`.
     Config,
     /// Scenes, see `throng run`.
@@ -25,10 +25,10 @@ enum Of {
     Task,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     match args.of {
-        Of::Config => output::json(&BuildConfig::json_schema()),
-        Of::Scene => output::json(&scene_schema()),
-        Of::Task => output::json(&Task::json_schema()),
+        SchemaKind::Config => output::json(&BuildConfig::json_schema()),
+        SchemaKind::Scene => output::json(&scene_schema()),
+        SchemaKind::Task => output::json(&Task::json_schema()),
     }
 }

@@ -1,13 +1,13 @@
 //! `throng selftest`: a short self-test on this machine.
 
-use crate::args::{CacheArgs, Outcome, fail};
+use crate::args::{CacheArgs, CommandResult, fail};
 use crate::{keys, output, progress};
 use throng_checks::selftest::{self, SelftestConfig, SelftestReport};
 
 /// Check this build on this machine in about a minute: equal bytes and states at any number of threads, damaged input,
 /// a short soak.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<SelftestReport>())]
+#[command(after_long_help = keys::json_keys::<SelftestReport>())]
 pub struct Args {
     /// Mutants of good files for every reader.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
@@ -22,10 +22,10 @@ pub struct Args {
     json: bool,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let config = SelftestConfig { mutants: args.mutants, seed: args.seed, ..SelftestConfig::default() };
-    let folder = progress::Scratch::new()?;
-    let report = crate::run::with(&args.cache, |with| selftest::selftest(&config, folder.path(), with))?;
+    let folder = progress::ScratchFolder::new()?;
+    let report = crate::run::with_build_context(&args.cache, |with| selftest::selftest(&config, folder.path(), with))?;
     if args.json {
         output::json(&report)?;
     } else {

@@ -1,19 +1,19 @@
 //! `throng stitch`: a world from the patches of a bundle.
 
-use crate::args::{CacheArgs, Outcome};
+use crate::args::{CacheArgs, CommandResult};
 use crate::{keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use throng_precompute::cache::Cache;
-use throng_precompute::run::{self, Cached};
-use throng_precompute::stitch::{self, Kit, StitchReport, WorldSource};
+use throng_precompute::run::{self, BuildContext};
+use throng_precompute::stitch::{self, StitchKit, StitchReport, WorldSource};
 use throng_runtime::Bundle;
 use throng_runtime::world::World;
 
 /// Stitch a world: place the motion patches of a bundle in a target environment and join them.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<Report<'static>>())]
+#[command(after_long_help = keys::json_keys::<StitchCommandReport<'static>>())]
 pub struct Args {
     /// World file (TOML); data/worlds/ has examples. Its bundle is built from its config if it is missing.
     #[arg(value_name = "WORLD")]
@@ -34,7 +34,7 @@ pub struct Args {
 
 /// Printed report.
 #[derive(Serialize, JsonSchema)]
-struct Report<'a> {
+struct StitchCommandReport<'a> {
     /// Name of the world.
     world: &'a str,
     #[serde(flatten)]
@@ -43,7 +43,7 @@ struct Report<'a> {
     out: &'a Path,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let mut source = WorldSource::load(&args.file)?;
     if let Some(bundle) = &args.bundle {
         (source.bundle, source.config) = (bundle.clone(), None);
@@ -53,43 +53,48 @@ pub fn run(args: &Args) -> Outcome {
         None => source.stitched_path(),
     };
     stitch::check_replaced(&args.file, &out)?;
-    let tables = bundle(&source, &args.cache)?;
-    let report = make(&source, &args.file, &tables, &out)?;
+    let tables = world_bundle(&source, &args.cache)?;
+    let report = stitch_to_file(&source, &args.file, &tables, &out)?;
     if args.json {
-        return output::json(&Report { world: &source.name, stitched: &report, out: &out });
+        return output::json(&StitchCommandReport { world: &source.name, stitched: &report, out: &out });
     }
     print(&source, &report, &out)
 }
 
 /// Opens the bundle of a world, which is built first if it does not exist.
-pub fn bundle(source: &WorldSource, cache: &CacheArgs) -> Result<Bundle, Box<dyn std::error::Error>> {
-    crate::run::make_bundle(&source.bundle, source.config.as_deref(), cache)?;
-    crate::args::open(&source.bundle)
+pub fn world_bundle(source: &WorldSource, cache: &CacheArgs) -> Result<Bundle, Box<dyn std::error::Error>> {
+    crate::run::ensure_bundle(&source.bundle, source.config.as_deref(), cache)?;
+    crate::args::open_bundle(&source.bundle)
 }
 
 /// Stitches a world and writes it.
-fn make(
+fn stitch_to_file(
     source: &WorldSource,
     file: &Path,
     tables: &Bundle,
     out: &Path,
 ) -> Result<StitchReport, Box<dyn std::error::Error>> {
-    let kit = Kit::new(tables, &source.bundle)?;
-    let (mut world, mut report) = stitch::stitch_source(source, file, tables, &kit, &progress::Bar::default())?;
+    let kit = StitchKit::new(tables, &source.bundle)?;
+    let (mut world, mut report) =
+        stitch::stitch_source(source, file, tables, &kit, &progress::BuildProgressBar::default())?;
     report.world_bytes = stitch::save(&mut world, file, tables.patches(), out)?;
     Ok(report)
 }
 
 /// Opens the stitched world of a world file, which is stitched first if it is missing, or if the bundle or the source changed.
-pub fn open(source: &WorldSource, file: &Path, tables: &Bundle) -> Result<World, Box<dyn std::error::Error>> {
+pub fn open_world(source: &WorldSource, file: &Path, tables: &Bundle) -> Result<World, Box<dyn std::error::Error>> {
     let out = source.stitched_path();
-    let progress = progress::Bar::default();
-    let with = Cached { cache: &Cache::none(), progress: &progress, tell: &|news| output::tell(news) };
+    let progress = progress::BuildProgressBar::default();
+    let with = BuildContext {
+        cache: &Cache::disabled(),
+        progress: &progress,
+        report_news: &|news| output::print_to_stderr(news),
+    };
     run::ensure_world(source, file, tables, &out, &with)?;
     Ok(World::open(&out, tables)?)
 }
 
-fn print(source: &WorldSource, r: &StitchReport, out: &Path) -> Outcome {
+fn print(source: &WorldSource, r: &StitchReport, out: &Path) -> CommandResult {
     let of = |counts: &std::collections::BTreeMap<String, u64>| {
         let each: Vec<String> = counts.iter().map(|(name, n)| format!("{n} {}", name.replace('_', " "))).collect();
         if each.is_empty() { "nothing".to_owned() } else { each.join(", ") }

@@ -1,6 +1,6 @@
 //! `throng synth`: synthetic motion as ordinary files.
 
-use crate::args::Outcome;
+use crate::args::CommandResult;
 use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -11,7 +11,7 @@ use throng_runtime::base::{Hash128, limits};
 
 /// Write synthetic motion as BVH files, with its events as tags in sidecars.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<Report>())]
+#[command(after_long_help = keys::json_keys::<SynthReport>())]
 pub struct Args {
     /// Name of the set: `walk` (wandering with turns, stops and starts), `boxing` (shadow-boxing with footwork, combinations
     /// and defences), `playground` (stairs, a ladder, slides), `office` (standing, talking, sitting, working), `people`
@@ -24,17 +24,17 @@ pub struct Args {
     out: PathBuf,
     /// Length of the set in minutes; the default depends on the set. The locomotion set is a list of clips of 4 s: below
     /// 15 minutes it is cut short, above it holds further takes.
-    #[arg(long, allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::SYNTH_MINUTES))]
+    #[arg(long, allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::SYNTH_MINUTES))]
     minutes: Option<f64>,
     /// Hours of motion in place of `--minutes`, for large databases: a folder such as `hour_0001` for every hour, each with
     /// its own seed, derived from `--seed`. Memory is that of one hour.
-    #[arg(long, conflicts_with = "minutes", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::SYNTH_HOURS))]
+    #[arg(long, conflicts_with = "minutes", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::SYNTH_HOURS))]
     hours: Option<f64>,
     /// Same seed, same motion.
-    #[arg(long, default_value_t = SynthConfig::default().seed, allow_negative_numbers = true, value_parser = limits::number::<u64>(&limits::SEED))]
+    #[arg(long, default_value_t = SynthConfig::default().seed, allow_negative_numbers = true, value_parser = limits::number_parser::<u64>(&limits::SEED))]
     seed: u64,
     /// Frames a second.
-    #[arg(long, default_value_t = SynthConfig::default().rate_hz, value_name = "HZ", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::RATE_HZ))]
+    #[arg(long, default_value_t = SynthConfig::default().rate_hz, value_name = "HZ", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::RATE_HZ))]
     rate_hz: f64,
     /// Print one JSON object.
     #[arg(long)]
@@ -42,7 +42,7 @@ pub struct Args {
 }
 
 #[derive(Serialize, JsonSchema)]
-struct Report {
+struct SynthReport {
     /// Name of the set.
     set: String,
     /// Clips written.
@@ -55,28 +55,28 @@ struct Report {
     out: PathBuf,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let which = SynthSet::from_name(&args.set)?;
     let usual = SynthConfig::for_set(which);
     let sets = match args.hours {
-        Some(hours) => hourly(args, hours),
+        Some(hours) => hourly_sets(args, hours),
         None => vec![(args.out.clone(), args.minutes.unwrap_or(usual.minutes), args.seed)],
     };
     let (mut clips, mut frames) = (0, 0);
     for (folder, minutes, seed) in sets {
         let config = SynthConfig { minutes, seed, rate_hz: args.rate_hz, ..usual };
-        let set = synth::write(which, &config, &folder)?;
+        let set = synth::write_set(which, &config, &folder)?;
         (clips, frames) = (clips + set.clips.len(), frames + set.num_frames());
     }
     let there = import::expand(std::slice::from_ref(&args.out))?.len();
     if there > clips {
         let (folder, more) = (args.out.display(), there - clips);
-        output::tell(format_args!(
+        output::print_to_stderr(format_args!(
             "{folder}: {more} other motion file(s) are there, and a build of the folder takes them, too"
         ));
     }
     let seconds = frames as f64 / args.rate_hz;
-    let report = Report { set: args.set.clone(), clips, frames, seconds, out: args.out.clone() };
+    let report = SynthReport { set: args.set.clone(), clips, frames, seconds, out: args.out.clone() };
     if args.json {
         return output::json(&report);
     }
@@ -87,10 +87,10 @@ pub fn run(args: &Args) -> Outcome {
 }
 
 /// Folder, length and seed of every hour; the last one may be shorter.
-fn hourly(args: &Args, hours: f64) -> Vec<(PathBuf, f64, u64)> {
+fn hourly_sets(args: &Args, hours: f64) -> Vec<(PathBuf, f64, u64)> {
     let hour = |k: u64| {
         let minutes = (60.0 * (hours - k as f64)).clamp(limits::SYNTH_MINUTES.least, 60.0);
-        let seed = Hash128::of(&[args.seed.to_le_bytes(), k.to_le_bytes()].concat()) as u64;
+        let seed = Hash128::hash_bytes(&[args.seed.to_le_bytes(), k.to_le_bytes()].concat()) as u64;
         (args.out.join(format!("hour_{:04}", k + 1)), minutes, seed)
     };
     (0..hours.ceil() as u64).map(hour).collect()
@@ -111,7 +111,10 @@ mod tests {
     #[test]
     fn every_hour_has_a_folder_and_a_seed_of_its_own() {
         let of = |seed: &str, hours: &str| {
-            hourly(&Line::parse_from(["synth", "--out", "x", "--seed", seed]).args, hours.parse().expect("a number"))
+            hourly_sets(
+                &Line::parse_from(["synth", "--out", "x", "--seed", seed]).args,
+                hours.parse().expect("a number"),
+            )
         };
         let sets = of("1", "2.5");
         let minutes: Vec<f64> = sets.iter().map(|s| s.1).collect();

@@ -1,6 +1,6 @@
 //! `throng verify`: checks that a bundle is intact.
 
-use crate::args::Outcome;
+use crate::args::CommandResult;
 use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 /// Check a bundle: layout, checksums, every index and number.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<Report>())]
+#[command(after_long_help = keys::json_keys::<VerifyReport>())]
 pub struct Args {
     /// Bundle.
     file: PathBuf,
@@ -18,7 +18,7 @@ pub struct Args {
 }
 
 #[derive(Serialize, JsonSchema)]
-struct Report {
+struct VerifyReport {
     /// The file.
     file: PathBuf,
     /// Name of the database.
@@ -43,10 +43,10 @@ struct Report {
     sections: std::collections::BTreeMap<String, usize>,
 }
 
-pub fn run(args: &Args) -> Outcome {
-    let tables = crate::args::open(&args.file)?;
+pub fn run(args: &Args) -> CommandResult {
+    let tables = crate::args::open_bundle(&args.file)?;
     let graph = tables.graph();
-    let report = Report {
+    let report = VerifyReport {
         file: args.file.clone(),
         name: tables.meta().name.clone(),
         generator: tables.meta().generator.clone(),

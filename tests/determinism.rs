@@ -6,9 +6,9 @@ use glam::Vec3;
 use std::path::Path;
 use throng_precompute::cache::{Cache, content_hash};
 use throng_precompute::trial::{self, TrialConfig};
-use throng_runtime::characters::{Characters, CharactersConfig, Choice, MotionSet, Order};
+use throng_runtime::characters::{ActionChoice, Characters, CharactersConfig, MotionSet, PolicyOrder};
 use throng_runtime::sparring::Sparring;
-use throng_runtime::{Bundle, Cast, Inline, Rayon};
+use throng_runtime::{Bundle, CharacterGroup, Inline, Rayon};
 
 fn on_threads<T: Send>(num_threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(num_threads).build().expect("a thread pool").install(work)
@@ -26,9 +26,9 @@ fn a_build_gives_the_same_bytes_at_any_number_of_threads_and_twice() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
     common::write_clips(&clips, 0.6);
-    let first = on_threads(1, || built(&clips, &out, &Cache::none()));
+    let first = on_threads(1, || built(&clips, &out, &Cache::disabled()));
     for num_threads in [1, 2, 8] {
-        let again = on_threads(num_threads, || built(&clips, &out, &Cache::none()));
+        let again = on_threads(num_threads, || built(&clips, &out, &Cache::disabled()));
         assert!(again == first, "{num_threads} threads, run twice");
     }
     let cache = Cache::in_folder(folder.path().join("cache"));
@@ -75,31 +75,31 @@ fn crowd(
     tables: &Bundle,
     config: CharactersConfig,
     num_steps: usize,
-    step: impl Fn(&mut Characters, &MotionSet, &[Order]),
+    step: impl Fn(&mut Characters, &MotionSet, &[PolicyOrder]),
 ) -> Vec<u128> {
     let motion_set = MotionSet::new(tables);
     let mut orders = common::orders(N);
     let mut characters = Characters::new(&motion_set, config, &common::starts(tables, N)).expect("characters");
     let one_step = |k: usize| {
-        orders.iter_mut().for_each(|o| *o = o.around(o.target() + Vec3::X * (0.01 * (k % 7) as f32)));
+        orders.iter_mut().for_each(|o| *o = o.with_target(o.target() + Vec3::X * (0.01 * (k % 7) as f32)));
         step(&mut characters, &motion_set, &orders);
         content_hash(&bytes_of(&characters))
     };
     (0..num_steps).map(one_step).collect()
 }
 
-fn on_this_thread(characters: &mut Characters, motion_set: &MotionSet, orders: &[Order]) {
+fn on_this_thread(characters: &mut Characters, motion_set: &MotionSet, orders: &[PolicyOrder]) {
     characters.step(motion_set, 1.0 / 30.0, orders).expect("a step");
 }
 
-fn config(choice: Choice) -> CharactersConfig {
+fn config(choice: ActionChoice) -> CharactersConfig {
     CharactersConfig { choice, local_transforms: true, bend_rad_per_m: 0.1, ..CharactersConfig::default() }
 }
 
 #[test]
 fn steps_give_the_same_bytes_on_any_number_of_threads() {
     let tables = common::tables();
-    for choice in [Choice::LookAhead { temperature: 0.05 }, Choice::BestAction] {
+    for choice in [ActionChoice::LookAhead { temperature: 0.05 }, ActionChoice::BestAction] {
         let alone = crowd(&tables, config(choice), 120, on_this_thread);
         for num_threads in [1, 2, 8] {
             let together = on_threads(num_threads, || {
@@ -139,12 +139,12 @@ fn pairs_spar_the_same_on_any_number_of_threads() {
 #[test]
 fn the_same_seed_gives_the_same_crowd_and_another_seed_another() {
     let tables = common::tables();
-    let random = config(Choice::LookAhead { temperature: 0.05 });
+    let random = config(ActionChoice::LookAhead { temperature: 0.05 });
     let first = crowd(&tables, random, 300, on_this_thread);
     assert!(first == crowd(&tables, random, 300, on_this_thread));
     let other = CharactersConfig { seed: 2, ..random };
     assert!(first[299] != crowd(&tables, other, 300, on_this_thread)[299]);
-    let sure = config(Choice::LookAhead { temperature: 0.0 });
+    let sure = config(ActionChoice::LookAhead { temperature: 0.0 });
     let other = CharactersConfig { seed: 2, ..sure };
     assert!(
         crowd(&tables, sure, 300, on_this_thread) == crowd(&tables, other, 300, on_this_thread),

@@ -102,7 +102,7 @@ fn people_live_in_a_world() {
     let tables = made_up_world::tables();
     let mut world = Vec::new();
     let floor = made_up_world::world(&tables, &["#####"; 5]);
-    let graph = WorldGraph::new(tables.patches(), &floor.view()).expect("a graph");
+    let graph = WorldGraph::new(tables.patches(), &floor.tables()).expect("a graph");
     floor.write(&PathCosts::bake(&graph).expect("path costs"), &mut world).expect("a world");
     let files = [("floor.throng", &made_up_world::bundle("made up")[..]), ("floor.world", &world[..])];
     let (_folder, [bundle, world]) = written(files);

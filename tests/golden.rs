@@ -3,8 +3,10 @@
 //! `examples/make_golden.rs` makes those of `data/golden/`. Headers of other versions are forged.
 
 use std::path::PathBuf;
-use throng_runtime::characters::{Characters, CharactersConfig, Choice, MotionSet, Order, SampleJob, Start};
-use throng_runtime::format::{AlignedBytes, FormatError, Header, VERSION};
+use throng_runtime::characters::{
+    ActionChoice, CharacterStart, Characters, CharactersConfig, MotionSet, PolicyOrder, SampleJob,
+};
+use throng_runtime::format::{AlignedBytes, FileHeader, FormatError, VERSION};
 use throng_runtime::{Bundle, Joint, Mat3x4, NUM_JOINTS, Planar};
 
 fn golden() -> PathBuf {
@@ -55,10 +57,10 @@ fn golden_poses_stand_where_they_always_stood() {
 fn a_golden_character_takes_the_way_it_always_took() {
     let tables = Bundle::open(golden()).expect("tables of the current version");
     let motion_set = MotionSet::new(&tables);
-    let start = Start { root: Planar::new(0.0, 0.0, 0.0), state: 0 };
-    let config = CharactersConfig { choice: Choice::BestAction, ..CharactersConfig::default() };
+    let start = CharacterStart { root: Planar::new(0.0, 0.0, 0.0), state: 0 };
+    let config = CharactersConfig { choice: ActionChoice::BestAction, ..CharactersConfig::default() };
     let mut characters = Characters::new(&motion_set, config, &[start]).expect("characters");
-    let orders = [Order::aim(0, glam::Vec3::new(2.0, 0.0, 3.0))];
+    let orders = [PolicyOrder::towards(0, glam::Vec3::new(2.0, 0.0, 3.0))];
     for _ in 0..40 {
         characters.step(&motion_set, 0.05, &orders).expect("a step");
     }
@@ -70,7 +72,7 @@ fn a_golden_character_takes_the_way_it_always_took() {
 fn tables_of_other_versions_are_refused_by_name() {
     let bytes = std::fs::read(golden()).expect("tables of the current version");
     for version in (0..VERSION).chain([VERSION + 1, u32::MAX]) {
-        let mut header: Header = bytemuck::pod_read_unaligned(&bytes[..64]);
+        let mut header: FileHeader = bytemuck::pod_read_unaligned(&bytes[..64]);
         header.version = version;
         header.header_crc32 = header.checksum();
         let other = [bytemuck::bytes_of(&header), &bytes[64..]].concat();

@@ -10,16 +10,16 @@ use std::f32::consts::{PI, TAU};
 use throng_precompute::annotate::{self, AnnotateConfig, Sidecars};
 use throng_precompute::clip::{Exclusion, ExclusionReason, FrameId};
 use throng_precompute::features::{self, Features, FeaturesConfig};
-use throng_precompute::graph::{self, GraphConfig, GraphReport, MotionGraph, StateId};
+use throng_precompute::graph::{self, GraphReport, MotionGraphConfig, RawMotionGraph, StateId};
 use throng_precompute::import::{self, ImportConfig};
 use throng_precompute::progress::Silent;
 use throng_precompute::resample::{self, ResampleConfig};
 use throng_precompute::retarget::{self, RetargetConfig};
 use throng_precompute::stops;
-use throng_precompute::write::{self, Baked};
+use throng_precompute::write::{self, BundleInputs};
 use throng_precompute::{BuildError, Clip, ClipSet, Warnings};
 use throng_runtime::Bundle;
-use throng_runtime::base::Alone;
+use throng_runtime::base::SingleRank;
 use throng_runtime::format::{AlignedBytes, Meta};
 use throng_runtime::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
 
@@ -122,14 +122,14 @@ fn wandering(num_clips: usize) -> ClipSet {
     set(&gaits)
 }
 
-fn connect(clips: &ClipSet, config: &GraphConfig) -> Result<(MotionGraph, GraphReport, Features), BuildError> {
+fn connect(clips: &ClipSet, config: &MotionGraphConfig) -> Result<(RawMotionGraph, GraphReport, Features), BuildError> {
     let features = features::extract(clips, &FeaturesConfig::default())?;
-    let (graph, report) = graph::connect(clips, &FeaturesConfig::default(), config, &Silent, &Alone)?;
+    let (graph, report) = graph::connect(clips, &FeaturesConfig::default(), config, &Silent, &SingleRank)?;
     Ok((graph, report, features))
 }
 
 fn failure(clips: &ClipSet) -> String {
-    connect(clips, &GraphConfig::default()).map(|_| ()).unwrap_err().to_string()
+    connect(clips, &MotionGraphConfig::default()).map(|_| ()).unwrap_err().to_string()
 }
 
 fn clip_of(clips: &ClipSet, frame: FrameId) -> (usize, usize) {
@@ -139,7 +139,7 @@ fn clip_of(clips: &ClipSet, frame: FrameId) -> (usize, usize) {
 }
 
 /// Everything that must hold of any graph, whatever the motion.
-fn check(graph: &MotionGraph, clips: &ClipSet, features: &Features, config: &GraphConfig) {
+fn check(graph: &RawMotionGraph, clips: &ClipSet, features: &Features, config: &MotionGraphConfig) {
     let n = graph.states.len();
     assert!(n > 0 && graph.action_offsets.len() == n + 1);
     assert!(graph.states.is_sorted() && graph.segments.is_sorted_by_key(|s| s.start));
@@ -168,7 +168,7 @@ fn check(graph: &MotionGraph, clips: &ClipSet, features: &Features, config: &Gra
 }
 
 /// States reachable from one, by following every action.
-fn reachable(graph: &MotionGraph, from: usize) -> Vec<bool> {
+fn reachable(graph: &RawMotionGraph, from: usize) -> Vec<bool> {
     let mut seen = vec![false; graph.states.len()];
     let mut open = vec![from];
     while let Some(s) = open.pop() {
@@ -186,7 +186,7 @@ fn reachable(graph: &MotionGraph, from: usize) -> Vec<bool> {
 #[test]
 fn no_dead_ends_and_every_state_reaches_every_other() {
     let clips = wandering(24);
-    let config = GraphConfig::default();
+    let config = MotionGraphConfig::default();
     let (graph, report, features) = connect(&clips, &config).unwrap();
     check(&graph, &clips, &features, &config);
     assert!(report.frames_kept * 10 > report.frames_in * 8, "{report:?}");
@@ -197,7 +197,7 @@ fn no_dead_ends_and_every_state_reaches_every_other() {
 #[test]
 fn displacement_is_the_composition_of_the_frames_of_a_segment() {
     let clips = wandering(16);
-    let (graph, ..) = connect(&clips, &GraphConfig::default()).unwrap();
+    let (graph, ..) = connect(&clips, &MotionGraphConfig::default()).unwrap();
     for s in &graph.segments {
         let (clip, first) = clip_of(&clips, s.start);
         let steps = (first..first + s.num_frames as usize).map(|f| {
@@ -214,7 +214,7 @@ fn displacement_is_the_composition_of_the_frames_of_a_segment() {
 fn a_segment_that_spins_counts_its_full_turns() {
     let spin = |phase| Gait { phase, turning: 7.0 * PI, ..Gait::default() };
     let clips = set(&[spin(0.0), spin(0.3), spin(0.6)]);
-    let (graph, ..) = connect(&clips, &GraphConfig { min_component_s: 1.0, ..Default::default() }).unwrap();
+    let (graph, ..) = connect(&clips, &MotionGraphConfig { min_component_s: 1.0, ..Default::default() }).unwrap();
     for s in &graph.segments {
         let expected = 7.0 * PI * s.num_frames as f32 / RATE_HZ as f32;
         assert!((s.displacement.heading - expected).abs() < 1e-3, "{expected} {:?}", s.displacement);
@@ -224,7 +224,7 @@ fn a_segment_that_spins_counts_its_full_turns() {
 #[test]
 fn transitions_join_frames_where_the_same_foot_is_about_to_leave_or_both_stand() {
     let clips = wandering(24);
-    let config = GraphConfig::default();
+    let config = MotionGraphConfig::default();
     let (graph, ..) = connect(&clips, &config).unwrap();
     let contacts = |f: FrameId, ahead: usize| {
         let (clip, frame) = clip_of(&clips, f);
@@ -262,13 +262,13 @@ fn transitions_join_frames_where_the_same_foot_is_about_to_leave_or_both_stand()
 #[test]
 fn the_search_reaches_the_wanted_branching() {
     let clips = wandering(60);
-    let loose = GraphConfig { outcome_distance: 0.0, outcome_angle: 0.0, ..Default::default() };
+    let loose = MotionGraphConfig { outcome_distance: 0.0, outcome_angle: 0.0, ..Default::default() };
     for wanted in [6.0, 10.0, 16.0] {
-        let config = GraphConfig { branching: wanted, ..loose.clone() };
+        let config = MotionGraphConfig { branching: wanted, ..loose.clone() };
         let (_, report, _) = connect(&clips, &config).unwrap();
         assert!((report.branching.mean - wanted).abs() < 0.05 * wanted, "{wanted}: {report:?}");
         assert!(report.threshold < config.max_error);
-        let given = GraphConfig { threshold: Some(report.threshold), ..loose.clone() };
+        let given = MotionGraphConfig { threshold: Some(report.threshold), ..loose.clone() };
         assert_eq!(connect(&clips, &given).unwrap().1.actions, report.actions);
     }
 }
@@ -298,7 +298,7 @@ fn clips_that_differ_in_rate_or_lack_contacts_are_named() {
 fn a_clip_unlike_the_rest_is_reported_as_unused() {
     let mut clips = wandering(16);
     clips.clips.push(Gait { style: 2.0, ..Gait::default() }.clip("stranger".into()));
-    let (_, report, _) = connect(&clips, &GraphConfig::default()).unwrap();
+    let (_, report, _) = connect(&clips, &MotionGraphConfig::default()).unwrap();
     assert_eq!(report.unused_clips, ["stranger"]);
 }
 
@@ -307,7 +307,7 @@ fn the_graph_does_not_depend_on_the_number_of_threads() {
     let clips = wandering(20);
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let (graph, report, _) = pool.install(|| connect(&clips, &GraphConfig::default())).unwrap();
+        let (graph, report, _) = pool.install(|| connect(&clips, &MotionGraphConfig::default())).unwrap();
         (graph, report)
     };
     assert_eq!(on(1), on(2));
@@ -317,12 +317,12 @@ fn the_graph_does_not_depend_on_the_number_of_threads() {
 #[test]
 fn json_lists_states_and_actions() {
     let clips = wandering(16);
-    let (graph, ..) = connect(&clips, &GraphConfig::default()).unwrap();
+    let (graph, ..) = connect(&clips, &MotionGraphConfig::default()).unwrap();
     let meta = Meta { rate_hz: RATE_HZ, ..Meta::default() };
-    let baked = Baked {
+    let baked = BundleInputs {
         clips: &clips,
         graph: &graph,
-        stops: &stops::find(&clips, &graph, &throng_runtime::base::Alone).unwrap().0,
+        stops: &stops::find_stops(&clips, &graph, &throng_runtime::base::SingleRank).unwrap().0,
         policies: &[],
         groups: None,
         patches: None,
@@ -352,7 +352,7 @@ fn json_lists_states_and_actions() {
 }
 
 /// Largest turns to the left and to the right from every state within `frames` frames, by dynamic programming.
-fn turns_within(graph: &MotionGraph, frames: usize) -> Vec<(f32, f32)> {
+fn turns_within(graph: &RawMotionGraph, frames: usize) -> Vec<(f32, f32)> {
     let mut table = vec![vec![(0.0f32, 0.0f32); graph.states.len()]; frames + 1];
     for t in 1..=frames {
         for s in 0..graph.states.len() {
@@ -374,10 +374,11 @@ fn captured_walks_and_runs_turn_both_ways_everywhere() {
     let Some(root) = recording("") else { return };
     let paths = ["walk_*.amc", "run_*.amc"].map(|p| root.join("snu/single").join(p));
     let imported = import::read(&paths, &ImportConfig::default(), &Silent).unwrap();
-    let clips = retarget::onto(&imported.clips, &RetargetConfig::default(), &mut Warnings::default()).unwrap();
+    let clips =
+        retarget::retarget_clips(&imported.clips, &RetargetConfig::default(), &mut Warnings::default()).unwrap();
     let clips = resample::resample(&clips, &ResampleConfig::default()).unwrap();
     let clips = annotate::annotate(&clips, &AnnotateConfig::default(), &Sidecars::default()).unwrap();
-    let config = GraphConfig::default();
+    let config = MotionGraphConfig::default();
     let (graph, report, features) = connect(&clips, &config).unwrap();
     check(&graph, &clips, &features, &config);
     assert!(report.frames_kept * 10 > report.frames_in * 8, "{report:?}");
@@ -405,7 +406,7 @@ proptest! {
                 clip.excluded.push(Exclusion { range: seed.5..seed.5 + 10, reason: ExclusionReason::Sidecar });
             }
         }
-        let config = GraphConfig { branching: wanted, outcome_distance: apart, min_component_s: 0.0, ..Default::default() };
+        let config = MotionGraphConfig { branching: wanted, outcome_distance: apart, min_component_s: 0.0, ..Default::default() };
         match connect(&clips, &config) {
             Ok((graph, _, features)) => check(&graph, &clips, &features, &config),
             Err(e) => prop_assert!(e.to_string().contains("largest strongly connected part of the motion has 0.0 s"), "{}", e),

@@ -14,7 +14,7 @@ use throng_runtime::{Joint, Skeleton};
 /// A clip as a build with default settings annotates it.
 fn annotated(path: &Path) -> ClipSet {
     let imported = read_clip(&expand(&[path.to_path_buf()]).expect("a clip")[0], &ImportConfig::default());
-    pipeline::single(&imported.expect("a clip reads"), &mut Warnings::default()).expect("a clip is annotated")
+    pipeline::process_clip(&imported.expect("a clip reads"), &mut Warnings::default()).expect("a clip is annotated")
 }
 
 /// Number of hits by the joint that strikes.
@@ -43,7 +43,7 @@ fn synthetic_walking_has_no_hits() {
     let mut frames = 0;
     for file in files {
         let imported = read_clip(&file, &ImportConfig::default()).expect("a clip reads");
-        let set = pipeline::single(&imported, &mut Warnings::default()).expect("a clip is annotated");
+        let set = pipeline::process_clip(&imported, &mut Warnings::default()).expect("a clip is annotated");
         assert!(set.clips[0].hits.is_empty(), "{:?}", set.clips[0].hits);
         frames += set.clips[0].num_frames();
     }
@@ -107,7 +107,7 @@ fn recorded_walks_and_runs_have_next_to_no_hits() {
     let (mut seconds, mut hits, mut clips) = (0.0, 0, 0);
     for file in expand(&patterns.map(|p| root.join(p))).expect("clips") {
         let imported = read_clip(&file, &ImportConfig::default()).expect("a clip reads");
-        let set = pipeline::single(&imported, &mut Warnings::default()).expect("a clip is annotated");
+        let set = pipeline::process_clip(&imported, &mut Warnings::default()).expect("a clip is annotated");
         let clip = &set.clips[0];
         clips += 1;
         seconds += clip.num_frames() as f64 / clip.rate_hz;
@@ -126,7 +126,7 @@ fn settings_outside_their_limits_stop_a_build() {
     common::write_clips(folder.path(), 0.25);
     let mut config = common::small_config(vec![folder.path().to_path_buf()]);
     config.annotate.hits = HitConfig { landing_share: 2.0, ..HitConfig::default() };
-    let cache = throng_precompute::cache::Cache::none();
+    let cache = throng_precompute::cache::Cache::disabled();
     let out = folder.path().join("a.throng");
     let e = pipeline::build(&config, &out, &cache, &throng_precompute::progress::Silent).expect_err("refused");
     assert!(e.to_string().contains("annotate.hits.landing_share: expected 0.01 to 1, found 2"), "{e}");

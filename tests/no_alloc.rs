@@ -12,10 +12,10 @@ use counting::allocations;
 use glam::{Vec2, Vec3};
 use std::hint::black_box;
 use std::path::Path;
-use throng_precompute::run::{RunConfig, run};
-use throng_runtime::blend::{HeightField, MAX_AXES, Posture};
+use throng_precompute::run::{SceneRunConfig, run};
+use throng_runtime::blend::{BlendedPosture, HeightField, MAX_AXES};
 use throng_runtime::characters::{
-    AvoidConfig, Characters, CharactersConfig, Choice, MotionSet, Order, PolicyCharacters, SampleJob, Spawn,
+    ActionChoice, AvoidConfig, Characters, CharactersConfig, MotionSet, PolicyCharacters, PolicyOrder, SampleJob, Spawn,
 };
 use throng_runtime::crowd::{Agent, AtEnd, Crowd, CrowdConfig, Go, Obstacle, Route, Scheme, Setup, Streets};
 use throng_runtime::policy::{self, BestActionJob, LookAheadJob, RankedActions};
@@ -23,9 +23,9 @@ use throng_runtime::simulation::{Pedestrians, Scene, Simulation};
 use throng_runtime::sparring::{PracticeConfig, TargetPractice};
 use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::world::World;
-use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, Wish, scatter};
+use throng_runtime::world::inhabitants::{InhabitantGoal, Inhabitants, InhabitantsConfig, scatter_rest_nodes};
 use throng_runtime::world::made_up_floor as made_up;
-use throng_runtime::{Cast, Id, Inline, Mat3x4, NUM_JOINTS, Planar};
+use throng_runtime::{CharacterGroup, Id, Inline, Mat3x4, NUM_JOINTS, Planar};
 
 /// Where a target hangs before its boxer (m).
 const HOME: Vec3 = Vec3::new(0.0, 1.5, 0.6);
@@ -46,8 +46,11 @@ fn steps_allocate_nothing() {
     let tables = common::tables();
     let motion_set = MotionSet::new(&tables);
     let (starts, orders) = (common::starts(&tables, N), common::orders(N));
-    for choice in [Choice::BestAction, Choice::LookAhead { temperature: 0.0 }, Choice::LookAhead { temperature: 0.05 }]
-    {
+    for choice in [
+        ActionChoice::BestAction,
+        ActionChoice::LookAhead { temperature: 0.0 },
+        ActionChoice::LookAhead { temperature: 0.05 },
+    ] {
         for (local_transforms, bend_rad_per_m) in [(false, 0.0), (true, 0.2)] {
             let config = CharactersConfig { choice, local_transforms, bend_rad_per_m, ..CharactersConfig::default() };
             let mut characters = Characters::new(&motion_set, config, &starts).expect("characters");
@@ -73,11 +76,11 @@ fn characters_that_make_way_allocate_nothing() {
     let mut cast = PolicyCharacters::with_capacity(&tables, 144, config).expect("room");
     for i in 0..144 {
         let root = Planar::new(0.8 * (i % 12) as f32, 0.8 * (i / 12) as f32, i as f32);
-        let id = cast.spawn(Spawn::standing(root)).expect("there is room");
-        cast.order(id, Order::aim(0, Vec3::new(5.0 - root.x, 0.0, 5.0 - root.z))).expect("an order");
+        let id = cast.spawn(Spawn::standing_at(root)).expect("there is room");
+        cast.order(id, PolicyOrder::towards(0, Vec3::new(5.0 - root.x, 0.0, 5.0 - root.z))).expect("an order");
     }
     let n = allocations(|| (0..600).for_each(|_| cast.step(1.0 / 60.0, &Inline).expect("a step")));
-    let blocked = (0..144).filter(|&c| cast.characters().blocked(c) > 0).count();
+    let blocked = (0..144).filter(|&c| cast.characters().num_blocked_choices(c) > 0).count();
     assert!(blocked > 3, "{blocked} in each other's way prove little");
     assert_eq!(n, 0);
 }
@@ -89,7 +92,7 @@ fn a_step_towards_two_goals_allocates_nothing() {
     let motion_set = MotionSet::new(&tables);
     let (starts, orders) = (common::starts(&tables, N), common::orders(N));
     let mut characters = Characters::new(&motion_set, CharactersConfig::default(), &starts).expect("characters");
-    let orders: Vec<Order> = orders.into_iter().map(|order| order.and(0, 0.5)).collect();
+    let orders: Vec<PolicyOrder> = orders.into_iter().map(|order| order.with_policy(0, 0.5)).collect();
     characters.step(&motion_set, 0.0, &orders).expect("a first step");
     let n = allocations(|| (0..100).for_each(|_| characters.step(&motion_set, 0.05, &orders).expect("a step")));
     assert_eq!(n, 0);
@@ -100,17 +103,17 @@ fn inhabitants_allocate_nothing() {
     let tables = made_up::tables();
     let world = made_up::world(&tables, &["#########", "#b#####b#", "###...###", "##b######", "#########"]);
     let world = World::from_data(&world, &tables).expect("a world");
-    let starts = scatter(world.graph(), 14, 2);
+    let starts = scatter_rest_nodes(world.graph(), 14, 2);
     let mut people = Inhabitants::new(&world, starts.len(), InhabitantsConfig::default()).expect("room");
     let mut n = allocations(|| starts.iter().for_each(|&start| _ = people.spawn(start).expect("a start")));
     let ids = people.ids().to_vec();
     for round in 0..20u32 {
         for &id in &ids {
             let wish = match id.index % 4 {
-                0 => Wish::Roam,
-                3 => Wish::GoNear { place: Vec3::new((round % 9) as f32 * 2.0, 1.0, 1.0), within_m: 4.0 },
-                1 => Wish::GoTo { instance: (7 * id.index + 11 * round) % 40 },
-                _ => Wish::Perform { tag: made_up::SIT, seconds: 4.0 },
+                0 => InhabitantGoal::Roam,
+                3 => InhabitantGoal::GoNear { place: Vec3::new((round % 9) as f32 * 2.0, 1.0, 1.0), within_m: 4.0 },
+                1 => InhabitantGoal::GoTo { instance: (7 * id.index + 11 * round) % 40 },
+                _ => InhabitantGoal::Perform { tag: made_up::SIT, seconds: 4.0 },
             };
             n += allocations(|| people.order(id, wish).expect("a wish"));
         }
@@ -138,7 +141,7 @@ fn sparring_and_practice_allocate_nothing() {
     // A pair leaves, and another one takes its place.
     let n = allocations(|| {
         sparring.despawn(sparring.bodies().ids[3]).expect("it is there");
-        sparring.spawn([Spawn::standing(Planar::IDENTITY); 2]).expect("there is room");
+        sparring.spawn([Spawn::standing_at(Planar::IDENTITY); 2]).expect("there is room");
     });
     assert_eq!(n, 0);
 
@@ -146,7 +149,7 @@ fn sparring_and_practice_allocate_nothing() {
     let mut practice = TargetPractice::with_capacity(&tables, starts.len(), PracticeConfig::default()).expect("boxers");
     let mut enter = |start: Spawn| {
         let home = start.root.translation() + start.root.rotation() * HOME;
-        practice.spawn(start).and_then(|id| practice.order(id, Order::aim(0, home).and(1, 1.0)))
+        practice.spawn(start).and_then(|id| practice.order(id, PolicyOrder::towards(0, home).with_policy(1, 1.0)))
     };
     let n = allocations(|| starts.iter().for_each(|start| enter(*start).expect("there is room")));
     assert_eq!(n, 0);
@@ -222,7 +225,7 @@ fn batches_of_queries_allocate_nothing() {
     let weights = vec![1.0; N];
     let mut actions = vec![0u8; N];
     let mut ranked = vec![RankedActions::NONE; N];
-    let goals = [policy::Goal { policy: table, weights: &weights, targets: &targets }];
+    let goals = [policy::LookAheadGoal { policy: table, weights: &weights, targets: &targets }];
     let n = allocations(|| {
         for choice in 0..4 {
             BestActionJob { policy: table, states: &states, targets: &targets, choice, actions: &mut actions }
@@ -289,14 +292,14 @@ fn batches_of_blending_allocate_nothing() {
     let parameters: Vec<[f32; MAX_AXES]> = (0..N).map(|i| [0.08 * i as f32; MAX_AXES]).collect();
     let mut weights = vec![0.0; N * space.stride()];
     let (mut phases, seconds) = (vec![0.3; N], vec![0.1; N]);
-    let mut postures = vec![Posture::default(); N];
+    let mut postures = vec![BlendedPosture::default(); N];
     let n = allocations(|| {
         space.weights(&parameters, &mut weights).expect("weights");
         space.advance(&weights, &seconds, &mut phases).expect("a tick");
-        space.pose(&weights, &phases, &mut postures).expect("postures");
+        space.blend_postures(&weights, &phases, &mut postures).expect("postures");
     });
     assert_eq!(n, 0);
-    assert!(postures.iter().all(|p| *p != Posture::default()));
+    assert!(postures.iter().all(|p| *p != BlendedPosture::default()));
 }
 
 #[test]
@@ -372,7 +375,7 @@ fn twice_as_many_groups_allocate_twice_as_much() {
         };
         let text: String = (0..num).map(group).collect();
         let scene = Scene::parse(&text, Path::new("made-up.toml")).expect("a scene").open().expect("it names no files");
-        let config = RunConfig { seconds: Some(0.2), ..RunConfig::default() };
+        let config = SceneRunConfig { seconds: Some(0.2), ..SceneRunConfig::default() };
         allocations(|| drop(run(&scene, &config).expect("it runs")))
     };
     let num = [40, 80, 160].map(of);

@@ -12,14 +12,14 @@ use throng_precompute::clip::ClipSet;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::import::{ImportConfig, read};
 use throng_precompute::pipeline;
-use throng_precompute::policy::{AdaptiveConfig, BehaviourConfig, GridConfig};
+use throng_precompute::policy::{AdaptiveConfig, GridConfig, PolicyBehaviourConfig};
 use throng_precompute::progress::{Progress, Silent};
 use throng_precompute::resample::{ResampleConfig, resample};
-use throng_precompute::retarget::{RetargetConfig, onto};
+use throng_precompute::retarget::{RetargetConfig, retarget_clips};
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::trial::{self, TrialConfig};
 use throng_precompute::{BuildError, Warnings};
-use throng_runtime::characters::{Characters, CharactersConfig, MotionSet, Order, SampleJob};
+use throng_runtime::characters::{Characters, CharactersConfig, MotionSet, PolicyOrder, SampleJob};
 use throng_runtime::policy::{MAX_ACTIONS, PATH_POINTS, PolicyTable};
 use throng_runtime::{Bundle, Joint, Mat3x4, NUM_JOINTS, Planar};
 
@@ -45,7 +45,7 @@ fn a_bundle_is_the_same_in_whatever_folder_it_is_made() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         write_clips(&folder.path().join("clips"), 0.7);
         let out = folder.path().join("a.throng");
-        build(&config(folder.path()), &out, &Cache::none());
+        build(&config(folder.path()), &out, &Cache::disabled());
         std::fs::read(&out).expect("what was built can be read")
     };
     let of_folder = |at: &Path| small_config(vec![at.join("clips")]);
@@ -82,11 +82,11 @@ fn sampled_poses_are_those_of_the_retargeted_clips() {
     write_clips(&clips, 0.6);
     let mut config = small_config(vec![clips.clone()]);
     config.resample.mirror = true;
-    build(&config, &out, &Cache::none());
+    build(&config, &out, &Cache::disabled());
     let tables = Bundle::open(&out).expect("the bundle opens");
 
     let raw = read(&[clips], &ImportConfig::default(), &Silent).expect("clips");
-    let set = onto(&raw.clips, &RetargetConfig::default(), &mut Warnings::default()).expect("bodies");
+    let set = retarget_clips(&raw.clips, &RetargetConfig::default(), &mut Warnings::default()).expect("bodies");
     let set = resample(&set, &ResampleConfig { mirror: true, ..ResampleConfig::default() }).unwrap();
     let set = annotate(&set, &AnnotateConfig::default(), &Sidecars::default()).expect("annotated");
     assert_same_motion(&tables, &set, 1e-3);
@@ -108,11 +108,14 @@ fn sampled_poses_are_those_of_the_retargeted_clips() {
 fn sampled_poses_are_those_that_were_made() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
-    let made =
-        synth::write(SynthSet::Walk, &SynthConfig { minutes: 0.6, clip_seconds: 15.0, ..Default::default() }, &clips);
+    let made = synth::write_set(
+        SynthSet::Walk,
+        &SynthConfig { minutes: 0.6, clip_seconds: 15.0, ..Default::default() },
+        &clips,
+    );
     let mut config = small_config(vec![clips]);
     config.resample.mirror = false;
-    build(&config, &out, &Cache::none());
+    build(&config, &out, &Cache::disabled());
     let tables = Bundle::open(&out).expect("the bundle opens");
     // Through a file, units of its own and the detection of both, and onto the ground.
     assert_same_motion(&tables, &made.expect("clips"), 0.02);
@@ -168,11 +171,11 @@ fn assert_crowd_arrives(bundle: &Path, making_way: f64) {
 fn a_synthetic_crowd_reaches_its_targets() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
-    synth::write(SynthSet::Walk, &SynthConfig { minutes: 3.0, ..SynthConfig::default() }, &clips).expect("clips");
+    synth::write_set(SynthSet::Walk, &SynthConfig { minutes: 3.0, ..SynthConfig::default() }, &clips).expect("clips");
     let mut config = BuildConfig::new("crowd", vec![clips]);
     config.resample.mirror = true;
     config.policy.compare_samples = 100;
-    build(&config, &out, &Cache::none());
+    build(&config, &out, &Cache::disabled());
     assert_crowd_arrives(&out, 0.95);
 }
 
@@ -186,7 +189,7 @@ fn a_crowd_of_recorded_walkers_reaches_its_targets() {
     config.policy.compare_samples = 100;
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("snu.throng");
-    build(&config, &out, &Cache::none());
+    build(&config, &out, &Cache::disabled());
     // In this motion a stop takes 2.5 s and 2.7 m.
     assert_crowd_arrives(&out, 0.9);
 }
@@ -200,9 +203,10 @@ fn an_adaptive_policy_goes_from_the_config_to_queries() {
     let fine = GridConfig { rings: Some(9), angles: Some(16), ..config.behaviours[0].grid };
     let adaptive = Some(AdaptiveConfig { share: 0.25, ..AdaptiveConfig::default() });
     let compact = GridConfig { adaptive, ..fine };
-    let behaviour = |name: &str, grid| BehaviourConfig { name: name.into(), grid, ..config.behaviours[0].clone() };
+    let behaviour =
+        |name: &str, grid| PolicyBehaviourConfig { name: name.into(), grid, ..config.behaviours[0].clone() };
     config.behaviours = vec![behaviour("fine", fine), behaviour("compact", compact), behaviour("again", fine)];
-    let report = build(&config, &out, &Cache::none());
+    let report = build(&config, &out, &Cache::disabled());
     let figures = report.policies[1].adaptive.as_ref().expect("an adaptive policy");
     assert!(4 * figures.adaptive.bytes <= figures.finest_bytes && report.policies[0].adaptive.is_none());
 
@@ -219,7 +223,7 @@ fn an_adaptive_policy_goes_from_the_config_to_queries() {
     }
     // Characters follow it like any other.
     let motion_set = MotionSet::new(&tables);
-    let orders: Vec<Order> = orders(8).iter().map(|order| Order::aim(1, order.target())).collect();
+    let orders: Vec<PolicyOrder> = orders(8).iter().map(|order| PolicyOrder::towards(1, order.target())).collect();
     let mut characters =
         Characters::new(&motion_set, CharactersConfig::default(), &starts(&tables, 8)).expect("characters");
     let far = |characters: &Characters| -> f32 {
@@ -280,7 +284,7 @@ fn the_cache_tells_inputs_apart_that_have_the_same_files() {
     };
     // Clips are named as seen from the folder that was given.
     for inputs in [vec![clips.clone()], vec![clips.join("walks")], vec![clips.join("walks/walk_00.bvh")]] {
-        assert_eq!(made(inputs.clone(), &cache), made(inputs, &Cache::none()));
+        assert_eq!(made(inputs.clone(), &cache), made(inputs, &Cache::disabled()));
     }
 }
 
@@ -294,7 +298,7 @@ impl Progress for Meddler {
     fn begin(&self, _: &'static str, _: u64, _: &'static str) {}
     fn advance(&self, _: u64) {}
     fn end(&self) {}
-    fn comes_to(&self, stage: &'static str) {
+    fn enter_stage(&self, stage: &'static str) {
         if stage == self.stage {
             let text = std::fs::read_to_string(&self.clip).expect("a clip");
             std::fs::write(&self.clip, text + "\n").expect("a clip");
@@ -345,7 +349,7 @@ fn a_bundle_takes_the_place_of_no_other_file() {
     write_clips(&clips, 0.6);
     let clip = clips.join("walk_00.bvh");
     let before = std::fs::read(&clip).expect("a clip");
-    let e = pipeline::build(&small_config(vec![clips]), &clip, &Cache::none(), &Silent).unwrap_err().to_string();
+    let e = pipeline::build(&small_config(vec![clips]), &clip, &Cache::disabled(), &Silent).unwrap_err().to_string();
     assert!(e.contains("walk_00.bvh: it is there and is not a bundle"), "{e}");
     assert_eq!(std::fs::read(&clip).expect("a clip"), before);
 }
@@ -367,7 +371,7 @@ fn one_more_performer_costs_the_files_of_that_one() {
     let more = build(&config, &out, &cache);
     assert_eq!((more.files_kept, more.clips_kept, more.performers.len()), (num_files, num_files, 2));
     let made = std::fs::read(&out).expect("a bundle");
-    build(&config, &out, &Cache::none());
+    build(&config, &out, &Cache::disabled());
     assert!(made == std::fs::read(&out).expect("a bundle"), "the cache changes nothing");
 }
 
@@ -409,17 +413,17 @@ fn one_bad_file_is_skipped_and_named() {
     let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
     write_clips(&clips, 0.6);
     let whole = small_config(vec![clips.clone()]);
-    let clean = build(&whole, &out, &Cache::none());
+    let clean = build(&whole, &out, &Cache::disabled());
     let good = std::fs::read_to_string(clips.join("walk_00.bvh")).expect("a clip");
     std::fs::write(clips.join("broken.bvh"), &good[..good.len() / 2]).expect("a clip");
-    let report = build(&whole, &out, &Cache::none());
+    let report = build(&whole, &out, &Cache::disabled());
     assert_eq!((report.clips, report.frames_in), (clean.clips, clean.frames_in));
     assert!(matches!(&report.skipped[..], [s] if s.contains("broken.bvh")), "{:?}", report.skipped);
 
     let before = std::fs::read(&out).expect("the bundle can be read");
     let mut strict = whole;
     strict.import.strict = true;
-    let e = pipeline::build(&strict, &out, &Cache::none(), &Silent).expect_err("a broken file");
+    let e = pipeline::build(&strict, &out, &Cache::disabled(), &Silent).expect_err("a broken file");
     assert!(matches!(e, BuildError::Import(_)) && e.to_string().contains("broken.bvh:"), "{e}");
     assert!(std::fs::read(&out).expect("the bundle can be read") == before, "a failed build changed the old bundle");
 }
@@ -433,7 +437,7 @@ fn too_little_motion_is_an_error_that_says_so() {
     let all_but_a_little = Sidecar { exclude: vec![[4.0, f64::INFINITY]], ..Sidecar::default() };
     config.clips = (0..10).map(|i| (format!("walk_0{i}"), all_but_a_little.clone())).collect();
     config.clips.retain(|name, _| config.inputs[0].join(format!("{name}.bvh")).exists());
-    let e = pipeline::build(&config, &out, &Cache::none(), &Silent).expect_err("too little");
+    let e = pipeline::build(&config, &out, &Cache::disabled(), &Silent).expect_err("too little");
     assert!(e.to_string().contains("less than graph.min_component_s = 10 s"), "{e}");
     assert!(!out.exists(), "a failed build left a bundle");
     let left = std::fs::read_dir(folder.path()).expect("the folder").count();
@@ -450,7 +454,7 @@ fn a_behaviour_of_ones_own_needs_the_config_alone() {
         grid = { rings = 12, angles = 16, radius = 5.0, inner_spacing = 0.3 }\n";
     std::fs::write(&file, text).expect("a config");
     let config = BuildConfig::load(&file).expect("a sound config");
-    build(&config, &out, &Cache::none());
+    build(&config, &out, &Cache::disabled());
     let tables = Bundle::open(&out).expect("a bundle");
     let motion_set = MotionSet::new(&tables);
     let n = 40;
@@ -458,7 +462,7 @@ fn a_behaviour_of_ones_own_needs_the_config_alone() {
     // Half of them stand too near, half too far.
     for (i, s) in starts.iter().enumerate() {
         let distance = if i % 2 == 0 { 0.3 } else { 4.0 };
-        orders.push(Order::aim(0, s.root.translation() + glam::Vec3::new(distance, 0.0, 0.0)));
+        orders.push(PolicyOrder::towards(0, s.root.translation() + glam::Vec3::new(distance, 0.0, 0.0)));
     }
     let mut characters = Characters::new(&motion_set, CharactersConfig::default(), &starts).expect("characters");
     for _ in 0..15 * 30 {

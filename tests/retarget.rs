@@ -6,16 +6,16 @@ mod mocap;
 use mocap::recording;
 use std::path::PathBuf;
 use throng_precompute::Warnings;
-use throng_precompute::annotate::{AnnotateConfig, Sidecars, annotate, sanity};
+use throng_precompute::annotate::{AnnotateConfig, Sidecars, annotate, contact_sanity};
 use throng_precompute::clip::ExclusionReason;
-use throng_precompute::import::{ImportConfig, Imported, read};
+use throng_precompute::import::{ImportConfig, ImportedClip, read};
 use throng_precompute::progress::Silent;
 use throng_precompute::resample::{ResampleConfig, resample};
-use throng_precompute::retarget::{Proportions, RetargetConfig, onto, skeleton_of};
+use throng_precompute::retarget::{Proportions, RetargetConfig, retarget_clips, skeleton_of};
 use throng_runtime::Joint;
 
 /// Clips of the recordings, where there are any.
-fn clips(patterns: &[&str]) -> Option<Vec<Imported>> {
+fn clips(patterns: &[&str]) -> Option<Vec<ImportedClip>> {
     let root = recording("")?;
     let paths: Vec<PathBuf> = patterns.iter().map(|p| root.join(p)).collect();
     Some(read(&paths, &ImportConfig::default(), &Silent).expect("the recordings can be read").clips)
@@ -27,7 +27,7 @@ fn own_proportions_reproduce_the_joints_of_real_clips() {
     let Some(clips) = clips(&patterns) else { return };
     let cfg = RetargetConfig { proportions: Proportions::Clip, align_ground: false };
     for clip in &clips {
-        let set = onto(std::slice::from_ref(clip), &cfg, &mut Warnings::default()).expect("a body");
+        let set = retarget_clips(std::slice::from_ref(clip), &cfg, &mut Warnings::default()).expect("a body");
         assert_eq!(set.skeleton, skeleton_of(clip).expect("a body"));
         for f in 0..clip.clip.num_frames {
             let (world, laid) = (clip.clip.world(f), set.clips[0].joint_positions(&set.skeleton, f));
@@ -54,12 +54,12 @@ fn walking_stands_on_each_foot_a_bit_more_than_half_the_time() {
     let patterns =
         ["snu/single/walk_straight_*.amc", "snu/single/walk_*_90degree*.amc", "bandai-1/*_walk_normal_*.bvh"];
     let Some(clips) = clips(&patterns) else { return };
-    let set = onto(&clips, &RetargetConfig::default(), &mut Warnings::default()).expect("bodies");
+    let set = retarget_clips(&clips, &RetargetConfig::default(), &mut Warnings::default()).expect("bodies");
     let set = resample(&set, &ResampleConfig { rate_hz: 30.0, mirror: true }).unwrap();
     let set = annotate(&set, &AnnotateConfig::default(), &Sidecars::default()).expect("annotated");
     // Of a clip of a single step the share says little.
     for clip in set.clips.iter().filter(|c| c.num_frames() >= 60) {
-        let s = sanity(clip, &set.skeleton);
+        let s = contact_sanity(clip, &set.skeleton);
         // On their own proportions, the shortest contacts of these clips have a share of 0.431.
         for share in [s.left_share, s.right_share] {
             assert!((0.42..0.76).contains(&share), "{}: {s:?}", clip.name);
@@ -71,7 +71,7 @@ fn walking_stands_on_each_foot_a_bit_more_than_half_the_time() {
 #[test]
 fn t_poses_of_real_clips_are_left_out_and_motion_is_kept() {
     let Some(clips) = clips(&["snu/single/walk_straight*.amc", "snu/single/run_straight*.amc"]) else { return };
-    let set = onto(&clips, &RetargetConfig::default(), &mut Warnings::default()).expect("bodies");
+    let set = retarget_clips(&clips, &RetargetConfig::default(), &mut Warnings::default()).expect("bodies");
     let set = resample(&set, &ResampleConfig { rate_hz: 30.0, mirror: false }).unwrap();
     let set = annotate(&set, &AnnotateConfig::default(), &Sidecars::default()).expect("annotated");
     for clip in &set.clips {

@@ -30,7 +30,7 @@ static BUNDLE: LazyLock<Bundle> = LazyLock::new(|| {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("people.throng");
     let config = BuildConfig::parse(CONFIG, &folder.path().join("people.toml")).expect("a config");
-    common::build(&config, &out, &Cache::none());
+    common::build(&config, &out, &Cache::disabled());
     Bundle::open(&out).expect("a bundle")
 });
 
@@ -123,9 +123,9 @@ fn hands_meet_things_and_keep_them() {
                 }
             }
         }
-        let done = room.handled();
+        let done = room.handling_counts();
         assert!(done.taken >= 3 && done.put >= 2, "room {seed}: {done:?}");
-        let off = [0.95, 1.0].map(|share| done.off_m(share));
+        let off = [0.95, 1.0].map(|share| done.palm_error_m(share));
         println!(
             "room {seed}, tables {height} m high, {depth} m from the edge: {} taken, {} put down, palms off {off:?} m",
             done.taken, done.put
@@ -143,7 +143,7 @@ fn things_out_of_reach_stay_where_they_are() {
     let mut room = room(12, 2.4, 0.1);
     let before: Vec<Vec3> = room.things().map(|t| t.at).collect();
     (0..60 * 40).for_each(|_| room.step(1.0 / 60.0).expect("a step"));
-    let done = room.handled();
+    let done = room.handling_counts();
     assert!((done.taken, done.put) == (0, 0) && done.missed >= 3, "{done:?}");
     assert!(room.things().map(|t| t.at).eq(before.iter().copied()));
 }
@@ -169,14 +169,14 @@ fn people_bend_down_to_low_things_and_stand_near_high_ones() {
                 assert!(feet.iter().all(|f| (0.0..0.5).contains(f)), "step {step}: ankles at {feet:?}");
             }
         }
-        let done = room.handled();
+        let done = room.handling_counts();
         println!(
             "things {height} m high: {done:?}, palms off {} m, heads down to {lowest:.2} m, hips up and down at {fastest:.2} m/s",
-            done.off_m(1.0)
+            done.palm_error_m(1.0)
         );
         // Captured people who sit down and crouch: 0.8 m/s (`single` of SNU).
         assert!(fastest < 0.9, "{height}: hips go at {fastest} m/s");
-        assert!(done.taken >= 2 && done.put >= 1 && done.off_m(1.0) <= 0.02, "{height}: {done:?}");
+        assert!(done.taken >= 2 && done.put >= 1 && done.palm_error_m(1.0) <= 0.02, "{height}: {done:?}");
         assert_eq!(lowest < usual + 0.35, height < 1.0, "heads down to {lowest} m, hips up to {usual} m");
     }
 }
@@ -187,18 +187,18 @@ fn a_snapshot_in_the_middle_of_a_grasp_brings_back_what_follows() {
     let mut room = room(11, 0.95, 0.1);
     for _ in 0..60 * 12 {
         room.step(1.0 / 60.0).expect("a step");
-        if kept.len() < 40 && room.handled().taken < 2 {
+        if kept.len() < 40 && room.handling_counts().taken < 2 {
             kept.push((room.snapshot(), room.time_s()));
         }
     }
-    let (hash, handled) = (room.hash(), room.handled());
+    let (hash, handled) = (room.hash(), room.handling_counts());
     assert!(handled.taken > 0, "nothing was taken: {handled:?}");
     let things: Vec<_> = room.things().map(|t| (t.at, t.turn)).collect();
     for (bytes, time_s) in kept.iter().step_by(13) {
         room.restore(bytes).expect("its own bytes");
         let steps = (60.0 * (12.0 - time_s)).round() as usize;
         (0..steps).for_each(|_| room.step(1.0 / 60.0).expect("a step"));
-        assert_eq!((room.hash(), room.handled()), (hash, handled), "from {time_s} s");
+        assert_eq!((room.hash(), room.handling_counts()), (hash, handled), "from {time_s} s");
         assert!(room.things().map(|t| (t.at, t.turn)).eq(things.iter().copied()));
     }
 }

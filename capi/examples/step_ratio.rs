@@ -6,7 +6,7 @@ use std::ffi::CString;
 use std::time::Instant;
 use throng_c::*;
 use throng_runtime::characters::{AvoidConfig, CharactersConfig, PolicyCharacters, Spawn};
-use throng_runtime::{Bundle, Cast, Inline, Planar};
+use throng_runtime::{Bundle, CharacterGroup, Inline, Planar};
 
 const PEOPLE: usize = 1000;
 const STEPS: usize = 60;
@@ -33,8 +33,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for k in 0..PEOPLE {
         let (x, z) = (2.0 * (k % 32) as f32, 2.0 * (k / 32) as f32);
         let to = Vec3::new(64.0 - x, 0.0, 64.0 - z);
-        let id = rust.spawn(Spawn::standing(Planar::new(x, z, 0.0)))?;
-        rust.order(id, policy.aim(to))?;
+        let id = rust.spawn(Spawn::standing_at(Planar::new(x, z, 0.0)))?;
+        rust.order(id, policy.order_towards(to))?;
         let mut id = ThrongId { index: 0, generation: 0 };
         // SAFETY: the id can be written.
         said(unsafe { throng_characters_spawn(c, x, z, 0.0, &mut id) });

@@ -39,18 +39,18 @@ pub enum ThrongStatus {
 }
 
 /// Reason of a failed call.
-pub struct Fault {
+pub struct CallFault {
     pub status: ThrongStatus,
     pub why: String,
 }
 
-impl Fault {
+impl CallFault {
     pub fn new(status: ThrongStatus, why: impl Into<String>) -> Self {
         Self { status, why: why.into() }
     }
 
     /// Adds the path of the file to the reason, unless it is there.
-    pub fn at(mut self, path: &str) -> Self {
+    pub fn with_path(mut self, path: &str) -> Self {
         if !self.why.contains(path) {
             self.why = format!("{path}: {}", self.why);
         }
@@ -58,7 +58,7 @@ impl Fault {
     }
 }
 
-impl From<Error> for Fault {
+impl From<Error> for CallFault {
     fn from(e: Error) -> Self {
         let status = match &e {
             Error::Io { .. } => ThrongStatus::Io,
@@ -67,14 +67,14 @@ impl From<Error> for Fault {
             }
             Error::Gone(_) => ThrongStatus::Gone,
             Error::Full { .. } => ThrongStatus::Full,
-            Error::NoWay { .. } | Error::Occupied { .. } => ThrongStatus::Place,
+            Error::NoPath { .. } | Error::Occupied { .. } => ThrongStatus::Place,
             _ => ThrongStatus::Value,
         };
         Self::new(status, e.to_string())
     }
 }
 
-impl From<FormatError> for Fault {
+impl From<FormatError> for CallFault {
     fn from(e: FormatError) -> Self {
         let status = if let FormatError::Io { .. } = e { ThrongStatus::Io } else { ThrongStatus::Format };
         Self::new(status, e.to_string())
@@ -82,21 +82,21 @@ impl From<FormatError> for Fault {
 }
 
 thread_local! {
-    static LAST: RefCell<String> = const { RefCell::new(String::new()) };
+    static LAST_ERROR: RefCell<String> = const { RefCell::new(String::new()) };
 }
 
 /// Runs a call: stores its fault for this thread, and catches panics.
-pub fn call(work: impl FnOnce() -> Result<(), Fault>) -> ThrongStatus {
+pub fn catch_fault(work: impl FnOnce() -> Result<(), CallFault>) -> ThrongStatus {
     let fault = match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(())) => return ThrongStatus::Ok,
         Ok(Err(fault)) => fault,
         Err(panic) => {
             let text = panic.downcast_ref::<String>().map(String::as_str);
             let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
-            Fault::new(ThrongStatus::Panic, format!("a fault of Throng, please report it: {text}"))
+            CallFault::new(ThrongStatus::Panic, format!("a fault of Throng, please report it: {text}"))
         }
     };
-    LAST.with_borrow_mut(|last| *last = fault.why);
+    LAST_ERROR.with_borrow_mut(|last| *last = fault.why);
     fault.status
 }
 
@@ -110,7 +110,7 @@ pub fn call(work: impl FnOnce() -> Result<(), Fault>) -> ThrongStatus {
 /// `buffer` must have room for `size` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn throng_last_error(buffer: *mut c_char, size: usize) -> usize {
-    LAST.with_borrow(|last| {
+    LAST_ERROR.with_borrow(|last| {
         // SAFETY: the caller promises room for `size` bytes.
         unsafe { copy_text(last, buffer, size) }
     })
@@ -135,21 +135,21 @@ pub unsafe fn copy_text(text: &str, buffer: *mut c_char, size: usize) -> usize {
 /// Reads a text of the caller.
 ///
 /// # Safety
-/// `text` must be null or end with a zero.
-pub unsafe fn text<'a>(what: &str, text: *const c_char) -> Result<&'a str, Fault> {
+/// `read_text` must be null or end with a zero.
+pub unsafe fn read_text<'a>(what: &str, text: *const c_char) -> Result<&'a str, CallFault> {
     if text.is_null() {
-        return Err(null(what));
+        return Err(null_fault(what));
     }
     // SAFETY: the caller promises a zero at its end.
     let text = unsafe { CStr::from_ptr(text) };
-    text.to_str().map_err(|_| Fault::new(ThrongStatus::Pointer, format!("`{what}` is not UTF-8")))
+    text.to_str().map_err(|_| CallFault::new(ThrongStatus::Pointer, format!("`{what}` is not UTF-8")))
 }
 
 /// Writes a result to memory of the caller.
 ///
 /// # Safety
 /// `to` must be null or point to a `T` that may be written.
-pub unsafe fn write<T>(what: &str, to: *mut T, value: T) -> Result<(), Fault> {
+pub unsafe fn write_result<T>(what: &str, to: *mut T, value: T) -> Result<(), CallFault> {
     check_pointer(what, to)?;
     // SAFETY: neither null nor out of line; the caller promises that it may be written.
     unsafe { to.write(value) };
@@ -160,7 +160,7 @@ pub unsafe fn write<T>(what: &str, to: *mut T, value: T) -> Result<(), Fault> {
 ///
 /// # Safety
 /// `from` must be null or point to `len` records.
-pub unsafe fn slice<'a, T>(what: &str, from: *const T, len: usize) -> Result<&'a [T], Fault> {
+pub unsafe fn read_slice<'a, T>(what: &str, from: *const T, len: usize) -> Result<&'a [T], CallFault> {
     if len == 0 {
         return Ok(&[]);
     }
@@ -179,7 +179,7 @@ pub unsafe fn copy_records<T: Copy>(
     to: *mut T,
     capacity: usize,
     count: *mut usize,
-) -> Result<(), Fault> {
+) -> Result<(), CallFault> {
     let len = records.len();
     if capacity > 0 {
         check_pointer("records", to)?;
@@ -189,13 +189,13 @@ pub unsafe fn copy_records<T: Copy>(
         unsafe { to.add(k).write(record) };
     }
     // SAFETY: promised by the caller.
-    unsafe { write("count", count, len) }
+    unsafe { write_result("count", count, len) }
 }
 
-pub fn check_pointer<T>(what: &str, pointer: *const T) -> Result<(), Fault> {
+pub fn check_pointer<T>(what: &str, pointer: *const T) -> Result<(), CallFault> {
     match pointer.is_null() {
-        true => Err(null(what)),
-        false if !pointer.is_aligned() => Err(Fault::new(
+        true => Err(null_fault(what)),
+        false if !pointer.is_aligned() => Err(CallFault::new(
             ThrongStatus::Pointer,
             format!("`{what}` is not aligned, expected a multiple of {} bytes", align_of::<T>()),
         )),
@@ -203,11 +203,11 @@ pub fn check_pointer<T>(what: &str, pointer: *const T) -> Result<(), Fault> {
     }
 }
 
-fn check_len<T>(what: &str, len: usize) -> Result<(), Fault> {
+fn check_len<T>(what: &str, len: usize) -> Result<(), CallFault> {
     let fits = len.checked_mul(size_of::<T>()).is_some_and(|bytes| bytes <= isize::MAX as usize);
-    if fits { Ok(()) } else { Err(Fault::new(ThrongStatus::Value, format!("`{what}` cannot have {len} elements"))) }
+    if fits { Ok(()) } else { Err(CallFault::new(ThrongStatus::Value, format!("`{what}` cannot have {len} elements"))) }
 }
 
-fn null(what: &str) -> Fault {
-    Fault::new(ThrongStatus::Pointer, format!("`{what}` is null"))
+fn null_fault(what: &str) -> CallFault {
+    CallFault::new(ThrongStatus::Pointer, format!("`{what}` is null"))
 }

@@ -1,11 +1,11 @@
 //! Level of detail: a distant character is a record of 32 bytes, from which a vertex shader computes the pose.
 
-use crate::fault::{Fault, ThrongStatus, call, check_pointer, copy_records};
-use crate::layout::{floats, layout_of, write};
-use crate::stage::{ThrongSimulation, with};
+use crate::fault::{CallFault, ThrongStatus, catch_fault, check_pointer, copy_records};
+use crate::layout::{checked_layout, matrix_floats, write_matrix};
+use crate::stage::{ThrongSimulation, with_simulation};
 use crate::tables::{BUNDLES, ThrongBundle};
 use glam::Vec2;
-use throng_runtime::characters::{Detail, Instance, MotionSet, SampleJob};
+use throng_runtime::characters::{Detail, MotionSet, PoseInstance, SampleJob};
 use throng_runtime::{Mat3x4, NUM_JOINTS};
 
 /// Record from which a GPU poses a character with the frame rows of its bundle (32 bytes; `throng_bundle_write_rows`).
@@ -36,7 +36,7 @@ pub struct ThrongInstance {
     pub heading: f32,
 }
 
-const _: () = assert!(size_of::<ThrongInstance>() == 32 && size_of::<Instance>() == 32);
+const _: () = assert!(size_of::<ThrongInstance>() == 32 && size_of::<PoseInstance>() == 32);
 
 /// Eye of the viewer, and distances up to which characters are detailed. Their paths do not depend on it.
 ///
@@ -65,7 +65,7 @@ pub unsafe extern "C" fn throng_characters_set_detail(
     simulation: ThrongSimulation,
     detail: *const ThrongDetail,
 ) -> ThrongStatus {
-    call(|| {
+    catch_fault(|| {
         let detail = match detail.is_null() {
             true => None,
             false => {
@@ -75,7 +75,9 @@ pub unsafe extern "C" fn throng_characters_set_detail(
                 Some(Detail { eye: Vec2::new(d.eye_x, d.eye_z), full_m: d.full_m, posed_m: d.posed_m })
             }
         };
-        with(simulation.handle, |stage, _| stage.cast()?.set_detail(detail).map_err(Fault::from))
+        with_simulation(simulation.handle, |stage, _| {
+            stage.characters_mut()?.set_detail(detail).map_err(CallFault::from)
+        })
     })
 }
 
@@ -93,9 +95,9 @@ pub unsafe extern "C" fn throng_characters_instances(
     capacity: usize,
     count: *mut usize,
 ) -> ThrongStatus {
-    call(|| {
-        with(simulation.handle, |stage, _| {
-            let all = stage.cast()?.instances().iter().map(|r| ThrongInstance {
+    catch_fault(|| {
+        with_simulation(simulation.handle, |stage, _| {
+            let all = stage.characters_mut()?.instances().iter().map(|r| ThrongInstance {
                 row_a: r.row_a,
                 row_b: r.row_b,
                 frac: r.frac_blend[0],
@@ -118,10 +120,10 @@ pub unsafe extern "C" fn throng_characters_instances(
 /// `count` can be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn throng_bundle_num_rows(bundle: ThrongBundle, count: *mut usize) -> ThrongStatus {
-    call(|| {
+    catch_fault(|| {
         let found = BUNDLES.get("bundle", bundle.handle)?.frames().len();
         // SAFETY: promised by the caller.
-        unsafe { crate::fault::write("count", count, found) }
+        unsafe { crate::fault::write_result("count", count, found) }
     })
 }
 
@@ -141,14 +143,14 @@ pub unsafe extern "C" fn throng_bundle_write_rows(
     size: usize,
     layout: u32,
 ) -> ThrongStatus {
-    call(|| {
+    catch_fault(|| {
         let bundle = BUNDLES.get("bundle", bundle.handle)?;
-        let layout = layout_of(layout)?;
+        let layout = checked_layout(layout)?;
         check_pointer("matrices", matrices)?;
-        let (rows, each) = (bundle.frames().len(), NUM_JOINTS * floats(layout));
+        let (rows, each) = (bundle.frames().len(), NUM_JOINTS * matrix_floats(layout));
         if size < 4 * rows * each {
             let why = format!("`matrices` has {size} bytes, expected {} for {rows} rows", 4 * rows * each);
-            return Err(Fault::new(ThrongStatus::TooSmall, why));
+            return Err(CallFault::new(ThrongStatus::TooSmall, why));
         }
         let (motion_set, ratios) = (&MotionSet::new(&bundle), &[0.0][..]);
         let mut pose = [Mat3x4::default(); NUM_JOINTS];
@@ -156,8 +158,8 @@ pub unsafe extern "C" fn throng_bundle_write_rows(
             SampleJob { motion_set, frames: &[row as u32], ratios, matrices: &mut pose }.run()?;
             // SAFETY: ends within `size`, for which the caller promises room; every bit pattern is a float.
             let to = unsafe { std::slice::from_raw_parts_mut(matrices.add(row * each), each) };
-            for (to, joint) in to.chunks_exact_mut(floats(layout)).zip(&pose) {
-                write(layout, joint, to);
+            for (to, joint) in to.chunks_exact_mut(matrix_floats(layout)).zip(&pose) {
+                write_matrix(layout, joint, to);
             }
         }
         Ok(())

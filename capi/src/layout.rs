@@ -1,6 +1,6 @@
 //! Axes and matrix layouts of engines.
 
-use crate::fault::{Fault, ThrongStatus};
+use crate::fault::{CallFault, ThrongStatus};
 use throng_runtime::{Mat3x4, Planar};
 
 /// Memory layout and axes of matrices.
@@ -19,11 +19,11 @@ pub enum ThrongLayout {
 /// Number of floats of one matrix: 12 or 16; 0 for a layout that does not exist.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_layout_floats(layout: u32) -> usize {
-    named(layout).map_or(0, floats)
+    layout_from_number(layout).map_or(0, matrix_floats)
 }
 
 /// The layout with a number, if there is one.
-fn named(layout: u32) -> Option<ThrongLayout> {
+fn layout_from_number(layout: u32) -> Option<ThrongLayout> {
     [ThrongLayout::Throng, ThrongLayout::Unity, ThrongLayout::Unreal].into_iter().find(|l| *l as u32 == layout)
 }
 
@@ -31,23 +31,23 @@ fn named(layout: u32) -> Option<ThrongLayout> {
 ///
 /// # Errors
 /// [`ThrongStatus::Value`] if there is none.
-pub fn layout_of(layout: u32) -> Result<ThrongLayout, Fault> {
-    named(layout)
-        .ok_or_else(|| Fault::new(ThrongStatus::Value, format!("there is no layout {layout}, expected 0 to 2")))
+pub fn checked_layout(layout: u32) -> Result<ThrongLayout, CallFault> {
+    layout_from_number(layout)
+        .ok_or_else(|| CallFault::new(ThrongStatus::Value, format!("there is no layout {layout}, expected 0 to 2")))
 }
 
 /// Number of floats of one matrix.
-pub fn floats(layout: ThrongLayout) -> usize {
+pub fn matrix_floats(layout: ThrongLayout) -> usize {
     if layout == ThrongLayout::Throng { 12 } else { 16 }
 }
 
 /// Transform from a character's own frame to the world.
-pub fn place(root: Planar) -> Mat3x4 {
+pub fn root_matrix(root: Planar) -> Mat3x4 {
     Mat3x4::from_rotation_translation(root.rotation(), root.translation())
 }
 
 /// Source axis and sign of each axis of a layout, and the layout's units per metre.
-fn axes(layout: ThrongLayout) -> ([(usize, f32); 3], f32) {
+fn layout_axes(layout: ThrongLayout) -> ([(usize, f32); 3], f32) {
     match layout {
         ThrongLayout::Throng => ([(0, 1.0), (1, 1.0), (2, 1.0)], 1.0),
         ThrongLayout::Unity => ([(0, -1.0), (1, 1.0), (2, 1.0)], 1.0),
@@ -57,18 +57,18 @@ fn axes(layout: ThrongLayout) -> ([(usize, f32); 3], f32) {
 
 /// Converts a vector to the layout's axes and units.
 #[cfg(test)]
-fn vector(layout: ThrongLayout, v: [f32; 3]) -> [f32; 3] {
-    let (axes, scale) = axes(layout);
+fn layout_vector(layout: ThrongLayout, v: [f32; 3]) -> [f32; 3] {
+    let (axes, scale) = layout_axes(layout);
     axes.map(|(axis, sign)| sign * v[axis] * scale)
 }
 
-/// Writes a matrix in the layout's axes and order ([`floats`] of them).
-pub fn write(layout: ThrongLayout, m: &Mat3x4, to: &mut [f32]) {
+/// Writes a matrix in the layout's axes and order ([`matrix_floats`] of them).
+pub fn write_matrix(layout: ThrongLayout, m: &Mat3x4, to: &mut [f32]) {
     if layout == ThrongLayout::Throng {
         to.copy_from_slice(m.rows.as_flattened());
         return;
     }
-    let (axes, scale) = axes(layout);
+    let (axes, scale) = layout_axes(layout);
     for (c, (from, from_sign)) in axes.into_iter().enumerate() {
         for (r, (axis, sign)) in axes.into_iter().enumerate() {
             to[4 * c + r] = sign * from_sign * m.rows[axis][from];
@@ -92,13 +92,13 @@ mod tests {
         let m = Mat3x4::from_rotation_translation(turn, at);
         for layout in [ThrongLayout::Unity, ThrongLayout::Unreal] {
             let mut floats = [0.0; 16];
-            write(layout, &m, &mut floats);
+            write_matrix(layout, &m, &mut floats);
             // Column by column; the memory of rows that are multiplied from the left is the same.
             let theirs = Mat4::from_cols_array(&floats);
             assert!((theirs.determinant() - 1.0).abs() < 1e-5, "a rotation stays one");
             for p in [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(0.2, -0.4, 0.9)] {
-                let expected = Vec3::from(vector(layout, (turn * p + at).to_array()));
-                let found = theirs.transform_point3(vector(layout, p.to_array()).into());
+                let expected = Vec3::from(layout_vector(layout, (turn * p + at).to_array()));
+                let found = theirs.transform_point3(layout_vector(layout, p.to_array()).into());
                 assert!(found.abs_diff_eq(expected, 1e-3), "{layout:?}: {found} for {expected}");
             }
         }
@@ -107,9 +107,9 @@ mod tests {
     #[test]
     fn forward_up_and_right_are_the_engines() {
         let [forward, up, right] = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
-        let unity = [forward, up, right].map(|v| vector(ThrongLayout::Unity, v));
+        let unity = [forward, up, right].map(|v| layout_vector(ThrongLayout::Unity, v));
         assert_eq!(unity, [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]);
-        let unreal = [forward, up, right].map(|v| vector(ThrongLayout::Unreal, v));
+        let unreal = [forward, up, right].map(|v| layout_vector(ThrongLayout::Unreal, v));
         assert_eq!(unreal, [[100.0, 0.0, 0.0], [0.0, 0.0, 100.0], [0.0, 100.0, 0.0]]);
     }
 }

@@ -3,7 +3,6 @@
 //! Handles are numbers that this library never reuses. A handle that was freed, is of another kind, or is in use by another
 //! thread is refused with a status; nothing is read through it. No callback is ever called, and no panic leaves a call.
 
-mod desk;
 mod fault;
 mod handles;
 mod instances;
@@ -12,6 +11,7 @@ mod read;
 mod scene;
 mod stage;
 mod tables;
+mod work_queue;
 
 pub use fault::{ThrongStatus, throng_last_error};
 pub use instances::{

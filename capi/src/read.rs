@@ -1,12 +1,12 @@
 //! Roots, poses and events of characters.
 
-use crate::fault::{Fault, ThrongStatus, call, check_pointer, copy_records};
-use crate::layout::{floats, layout_of, place, write};
+use crate::fault::{CallFault, ThrongStatus, catch_fault, check_pointer, copy_records};
+use crate::layout::{checked_layout, matrix_floats, root_matrix, write_matrix};
 use crate::scene::ThrongId;
-use crate::stage::{Stage, ThrongSimulation, with};
+use crate::stage::{LiveSimulation, ThrongSimulation, with_simulation};
 use throng_base::Id;
-use throng_runtime::simulation::Happened;
-use throng_runtime::{Cast, Mat3x4, NUM_JOINTS, Planar};
+use throng_runtime::simulation::CharacterEvent;
+use throng_runtime::{CharacterGroup, Mat3x4, NUM_JOINTS, Planar};
 
 /// Position and heading of a character.
 #[repr(C)]
@@ -74,8 +74,8 @@ pub unsafe extern "C" fn throng_simulation_roots(
     capacity: usize,
     count: *mut usize,
 ) -> ThrongStatus {
-    call(|| {
-        with(simulation.handle, |stage, _| {
+    catch_fault(|| {
+        with_simulation(simulation.handle, |stage, _| {
             let all = (0..stage.num_characters()).map(|row| {
                 let (id, root) = stage.root(row);
                 let Planar { x, z, heading } = root.unwrap_or_default();
@@ -101,13 +101,13 @@ pub unsafe extern "C" fn throng_simulation_events(
     capacity: usize,
     count: *mut usize,
 ) -> ThrongStatus {
-    call(|| {
-        with(simulation.handle, |stage, _| match stage {
+    catch_fault(|| {
+        with_simulation(simulation.handle, |stage, _| match stage {
             // SAFETY: promised by the caller.
-            Stage::Scene(scene) => unsafe {
-                copy_records(scene.events().iter().map(of_scene), events, capacity, count)
+            LiveSimulation::Scene(scene) => unsafe {
+                copy_records(scene.events().iter().map(scene_event), events, capacity, count)
             },
-            Stage::Characters { cast, time_s } => {
+            LiveSimulation::Characters { cast, time_s } => {
                 let all = cast.events().iter().map(|(id, blow)| ThrongEvent {
                     time_s: *time_s,
                     id: (*id).into(),
@@ -122,15 +122,15 @@ pub unsafe extern "C" fn throng_simulation_events(
     })
 }
 
-fn of_scene(event: &throng_runtime::simulation::Event) -> ThrongEvent {
-    let (happened, other, at) = match event.happened {
-        Happened::Hit { at } => (ThrongHappened::Hit, 0, at.to_array()),
-        Happened::Struck { opponent, at, .. } => (ThrongHappened::Struck, opponent, at.to_array()),
-        Happened::Fulfilled => (ThrongHappened::Fulfilled, 0, [0.0; 3]),
-        Happened::Arrived => (ThrongHappened::Arrived, 0, [0.0; 3]),
-        Happened::Left => (ThrongHappened::Left, 0, [0.0; 3]),
-        Happened::Stuck => (ThrongHappened::Stuck, 0, [0.0; 3]),
-        Happened::RunInto { obstacle } => (ThrongHappened::RunInto, obstacle, [0.0; 3]),
+fn scene_event(event: &throng_runtime::simulation::SimulationEvent) -> ThrongEvent {
+    let (happened, other, at) = match event.kind {
+        CharacterEvent::Hit { at } => (ThrongHappened::Hit, 0, at.to_array()),
+        CharacterEvent::Struck { opponent, at, .. } => (ThrongHappened::Struck, opponent, at.to_array()),
+        CharacterEvent::Fulfilled => (ThrongHappened::Fulfilled, 0, [0.0; 3]),
+        CharacterEvent::Arrived => (ThrongHappened::Arrived, 0, [0.0; 3]),
+        CharacterEvent::Left => (ThrongHappened::Left, 0, [0.0; 3]),
+        CharacterEvent::Stuck => (ThrongHappened::Stuck, 0, [0.0; 3]),
+        CharacterEvent::RunInto { obstacle } => (ThrongHappened::RunInto, obstacle, [0.0; 3]),
     };
     ThrongEvent { time_s: event.time_s, id: Id::first(event.who).into(), happened, other: other as u32, at }
 }
@@ -153,32 +153,32 @@ pub unsafe extern "C" fn throng_simulation_write_matrices(
     stride: usize,
     layout: u32,
 ) -> ThrongStatus {
-    call(|| {
-        let layout = layout_of(layout)?;
-        with(simulation.handle, |stage, _| {
-            let (n, length) = (stage.num_characters(), NUM_JOINTS * floats(layout));
+    catch_fault(|| {
+        let layout = checked_layout(layout)?;
+        with_simulation(simulation.handle, |stage, _| {
+            let (n, length) = (stage.num_characters(), NUM_JOINTS * matrix_floats(layout));
             if n == 0 {
                 return Ok(());
             }
             check_pointer("matrices", matrices)?;
             if !stride.is_multiple_of(4) || stride < 4 * length {
                 let why = format!("`stride` is {stride} bytes, expected a multiple of 4, {} or more", 4 * length);
-                return Err(Fault::new(ThrongStatus::Value, why));
+                return Err(CallFault::new(ThrongStatus::Value, why));
             }
             let needed = stride.checked_mul(n - 1).and_then(|all| all.checked_add(4 * length));
             if needed.is_none_or(|needed| needed > size) {
                 let needed = needed.map_or("more than there can be".into(), |n| n.to_string());
                 let why = format!("`matrices` has {size} bytes, expected {needed} for {n} characters");
-                return Err(Fault::new(ThrongStatus::TooSmall, why));
+                return Err(CallFault::new(ThrongStatus::TooSmall, why));
             }
             for row in 0..n {
                 // SAFETY: ends within `size`, for which the caller promises room; every bit pattern is a float.
                 let to = unsafe { std::slice::from_raw_parts_mut(matrices.add(row * (stride / 4)), length) };
                 match (stage.root(row).1, stage.pose(row)) {
                     (Some(root), Some(pose)) => {
-                        let place = place(root);
-                        for (to, joint) in to.chunks_exact_mut(floats(layout)).zip(pose) {
-                            write(layout, &(place * *joint), to);
+                        let place = root_matrix(root);
+                        for (to, joint) in to.chunks_exact_mut(matrix_floats(layout)).zip(pose) {
+                            write_matrix(layout, &(place * *joint), to);
                         }
                     }
                     _ => to.fill(0.0),
@@ -189,7 +189,7 @@ pub unsafe extern "C" fn throng_simulation_write_matrices(
     })
 }
 
-impl Stage {
+impl LiveSimulation {
     /// Id and root of the character in a row (row < number of characters).
     fn root(&self, row: usize) -> (Id, Option<Planar>) {
         match self {

@@ -1,13 +1,13 @@
 //! Simulations: a scene file, or characters of one bundle that enter, leave and take orders.
 
-use crate::fault::{Fault, ThrongStatus, call, check_pointer, text, write};
-use crate::stage::{Stage, ThrongSimulation, keep, with};
+use crate::fault::{CallFault, ThrongStatus, catch_fault, check_pointer, read_text, write_result};
+use crate::stage::{LiveSimulation, ThrongSimulation, register_simulation, with_simulation};
 use crate::tables::{BUNDLES, ThrongBundle};
 use std::ffi::c_char;
 use throng_base::Id;
-use throng_runtime::characters::{AvoidConfig, CharactersConfig, Choice, Order, PolicyCharacters, Spawn};
+use throng_runtime::characters::{ActionChoice, AvoidConfig, CharactersConfig, PolicyCharacters, PolicyOrder, Spawn};
 use throng_runtime::simulation::{Scene, Simulation};
-use throng_runtime::{Cast, Planar, Status};
+use throng_runtime::{CharacterGroup, OrderStatus, Planar};
 
 /// Identifies a character; unique in its simulation for all time. In scenes the index is its number, and the generation
 /// is 0.
@@ -61,13 +61,13 @@ impl ThrongCharactersConfig {
 }
 
 /// Checks the size of the config, so that a caller of another version is refused before its memory is touched.
-fn check_size(what: &str, size: usize) -> Result<(), Fault> {
+fn check_size(what: &str, size: usize) -> Result<(), CallFault> {
     let expected = size_of::<ThrongCharactersConfig>();
     if size == expected {
         return Ok(());
     }
     let why = format!("`{what}` is {size}, expected {expected}; compile with the header of this library");
-    Err(Fault::new(ThrongStatus::Value, why))
+    Err(CallFault::new(ThrongStatus::Value, why))
 }
 
 /// Fills in the defaults: seed 1, 1000 characters that avoid each other.
@@ -81,10 +81,10 @@ pub unsafe extern "C" fn throng_characters_config_init(
     config: *mut ThrongCharactersConfig,
     size: usize,
 ) -> ThrongStatus {
-    call(|| {
+    catch_fault(|| {
         check_size("size", size)?;
         // SAFETY: it has this size; promised by the caller.
-        unsafe { write("config", config, ThrongCharactersConfig::standard()) }
+        unsafe { write_result("config", config, ThrongCharactersConfig::standard()) }
     })
 }
 
@@ -98,7 +98,7 @@ pub unsafe extern "C" fn throng_characters_new(
     config: *const ThrongCharactersConfig,
     simulation: *mut ThrongSimulation,
 ) -> ThrongStatus {
-    call(|| {
+    catch_fault(|| {
         let bundle = BUNDLES.get("bundle", bundle.handle)?;
         check_pointer("config", config)?;
         check_pointer("simulation", simulation)?;
@@ -108,7 +108,7 @@ pub unsafe extern "C" fn throng_characters_new(
         let c = unsafe { config.read() };
         let config = CharactersConfig {
             seed: c.seed,
-            choice: Choice::LookAhead { temperature: c.temperature },
+            choice: ActionChoice::LookAhead { temperature: c.temperature },
             half_life_s: c.half_life_s,
             avoid: (c.makes_way != 0).then(AvoidConfig::default),
             instances: c.instances != 0,
@@ -116,7 +116,7 @@ pub unsafe extern "C" fn throng_characters_new(
         };
         let characters = PolicyCharacters::with_capacity(&bundle, c.capacity as usize, config)?;
         // SAFETY: promised by the caller.
-        unsafe { keep(Stage::characters(characters), simulation) }
+        unsafe { register_simulation(LiveSimulation::characters(characters), simulation) }
     })
 }
 
@@ -129,13 +129,13 @@ pub unsafe extern "C" fn throng_simulation_open(
     path: *const c_char,
     simulation: *mut ThrongSimulation,
 ) -> ThrongStatus {
-    call(|| {
+    catch_fault(|| {
         check_pointer("simulation", simulation)?;
         // SAFETY: promised by the caller.
-        let path = unsafe { text("path", path) }?;
+        let path = unsafe { read_text("path", path) }?;
         let scene = Simulation::new(&Scene::load(path)?.open()?)?;
         // SAFETY: promised by the caller.
-        unsafe { keep(Stage::Scene(Box::new(scene)), simulation) }
+        unsafe { register_simulation(LiveSimulation::Scene(Box::new(scene)), simulation) }
     })
 }
 
@@ -145,10 +145,10 @@ pub unsafe extern "C" fn throng_simulation_open(
 /// `event` ends with a zero.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn throng_simulation_raise(simulation: ThrongSimulation, event: *const c_char) -> ThrongStatus {
-    call(|| {
+    catch_fault(|| {
         // SAFETY: promised by the caller.
-        let event = unsafe { text("event", event) }?;
-        with(simulation.handle, |stage, _| stage.scene()?.raise(event).map_err(Fault::from))
+        let event = unsafe { read_text("event", event) }?;
+        with_simulation(simulation.handle, |stage, _| stage.scene_mut()?.raise_event(event).map_err(CallFault::from))
     })
 }
 
@@ -166,19 +166,25 @@ pub unsafe extern "C" fn throng_characters_spawn(
     heading: f32,
     id: *mut ThrongId,
 ) -> ThrongStatus {
-    call(|| {
+    catch_fault(|| {
         check_pointer("id", id)?;
         let root = Planar::new(x, z, heading);
-        let new = with(simulation.handle, |stage, _| Ok(stage.cast()?.spawn(Spawn::standing(root))?))?;
+        let new = with_simulation(simulation.handle, |stage, _| {
+            Ok(stage.characters_mut()?.spawn(Spawn::standing_at(root))?)
+        })?;
         // SAFETY: promised by the caller.
-        unsafe { write("id", id, new.into()) }
+        unsafe { write_result("id", id, new.into()) }
     })
 }
 
 /// Removes a character. The character of the last row takes its row.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_characters_despawn(simulation: ThrongSimulation, id: ThrongId) -> ThrongStatus {
-    call(|| with(simulation.handle, |stage, _| stage.cast()?.despawn(id.into()).map_err(Fault::from)))
+    catch_fault(|| {
+        with_simulation(simulation.handle, |stage, _| {
+            stage.characters_mut()?.despawn(id.into()).map_err(CallFault::from)
+        })
+    })
 }
 
 /// Moves a character to another place at once.
@@ -190,9 +196,9 @@ pub extern "C" fn throng_characters_place(
     z: f32,
     heading: f32,
 ) -> ThrongStatus {
-    call(|| {
-        with(simulation.handle, |stage, _| {
-            stage.cast()?.place(id.into(), Planar::new(x, z, heading)).map_err(Fault::from)
+    catch_fault(|| {
+        with_simulation(simulation.handle, |stage, _| {
+            stage.characters_mut()?.place(id.into(), Planar::new(x, z, heading)).map_err(CallFault::from)
         })
     })
 }
@@ -209,8 +215,12 @@ pub extern "C" fn throng_characters_order(
     y: f32,
     z: f32,
 ) -> ThrongStatus {
-    let order = Order::aim(policy as usize, glam::Vec3::new(x, y, z));
-    call(|| with(simulation.handle, |stage, _| stage.cast()?.order(id.into(), order).map_err(Fault::from)))
+    let order = PolicyOrder::towards(policy as usize, glam::Vec3::new(x, y, z));
+    catch_fault(|| {
+        with_simulation(simulation.handle, |stage, _| {
+            stage.characters_mut()?.order(id.into(), order).map_err(CallFault::from)
+        })
+    })
 }
 
 /// Progress of a character's order.
@@ -242,20 +252,20 @@ pub unsafe extern "C" fn throng_characters_progress(
     progress: *mut ThrongProgress,
     left_m: *mut f32,
 ) -> ThrongStatus {
-    call(|| {
-        let status = with(simulation.handle, |stage, _| Ok(stage.cast()?.status(id.into())?))?;
+    catch_fault(|| {
+        let status = with_simulation(simulation.handle, |stage, _| Ok(stage.characters_mut()?.status(id.into())?))?;
         let (now, left) = match status {
-            Status::Idle => (ThrongProgress::Idle, 0.0),
-            Status::Going { left_m } => (ThrongProgress::Going, left_m),
-            Status::There => (ThrongProgress::There, 0.0),
-            Status::Blocked { .. } => (ThrongProgress::Blocked, 0.0),
-            Status::NoWay => (ThrongProgress::NoWay, 0.0),
+            OrderStatus::Idle => (ThrongProgress::Idle, 0.0),
+            OrderStatus::Going { left_m } => (ThrongProgress::Going, left_m),
+            OrderStatus::Arrived => (ThrongProgress::There, 0.0),
+            OrderStatus::Blocked { .. } => (ThrongProgress::Blocked, 0.0),
+            OrderStatus::NoPath => (ThrongProgress::NoWay, 0.0),
         };
         check_pointer("left_m", left_m)?;
         // SAFETY: promised by the caller.
-        unsafe { write("progress", progress, now) }?;
+        unsafe { write_result("progress", progress, now) }?;
         // SAFETY: promised by the caller.
-        unsafe { write("left_m", left_m, left) }
+        unsafe { write_result("left_m", left_m, left) }
     })
 }
 

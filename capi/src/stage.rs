@@ -1,11 +1,11 @@
 //! Steps, states and snapshots of simulations.
 
-use crate::desk::Desk;
-use crate::fault::{Fault, ThrongStatus, call, copy_records, slice, write};
-use crate::handles::Handles;
+use crate::fault::{CallFault, ThrongStatus, catch_fault, copy_records, read_slice, write_result};
+use crate::handles::HandleTable;
+use crate::work_queue::WorkQueue;
 use std::sync::{Arc, Mutex, TryLockError};
-use throng_base::{Inline, Run};
-use throng_runtime::Cast;
+use throng_base::{Executor, Inline};
+use throng_runtime::CharacterGroup;
 use throng_runtime::characters::PolicyCharacters;
 use throng_runtime::simulation::Simulation;
 
@@ -18,15 +18,15 @@ pub struct ThrongSimulation {
 }
 
 /// A simulation, and the work queue of its steps.
-struct Entry {
-    stage: Mutex<Stage>,
-    desk: Desk,
+struct SimulationEntry {
+    simulation: Mutex<LiveSimulation>,
+    work_queue: WorkQueue,
 }
 
-static SIMULATIONS: Handles<Arc<Entry>> = Handles::new();
+static SIMULATIONS: HandleTable<Arc<SimulationEntry>> = HandleTable::new();
 
 /// A simulation behind a handle: a scene, or characters of a bundle.
-pub enum Stage {
+pub enum LiveSimulation {
     Scene(Box<Simulation>),
     Characters {
         cast: Box<PolicyCharacters>,
@@ -35,26 +35,26 @@ pub enum Stage {
     },
 }
 
-impl Stage {
+impl LiveSimulation {
     pub fn characters(cast: PolicyCharacters) -> Self {
         Self::Characters { cast: Box::new(cast), time_s: 0.0 }
     }
 
-    pub fn scene(&mut self) -> Result<&mut Simulation, Fault> {
+    pub fn scene_mut(&mut self) -> Result<&mut Simulation, CallFault> {
         match self {
             Self::Scene(scene) => Ok(scene),
             Self::Characters { .. } => Err(unsupported("these are characters of a bundle; only scenes have events")),
         }
     }
 
-    pub fn cast(&mut self) -> Result<&mut PolicyCharacters, Fault> {
+    pub fn characters_mut(&mut self) -> Result<&mut PolicyCharacters, CallFault> {
         match self {
             Self::Characters { cast, .. } => Ok(cast),
             Self::Scene(_) => Err(unsupported("the scene file says who is there; use throng_characters_new")),
         }
     }
 
-    fn step(&mut self, dt_s: f64, run: &dyn Run) -> Result<(), Fault> {
+    fn step(&mut self, dt_s: f64, run: &dyn Executor) -> Result<(), CallFault> {
         match self {
             Self::Scene(scene) => scene.step_on(dt_s, run)?,
             Self::Characters { cast, time_s } => {
@@ -66,44 +66,51 @@ impl Stage {
     }
 }
 
-fn unsupported(why: &str) -> Fault {
-    Fault::new(ThrongStatus::Unsupported, why)
+fn unsupported(why: &str) -> CallFault {
+    CallFault::new(ThrongStatus::Unsupported, why)
 }
 
 /// # Safety
 /// `to` can be written.
-pub unsafe fn keep(stage: Stage, to: *mut ThrongSimulation) -> Result<(), Fault> {
-    let entry = Entry { stage: Mutex::new(stage), desk: Desk::default() };
+pub unsafe fn register_simulation(stage: LiveSimulation, to: *mut ThrongSimulation) -> Result<(), CallFault> {
+    let entry = SimulationEntry { simulation: Mutex::new(stage), work_queue: WorkQueue::default() };
     // SAFETY: promised by the caller.
-    unsafe { write("simulation", to, ThrongSimulation { handle: SIMULATIONS.add(Arc::new(entry)) }) }
+    unsafe { write_result("simulation", to, ThrongSimulation { handle: SIMULATIONS.add(Arc::new(entry)) }) }
 }
 
 /// Calls `work` with a simulation that no other thread is using.
-pub fn with<R>(number: u64, work: impl FnOnce(&mut Stage, &Desk) -> Result<R, Fault>) -> Result<R, Fault> {
-    SIMULATIONS.get("simulation", number)?.with(work)
+pub fn with_simulation<R>(
+    number: u64,
+    work: impl FnOnce(&mut LiveSimulation, &WorkQueue) -> Result<R, CallFault>,
+) -> Result<R, CallFault> {
+    SIMULATIONS.get("simulation", number)?.with_simulation(work)
 }
 
-impl Entry {
-    fn with<R>(&self, work: impl FnOnce(&mut Stage, &Desk) -> Result<R, Fault>) -> Result<R, Fault> {
-        let mut stage = self.stage.try_lock().map_err(|e| match e {
+impl SimulationEntry {
+    fn with_simulation<R>(
+        &self,
+        work: impl FnOnce(&mut LiveSimulation, &WorkQueue) -> Result<R, CallFault>,
+    ) -> Result<R, CallFault> {
+        let mut stage = self.simulation.try_lock().map_err(|e| match e {
             TryLockError::WouldBlock => {
-                Fault::new(ThrongStatus::Busy, "another thread is in a call with this simulation; wait for it")
+                CallFault::new(ThrongStatus::Busy, "another thread is in a call with this simulation; wait for it")
             }
-            TryLockError::Poisoned(_) => {
-                Fault::new(ThrongStatus::Panic, "a call with this simulation failed half way; free it and make it anew")
-            }
+            TryLockError::Poisoned(_) => CallFault::new(
+                ThrongStatus::Panic,
+                "a call with this simulation failed half way; free it and make it anew",
+            ),
         })?;
-        work(&mut stage, &self.desk)
+        work(&mut stage, &self.work_queue)
     }
 }
 
 /// Frees a simulation; a call of another thread ends first.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_simulation_free(simulation: ThrongSimulation) -> ThrongStatus {
-    call(|| {
+    catch_fault(|| {
         let entry = SIMULATIONS.get("simulation", simulation.handle)?;
         SIMULATIONS.remove("simulation", simulation.handle)?;
-        entry.desk.close();
+        entry.work_queue.close_step();
         Ok(())
     })
 }
@@ -114,17 +121,17 @@ pub extern "C" fn throng_simulation_free(simulation: ThrongSimulation) -> Throng
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_simulation_step(simulation: ThrongSimulation, dt_s: f64) -> ThrongStatus {
     /// Guard that releases the helpers, however the step ends.
-    struct Close<'a>(&'a Desk);
+    struct Close<'a>(&'a WorkQueue);
     impl Drop for Close<'_> {
         fn drop(&mut self) {
-            self.0.close();
+            self.0.close_step();
         }
     }
-    call(|| {
+    catch_fault(|| {
         let entry = SIMULATIONS.get("simulation", simulation.handle)?;
-        let _close = Close(&entry.desk);
-        entry.with(|stage, desk| {
-            let run: &dyn Run = if desk.is_open() { desk } else { &Inline };
+        let _close = Close(&entry.work_queue);
+        entry.with_simulation(|stage, desk| {
+            let run: &dyn Executor = if desk.is_open() { desk } else { &Inline };
             stage.step(dt_s, run)
         })
     })
@@ -134,9 +141,9 @@ pub extern "C" fn throng_simulation_step(simulation: ThrongSimulation, dt_s: f64
 /// they start. The result of the step does not depend on their number, nor on when they call.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_simulation_announce(simulation: ThrongSimulation) -> ThrongStatus {
-    call(|| {
-        with(simulation.handle, |_, desk| {
-            desk.announce();
+    catch_fault(|| {
+        with_simulation(simulation.handle, |_, desk| {
+            desk.announce_step();
             Ok(())
         })
     })
@@ -146,8 +153,8 @@ pub extern "C" fn throng_simulation_announce(simulation: ThrongSimulation) -> Th
 /// own threads may call it at a time.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_simulation_help(simulation: ThrongSimulation) -> ThrongStatus {
-    call(|| {
-        SIMULATIONS.get("simulation", simulation.handle)?.desk.help();
+    catch_fault(|| {
+        SIMULATIONS.get("simulation", simulation.handle)?.work_queue.run_parts();
         Ok(())
     })
 }
@@ -158,10 +165,10 @@ pub extern "C" fn throng_simulation_help(simulation: ThrongSimulation) -> Throng
 /// `count` can be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn throng_simulation_count(simulation: ThrongSimulation, count: *mut usize) -> ThrongStatus {
-    call(|| {
-        let found = with(simulation.handle, |stage, _| Ok(stage.num_characters()))?;
+    catch_fault(|| {
+        let found = with_simulation(simulation.handle, |stage, _| Ok(stage.num_characters()))?;
         // SAFETY: promised by the caller.
-        unsafe { write("count", count, found) }
+        unsafe { write_result("count", count, found) }
     })
 }
 
@@ -171,10 +178,10 @@ pub unsafe extern "C" fn throng_simulation_count(simulation: ThrongSimulation, c
 /// `time_s` can be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn throng_simulation_time(simulation: ThrongSimulation, time_s: *mut f64) -> ThrongStatus {
-    call(|| {
-        let found = with(simulation.handle, |stage, _| Ok(stage.time_s()))?;
+    catch_fault(|| {
+        let found = with_simulation(simulation.handle, |stage, _| Ok(stage.time_s()))?;
         // SAFETY: promised by the caller.
-        unsafe { write("time_s", time_s, found) }
+        unsafe { write_result("time_s", time_s, found) }
     })
 }
 
@@ -184,10 +191,10 @@ pub unsafe extern "C" fn throng_simulation_time(simulation: ThrongSimulation, ti
 /// `hash` can be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn throng_simulation_hash(simulation: ThrongSimulation, hash: *mut u64) -> ThrongStatus {
-    call(|| {
-        let found = with(simulation.handle, |stage, _| Ok(stage.hash()))?;
+    catch_fault(|| {
+        let found = with_simulation(simulation.handle, |stage, _| Ok(stage.hash()))?;
         // SAFETY: promised by the caller.
-        unsafe { write("hash", hash, found) }
+        unsafe { write_result("hash", hash, found) }
     })
 }
 
@@ -205,16 +212,16 @@ pub unsafe extern "C" fn throng_simulation_save(
     capacity: usize,
     size: *mut usize,
 ) -> ThrongStatus {
-    call(|| {
-        let bytes = with(simulation.handle, |stage, _| Ok(stage.save()))?;
+    catch_fault(|| {
+        let bytes = with_simulation(simulation.handle, |stage, _| Ok(stage.save()))?;
         if capacity < bytes.len() {
             // SAFETY: promised by the caller.
-            unsafe { write("size", size, bytes.len()) }?;
+            unsafe { write_result("size", size, bytes.len()) }?;
             if capacity == 0 && buffer.is_null() {
                 return Ok(());
             }
             let why = format!("`buffer` has {capacity} bytes, expected {}", bytes.len());
-            return Err(Fault::new(ThrongStatus::TooSmall, why));
+            return Err(CallFault::new(ThrongStatus::TooSmall, why));
         }
         // SAFETY: promised by the caller.
         unsafe { copy_records(bytes.into_iter(), buffer, capacity, size) }
@@ -231,14 +238,14 @@ pub unsafe extern "C" fn throng_simulation_restore(
     bytes: *const u8,
     size: usize,
 ) -> ThrongStatus {
-    call(|| {
+    catch_fault(|| {
         // SAFETY: promised by the caller.
-        let bytes = unsafe { slice("bytes", bytes, size) }?;
-        with(simulation.handle, |stage, _| stage.restore(bytes))
+        let bytes = unsafe { read_slice("bytes", bytes, size) }?;
+        with_simulation(simulation.handle, |stage, _| stage.restore(bytes))
     })
 }
 
-impl Stage {
+impl LiveSimulation {
     pub fn num_characters(&self) -> usize {
         match self {
             Self::Scene(scene) => scene.num_characters(),
@@ -271,16 +278,16 @@ impl Stage {
         }
     }
 
-    fn restore(&mut self, bytes: &[u8]) -> Result<(), Fault> {
+    fn restore(&mut self, bytes: &[u8]) -> Result<(), CallFault> {
         match self {
             Self::Scene(scene) => scene.restore(bytes)?,
             Self::Characters { cast, time_s } => {
                 let short =
-                    || Fault::new(ThrongStatus::Format, "this is no snapshot of these characters: it is cut short");
+                    || CallFault::new(ThrongStatus::Format, "this is no snapshot of these characters: it is cut short");
                 let (time, rest) = bytes.split_first_chunk().ok_or_else(short)?;
                 let time = f64::from_le_bytes(*time);
                 if !(0.0..=1e12).contains(&time) {
-                    return Err(Fault::new(
+                    return Err(CallFault::new(
                         ThrongStatus::Format,
                         format!("the snapshot's time is {time} s, expected 0 to 1e12"),
                     ));
@@ -309,7 +316,7 @@ mod tests {
         let cast = PolicyCharacters::with_capacity(&bundle, 1, CharactersConfig::default()).expect("one character");
         let mut sim = ThrongSimulation { handle: 0 };
         // SAFETY: `sim` can be written.
-        unsafe { keep(Stage::characters(cast), &raw mut sim) }.ok().expect("a handle");
+        unsafe { register_simulation(LiveSimulation::characters(cast), &raw mut sim) }.ok().expect("a handle");
         let helper = || {
             throng_simulation_announce(sim);
             let (tell, told) = mpsc::channel();
@@ -319,7 +326,7 @@ mod tests {
         };
         let has_gone = |told: mpsc::Receiver<ThrongStatus>| told.recv_timeout(Duration::from_secs(20)).is_ok();
         let told = helper();
-        let busy = with(sim.handle, |_, _| Ok(throng_simulation_step(sim, 0.1)));
+        let busy = with_simulation(sim.handle, |_, _| Ok(throng_simulation_step(sim, 0.1)));
         assert!(busy.ok() == Some(ThrongStatus::Busy) && has_gone(told));
         let told = helper();
         assert!(throng_simulation_free(sim) == ThrongStatus::Ok && has_gone(told));

@@ -1,7 +1,9 @@
 //! Bundles: opening, reading, freeing.
 
-use crate::fault::{Fault, ThrongStatus, call, check_pointer, copy_text, slice, text, write};
-use crate::handles::Handles;
+use crate::fault::{
+    CallFault, ThrongStatus, catch_fault, check_pointer, copy_text, read_slice, read_text, write_result,
+};
+use crate::handles::HandleTable;
 use std::ffi::c_char;
 use throng_runtime::format::AlignedBytes;
 use throng_runtime::{Bundle, Joint, NUM_JOINTS};
@@ -29,7 +31,7 @@ pub struct ThrongJoint {
 }
 
 /// All open bundles.
-pub static BUNDLES: Handles<Bundle> = Handles::new();
+pub static BUNDLES: HandleTable<Bundle> = HandleTable::new();
 
 /// Opens a bundle file. Later changes to the file do not matter.
 ///
@@ -37,13 +39,13 @@ pub static BUNDLES: Handles<Bundle> = Handles::new();
 /// `path` ends with a zero, `bundle` can be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn throng_bundle_open(path: *const c_char, bundle: *mut ThrongBundle) -> ThrongStatus {
-    call(|| {
+    catch_fault(|| {
         check_pointer("bundle", bundle)?;
         // SAFETY: promised by the caller.
-        let path = unsafe { text("path", path) }?;
-        let opened = Bundle::open(path).map_err(|e| Fault::from(e).at(path))?;
+        let path = unsafe { read_text("path", path) }?;
+        let opened = Bundle::open(path).map_err(|e| CallFault::from(e).with_path(path))?;
         // SAFETY: promised by the caller.
-        unsafe { keep(opened, bundle) }
+        unsafe { register_bundle(opened, bundle) }
     })
 }
 
@@ -57,26 +59,26 @@ pub unsafe extern "C" fn throng_bundle_from_memory(
     size: usize,
     bundle: *mut ThrongBundle,
 ) -> ThrongStatus {
-    call(|| {
+    catch_fault(|| {
         check_pointer("bundle", bundle)?;
         // SAFETY: promised by the caller.
-        let bytes = unsafe { slice("bytes", bytes, size) }?;
+        let bytes = unsafe { read_slice("bytes", bytes, size) }?;
         // SAFETY: promised by the caller.
-        unsafe { keep(Bundle::from_bytes(AlignedBytes::from_slice(bytes))?, bundle) }
+        unsafe { register_bundle(Bundle::from_bytes(AlignedBytes::from_slice(bytes))?, bundle) }
     })
 }
 
 /// # Safety
 /// `to` can be written.
-unsafe fn keep(bundle: Bundle, to: *mut ThrongBundle) -> Result<(), Fault> {
+unsafe fn register_bundle(bundle: Bundle, to: *mut ThrongBundle) -> Result<(), CallFault> {
     // SAFETY: promised by the caller.
-    unsafe { write("bundle", to, ThrongBundle { handle: BUNDLES.add(bundle) }) }
+    unsafe { write_result("bundle", to, ThrongBundle { handle: BUNDLES.add(bundle) }) }
 }
 
 /// Frees a bundle.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_bundle_free(bundle: ThrongBundle) -> ThrongStatus {
-    call(|| BUNDLES.remove("bundle", bundle.handle))
+    catch_fault(|| BUNDLES.remove("bundle", bundle.handle))
 }
 
 /// Writes the number of a behaviour's policy; the error message lists the existing names.
@@ -89,12 +91,12 @@ pub unsafe extern "C" fn throng_bundle_policy(
     behaviour: *const c_char,
     policy: *mut u32,
 ) -> ThrongStatus {
-    call(|| {
+    catch_fault(|| {
         // SAFETY: promised by the caller.
-        let behaviour = unsafe { text("behaviour", behaviour) }?;
+        let behaviour = unsafe { read_text("behaviour", behaviour) }?;
         let number = BUNDLES.get("bundle", bundle.handle)?.find_policy(behaviour)?;
         // SAFETY: promised by the caller.
-        unsafe { write("policy", policy, number as u32) }
+        unsafe { write_result("policy", policy, number as u32) }
     })
 }
 
@@ -106,7 +108,7 @@ pub unsafe extern "C" fn throng_bundle_policy(
 /// `joints` has that room.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn throng_bundle_skeleton(bundle: ThrongBundle, joints: *mut ThrongJoint) -> ThrongStatus {
-    call(|| {
+    catch_fault(|| {
         let bundle = BUNDLES.get("bundle", bundle.handle)?;
         check_pointer("joints", joints)?;
         for joint in Joint::ALL {

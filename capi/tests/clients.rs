@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use throng_runtime::characters::{AvoidConfig, CharactersConfig, MotionSet, PolicyCharacters, SampleJob, Spawn};
 use throng_runtime::simulation::{Scene, Simulation};
-use throng_runtime::{Bundle, Cast, Inline, Mat3x4, NUM_JOINTS, Planar};
+use throng_runtime::{Bundle, CharacterGroup, Inline, Mat3x4, NUM_JOINTS, Planar};
 
 fn folder() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -67,8 +67,8 @@ fn walk() -> PolicyCharacters {
     let approach = bundle.policy("approach").expect("a policy");
     for k in 0..40 {
         let root = Planar::new(3.0 * (k % 8) as f32, 3.0 * (k / 8) as f32, 0.1 * k as f32);
-        let id = people.spawn(Spawn::standing(root)).expect("room");
-        people.order(id, approach.aim(Vec3::new(10.0, 0.0, 8.0))).expect("an order");
+        let id = people.spawn(Spawn::standing_at(root)).expect("room");
+        people.order(id, approach.order_towards(Vec3::new(10.0, 0.0, 8.0))).expect("an order");
     }
     (0..90).for_each(|_| people.step(1.0 / 60.0, &Inline).expect("a step"));
     people

@@ -39,7 +39,7 @@ pub struct Args {
         value_name = "GB",
         default_value_t = Cache::LIMIT_BYTES as f64 / 1e9,
         allow_negative_numbers = true,
-        value_parser = limits::number::<f64>(&limits::CACHE_GB)
+        value_parser = limits::number_parser::<f64>(&limits::CACHE_GB)
     )]
     cache_limit: f64,
     /// Run every stage, and keep nothing: every process reads all files then.
@@ -52,7 +52,7 @@ pub struct Args {
 
 /// Printed report.
 #[derive(Serialize)]
-struct Report {
+struct MpiBuildReport {
     #[serde(flatten)]
     build: BuildReport,
     ranks: usize,

@@ -22,7 +22,7 @@ pub struct MpiComm {
     /// Processor time of this thread while it waited, as MPI polls (s).
     waited_ran_s: Cell<f64>,
     /// True if other threads may send messages, too.
-    may_tell: bool,
+    may_send_status: bool,
     /// The MPI environment, which ends when this is dropped.
     _universe: Universe,
 }
@@ -42,7 +42,7 @@ impl MpiComm {
     }
 
     /// Status board of this rank; that of the first rank receives the statuses of all.
-    pub fn board(&self) -> Arc<MpiBoard> {
+    pub fn status_board(&self) -> Arc<MpiBoard> {
         Arc::new(MpiBoard { may_tell: self.may_tell, sent: AtomicU64::new(0), heard: Mutex::default() })
     }
 
@@ -50,7 +50,7 @@ impl MpiComm {
     ///
     /// # Errors
     /// As [`Comm::exchange`].
-    pub fn settle(&self, board: &MpiBoard) -> Result<()> {
+    pub fn wait_for_statuses(&self, board: &MpiBoard) -> Result<()> {
         let sent = self.sum(board.sent.load(Ordering::Relaxed))?;
         while self.rank() == 0 && board.hear() < sent {
             std::thread::yield_now();
@@ -59,7 +59,7 @@ impl MpiComm {
     }
 
     /// Counts the bytes that a call moves, and its time.
-    fn counted<T>(&self, bytes: usize, call: impl FnOnce() -> Result<T>) -> Result<T> {
+    fn count_traffic<T>(&self, bytes: usize, call: impl FnOnce() -> Result<T>) -> Result<T> {
         let (begin, ran) = (Instant::now(), thread_ran_s());
         let done = call();
         self.waited_ran_s.update(|s| s + thread_ran_s().zip(ran).map_or(0.0, |(after, before)| after - before));
@@ -71,7 +71,7 @@ impl MpiComm {
     }
 
     /// Lengths and offsets of parts, in the integers of MPI.
-    fn counts(&self, lengths: impl Iterator<Item = usize>) -> Result<(Vec<i32>, Vec<i32>)> {
+    fn message_counts(&self, lengths: impl Iterator<Item = usize>) -> Result<(Vec<i32>, Vec<i32>)> {
         let (mut counts, mut starts, mut all) = (Vec::new(), Vec::new(), 0usize);
         for length in lengths {
             let count = |n: usize| {
@@ -89,11 +89,11 @@ impl MpiComm {
 }
 
 /// Most bytes that all ranks gather at once: MPI counts to 2^31.
-const MOST: usize = 1 << 30;
+const MAX_GATHER_BYTES: usize = 1 << 30;
 
 /// Buffer for messages of some lengths, with an allocation even if it is empty, as MPI takes the address of an empty `Vec`
 /// for a special value.
-fn room(counts: &[i32]) -> Vec<u8> {
+fn receive_buffer(counts: &[i32]) -> Vec<u8> {
     let all = counts.iter().map(|&c| c as usize).sum();
     let mut bytes = Vec::with_capacity(all + 1);
     bytes.resize(all, 0);
@@ -101,7 +101,7 @@ fn room(counts: &[i32]) -> Vec<u8> {
 }
 
 /// Splits bytes into parts of some lengths.
-fn parts(bytes: &[u8], counts: &[i32]) -> Vec<Vec<u8>> {
+fn split_messages(bytes: &[u8], counts: &[i32]) -> Vec<Vec<u8>> {
     let mut rest = bytes;
     let part = |&count: &i32| {
         let (part, after) = rest.split_at(count as usize);
@@ -112,20 +112,20 @@ fn parts(bytes: &[u8], counts: &[i32]) -> Vec<Vec<u8>> {
 }
 
 /// Tag of status messages.
-const NOTE: i32 = 1;
+const STATUS_TAG: i32 = 1;
 
 /// Status board whose messages go to the first rank, apart from the messages of the ranks' work.
-pub struct MpiBoard {
-    may_tell: bool,
+pub struct MpiStatusBoard {
+    may_send_status: bool,
     /// Number of messages that this rank has sent.
     sent: AtomicU64,
     /// Number of messages that this rank has received, and the last status of each rank.
-    heard: Mutex<(u64, LocalBoard)>,
+    received: Mutex<(u64, LocalBoard)>,
 }
 
 impl MpiBoard {
     /// Receives pending messages; returns the number of messages received so far.
-    fn hear(&self) -> u64 {
+    fn receive_statuses(&self) -> u64 {
         let mut heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
         while let Some(message) = SimpleCommunicator::world().any_process().immediate_matched_probe_with_tag(NOTE) {
             let (bytes, status): (Vec<u8>, _) = message.matched_receive_vec();
@@ -139,7 +139,7 @@ impl MpiBoard {
 }
 
 impl Board for MpiBoard {
-    fn note(&self, rank: usize, of_rank: RankStatus) {
+    fn post_status(&self, rank: usize, of_rank: RankStatus) {
         match serde_json::to_vec(&of_rank) {
             _ if rank == 0 => self.heard.lock().unwrap_or_else(PoisonError::into_inner).1.note(rank, of_rank),
             Ok(bytes) if self.may_tell => {
@@ -199,7 +199,7 @@ impl Comm for MpiComm {
                 let (got, starts) = self.counts(lengths.iter().map(|&n| of(n as usize).len()))?;
                 let mut bytes = room(&got);
                 let own = &message[of(message.len())];
-                // See `room`.
+                // See `receive_buffer`.
                 let own = if own.is_empty() { &[0][..0] } else { own };
                 self.world.all_gather_varcount_into(own, &mut PartitionMut::new(&mut bytes, &got[..], starts));
                 match longest <= part {
@@ -223,13 +223,13 @@ impl Comm for MpiComm {
         self.traffic.get()
     }
 
-    fn ran_s(&self) -> Option<f64> {
+    fn cpu_s(&self) -> Option<f64> {
         process_ran_s().map(|s| s - self.waited_ran_s.get())
     }
 }
 
 impl MpiComm {
-    fn reduced(&self, number: f64, operation: SystemOperation) -> Result<f64> {
+    fn reduce_all(&self, number: f64, operation: SystemOperation) -> Result<f64> {
         self.counted(size_of::<f64>() * (self.num_ranks() - 1), || {
             let mut out = 0.0f64;
             self.world.all_reduce_into(&number, &mut out, operation);

@@ -18,13 +18,13 @@ pub struct Args {
     #[arg(value_name = "NAME_OR_FILE")]
     scene: String,
     /// Number of agents; that of the scene where absent.
-    #[arg(long, value_name = "N", value_parser = limits::number::<usize>(&limits::CHARACTERS))]
+    #[arg(long, value_name = "N", value_parser = limits::number_parser::<usize>(&limits::CHARACTERS))]
     agents: Option<usize>,
     /// Simulated time; what the scene says where absent.
-    #[arg(long, value_name = "S", value_parser = limits::number::<f64>(&limits::SECONDS))]
+    #[arg(long, value_name = "S", value_parser = limits::number_parser::<f64>(&limits::SECONDS))]
     seconds: Option<f64>,
     /// Seed of places, sizes and speeds; that of the scene where absent.
-    #[arg(long, value_parser = limits::number::<u64>(&limits::SEED))]
+    #[arg(long, value_parser = limits::number_parser::<u64>(&limits::SEED))]
     seed: Option<u64>,
     /// Print one JSON object.
     #[arg(long)]

@@ -24,22 +24,22 @@ use throng_runtime::base::{Comm, LocalComm, limit_threads, limits};
     after_help = "Exit codes: 0 done, 1 failed, 2 wrong usage; mpirun has its own for a process that was killed. The first \
                   process prints; with --json, one JSON object on standard output, and JSON lines of its progress on standard error."
 )]
-struct Cli {
+struct MpiCli {
     #[command(subcommand)]
     command: Command,
     /// Without MPI: number of threads of this process in place of processes.
-    #[arg(long, global = true, value_name = "N", value_parser = limits::number::<usize>(&limits::THREADS))]
+    #[arg(long, global = true, value_name = "N", value_parser = limits::number_parser::<usize>(&limits::THREADS))]
     local: Option<usize>,
 }
 
 #[derive(Subcommand)]
-enum Command {
+enum MpiCommand {
     Build(build::Args),
     Crowd(crowd::Args),
 }
 
 /// Result of a subcommand.
-type Outcome = Result<(), Box<dyn std::error::Error>>;
+type MpiResult = Result<(), Box<dyn std::error::Error>>;
 
 fn main() -> ExitCode {
     limit_threads();

@@ -8,9 +8,9 @@ use std::time::Duration;
 use throng_precompute::progress::{Progress, Status};
 
 /// Time between two samples of a rank's status.
-const EVERY: Duration = Duration::from_secs(1);
+const SAMPLE_PERIOD: Duration = Duration::from_secs(1);
 /// Number of samples between two lines.
-const LOOKS: u32 = 5;
+const SAMPLES_PER_LINE: u32 = 5;
 
 /// Status of a rank within its stage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,19 +24,19 @@ pub struct RankStatus {
 }
 
 /// Board for the statuses of ranks, apart from the messages of their work.
-pub trait Board: Send + Sync {
+pub trait StatusBoard: Send + Sync {
     /// Posts the status of a rank.
-    fn note(&self, rank: usize, of_rank: RankStatus);
+    fn post_status(&self, rank: usize, of_rank: RankStatus);
     /// Last known statuses of all ranks, by rank.
     fn statuses(&self) -> Vec<Option<RankStatus>>;
 }
 
 /// Status board of ranks that are threads.
 #[derive(Default)]
-pub struct LocalBoard(Mutex<Vec<Option<RankStatus>>>);
+pub struct LocalStatusBoard(Mutex<Vec<Option<RankStatus>>>);
 
 impl Board for LocalBoard {
-    fn note(&self, rank: usize, of_rank: RankStatus) {
+    fn post_status(&self, rank: usize, of_rank: RankStatus) {
         let mut statuses = lock(&self.0);
         if statuses.len() <= rank {
             statuses.resize(rank + 1, None);
@@ -51,11 +51,11 @@ impl Board for LocalBoard {
 
 /// Posts the status of its rank every second. On the first rank it prints its own status and that of the slowest rank every
 /// few seconds; as JSON lines, also the stages that it enters.
-pub struct Lines {
+pub struct ProgressLines {
     status: Arc<Mutex<Status>>,
     tells_json: bool,
     /// Ends the thread when it is dropped.
-    ends: Option<Sender<()>>,
+    stop_sender: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -92,7 +92,7 @@ impl Drop for Lines {
     }
 }
 
-fn tell(status: &Status, far: &str, statuses: &[Option<RankStatus>], json: bool) {
+fn print_status(status: &Status, far: &str, statuses: &[Option<RankStatus>], json: bool) {
     let slowest = slowest(statuses);
     if json {
         let slowest = slowest.map(
@@ -111,7 +111,7 @@ fn tell(status: &Status, far: &str, statuses: &[Option<RankStatus>], json: bool)
 }
 
 /// The rank with the most remaining time, if there are several.
-fn slowest(statuses: &[Option<RankStatus>]) -> Option<(usize, &RankStatus)> {
+fn slowest_rank(statuses: &[Option<RankStatus>]) -> Option<(usize, &RankStatus)> {
     let known = statuses.iter().enumerate().filter_map(|(rank, p)| Some((rank, p.as_ref()?)));
     let left = |p: &RankStatus| p.left_s.unwrap_or(0.0);
     let working = known.filter(|(_, p)| left(p) > 0.0);
@@ -135,14 +135,14 @@ impl Progress for Lines {
         lock(&self.status).end();
     }
 
-    fn comes_to(&self, stage: &'static str) {
+    fn enter_stage(&self, stage: &'static str) {
         lock(&self.status).comes_to(stage);
         if self.tells_json {
             eprintln!("{}", serde_json::json!({ "stage": stage }));
         }
     }
 
-    fn kept(&self, stage: &'static str) {
+    fn stage_kept(&self, stage: &'static str) {
         lock(&self.status).keep(stage);
         if self.tells_json {
             eprintln!("{}", serde_json::json!({ "kept": stage }));

@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 use throng_runtime::base::glam::Vec3;
-use throng_runtime::format::Tag;
-use throng_runtime::policy::{BestActionJob, Goal, LookAheadJob, RankedActions};
+use throng_runtime::format::SectionTag;
+use throng_runtime::policy::{BestActionJob, LookAheadGoal, LookAheadJob, RankedActions};
 use throng_runtime::{Bundle, Joint};
 
 /// An open bundle (`*.throng`), see `throng.Bundle`.
@@ -20,7 +20,7 @@ impl PyBundle {
     #[new]
     fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let opened = py.detach(|| Bundle::open(&path));
-        Ok(Self(opened.map_err(|e| error::of_format(&path, e))?))
+        Ok(Self(opened.map_err(|e| error::format_error(&path, e))?))
     }
 
     /// Tag, number of elements and length of an element of each section (bytes).
@@ -34,10 +34,10 @@ impl PyBundle {
 
     /// Bytes of a section, as an array that shares the bundle's memory and keeps it alive.
     fn _bytes<'py>(this: &Bound<'py, Self>, tag: &str) -> PyResult<Bound<'py, PyArray1<u8>>> {
-        let found = <[u8; 4]>::try_from(tag.as_bytes()).ok().and_then(|t| this.get().0.section_bytes(Tag(t)));
+        let found = <[u8; 4]>::try_from(tag.as_bytes()).ok().and_then(|t| this.get().0.section_bytes(SectionTag(t)));
         let Some((bytes, _)) = found else {
             let known: Vec<String> = this.get().0.section_sizes().iter().map(|s| s.0.to_string()).collect();
-            return Err(error::input(format!("there is no section \"{tag}\"; there is {}", known.join(", "))));
+            return Err(error::input_error(format!("there is no section \"{tag}\"; there is {}", known.join(", "))));
         };
         let view = ArrayView1::from(bytes);
         // SAFETY: the bytes never change nor move while a clone of the bundle lives, and `this`, which owns one for its whole
@@ -96,25 +96,25 @@ impl PyBundle {
     ) -> PyResult<Bound<'py, PyDict>> {
         let policies = self.0.policies();
         let number = match behaviour {
-            Some(name) => self.0.find_policy(name).map_err(error::of)?,
+            Some(name) => self.0.find_policy(name).map_err(error::runtime_error)?,
             None => 0,
         };
         let Some(policy) = policies.get(number) else {
-            return Err(error::input("the bundle has no policy; build it from motion in which somebody walks"));
+            return Err(error::input_error("the bundle has no policy; build it from motion in which somebody walks"));
         };
         let (states, targets) = (states.as_array().to_vec(), points(&targets)?);
         if targets.len() != states.len() {
             let (got, n) = (targets.len(), states.len());
-            return Err(error::input(format!("`targets` has {got} rows, expected {n}, one for each state")));
+            return Err(error::input_error(format!("`targets` has {got} rows, expected {n}, one for each state")));
         }
         let (mut best, mut ranked) = (vec![0u8; states.len()], vec![RankedActions::NONE; states.len()]);
         let weights = vec![1.0; states.len()];
         let asked = py.detach(|| {
             BestActionJob { policy, states: &states, targets: &targets, choice: 0, actions: &mut best }.run()?;
-            let goals = [Goal { policy, weights: &weights, targets: &targets }];
+            let goals = [LookAheadGoal { policy, weights: &weights, targets: &targets }];
             LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked }.run()
         });
-        asked.map_err(error::of)?;
+        asked.map_err(error::runtime_error)?;
         let out = PyDict::new(py);
         let segments: Vec<u32> =
             (states.iter().zip(&ranked)).map(|(&s, r)| self.0.graph().segments_of(s)[usize::from(r.best())]).collect();
@@ -136,7 +136,7 @@ impl PyBundle {
 pub fn points(array: &PyReadonlyArray2<'_, f32>) -> PyResult<Vec<Vec3>> {
     let array = array.as_array();
     if array.ncols() != 3 {
-        return Err(error::input(format!("expected rows of 3 numbers (x, y, z), found {}", array.ncols())));
+        return Err(error::input_error(format!("expected rows of 3 numbers (x, y, z), found {}", array.ncols())));
     }
     Ok(array.rows().into_iter().map(|r| Vec3::new(r[0], r[1], r[2])).collect())
 }

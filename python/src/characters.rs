@@ -9,7 +9,7 @@ use pyo3::types::PyBytes;
 use throng_runtime::base::glam::{Vec2, Vec3};
 use throng_runtime::base::{Id, Inline};
 use throng_runtime::characters::{AvoidConfig, CharactersConfig, Detail, PolicyCharacters, Spawn};
-use throng_runtime::{Cast, NUM_JOINTS, Planar};
+use throng_runtime::{CharacterGroup, NUM_JOINTS, Planar};
 
 /// Characters that follow one behaviour of a bundle to targets of their own.
 ///
@@ -19,7 +19,7 @@ use throng_runtime::{Cast, NUM_JOINTS, Planar};
 /// - `instances`: steps also write records for a GPU, see `instances`.
 #[pyclass(name = "Characters", module = "throng", subclass)]
 pub struct PyCharacters {
-    cast: PolicyCharacters,
+    characters: PolicyCharacters,
     /// Ids of the characters, in the order of rows, as no character leaves.
     ids: Vec<Id>,
 }
@@ -38,50 +38,50 @@ impl PyCharacters {
     ) -> PyResult<Self> {
         let bundle = &bundle.get().0;
         let Some(first) = bundle.meta().behaviours.first() else {
-            return Err(error::input("the bundle has no policy; build it from motion in which somebody walks"));
+            return Err(error::input_error("the bundle has no policy; build it from motion in which somebody walks"));
         };
-        let policy = bundle.policy(behaviour.unwrap_or(first)).map_err(error::of)?;
+        let policy = bundle.policy(behaviour.unwrap_or(first)).map_err(error::runtime_error)?;
         let roots = points(&roots)?;
         let avoid = makes_way.then(AvoidConfig::default);
         let config = CharactersConfig { seed, avoid, instances, ..CharactersConfig::default() };
-        let mut cast = PolicyCharacters::with_capacity(bundle, roots.len(), config).map_err(error::of)?;
+        let mut cast = PolicyCharacters::with_capacity(bundle, roots.len(), config).map_err(error::runtime_error)?;
         // Accepts any order of starts, though they stand close.
-        cast.gather();
+        cast.hold_entrants();
         let enter = |r: &Vec3| {
-            let id = cast.spawn(Spawn::standing(Planar::new(r.x, r.y, r.z)))?;
-            cast.order(id, policy.aim(Vec3::new(r.x, 0.0, r.y)))?;
+            let id = cast.spawn(Spawn::standing_at(Planar::new(r.x, r.y, r.z)))?;
+            cast.order(id, policy.order_towards(Vec3::new(r.x, 0.0, r.y)))?;
             Ok(id)
         };
-        let ids = roots.iter().map(enter).collect::<Result<_, _>>().map_err(error::of)?;
-        cast.settle();
-        Ok(Self { cast, ids })
+        let ids = roots.iter().map(enter).collect::<Result<_, _>>().map_err(error::runtime_error)?;
+        cast.release_entrants();
+        Ok(Self { characters: cast, ids })
     }
 
     /// Sends every character to a target of its own, from now on (n x 3: x, y, z; m).
     fn aim(&mut self, targets: PyReadonlyArray2<'_, f32>) -> PyResult<()> {
         let targets = points(&targets)?;
-        self.cast.aim_all(&targets, &targets).map_err(error::of)
+        self.characters.aim_all(&targets, &targets).map_err(error::runtime_error)
     }
 
     /// Moves a character to another place at once (m, radians).
     fn place(&mut self, who: usize, x: f32, z: f32, heading: f32) -> PyResult<()> {
         let Some(&id) = self.ids.get(who) else {
             let n = self.ids.len();
-            return Err(error::input(format!("character {who} does not exist, there are {n}")));
+            return Err(error::input_error(format!("character {who} does not exist, there are {n}")));
         };
-        self.cast.place(id, Planar::new(x, z, heading)).map_err(error::of)
+        self.characters.place(id, Planar::new(x, z, heading)).map_err(error::runtime_error)
     }
 
     /// Steps the simulation by a duration (s).
     #[pyo3(signature = (dt_s=1.0 / 60.0))]
     fn step(&mut self, py: Python<'_>, dt_s: f32) -> PyResult<()> {
-        py.detach(|| self.cast.step(dt_s, &Inline)).map_err(error::of)
+        py.detach(|| self.characters.step(dt_s, &Inline)).map_err(error::runtime_error)
     }
 
     /// Positions and headings of all characters: x, z, heading (n x 3; m, radians); a copy.
     #[getter]
     fn roots<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let roots = self.cast.bodies().roots;
+        let roots = self.characters.bodies().roots;
         let rows: Vec<f32> = roots.iter().flat_map(|r| [r.x, r.z, r.heading]).collect();
         PyArray1::from_vec(py, rows).reshape([roots.len(), 3])
     }
@@ -89,7 +89,7 @@ impl PyCharacters {
     /// Matrices from joints to the character's own frame, row by row (n x 22 x 3 x 4; m); a copy.
     #[getter]
     fn poses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray4<f32>>> {
-        let model = self.cast.bodies().model;
+        let model = self.characters.bodies().model;
         let mut rows = vec![0.0; model.len() * NUM_JOINTS * 12];
         for (to, pose) in rows.as_chunks_mut().0.iter_mut().zip(model) {
             write_pose(pose, to);
@@ -99,7 +99,7 @@ impl PyCharacters {
 
     /// Bytes of the records, 32 each.
     fn _instances<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
-        PyArray1::from_slice(py, bytemuck::cast_slice(self.cast.instances()))
+        PyArray1::from_slice(py, bytemuck::cast_slice(self.characters.instances()))
     }
 
     /// Sets which characters are posed from now on, by their distance from an eye (x, z): feet stay in place up to `full_m`,
@@ -108,24 +108,24 @@ impl PyCharacters {
     #[pyo3(signature = (eye=None, full_m=20.0, posed_m=60.0))]
     fn set_detail(&mut self, eye: Option<[f32; 2]>, full_m: f32, posed_m: f32) -> PyResult<()> {
         let detail = eye.map(|eye| Detail { eye: Vec2::from_array(eye), full_m, posed_m });
-        self.cast.set_detail(detail).map_err(error::of)
+        self.characters.set_detail(detail).map_err(error::runtime_error)
     }
 
     /// The whole state, as bytes: after it is restored anywhere, later steps are the same bit by bit.
     fn snapshot<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         let mut out = Vec::new();
-        self.cast.save(&mut out);
+        self.characters.save(&mut out);
         PyBytes::new(py, &out)
     }
 
     /// Restores a snapshot of as many characters of the same bundle.
     fn restore(&mut self, snapshot: &[u8]) -> PyResult<()> {
-        self.cast.load(snapshot).map_err(error::of)
+        self.characters.load(snapshot).map_err(error::runtime_error)
     }
 
     /// A hash of the state: equal for equal motion of all characters.
     fn hash(&self) -> u64 {
-        self.cast.hash()
+        self.characters.hash()
     }
 
     fn __len__(&self) -> usize {

@@ -8,7 +8,7 @@ use throng_runtime::base::Error;
 use throng_runtime::format::FormatError;
 
 /// An exception of `throng._errors`.
-fn raise(class: &str, why: impl Display) -> PyErr {
+fn python_error(class: &str, why: impl Display) -> PyErr {
     Python::attach(|py| {
         let made = py.import("throng._errors").and_then(|m| m.getattr(class)?.call1((why.to_string(),)));
         made.map_or_else(|e| e, PyErr::from_value)
@@ -16,36 +16,36 @@ fn raise(class: &str, why: impl Display) -> PyErr {
 }
 
 /// An error of an input.
-pub fn input(why: impl Display) -> PyErr {
-    raise("InputError", why)
+pub fn input_error(why: impl Display) -> PyErr {
+    python_error("InputError", why)
 }
 
 /// An error of reading or writing a file.
-pub fn file(why: impl Display) -> PyErr {
-    raise("FileError", why)
+pub fn file_error(why: impl Display) -> PyErr {
+    python_error("FileError", why)
 }
 
 /// Converts an error of the runtime.
-pub fn of(e: Error) -> PyErr {
+pub fn runtime_error(e: Error) -> PyErr {
     match e {
-        Error::Io { .. } => file(e),
-        e => input(e),
+        Error::Io { .. } => file_error(e),
+        e => input_error(e),
     }
 }
 
 /// Converts an error of a bundle's file.
-pub fn of_format(path: &Path, e: FormatError) -> PyErr {
+pub fn format_error(path: &Path, e: FormatError) -> PyErr {
     match e {
-        FormatError::Io { .. } => file(e),
-        e => input(format!("{}: {e}", path.display())),
+        FormatError::Io { .. } => file_error(e),
+        e => input_error(format!("{}: {e}", path.display())),
     }
 }
 
 /// Converts an error of a build.
-pub fn of_build(e: BuildError) -> PyErr {
+pub fn build_error(e: BuildError) -> PyErr {
     match e {
-        BuildError::File(e) => of(e),
-        BuildError::Io { .. } | BuildError::Import(ImportError::Io { .. }) => file(e),
-        e => input(e),
+        BuildError::File(e) => runtime_error(e),
+        BuildError::Io { .. } | BuildError::Import(ImportError::Io { .. }) => file_error(e),
+        e => input_error(e),
     }
 }

@@ -1,34 +1,34 @@
 //! Work before anything runs: builds, clips, and files for other programs.
 
 use crate::error;
-use crate::work::{self, Signals};
+use crate::work::{self, InterruptFlag};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::error::BuildError;
-use throng_precompute::export::{Glb, amass, bvh, each_actor, npz, take_csv, usda};
+use throng_precompute::export::{Glb, bvh, take_csv, usda, write_amass, write_each_actor, write_npz};
 use throng_precompute::import::{self, ImportConfig};
-use throng_precompute::onto::Wearer;
-use throng_precompute::perform::{PerformConfig, Show, instances, perform};
+use throng_precompute::perform::{PerformConfig, PerformSource, perform, record_instances};
 use throng_precompute::run::motion_name;
 use throng_precompute::trial::TrialConfig;
+use throng_precompute::wearer::Wearer;
 use throng_precompute::{Warnings, files, pipeline};
 use throng_runtime::simulation::Scene;
 use throng_runtime::{Bundle, Joint};
 
-fn is_of(path: &Path, extension: &str) -> bool {
+fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
 /// Bakes motion, or the motion of one config, into a bundle; returns the report as JSON.
 #[pyfunction]
 pub fn build(py: Python<'_>, what: Vec<PathBuf>, out: PathBuf, cache: Option<PathBuf>) -> PyResult<String> {
-    let report = work::run(py, |signals| {
-        let cache = work::cache(cache)?;
+    let report = work::run_interruptibly(py, |signals| {
+        let cache = work::open_cache(cache)?;
         match what.as_slice() {
-            [file] if is_of(file, "toml") => {
+            [file] if has_extension(file, "toml") => {
                 let config = BuildConfig::load(file)?;
                 pipeline::build(&config, &out, &cache, signals).map_err(|e| e.in_file(file))
             }
@@ -38,7 +38,7 @@ pub fn build(py: Python<'_>, what: Vec<PathBuf>, out: PathBuf, cache: Option<Pat
             }
         }
     })?;
-    serde_json::to_string(&report).map_err(error::input)
+    serde_json::to_string(&report).map_err(error::input_error)
 }
 
 /// Loads a motion file on the database skeleton, at the database rate.
@@ -49,9 +49,9 @@ pub fn load_clip(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
         let clip = import::read_clip(&path, &config.import)?;
         pipeline::clips_of(&[clip], &config, &mut Warnings::default())
     });
-    let set = read.map_err(error::of_build)?;
+    let set = read.map_err(error::build_error)?;
     let Some(clip) = set.clips.first() else {
-        return Err(error::input(format!("{}: no frame can be used", path.display())));
+        return Err(error::input_error(format!("{}: no frame can be used", path.display())));
     };
     let (n, joints) = (clip.num_frames(), Joint::ALL.len());
     let array = |numbers: Vec<f32>| PyArray1::from_vec(py, numbers);
@@ -70,7 +70,7 @@ pub fn load_clip(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
 
 /// Part to export: characters, first and last time (s), frames a second, true for clips in place of characters, and the
 /// file of the character that wears the motion.
-type Part = (Vec<usize>, Option<f64>, Option<f64>, Option<f64>, bool, Option<PathBuf>);
+type ExportSelection = (Vec<usize>, Option<f64>, Option<f64>, Option<f64>, bool, Option<PathBuf>);
 
 /// Runs a scene, or characters of a bundle, and writes them in a format of other programs; returns the files.
 #[pyfunction]
@@ -79,42 +79,44 @@ pub fn export(
     what: PathBuf,
     out: PathBuf,
     format: &str,
-    part: Part,
+    part: ExportSelection,
     cache: Option<PathBuf>,
 ) -> PyResult<Vec<PathBuf>> {
     if !["glb", "usda", "bvh", "npz", "amass", "csv", "instances"].contains(&format) {
-        return Err(error::input(format!(
+        return Err(error::input_error(format!(
             "format is \"{format}\", expected glb, usda, bvh, npz, amass, csv or instances"
         )));
     }
     let (characters, from_s, to_s, rate_hz, clips, onto) = part;
     if onto.is_some() && format != "glb" {
-        return Err(error::input(format!("`onto` is for glb, which Blender and others turn into {format}")));
+        return Err(error::input_error(format!("`onto` is for glb, which Blender and others turn into {format}")));
     }
     // Read before long work, as it may not be a character.
-    let wearer = onto.map(|file| Wearer::open(&file, &ImportConfig::default())).transpose().map_err(error::of_build)?;
+    let wearer =
+        onto.map(|file| Wearer::open(&file, &ImportConfig::default())).transpose().map_err(error::build_error)?;
     let characters = characters.into_iter().map(|c| c..=c).collect();
     let config = PerformConfig { characters, from_s, to_s, rate_hz };
-    let save = |show: Show<'_>, signals: &Signals| save(show, &config, format, wearer.as_ref(), &out, signals);
-    if is_of(&what, "toml") {
+    let save =
+        |show: PerformSource<'_>, signals: &InterruptFlag| save(show, &config, format, wearer.as_ref(), &out, signals);
+    if has_extension(&what, "toml") {
         if format == "instances" {
-            return Err(error::input("instances are of bundles: which of their clips play on characters"));
+            return Err(error::input_error("instances are of bundles: which of their clips play on characters"));
         }
-        return work::run(py, |signals| {
-            let scene = work::open(&Scene::load(&what)?, cache, signals)?;
-            save(Show::Scene(&scene), signals)
+        return work::run_interruptibly(py, |signals| {
+            let scene = work::open_scene(&Scene::load(&what)?, cache, signals)?;
+            save(PerformSource::Scene(&scene), signals)
         });
     }
-    let (bundle, trial) = (Bundle::open(&what).map_err(|e| error::of_format(&what, e))?, TrialConfig::default());
+    let (bundle, trial) = (Bundle::open(&what).map_err(|e| error::format_error(&what, e))?, TrialConfig::default());
     if format == "instances" {
-        return work::run(py, |signals| {
-            let played = instances(&bundle, &trial, &config, folder_of(&out), signals)?;
+        return work::run_interruptibly(py, |signals| {
+            let played = record_instances(&bundle, &trial, &config, folder_of(&out), signals)?;
             files::write_atomically(&out, |w| played.npz(w))?;
             Ok(vec![out.clone()])
         });
     }
-    let show = if clips { Show::Clips(&bundle) } else { Show::Trial(&bundle, &trial) };
-    work::run(py, |signals| save(show, signals))
+    let show = if clips { PerformSource::Clips(&bundle) } else { PerformSource::Trial(&bundle, &trial) };
+    work::run_interruptibly(py, |signals| save(show, signals))
 }
 
 fn folder_of(file: &Path) -> &Path {
@@ -122,24 +124,24 @@ fn folder_of(file: &Path) -> &Path {
 }
 
 fn save(
-    show: Show<'_>,
+    show: PerformSource<'_>,
     config: &PerformConfig,
     format: &str,
     wearer: Option<&Wearer>,
     out: &Path,
-    signals: &Signals,
+    signals: &InterruptFlag,
 ) -> Result<Vec<PathBuf>, BuildError> {
     let take = perform(show, config, folder_of(out), signals)?;
     match format {
-        "bvh" => return each_actor(&take, out, |a, w| bvh::write_actor(&take, a, w)),
-        "amass" => return each_actor(&take, out, |a, w| amass(&take, a, w)),
+        "bvh" => return write_each_actor(&take, out, |a, w| bvh::write_actor(&take, a, w)),
+        "amass" => return write_each_actor(&take, out, |a, w| write_amass(&take, a, w)),
         "glb" => {
             let outfit = wearer.map(|w| w.dress(&take, folder_of(out), signals)).transpose()?;
             let glb = outfit.as_ref().map_or_else(|| Glb::new(&take), |o| o.glb(&take))?;
             files::write_atomically(out, |w| glb.write(w))?;
         }
         "usda" => files::write_atomically(out, |w| usda(&take, false, w))?,
-        "npz" => files::write_atomically(out, |w| npz(&take, w))?,
+        "npz" => files::write_atomically(out, |w| write_npz(&take, w))?,
         _ => files::write_atomically(out, |w| take_csv(&take, w))?,
     }
     Ok(vec![out.to_path_buf()])

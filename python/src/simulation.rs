@@ -7,8 +7,8 @@ use numpy::{PyArray1, PyArray2, PyArray4, PyArrayMethods, PyReadwriteArray2, PyR
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
-use throng_runtime::base::{Inline, Rayon, Run};
-use throng_runtime::simulation::{Happened, Scene, Simulation};
+use throng_runtime::base::{Executor, Inline, Rayon};
+use throng_runtime::simulation::{CharacterEvent, Scene, Simulation};
 use throng_runtime::{Mat3x4, NUM_JOINTS};
 
 /// A simulation of a scene, see `throng.Simulation`.
@@ -21,7 +21,7 @@ pub struct PySimulation {
 }
 
 /// Threads for a step.
-fn threads(parallel: bool) -> &'static dyn Run {
+fn threads(parallel: bool) -> &'static dyn Executor {
     if parallel { &Rayon } else { &Inline }
 }
 
@@ -38,14 +38,14 @@ impl PySimulation {
         cache: Option<PathBuf>,
     ) -> PyResult<Self> {
         let bundle = bundle.map(|b| b.get().0.clone());
-        let sim = work::run(py, |signals| {
+        let sim = work::run_interruptibly(py, |signals| {
             let scene = match text {
                 Some(text) => Scene::parse(text, &scene)?,
                 None => Scene::load(&scene)?,
             };
             let compiled = match &bundle {
                 Some(bundle) => scene.compile(bundle)?,
-                None => work::open(&scene, cache, signals)?,
+                None => work::open_scene(&scene, cache, signals)?,
             };
             Ok(Simulation::new(&compiled)?)
         })?;
@@ -55,15 +55,15 @@ impl PySimulation {
     /// Steps the simulation by a duration (s, at most 1), on all cores if `parallel`. Results do not depend on it.
     #[pyo3(signature = (dt_s=1.0 / 60.0, *, parallel=false))]
     fn step(&mut self, py: Python<'_>, dt_s: f64, parallel: bool) -> PyResult<()> {
-        self.forget();
-        py.detach(|| self.sim.step_on(dt_s, threads(parallel))).map_err(error::of)
+        self.forget_arrays();
+        py.detach(|| self.sim.step_on(dt_s, threads(parallel))).map_err(error::runtime_error)
     }
 
     /// Steps the simulation to a time (s), in steps of allowed duration.
     #[pyo3(signature = (until_s, *, parallel=false))]
     fn step_to(&mut self, py: Python<'_>, until_s: f64, parallel: bool) -> PyResult<()> {
-        self.forget();
-        py.detach(|| self.sim.step_to(until_s, threads(parallel))).map_err(error::of)
+        self.forget_arrays();
+        py.detach(|| self.sim.step_to(until_s, threads(parallel))).map_err(error::runtime_error)
     }
 
     /// Positions and headings of all characters: x, z, heading (n x 3; m, radians), read-only; NaN for those that have left.
@@ -86,7 +86,7 @@ impl PySimulation {
         if let Some(poses) = &self.poses {
             return Ok(poses.bind(py).clone());
         }
-        let mut rows = vec![0.0; self.sim.num_characters() * POSE];
+        let mut rows = vec![0.0; self.sim.num_characters() * POSE_LEN];
         self.write_poses(&mut rows);
         let array = PyArray1::from_vec(py, rows).reshape([self.sim.num_characters(), NUM_JOINTS, 3, 4])?;
         array.call_method1("setflags", (false,))?;
@@ -97,14 +97,14 @@ impl PySimulation {
     /// Writes the roots into an array (n x 3).
     fn _roots_into(&self, mut out: PyReadwriteArray2<'_, f32>) -> PyResult<()> {
         let expected = [self.sim.num_characters(), 3];
-        self.write_roots(room(out.as_array_mut().shape().to_vec(), &expected, out.as_slice_mut().ok())?);
+        self.write_roots(checked_output(out.as_array_mut().shape().to_vec(), &expected, out.as_slice_mut().ok())?);
         Ok(())
     }
 
     /// Writes the poses into an array (n x 22 x 3 x 4).
     fn _poses_into(&self, mut out: PyReadwriteArray4<'_, f32>) -> PyResult<()> {
         let expected = [self.sim.num_characters(), NUM_JOINTS, 3, 4];
-        self.write_poses(room(out.as_array_mut().shape().to_vec(), &expected, out.as_slice_mut().ok())?);
+        self.write_poses(checked_output(out.as_array_mut().shape().to_vec(), &expected, out.as_slice_mut().ok())?);
         Ok(())
     }
 
@@ -135,7 +135,7 @@ impl PySimulation {
     /// Groups of the scene: name, motion, number of the first character, number of characters.
     #[getter]
     fn groups<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        let group = |g: &throng_runtime::simulation::Group| {
+        let group = |g: &throng_runtime::simulation::SceneGroup| {
             let out = PyDict::new(py);
             out.set_item("name", &g.name)?;
             out.set_item("motion", format!("{:?}", g.motion).to_lowercase())?;
@@ -149,25 +149,25 @@ impl PySimulation {
     /// Events of the last step: time_s, who, what, and further keys of the kind of event.
     #[getter]
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        let event = |e: &throng_runtime::simulation::Event| {
+        let event = |e: &throng_runtime::simulation::SimulationEvent| {
             let out = PyDict::new(py);
             out.set_item("time_s", e.time_s)?;
             out.set_item("who", e.who)?;
-            let what = match e.happened {
-                Happened::Hit { at } => {
+            let what = match e.kind {
+                CharacterEvent::Hit { at } => {
                     out.set_item("at", at.to_array())?;
                     "hit"
                 }
-                Happened::Struck { opponent, at, .. } => {
+                CharacterEvent::Struck { opponent, at, .. } => {
                     out.set_item("opponent", opponent)?;
                     out.set_item("at", at.to_array())?;
                     "struck"
                 }
-                Happened::Fulfilled => "fulfilled",
-                Happened::Arrived => "arrived",
-                Happened::Left => "left",
-                Happened::Stuck => "stuck",
-                Happened::RunInto { obstacle } => {
+                CharacterEvent::Fulfilled => "fulfilled",
+                CharacterEvent::Arrived => "arrived",
+                CharacterEvent::Left => "left",
+                CharacterEvent::Stuck => "stuck",
+                CharacterEvent::RunInto { obstacle } => {
                     out.set_item("obstacle", obstacle)?;
                     "run_into"
                 }
@@ -181,7 +181,7 @@ impl PySimulation {
     /// Raises an event of the scene.
     #[pyo3(name = "raise_event")]
     fn raise(&mut self, event: &str) -> PyResult<()> {
-        self.sim.raise(event).map_err(error::of)
+        self.sim.raise_event(event).map_err(error::runtime_error)
     }
 
     /// The whole state, as bytes: after it is restored anywhere, later steps are the same bit by bit.
@@ -191,8 +191,8 @@ impl PySimulation {
 
     /// Restores a snapshot of the same scene.
     fn restore(&mut self, snapshot: &[u8]) -> PyResult<()> {
-        self.sim.restore(snapshot).map_err(error::of)?;
-        self.forget();
+        self.sim.restore(snapshot).map_err(error::runtime_error)?;
+        self.forget_arrays();
         Ok(())
     }
 
@@ -207,11 +207,11 @@ impl PySimulation {
 }
 
 /// Number of floats of a pose.
-const POSE: usize = NUM_JOINTS * 12;
+const POSE_LEN: usize = NUM_JOINTS * 12;
 
 impl PySimulation {
     /// Drops the arrays of the previous step; Python code that still holds them keeps them.
-    fn forget(&mut self) {
+    fn forget_arrays(&mut self) {
         (self.roots, self.poses) = (None, None);
     }
 
@@ -222,7 +222,7 @@ impl PySimulation {
     }
 
     fn write_poses(&self, out: &mut [f32]) {
-        for (to, pose) in out.as_chunks_mut::<POSE>().0.iter_mut().zip(self.sim.poses()) {
+        for (to, pose) in out.as_chunks_mut::<POSE_LEN>().0.iter_mut().zip(self.sim.poses()) {
             match pose {
                 Some(pose) => write_pose(pose, to),
                 None => to.fill(f32::NAN),
@@ -232,16 +232,20 @@ impl PySimulation {
 }
 
 /// Writes a pose, joint by joint and row by row.
-pub fn write_pose(pose: &[Mat3x4; NUM_JOINTS], out: &mut [f32; POSE]) {
+pub fn write_pose(pose: &[Mat3x4; NUM_JOINTS], out: &mut [f32; POSE_LEN]) {
     for (to, joint) in out.as_chunks_mut::<12>().0.iter_mut().zip(pose) {
         to.copy_from_slice(joint.rows.as_flattened());
     }
 }
 
 /// The numbers of an output array, if it has the expected shape.
-fn room<'a>(shape: Vec<usize>, expected: &[usize], numbers: Option<&'a mut [f32]>) -> PyResult<&'a mut [f32]> {
+fn checked_output<'a>(
+    shape: Vec<usize>,
+    expected: &[usize],
+    numbers: Option<&'a mut [f32]>,
+) -> PyResult<&'a mut [f32]> {
     match numbers {
         Some(numbers) if shape == expected => Ok(numbers),
-        _ => Err(error::input(format!("`out` has shape {shape:?}, expected {expected:?}, float32 in C order"))),
+        _ => Err(error::input_error(format!("`out` has shape {shape:?}, expected {expected:?}, float32 in C order"))),
     }
 }

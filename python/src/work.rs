@@ -10,17 +10,17 @@ use std::time::Duration;
 use throng_precompute::cache::Cache;
 use throng_precompute::error::BuildError;
 use throng_precompute::progress::Progress;
-use throng_precompute::run::{Cached, News, ensure};
+use throng_precompute::run::{BuildContext, News, ensure_scene};
 use throng_runtime::simulation::{CompiledScene, Scene};
 
 /// Time between two checks for an interrupt.
-const EVERY: Duration = Duration::from_millis(50);
+const CHECK_PERIOD: Duration = Duration::from_millis(50);
 
 /// Flag that tells work to stop.
 #[derive(Default)]
-pub struct Signals(AtomicBool);
+pub struct InterruptFlag(AtomicBool);
 
-impl Progress for Signals {
+impl Progress for InterruptFlag {
     fn begin(&self, _: &'static str, _: u64, _: &'static str) {}
     fn advance(&self, _: u64) {}
     fn end(&self) {}
@@ -30,8 +30,11 @@ impl Progress for Signals {
 }
 
 /// Runs work to its end, or until Python is interrupted.
-pub fn run<T: Send>(py: Python<'_>, work: impl FnOnce(&Signals) -> Result<T, BuildError> + Send) -> PyResult<T> {
-    let (signals, (done, waiting)) = (Signals::default(), channel::<()>());
+pub fn run_interruptibly<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce(&InterruptFlag) -> Result<T, BuildError> + Send,
+) -> PyResult<T> {
+    let (signals, (done, waiting)) = (InterruptFlag::default(), channel::<()>());
     let waiting = Mutex::new(waiting);
     let mut interrupt = None;
     let outcome = std::thread::scope(|scope| {
@@ -39,7 +42,7 @@ pub fn run<T: Send>(py: Python<'_>, work: impl FnOnce(&Signals) -> Result<T, Bui
             let _done = done;
             work(&signals)
         });
-        let wait = || waiting.lock().ok().map(|w| w.recv_timeout(EVERY));
+        let wait = || waiting.lock().ok().map(|w| w.recv_timeout(CHECK_PERIOD));
         while let Some(Err(RecvTimeoutError::Timeout)) = py.detach(wait) {
             if let Err(e) = py.check_signals() {
                 signals.0.store(true, Ordering::Relaxed);
@@ -51,17 +54,21 @@ pub fn run<T: Send>(py: Python<'_>, work: impl FnOnce(&Signals) -> Result<T, Bui
     match (outcome, interrupt) {
         (Err(panic), _) => std::panic::resume_unwind(panic),
         (Ok(Err(BuildError::Stopped(_))), Some(interrupt)) => Err(interrupt),
-        (Ok(outcome), _) => outcome.map_err(error::of_build),
+        (Ok(outcome), _) => outcome.map_err(error::build_error),
     }
 }
 
 /// Opens the cache in a folder; none without a folder.
-pub fn cache(folder: Option<PathBuf>) -> Result<Cache, BuildError> {
-    folder.map_or_else(|| Ok(Cache::none()), |folder| Cache::at(&folder, Cache::LIMIT_BYTES))
+pub fn open_cache(folder: Option<PathBuf>) -> Result<Cache, BuildError> {
+    folder.map_or_else(|| Ok(Cache::disabled()), |folder| Cache::at_address(&folder, Cache::LIMIT_BYTES))
 }
 
 /// Opens a scene; its missing inputs are built first, with messages to Python's logger "throng".
-pub fn open(scene: &Scene, folder: Option<PathBuf>, signals: &Signals) -> Result<CompiledScene, BuildError> {
+pub fn open_scene(
+    scene: &Scene,
+    folder: Option<PathBuf>,
+    signals: &InterruptFlag,
+) -> Result<CompiledScene, BuildError> {
     let tell = |news: News| {
         Python::attach(|py| {
             let logger = py.import("logging").and_then(|l| l.call_method1("getLogger", ("throng",)));
@@ -69,6 +76,6 @@ pub fn open(scene: &Scene, folder: Option<PathBuf>, signals: &Signals) -> Result
             _ = logger.and_then(|l| l.call_method1("info", (news.to_string(),)));
         });
     };
-    ensure(scene, &Cached { cache: &cache(folder)?, progress: signals, tell: &tell })?;
+    ensure_scene(scene, &BuildContext { cache: &open_cache(folder)?, progress: signals, report_news: &tell })?;
     Ok(scene.open()?)
 }

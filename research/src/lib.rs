@@ -3,7 +3,7 @@
 pub mod matching;
 pub mod measure;
 pub mod natural;
-pub mod plain;
+pub mod plain_problem;
 pub mod quality;
 pub mod reaches;
 pub mod search;

@@ -57,7 +57,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) if output::is_broken_pipe(e.as_ref()) => ExitCode::SUCCESS,
         Err(e) => {
-            output::tell(format_args!("error: {e}"));
+            output::print_to_stderr(format_args!("error: {e}"));
             ExitCode::FAILURE
         }
     }

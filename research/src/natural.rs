@@ -12,7 +12,7 @@ use throng_precompute::run::News;
 
 /// Figures of many reaches: 5th percentile, median, 95th percentile of each, as seen from the upper chest.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
-pub struct Natural {
+pub struct ReachNaturalness {
     /// Number of reaches.
     reaches: usize,
     /// Share of them whose speed has one main peak.
@@ -37,8 +37,8 @@ pub struct Natural {
 }
 
 /// Largest height difference of ends of comparable reaches (m), and least number of them.
-const ALIKE_M: f64 = 0.1;
-const ENOUGH: usize = 8;
+const SIMILAR_HEIGHT_M: f64 = 0.1;
+const MIN_SIMILAR: usize = 8;
 
 fn percentiles(mut all: Vec<f64>) -> Option<[f64; 3]> {
     all.sort_by(f64::total_cmp);
@@ -46,11 +46,11 @@ fn percentiles(mut all: Vec<f64>) -> Option<[f64; 3]> {
     Some([at(0.05)?, at(0.5)?, at(0.95)?])
 }
 
-impl Natural {
+impl ReachNaturalness {
     /// Figures of reaches; none without any.
     ///
-    /// - `captured`: captured reaches for comparison.
-    pub fn of(reaches: &[ReachFigures], captured: Option<&Self>) -> Option<Self> {
+    /// - `measure_captured`: captured reaches for comparison.
+    pub fn from_reaches(reaches: &[ReachFigures], captured: Option<&Self>) -> Option<Self> {
         let n = reaches.len();
         let column = |of: &dyn Fn(&ReachFigures) -> f64| percentiles(reaches.iter().map(of).collect());
         let columns: [&dyn Fn(&ReachFigures) -> f64; 3] = [&|r| r.peak_mps, &|r| r.elbow_m, &|r| r.jerk];
@@ -64,12 +64,12 @@ impl Natural {
         // High reaches lift the elbow: each is compared with captured ones that end as high.
         let alike: Vec<(f64, Vec<f64>)> = captured.map_or_else(Vec::new, |c| {
             let near = |r: &ReachFigures| {
-                let all = c.all.iter().filter(|k| (k.hand_up_m - r.hand_up_m).abs() <= ALIKE_M);
+                let all = c.all.iter().filter(|k| (k.hand_up_m - r.hand_up_m).abs() <= SIMILAR_HEIGHT_M);
                 (r.elbow_m, all.map(|k| k.elbow_m).collect::<Vec<_>>())
             };
             reaches.iter().map(near).collect()
         });
-        let enough: Vec<&(f64, Vec<f64>)> = alike.iter().filter(|(_, near)| near.len() >= ENOUGH).collect();
+        let enough: Vec<&(f64, Vec<f64>)> = alike.iter().filter(|(_, near)| near.len() >= MIN_SIMILAR).collect();
         let inside = enough.iter().filter(|(elbow_m, near)| {
             percentiles(near.clone()).is_some_and(|[low, _, high]| (low..=high).contains(elbow_m))
         });
@@ -118,15 +118,15 @@ impl Natural {
 ///
 /// # Errors
 /// Those of reading a file, with its name.
-pub fn captured(
+pub fn measure_captured(
     files: &[PathBuf],
     config: &BuildConfig,
     tell: &dyn Fn(News),
-) -> Result<Option<Natural>, Box<dyn Error>> {
+) -> Result<Option<ReachNaturalness>, Box<dyn Error>> {
     let mut all = Vec::new();
     for file in import::expand(files)? {
         let clip = plans::file_clip(&file, config, tell).map_err(|e| format!("{}: {e}", file.display()))?;
         all.extend(captured_reaches(&clip.clip, &clip.skeleton));
     }
-    Ok(Natural::of(&all, None))
+    Ok(ReachNaturalness::from_reaches(&all, None))
 }

@@ -1,12 +1,12 @@
 //! Quality of a policy relative to the best that search finds.
 
-use crate::search::{Bounds, Found, Search};
+use crate::search::{BestSequence, PolicySearch, ValueBounds};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::time::Instant;
-use throng_bake::policy::{Follow, Situation, collect, play, random_target};
+use throng_bake::policy::{ActionSelection, PolicySituation, collect_rewards, play, random_target};
 use throng_core::policy::PolicyTable;
 use throng_lab::measure::timing::fail;
 use throng_motion::error::BuildError;
@@ -107,15 +107,15 @@ pub fn measure_policy(table: &PolicyTable, name: &str, config: &QualityConfig) -
     let pairs = random_pairs(table, config.pairs, &mut rng);
     let found = search_all(table, &pairs, config.depth);
     let search_s = begin.elapsed().as_secs_f64();
-    let mut follow = |follow| collect(table, &pairs, follow, config.negligible, &mut rng);
-    let collected = follow(Follow::LookAhead { temperature: 0.0 });
-    let single_load = follow(Follow::SingleLoad);
+    let mut follow = |follow| collect_rewards(table, &pairs, follow, config.negligible, &mut rng);
+    let collected = follow(ActionSelection::LookAhead { temperature: 0.0 });
+    let single_load = follow(ActionSelection::SingleLoad);
     let random: Vec<Vec<f64>> = config
         .temperatures
         .iter()
         .map(
             |&temperature| {
-                if temperature > 0.0 { follow(Follow::LookAhead { temperature }) } else { collected.clone() }
+                if temperature > 0.0 { follow(ActionSelection::LookAhead { temperature }) } else { collected.clone() }
             },
         )
         .collect();
@@ -156,10 +156,10 @@ fn mean(v: &[f64]) -> f64 {
     v.iter().sum::<f64>() / v.len() as f64
 }
 
-fn random_pairs(table: &PolicyTable, count: usize, rng: &mut Pcg64) -> Vec<Situation> {
+fn random_pairs(table: &PolicyTable, count: usize, rng: &mut Pcg64) -> Vec<PolicySituation> {
     let num_states = table.actions().num_states() as u32;
     (0..count)
-        .map(|_| Situation { state: rng.random_range(0..num_states), target: random_target(table, rng) })
+        .map(|_| PolicySituation { state: rng.random_range(0..num_states), target: random_target(table, rng) })
         .collect()
 }
 
@@ -167,30 +167,30 @@ fn random_pairs(table: &PolicyTable, count: usize, rng: &mut Pcg64) -> Vec<Situa
 const WORTH_BOUNDS: f64 = 3e7;
 
 /// Best sequence of every pair.
-fn search_all(table: &PolicyTable, pairs: &[Situation], depth: usize) -> Vec<Found> {
+fn search_all(table: &PolicyTable, pairs: &[PolicySituation], depth: usize) -> Vec<BestSequence> {
     let actions = table.actions();
     let branching = actions.num_actions() as f64 / actions.num_states() as f64;
     let look_aheads = pairs.len() as f64 * branching.powi(depth as i32 - 1);
     // Events of a space-time grid happen after an action or two.
     if look_aheads < WORTH_BOUNDS || table.grid().is_space_time() {
-        let search = Search::new(table, depth, None);
+        let search = PolicySearch::new(table, depth, None);
         return pairs.par_iter().map(|&pair| search.best(pair)).collect();
     }
     search_with_bounds(table, pairs, depth)
 }
 
 /// Best sequence of every pair, found with bounds of every band of heights.
-fn search_with_bounds(table: &PolicyTable, pairs: &[Situation], depth: usize) -> Vec<Found> {
+fn search_with_bounds(table: &PolicyTable, pairs: &[PolicySituation], depth: usize) -> Vec<BestSequence> {
     let r = table.grid().record();
     let bands = if r.num_heights > 1 { BANDS } else { 1 };
     let height = r.height_spacing * (r.num_heights - 1) as f32 / bands as f32;
     let edge = |band: usize| r.height_start + band as f32 * height;
-    let band_of = |s: &Situation| (((s.target.y - r.height_start) / height.max(1e-6)) as usize).min(bands - 1);
-    let mut found: Vec<Option<Found>> = vec![None; pairs.len()];
+    let band_of = |s: &PolicySituation| (((s.target.y - r.height_start) / height.max(1e-6)) as usize).min(bands - 1);
+    let mut found: Vec<Option<BestSequence>> = vec![None; pairs.len()];
     for band in 0..bands {
         // A margin around the band, so that rounding loses no situation.
-        let bounds = Bounds::new(table, depth, [edge(band) - 1e-3, edge(band + 1) + 1e-3]);
-        let search = Search::new(table, depth, Some(&bounds));
+        let bounds = ValueBounds::new(table, depth, [edge(band) - 1e-3, edge(band + 1) + 1e-3]);
+        let search = PolicySearch::new(table, depth, Some(&bounds));
         let of_band = found.par_iter_mut().zip(pairs).filter(|(_, s)| bands == 1 || band_of(s) == band);
         of_band.for_each(|(found, &pair)| *found = Some(search.best(pair)));
     }
@@ -198,7 +198,7 @@ fn search_with_bounds(table: &PolicyTable, pairs: &[Situation], depth: usize) ->
 }
 
 /// Reward for carrying out the search's actions and then following the policy.
-fn realise(table: &PolicyTable, pairs: &[Situation], found: &[Found], config: &QualityConfig) -> Vec<f64> {
+fn realise(table: &PolicyTable, pairs: &[PolicySituation], found: &[BestSequence], config: &QualityConfig) -> Vec<f64> {
     let mut sums = vec![0.0; pairs.len()];
     let mut discounts = vec![1.0f64; pairs.len()];
     let mut at = pairs.to_vec();
@@ -211,19 +211,20 @@ fn realise(table: &PolicyTable, pairs: &[Situation], found: &[Found], config: &Q
         }
     }
     let mut rng = Pcg64::seed_from_u64(config.seed);
-    let rest = collect(table, &at, Follow::LookAhead { temperature: 0.0 }, config.negligible, &mut rng);
+    let rest =
+        collect_rewards(table, &at, ActionSelection::LookAhead { temperature: 0.0 }, config.negligible, &mut rng);
     (0..pairs.len()).map(|i| sums[i] + discounts[i] * rest[i]).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_bake::policy::made_up::MadeUp;
+    use throng_bake::policy::made_up::SyntheticProblem;
     use throng_bake::policy::{Approach, PolicyConfig, solve_behaviours};
     use throng_motion::progress::Silent;
 
     /// The policy of a behaviour in a made-up problem.
-    fn solved(small: &MadeUp, behaviour: &Approach) -> PolicyTable {
+    fn solved(small: &SyntheticProblem, behaviour: &Approach) -> PolicyTable {
         let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
         let mut rng = Pcg64::seed_from_u64(1);
         let tables = solve_behaviours(small.model(), &[behaviour], &cfg, &mut rng, &Silent);
@@ -232,20 +233,20 @@ mod tests {
 
     #[test]
     fn bounds_change_nothing_but_the_time() {
-        let small = MadeUp { states: 6, actions: 5, rings: 12, angles: 9, seed: 4 };
+        let small = SyntheticProblem { states: 6, actions: 5, rings: 12, angles: 9, seed: 4 };
         let table = solved(&small, &small.behaviour().expect("a valid grid"));
         let pairs = random_pairs(&table, 40, &mut Pcg64::seed_from_u64(1));
         let (plain, bounded) = (search_all(&table, &pairs, 4), search_with_bounds(&table, &pairs, 4));
         for (a, b) in plain.iter().zip(&bounded) {
             assert_eq!(a.score, b.score);
         }
-        let count = |all: &[Found]| all.iter().map(|f| f.look_aheads).sum::<u64>();
+        let count = |all: &[BestSequence]| all.iter().map(|f| f.look_aheads).sum::<u64>();
         assert!(count(&bounded) < count(&plain), "{} {}", count(&bounded), count(&plain));
     }
 
     #[test]
     fn ratios_of_nothing_are_no_numbers() {
-        let small = MadeUp { states: 3, actions: 2, rings: 12, angles: 9, seed: 4 };
+        let small = SyntheticProblem { states: 3, actions: 2, rings: 12, angles: 9, seed: 4 };
         let table = solved(&small, &small.behaviour().expect("a valid grid"));
         let config = QualityConfig { pairs: 5, least_best: 10.0, ..QualityConfig::default() };
         let q = measure_policy(&table, "approach", &config);

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use throng_core::{Joint, Skeleton};
 use throng_motion::Clip;
-use throng_planner::driven::Driven;
+use throng_planner::driven::DrivenMotion;
 use throng_planner::linkage::Limb;
 
 /// Sampling rate of everything that is compared: no more than clips have (Hz).
@@ -48,8 +48,8 @@ struct Arm {
 }
 
 impl Arm {
-    fn of(clip: &Clip, skeleton: &Skeleton, limb: Limb, [from_s, to_s]: [f64; 2]) -> Self {
-        let driven = Driven::of_clip(clip, skeleton, from_s, to_s);
+    fn from_clip(clip: &Clip, skeleton: &Skeleton, limb: Limb, [from_s, to_s]: [f64; 2]) -> Self {
+        let driven = DrivenMotion::from_clip(clip, skeleton, from_s, to_s);
         let [first, last] = driven.window_s();
         let step_s = (last - first) / (driven.places().len() - 1).max(1) as f64;
         let every = ((1.0 / RATE_HZ) / step_s.max(1e-9)).round().max(1.0) as usize;
@@ -100,7 +100,7 @@ impl Arm {
 
 /// Figures of an arm in a stretch of a clip; none where the hand hardly moves, or for less than an eighth of a second.
 pub fn reach_figures(clip: &Clip, skeleton: &Skeleton, limb: Limb, window_s: [f64; 2]) -> Option<ReachFigures> {
-    let arm = Arm::of(clip, skeleton, limb, window_s);
+    let arm = Arm::from_clip(clip, skeleton, limb, window_s);
     arm.figures(0, arm.hand.len().checked_sub(1)?)
 }
 
@@ -109,7 +109,7 @@ pub fn captured_reaches(clip: &Clip, skeleton: &Skeleton) -> Vec<ReachFigures> {
     let end_s = clip.num_frames().saturating_sub(1) as f64 / clip.rate_hz;
     let mut out = Vec::new();
     for limb in [Limb::LeftArm, Limb::RightArm] {
-        let arm = Arm::of(clip, skeleton, limb, [0.0, end_s]);
+        let arm = Arm::from_clip(clip, skeleton, limb, [0.0, end_s]);
         let speeds = arm.speeds();
         let mut next = 0;
         while let Some(start) = (next..speeds.len()).find(|i| speeds[*i] > LEAST_MPS) {

@@ -2,32 +2,32 @@
 
 use glam::{DQuat, DVec3};
 use throng_core::{NUM_JOINTS, Skeleton};
-use throng_planner::body::BodyShape;
-use throng_planner::driven::Driven;
+use throng_planner::body::BodyCapsules;
+use throng_planner::driven::DrivenMotion;
 use throng_planner::limits::{BodyLimits, Coordinates};
 use throng_planner::linkage::{Limb, LimbPose, Linkage};
-use throng_planner::problem::{Solid, State};
+use throng_planner::problem::{LimbState, MovingSolid};
 use throng_planner::rotation::Rigid;
 use throng_planner::setup::ProblemSpec;
-use throng_planner::shape::Shape;
-use throng_planner::track::Path;
+use throng_planner::shape::SolidShape;
+use throng_planner::track::RigidPath;
 
 /// Somebody who stands at the origin and looks along +Z.
 pub struct Somebody {
     pub skeleton: Skeleton,
     pub limits: BodyLimits,
-    pub motion: Driven,
-    pub shape: BodyShape,
+    pub motion: DrivenMotion,
+    pub shape: BodyCapsules,
     pub linkage: Linkage,
 }
 
 impl Somebody {
     pub fn standing() -> Self {
         let skeleton = Skeleton::default();
-        let motion = Driven::still(&skeleton, skeleton.offsets[0].as_dvec3(), [DQuat::IDENTITY; NUM_JOINTS]);
+        let motion = DrivenMotion::from_pose(&skeleton, skeleton.offsets[0].as_dvec3(), [DQuat::IDENTITY; NUM_JOINTS]);
         Self {
             limits: BodyLimits::built_in(&skeleton),
-            shape: BodyShape::fitted(&skeleton),
+            shape: BodyCapsules::fitted(&skeleton),
             motion,
             skeleton,
             linkage: Linkage::limb(Limb::LeftArm),
@@ -36,7 +36,7 @@ impl Somebody {
 
     /// Shoulder by its swing, elbow by its flexion (rad).
     pub fn pose(&self, across: f64, up: f64, flexion: f64) -> LimbPose {
-        let limits = self.limits.of_linkage(self.linkage).expect("limits");
+        let limits = self.limits.linkage_limits(self.linkage).expect("limits");
         let mut pose = LimbPose::REST;
         pose.0[0] = limits[0].rotation(Coordinates { swing: [across, up], twist: 0.0 });
         pose.0[1] = limits[1].rotation(Coordinates { swing: [flexion, 0.0], twist: 0.0 });
@@ -44,11 +44,11 @@ impl Somebody {
     }
 
     pub fn spec(&self, ends: [(LimbPose, f64); 2]) -> ProblemSpec<'_> {
-        let ends = ends.map(|(pose, time_s)| State { pose, time_s });
+        let ends = ends.map(|(pose, time_s)| LimbState { pose, time_s });
         ProblemSpec::new(&self.skeleton, self.linkage, &self.limits, &self.motion, &self.shape, ends)
     }
 }
 
-pub fn solid(name: &str, shape: Shape, at: DVec3) -> Solid {
-    Solid { name: name.into(), shape, path: Path::Still(Rigid::at(at)) }
+pub fn solid(name: &str, shape: SolidShape, at: DVec3) -> MovingSolid {
+    MovingSolid { name: name.into(), shape, path: RigidPath::Still(Rigid::from_position(at)) }
 }

@@ -1,28 +1,28 @@
 //! `throng bench bundle`: cost of queries, sampling and steps, and quality of policies.
 
-use crate::args::{Outcome, fail};
+use crate::args::{CommandResult, fail};
 use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
-use throng_precompute::measure::{self, LevelFigures, MeasureConfig, Measured};
+use throng_precompute::measure::{self, BundleMeasureConfig, BundleMeasureReport, LevelFigures};
 use throng_runtime::base::limits;
 
 /// Measure queries, sampling and steps of a bundle beside copying the same bytes, and value iteration.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<Report>())]
+#[command(after_long_help = keys::json_keys::<BundleBenchReport>())]
 pub struct Args {
     /// Bundle with a motion graph.
     #[arg(value_name = "BUNDLE")]
     file: PathBuf,
     /// Numbers of characters.
-    #[arg(long, value_delimiter = ',', default_value = "1000,10000", value_name = "N,...", allow_negative_numbers = true, value_parser = limits::number::<usize>(&limits::CHARACTERS))]
+    #[arg(long, value_delimiter = ',', default_value = "1000,10000", value_name = "N,...", allow_negative_numbers = true, value_parser = limits::number_parser::<usize>(&limits::CHARACTERS))]
     characters: Vec<usize>,
     /// Numbers of threads.
-    #[arg(long, value_delimiter = ',', default_value = "1,2", value_name = "N,...", allow_negative_numbers = true, value_parser = limits::number::<usize>(&limits::THREADS))]
+    #[arg(long, value_delimiter = ',', default_value = "1,2", value_name = "N,...", allow_negative_numbers = true, value_parser = limits::number_parser::<usize>(&limits::THREADS))]
     threads: Vec<usize>,
     /// Time given to each figure.
-    #[arg(long, default_value_t = 0.5, value_name = "S", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::MEASURING_S))]
+    #[arg(long, default_value_t = 0.5, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::MEASURING_S))]
     seconds: f64,
     /// Measure the levels of detail alone: everybody posed whole, without locked feet, as records of 32 bytes. On one thread.
     #[arg(long)]
@@ -34,35 +34,38 @@ pub struct Args {
 
 /// Printed report.
 #[derive(Serialize, JsonSchema)]
-struct Report {
+struct BundleBenchReport {
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    measured: Option<Measured>,
+    measured: Option<BundleMeasureReport>,
     /// The levels of detail; with `--lod`.
     #[serde(skip_serializing_if = "Option::is_none")]
     levels: Option<Vec<LevelFigures>>,
 }
 
-pub fn run(args: &Args) -> Outcome {
-    let tables = crate::args::open(&args.file)?;
+pub fn run(args: &Args) -> CommandResult {
+    let tables = crate::args::open_bundle(&args.file)?;
     if tables.graph().states.is_empty() && !tables.blends().spaces.is_empty() {
         let file = args.file.display();
         return fail(format!("{file}: holds blend spaces and no motion graph, which alone is measured"));
     }
-    let config =
-        MeasureConfig { characters: args.characters.clone(), threads: args.threads.clone(), seconds: args.seconds };
+    let config = BundleMeasureConfig {
+        characters: args.characters.clone(),
+        threads: args.threads.clone(),
+        seconds: args.seconds,
+    };
     let levels = args.lod.then(|| measure::levels(&tables, &config)).transpose()?;
     let measured = (!args.lod).then(|| measure::measure(&tables, &config)).transpose()?;
-    let report = Report { measured, levels };
+    let report = BundleBenchReport { measured, levels };
     if args.json { output::json(&report) } else { print(&report) }
 }
 
 /// Prints the figures as text.
-fn print(report: &Report) -> Outcome {
+fn print(report: &BundleBenchReport) -> CommandResult {
     report.measured.iter().try_for_each(print_crowds)?;
     report.levels.iter().flatten().try_for_each(print_levels)
 }
 
-fn print_crowds(measured: &Measured) -> Outcome {
+fn print_crowds(measured: &BundleMeasureReport) -> CommandResult {
     for r in &measured.results {
         output::table(&[
             ("crowd", format!("{} characters, {} thread(s)", r.characters, r.threads)),
@@ -111,7 +114,7 @@ fn print_crowds(measured: &Measured) -> Outcome {
     )])
 }
 
-fn print_levels(l: &LevelFigures) -> Outcome {
+fn print_levels(l: &LevelFigures) -> CommandResult {
     let bytes = l.record_bytes.map_or(String::new(), |b| format!(", {b:.0} bytes a character"));
     output::table(&[
         ("levels", format!("{} characters, 1 thread", l.characters)),

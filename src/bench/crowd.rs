@@ -1,12 +1,12 @@
 //! `throng bench crowd`: cost, progress and overlaps of crowds.
 
-use crate::args::{Outcome, fail, named_engine};
+use crate::args::{CommandResult, fail, named_engine};
 use crate::figures::figures;
 use crate::{keys, output};
 use serde::Serialize;
 use std::path::Path;
 use throng_precompute::picture::{self, Plot};
-use throng_precompute::run::{self, Figures, OWN_SCENES, own_scene};
+use throng_precompute::run::{self, BUILT_IN_SCENES, SceneFigures, built_in_scene};
 use throng_runtime::base::limits;
 use throng_runtime::crowd::Scheme;
 use throng_runtime::simulation::Scene;
@@ -16,7 +16,7 @@ const ALL: &str = "all";
 
 /// Measure crowds with one or several engines, sizes and scenes.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::section::<Run>("JSON keys (of several runs, `runs[]` with the same keys)"))]
+#[command(after_long_help = keys::json_keys_under::<CrowdBenchRun>("JSON keys (of several runs, `runs[]` with the same keys)"))]
 pub struct Args {
     /// Built-in scenes (flock, corridor, lanes, circle, ring, bottleneck, square), `all` of them, or
     /// scene files.
@@ -24,23 +24,23 @@ pub struct Args {
     scene: Vec<String>,
     /// Numbers of agents; that of the scene where absent. With several scenes, those of fixed size leave out numbers larger
     /// than their own.
-    #[arg(long, value_delimiter = ',', value_name = "N,...", allow_negative_numbers = true, value_parser = limits::number::<usize>(&limits::CHARACTERS))]
+    #[arg(long, value_delimiter = ',', value_name = "N,...", allow_negative_numbers = true, value_parser = limits::number_parser::<usize>(&limits::CHARACTERS))]
     agents: Vec<usize>,
     /// Engines: events, occupancy, fixed, pairs; that of the scene where absent.
     #[arg(long, value_delimiter = ',', value_name = "ENGINE,...")]
     engine: Vec<String>,
     /// Number of runs of each; the fastest is reported in full, as the least disturbed one, with the least, median and
     /// largest time for an agent.
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = limits::number::<u32>(&limits::REPEATS))]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = limits::number_parser::<u32>(&limits::REPEATS))]
     repeats: u32,
     /// Number of threads.
-    #[arg(long, default_value_t = 1, value_name = "N", allow_negative_numbers = true, value_parser = limits::number::<usize>(&limits::THREADS))]
+    #[arg(long, default_value_t = 1, value_name = "N", allow_negative_numbers = true, value_parser = limits::number_parser::<usize>(&limits::THREADS))]
     threads: usize,
     /// Seed of places, sizes and speeds; that of the scene where absent.
-    #[arg(long, allow_negative_numbers = true, value_parser = limits::number::<u64>(&limits::SEED))]
+    #[arg(long, allow_negative_numbers = true, value_parser = limits::number_parser::<u64>(&limits::SEED))]
     seed: Option<u64>,
     /// Simulated time; what the scene says where absent.
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::SECONDS))]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::SECONDS))]
     seconds: Option<f64>,
     /// Plot of the time for one simulated second over the number of agents.
     #[arg(long, value_name = "FILE")]
@@ -52,21 +52,21 @@ pub struct Args {
 
 /// Printed report of several runs.
 #[derive(Serialize)]
-struct Sweep {
-    runs: Vec<Run>,
+struct CrowdBenchReport {
+    runs: Vec<CrowdBenchRun>,
 }
 
 /// Printed report of one run.
 #[derive(Serialize, schemars::JsonSchema)]
-struct Run {
+struct CrowdBenchRun {
     /// The scene's name.
     scene: String,
     #[serde(flatten)]
-    figures: Figures,
+    figures: SceneFigures,
 }
 
-impl Run {
-    fn us(&self) -> f64 {
+impl CrowdBenchRun {
+    fn us_per_agent(&self) -> f64 {
         self.figures.crowd.as_ref().and_then(|c| c.us_per_agent_second).unwrap_or_default()
     }
 
@@ -84,17 +84,17 @@ impl Run {
 }
 
 /// Measures every requested scene with every number of agents and every engine.
-pub fn run(args: &Args) -> Outcome {
-    let trials = trials(args)?;
+pub fn run(args: &Args) -> CommandResult {
+    let trials = requested_scenes(args)?;
     let is_sweep = trials.len() > 1;
     let mut runs = Vec::new();
     if is_sweep && !args.json {
-        println!("{}", Figures::HEADINGS);
+        println!("{}", SceneFigures::HEADINGS);
     }
     for scene in &trials {
         scene.check()?;
-        let figures_of = fastest(scene, args.seconds, args.threads, args.repeats)?;
-        let run = Run { scene: scene.name.clone(), figures: figures_of };
+        let figures_of = fastest_run(scene, args.seconds, args.threads, args.repeats)?;
+        let run = CrowdBenchRun { scene: scene.name.clone(), figures: figures_of };
         match args.json {
             true => (),
             false if is_sweep => output::text(run.figures.row(&run.scene) + "\n")?,
@@ -112,21 +112,21 @@ pub fn run(args: &Args) -> Outcome {
     match &runs[..] {
         _ if !args.json => Ok(()),
         [one] => output::json(one),
-        _ => output::json(&Sweep { runs }),
+        _ => output::json(&CrowdBenchReport { runs }),
     }
 }
 
 /// Figures of the fastest of several runs, which only differ in their time.
-fn fastest(
+fn fastest_run(
     scene: &Scene,
     seconds: Option<f64>,
     threads: usize,
     repeats: u32,
-) -> Result<Figures, Box<dyn std::error::Error>> {
+) -> Result<SceneFigures, Box<dyn std::error::Error>> {
     let compiled = scene.open()?;
     let mut best = run::run_agents(&compiled, seconds, threads)?;
-    let wall = |f: &Figures| f.crowd.as_ref().and_then(|c| c.wall_s_per_simulated_s);
-    let us = |f: &Figures| f.crowd.as_ref().and_then(|c| c.us_per_agent_second).unwrap_or_default();
+    let wall = |f: &SceneFigures| f.crowd.as_ref().and_then(|c| c.wall_s_per_simulated_s);
+    let us = |f: &SceneFigures| f.crowd.as_ref().and_then(|c| c.us_per_agent_second).unwrap_or_default();
     let mut all = vec![us(&best)];
     for _ in 1..repeats {
         let again = run::run_agents(&compiled, seconds, threads)?;
@@ -142,8 +142,8 @@ fn fastest(
 }
 
 /// All scenes to run, one for each scene, number of agents and engine.
-fn trials(args: &Args) -> Result<Vec<Scene>, Box<dyn std::error::Error>> {
-    let names = args.scene.iter().flat_map(|n| if n == ALL { OWN_SCENES.to_vec() } else { vec![n.as_str()] });
+fn requested_scenes(args: &Args) -> Result<Vec<Scene>, Box<dyn std::error::Error>> {
+    let names = args.scene.iter().flat_map(|n| if n == ALL { BUILT_IN_SCENES.to_vec() } else { vec![n.as_str()] });
     let scenes = names.map(load).collect::<Result<Vec<_>, _>>()?;
     let mut trials = Vec::new();
     for scene in &scenes {
@@ -165,12 +165,12 @@ fn trials(args: &Args) -> Result<Vec<Scene>, Box<dyn std::error::Error>> {
 
 /// Loads a built-in scene, or a file.
 fn load(name: &str) -> Result<Scene, Box<dyn std::error::Error>> {
-    if let Some(own) = own_scene(name)? {
+    if let Some(own) = built_in_scene(name)? {
         return Ok(own);
     }
     let path = Path::new(name);
     if !path.exists() {
-        return fail(format!("--scene {name}: expected one of {}, or a scene file", OWN_SCENES.join(", ")));
+        return fail(format!("--scene {name}: expected one of {}, or a scene file", BUILT_IN_SCENES.join(", ")));
     }
     let scene = Scene::load(path)?;
     match scene.groups.iter().all(|g| g.is_of_agents()) {
@@ -187,13 +187,13 @@ fn engines(args: &Args, scene: &Scene) -> Result<Vec<Scheme>, Box<dyn std::error
 }
 
 /// Plots the time over the number of agents, a line for each scene and engine, as figure 6 of Kim, Kim and Shin 2003.
-fn plot(runs: &[Run]) -> picture::Picture {
+fn plot(runs: &[CrowdBenchRun]) -> picture::Picture {
     let scene = runs.first().map_or("", |r| &r.scene);
     let is_one = runs.iter().all(|r| r.scene == scene);
     let mut lines: Vec<(String, Vec<[f64; 2]>)> = Vec::new();
     for r in runs {
         let name = if is_one { r.engine().to_owned() } else { format!("{}, {}", r.scene, r.engine()) };
-        let point = [r.agents() as f64, 1e-3 * r.us() * r.agents() as f64];
+        let point = [r.agents() as f64, 1e-3 * r.us_per_agent() * r.agents() as f64];
         match lines.iter_mut().find(|l| l.0 == name) {
             Some(line) => line.1.push(point),
             None => lines.push((name, vec![point])),
@@ -201,16 +201,16 @@ fn plot(runs: &[Run]) -> picture::Picture {
     }
     picture::plot(&Plot {
         title: &format!("{}: time to simulate one second", if is_one { scene } else { "crowds" }),
-        subtitle: &compared(runs).filter(|_| is_one).unwrap_or_else(|| "without drawing or measuring".into()),
+        subtitle: &compare_engines(runs).filter(|_| is_one).unwrap_or_else(|| "without drawing or measuring".into()),
         axes: ["agents", "time for one simulated second (ms)"],
         lines,
     })
 }
 
 /// Text that compares the slowest and the fastest engine at the largest number of agents; `None` for one engine.
-fn compared(runs: &[Run]) -> Option<String> {
-    let most = runs.iter().map(Run::agents).max()?;
-    let wall = |r: &&Run| r.wall_s();
+fn compare_engines(runs: &[CrowdBenchRun]) -> Option<String> {
+    let most = runs.iter().map(CrowdBenchRun::agents).max()?;
+    let wall = |r: &&CrowdBenchRun| r.wall_s();
     let all = || runs.iter().filter(|r| r.agents() == most);
     let slow = all().max_by(|a, b| wall(a).total_cmp(&wall(b)))?;
     let fast = all().min_by(|a, b| wall(a).total_cmp(&wall(b)))?;

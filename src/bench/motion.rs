@@ -1,6 +1,6 @@
 //! `throng bench motion`: quality of motion at run time beside the clips that it comes from.
 
-use crate::args::{CacheArgs, Outcome, is_bundle};
+use crate::args::{CacheArgs, CommandResult, is_bundle};
 use crate::{keys, output, run};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -12,7 +12,7 @@ use throng_precompute::trial::{self, TrialConfig};
 ///
 /// 200 characters chase targets for 20 s; the first 50 are measured in every frame.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::section::<Figures>("JSON keys (of each of `results[]`)"))]
+#[command(after_long_help = keys::json_keys_under::<MotionBenchFigures>("JSON keys (of each of `results[]`)"))]
 pub struct Args {
     /// Bundles, and folders or files of motion, each by itself; the synthetic walk by default.
     #[arg(value_name = "BUNDLE_OR_MOTION")]
@@ -26,7 +26,7 @@ pub struct Args {
 
 /// Figures of one bundle.
 #[derive(Serialize, JsonSchema)]
-struct Figures {
+struct MotionBenchFigures {
     /// Name of the bundle or motion.
     name: String,
     #[serde(flatten)]
@@ -38,30 +38,31 @@ struct Figures {
 }
 
 #[derive(Serialize)]
-struct Results {
-    results: Vec<Figures>,
+struct MotionBenchReport {
+    results: Vec<MotionBenchFigures>,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let mut results = Vec::new();
     if args.what.is_empty() {
         let folder = tempfile::tempdir()?;
         let bundle = folder.path().join("demo.throng");
         crate::demo::bake(&bundle)?;
-        results.push(figures("synthetic walk".into(), &crate::args::open(&bundle)?)?);
+        results.push(figures("synthetic walk".into(), &crate::args::open_bundle(&bundle)?)?);
     }
     for what in &args.what {
         let motion = std::slice::from_ref(what);
-        let tables = if is_bundle(what) { crate::args::open(what)? } else { run::motion_bundle(motion, &args.cache)? };
+        let tables =
+            if is_bundle(what) { crate::args::open_bundle(what)? } else { run::motion_bundle(motion, &args.cache)? };
         results.push(figures(what.display().to_string(), &tables)?);
     }
     if args.json {
-        return output::json(&Results { results });
+        return output::json(&MotionBenchReport { results });
     }
     let mut text = String::from(
         "low toes m/s (clips)  knee max  p99.9  at changes (clips)  between frames  hand > 6 Hz (clips)  slip m/s\n",
     );
-    for Figures { name, quality: q, foot_slip_p95_mps, .. } in &results {
+    for MotionBenchFigures { name, quality: q, foot_slip_p95_mps, .. } in &results {
         text.push_str(&format!(
             "{:11.2} ({:.2}) {:11.2} {:6.2} {:11.2} ({:.2}) {:15.2} {:12.3} ({:.3}) {:9.3}  {name}\n",
             q.toe_speed_low_p95_mps,
@@ -79,9 +80,9 @@ pub fn run(args: &Args) -> Outcome {
     output::text(text)
 }
 
-fn figures(name: String, tables: &throng_runtime::Bundle) -> Result<Figures, Box<dyn std::error::Error>> {
+fn figures(name: String, tables: &throng_runtime::Bundle) -> Result<MotionBenchFigures, Box<dyn std::error::Error>> {
     let config = TrialConfig { characters: 200, ..TrialConfig::default() };
     let (report, _) = trial::run(tables, &config)?;
     let (quality, foot_slip_p95_mps) = (report.quality, report.foot_slip_p95_mps);
-    Ok(Figures { name, quality, foot_slip_p95_mps, reached_fraction: report.reached_fraction })
+    Ok(MotionBenchFigures { name, quality, foot_slip_p95_mps, reached_fraction: report.reached_fraction })
 }

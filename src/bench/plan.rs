@@ -2,20 +2,20 @@
 
 mod ik;
 
-use crate::args::{CacheArgs, Outcome, fail};
+use crate::args::{CacheArgs, CommandResult, fail};
 use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use throng_planner::clips::with_motion;
-use throng_planner::planner::{Budget, PlanConfig, Planner};
+use throng_planner::planner::{Budget, LimbPlanner, PlanConfig};
 use throng_planner::recheck::Recheck;
 use throng_planner::task::Task;
 use throng_precompute::Clip;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::plans;
-use throng_precompute::plans::scenes::{self, SCENES, Scene};
+use throng_precompute::plans::scenes::{self, PlanScene, SCENES};
 
 /// Measure plans of limbs: how often they succeed, what they take, how smooth they are.
 ///
@@ -23,7 +23,7 @@ use throng_precompute::plans::scenes::{self, SCENES, Scene};
 /// triangles; without time), `spheres` (the same among 40 balls), `ring` (through a ring of 20 000 triangles that moves),
 /// `walk` (a walking arm past a post of 30 000 triangles).
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<Report>())]
+#[command(after_long_help = keys::json_keys::<PlanBenchReport>())]
 pub struct Args {
     /// Names of scenes, task files, or folders of task files, such as data/tasks; all named scenes where absent.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
@@ -46,14 +46,14 @@ pub struct Args {
 
 /// What is printed.
 #[derive(Serialize, JsonSchema)]
-struct Report {
+struct PlanBenchReport {
     /// Figures of every scene.
-    results: Vec<Figures>,
+    results: Vec<PlanBenchFigures>,
 }
 
 /// Figures of a scene.
 #[derive(Serialize, JsonSchema)]
-struct Figures {
+struct PlanBenchFigures {
     /// Name of the scene.
     scene: String,
     /// Share of the seeds with a plan.
@@ -89,7 +89,7 @@ struct Figures {
 }
 
 /// Measurements of one plan, or of all plans of a task.
-struct Sample {
+struct PlanSample {
     first_s: f64,
     total_s: f64,
     checks: u64,
@@ -98,33 +98,33 @@ struct Sample {
     clip: Option<Clip>,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let all = || SCENES.iter().map(|(name, _)| (*name).to_owned()).collect();
-    let names: Vec<String> = if args.scene.is_empty() { all() } else { in_folders(&args.scene)? };
+    let names: Vec<String> = if args.scene.is_empty() { all() } else { expand_folders(&args.scene)? };
     let ik = ik::measure(args.poses);
     let mut results = Vec::new();
     for name in &names {
         eprintln!("{name} ...");
-        let (samples, violations) = match scenes::scene(name)? {
-            Some(scene) => plans(&scene, args)?,
-            None if crate::args::is_toml(Path::new(name)) => tasks(Path::new(name), args)?,
-            None => return fail(unknown(name)),
+        let (samples, violations) = match scenes::find_scene(name)? {
+            Some(scene) => plan_scene(&scene, args)?,
+            None if crate::args::is_toml(Path::new(name)) => plan_task(Path::new(name), args)?,
+            None => return fail(unknown_scene(name)),
         };
         results.push(figures(name, &samples, violations, &ik, args.seeds));
     }
     if args.json {
-        return output::json(&Report { results });
+        return output::json(&PlanBenchReport { results });
     }
     results.iter().try_for_each(print)
 }
 
-fn unknown(name: &str) -> String {
+fn unknown_scene(name: &str) -> String {
     let known = SCENES.map(|(name, _)| name).join(", ");
     format!("there is no scene `{name}`; there are {known}, and task files (.toml)")
 }
 
 /// Expands folders to the task files in them, sorted by name.
-fn in_folders(scenes: &[String]) -> Result<Vec<String>, Box<dyn Error>> {
+fn expand_folders(scenes: &[String]) -> Result<Vec<String>, Box<dyn Error>> {
     let mut out = Vec::new();
     for scene in scenes {
         if !Path::new(scene).is_dir() {
@@ -145,9 +145,9 @@ fn in_folders(scenes: &[String]) -> Result<Vec<String>, Box<dyn Error>> {
 }
 
 /// Plans a scene with every seed.
-fn plans(scene: &Scene, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Error>> {
-    let (problem, who) = (scene.problem()?, &scene.who);
-    let (mut planner, config) = (Planner::new(), PlanConfig::default());
+fn plan_scene(scene: &PlanScene, args: &Args) -> Result<(Vec<PlanSample>, usize), Box<dyn Error>> {
+    let (problem, who) = (scene.problem()?, &scene.actor);
+    let (mut planner, config) = (LimbPlanner::new(), PlanConfig::default());
     let (mut samples, mut violations) = (Vec::new(), 0);
     let joints = who.linkage.limb.joints();
     let planned: Vec<_> = joints.into_iter().zip(*problem.limits()).collect();
@@ -174,7 +174,7 @@ fn plans(scene: &Scene, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Err
             };
             violations += recheck.run().violations.len();
         }
-        samples.push(Sample {
+        samples.push(PlanSample {
             first_s: outcome.first_solution_s,
             total_s: outcome.total_s,
             checks: outcome.checks,
@@ -187,20 +187,20 @@ fn plans(scene: &Scene, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Err
 }
 
 /// Solves a task with every seed.
-fn tasks(path: &Path, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Error>> {
+fn plan_task(path: &Path, args: &Args) -> Result<(Vec<PlanSample>, usize), Box<dyn Error>> {
     let task = Task::read(path)?;
     let config = BuildConfig::of_motion("", Vec::new())?;
-    let sources = crate::run::with(&args.cache, |with| plans::sources(&task, &config, None, with))??;
-    let (task, clips) = sources.staged(task, None)?;
+    let sources = crate::run::with_build_context(&args.cache, |with| plans::load_sources(&task, &config, None, with))??;
+    let (task, clips) = sources.stage_task(task, None)?;
     let (mut samples, mut violations) = (Vec::new(), 0);
     for seed in 0..args.seeds {
         let outcome = task.run(&clips, Some(seed))?;
         violations += outcome.recheck.violations.len();
         if outcome.is_solved() {
             let found = [(seed, outcome)];
-            let Some(r) = plans::report(&task, &found) else { continue };
+            let Some(r) = plans::plan_report(&task, &found) else { continue };
             let [(_, outcome)] = found;
-            samples.push(Sample {
+            samples.push(PlanSample {
                 first_s: r.first_solution_s,
                 total_s: r.total_s,
                 checks: r.checks,
@@ -213,17 +213,23 @@ fn tasks(path: &Path, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Error
     Ok((samples, violations))
 }
 
-fn figures(name: &str, samples: &[Sample], recheck_violations: usize, ik: &ik::Figures, seeds: u64) -> Figures {
-    let rank = |share: f64, f: &dyn Fn(&Sample) -> f64| {
+fn figures(
+    name: &str,
+    samples: &[PlanSample],
+    recheck_violations: usize,
+    ik: &ik::IkFigures,
+    seeds: u64,
+) -> PlanBenchFigures {
+    let rank = |share: f64, f: &dyn Fn(&PlanSample) -> f64| {
         let mut all: Vec<f64> = samples.iter().map(f).filter(|x| x.is_finite()).collect();
         all.sort_by(f64::total_cmp);
         all.get((share * all.len() as f64) as usize).or(all.last()).copied()
     };
     let (checks, seconds) = samples.iter().fold((0, 0.0), |(c, s), x| (c + x.checks, s + x.total_s));
     let distances: Vec<f64> =
-        samples.windows(2).filter_map(|w| distance(w[0].clip.as_ref()?, w[1].clip.as_ref()?)).collect();
+        samples.windows(2).filter_map(|w| mean_joint_angle(w[0].clip.as_ref()?, w[1].clip.as_ref()?)).collect();
     let known = SCENES.iter().find(|(n, _)| *n == name);
-    Figures {
+    PlanBenchFigures {
         scene: name.into(),
         success_rate: samples.len() as f64 / seeds as f64,
         first_ms_median: rank(0.5, &|s| 1e3 * s.first_s),
@@ -244,13 +250,13 @@ fn figures(name: &str, samples: &[Sample], recheck_violations: usize, ik: &ik::F
 }
 
 /// Mean angle between the joints of two clips where they differ; 0 for equal clips (rad).
-fn distance(a: &Clip, b: &Clip) -> Option<f64> {
+fn mean_joint_angle(a: &Clip, b: &Clip) -> Option<f64> {
     let differ = a.rotations.iter().zip(&b.rotations).filter(|(p, q)| p != q);
     let angles: Vec<f64> = differ.map(|(p, q)| f64::from(p.angle_between(*q))).collect();
     (a.num_frames() == b.num_frames()).then(|| angles.iter().sum::<f64>() / angles.len().max(1) as f64)
 }
 
-fn print(f: &Figures) -> Outcome {
+fn print(f: &PlanBenchFigures) -> CommandResult {
     let ms = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.2}"));
     output::table(&[
         ("scene", format!("{}: {:.0} % of the seeds have a plan", f.scene, 100.0 * f.success_rate)),

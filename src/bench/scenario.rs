@@ -1,6 +1,6 @@
 //! `throng bench scenario`: speed of scenes with rules, state graphs and news.
 
-use crate::args::{CacheArgs, Outcome};
+use crate::args::{CacheArgs, CommandResult};
 use crate::{keys, output};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -10,19 +10,19 @@ use throng_runtime::simulation::Scene;
 
 /// Measure scenes in which people live by rules, state graphs and news.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::section::<ScenarioFigures>("JSON keys (of each of `results[]`)"))]
+#[command(after_long_help = keys::json_keys_under::<ScenarioFigures>("JSON keys (of each of `results[]`)"))]
 pub struct Args {
     /// Scene files, or names of those in `data/scenes`.
     #[arg(long, value_delimiter = ',', default_value = "square,race,race-100,park", value_name = "NAME_OR_FILE,...")]
     scene: Vec<String>,
     /// Number of agents; that of the scene where absent.
-    #[arg(long, value_name = "N", value_parser = limits::number::<usize>(&limits::CHARACTERS))]
+    #[arg(long, value_name = "N", value_parser = limits::number_parser::<usize>(&limits::CHARACTERS))]
     agents: Option<usize>,
     /// Numbers of threads.
-    #[arg(long, value_delimiter = ',', default_value = "1", value_name = "N,...", value_parser = limits::number::<usize>(&limits::THREADS))]
+    #[arg(long, value_delimiter = ',', default_value = "1", value_name = "N,...", value_parser = limits::number_parser::<usize>(&limits::THREADS))]
     threads: Vec<usize>,
     /// Simulated time; what the scene says where absent.
-    #[arg(long, value_name = "S", value_parser = limits::number::<f64>(&limits::SECONDS))]
+    #[arg(long, value_name = "S", value_parser = limits::number_parser::<f64>(&limits::SECONDS))]
     seconds: Option<f64>,
     #[command(flatten)]
     cache: CacheArgs,
@@ -33,11 +33,11 @@ pub struct Args {
 
 /// Printed report of all scenes.
 #[derive(Serialize)]
-struct Results {
+struct ScenarioBenchReport {
     results: Vec<ScenarioFigures>,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let mut results = Vec::new();
     for name in &args.scene {
         let path = PathBuf::from(name);
@@ -47,15 +47,15 @@ pub fn run(args: &Args) -> Outcome {
         if let Some(agents) = args.agents {
             scene = scene.resized(agents);
         }
-        crate::run::ensure(&scene, &args.cache)?;
+        crate::run::ensure_scene(&scene, &args.cache)?;
         let compiled = scene.open()?;
         for &threads in &args.threads {
-            let count = || Some(crate::allocations::count());
+            let count = || Some(crate::allocations::num_allocations());
             results.push(measure_scenario(&compiled, args.seconds, threads, &count)?);
         }
     }
     if args.json {
-        return output::json(&Results { results });
+        return output::json(&ScenarioBenchReport { results });
     }
     let mut text = String::from(
         "scene              agents  threads  frames/s  over paper  rules  crowd  motion  informed  told\n",

@@ -1,32 +1,32 @@
 //! Checks a task of `throng plan` before any search.
 
-use crate::args::{Outcome, fail};
+use crate::args::{CommandResult, fail};
 use crate::output;
 use schemars::JsonSchema;
 use serde::Serialize;
-use throng_planner::task::{Ahead, MeshAhead, Task};
+use throng_planner::task::{MeshPreview, StepPreview, Task};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::plans;
 
 /// Printed report.
 #[derive(Serialize, JsonSchema)]
-pub struct Report {
+pub struct TaskCheckReport {
     /// Findings on every task, in the file's order.
-    tasks: Vec<Ahead>,
+    tasks: Vec<StepPreview>,
     /// Findings on the meshes of obstacles and objects.
-    meshes: Vec<MeshAhead>,
+    meshes: Vec<MeshPreview>,
     /// Number of faults of all tasks; the check fails unless it is 0.
     faults: usize,
 }
 
-pub fn run(args: &super::Args) -> Outcome {
+pub fn run(args: &super::Args) -> CommandResult {
     let task = Task::read(&args.scene)?;
     let config = BuildConfig::of_motion("", Vec::new())?;
-    let sources = crate::run::with(&args.cache, |with| plans::sources(&task, &config, None, with))??;
-    let (task, clips) = sources.staged(task, None)?;
-    let ahead = task.ahead(&clips)?;
+    let sources = crate::run::with_build_context(&args.cache, |with| plans::load_sources(&task, &config, None, with))??;
+    let (task, clips) = sources.stage_task(task, None)?;
+    let ahead = task.preview_steps(&clips)?;
     let faults = ahead.iter().map(|a| a.faults.len()).sum();
-    let report = Report { tasks: ahead, meshes: task.meshes(), faults };
+    let report = TaskCheckReport { tasks: ahead, meshes: task.preview_meshes(), faults };
     if args.json {
         output::json(&report)?;
     } else {
@@ -36,7 +36,7 @@ pub fn run(args: &super::Args) -> Outcome {
     first.map_or(Ok(()), |(name, fault)| fail(format!("{name}: {fault}")))
 }
 
-fn print(report: &Report) -> Outcome {
+fn print(report: &TaskCheckReport) -> CommandResult {
     let mut rows: Vec<(&str, String)> = Vec::new();
     for t in &report.tasks {
         let mut text = Vec::new();

@@ -1,17 +1,17 @@
 //! Takes of scenes, recordings, bundles and clips, written in the formats of other programs.
 
 use super::{Args, Format, holds_motion, write};
-use crate::args::{CacheArgs, Outcome, fail, is_bundle, is_toml};
+use crate::args::{CacheArgs, CommandResult, fail, is_bundle, is_toml};
 use crate::{output, progress};
 use std::error::Error;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
-use throng_precompute::export::{Glb, Take, amass, bvh, each_actor, npz, take_csv, usda};
+use throng_precompute::export::{Glb, Take, bvh, take_csv, usda, write_amass, write_each_actor, write_npz};
 use throng_precompute::import::read_clip;
-use throng_precompute::onto::Wearer;
-use throng_precompute::perform::{self, PerformConfig, Show, perform};
-use throng_precompute::run::Recording;
+use throng_precompute::perform::{self, PerformConfig, PerformSource, perform};
+use throng_precompute::run::RunRecording;
 use throng_precompute::trial::TrialConfig;
+use throng_precompute::wearer::Wearer;
 use throng_precompute::{Warnings, files, pipeline};
 use throng_runtime::base::limits;
 use throng_runtime::simulation::Scene;
@@ -24,13 +24,13 @@ pub struct TakeArgs {
     #[arg(long, value_name = "N..N", value_parser = parse_range, value_delimiter = ',')]
     characters: Vec<RangeInclusive<usize>>,
     /// First moment (s); the start by default.
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::MOMENT_S))]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::MOMENT_S))]
     from: Option<f64>,
     /// Last moment (s); by default the end of the scene or the recording, or 20 s of a bundle.
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::MOMENT_S))]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::MOMENT_S))]
     to: Option<f64>,
     /// Frames a second, 1 to 1000; 30 by default.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::EXPORT_HZ))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::EXPORT_HZ))]
     fps: Option<f64>,
     /// For a bundle, write its clips instead of characters that run on it.
     #[arg(long)]
@@ -61,7 +61,7 @@ fn parse_range(text: &str) -> Result<RangeInclusive<usize>, String> {
 
 impl TakeArgs {
     /// The first given flag that only applies to takes.
-    pub fn given(&self) -> Option<&'static str> {
+    pub fn first_given_flag(&self) -> Option<&'static str> {
         let flags = [
             ("--characters", !self.characters.is_empty()),
             ("--from", self.from.is_some()),
@@ -81,7 +81,7 @@ impl TakeArgs {
 }
 
 /// Writes a take.
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let takes = &args.take;
     if takes.usd_instances && !matches!(args.format, Format::Usda) {
         return fail("--usd-instances is for --format usda");
@@ -114,7 +114,7 @@ pub fn run(args: &Args) -> Outcome {
     if let (Format::Instances, Some(out)) = (args.format, out) {
         return instances(args, folder, out);
     }
-    let take = record(args, folder)?;
+    let take = record_take(args, folder)?;
     save(args, &take, out, wearer.as_ref(), folder)
 }
 
@@ -123,39 +123,41 @@ fn folder_of(file: &Path) -> &Path {
 }
 
 /// Runs the input and records the take.
-fn record(args: &Args, folder: &Path) -> Result<Take, Box<dyn Error>> {
-    let (file, config, bar) = (&args.file, args.take.config(), progress::Bar::default());
-    let show = |show: Show<'_>| perform(show, &config, folder, &bar).map_err(|e| format!("{}: {e}", file.display()));
+fn record_take(args: &Args, folder: &Path) -> Result<Take, Box<dyn Error>> {
+    let (file, config, bar) = (&args.file, args.take.config(), progress::BuildProgressBar::default());
+    let show =
+        |show: PerformSource<'_>| perform(show, &config, folder, &bar).map_err(|e| format!("{}: {e}", file.display()));
     if is_toml(file) {
         let scene = Scene::load(file)?;
-        crate::run::ensure(&scene, &args.take.cache)?;
-        return Ok(show(Show::Scene(&scene.open()?))?);
+        crate::run::ensure_scene(&scene, &args.take.cache)?;
+        return Ok(show(PerformSource::Scene(&scene.open()?))?);
     }
     if is_bundle(file) {
-        let bundle = crate::args::open(file)?;
+        let bundle = crate::args::open_bundle(file)?;
         return Ok(match args.take.clips {
-            true => show(Show::Clips(&bundle))?,
-            false => show(Show::Trial(&bundle, &TrialConfig::default()))?,
+            true => show(PerformSource::Clips(&bundle))?,
+            false => show(PerformSource::Trial(&bundle, &TrialConfig::default()))?,
         });
     }
     if holds_motion(file) {
         return clip(args, folder);
     }
-    let recording = Recording::load(file)?;
+    let recording = RunRecording::load(file)?;
     let scene = recording.scene()?;
-    crate::run::ensure(&scene, &args.take.cache)?;
-    Ok(show(Show::Recording(&recording, &scene.open()?))?)
+    crate::run::ensure_scene(&scene, &args.take.cache)?;
+    Ok(show(PerformSource::Recording(&recording, &scene.open()?))?)
 }
 
 /// Writes the clips that play on characters of a bundle.
-fn instances(args: &Args, folder: &Path, out: &Path) -> Outcome {
+fn instances(args: &Args, folder: &Path, out: &Path) -> CommandResult {
     let file = &args.file;
     if !is_bundle(file) || args.take.clips {
         let what = "instances are of bundles (.throng): which of their clips play on characters who run on them";
         return fail(format!("{}: {what}", file.display()));
     }
-    let (bundle, trial, bar) = (crate::args::open(file)?, TrialConfig::default(), progress::Bar::default());
-    let played = perform::instances(&bundle, &trial, &args.take.config(), folder, &bar);
+    let (bundle, trial, bar) =
+        (crate::args::open_bundle(file)?, TrialConfig::default(), progress::BuildProgressBar::default());
+    let played = perform::record_instances(&bundle, &trial, &args.take.config(), folder, &bar);
     let played = played.map_err(|e| format!("{}: {e}", file.display()))?;
     files::write_atomically(out, |w| played.npz(w))?;
     let (who, frames, hz) = (played.num_characters(), played.num_frames(), played.rate_hz());
@@ -165,34 +167,34 @@ fn instances(args: &Args, folder: &Path, out: &Path) -> Outcome {
 
 /// The clip of a motion file on the database skeleton, as a build would use it.
 fn clip(args: &Args, folder: &Path) -> Result<Take, Box<dyn Error>> {
-    if let Some(flag) = args.take.given().filter(|flag| *flag != "--onto") {
+    if let Some(flag) = args.take.first_given_flag().filter(|flag| *flag != "--onto") {
         return fail(format!("{}: {flag} is for scenes, recordings and bundles", args.file.display()));
     }
     let config = args.read.config_for(std::slice::from_ref(&args.file))?;
     let clips = pipeline::clips_of(&[read_clip(&args.file, &config.import)?], &config, &mut Warnings::default())?;
-    Ok(Take::of_clips(folder, &clips.clips[..1], &clips.skeleton)?)
+    Ok(Take::from_clips(folder, &clips.clips[..1], &clips.skeleton)?)
 }
 
 /// Writes a take in a format, and prints the files.
-fn save(args: &Args, take: &Take, out: Option<&Path>, wearer: Option<&Wearer>, folder: &Path) -> Outcome {
+fn save(args: &Args, take: &Take, out: Option<&Path>, wearer: Option<&Wearer>, folder: &Path) -> CommandResult {
     let mut written = Vec::new();
     match (args.format, out) {
         (Format::Csv, _) => write(out, |w| take_csv(take, w))?,
         (_, None) => {}
         (Format::Glb, Some(out)) => {
-            let outfit = wearer.map(|w| w.dress(take, folder, &progress::Bar::default())).transpose()?;
+            let outfit = wearer.map(|w| w.dress(take, folder, &progress::BuildProgressBar::default())).transpose()?;
             let glb = outfit.as_ref().map_or_else(|| Glb::new(take), |o| o.glb(take))?;
             files::write_atomically(out, |w| glb.write(w))?;
         }
         (Format::Usda, Some(out)) => {
             files::write_atomically(out, |w| usda(take, args.take.usd_instances, w))?;
         }
-        (Format::Npz, Some(out)) => files::write_atomically(out, |w| npz(take, w))?,
-        (Format::Bvh, Some(out)) => written = each_actor(take, out, |a, w| bvh::write_actor(take, a, w))?,
-        (_, Some(out)) => written = each_actor(take, out, |a, w| amass(take, a, w))?,
+        (Format::Npz, Some(out)) => files::write_atomically(out, |w| write_npz(take, w))?,
+        (Format::Bvh, Some(out)) => written = write_each_actor(take, out, |a, w| bvh::write_actor(take, a, w))?,
+        (_, Some(out)) => written = write_each_actor(take, out, |a, w| write_amass(take, a, w))?,
     }
     let Some(out) = out else { return Ok(()) };
-    wearer.map_or(Ok(()), worn)?;
+    wearer.map_or(Ok(()), print_worn_joints)?;
     if written.is_empty() {
         written.push(out.to_path_buf());
     }
@@ -207,7 +209,7 @@ fn save(args: &Args, take: &Take, out: Option<&Path>, wearer: Option<&Wearer>, f
 }
 
 /// Prints which joints of a character wear the motion.
-fn worn(wearer: &Wearer) -> Outcome {
+fn print_worn_joints(wearer: &Wearer) -> CommandResult {
     let pairs: Vec<String> = wearer.pairs().map(|(role, joint)| format!("{}={joint}", role.name())).collect();
     let twists: Vec<&str> = wearer.twists().collect();
     let twists = if twists.is_empty() { "none".into() } else { twists.join(" ") };

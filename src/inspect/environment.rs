@@ -1,34 +1,34 @@
 //! Surroundings inferred from the contacts of clips: files, a report and a picture.
 
-use crate::args::{Outcome, fail};
+use crate::args::{CommandResult, fail};
 use crate::{output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
-use throng_precompute::environment::{InferReport, Inferred, infer};
+use throng_precompute::environment::{InferReport, InferredEnvironment, infer_environment};
 use throng_precompute::import;
-use throng_precompute::picture::{self, BodyColours, Colour, Figure, Picture};
-use throng_precompute::picture::{WorldFigure, WorldLook, WorldView};
+use throng_precompute::picture::{self, BodyColours, BodyFigure, Colour, Picture};
+use throng_precompute::picture::{WorldCamera, WorldFigure, WorldSheet};
 use throng_precompute::stitch::SavedFiles;
 use throng_precompute::{BuildError, Clip, ClipSet, Warnings, files, pipeline};
 use throng_runtime::Joint;
 
 /// Least distance between bodies in a picture (m).
-const APART: f32 = 0.5;
+const MIN_DISTANCE_M: f32 = 0.5;
 /// Greatest number of bodies in a picture.
-const MOST: usize = 14;
+const MAX_BODIES: usize = 14;
 /// Distance between candidate frames of a picture (frames).
-const EVERY: usize = 5;
+const FRAME_STRIDE: usize = 5;
 /// Greatest number of clips that a title names.
-const NAMED: usize = 4;
+const MAX_NAMED_CLIPS: usize = 4;
 /// Width and height of one view (px).
 const SIZE: (u32, u32) = (1600, 900);
 /// View directions of the picture, along +Z and along +X, tilted down: heading and elevation (rad).
-const LOOKS: [(f32, f32); 2] = [(0.0, 0.3), (std::f32::consts::FRAC_PI_2, 0.3)];
+const VIEW_ANGLES: [(f32, f32); 2] = [(0.0, 0.3), (std::f32::consts::FRAC_PI_2, 0.3)];
 
 /// Printed report.
 #[derive(Serialize, JsonSchema)]
-pub struct Report<'a> {
+pub struct EnvironmentReport<'a> {
     /// Names of the clips.
     clips: Vec<&'a str>,
     /// Frames of all clips.
@@ -40,7 +40,7 @@ pub struct Report<'a> {
 }
 
 /// Infers the surroundings in which the people in the clips stand, sit and hang; writes, draws and reports them.
-pub fn run(args: &super::Args) -> Outcome {
+pub fn run(args: &super::Args) -> CommandResult {
     files::check_targets(args.environment_out.iter().chain(&args.environment_png), &args.files)?;
     if let Some(bundle) = args.files.iter().find(|f| crate::args::is_bundle(f)) {
         return fail(format!("{}: expected a motion file: surroundings are inferred from clips", bundle.display()));
@@ -48,16 +48,16 @@ pub fn run(args: &super::Args) -> Outcome {
     if args.hits_png.is_some() {
         return fail("--hits-png is for one clip or bundle without --environment-out and --environment-png");
     }
-    let set = read(args)?;
+    let set = read_clips(args)?;
     let stem = |p: &Path| p.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     let name = args.environment_out.as_deref().map_or_else(|| set.clips[0].name.clone(), stem);
     let clips: Vec<&Clip> = set.clips.iter().collect();
-    let inferred = infer(&clips, &set.skeleton, &name)?;
+    let inferred = infer_environment(&clips, &set.skeleton, &name)?;
     let saved = args.environment_out.as_ref().map(|path| inferred.save(path)).transpose()?;
     if let Some(path) = &args.environment_png {
         draw(&set, &inferred)?.save_png(path)?;
     }
-    let report = Report {
+    let report = EnvironmentReport {
         clips: set.clips.iter().map(|c| c.name.as_str()).collect(),
         frames: set.num_frames(),
         inferred: &inferred.report,
@@ -67,10 +67,10 @@ pub fn run(args: &super::Args) -> Outcome {
 }
 
 /// Reads the clips as a build with default settings does, so that heights agree.
-fn read(args: &super::Args) -> Result<ClipSet, Box<dyn std::error::Error>> {
+fn read_clips(args: &super::Args) -> Result<ClipSet, Box<dyn std::error::Error>> {
     let mut config = args.read.config_for(&args.files)?;
     config.import.strict = true;
-    let raw = import::read(&args.files, &config.import, &progress::Bar::default())?;
+    let raw = import::read(&args.files, &config.import, &progress::BuildProgressBar::default())?;
     let mut warnings = Warnings::default();
     let clips = pipeline::clips_of(&raw.clips, &config, &mut warnings)?;
     output::warnings(&[], &warnings.messages);
@@ -81,21 +81,21 @@ fn read(args: &super::Args) -> Result<ClipSet, Box<dyn std::error::Error>> {
 }
 
 /// Draws the person at several moments in the inferred surroundings, from two sides.
-fn draw(set: &ClipSet, inferred: &Inferred) -> Result<Picture, BuildError> {
+fn draw(set: &ClipSet, inferred: &InferredEnvironment) -> Result<Picture, BuildError> {
     let geometry = inferred.geometry()?;
     let units = picture::world_units(&geometry);
-    let bodies = apart(set);
+    let bodies = spread_bodies(set);
     let tint = |i: usize| Colour::hex([0x4a6fa5, 0xb5653f, 0x5f8f56, 0x87609c][i % 4]);
-    let figure = |(i, f): (usize, &Figure)| WorldFigure { figure: *f, colours: BodyColours::plain(tint(i)) };
+    let figure = |(i, f): (usize, &BodyFigure)| WorldFigure { figure: *f, colours: BodyColours::plain(tint(i)) };
     let figures: Vec<WorldFigure> = bodies.iter().enumerate().map(figure).collect();
-    let mut names: Vec<&str> = set.clips.iter().take(NAMED).map(|c| c.name.as_str()).collect();
-    names.extend((set.clips.len() > NAMED).then_some("..."));
+    let mut names: Vec<&str> = set.clips.iter().take(MAX_NAMED_CLIPS).map(|c| c.name.as_str()).collect();
+    names.extend((set.clips.len() > MAX_NAMED_CLIPS).then_some("..."));
     let title = format!("{}: inferred from {}", inferred.environment.name, names.join(", "));
     let subtitle = inferred.report.to_string().lines().take(2).collect::<Vec<_>>().join("; ");
     let view = |(heading, elevation)| {
-        let look = WorldLook { heading, elevation, focus: None };
+        let look = WorldCamera { heading, elevation, focus: None };
         let (trails, names) = (&[], &[]);
-        let view = WorldView {
+        let view = WorldSheet {
             title: &title,
             subtitle: &subtitle,
             size: SIZE,
@@ -104,34 +104,36 @@ fn draw(set: &ClipSet, inferred: &Inferred) -> Result<Picture, BuildError> {
             solids: &[],
             trails,
             names,
-            look,
+            camera: look,
         };
         picture::world_sheet(&view)
     };
-    let [front, side] = LOOKS.map(view);
+    let [front, side] = VIEW_ANGLES.map(view);
     Ok(picture::sheet(&[&front, &side]))
 }
 
 /// Selects bodies far from each other: the first one, then repeatedly the one farthest from all selected ones.
-fn apart(set: &ClipSet) -> Vec<Figure> {
+fn spread_bodies(set: &ClipSet) -> Vec<BodyFigure> {
     let figure =
-        |clip: &Clip, f: usize| Figure::from_transforms(&set.skeleton, &clip.joint_transforms(&set.skeleton, f));
-    let frames = |clip: &Clip| (0..clip.num_frames()).step_by(EVERY).filter(|&f| clip.is_usable(f)).collect::<Vec<_>>();
-    let all: Vec<Figure> = set.clips.iter().flat_map(|c| frames(c).into_iter().map(move |f| figure(c, f))).collect();
+        |clip: &Clip, f: usize| BodyFigure::from_transforms(&set.skeleton, &clip.joint_transforms(&set.skeleton, f));
+    let frames =
+        |clip: &Clip| (0..clip.num_frames()).step_by(FRAME_STRIDE).filter(|&f| clip.is_usable(f)).collect::<Vec<_>>();
+    let all: Vec<BodyFigure> =
+        set.clips.iter().flat_map(|c| frames(c).into_iter().map(move |f| figure(c, f))).collect();
     let mut near = vec![f32::INFINITY; all.len()];
     let mut out = Vec::new();
     let mut next = all.first();
-    while let Some(one) = next.filter(|_| out.len() < MOST) {
+    while let Some(one) = next.filter(|_| out.len() < MAX_BODIES) {
         out.push(*one);
         let hips = one.joint(Joint::Hips);
         near.iter_mut().zip(&all).for_each(|(d, f)| *d = d.min(f.joint(Joint::Hips).distance(hips)));
-        let farthest = near.iter().zip(&all).filter(|(d, _)| **d > APART).max_by(|a, b| a.0.total_cmp(b.0));
+        let farthest = near.iter().zip(&all).filter(|(d, _)| **d > MIN_DISTANCE_M).max_by(|a, b| a.0.total_cmp(b.0));
         next = farthest.map(|(_, f)| f);
     }
     out
 }
 
-fn print(report: &Report) -> Outcome {
+fn print(report: &EnvironmentReport) -> CommandResult {
     let (clips, frames) = (&report.clips, report.frames);
     output::text(format_args!("{} clips, {frames} frames: {}\n{}\n", clips.len(), clips.join(", "), report.inferred))?;
     if let Some(saved) = &report.saved {

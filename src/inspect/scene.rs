@@ -1,54 +1,54 @@
 //! Collisions of a clip with the scene of a task.
 
-use crate::args::{Outcome, fail};
+use crate::args::{CommandResult, fail};
 use crate::output;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
-use throng_planner::correct::Span;
+use throng_planner::correct::CollisionStretch;
 use throng_planner::task::Task;
 use throng_precompute::cache::Cache;
 use throng_precompute::plans;
 use throng_precompute::progress::Silent;
-use throng_precompute::run::{Cached, News};
+use throng_precompute::run::{BuildContext, News};
 
 /// Printed report.
 #[derive(Serialize, JsonSchema)]
-pub struct Report {
+pub struct SceneCollisionReport {
     /// Time spans in which a limb collides with something, limb by limb.
-    collisions: Vec<Collision>,
+    collisions: Vec<LimbCollision>,
 }
 
 #[derive(Serialize, JsonSchema)]
-struct Collision {
+struct LimbCollision {
     /// The limb.
     limb: String,
     #[serde(flatten)]
-    span: Span,
+    span: CollisionStretch,
 }
 
 /// Replaces a task's first clip by another one, and finds the collisions of its limbs.
-pub fn run(args: &super::Args, task: &Path) -> Outcome {
+pub fn run(args: &super::Args, task: &Path) -> CommandResult {
     let [file] = &args.files[..] else { return fail("--scene is for one motion file") };
     if crate::args::is_bundle(file) {
         return fail(format!("{}: expected a motion file: --scene is for clips", file.display()));
     }
     let task = Task::read(task)?;
     let config = args.read.config_for(&args.files)?;
-    let tell = |news: News| output::tell(news);
+    let tell = |news: News| output::print_to_stderr(news);
     let clip = plans::file_clip(file, &config, &tell)?;
-    let with = Cached { cache: &Cache::none(), progress: &Silent, tell: &tell };
-    let (task, clips) = plans::sources(&task, &config, Some(clip), &with)?.staged(task, None)?;
+    let with = BuildContext { cache: &Cache::disabled(), progress: &Silent, report_news: &tell };
+    let (task, clips) = plans::load_sources(&task, &config, Some(clip), &with)?.stage_task(task, None)?;
     let found = task.collisions(&clips, 0)?;
-    let collisions = found.into_iter().map(|(limb, span)| Collision { limb: limb.name().into(), span });
-    let report = Report { collisions: collisions.collect() };
+    let collisions = found.into_iter().map(|(limb, span)| LimbCollision { limb: limb.name().into(), span });
+    let report = SceneCollisionReport { collisions: collisions.collect() };
     if args.json {
         return output::json(&report);
     }
     if report.collisions.is_empty() {
         return output::text("no limb collides\n");
     }
-    let rows = report.collisions.iter().map(|Collision { span: s, .. }| {
+    let rows = report.collisions.iter().map(|LimbCollision { span: s, .. }| {
         let text = format!("in {} from {:.2} s to {:.2} s, {:.3} m deep", s.with, s.from_s, s.to_s, s.depth_m);
         (s.part.as_str(), text)
     });

@@ -3,10 +3,12 @@
 use glam::{Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 use throng_planner::rotation::Rigid;
-use throng_planner::shape::Shape;
-use throng_planner::task::{ActorClip, Looked, Task, TaskOutcome};
-use throng_precompute::environment::{Solid, Triangles};
-use throng_precompute::picture::{self, BodyColours, Colour, Figure, Picture, WorldFigure, WorldMoment, WorldStrip};
+use throng_planner::shape::SolidShape;
+use throng_planner::task::{ActorClip, Task, TaskGaze, TaskOutcome};
+use throng_precompute::environment::{Triangles, UnitSolid};
+use throng_precompute::picture::{
+    self, BodyColours, BodyFigure, Colour, Picture, WorldFigure, WorldMoment, WorldStrip,
+};
 use throng_runtime::Joint;
 
 /// Number of moments side by side.
@@ -14,7 +16,7 @@ const COLUMNS: usize = 10;
 /// Width that each moment shows (m).
 const WIDTH_M: f32 = 2.0;
 /// Time that is shown before the first plan and after the last one (s).
-const AROUND_S: f64 = 0.15;
+const MARGIN_S: f64 = 0.15;
 /// Colours of objects, by their number.
 const TINTS: [u32; 6] = [0xb08a4a, 0x5f8f56, 0x87609c, 0xb5653f, 0x4a8f9f, 0x8a8578];
 /// Colour of gaze lines and targets.
@@ -28,14 +30,15 @@ const OTHERS: [u32; 3] = [0x7d8aa0, 0x9a8fa0, 0x8fa08a];
 pub fn draw(task: &Task, clips: &[ActorClip], outcome: &TaskOutcome, title: &str) -> Picture {
     let who = outcome.done.first().map_or(0, |d| d.character);
     let clip = &outcome.clips[who][1];
-    let [from, to] = changed(outcome, who);
+    let [from, to] = changed_span(outcome, who);
     let ahead = heading(outcome, who);
     let times: Vec<f64> = (0..COLUMNS)
         .map(|i| from + (to - from) * i as f64 / (COLUMNS - 1) as f64)
         .map(|t| (t * clip.rate_hz).round() / clip.rate_hz)
         .collect();
     let strip = |when: usize, [side, tilt]: [f32; 2], seen: &str| {
-        let moments: Vec<WorldMoment> = times.iter().map(|t| moment(task, clips, outcome, [who, when], *t)).collect();
+        let moments: Vec<WorldMoment> =
+            times.iter().map(|t| world_moment(task, clips, outcome, [who, when], *t)).collect();
         picture::world_strip(&WorldStrip {
             title: &format!("{title}: {}", ["before", "after"][when]),
             subtitle: seen,
@@ -43,7 +46,7 @@ pub fn draw(task: &Task, clips: &[ActorClip], outcome: &TaskOutcome, title: &str
             units: &[],
             columns: COLUMNS,
             width_m: WIDTH_M,
-            from: (ahead + side, tilt),
+            view_angles: (ahead + side, tilt),
         })
     };
     let looks = [([FRAC_PI_2, 0.1], "from the right side"), ([std::f32::consts::PI, 0.25], "from ahead")];
@@ -52,14 +55,14 @@ pub fn draw(task: &Task, clips: &[ActorClip], outcome: &TaskOutcome, title: &str
 }
 
 /// Time span from the first to the last changed frame, with a margin; the whole clip if none changed (s).
-fn changed(outcome: &TaskOutcome, who: usize) -> [f64; 2] {
+fn changed_span(outcome: &TaskOutcome, who: usize) -> [f64; 2] {
     let [before, after] = &outcome.clips[who];
     let differs = |f: &usize| before.frame_rotations(*f) != after.frame_rotations(*f);
     let frames = 0..before.num_frames();
     let end_s = (before.num_frames() - 1) as f64 / before.rate_hz;
     match (frames.clone().find(differs), frames.rev().find(differs)) {
         (Some(first), Some(last)) => {
-            [first as f64 / before.rate_hz - AROUND_S, last as f64 / before.rate_hz + AROUND_S]
+            [first as f64 / before.rate_hz - MARGIN_S, last as f64 / before.rate_hz + MARGIN_S]
                 .map(|t| t.clamp(0.0, end_s))
         }
         _ => [0.0, end_s],
@@ -69,12 +72,12 @@ fn changed(outcome: &TaskOutcome, who: usize) -> [f64; 2] {
 /// Heading of the character in the middle of the shown time span (rad).
 fn heading(outcome: &TaskOutcome, who: usize) -> f32 {
     let clip = &outcome.clips[who][0];
-    let [from, to] = changed(outcome, who);
+    let [from, to] = changed_span(outcome, who);
     clip.planar(((0.5 * (from + to) * clip.rate_hz) as usize).min(clip.num_frames() - 1)).heading
 }
 
 /// All characters and objects at a time.
-fn moment(
+fn world_moment(
     task: &Task,
     clips: &[ActorClip],
     outcome: &TaskOutcome,
@@ -85,7 +88,7 @@ fn moment(
         let clip = &outcome.clips[i][when];
         let frame = ((time_s * clip.rate_hz).round() as usize).min(clip.num_frames() - 1);
         let skeleton = &clips[i].skeleton;
-        Figure::from_transforms(skeleton, &clip.joint_transforms(skeleton, frame))
+        BodyFigure::from_transforms(skeleton, &clip.joint_transforms(skeleton, frame))
     };
     let others = (0..outcome.clips.len()).filter(|i| *i != who).enumerate();
     let mut figures = vec![WorldFigure { figure: figure(who), colours: BodyColours::default() }];
@@ -95,36 +98,40 @@ fn moment(
     }));
     let paths = &outcome.scenery[when].paths;
     let solids = task.things.iter().zip(paths).enumerate().flat_map(|(i, (thing, path))| {
-        let at = path.at(time_s);
+        let at = path.place_at(time_s);
         thing.shapes.iter().map(move |s| (solid(s, &at), Colour::hex(TINTS[i % TINTS.len()])))
     });
-    let gazes = (0..outcome.clips.len()).filter(|_| when == 1).flat_map(|i| gaze(clips, outcome, i, time_s));
+    let gazes = (0..outcome.clips.len()).filter(|_| when == 1).flat_map(|i| gaze_solids(clips, outcome, i, time_s));
     let solids = solids.chain(gazes.map(|s| (s, Colour::hex(GAZE)))).collect();
     WorldMoment { time_s: time_s as f32, figures, framed: 1, solids }
 }
 
 /// Solids of a gaze: a line ahead of the face, as long as the distance to its target, and a ball at the target.
-fn gaze(clips: &[ActorClip], outcome: &TaskOutcome, who: usize, time_s: f64) -> Vec<Solid> {
-    let inside = |l: &&Looked| l.character == who && l.times_s[0] < time_s && time_s < l.times_s[2];
-    let Some(look) = outcome.looks.iter().find(inside) else { return Vec::new() };
+fn gaze_solids(clips: &[ActorClip], outcome: &TaskOutcome, who: usize, time_s: f64) -> Vec<UnitSolid> {
+    let inside = |l: &&TaskGaze| l.character == who && l.times_s[0] < time_s && time_s < l.times_s[2];
+    let Some(look) = outcome.gazes.iter().find(inside) else { return Vec::new() };
     let clip = &outcome.clips[who][1];
     let frame = ((time_s * clip.rate_hz).round() as usize).min(clip.num_frames() - 1);
     let (head, turn) = clip.joint_transforms(&clips[who].skeleton, frame)[Joint::Head.index()];
-    let at = look.at.as_vec3();
+    let at = look.target.as_vec3();
     let eyes = head + turn * EYES;
     let to = eyes + turn * Vec3::Z * eyes.distance(at);
-    vec![Solid::Bar { from: eyes, to, radius: 0.004 }, Solid::Bar { from: at, to: at, radius: 0.015 }]
+    vec![UnitSolid::Bar { from: eyes, to, radius: 0.004 }, UnitSolid::Bar { from: at, to: at, radius: 0.015 }]
 }
 
-fn solid(shape: &Shape, at: &Rigid) -> Solid {
+fn solid(shape: &SolidShape, at: &Rigid) -> UnitSolid {
     let turn: Quat = at.rotation.as_quat();
-    let point = |p: glam::DVec3| -> Vec3 { at.point(p).as_vec3() };
+    let point = |p: glam::DVec3| -> Vec3 { at.transform_point(p).as_vec3() };
     match shape {
-        Shape::Round { core, radius } => Solid::Bar { from: point(core.a), to: point(core.b), radius: *radius as f32 },
-        Shape::Cuboid { half } => Solid::Box { centre: at.position.as_vec3(), rotation: turn, half: half.as_vec3() },
-        Shape::Mesh(mesh) => {
+        SolidShape::Round { core, radius } => {
+            UnitSolid::Bar { from: point(core.a), to: point(core.b), radius: *radius as f32 }
+        }
+        SolidShape::Cuboid { half } => {
+            UnitSolid::Box { centre: at.position.as_vec3(), rotation: turn, half: half.as_vec3() }
+        }
+        SolidShape::Mesh(mesh) => {
             let placed = mesh.corners().iter().map(|t| t.map(|c| point(c.as_dvec3())));
-            Solid::Mesh(Triangles::new(placed.collect()))
+            UnitSolid::Mesh(Triangles::new(placed.collect()))
         }
     }
 }

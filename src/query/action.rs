@@ -1,6 +1,6 @@
 //! The action that a policy chooses.
 
-use crate::args::{Outcome, fail, parse_point};
+use crate::args::{CommandResult, fail, parse_point};
 use crate::{keys, output};
 use glam::Vec3;
 use schemars::JsonSchema;
@@ -11,7 +11,7 @@ use throng_runtime::policy::{BestActionJob, MAX_ACTIONS, TargetGrid};
 
 /// Ask a policy of a bundle for the action of a state and a target.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<Report>())]
+#[command(after_long_help = keys::json_keys::<ActionQueryReport>())]
 pub struct Args {
     /// Bundle.
     #[arg(value_name = "BUNDLE")]
@@ -20,17 +20,17 @@ pub struct Args {
     #[arg(long, default_value = "approach", value_name = "NAME")]
     behaviour: String,
     /// State of the motion graph.
-    #[arg(long, allow_negative_numbers = true, value_parser = limits::number::<u32>(&limits::STATE))]
+    #[arg(long, allow_negative_numbers = true, value_parser = limits::number_parser::<u32>(&limits::STATE))]
     state: u32,
     /// Target in the frame of the character, in metres: X to its left, Z ahead.
     #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = parse_point)]
     target: [f32; 2],
     /// Height of the target over the ground, in metres, for policies that need one, as for blows; by default the middle of
     /// the policy's range.
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = limits::number::<f32>(&limits::COORDINATE))]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = limits::number_parser::<f32>(&limits::COORDINATE))]
     height: Option<f32>,
     /// Time left until the blow lands, in seconds, for policies that need one, as for evading.
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number::<f32>(&limits::SECONDS))]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f32>(&limits::SECONDS))]
     time_left: Option<f32>,
     /// Print one JSON object.
     #[arg(long)]
@@ -38,7 +38,7 @@ pub struct Args {
 }
 
 #[derive(Serialize, JsonSchema)]
-struct Ranked {
+struct RankedAction {
     /// Index within the state's actions.
     action: usize,
     /// Score of the action.
@@ -46,7 +46,7 @@ struct Ranked {
 }
 
 #[derive(Serialize, JsonSchema)]
-struct Report {
+struct ActionQueryReport {
     /// Name of the behaviour.
     behaviour: String,
     /// State of the query.
@@ -70,18 +70,18 @@ struct Report {
     /// Stored best action of the nearest cell.
     single_load_action: u8,
     /// The best few actions, best first.
-    best: Vec<Ranked>,
+    best: Vec<RankedAction>,
 }
 
 /// Third coordinate of a policy's targets, beside the position on the ground.
 #[derive(Clone, Copy)]
-enum Third {
+enum ThirdCoordinate {
     Nothing,
     Height(f32),
     TimeLeft(f32),
 }
 
-impl Third {
+impl ThirdCoordinate {
     fn value(self) -> f32 {
         self.height_m().or(self.time_left_s()).unwrap_or(0.0)
     }
@@ -96,25 +96,25 @@ impl Third {
 }
 
 /// The third coordinate of the arguments, or the reason why it does not fit the policy.
-fn third(args: &Args, grid: &TargetGrid) -> Result<Third, String> {
+fn third_coordinate(args: &Args, grid: &TargetGrid) -> Result<ThirdCoordinate, String> {
     let record = grid.record();
     let [first, last] = [0.0, (record.num_heights - 1) as f32].map(|k| record.height_start + k * record.height_spacing);
     match (grid.is_space_time(), record.num_heights > 1) {
         (true, _) if args.height.is_some() => Err("it knows no height. Leave --height out".into()),
         (true, _) => args
             .time_left
-            .map(Third::TimeLeft)
+            .map(ThirdCoordinate::TimeLeft)
             .ok_or_else(|| format!("it is about a blow that lands soon. Add --time-left S, from {first} to {last:.2}")),
         (false, _) if args.time_left.is_some() => Err("it is not about a moment. Leave --time-left out".into()),
-        (false, true) => Ok(Third::Height(args.height.unwrap_or(0.5 * (first + last)))),
+        (false, true) => Ok(ThirdCoordinate::Height(args.height.unwrap_or(0.5 * (first + last)))),
         (false, false) if args.height.is_some() => Err("it knows no height. Leave --height out".into()),
-        (false, false) => Ok(Third::Nothing),
+        (false, false) => Ok(ThirdCoordinate::Nothing),
     }
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let state = args.state;
-    let tables = crate::args::open(&args.file)?;
+    let tables = crate::args::open_bundle(&args.file)?;
     let policy = match tables.policy(&args.behaviour) {
         Ok(policy) => policy.table().clone(),
         Err(e) => return fail(format!("{}: {e}", args.file.display())),
@@ -128,7 +128,7 @@ pub fn run(args: &Args) -> Outcome {
             num_states.saturating_sub(1)
         ));
     }
-    let third = match third(args, policy.grid()) {
+    let third = match third_coordinate(args, policy.grid()) {
         Ok(third) => third,
         Err(why) => return fail(format!("policy `{}` of {}: {why}", args.behaviour, args.file.display())),
     };
@@ -142,7 +142,7 @@ pub fn run(args: &Args) -> Outcome {
     let mut order: Vec<usize> = (0..n).collect();
     order.sort_by(|&a, &b| scores[b].total_cmp(&scores[a]).then(a.cmp(&b)));
     let segment = tables.graph().segments_of(state)[order[0]];
-    let report = Report {
+    let report = ActionQueryReport {
         behaviour: args.behaviour.clone(),
         state,
         target_m: args.target,
@@ -154,7 +154,7 @@ pub fn run(args: &Args) -> Outcome {
         segment,
         frames: tables.graph().segments[segment as usize].num_frames,
         single_load_action: single_load[0],
-        best: order.iter().take(4).map(|&a| Ranked { action: a, score: scores[a] }).collect(),
+        best: order.iter().take(4).map(|&a| RankedAction { action: a, score: scores[a] }).collect(),
     };
     if args.json {
         return output::json(&report);

@@ -1,14 +1,14 @@
 //! A path through a world.
 
-use crate::args::{CacheArgs, Outcome, fail, parse_point};
+use crate::args::{CacheArgs, CommandResult, fail, parse_point};
 use crate::{keys, output, stitch};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
 use throng_precompute::stitch::WorldSource;
-use throng_runtime::world::plan::{Planner, Target};
-use throng_runtime::world::{Node, Step, WorldGraph};
+use throng_runtime::world::plan::{PlanTarget, WorldPlanner};
+use throng_runtime::world::{WorldGraph, WorldNode, WorldStep};
 
 /// Most steps of a path: half an hour of walking.
 const MAX_STEPS: usize = 4096;
@@ -18,7 +18,7 @@ const NEAR_M: f32 = 3.0;
 
 /// Plan a path through a world, between the places nearest to two points.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<Report<'static>>())]
+#[command(after_long_help = keys::json_keys::<PathQueryReport<'static>>())]
 pub struct Args {
     /// World file (`.toml`), which is stitched if that has not been done.
     #[arg(value_name = "WORLD")]
@@ -38,7 +38,7 @@ pub struct Args {
 
 /// Printed report.
 #[derive(Serialize, JsonSchema)]
-struct Report<'a> {
+struct PathQueryReport<'a> {
     /// Name of the world.
     world: &'a str,
     /// Nearest place to the start where a character can stay (m).
@@ -62,13 +62,13 @@ struct Report<'a> {
 }
 
 /// Plans from the place nearest to one point to that nearest to another.
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let source = WorldSource::load(&args.file)?;
-    let tables = stitch::bundle(&source, &args.cache)?;
-    let world = stitch::open(&source, &args.file, &tables)?;
+    let tables = stitch::world_bundle(&source, &args.cache)?;
+    let world = stitch::open_world(&source, &args.file, &tables)?;
     let graph = world.graph();
     let ends = [("--from", args.from), ("--to", args.to)].map(|(key, [x, z])| {
-        let Some((node, away_m)) = nearest(graph, [x, z]) else {
+        let Some((node, away_m)) = nearest_rest_place(graph, [x, z]) else {
             return Err(format!("{}: there is no place in this world where a character can stay", args.file.display()));
         };
         let at = graph.place(node);
@@ -85,15 +85,15 @@ pub fn run(args: &Args) -> Outcome {
         [Ok(start), Ok(end)] => [start, end],
         [Err(why), _] | [_, Err(why)] => return fail(why),
     };
-    let mut planner = Planner::new(graph);
-    let mut steps = vec![Step::NONE; MAX_STEPS];
+    let mut planner = WorldPlanner::new(graph);
+    let mut steps = vec![WorldStep::NONE; MAX_STEPS];
     let begin = Instant::now();
-    let Some(plan) = planner.plan(graph, start, Target::Node(end), &mut steps) else {
+    let Some(plan) = planner.plan(graph, start, PlanTarget::Node(end), &mut steps) else {
         return fail(format!("{}: no way leads from {:?} to {:?}", args.file.display(), args.from, args.to));
     };
     let seconds = begin.elapsed().as_secs_f64();
-    let at = |node: Node| graph.place(node).translation().to_array();
-    let report = Report {
+    let at = |node: WorldNode| graph.place(node).translation().to_array();
+    let report = PathQueryReport {
         world: &source.name,
         from_m: at(start),
         to_m: at(end),
@@ -109,8 +109,8 @@ pub fn run(args: &Args) -> Outcome {
 }
 
 /// Nearest place to a point of the ground plane where a character can stay, and its distance (m).
-fn nearest(graph: &WorldGraph, [x, z]: [f32; 2]) -> Option<(Node, f32)> {
-    let away = |n: Node| {
+fn nearest_rest_place(graph: &WorldGraph, [x, z]: [f32; 2]) -> Option<(WorldNode, f32)> {
+    let away = |n: WorldNode| {
         let p = graph.place(n);
         (n, (p.x - x).hypot(p.z - z))
     };
@@ -118,7 +118,7 @@ fn nearest(graph: &WorldGraph, [x, z]: [f32; 2]) -> Option<(Node, f32)> {
     all.map(away).min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-fn print(r: &Report<'_>) -> Outcome {
+fn print(r: &PathQueryReport<'_>) -> CommandResult {
     let place = |p: [f32; 3]| format!("{:.1}, {:.1}, {:.1}", p[0], p[1], p[2]);
     output::table(&[
         ("path", format!("from ({}) to ({}) in {}", place(r.from_m), place(r.to_m), r.world)),

@@ -7,17 +7,17 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::OnceLock;
 use throng_precompute::examples::{self, BlendSpaces};
-use throng_precompute::graph::MotionGraph;
+use throng_precompute::graph::RawMotionGraph;
 use throng_precompute::inspect::BundleReport;
 use throng_precompute::progress::Silent;
-use throng_precompute::stops::Stops;
-use throng_precompute::write::{self, Baked};
+use throng_precompute::stops::StopRows;
+use throng_precompute::write::{self, BundleInputs};
 use throng_runtime::blend::{BlendRecord, ChannelRow, ExampleRecord, ReferenceRow, channel};
 use throng_runtime::bundle::tags;
-use throng_runtime::format::{AlignedBytes, Meta, Tag};
+use throng_runtime::format::{AlignedBytes, Meta, SectionTag};
 use throng_runtime::simulation::Scene;
 use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Bundle, Cast, Id, Inline};
+use throng_runtime::{Bundle, CharacterGroup, Id, Inline};
 
 fn spaces() -> BlendSpaces {
     let line = "axes = [{ kind = 'speed', range = [0.0, 2.0] }]\nexamples = [{ clip = 'slow' }, { clip = 'fast' }]\nphases = 8";
@@ -32,12 +32,12 @@ fn bundle() -> &'static [u8] {
 }
 
 fn bundle_of(spaces: &BlendSpaces) -> Vec<u8> {
-    let (clips, graph) = (set(six()), MotionGraph::default());
+    let (clips, graph) = (set(six()), RawMotionGraph::default());
     let meta = Meta { rate_hz: 60.0, ..Meta::default() };
-    let baked = Baked {
+    let baked = BundleInputs {
         clips: &clips,
         graph: &graph,
-        stops: &Stops::default(),
+        stops: &StopRows::default(),
         policies: &[],
         groups: None,
         patches: None,
@@ -125,7 +125,7 @@ fn the_same_clips_give_the_same_spaces_at_any_number_of_threads() {
     assert_eq!(on(1), on(8));
 }
 
-fn refuses(tag: Option<Tag>, changes: &[Change<'_>]) {
+fn refuses(tag: Option<SectionTag>, changes: &[Change<'_>]) {
     crate::parts::refuses(bundle(), tag, changes);
 }
 

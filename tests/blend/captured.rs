@@ -9,7 +9,7 @@ use throng_precompute::config::BuildConfig;
 use throng_precompute::slip::{Feet, SlipMeter, Soles};
 use throng_runtime::blend::{BlendSpace, ExampleRecord, axis};
 use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Bundle, Cast, Inline};
+use throng_runtime::{Bundle, CharacterGroup, Inline};
 
 const DT_S: f32 = 1.0 / 60.0;
 
@@ -22,7 +22,7 @@ fn built(config: &str, folder_of_set: &str) -> Option<Bundle> {
     config.inputs = config.inputs.iter().map(of_file).collect();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("captured.throng");
-    build(&config, &out, &Cache::none());
+    build(&config, &out, &Cache::disabled());
     Some(Bundle::open(&out).expect("the bundle opens"))
 }
 

@@ -3,7 +3,7 @@
 use glam::{Quat, Vec2, Vec3};
 use std::collections::BTreeMap;
 use std::f32::consts::TAU;
-use throng_precompute::clip::Tag;
+use throng_precompute::clip::ClipTag;
 use throng_precompute::error::BuildError;
 use throng_precompute::examples::{self, BlendConfig, BlendSpaces};
 use throng_precompute::progress::Silent;
@@ -94,7 +94,7 @@ impl Puppet {
         let frames = (self.seconds * RATE_HZ) as usize;
         let mut clip = Clip {
             source: "made up".into(),
-            tags: vec![Tag { name: "steady".into(), range: 0..frames }],
+            tags: vec![ClipTag { name: "steady".into(), range: 0..frames }],
             ..Clip::new(self.name, f64::from(RATE_HZ), Vec::new(), Vec::new())
         };
         for f in 0..frames {

@@ -3,12 +3,12 @@
 use crate::made_up::{Puppet, RATE_HZ, SIX, config, fit, six};
 use glam::{Quat, Vec3};
 use throng_precompute::clip::joint_transforms;
-use throng_precompute::examples::BlendSpace;
+use throng_precompute::examples::RawBlendSpace;
 use throng_precompute::examples::average::{exponential, reference};
 use throng_runtime::blend::{ChannelRow, channel};
 use throng_runtime::{Joint, NUM_JOINTS, Skeleton};
 
-fn space() -> BlendSpace {
+fn space() -> RawBlendSpace {
     fit(six(), &config(SIX)).expect("a space").spaces.remove(0)
 }
 
@@ -23,12 +23,12 @@ fn puppet(number: usize) -> Puppet {
     }
 }
 
-fn row(space: &BlendSpace, phase: usize, example: usize) -> &ChannelRow {
+fn row(space: &RawBlendSpace, phase: usize, example: usize) -> &ChannelRow {
     &space.channels[phase * space.examples.len() + example]
 }
 
 /// Rotations of an example at a phase, put together again as a step does.
-fn rotations(space: &BlendSpace, phase: usize, example: usize) -> [Quat; NUM_JOINTS] {
+fn rotations(space: &RawBlendSpace, phase: usize, example: usize) -> [Quat; NUM_JOINTS] {
     let (reference, v) = (&space.references[phase], &row(space, phase, example).values);
     std::array::from_fn(|j| {
         let log = Vec3::from_array(channel::LOG.map(|at| v[at + j]));
@@ -41,7 +41,7 @@ fn vector(row: &ChannelRow, at: usize) -> Vec3 {
 }
 
 /// Time of the puppet at a phase: strikes lie halfway between frames.
-fn time(space: &BlendSpace, example: usize, phase: usize) -> f32 {
+fn time(space: &RawBlendSpace, example: usize, phase: usize) -> f32 {
     let e = &space.examples[example];
     (e.first_frame as f32 - 0.5) / RATE_HZ + e.duration_s * phase as f32 / space.references.len() as f32
 }

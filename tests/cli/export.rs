@@ -65,7 +65,7 @@ fn ran(scene: &str, times: impl Iterator<Item = usize>) -> Vec<Vec<Option<Pose>>
 fn read(file: &str) -> Vec<Vec<Pose>> {
     let config = ImportConfig { metres_per_unit: None, ..ImportConfig::default() };
     let clips = read_clips(Path::new(file), &config).unwrap_or_else(|e| panic!("{e}"));
-    let pose = |clip: &throng_precompute::import::Imported, frame: usize| {
+    let pose = |clip: &throng_precompute::import::ImportedClip, frame: usize| {
         let world = clip.clip.world(frame);
         Joint::ALL.map(|j| world[clip.roles.get(j).expect("every role")].0)
     };

@@ -13,15 +13,15 @@ use throng_precompute::policy::GridConfig;
 use throng_precompute::progress::Silent;
 use throng_precompute::report::BuildReport;
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
-use throng_runtime::characters::{CharactersConfig, Choice, Order, Spawn, Start};
+use throng_runtime::characters::{ActionChoice, CharacterStart, CharactersConfig, PolicyOrder, Spawn};
 use throng_runtime::format::AlignedBytes;
 use throng_runtime::sparring::{Sparring, SparringConfig};
-use throng_runtime::{Bundle, Cast, Planar, Result};
+use throng_runtime::{Bundle, CharacterGroup, Planar, Result};
 
 /// Writes synthetic clips of a total length into a folder (min).
 pub fn write_clips(folder: &Path, minutes: f64) {
     let config = SynthConfig { minutes, clip_seconds: 15.0, ..SynthConfig::default() };
-    synth::write(SynthSet::Walk, &config, folder).expect("synthetic clips can be written");
+    synth::write_set(SynthSet::Walk, &config, folder).expect("synthetic clips can be written");
 }
 
 /// A build with a target grid so small that it takes no time.
@@ -44,7 +44,7 @@ pub fn bundle() -> &'static [u8] {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let (clips, out) = (folder.path().join("clips"), folder.path().join("small.throng"));
         write_clips(&clips, 1.0);
-        build(&small_config(vec![clips]), &out, &Cache::none());
+        build(&small_config(vec![clips]), &out, &Cache::disabled());
         Bundle::open(&out).expect("what was built opens");
         std::fs::read(&out).expect("what was built can be read")
     })
@@ -63,11 +63,11 @@ pub fn boxing_bytes() -> &'static [u8] {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let (clips, out) = (folder.path().join("clips"), folder.path().join("boxing.throng"));
         let config = SynthConfig { minutes: 0.5, clip_seconds: 15.0, ..SynthConfig::for_set(SynthSet::Boxing) };
-        synth::write(SynthSet::Boxing, &config, &clips).expect("synthetic clips can be written");
+        synth::write_set(SynthSet::Boxing, &config, &clips).expect("synthetic clips can be written");
         let mut config = BuildConfig::parse(BOXING, Path::new("boxing.toml")).expect("a config");
         config.inputs = vec![clips];
         config.policy.compare_samples = 100;
-        build(&config, &out, &Cache::none());
+        build(&config, &out, &Cache::disabled());
         std::fs::read(&out).expect("what was built can be read")
     })
 }
@@ -83,12 +83,12 @@ const BOXING: &str =
 /// Pairs of [`boxing_tables`], each boxer weighing all behaviours.
 pub fn sparring(tables: &Bundle, n: usize) -> Result<Sparring> {
     let characters =
-        CharactersConfig { choice: Choice::LookAhead { temperature: 0.01 }, ..CharactersConfig::default() };
+        CharactersConfig { choice: ActionChoice::LookAhead { temperature: 0.01 }, ..CharactersConfig::default() };
     let mut sparring = Sparring::with_capacity(tables, n, SparringConfig { characters, ..SparringConfig::default() })?;
     for pair in pairs(tables, n) {
         let first = sparring.spawn(pair)?;
         for id in [first, sparring.opponent(first)?] {
-            sparring.order(id, Order::IDLE.and(0, 1.0).and(1, 2.0).and(2, 1.0))?;
+            sparring.order(id, PolicyOrder::IDLE.with_policy(0, 1.0).with_policy(1, 2.0).with_policy(2, 1.0))?;
         }
     }
     Ok(sparring)
@@ -107,9 +107,9 @@ pub fn pairs(tables: &Bundle, n: usize) -> Vec<[Spawn; 2]> {
 }
 
 /// Characters on a line, facing all around, in all kinds of states.
-pub fn starts(tables: &Bundle, n: usize) -> Vec<Start> {
+pub fn starts(tables: &Bundle, n: usize) -> Vec<CharacterStart> {
     let states = tables.graph().states.len();
-    let start = |i: usize| Start {
+    let start = |i: usize| CharacterStart {
         root: Planar::new(1.5 * i as f32, 0.5 * (i % 3) as f32, 0.7 * i as f32),
         state: (i * 37 % states) as u32,
     };
@@ -117,7 +117,7 @@ pub fn starts(tables: &Bundle, n: usize) -> Vec<Start> {
 }
 
 /// An order for each of [`starts`], to a place some metres away.
-pub fn orders(n: usize) -> Vec<Order> {
+pub fn orders(n: usize) -> Vec<PolicyOrder> {
     let target = |i: f32| Vec3::new(1.5 * i + 3.0 * i.sin(), 0.0, 4.0 * i.cos());
-    (0..n).map(|i| Order::aim(0, target(i as f32))).collect()
+    (0..n).map(|i| PolicyOrder::towards(0, target(i as f32))).collect()
 }

@@ -4,7 +4,7 @@ mod runs;
 mod starts;
 
 use std::path::Path;
-use throng_precompute::run::own_scene;
+use throng_precompute::run::built_in_scene;
 use throng_runtime::simulation::{CompiledScene, Scene};
 
 /// A scene from its text.
@@ -15,5 +15,5 @@ fn scene(text: &str) -> CompiledScene {
 
 /// One of the project's own scenes with so many agents.
 fn own(name: &str, agents: usize) -> Scene {
-    own_scene(name).expect("it can be read").expect("it is there").resized(agents)
+    built_in_scene(name).expect("it can be read").expect("it is there").resized(agents)
 }

@@ -2,12 +2,12 @@
 
 use super::{own, scene};
 use glam::Vec2;
-use throng_precompute::run::{Figures, RunConfig, run, run_agents};
+use throng_precompute::run::{SceneFigures, SceneRunConfig, run, run_agents};
 use throng_runtime::Inline;
 use throng_runtime::simulation::Scene;
-use throng_runtime::simulation::agents::Agents;
+use throng_runtime::simulation::agents::SceneAgents;
 
-fn agents(scene: &Scene, seconds: f64, threads: usize) -> Figures {
+fn agents(scene: &Scene, seconds: f64, threads: usize) -> SceneFigures {
     run_agents(&scene.open().expect("it names no files"), Some(seconds), threads).expect("it runs")
 }
 
@@ -37,7 +37,7 @@ fn ways_around_walls_are_walked_without_touching_them() {
         wall([3.0, 4.0], [0.0, -1.0], 0.0),
         wall([5.0, 5.0], [5.0, 5.0], 1.0),
     ];
-    let mut live = Agents::<Vec2>::new(&scene(text)).expect("a crowd");
+    let mut live = SceneAgents::<Vec2>::new(&scene(text)).expect("a crowd");
     let mut nearest = f32::INFINITY;
     for step in 0..=1800 {
         let t = f64::from(step) / 30.0;
@@ -49,7 +49,7 @@ fn ways_around_walls_are_walked_without_touching_them() {
     }
     assert!(nearest > 0.299, "{nearest} m from a wall with a radius of 0.3 m");
     for m in 0..4 {
-        let way = &live.layout().ways[m];
+        let way = &live.layout().paths[m];
         assert!(way.len() > 4, "it has to go around: {way:?}");
         let left = live.position(m, 60.0).expect("it is there").distance(way[way.len() - 1]);
         assert!(left < 0.6, "agent {m} is {left} m from its goal");
@@ -66,9 +66,9 @@ fn nobody_overlaps_and_two_runs_end_alike_however_they_are_looked_at() {
         assert_eq!(figures.agents, Some(60));
         assert!(crowd.max_overlap_m < 1e-3 && crowd.overlap_over_1mm_fraction == 0.0, "{name}: {crowd:?}");
         assert!(crowd.progress_mps > 0.3 * crowd.desired_mps, "{name}: {crowd:?}");
-        let hash = |figures: Figures| figures.crowd.and_then(|c| c.state_hash);
+        let hash = |figures: SceneFigures| figures.crowd.and_then(|c| c.state_hash);
         assert_eq!(crowd.state_hash, hash(agents(&scene, 8.0, 3)), "{name}, three threads");
-        let config = RunConfig { seconds: Some(8.0), ..RunConfig::default() };
+        let config = SceneRunConfig { seconds: Some(8.0), ..SceneRunConfig::default() };
         let (whole, _, _) = run(&scene.open().expect("no files"), &config).expect("it runs");
         assert_eq!(crowd.state_hash, hash(whole.total), "{name}, as a simulation");
         let mut other = scene;
@@ -79,7 +79,7 @@ fn nobody_overlaps_and_two_runs_end_alike_however_they_are_looked_at() {
 
 #[test]
 fn people_leave_through_a_gap_and_their_flow_is_measured() {
-    let config = RunConfig { seconds: Some(60.0), recorded: true, ..RunConfig::default() };
+    let config = SceneRunConfig { seconds: Some(60.0), recorded: true, ..SceneRunConfig::default() };
     let (report, record, _) = run(&own("bottleneck", 60).open().expect("no files"), &config).expect("it runs");
     let crowd = report.total.crowd.expect("agents");
     let flow = crowd.flow.expect("the scene has a gate");
@@ -106,7 +106,7 @@ fn those_who_stand_give_way_to_an_obstacle_on_its_way() {
     let text = "[[groups]]\nmotion = \"none\"\ncount = 12\nplace = { block = { from = [-4.0, -4.0], to = [4.0, 4.0] } }\n\
         goal = { stay = {} }\n\n[[environment.obstacles]]\n\
         mover = { radius_m = 0.5, way = [{ time_s = 0.0, at = [-12.0, 0.3] }, { time_s = 24.0, at = [12.0, 0.3] }] }\n";
-    let mut live = Agents::<Vec2>::new(&scene(text)).expect("a crowd");
+    let mut live = SceneAgents::<Vec2>::new(&scene(text)).expect("a crowd");
     let mut nearest = f32::INFINITY;
     for step in 0..=720 {
         let t = f64::from(step) / 30.0;

@@ -1,7 +1,7 @@
 //! What cannot be is told with the agents, the goal or the obstacle that it is about, and the way out.
 
 use super::scene;
-use throng_precompute::run::{RunConfig, run};
+use throng_precompute::run::{SceneRunConfig, run};
 use throng_runtime::simulation::Simulation;
 
 /// The message of a scene that cannot be run.
@@ -80,7 +80,7 @@ fn faults_of_the_field_name_its_line_and_key() {
 fn times_out_of_range_are_refused() {
     let text = group(3, PLACE, "{ stay = {} }");
     for seconds in [0.0, -1.0, f64::NAN, 1e9] {
-        let config = RunConfig { seconds: Some(seconds), ..RunConfig::default() };
+        let config = SceneRunConfig { seconds: Some(seconds), ..SceneRunConfig::default() };
         assert!(run(&scene(&text), &config).is_err(), "{seconds}");
     }
 }

@@ -5,8 +5,8 @@ use crate::common::{bundle, orders, starts};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use throng_runtime::Bundle;
-use throng_runtime::characters::{Characters, CharactersConfig, Choice, MotionSet};
-use throng_runtime::format::Section;
+use throng_runtime::characters::{ActionChoice, Characters, CharactersConfig, MotionSet};
+use throng_runtime::format::SectionEntry;
 use throng_runtime::policy::MAX_ACTIONS;
 
 /// Characters of a step.
@@ -16,7 +16,7 @@ const N: usize = 8;
 fn stays_steppable(tables: &Bundle, what: &str) {
     let motion_set = MotionSet::new(tables);
     let (starts, orders) = (starts(tables, N), orders(N));
-    for choice in [Choice::LookAhead { temperature: 0.1 }, Choice::BestAction] {
+    for choice in [ActionChoice::LookAhead { temperature: 0.1 }, ActionChoice::BestAction] {
         let config = CharactersConfig { choice, local_transforms: true, ..CharactersConfig::default() };
         let mut characters = Characters::new(&motion_set, config, &starts).expect("states exist");
         for step in 0..15 {
@@ -43,7 +43,7 @@ fn the_whole_bundle_is_steppable() {
 }
 
 /// Changes one to four neighbouring bytes of a section.
-fn damage(bytes: &mut [u8], section: &Section, rng: &mut impl Rng) -> usize {
+fn damage(bytes: &mut [u8], section: &SectionEntry, rng: &mut impl Rng) -> usize {
     let range = section.range(bytes.len() as u64).expect("a section of a whole bundle");
     let at = rng.random_range(range.clone());
     let run = if rng.random_bool(0.5) { 1 } else { 4 };
@@ -62,7 +62,7 @@ fn damage(bytes: &mut [u8], section: &Section, rng: &mut impl Rng) -> usize {
 fn damaged_content_is_refused_or_stays_steppable() {
     let mut rng = Pcg64Mcg::seed_from_u64(3);
     // This bundle has no hits and no adaptive policy, whose sections are empty.
-    let rows: Vec<Section> = Frame::of(bundle()).rows.into_iter().filter(|row| row.count > 0).collect();
+    let rows: Vec<SectionEntry> = Frame::of(bundle()).rows.into_iter().filter(|row| row.count > 0).collect();
     let (mut refused, mut opened) = (0, 0);
     for round in 0..300 {
         let mut bytes = bundle().to_vec();

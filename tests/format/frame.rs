@@ -4,7 +4,7 @@ use super::patch::{Frame, Parts, open, open_unverified, refusal};
 use crate::common::bundle;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use throng_runtime::format::{FormatError, Header, Section, VERSION};
+use throng_runtime::format::{FileHeader, FormatError, SectionEntry, VERSION};
 use throng_runtime::{Bundle, bundle::tags};
 
 #[test]
@@ -16,7 +16,7 @@ fn the_writer_lays_bundles_out_as_the_format_says() {
 
 /// Where sections begin and end.
 fn borders() -> Vec<usize> {
-    let ends = |s: &Section| {
+    let ends = |s: &SectionEntry| {
         let r = s.range(bundle().len() as u64).expect("a section of a whole bundle");
         [r.start, r.end]
     };
@@ -149,7 +149,7 @@ fn other_versions_are_refused_with_what_to_run() {
 type Change = (&'static str, fn(&mut Frame), fn(&FormatError) -> bool);
 
 /// The last row of the section table.
-fn last(frame: &mut Frame) -> &mut Section {
+fn last(frame: &mut Frame) -> &mut SectionEntry {
     frame.rows.last_mut().expect("a bundle has sections")
 }
 
@@ -241,7 +241,7 @@ fn wrong_checksums_are_refused_unless_they_are_not_wanted() {
         let mut bytes = bundle().to_vec();
         // The row's crc32, with table and header made right by hand: sealing would mend it.
         bytes[64 + 32 * i + 24] ^= 1;
-        let mut header: Header = bytemuck::pod_read_unaligned(&bytes[..64]);
+        let mut header: FileHeader = bytemuck::pod_read_unaligned(&bytes[..64]);
         header.table_crc32 = throng_runtime::format::crc32(&bytes[64..][..32 * header.num_sections as usize]);
         header.header_crc32 = header.checksum();
         bytes[..64].copy_from_slice(bytemuck::bytes_of(&header));

@@ -6,21 +6,21 @@ use std::io::Write;
 use throng_runtime::base::Hash128;
 use throng_runtime::characters::{CharactersConfig, PolicyCharacters, Spawn};
 use throng_runtime::format::FormatError;
-use throng_runtime::{Bundle, Cast, Inline, Planar};
+use throng_runtime::{Bundle, CharacterGroup, Inline, Planar};
 
 /// Poses and values that come from every part of the tables.
 fn use_it(tables: &Bundle) -> (u128, u128, u64) {
     let mut values = Hash128::default();
     for frame in tables.frames().iter() {
-        frame.planar.iter().for_each(|v| values.bytes(&v.to_le_bytes()));
+        frame.planar.iter().for_each(|v| values.add_bytes(&v.to_le_bytes()));
     }
     let policy = &tables.policies()[0];
     for state in 0..tables.graph().states.len() as u32 {
-        values.bytes(&policy.value(state, throng_runtime::glam::Vec3::new(1.0, 0.0, 2.0)).to_le_bytes());
+        values.add_bytes(&policy.value(state, throng_runtime::glam::Vec3::new(1.0, 0.0, 2.0)).to_le_bytes());
     }
     let mut cast = PolicyCharacters::with_capacity(tables, 4, CharactersConfig::default()).expect("characters");
     for i in 0..4 {
-        cast.spawn(Spawn::standing(Planar::new(i as f32, 0.0, 0.0))).expect("a place");
+        cast.spawn(Spawn::standing_at(Planar::new(i as f32, 0.0, 0.0))).expect("a place");
     }
     (0..200).for_each(|_| cast.step(1.0 / 60.0, &Inline).expect("a step"));
     (tables.hash(), values.finish(), cast.hash())

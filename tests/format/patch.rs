@@ -2,19 +2,21 @@
 //! and not the one before it.
 
 use bytemuck::Pod;
-use throng_runtime::format::{ALIGN, AlignedBytes, FormatError, Header, Meta, Section, Tag, VERSION, crc32};
+use throng_runtime::format::{
+    ALIGN, AlignedBytes, FileHeader, FormatError, Meta, SectionEntry, SectionTag, VERSION, crc32,
+};
 use throng_runtime::{Bundle, bundle::tags};
 
 /// The sections of a bundle, to be changed in content and length.
 #[derive(Clone)]
 pub struct Parts {
-    sections: Vec<(Tag, u32, Vec<u8>)>,
+    sections: Vec<(SectionTag, u32, Vec<u8>)>,
 }
 
 impl Parts {
     /// Takes a whole bundle apart.
     pub fn of(bytes: &[u8]) -> Self {
-        let part = |s: &Section| {
+        let part = |s: &SectionEntry| {
             let range = s.range(bytes.len() as u64).expect("a section of a whole bundle");
             (s.tag, s.elem_size, bytes[range].to_vec())
         };
@@ -22,7 +24,7 @@ impl Parts {
     }
 
     /// Changes the records of a section.
-    pub fn edit<T: Pod>(&mut self, tag: Tag, change: impl FnOnce(&mut Vec<T>)) {
+    pub fn edit<T: Pod>(&mut self, tag: SectionTag, change: impl FnOnce(&mut Vec<T>)) {
         let (_, elem_size, bytes) =
             self.sections.iter_mut().find(|(t, ..)| *t == tag).expect("the bundle has the section");
         assert_eq!(*elem_size as usize, size_of::<T>(), "{tag} holds other records");
@@ -42,11 +44,11 @@ impl Parts {
 
     /// Puts the sections together as the format says, independently of the writer.
     pub fn join(&self) -> Vec<u8> {
-        let mut out = vec![0; size_of::<Header>() + self.sections.len() * size_of::<Section>()];
+        let mut out = vec![0; size_of::<FileHeader>() + self.sections.len() * size_of::<SectionEntry>()];
         let mut rows = Vec::new();
         for (tag, elem_size, bytes) in &self.sections {
             out.resize(out.len().next_multiple_of(ALIGN as usize), 0);
-            rows.push(Section {
+            rows.push(SectionEntry {
                 tag: *tag,
                 elem_size: *elem_size,
                 offset: out.len() as u64,
@@ -56,7 +58,7 @@ impl Parts {
             });
             out.extend_from_slice(bytes);
         }
-        let header = Header {
+        let header = FileHeader {
             magic: *b"\x89THRONG\n",
             version: VERSION,
             num_sections: rows.len() as u32,
@@ -72,8 +74,8 @@ impl Parts {
 /// Header and section table of a bundle, to be changed.
 #[derive(Clone)]
 pub struct Frame {
-    pub header: Header,
-    pub rows: Vec<Section>,
+    pub header: FileHeader,
+    pub rows: Vec<SectionEntry>,
     /// The whole file; header and table are written over by [`Frame::seal`].
     pub bytes: Vec<u8>,
 }
@@ -81,7 +83,7 @@ pub struct Frame {
 impl Frame {
     /// Header and table of a whole bundle.
     pub fn of(bytes: &[u8]) -> Self {
-        let header: Header = bytemuck::pod_read_unaligned(&bytes[..64]);
+        let header: FileHeader = bytemuck::pod_read_unaligned(&bytes[..64]);
         let table = &bytes[64..][..header.num_sections as usize * 32];
         Self { header, rows: table.chunks(32).map(bytemuck::pod_read_unaligned).collect(), bytes: bytes.to_vec() }
     }
@@ -126,7 +128,7 @@ pub type Change<'a> = (&'a str, &'a dyn Fn(&mut Parts));
 
 /// Every change of a whole bundle is refused by an error of that section; with `None`, by one of the layout.
 #[allow(dead_code, reason = "not every test that has this file asks why")]
-pub fn refuses(whole: &[u8], tag: Option<Tag>, changes: &[Change<'_>]) {
+pub fn refuses(whole: &[u8], tag: Option<SectionTag>, changes: &[Change<'_>]) {
     for (what, change) in changes {
         let mut parts = Parts::of(whole);
         change(&mut parts);

@@ -3,13 +3,13 @@
 use super::patch::{Change, Parts};
 use crate::common::{bundle, tables};
 use throng_runtime::bundle::tags;
-use throng_runtime::format::{AlignedBytes, ClipRecord, FrameRow, JointCode, RotationCode, SkeletonRecord, Tag};
+use throng_runtime::format::{AlignedBytes, ClipRecord, FrameRow, JointCode, RotationCode, SectionTag, SkeletonRecord};
 use throng_runtime::graph::{MotionSegment, StateRecord};
 use throng_runtime::policy::{NO_ACTION, PolicyRecord, SegmentRecord, StateGridRecord};
 use throng_runtime::stops::SweepNode;
 use throng_runtime::{Bundle, Contacts};
 
-fn refuses(tag: Option<Tag>, changes: &[Change<'_>]) {
+fn refuses(tag: Option<SectionTag>, changes: &[Change<'_>]) {
     super::patch::refuses(bundle(), tag, changes);
 }
 
@@ -333,7 +333,7 @@ fn state_grids_tile_the_values() {
     let (from, to) = (tables(), opened);
     assert_eq!(from.policies()[0].values_of(3), to.policies()[0].values_of(3));
     let grids = |p: &mut Parts, f: &dyn Fn(&mut Vec<StateGridRecord>)| p.edit(tags::POLICY_STATE_GRIDS, f);
-    let changes: [(Option<Tag>, Change<'_>); 10] = [
+    let changes: [(Option<SectionTag>, Change<'_>); 10] = [
         (Some(tags::POLICIES), ("a ring less", &|p| grids(p, &|g| g[0].counts[0] -= 1))),
         (Some(tags::POLICIES), ("an angle more", &|p| grids(p, &|g| g[1].counts[1] += 1))),
         (Some(tags::POLICIES), ("no height", &|p| grids(p, &|g| g[1].counts[2] = 0))),

@@ -6,7 +6,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use std::path::{Path, PathBuf};
 use throng_precompute::ImportError;
 use throng_precompute::import::profile::{Profile, load_profiles};
-use throng_precompute::import::{Forward, ImportConfig, Imported, RestPoseKind, UpAxis, bvh, interpret, read};
+use throng_precompute::import::{Forward, ImportConfig, ImportedClip, RestPoseKind, UpAxis, bvh, interpret, read};
 use throng_precompute::inspect::inspect;
 use throng_precompute::progress::Silent;
 use throng_runtime::Joint;
@@ -15,11 +15,11 @@ fn same(name: &str) -> String {
     name.to_owned()
 }
 
-fn import_with(text: &str, config: &ImportConfig, profiles: &[Profile]) -> Result<Imported, ImportError> {
+fn import_with(text: &str, config: &ImportConfig, profiles: &[Profile]) -> Result<ImportedClip, ImportError> {
     interpret(bvh::parse(text.as_bytes(), Path::new("a.bvh"))?, config, profiles)
 }
 
-fn import(text: &str, config: &ImportConfig) -> Imported {
+fn import(text: &str, config: &ImportConfig) -> ImportedClip {
     import_with(text, config, &load_profiles(&[]).unwrap()).unwrap()
 }
 
@@ -27,7 +27,7 @@ fn to_z_up(v: Vec3) -> Vec3 {
     Vec3::new(v.x, -v.z, v.y)
 }
 
-fn position(i: &Imported, role: Joint) -> Vec3 {
+fn position(i: &ImportedClip, role: Joint) -> Vec3 {
     i.clip.world(0)[i.roles.get(role).unwrap()].0
 }
 
@@ -131,7 +131,7 @@ fn along_x() -> String {
         }
     }
     let mut text = Vec::new();
-    throng_precompute::export::bvh::write(&clip, &mut text).unwrap();
+    throng_precompute::export::bvh::write_clip(&clip, &mut text).unwrap();
     String::from_utf8(text).unwrap()
 }
 

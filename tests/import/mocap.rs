@@ -1,12 +1,12 @@
 //! Real motion capture reads as bodies of plausible size on plausible ground. Skipped where it is not at hand.
 
 use super::recordings::recording;
-use throng_precompute::import::{ImportConfig, Imported, RestPoseKind, read};
+use throng_precompute::import::{ImportConfig, ImportedClip, RestPoseKind, read};
 use throng_precompute::progress::Silent;
 use throng_runtime::Joint;
 
 /// The clips of a folder of the recordings.
-fn clips(folder: &str) -> Option<Vec<Imported>> {
+fn clips(folder: &str) -> Option<Vec<ImportedClip>> {
     let folder = recording(folder)?;
     let set = read(&[folder], &ImportConfig { strict: true, ..ImportConfig::default() }, &Silent).unwrap();
     assert!(set.skipped.is_empty());
@@ -14,7 +14,7 @@ fn clips(folder: &str) -> Option<Vec<Imported>> {
 }
 
 /// Height of the lowest foot or toe joint in each of up to 200 frames, ascending.
-fn foot_heights(i: &Imported) -> Vec<f32> {
+fn foot_heights(i: &ImportedClip) -> Vec<f32> {
     use Joint::*;
     let feet: Vec<_> = [LeftFoot, LeftToe, RightFoot, RightToe].into_iter().filter_map(|r| i.roles.get(r)).collect();
     let step = i.clip.num_frames.div_ceil(200);

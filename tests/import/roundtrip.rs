@@ -53,7 +53,7 @@ proptest! {
     #[test]
     fn bvh_written_and_read_keeps_every_position(clip in clip()) {
         let mut text = Vec::new();
-        export::bvh::write(&clip, &mut text).unwrap();
+        export::bvh::write_clip(&clip, &mut text).unwrap();
         let back = bvh::parse(&text, Path::new("back.bvh")).unwrap().clip;
         prop_assert_eq!(back.num_frames, clip.num_frames);
         prop_assert!((back.rate_hz - clip.rate_hz).abs() < 1e-6 * clip.rate_hz);
@@ -72,7 +72,7 @@ proptest! {
 fn written_bvh_is_in_centimetres_with_channels_only_where_something_moves() {
     let source = super::formats::parse_bvh(super::formats::BVH).clip;
     let mut text = Vec::new();
-    export::bvh::write(&source, &mut text).unwrap();
+    export::bvh::write_clip(&source, &mut text).unwrap();
     let text = String::from_utf8(text).unwrap();
     assert!(text.contains("OFFSET 0.000000 -500.000000 0.000000"), "{text}");
     assert_eq!(text.matches("CHANNELS 6").count(), 1);

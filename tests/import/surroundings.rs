@@ -5,7 +5,7 @@ use super::recordings::recording;
 use std::path::Path;
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
-use throng_precompute::environment::{Inferred, PlacedGeometry, infer};
+use throng_precompute::environment::{InferredEnvironment, PlacedGeometry, infer_environment};
 use throng_precompute::import::{ImportConfig, read};
 use throng_precompute::progress::Silent;
 use throng_precompute::resample::ResampleConfig;
@@ -18,7 +18,7 @@ const NEAR: f32 = 0.08;
 /// The clip as a build has it before it knows of any surroundings.
 fn clips(file: &Path) -> ClipSet {
     let raw = read(&[file.to_path_buf()], &ImportConfig { strict: true, ..ImportConfig::default() }, &Silent).unwrap();
-    let clips = retarget::onto(&raw.clips, &Default::default(), &mut Warnings::default()).unwrap();
+    let clips = retarget::retarget_clips(&raw.clips, &Default::default(), &mut Warnings::default()).unwrap();
     let clips = resample::resample(&clips, &ResampleConfig { mirror: false, ..ResampleConfig::default() }).unwrap();
     annotate::annotate(&clips, &Default::default(), &Default::default()).unwrap()
 }
@@ -42,10 +42,10 @@ fn standing_share(clip: &Clip, skeleton: &Skeleton, geometry: &PlacedGeometry) -
 }
 
 /// Infers what a clip was captured on, builds blocks from it, and returns cells and links of the largest.
-fn check(file: &Path) -> (Inferred, [usize; 2]) {
+fn check(file: &Path) -> (InferredEnvironment, [usize; 2]) {
     let set = clips(file);
     let folder = tempfile::tempdir().unwrap();
-    let inferred = infer(&[&set.clips[0]], &set.skeleton, "site").unwrap();
+    let inferred = infer_environment(&[&set.clips[0]], &set.skeleton, "site").unwrap();
     let geometry = inferred.geometry().unwrap();
     let share = standing_share(&set.clips[0], &set.skeleton, &geometry);
     assert!(share > 0.95, "{}: {share} of the planted feet stand on something\n{}", file.display(), inferred.report);
@@ -58,7 +58,7 @@ fn check(file: &Path) -> (Inferred, [usize; 2]) {
         saved.environment_out.display()
     );
     let config = BuildConfig::parse(&text, &folder.path().join("site-config.toml")).unwrap();
-    let report = pipeline::build(&config, &folder.path().join("site.throng"), &Cache::none(), &Silent).unwrap();
+    let report = pipeline::build(&config, &folder.path().join("site.throng"), &Cache::disabled(), &Silent).unwrap();
     let largest = report.patches.iter().max_by_key(|p| p.links).expect("a block");
     (inferred, [largest.cells, largest.links])
 }

@@ -5,9 +5,9 @@ use crate::glides::{Glide, clip_of, groups_of, set_of};
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::TAU;
-use throng_precompute::clip::Tag;
-use throng_precompute::environment::{Environment, PlacedUnit, TileEdges, Unit, UnitSet};
-use throng_precompute::patch::{self, PatchConfig, Patches, Setting};
+use throng_precompute::clip::ClipTag;
+use throng_precompute::environment::{Environment, PlacedUnit, TileEdges, UnitObject, UnitSet};
+use throng_precompute::patch::{self, CaptureSetting, PatchConfig, RawPatches};
 use throng_precompute::progress::Silent;
 use throng_precompute::{Clip, ClipSet};
 use throng_runtime::Planar;
@@ -20,7 +20,7 @@ const DOOR: usize = 2;
 
 fn units() -> UnitSet {
     let edges = TileEdges { steps: vec![[3.0, 0.0, 0.0], [0.0, 0.0, 3.0]], widths: vec![3.0; 2], centre: [0.0; 3] };
-    let unit = |name: &str, symmetry, tile: Option<TileEdges>| Unit {
+    let unit = |name: &str, symmetry, tile: Option<TileEdges>| UnitObject {
         name: name.into(),
         shapes: Vec::new(),
         region: None,
@@ -31,17 +31,17 @@ fn units() -> UnitSet {
     UnitSet { units: vec![unit("ground", 4, Some(edges)), unit("table", 4, None), unit("door", 1, None)] }
 }
 
-fn setting(placed: &[(usize, Placement)], units_of: Vec<Vec<u32>>) -> Option<Setting> {
+fn setting(placed: &[(usize, Placement)], units_of: Vec<Vec<u32>>) -> Option<CaptureSetting> {
     let units = placed.iter().map(|&(unit, placement)| PlacedUnit { unit, placement }).collect();
-    Some(Setting { environment: Environment { name: "room".into(), units }, units_of })
+    Some(CaptureSetting { environment: Environment { name: "room".into(), units }, units_of })
 }
 
 fn built(
     clips: &ClipSet,
     group: impl Fn(usize, usize) -> u32,
-    settings: &[Option<Setting>],
+    settings: &[Option<CaptureSetting>],
     config: &PatchConfig,
-) -> Patches {
+) -> RawPatches {
     patch::build(clips, &groups_of(clips, group), settings, config, &units(), &Silent).unwrap()
 }
 
@@ -69,7 +69,7 @@ fn motion_from_different_places_gathers_in_one_block() {
     assert_eq!(patches.patches.len(), 1, "{:?}", patches.report);
     assert_eq!((patches.report[0].segments, patches.report[0].frames), (2, 120));
     let alone = built(&set_of(vec![clips.clips[0].clone()]), |_, f| f as u32 / 4, &settings[..1], &config);
-    let cells = |p: &Patches| p.patches[0].cells.len();
+    let cells = |p: &RawPatches| p.patches[0].cells.len();
     assert_eq!(cells(&patches), cells(&alone), "the second motion lies in the cells of the first");
     assert_eq!(patches.patches[0].name, "table+door");
     assert_eq!(patches.patches[0].kind, KIND_BLOCK);
@@ -105,7 +105,7 @@ fn who_stands_still_may_stay_and_levels_are_apart() {
     let mut clip = clip_of("ladder", &[Planar::IDENTITY; 100]);
     clip.support = (0..100).map(|f| if f < 50 { 0.0 } else { 0.3 }).collect();
     clip.root_positions.iter_mut().zip(&clip.support).for_each(|(p, s)| p.y += s);
-    clip.tags = vec![Tag { name: "hold".into(), range: 50..100 }];
+    clip.tags = vec![ClipTag { name: "hold".into(), range: 50..100 }];
     let settings = [setting(&[(DOOR, Placement::IDENTITY)], vec![vec![0]; 100])];
     let patches = built(&set_of(vec![clip]), |_, _| 0, &settings, &PatchConfig::default());
     let patch = &patches.patches[0];
@@ -113,7 +113,7 @@ fn who_stands_still_may_stay_and_levels_are_apart() {
     heights.sort_by(f32::total_cmp);
     assert_eq!(heights.len(), 2);
     assert!((heights[0] - 0.95).abs() < 1e-4 && (heights[1] - 1.25).abs() < 1e-4, "{heights:?}");
-    assert!(patch.cells.iter().all(|c| c.is(CellRecord::IS_REST)));
+    assert!(patch.cells.iter().all(|c| c.has_flags(CellRecord::IS_REST)));
     assert_eq!(patches.link_tags, ["hold"]);
     assert!(patch.links.iter().any(|l| l.tag == 1) && patch.links.iter().any(|l| l.tag == 0));
     assert!(patch.bounds[0][1] <= 0.1 && patch.bounds[1][1] > 1.5, "{:?}", patch.bounds);
@@ -190,7 +190,7 @@ proptest! {
             }
         }
         prop_assert_eq!(closure(&found), closure(&wanted));
-        let stays: usize = patches.patches.iter().flat_map(|p| &p.cells).filter(|c| c.is(CellRecord::IS_REST)).count();
+        let stays: usize = patches.patches.iter().flat_map(|p| &p.cells).filter(|c| c.has_flags(CellRecord::IS_REST)).count();
         prop_assert_eq!(stays, found.iter().filter(|(a, b)| a == b).count());
     }
 }

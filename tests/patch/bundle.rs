@@ -2,7 +2,7 @@
 
 use crate::made_up_world as made_up;
 use crate::parts::{Parts, refusal};
-use throng_runtime::characters::{Characters, CharactersConfig, MotionSet, Start};
+use throng_runtime::characters::{CharacterStart, Characters, CharactersConfig, MotionSet};
 use throng_runtime::patch::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PairRecord, PatchRecord};
 use throng_runtime::{Planar, bundle::tags};
 
@@ -15,7 +15,7 @@ fn patches_need_no_motion_graph() {
     assert_eq!((patches.cells_of(0).len(), patches.links_of(1).len()), (12, 4));
     assert_eq!(tables.pose_groups().len(), tables.frames().len());
     let motion_set = MotionSet::new(&tables);
-    let start = Start { root: Planar::IDENTITY, state: 0 };
+    let start = CharacterStart { root: Planar::IDENTITY, state: 0 };
     assert!(
         Characters::new(&motion_set, CharactersConfig::default(), &[start]).is_err(),
         "there is no state to start in"

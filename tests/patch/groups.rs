@@ -8,12 +8,12 @@ use throng_precompute::features::{Features, FeaturesConfig, extract};
 use throng_precompute::progress::Silent;
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::{BuildError, ClipSet};
-use throng_runtime::base::Alone;
+use throng_runtime::base::SingleRank;
 use throng_runtime::{NUM_JOINTS, Planar};
 
 fn walk(seed: u64, minutes: f64) -> ClipSet {
     let config = SynthConfig { seed, minutes, clip_seconds: 10.0, ..SynthConfig::default() };
-    synth::make(SynthSet::Walk, &config).expect("a valid config")
+    synth::make_set(SynthSet::Walk, &config).expect("a valid config")
 }
 
 fn features_of(clips: &ClipSet) -> Features {
@@ -21,7 +21,7 @@ fn features_of(clips: &ClipSet) -> Features {
 }
 
 fn grouped(clips: &ClipSet, threshold: f64) -> Result<PoseGroups, BuildError> {
-    group(clips, &features_of(clips), &ClusterConfig { threshold }, &Silent, &Alone)
+    group(clips, &features_of(clips), &ClusterConfig { threshold }, &Silent, &SingleRank)
 }
 
 fn on_threads<T: Send>(num_threads: usize, work: impl FnOnce() -> T + Send) -> T {
@@ -32,7 +32,7 @@ fn on_threads<T: Send>(num_threads: usize, work: impl FnOnce() -> T + Send) -> T
 fn members(groups: &PoseGroups) -> Vec<Vec<FrameId>> {
     let mut out = vec![Vec::new(); groups.num_groups()];
     for f in (0..groups.groups.len() as u32).map(FrameId) {
-        if let Some(g) = groups.of(f) {
+        if let Some(g) = groups.group_of(f) {
             out[g as usize].push(f);
         }
     }
@@ -71,7 +71,7 @@ proptest! {
             c.0 |= ((hands >> (f / 10 % 61)) as u8 & 7) << 4;
         }
         let features = features_of(&clips);
-        let groups = group(&clips, &features, &ClusterConfig { threshold }, &Silent, &Alone).expect("groups");
+        let groups = group(&clips, &features, &ClusterConfig { threshold }, &Silent, &SingleRank).expect("groups");
         let states = contact_states(&clips);
         let mut widest = 0.0f32;
         for (g, frames) in members(&groups).iter().enumerate() {
@@ -90,7 +90,7 @@ proptest! {
         prop_assert!(groups.max_diameter < groups.threshold);
         prop_assert_eq!(groups.groups.len(), clips.num_frames());
         for (f, state) in states.iter().enumerate() {
-            prop_assert_eq!(state.is_some(), groups.of(FrameId(f as u32)).is_some(), "frame {}", f);
+            prop_assert_eq!(state.is_some(), groups.group_of(FrameId(f as u32)).is_some(), "frame {}", f);
         }
         let firsts: Vec<FrameId> = members(&groups).iter().map(|frames| frames[0]).collect();
         prop_assert!(firsts.is_sorted(), "groups are numbered in order of their first frame");
@@ -153,7 +153,8 @@ fn refuses_what_does_not_fit_together_and_says_why() {
     let error = grouped(&bare, 0.3).expect_err("no contacts").to_string();
     assert!(error.contains(&clips.clips[0].name) && error.contains("Annotate"), "{error}");
     let others = features_of(&walk(2, 0.3));
-    let error = group(&clips, &others, &ClusterConfig::default(), &Silent, &Alone).expect_err("others").to_string();
+    let error =
+        group(&clips, &others, &ClusterConfig::default(), &Silent, &SingleRank).expect_err("others").to_string();
     assert!(error.contains("expected features of"), "{error}");
 }
 

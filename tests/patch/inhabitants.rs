@@ -4,9 +4,11 @@ use crate::made_up_world::{self, GIVE, SIDE, SIT};
 use glam::Vec3;
 use throng_runtime::characters::CharactersConfig;
 use throng_runtime::patch::Placement;
-use throng_runtime::world::inhabitants::{Doing, InhabitantEvent, Inhabitants, InhabitantsConfig, Wish, scatter};
-use throng_runtime::world::{Node, Place, World};
-use throng_runtime::{Cast, Error, Id, Inline, NUM_JOINTS, Planar, Rayon, Status};
+use throng_runtime::world::inhabitants::{
+    InhabitantActivity, InhabitantEvent, InhabitantGoal, Inhabitants, InhabitantsConfig, scatter_rest_nodes,
+};
+use throng_runtime::world::{RestPlace, World, WorldNode};
+use throng_runtime::{CharacterGroup, Error, Id, Inline, NUM_JOINTS, OrderStatus, Planar, Rayon};
 
 const DT: f32 = 1.0 / 30.0;
 const PLAIN: [&str; 5] = ["#####"; 5];
@@ -18,7 +20,7 @@ pub fn open(rows: &[&str]) -> World {
 }
 
 /// Everybody at rest where they start.
-fn people_at(world: &World, starts: &[Node]) -> Inhabitants {
+fn people_at(world: &World, starts: &[WorldNode]) -> Inhabitants {
     let mut people = Inhabitants::new(world, starts.len(), InhabitantsConfig::default()).expect("room");
     starts.iter().for_each(|&start| _ = people.spawn(start).expect("a start"));
     people
@@ -40,8 +42,8 @@ fn nobody_is_where_others_hold(world: &World, people: &Inhabitants) {
                 assert_eq!(people.holder(unit as u32), Some(Id::first(c)), "character {c} is in unit {unit}");
             }
         }
-        assert!(people.held(Id::first(c)).unwrap().all(|u| people.holder(u) == Some(Id::first(c))));
-        assert!(people.held(Id::first(c)).unwrap().count() > 0);
+        assert!(people.units_of(Id::first(c)).unwrap().all(|u| people.holder(u) == Some(Id::first(c))));
+        assert!(people.units_of(Id::first(c)).unwrap().count() > 0);
     }
 }
 
@@ -49,7 +51,7 @@ fn nobody_is_where_others_hold(world: &World, people: &Inhabitants) {
 fn nobody_enters_a_held_unit_and_motion_ends_where_its_node_is() {
     let world = open(&PLAIN);
     let graph = world.graph();
-    let starts = scatter(graph, 12, 3);
+    let starts = scatter_rest_nodes(graph, 12, 3);
     assert_eq!(starts.len(), 12);
     let mut people = people_at(&world, &starts);
     let mut been = std::collections::BTreeSet::new();
@@ -72,7 +74,7 @@ fn nobody_enters_a_held_unit_and_motion_ends_where_its_node_is() {
 #[test]
 fn who_has_another_number_roams_elsewhere() {
     let world = open(&PLAIN);
-    let starts = scatter(world.graph(), 3, 7);
+    let starts = scatter_rest_nodes(world.graph(), 3, 7);
     let ends = |first_number| {
         let characters = CharactersConfig { first_number, ..CharactersConfig::default() };
         let config = InhabitantsConfig { characters, ..InhabitantsConfig::default() };
@@ -89,8 +91,8 @@ fn who_has_another_number_roams_elsewhere() {
 fn nothing_jumps() {
     let world = open(&["###", "#b#", "###"]);
     let graph = world.graph();
-    let mut people = people_at(&world, &scatter(graph, 3, 1));
-    people.order(Id::first(0), Wish::Perform { tag: SIT, seconds: 3.0 }).unwrap();
+    let mut people = people_at(&world, &scatter_rest_nodes(graph, 3, 1));
+    people.order(Id::first(0), InhabitantGoal::Perform { tag: SIT, seconds: 3.0 }).unwrap();
     let dt = 1.0 / 120.0;
     people.step(0.0, &Inline).unwrap();
     let mut before: Vec<_> = (0..3).map(|c| people.characters().joint_positions(c)).collect();
@@ -111,12 +113,12 @@ fn nothing_jumps() {
 /// Lets everyone walk to and fro between two places, and returns how often each arrived in each part of the time.
 fn commute(world: &World, ends: &[[u32; 2]], seconds: f32, parts: usize, check: bool) -> Vec<Vec<u32>> {
     let graph = world.graph();
-    let starts: Vec<Node> =
+    let starts: Vec<WorldNode> =
         ends.iter().map(|[from, _]| graph.rest_cells(*from).next().expect("a place to stand")).collect();
     let mut people = people_at(world, &starts);
     let mut seen = vec![0; ends.len()];
     for (c, [_, to]) in ends.iter().enumerate() {
-        people.order(Id::first(c), Wish::GoTo { instance: *to }).unwrap();
+        people.order(Id::first(c), InhabitantGoal::GoTo { instance: *to }).unwrap();
     }
     let steps = (seconds / DT) as usize;
     let mut out = vec![vec![0; parts]; ends.len()];
@@ -131,7 +133,7 @@ fn commute(world: &World, ends: &[[u32; 2]], seconds: f32, parts: usize, check: 
                 seen[c] = status.num_fulfilled;
                 out[c][step * parts / steps] += 1;
                 let to = ends[c][seen[c].is_multiple_of(2) as usize];
-                people.order(Id::first(c), Wish::GoTo { instance: to }).unwrap();
+                people.order(Id::first(c), InhabitantGoal::GoTo { instance: to }).unwrap();
             }
         }
     }
@@ -174,7 +176,7 @@ fn a_narrow_passage_that_is_walked_both_ways_does_not_clog() {
 /// How far people get in 10 s, over the length of their way: of all stretches of those who roam for two minutes, the mean.
 fn straightness(rows: &[&str], num_people: usize, seed: u64) -> f32 {
     let world = open(rows);
-    let mut people = people_at(&world, &scatter(world.graph(), num_people, seed));
+    let mut people = people_at(&world, &scatter_rest_nodes(world.graph(), num_people, seed));
     let at = |people: &Inhabitants| people.bodies().roots.iter().map(|r| r.translation()).collect::<Vec<_>>();
     let (mut far, mut way) = (0.0, 0.0);
     for _ in 0..12 {
@@ -200,7 +202,8 @@ fn who_roams_walks_on_rather_than_round_about() {
         for _ in 0..6 {
             [x, z] = [x + [0, 1, 0, -1][heading], z + [1, 0, -1, 0][heading]];
             draw += 1;
-            heading = (heading + [0, 1, 3][(throng_runtime::characters::uniform(1, 1, draw) * 3.0) as usize]) % 4;
+            heading =
+                (heading + [0, 1, 3][(throng_runtime::characters::uniform_random(1, 1, draw) * 3.0) as usize]) % 4;
         }
         far += ((x * x + z * z) as f32).sqrt() / 6000.0;
     }
@@ -216,23 +219,23 @@ fn who_roams_walks_on_rather_than_round_about() {
 fn a_bench_is_sat_on_by_one_after_the_other() {
     let world = open(&["####", "#b##", "####"]);
     let graph = world.graph();
-    let mut people = people_at(&world, &scatter(graph, 3, 8));
+    let mut people = people_at(&world, &scatter_rest_nodes(graph, 3, 8));
     let bench = graph.num_instances() as u32 - 1;
     for c in 0..3 {
-        people.order(Id::first(c), Wish::Perform { tag: SIT, seconds: 5.0 }).unwrap();
+        people.order(Id::first(c), InhabitantGoal::Perform { tag: SIT, seconds: 5.0 }).unwrap();
     }
     let (mut sat, mut seated) = ([0.0f32; 3], 0);
     for _ in 0..9000 {
         people.step(DT, &Inline).unwrap();
         for c in 0..3 {
             let status = people.state(Id::first(c)).unwrap();
-            if status.doing == Doing::Performing {
+            if status.activity == InhabitantActivity::Performing {
                 assert_eq!(status.node.instance, bench);
                 sat[c] += DT;
             }
-            if status.doing == Doing::Arrived && status.wish != Wish::Roam {
+            if status.activity == InhabitantActivity::Arrived && status.goal != InhabitantGoal::Roam {
                 seated += 1;
-                people.order(Id::first(c), Wish::Roam).unwrap();
+                people.order(Id::first(c), InhabitantGoal::Roam).unwrap();
             }
         }
     }
@@ -246,20 +249,20 @@ fn seat_beside_one_taken_for(seconds: f32) -> usize {
     let graph = world.graph();
     let starts = [[1, 1], [3, 2]].map(|[x, z]| graph.rest_cells(tile(&world, x, z)).next().unwrap());
     let mut people = people_at(&world, &starts);
-    people.order(Id::first(0), Wish::Perform { tag: SIT, seconds }).unwrap();
-    people.order(Id::first(1), Wish::GoTo { instance: starts[1].instance }).unwrap();
+    people.order(Id::first(0), InhabitantGoal::Perform { tag: SIT, seconds }).unwrap();
+    people.order(Id::first(1), InhabitantGoal::GoTo { instance: starts[1].instance }).unwrap();
     let mut has_asked = false;
     for _ in 0..9000 {
         people.step(DT, &Inline).unwrap();
-        let doing = [0, 1].map(|c| people.state(Id::first(c)).unwrap().doing);
-        if doing[0] == Doing::Performing && !has_asked {
-            people.order(Id::first(1), Wish::Perform { tag: SIT, seconds: 1.0 }).unwrap();
+        let doing = [0, 1].map(|c| people.state(Id::first(c)).unwrap().activity);
+        if doing[0] == InhabitantActivity::Performing && !has_asked {
+            people.order(Id::first(1), InhabitantGoal::Perform { tag: SIT, seconds: 1.0 }).unwrap();
             has_asked = true;
         }
-        if doing[0] == Doing::Arrived {
-            people.order(Id::first(0), Wish::Roam).unwrap();
+        if doing[0] == InhabitantActivity::Arrived {
+            people.order(Id::first(0), InhabitantGoal::Roam).unwrap();
         }
-        if doing[1] == Doing::Performing {
+        if doing[1] == InhabitantActivity::Performing {
             let bench = people.state(Id::first(1)).unwrap().node.instance as usize;
             return bench + 2 - graph.num_instances();
         }
@@ -279,24 +282,24 @@ fn past_a_pair(seconds: f32) -> [bool; 2] {
     let starts = [[2, 0], [3, 0], [0, 0]].map(|[x, z]| world.graph().rest_cells(tile(&world, x, z)).next().unwrap());
     let mut people = people_at(&world, &starts);
     let two = [Id::first(0), Id::first(1)];
-    let doing = |people: &Inhabitants, c: usize| people.state(Id::first(c)).unwrap().doing;
-    people.meet(two, GIVE, seconds).unwrap();
-    people.order(Id::first(2), Wish::GoTo { instance: from }).unwrap();
-    while doing(&people, 0) != Doing::Performing {
+    let doing = |people: &Inhabitants, c: usize| people.state(Id::first(c)).unwrap().activity;
+    people.order_meeting(two, GIVE, seconds).unwrap();
+    people.order(Id::first(2), InhabitantGoal::GoTo { instance: from }).unwrap();
+    while doing(&people, 0) != InhabitantActivity::Performing {
         people.step(DT, &Inline).unwrap();
     }
-    people.order(Id::first(2), Wish::GoTo { instance: to }).unwrap();
+    people.order(Id::first(2), InhabitantGoal::GoTo { instance: to }).unwrap();
     let (mut is_short, mut waits) = (false, false);
     for _ in 0..3000 {
         people.step(DT, &Inline).unwrap();
         let walker = people.ids().iter().position(|id| *id == Id::first(2)).unwrap();
         let root = people.characters().root(walker);
         is_short |= (root.x - 3.0 * SIDE).abs() < 0.5 && root.z < 0.5 * SIDE;
-        waits |= doing(&people, 2) == Doing::Waiting;
-        if people.state(two[0]).is_ok_and(|s| s.doing == Doing::Arrived) {
+        waits |= doing(&people, 2) == InhabitantActivity::Waiting;
+        if people.state(two[0]).is_ok_and(|s| s.activity == InhabitantActivity::Arrived) {
             two.into_iter().for_each(|id| people.despawn(id).unwrap());
         }
-        if doing(&people, 2) == Doing::Arrived {
+        if doing(&people, 2) == InhabitantActivity::Arrived {
             return [is_short, waits];
         }
     }
@@ -313,12 +316,12 @@ fn who_performs_is_walked_around_where_waiting_takes_longer() {
 fn cells_that_are_come_to_are_those_at_which_steps_end() {
     let world = open(&["####", "#bb#", "####"]);
     let graph = world.graph();
-    let all = |i: u32| (0..graph.cells(i).len() as u32).map(move |cell| Node { instance: i, cell });
+    let all = |i: u32| (0..graph.cells(i).len() as u32).map(move |cell| WorldNode { instance: i, cell });
     let nodes = || (0..graph.num_instances() as u32).flat_map(all).filter(|n| graph.is_node(*n));
     let mut ends = std::collections::BTreeSet::new();
     nodes().for_each(|n| graph.for_each_step(n, |step| _ = ends.insert(step.to)));
     for n in nodes() {
-        let is_come_to = graph.come_to(n.instance)[n.cell as usize];
+        let is_come_to = graph.node_of_cell(n.instance)[n.cell as usize];
         let expected = graph.is_tile(n.instance) || ends.contains(&n);
         assert_eq!(is_come_to, expected, "{n:?}");
     }
@@ -330,16 +333,16 @@ fn the_nearest_place_to_a_point_is_gone_to() {
     let graph = world.graph();
     let from = graph.rest_cells(tile(&world, 0, 0)).next().unwrap();
     let mut people = people_at(&world, &[from]);
-    let place = world.near(Vec3::new(3.2 * SIDE, 0.0, 4.4 * SIDE), 2.0).unwrap();
-    people.order(Id::first(0), Wish::GoToPlace { place }).unwrap();
+    let place = world.nearest_place(Vec3::new(3.2 * SIDE, 0.0, 4.4 * SIDE), 2.0).unwrap();
+    people.order(Id::first(0), InhabitantGoal::GoToPlace { place }).unwrap();
     people.step(DT, &Inline).unwrap();
-    let plan = *people.plan(Id::first(0)).unwrap().expect("a plan");
-    assert_eq!(people.path(Id::first(0)).unwrap().len(), plan.num_stored);
+    let plan = *people.last_plan(Id::first(0)).unwrap().expect("a plan");
+    assert_eq!(people.path_steps(Id::first(0)).unwrap().len(), plan.num_stored);
     assert!(plan.length_m > 4.0 * SIDE && plan.opened_nodes > 0);
     // Nothing but open ground: the upper layer has nothing to do.
     assert_eq!(plan.opened_instances, 0);
     let mut steps = 0;
-    while people.state(Id::first(0)).unwrap().doing != Doing::Arrived {
+    while people.state(Id::first(0)).unwrap().activity != InhabitantActivity::Arrived {
         people.step(DT, &Inline).unwrap();
         steps += 1;
         assert!(steps < 3000);
@@ -352,13 +355,13 @@ fn results_do_not_depend_on_the_number_of_threads() {
     let rows = vec!["####################"; 20];
     let world = open(&rows);
     let graph = world.graph();
-    let starts = scatter(graph, 200, 5);
+    let starts = scatter_rest_nodes(graph, 200, 5);
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let mut people = people_at(&world, &starts);
             for c in 0..50 {
-                people.order(Id::first(c), Wish::GoTo { instance: (c * 7 % 400) as u32 }).unwrap();
+                people.order(Id::first(c), InhabitantGoal::GoTo { instance: (c * 7 % 400) as u32 }).unwrap();
             }
             for _ in 0..300 {
                 people.step(DT, &Rayon).unwrap();
@@ -381,8 +384,8 @@ fn starts_and_wishes_that_cannot_be_are_refused() {
     let [first, next] = [Id::first(0), Id::first(1)];
     assert_eq!(people.spawn(rest).unwrap(), first);
     let mut refuse = |start| people.spawn(start).unwrap_err();
-    assert!(matches!(refuse(Node { instance: 1, cell: 0 }), Error::Value { who, .. } if who == Some(next)));
-    assert!(matches!(refuse(Node { instance: 99, cell: 0 }), Error::Index { who, .. } if who == Some(next)));
+    assert!(matches!(refuse(WorldNode { instance: 1, cell: 0 }), Error::Value { who, .. } if who == Some(next)));
+    assert!(matches!(refuse(WorldNode { instance: 99, cell: 0 }), Error::Index { who, .. } if who == Some(next)));
     assert!(matches!(refuse(rest), Error::Occupied { who, by } if who == next && by == "0"));
     assert_eq!(people.spawn(graph.rest_cells(0).next().unwrap()).unwrap(), next);
     assert!(matches!(people.spawn(rest), Err(Error::Full { capacity: 2 })));
@@ -395,22 +398,25 @@ fn starts_and_wishes_that_cannot_be_are_refused() {
     }
     let before = people.hash();
     let mut refuse = |wish| people.order(first, wish).unwrap_err();
-    assert!(matches!(refuse(Wish::GoTo { instance: 50 }), Error::Index { who: Some(Id { index: 0, .. }), .. }));
-    let entry = Place { node: Node { instance: 1, cell: 0 }, at: Vec3::ZERO };
+    assert!(matches!(
+        refuse(InhabitantGoal::GoTo { instance: 50 }),
+        Error::Index { who: Some(Id { index: 0, .. }), .. }
+    ));
+    let entry = RestPlace { node: WorldNode { instance: 1, cell: 0 }, at: Vec3::ZERO };
     for wish in [
-        Wish::Perform { tag: made_up_world::CHAT, seconds: 1.0 },
-        Wish::Perform { tag: SIT, seconds: f32::NAN },
-        Wish::GoToPlace { place: entry },
-        Wish::GoNear { place: Vec3::NAN, within_m: 1.0 },
-        Wish::GoNear { place: Vec3::new(500.0, 0.0, 0.0), within_m: 3.0 },
+        InhabitantGoal::Perform { tag: made_up_world::CHAT, seconds: 1.0 },
+        InhabitantGoal::Perform { tag: SIT, seconds: f32::NAN },
+        InhabitantGoal::GoToPlace { place: entry },
+        InhabitantGoal::GoNear { place: Vec3::NAN, within_m: 1.0 },
+        InhabitantGoal::GoNear { place: Vec3::new(500.0, 0.0, 0.0), within_m: 3.0 },
     ] {
         assert!(matches!(refuse(wish), Error::Value { who: Some(Id { index: 0, .. }), .. }), "{wish:?}");
     }
     // Over there is another room.
-    let there = world.near(Vec3::new(5.0 * SIDE, 1.0, SIDE), 1.0).unwrap();
-    for wish in [Wish::GoTo { instance: there.node.instance }, Wish::GoToPlace { place: there }] {
+    let there = world.nearest_place(Vec3::new(5.0 * SIDE, 1.0, SIDE), 1.0).unwrap();
+    for wish in [InhabitantGoal::GoTo { instance: there.node.instance }, InhabitantGoal::GoToPlace { place: there }] {
         let error = refuse(wish);
-        assert!(matches!(error, Error::NoWay { who: Some(Id { index: 0, .. }), .. }), "{error}");
+        assert!(matches!(error, Error::NoPath { who: Some(Id { index: 0, .. }), .. }), "{error}");
     }
     assert!(matches!(people.step(2.0, &Inline), Err(Error::Value { .. })));
     let other = made_up_world::named("another");
@@ -418,20 +424,20 @@ fn starts_and_wishes_that_cannot_be_are_refused() {
     assert!(people.adopt(&made_up_world::tables()).is_ok());
     assert_eq!(people.hash(), before);
     people.despawn(next).unwrap();
-    assert!(matches!(people.order(next, Wish::Roam), Err(Error::Gone(id)) if id == next));
+    assert!(matches!(people.order(next, InhabitantGoal::Roam), Err(Error::Gone(id)) if id == next));
     assert!(people.status(next).is_err() && people.state(next).is_err() && people.despawn(next).is_err());
 }
 
 #[test]
 fn who_leaves_makes_room_and_everybody_else_goes_on() {
     let world = open(&PLAIN);
-    let starts = scatter(world.graph(), 12, 4);
+    let starts = scatter_rest_nodes(world.graph(), 12, 4);
     let mut people = people_at(&world, &starts);
     let mut gone = Vec::new();
     for round in 0..60u32 {
         for (k, &id) in people.ids().to_vec().iter().enumerate() {
-            if people.state(id).unwrap().doing != Doing::Walking {
-                people.order(id, Wish::GoTo { instance: (k as u32 * 7 + round * 3) % 25 }).unwrap();
+            if people.state(id).unwrap().activity != InhabitantActivity::Walking {
+                people.order(id, InhabitantGoal::GoTo { instance: (k as u32 * 7 + round * 3) % 25 }).unwrap();
             }
         }
         (0..40).for_each(|_| people.step(DT, &Inline).unwrap());
@@ -439,12 +445,12 @@ fn who_leaves_makes_room_and_everybody_else_goes_on() {
         people.despawn(leaves).unwrap();
         gone.push(leaves);
         for (row, &id) in people.ids().iter().enumerate() {
-            assert!(people.held(id).unwrap().count() > 0);
-            assert!(people.held(id).unwrap().all(|u| people.holder(u) == Some(id)));
+            assert!(people.units_of(id).unwrap().count() > 0);
+            assert!(people.units_of(id).unwrap().all(|u| people.holder(u) == Some(id)));
             let (body, root) = (people.bodies().get(id).unwrap(), people.characters().root(row));
             assert_eq!((body.root, body.model[0]), (root, people.characters().pose(row)[0]));
         }
-        let held: usize = people.ids().iter().map(|id| people.held(*id).unwrap().count()).sum();
+        let held: usize = people.ids().iter().map(|id| people.units_of(*id).unwrap().count()).sum();
         assert_eq!(
             (0..25).filter(|u| people.holder(*u).is_some()).count(),
             held,
@@ -463,19 +469,19 @@ fn who_is_put_elsewhere_goes_on_from_there() {
     let starts = [tile(&world, 0, 0), tile(&world, 4, 4)].map(|t| graph.rest_cells(t).next().unwrap());
     let mut people = people_at(&world, &starts);
     let [a, b] = [0, 1].map(Id::first);
-    let place = world.near(Vec3::new(0.0, 1.0, 4.0 * SIDE), 1.0).unwrap();
-    people.order(a, Wish::GoToPlace { place }).unwrap();
+    let place = world.nearest_place(Vec3::new(0.0, 1.0, 4.0 * SIDE), 1.0).unwrap();
+    people.order(a, InhabitantGoal::GoToPlace { place }).unwrap();
     (0..50).for_each(|_| people.step(DT, &Inline).unwrap());
     people.place(a, Planar::new(3.0 * SIDE + 0.2, 0.3, 1.5)).unwrap();
     let root = people.bodies().get(a).unwrap().root;
     assert!((root.x - 3.0 * SIDE).abs() + root.z.abs() < 1e-3 && (root.heading - 1.57).abs() < 0.1, "{root:?}");
-    assert_eq!(people.held(a).unwrap().collect::<Vec<_>>(), [tile(&world, 3, 0)]);
-    let Status::Going { left_m } = people.status(a).unwrap() else { panic!("it has an order") };
+    assert_eq!(people.units_of(a).unwrap().collect::<Vec<_>>(), [tile(&world, 3, 0)]);
+    let OrderStatus::Going { left_m } = people.status(a).unwrap() else { panic!("it has an order") };
     assert!((left_m - 5.0 * SIDE).abs() < 0.1, "{left_m}");
     assert!(matches!(people.place(b, root), Err(Error::Occupied { who, by }) if who == b && by == "0"));
     assert!(matches!(people.place(b, Planar::new(-9.0, 0.0, 0.0)), Err(Error::Value { who, .. }) if who == Some(b)));
     let mut steps = 0;
-    while people.status(a).unwrap() != Status::There {
+    while people.status(a).unwrap() != OrderStatus::Arrived {
         people.step(DT, &Inline).unwrap();
         steps += 1;
         assert!(steps < 3000);
@@ -485,9 +491,9 @@ fn who_is_put_elsewhere_goes_on_from_there() {
 }
 
 /// Ten characters sent to ten points around a centre, a quarter of an hour later.
-fn ten_sent(seed: u64, wish: impl Fn(&World, Vec3) -> Wish) -> (World, Inhabitants) {
+fn ten_sent(seed: u64, wish: impl Fn(&World, Vec3) -> InhabitantGoal) -> (World, Inhabitants) {
     let world = open(&["#######"; 7]);
-    let mut people = people_at(&world, &scatter(world.graph(), 10, seed));
+    let mut people = people_at(&world, &scatter_rest_nodes(world.graph(), 10, seed));
     for c in 0..10 {
         let at = Vec3::new(2.0 * SIDE + (c % 4) as f32, 1.0, 3.0 * SIDE + (c / 4) as f32);
         let wish = wish(&world, at);
@@ -499,7 +505,7 @@ fn ten_sent(seed: u64, wish: impl Fn(&World, Vec3) -> Wish) -> (World, Inhabitan
 
 #[test]
 pub fn ten_sent_to_places_a_metre_apart_stand_or_wait_and_say_for_whom() {
-    let to_place = |world: &World, at| Wish::GoToPlace { place: world.near(at, 2.0).unwrap() };
+    let to_place = |world: &World, at| InhabitantGoal::GoToPlace { place: world.nearest_place(at, 2.0).unwrap() };
     for seed in [3, 6, 9] {
         stand_or_wait(ten_sent(seed, to_place).1);
     }
@@ -513,9 +519,9 @@ fn stand_or_wait(mut people: Inhabitants) {
     let mut there = 0;
     for s in &stand {
         match *s {
-            Status::There => there += 1,
-            Status::Blocked { by: Some(by) } => {
-                assert!(!matches!(stand[by.index()], Status::Going { .. }), "{stand:?}")
+            OrderStatus::Arrived => there += 1,
+            OrderStatus::Blocked { by: Some(by) } => {
+                assert!(!matches!(stand[by.index()], OrderStatus::Going { .. }), "{stand:?}")
             }
             s => panic!("{s:?}: {stand:?}"),
         }
@@ -526,23 +532,23 @@ fn stand_or_wait(mut people: Inhabitants) {
         assert_eq!(nodes(&people), stood);
     }
     // One goes away: another one takes its place.
-    let is_waited_for = |id: &&Id| stand.contains(&Status::Blocked { by: Some(**id) });
+    let is_waited_for = |id: &&Id| stand.contains(&OrderStatus::Blocked { by: Some(**id) });
     // Its tile can still be entered.
     let x = |id: &Id| people.bodies().get(*id).unwrap().root.x;
     let left =
         *ids.iter().filter(is_waited_for).min_by(|a, b| x(a).total_cmp(&x(b))).expect("a character that is waited for");
     people.despawn(left).unwrap();
     (0..3600).for_each(|_| people.step(DT, &Inline).unwrap());
-    let now = people.ids().iter().filter(|id| people.status(**id).unwrap() == Status::There).count();
+    let now = people.ids().iter().filter(|id| people.status(**id).unwrap() == OrderStatus::Arrived).count();
     assert!(now >= there, "{now} of {there}");
 }
 
 #[test]
 pub fn ten_sent_near_a_place_all_come_near_it() {
-    let (world, people) = ten_sent(6, |_, at| Wish::GoNear { place: at, within_m: 2.5 * SIDE });
+    let (world, people) = ten_sent(6, |_, at| InhabitantGoal::GoNear { place: at, within_m: 2.5 * SIDE });
     for (c, &id) in people.ids().iter().enumerate() {
         let at = Vec3::new(2.0 * SIDE + (c % 4) as f32, 1.0, 3.0 * SIDE + (c / 4) as f32);
-        assert_eq!(people.status(id).unwrap(), Status::There, "{c}");
+        assert_eq!(people.status(id).unwrap(), OrderStatus::Arrived, "{c}");
         assert!(world.graph().place(people.state(id).unwrap().node).translation().distance(at) < 2.5 * SIDE);
     }
 }

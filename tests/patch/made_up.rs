@@ -7,7 +7,7 @@ use throng_precompute::environment::{Environment, PlacedUnit, UnitGeometry, Unit
 use throng_precompute::stitch::Library;
 use throng_runtime::format::{FrameRow, PatchMeta, ROTATION_BYTES, RotationCode};
 use throng_runtime::patch::{
-    CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PatchRecord, Patches, Placement,
+    CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PatchRecord, PatchTables, Placement,
 };
 use throng_runtime::{Contacts, Skeleton};
 
@@ -39,7 +39,7 @@ const FRAMES: usize = 57;
 const HALF: u32 = 28;
 const HIPS_M: f32 = 0.92;
 
-/// Everything that a [`Library`] and [`Patches`] borrow.
+/// Everything that a [`Library`] and [`PatchTables`] borrow.
 pub struct MadeUp {
     pub units: UnitSet,
     pub geometries: Vec<Arc<UnitGeometry>>,
@@ -65,7 +65,7 @@ impl MadeUp {
             units,
             skeleton: Skeleton::default(),
             frames: (0..FRAMES).map(frame).collect(),
-            rotation_code: RotationCode::rest(),
+            rotation_code: RotationCode::of_rest_pose(),
             groups: (0..FRAMES as u32).collect(),
             contacts: vec![Contacts::default(); FRAMES],
             names: Vec::new(),
@@ -110,8 +110,8 @@ impl MadeUp {
         self.names.push(PatchMeta { name: name.into(), units: vec![(unit.into(), Placement::IDENTITY)] });
     }
 
-    pub fn patches(&self) -> Patches {
-        Patches {
+    pub fn patches(&self) -> PatchTables {
+        PatchTables {
             patches: (&self.patches).into(),
             edges: (&self.edges).into(),
             cells: (&self.cells).into(),
@@ -166,7 +166,7 @@ fn tile() -> (Vec<CellRecord>, Vec<LinkRecord>) {
     let half = 0.5 * PANEL_M;
     let edges = [(half, 0.0, FRAC_PI_2), (-half, 0.0, -FRAC_PI_2), (0.0, half, 0.0), (0.0, -half, PI)];
     let outwards = |e: usize| Placement::new(edges[e].0, 0.0, edges[e].1, edges[e].2);
-    let inwards = |e: usize| Placement { heading: edges[e].2 + PI, ..outwards(e) }.wrapped();
+    let inwards = |e: usize| Placement { heading: edges[e].2 + PI, ..outwards(e) }.with_wrapped_heading();
     let opposite = [1, 0, 3, 2];
     let mut cells = Vec::new();
     cells.extend((0..4).map(|e| cell(inwards(e), 0, e as u32, 4 + opposite[e], CellRecord::IS_ENTRY)));
@@ -174,7 +174,7 @@ fn tile() -> (Vec<CellRecord>, Vec<LinkRecord>) {
     let mut links = Vec::new();
     for (from, to) in (0..16).map(|k| (k / 4, k % 4)) {
         let (start, end) = (inwards(from), outwards(to));
-        let turn = Placement { heading: end.heading - start.heading, ..end }.wrapped().heading;
+        let turn = Placement { heading: end.heading - start.heading, ..end }.with_wrapped_heading().heading;
         let end = Placement { heading: start.heading + turn, ..end };
         links.push(LinkRecord {
             from: from as u32,

@@ -3,12 +3,14 @@
 use crate::inhabitants::open;
 use crate::made_up_world::{GIVE, SIDE, SIT};
 use glam::Vec2;
-use throng_runtime::base::ground::{Held, Rod};
+use throng_runtime::base::ground::{Capsule2d, ReservedRegion};
 use throng_runtime::characters::CharactersConfig;
 use throng_runtime::planar::wrap_angle;
-use throng_runtime::world::inhabitants::{Doing, InhabitantEvent, Inhabitants, InhabitantsConfig, Wish, scatter};
-use throng_runtime::world::{Node, World};
-use throng_runtime::{Cast, Error, Id, Inline, NUM_JOINTS, Planar, Rayon};
+use throng_runtime::world::inhabitants::{
+    InhabitantActivity, InhabitantEvent, InhabitantGoal, Inhabitants, InhabitantsConfig, scatter_rest_nodes,
+};
+use throng_runtime::world::{World, WorldNode};
+use throng_runtime::{CharacterGroup, Error, Id, Inline, NUM_JOINTS, Planar, Rayon};
 
 const DT: f32 = 1.0 / 60.0;
 const PLAIN: [&str; 4] = ["####"; 4];
@@ -20,7 +22,9 @@ fn people(world: &World, seed: u64, num: usize) -> Inhabitants {
     let characters = CharactersConfig { seed, ..CharactersConfig::default() };
     let mut people =
         Inhabitants::new(world, num, InhabitantsConfig { characters, ..Default::default() }).expect("room");
-    scatter(world.graph(), num, seed).into_iter().for_each(|start: Node| _ = people.spawn(start).expect("a start"));
+    scatter_rest_nodes(world.graph(), num, seed)
+        .into_iter()
+        .for_each(|start: WorldNode| _ = people.spawn(start).expect("a start"));
     people
 }
 
@@ -64,7 +68,7 @@ fn two_are_to_each_other_as_in_capture_at_every_step_of_what_they_do_together() 
     for seed in 1..8 {
         let mut people = people(&world, seed, 6);
         let two = [Id::first(0), Id::first(1 + seed as usize % 5)];
-        people.meet(two, GIVE, 3.0).unwrap();
+        people.order_meeting(two, GIVE, 3.0).unwrap();
         until_begun(&mut people, two);
         let rows = two.map(|id| id.index as usize);
         let (mut worst, mut compared, mut entry) = (0.0f32, 0, 0);
@@ -95,8 +99,8 @@ fn two_are_to_each_other_as_in_capture_at_every_step_of_what_they_do_together() 
         assert!(entry <= 32, "within half a second, not after {entry} steps");
         assert!(compared > 150, "two rounds are more than 3 s: {compared} steps");
         let done = two.map(|id| people.state(id).unwrap());
-        assert!(done.iter().all(|s| s.num_fulfilled == 1 && s.doing == Doing::Arrived), "{done:?}");
-        assert!(people.meeting(two[0]).unwrap().is_none());
+        assert!(done.iter().all(|s| s.num_fulfilled == 1 && s.activity == InhabitantActivity::Arrived), "{done:?}");
+        assert!(people.meeting_state(two[0]).unwrap().is_none());
     }
 }
 
@@ -106,13 +110,13 @@ fn who_has_done_something_together_goes_on_soon() {
     for seed in 1..8 {
         let mut people = people(&world, seed, 2);
         let two = [Id::first(0), Id::first(1)];
-        people.meet(two, GIVE, 1.0).unwrap();
+        people.order_meeting(two, GIVE, 1.0).unwrap();
         until_begun(&mut people, two);
         let is_done = |people: &Inhabitants| two.iter().all(|id| people.state(*id).unwrap().num_fulfilled > 0);
         while !is_done(&people) {
             people.step(DT, &Inline).unwrap();
         }
-        two.iter().for_each(|&id| people.order(id, Wish::Roam).unwrap());
+        two.iter().for_each(|&id| people.order(id, InhabitantGoal::Roam).unwrap());
         let plays = |people: &Inhabitants| two.map(|id| people.characters().scheduled_clip(id.index as usize).0);
         let (rests, mut goes) = (plays(&people), [None; 2]);
         for step in 1..120 {
@@ -137,7 +141,7 @@ fn two_who_are_near_but_far_to_walk_meet_halfway() {
         people.spawn(world.graph().rest_cells(tile).next().expect("a place to stand")).expect("a start");
     }
     let two = [Id::first(0), Id::first(1)];
-    people.meet(two, GIVE, 1.0).unwrap();
+    people.order_meeting(two, GIVE, 1.0).unwrap();
     let seconds = until_begun(&mut people, two) as f32 * DT;
     assert!(seconds < 20.0, "begun after {seconds} s");
 }
@@ -150,10 +154,14 @@ fn everyone_holds_ground_of_their_own_while_two_do_something_together() {
     for step in 0..12_000 {
         for k in 0..4 {
             let two = [Id::first(2 * k), Id::first(2 * k + 1)];
-            let is_free = |id: Id| people.state(id).is_ok_and(|s| s.doing == Doing::Arrived || s.wish == Wish::Roam);
+            let is_free = |id: Id| {
+                people
+                    .state(id)
+                    .is_ok_and(|s| s.activity == InhabitantActivity::Arrived || s.goal == InhabitantGoal::Roam)
+            };
             if step % 50 == 0 && two.into_iter().all(is_free) {
                 // All places may be taken.
-                let told = people.meet(two, GIVE, 1.0);
+                let told = people.order_meeting(two, GIVE, 1.0);
                 assert!(matches!(told, Ok(()) | Err(Error::Occupied { .. })), "{told:?}");
             }
         }
@@ -166,9 +174,9 @@ fn everyone_holds_ground_of_their_own_while_two_do_something_together() {
                 assert_eq!(people.holder(unit as u32), Some(Id::first(c)), "step {step}, character {c}");
             }
             let plays = captured(&people, c).is_some();
-            let meets = people.meeting(Id::first(c)).unwrap().is_some();
+            let meets = people.meeting_state(Id::first(c)).unwrap().is_some();
             assert!(
-                !plays || meets || people.state(Id::first(c)).unwrap().doing == Doing::Arrived,
+                !plays || meets || people.state(Id::first(c)).unwrap().activity == InhabitantActivity::Arrived,
                 "nobody does it alone"
             );
         }
@@ -183,13 +191,13 @@ fn two_who_are_loaded_in_the_middle_go_on_as_if_nothing_had_happened() {
     let world = open(&PLAIN);
     let mut people = people(&world, 5, 5);
     let two = [Id::first(1), Id::first(4)];
-    people.meet(two, GIVE, 4.0).unwrap();
+    people.order_meeting(two, GIVE, 4.0).unwrap();
     until_begun(&mut people, two);
     // In the entry, right after it, in the middle, and in the second round; on the way before.
     for steps in [1, 20, 25, 80, 60] {
         (0..steps).for_each(|_| people.step(DT, &Inline).unwrap());
         let (bytes, mut other) = (saved(&people), people.clone());
-        other.order(two[0], Wish::Roam).unwrap();
+        other.order(two[0], InhabitantGoal::Roam).unwrap();
         (0..30).for_each(|_| other.step(DT, &Rayon).unwrap());
         other.load(&bytes).unwrap();
         assert_eq!(other.hash(), people.hash());
@@ -215,10 +223,10 @@ fn who_is_told_something_else_leaves_without_a_jump_and_frees_the_other() {
     for (seed, after) in (1..9).zip([3, 20, 31, 40, 60, 75, 100, 119]) {
         let mut people = people(&world, seed, 4);
         let two = [Id::first(0), Id::first(2)];
-        people.meet(two, GIVE, 30.0).unwrap();
+        people.order_meeting(two, GIVE, 30.0).unwrap();
         until_begun(&mut people, two);
         (0..after).for_each(|_| people.step(DT, &Inline).unwrap());
-        people.order(two[0], Wish::Roam).unwrap();
+        people.order(two[0], InhabitantGoal::Roam).unwrap();
         let mut before: Vec<_> = (0..4).map(|c| people.characters().joint_positions(c)).collect();
         let (mut told, mut left) = (Vec::new(), [None; 2]);
         for step in 0..400 {
@@ -240,7 +248,7 @@ fn who_is_told_something_else_leaves_without_a_jump_and_frees_the_other() {
         }
         told.sort_by_key(|id| id.index);
         assert_eq!(told, two, "both are told once");
-        assert_eq!(people.state(two[1]).unwrap().doing, Doing::Arrived);
+        assert_eq!(people.state(two[1]).unwrap().activity, InhabitantActivity::Arrived);
         // One round is 2 s: nobody plays it to the end if it stands near its place before.
         let last = left.map(|l| l.expect("both leave it"));
         assert!(last.iter().all(|&l| l <= 122), "{last:?}");
@@ -255,12 +263,12 @@ fn who_is_held_up_gives_up_after_a_minute_and_twice_the_way() {
     let world = open(&["####################"]);
     let begin = |apart: usize| {
         let mut people = Inhabitants::new(&world, 2, InhabitantsConfig::default()).expect("room");
-        let mut rests: Vec<Node> =
+        let mut rests: Vec<WorldNode> =
             (0..world.graph().num_instances() as u32).filter_map(|i| world.graph().rest_cells(i).next()).collect();
         rests.sort_by(|a, b| world.graph().place(*a).x.total_cmp(&world.graph().place(*b).x));
         [0, apart].into_iter().for_each(|k| _ = people.spawn(rests[k]).expect("a start"));
         let two = [Id::first(0), Id::first(1)];
-        people.meet(two, GIVE, 3.0).unwrap();
+        people.order_meeting(two, GIVE, 3.0).unwrap();
         (people, two)
     };
     for apart in [2, 9, 19] {
@@ -268,11 +276,11 @@ fn who_is_held_up_gives_up_after_a_minute_and_twice_the_way() {
         let way_s = DT * until_begun(&mut free, two) as f32;
         // Everybody is on ground that outsiders hold, so nobody takes a step.
         let (mut held, _) = begin(apart);
-        let everywhere = Rod { from: Vec2::new(-50.0, 0.0), to: Vec2::new(100.0, 0.0), radius_m: 50.0 };
-        let others = [Held { bodies: Vec::new(), ground: vec![everywhere] }];
+        let everywhere = Capsule2d { from: Vec2::new(-50.0, 0.0), to: Vec2::new(100.0, 0.0), radius_m: 50.0 };
+        let others = [ReservedRegion { bodies: Vec::new(), ground: vec![everywhere] }];
         let mut gave_up_s = None;
         for step in 1..12_000 {
-            held.mind(others.iter());
+            held.set_external_obstacles(others.iter());
             held.step(DT, &Inline).unwrap();
             if held.events().contains(&(two[0], InhabitantEvent::GaveUp)) {
                 gave_up_s = Some(DT * step as f32);
@@ -293,7 +301,7 @@ fn who_vanishes_or_is_put_elsewhere_frees_the_other() {
     let world = open(&PLAIN);
     let mut people = people(&world, 2, 3);
     let two = [Id::first(0), Id::first(1)];
-    people.meet(two, GIVE, 30.0).unwrap();
+    people.order_meeting(two, GIVE, 30.0).unwrap();
     people.place(two[0], people.characters().root(0)).unwrap();
     people.step(DT, &Inline).unwrap();
     let gave_up = |id: Id| (id, InhabitantEvent::GaveUp);
@@ -303,12 +311,12 @@ fn who_vanishes_or_is_put_elsewhere_frees_the_other() {
     let before = num_fulfilled(&people);
     (0..900).for_each(|_| people.step(DT, &Inline).unwrap());
     assert_eq!(num_fulfilled(&people), before);
-    people.meet(two, GIVE, 30.0).unwrap();
+    people.order_meeting(two, GIVE, 30.0).unwrap();
     until_begun(&mut people, two);
     people.despawn(two[0]).unwrap();
     people.step(DT, &Inline).unwrap();
     assert_eq!(people.events(), [(two[1], InhabitantEvent::BrokenOff)]);
-    assert!(people.meeting(two[1]).unwrap().is_none() && people.meeting(two[0]).is_err());
+    assert!(people.meeting_state(two[1]).unwrap().is_none() && people.meeting_state(two[0]).is_err());
     (0..300).for_each(|_| people.step(DT, &Inline).unwrap());
 }
 
@@ -322,12 +330,12 @@ fn what_two_cannot_do_is_refused_and_changes_nothing() {
         Err(Error::Value { what: w, .. }) => assert_eq!(w, what),
         other => panic!("{what}: {other:?}"),
     };
-    value(people.meet([ids[0]; 2], GIVE, 1.0), "other");
-    value(people.meet(ids, SIT, 1.0), "tag");
-    value(people.meet(ids, GIVE, f32::NAN), "seconds");
-    value(people.order(ids[0], Wish::Meet { tag: GIVE, seconds: 1.0 }), "wish");
-    value(people.order(ids[0], Wish::Perform { tag: GIVE, seconds: 1.0 }), "tag");
-    assert!(people.meet([ids[0], Id::first(7)], GIVE, 1.0).is_err());
+    value(people.order_meeting([ids[0]; 2], GIVE, 1.0), "other");
+    value(people.order_meeting(ids, SIT, 1.0), "tag");
+    value(people.order_meeting(ids, GIVE, f32::NAN), "seconds");
+    value(people.order(ids[0], InhabitantGoal::Meet { tag: GIVE, seconds: 1.0 }), "wish");
+    value(people.order(ids[0], InhabitantGoal::Perform { tag: GIVE, seconds: 1.0 }), "tag");
+    assert!(people.order_meeting([ids[0], Id::first(7)], GIVE, 1.0).is_err());
     assert_eq!(people.hash(), before);
     // One tile alone has no edge to another.
     assert!(!Inhabitants::new(&open(&["###"]), 1, InhabitantsConfig::default()).unwrap().offers_pair(SIT));

@@ -6,13 +6,13 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::collections::{BTreeMap, BTreeSet};
 use throng_runtime::Bundle;
-use throng_runtime::world::plan::{Plan, Planner, Target, WORST};
-use throng_runtime::world::{Node, Step, WorldData, WorldGraph};
+use throng_runtime::world::plan::{PlanTarget, WORST, WorldPlan, WorldPlanner};
+use throng_runtime::world::{WorldData, WorldGraph, WorldNode, WorldStep};
 
 /// Least frames from a node to every other one.
-fn dijkstra(graph: &WorldGraph, from: Node) -> BTreeMap<Node, u32> {
+fn dijkstra(graph: &WorldGraph, from: WorldNode) -> BTreeMap<WorldNode, u32> {
     let mut queue = BTreeSet::from([(0, from)]);
-    let mut found: BTreeMap<Node, u32> = BTreeMap::new();
+    let mut found: BTreeMap<WorldNode, u32> = BTreeMap::new();
     while let Some((frames, node)) = queue.pop_first() {
         if found.contains_key(&node) {
             continue;
@@ -26,7 +26,7 @@ fn dijkstra(graph: &WorldGraph, from: Node) -> BTreeMap<Node, u32> {
 }
 
 /// The steps lead from the node to the target, each one is there to be taken, and the plan says what they are.
-fn is_a_way(graph: &WorldGraph, from: Node, target: Target, steps: &[Step], plan: &Plan) {
+fn is_a_way(graph: &WorldGraph, from: WorldNode, target: PlanTarget, steps: &[WorldStep], plan: &WorldPlan) {
     let mut at = from;
     for s in steps {
         let mut there = false;
@@ -36,7 +36,7 @@ fn is_a_way(graph: &WorldGraph, from: Node, target: Target, steps: &[Step], plan
     }
     assert!(target.is_at(graph, at));
     assert_eq!(plan.num_steps, steps.len());
-    assert_eq!(plan.num_frames, steps.iter().map(Step::num_frames).sum::<u32>());
+    assert_eq!(plan.num_frames, steps.iter().map(WorldStep::num_frames).sum::<u32>());
 }
 
 /// A floor with holes, and a bench here and there where one can be come to.
@@ -62,20 +62,20 @@ fn paths_are_as_short_as_the_shortest_within_five_percent() {
     for _ in 0..12 {
         let rows = floor(&mut rng);
         let world = made_up_world::world(&tables, &rows.iter().map(String::as_str).collect::<Vec<_>>());
-        let graph = WorldGraph::new(tables.patches(), &world.view()).unwrap();
-        let mut planner = Planner::new(&graph);
-        let mut steps = vec![Step::NONE; 400];
+        let graph = WorldGraph::new(tables.patches(), &world.tables()).unwrap();
+        let mut planner = WorldPlanner::new(&graph);
+        let mut steps = vec![WorldStep::NONE; 400];
         for _ in 0..25 {
             let instance = rng.random_range(0..graph.num_instances() as u32);
             let cells = graph.cells(instance).len() as u32;
-            let from = Node { instance, cell: rng.random_range(0..cells) };
+            let from = WorldNode { instance, cell: rng.random_range(0..cells) };
             if !graph.is_node(from) {
                 continue;
             }
             let to = rng.random_range(0..graph.num_instances() as u32);
             let target = match rng.random_range(0..3) {
-                0 => Target::Tag { instance: to, tag: SIT },
-                _ => Target::Rest { instance: to },
+                0 => PlanTarget::Tag { instance: to, tag: SIT },
+                _ => PlanTarget::Rest { instance: to },
             };
             let best =
                 dijkstra(&graph, from).into_iter().filter(|(n, _)| target.is_at(&graph, *n)).map(|(_, f)| f).min();
@@ -102,11 +102,11 @@ fn paths_are_as_short_as_the_shortest_within_five_percent() {
 fn the_first_steps_of_a_long_path_are_kept() {
     let tables = made_up_world::tables();
     let world = made_up_world::world(&tables, &["####################"]);
-    let graph = WorldGraph::new(tables.patches(), &world.view()).unwrap();
-    let mut planner = Planner::new(&graph);
+    let graph = WorldGraph::new(tables.patches(), &world.tables()).unwrap();
+    let mut planner = WorldPlanner::new(&graph);
     let from = graph.rest_cells(0).next().unwrap();
-    let target = Target::Rest { instance: 19 };
-    let (mut all, mut few) = (vec![Step::NONE; 50], [Step::NONE; 6]);
+    let target = PlanTarget::Rest { instance: 19 };
+    let (mut all, mut few) = (vec![WorldStep::NONE; 50], [WorldStep::NONE; 6]);
     let whole = planner.plan(&graph, from, target, &mut all).unwrap();
     let part = planner.plan(&graph, from, target, &mut few).unwrap();
     assert_eq!((whole.num_steps, whole.num_stored), (20, 20));
@@ -120,15 +120,15 @@ fn the_first_steps_of_a_long_path_are_kept() {
 fn the_way_of_a_target_that_is_a_node_ends_there() {
     let tables = made_up_world::tables();
     let world = made_up_world::world(&tables, &["####"; 4]);
-    let graph = WorldGraph::new(tables.patches(), &world.view()).unwrap();
-    let mut planner = Planner::new(&graph);
+    let graph = WorldGraph::new(tables.patches(), &world.tables()).unwrap();
+    let mut planner = WorldPlanner::new(&graph);
     let from = graph.rest_cells(0).next().unwrap();
     let best = dijkstra(&graph, from);
-    let mut steps = [Step::NONE; 60];
+    let mut steps = [WorldStep::NONE; 60];
     for (&node, &frames) in &best {
-        let plan = planner.plan(&graph, from, Target::Node(node), &mut steps);
+        let plan = planner.plan(&graph, from, PlanTarget::Node(node), &mut steps);
         let plan = plan.unwrap_or_else(|| panic!("no way to {node:?}"));
-        is_a_way(&graph, from, Target::Node(node), &steps[..plan.num_stored], &plan);
+        is_a_way(&graph, from, PlanTarget::Node(node), &steps[..plan.num_stored], &plan);
         assert!(
             f64::from(plan.num_frames) <= f64::from(WORST) * f64::from(frames),
             "{node:?}: {} {frames}",
@@ -142,20 +142,20 @@ fn compare(tables: &Bundle, rows: &[&str], rng: &mut Pcg64Mcg, change: impl Fn(&
     let mut world = made_up_world::world(tables, rows);
     change(&mut world);
     world.check(tables.patches()).expect("the changed world is sound");
-    let graph = WorldGraph::new(tables.patches(), &world.view()).unwrap();
-    let (mut planner, mut steps) = (Planner::new(&graph), vec![Step::NONE; 400]);
+    let graph = WorldGraph::new(tables.patches(), &world.tables()).unwrap();
+    let (mut planner, mut steps) = (WorldPlanner::new(&graph), vec![WorldStep::NONE; 400]);
     let (mut paths, mut none) = (0, 0);
     for _ in 0..25 {
         let mut draw = || {
             let instance = rng.random_range(0..graph.num_instances() as u32);
-            Node { instance, cell: rng.random_range(0..graph.cells(instance).len() as u32) }
+            WorldNode { instance, cell: rng.random_range(0..graph.cells(instance).len() as u32) }
         };
         let (from, to) = (draw(), draw());
         if !graph.is_node(from) || !graph.is_node(to) {
             continue;
         }
         let best = dijkstra(&graph, from).get(&to).copied();
-        let target = Target::Node(to);
+        let target = PlanTarget::Node(to);
         let plans =
             [planner.plan(&graph, from, target, &mut steps), planner.plan_soon(&graph, from, target, &mut steps)];
         assert_eq!(plans.map(|p| p.is_some()), [best.is_some(); 2], "{from:?} {to:?} in {rows:#?}");

@@ -6,8 +6,10 @@ use glam::Vec3;
 use throng_runtime::base::crc32;
 use throng_runtime::characters::CharactersConfig;
 use throng_runtime::world::World;
-use throng_runtime::world::inhabitants::{Doing, Inhabitants, InhabitantsConfig, Wish, scatter};
-use throng_runtime::{Cast, Error, Id, Inline};
+use throng_runtime::world::inhabitants::{
+    InhabitantActivity, InhabitantGoal, Inhabitants, InhabitantsConfig, scatter_rest_nodes,
+};
+use throng_runtime::{CharacterGroup, Error, Id, Inline};
 
 const DT: f32 = 1.0 / 30.0;
 /// Where the checksum of a snapshot lies, and where its state begins.
@@ -23,7 +25,7 @@ fn busy(world: &World, seed: u64) -> Inhabitants {
     let characters = CharactersConfig { seed, ..CharactersConfig::default() };
     let config = InhabitantsConfig { characters, max_path: 16, ..InhabitantsConfig::default() };
     let mut people = Inhabitants::new(world, 10, config).expect("room");
-    scatter(world.graph(), 10, seed).into_iter().for_each(|start| _ = people.spawn(start).expect("a start"));
+    scatter_rest_nodes(world.graph(), 10, seed).into_iter().for_each(|start| _ = people.spawn(start).expect("a start"));
     // One has left: ids and rows differ.
     people.despawn(Id::first(3)).expect("it was there");
     people
@@ -35,12 +37,13 @@ fn go_on(people: &mut Inhabitants, num_steps: usize) {
         for id in people.ids().to_vec() {
             let (state, c) = (people.state(id).unwrap(), id.index);
             let n = state.num_fulfilled + 1;
-            let is_free = state.wish == Wish::Roam && c % 4 != 0 || state.doing == Doing::Unreachable;
-            if is_free || state.doing == Doing::Arrived && c != 5 {
+            let is_free =
+                state.goal == InhabitantGoal::Roam && c % 4 != 0 || state.activity == InhabitantActivity::Unreachable;
+            if is_free || state.activity == InhabitantActivity::Arrived && c != 5 {
                 let wish = match c % 4 {
-                    1 => Wish::Perform { tag: SIT, seconds: 1.0 + c as f32 },
-                    2 => Wish::GoNear { place: Vec3::new((n % 7) as f32, 1.0, 1.0), within_m: 4.0 },
-                    _ => Wish::GoTo { instance: (7 * c + 13 * n) % 31 },
+                    1 => InhabitantGoal::Perform { tag: SIT, seconds: 1.0 + c as f32 },
+                    2 => InhabitantGoal::GoNear { place: Vec3::new((n % 7) as f32, 1.0, 1.0), within_m: 4.0 },
+                    _ => InhabitantGoal::GoTo { instance: (7 * c + 13 * n) % 31 },
                 };
                 people.order(id, wish).expect("a wish");
             }
@@ -74,9 +77,9 @@ fn who_is_loaded_goes_on_as_if_nothing_had_happened() {
                 assert_eq!(saved(again), saved(&undisturbed), "seed {seed}, {moment} steps on");
                 assert_eq!(again.characters().model_matrices(), undisturbed.characters().model_matrices());
                 for &id in again.ids() {
-                    assert_eq!(again.path(id).unwrap(), undisturbed.path(id).unwrap());
-                    assert!(again.held(id).unwrap().all(|u| undisturbed.holder(u) == Some(id)));
-                    assert_eq!(again.held(id).unwrap().count(), undisturbed.held(id).unwrap().count());
+                    assert_eq!(again.path_steps(id).unwrap(), undisturbed.path_steps(id).unwrap());
+                    assert!(again.units_of(id).unwrap().all(|u| undisturbed.holder(u) == Some(id)));
+                    assert_eq!(again.units_of(id).unwrap().count(), undisturbed.units_of(id).unwrap().count());
                 }
             }
         }

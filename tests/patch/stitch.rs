@@ -4,9 +4,9 @@ use crate::made_up::{BENCH, GROUND, MadeUp, PANEL_M, WALL, panels, with};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use throng_precompute::clip::joint_transforms;
-use throng_precompute::environment::{Body, Environment, PlacedGeometry, PlacedUnit};
+use throng_precompute::environment::{BodySpheres, Environment, PlacedGeometry, PlacedUnit};
 use throng_precompute::progress::Silent;
-use throng_precompute::stitch::{Editor, Item, Reason, StitchConfig, StitchReport, stitch};
+use throng_precompute::stitch::{Editor, InstanceItem, RemovalReason, StitchConfig, StitchReport, stitch};
 use throng_runtime::patch::{CellRecord, NONE, Placement};
 use throng_runtime::planar::wrap_angle;
 use throng_runtime::world::{InstanceRecord, WorldData, is_set};
@@ -42,7 +42,7 @@ fn node(m: &MadeUp, w: &WorldData, i: u32, cell: u32) -> Option<(u32, u32)> {
     let instance = &w.instances[i as usize];
     let patches = m.patches();
     let c = &patches.cells_of(instance.patch as usize)[cell as usize];
-    if !c.is(CellRecord::IS_EXIT) {
+    if !c.has_flags(CellRecord::IS_EXIT) {
         return Some((i, cell));
     }
     let other = w.neighbours[(instance.first_neighbour + c.edge) as usize];
@@ -209,7 +209,7 @@ fn scanned(m: &MadeUp, a: usize, b: usize, at: Placement, c: &StitchConfig) -> B
 /// those that the stitcher looks at.
 fn colliding(m: &MadeUp, w: &WorldData, e: &Environment, i: usize, depth: f32) -> BTreeSet<u32> {
     let geometry = PlacedGeometry::new(e, &m.geometries);
-    let body = Body::new(&m.skeleton);
+    let body = BodySpheres::new(&m.skeleton);
     let r = &w.instances[i];
     // Every instance of these patches consists of the unit that stands where it does.
     let own = |u: usize| {
@@ -379,14 +379,16 @@ fn whatever_is_taken_out_can_say_why() {
     let mut counted = std::collections::BTreeMap::new();
     for (i, r) in (0u32..).zip(&world.instances) {
         let patch = &m.patches[r.patch as usize];
-        let cells = (0..patch.num_cells).map(|c| (Item::Cell(c), is_set(&world.cell_words, r.first_cell_word, c)));
-        let links = (0..patch.num_links).map(|l| (Item::Link(l), is_set(&world.link_words, r.first_link_word, l)));
+        let cells =
+            (0..patch.num_cells).map(|c| (InstanceItem::Cell(c), is_set(&world.cell_words, r.first_cell_word, c)));
+        let links =
+            (0..patch.num_links).map(|l| (InstanceItem::Link(l), is_set(&world.link_words, r.first_link_word, l)));
         for (item, enabled) in cells.chain(links) {
-            let why = editor.why(i, item);
+            let why = editor.explain_removal(i, item);
             assert_eq!(why.is_none(), enabled, "{i} {item:?}");
             let Some(why) = why else { continue };
             *counted.entry(why.reason.name().to_owned()).or_insert(0u64) += 1;
-            assert_eq!(why.collision.is_some(), why.reason == Reason::Obstacle);
+            assert_eq!(why.collision.is_some(), why.reason == RemovalReason::Obstacle);
             if let Some(c) = &why.collision {
                 assert!(c.unit == 9 && c.depth_m > 0.05 && why.message.contains("m in unit bench (place 9"), "{why:?}");
             }

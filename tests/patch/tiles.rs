@@ -9,10 +9,10 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use std::sync::LazyLock;
 use throng_precompute::clip::{Exclusion, ExclusionReason};
 use throng_precompute::cluster::{self, ClusterConfig, PoseGroups};
-use throng_precompute::environment::{Environment, PlacedUnit, TileEdges, Unit, UnitSet};
+use throng_precompute::environment::{Environment, PlacedUnit, TileEdges, UnitObject, UnitSet};
 use throng_precompute::features::{self, FeaturesConfig};
 use throng_precompute::patch::{
-    self, Freedom, Patch, PatchConfig, Patches, Setting, TileCell, TileConfig, TileGraph, prune,
+    self, CaptureSetting, Freedom, PatchConfig, RawPatch, RawPatches, TileCell, TileConfig, TileGraph, prune,
 };
 use throng_precompute::progress::Silent;
 use throng_precompute::resample::{self, ResampleConfig};
@@ -24,8 +24,8 @@ use throng_runtime::planar::wrap_angle;
 
 const PANEL_M: f32 = 3.0;
 
-fn unit(name: &str, tile: Option<TileEdges>) -> Unit {
-    Unit { name: name.into(), shapes: Vec::new(), region: None, symmetry: 4, tile, floor: true }
+fn unit(name: &str, tile: Option<TileEdges>) -> UnitObject {
+    UnitObject { name: name.into(), shapes: Vec::new(), region: None, symmetry: 4, tile, floor: true }
 }
 
 fn panel() -> UnitSet {
@@ -40,22 +40,28 @@ fn with_tile(tile: TileConfig) -> PatchConfig {
 
 /// Twelve minutes of walking and their mirrored copies; six are too few turns for a tile.
 static WALK: LazyLock<(ClipSet, PoseGroups)> = LazyLock::new(|| {
-    let made = synth::make(SynthSet::Walk, &SynthConfig { minutes: 12.0, ..SynthConfig::default() }).unwrap();
+    let made = synth::make_set(SynthSet::Walk, &SynthConfig { minutes: 12.0, ..SynthConfig::default() }).unwrap();
     let clips = resample::resample(&made, &ResampleConfig::default()).unwrap();
     let features = features::extract(&clips, &FeaturesConfig::default()).unwrap();
     let groups =
-        cluster::group(&clips, &features, &ClusterConfig::default(), &Silent, &throng_runtime::base::Alone).unwrap();
+        cluster::group(&clips, &features, &ClusterConfig::default(), &Silent, &throng_runtime::base::SingleRank)
+            .unwrap();
     (clips, groups)
 });
 
-static TILE: LazyLock<Patches> =
-    LazyLock::new(|| built(&WALK.0, &WALK.1, &panel(), &with_tile(TileConfig::of("panel"))).unwrap());
+static TILE: LazyLock<RawPatches> =
+    LazyLock::new(|| built(&WALK.0, &WALK.1, &panel(), &with_tile(TileConfig::for_unit("panel"))).unwrap());
 
-fn built(clips: &ClipSet, groups: &PoseGroups, units: &UnitSet, config: &PatchConfig) -> Result<Patches, BuildError> {
+fn built(
+    clips: &ClipSet,
+    groups: &PoseGroups,
+    units: &UnitSet,
+    config: &PatchConfig,
+) -> Result<RawPatches, BuildError> {
     patch::build(clips, groups, &vec![None; clips.clips.len()], config, units, &Silent)
 }
 
-fn links_of<'a>(patch: &'a Patch, cell: &CellRecord) -> &'a [LinkRecord] {
+fn links_of<'a>(patch: &'a RawPatch, cell: &CellRecord) -> &'a [LinkRecord] {
     &patch.links[cell.first_link as usize..(cell.first_link + cell.num_links) as usize]
 }
 
@@ -63,7 +69,7 @@ fn links_of<'a>(patch: &'a Patch, cell: &CellRecord) -> &'a [LinkRecord] {
 fn every_entry_can_be_left_across_every_edge_and_come_to_rest() {
     let tile = &TILE.patches[0];
     assert!(tile.links.len() > 2000, "{} links", tile.links.len());
-    let entries: Vec<_> = tile.cells.iter().filter(|c| c.is(CellRecord::IS_ENTRY)).collect();
+    let entries: Vec<_> = tile.cells.iter().filter(|c| c.has_flags(CellRecord::IS_ENTRY)).collect();
     assert!(entries.len() > 40, "{} entries", entries.len());
     for entry in entries {
         let ways: BTreeSet<u32> = links_of(tile, entry).iter().map(|l| tile.cells[l.to as usize].edge).collect();
@@ -74,7 +80,7 @@ fn every_entry_can_be_left_across_every_edge_and_come_to_rest() {
 #[test]
 fn entries_match_the_exits_of_neighbours() {
     let tile = &TILE.patches[0];
-    for (i, exit) in tile.cells.iter().enumerate().filter(|(_, c)| c.is(CellRecord::IS_EXIT)) {
+    for (i, exit) in tile.cells.iter().enumerate().filter(|(_, c)| c.has_flags(CellRecord::IS_EXIT)) {
         let (entry, edge) = (&tile.cells[exit.twin as usize], tile.edges[exit.edge as usize]);
         assert_eq!((entry.twin, entry.group, entry.edge), (i as u32, exit.group, edge.opposite));
         let [x, y, z] = edge.step;
@@ -87,7 +93,7 @@ fn entries_match_the_exits_of_neighbours() {
 
 #[test]
 fn links_begin_and_end_exactly_in_their_cells_and_are_edited_within_the_limits() {
-    let (tile, config) = (&TILE.patches[0], TileConfig::of("panel"));
+    let (tile, config) = (&TILE.patches[0], TileConfig::for_unit("panel"));
     let starts = WALK.0.frame_starts();
     for l in &tile.links {
         for (cell, place) in [(l.from, l.start), (l.to, l.end)] {
@@ -123,11 +129,11 @@ fn tiles_of_three_by_three_on_a_torus_are_strongly_connected() {
     check_torus(&TILE.patches[0]);
 }
 
-fn check_torus(tile: &Patch) {
+fn check_torus(tile: &RawPatch) {
     let n = tile.cells.len();
     let node = |x: i32, z: i32, cell: u32| {
         let c = &tile.cells[cell as usize];
-        if !c.is(CellRecord::IS_EXIT) {
+        if !c.has_flags(CellRecord::IS_EXIT) {
             return ((x + 3 * z) as usize * n) + cell as usize;
         }
         let step = tile.edges[c.edge as usize].step.map(|s| (s / PANEL_M).round() as i32);
@@ -138,7 +144,7 @@ fn check_torus(tile: &Patch) {
         edges.extend(tile.links.iter().map(|l| (node(x, z, l.from), node(x, z, l.to))));
     }
     let nodes: BTreeSet<usize> = edges.iter().flat_map(|&(a, b)| [a, b]).collect();
-    let begins = tile.cells.iter().filter(|c| !c.is(CellRecord::IS_EXIT)).count();
+    let begins = tile.cells.iter().filter(|c| !c.has_flags(CellRecord::IS_EXIT)).count();
     assert_eq!(nodes.len(), 9 * begins, "every entry and rest is used");
     let backwards: Vec<_> = edges.iter().map(|&(a, b)| (b, a)).collect();
     for edges in [&edges, &backwards] {
@@ -161,7 +167,7 @@ fn reached(num_nodes: usize, edges: &[(usize, usize)], from: usize) -> BTreeSet<
 #[test]
 fn the_same_motion_makes_the_same_tile_whatever_the_threads() {
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let again = alone.install(|| built(&WALK.0, &WALK.1, &panel(), &with_tile(TileConfig::of("panel"))).unwrap());
+    let again = alone.install(|| built(&WALK.0, &WALK.1, &panel(), &with_tile(TileConfig::for_unit("panel"))).unwrap());
     assert!(again == *TILE);
 }
 
@@ -197,14 +203,14 @@ fn walking_that_turns_to_one_side_only_leads_everywhere_through_further_tiles() 
             && wrap_angle(clip.planar(f + 15).heading - clip.planar(f).heading) > 0.35
     };
     let (clips, groups) = walk_without(turns);
-    let patches = built(&clips, &groups, &panel(), &with_tile(TileConfig::of("panel"))).unwrap();
+    let patches = built(&clips, &groups, &panel(), &with_tile(TileConfig::for_unit("panel"))).unwrap();
     assert_eq!(patches.report[0].freedom, Freedom::FurtherTiles);
     let tile = &patches.patches[0];
     check_torus(tile);
     for edge in 0..4 {
-        assert!(tile.cells.iter().any(|c| c.is(CellRecord::IS_ENTRY) && c.edge == edge), "{edge}");
+        assert!(tile.cells.iter().any(|c| c.has_flags(CellRecord::IS_ENTRY) && c.edge == edge), "{edge}");
     }
-    assert!(tile.cells.iter().any(|c| c.is(CellRecord::IS_REST)));
+    assert!(tile.cells.iter().any(|c| c.has_flags(CellRecord::IS_REST)));
     assert_eq!(TILE.report[0].freedom, Freedom::EachTile);
 }
 
@@ -219,7 +225,7 @@ fn nobody_sits_where_there_is_no_seat() {
             seats.insert(starts[c] + f as u32);
         }
     }
-    let patches = built(&clips, &groups, &panel(), &with_tile(TileConfig::of("panel"))).unwrap();
+    let patches = built(&clips, &groups, &panel(), &with_tile(TileConfig::for_unit("panel"))).unwrap();
     assert!(seats.len() > 1000 && !patches.patches[0].links.is_empty());
     // Those who move while they are low, and so do not sit, may be part of a way, but not for a second.
     let seated = |l: &LinkRecord| seats.range(l.frame..l.frame + u32::from(l.num_frames)).count();
@@ -230,7 +236,7 @@ fn nobody_sits_where_there_is_no_seat() {
 #[test]
 fn walking_that_never_stops_is_refused() {
     let (clips, groups) = walk_without(|clip, f| speed(clip, f) < 0.2);
-    let error = built(&clips, &groups, &panel(), &with_tile(TileConfig::of("panel"))).unwrap_err().to_string();
+    let error = built(&clips, &groups, &panel(), &with_tile(TileConfig::for_unit("panel"))).unwrap_err().to_string();
     assert!(error.contains("`panel`") && error.contains("no walking that stops"), "{error}");
 }
 
@@ -238,7 +244,7 @@ fn walking_that_never_stops_is_refused() {
 fn gliding_straight_on_is_refused_with_the_direction_that_is_missing() {
     let clips = set_of(vec![Glide { frames: 300, speed_mps: 1.2, ..Glide::default() }.clip("straight")]);
     let groups = groups_of(&clips, |_, f| (f % 10) as u32);
-    let config = with_tile(TileConfig { rest_spots: 1, ..TileConfig::of("panel") });
+    let config = with_tile(TileConfig { rest_spots: 1, ..TileConfig::for_unit("panel") });
     let error = built(&clips, &groups, &panel(), &config).unwrap_err().to_string();
     let (lack, motion) = ("no entry can leave back across the same edge", "Add walks that turn round within 3.0 m");
     assert!(error.contains("`panel`") && error.contains(lack) && error.contains(motion), "{error}");
@@ -249,15 +255,15 @@ fn units_and_clips_that_are_not_there_are_named() {
     let clips = set_of(vec![Glide::default().clip("straight")]);
     let groups = groups_of(&clips, |_, _| 0);
     let refusal = |tile: TileConfig| built(&clips, &groups, &panel(), &with_tile(tile)).unwrap_err().to_string();
-    let error = refusal(TileConfig::of("pannel"));
+    let error = refusal(TileConfig::for_unit("pannel"));
     assert!(error.contains("`pannel`") && error.contains("`panel`, `rug`"), "{error}");
-    assert!(refusal(TileConfig::of("rug")).contains("`rug` has no edges"));
-    let error = refusal(TileConfig { clips: vec!["walk_*".into()], ..TileConfig::of("panel") });
+    assert!(refusal(TileConfig::for_unit("rug")).contains("`rug` has no edges"));
+    let error = refusal(TileConfig { clips: vec!["walk_*".into()], ..TileConfig::for_unit("panel") });
     assert!(error.contains("walk_*"), "{error}");
 }
 
 /// A flight of three copies of a ramp of 1.4 m by 0.7 m, and a character that glides up it, 14 frames a copy.
-fn ramp() -> (ClipSet, PoseGroups, Vec<Option<Setting>>, UnitSet) {
+fn ramp() -> (ClipSet, PoseGroups, Vec<Option<CaptureSetting>>, UnitSet) {
     let edges = TileEdges { steps: vec![[0.0, 0.7, 1.4]], widths: vec![1.2], centre: [0.0, 0.35, 0.7] };
     let units = UnitSet { units: vec![unit("ramp", Some(edges))] };
     let world = Placement::new(2.0, 0.5, -1.0, FRAC_PI_2);
@@ -274,21 +280,23 @@ fn ramp() -> (ClipSet, PoseGroups, Vec<Option<Setting>>, UnitSet) {
     }
     let clips = set_of(vec![clip]);
     let groups = groups_of(&clips, |_, f| (f % 14) as u32);
-    let settings = vec![Some(Setting { environment, units_of: vec![Vec::new(); 56] })];
+    let settings = vec![Some(CaptureSetting { environment, units_of: vec![Vec::new(); 56] })];
     (clips, groups, settings, units)
 }
 
 #[test]
 fn a_rising_tile_is_climbed_from_copy_to_copy() {
     let (clips, groups, settings, units) = ramp();
-    let tile = TileConfig { slots: 1, headings: 0, ..TileConfig::of("ramp") };
+    let tile = TileConfig { slots: 1, headings: 0, ..TileConfig::for_unit("ramp") };
     let config = PatchConfig { min_link_frames: 10, max_link_frames: 20, ..with_tile(tile) };
     let patches = patch::build(&clips, &groups, &settings, &config, &units, &Silent).unwrap();
     let tile = &patches.patches[0];
     assert!(!tile.links.is_empty());
     for l in &tile.links {
         let (from, to) = (&tile.cells[l.from as usize], &tile.cells[l.to as usize]);
-        assert!(from.is(CellRecord::IS_ENTRY) && from.edge == 1 && to.is(CellRecord::IS_EXIT) && to.edge == 0);
+        assert!(
+            from.has_flags(CellRecord::IS_ENTRY) && from.edge == 1 && to.has_flags(CellRecord::IS_EXIT) && to.edge == 0
+        );
         // The frame beside the edge may be moved onto it.
         assert!((13..=15).contains(&l.num_frames), "{}", l.num_frames);
         assert!((from.placement.z.abs() < 1e-4) && (to.placement.z - 1.4).abs() < 1e-4);
@@ -300,7 +308,7 @@ fn a_rising_tile_is_climbed_from_copy_to_copy() {
         assert!((l.start.y + hips(0) - from.placement.y).abs() < 0.01);
         assert!((l.end.y + hips(usize::from(l.num_frames)) - to.placement.y).abs() < 0.01);
     }
-    let entries = tile.cells.iter().filter(|c| c.is(CellRecord::IS_ENTRY));
+    let entries = tile.cells.iter().filter(|c| c.has_flags(CellRecord::IS_ENTRY));
     assert!(entries.clone().count() > 0);
     for e in entries {
         assert!((e.placement.y - tile.cells[e.twin as usize].placement.y + 0.7).abs() < 1e-4);
@@ -316,7 +324,7 @@ fn mirrored_copies_of_motion_in_an_environment_are_not_laid_on_level_ground() {
     settings.push(None);
     settings[0].as_mut().unwrap().environment.units.clear();
     let groups = groups_of(&clips, |_, f| (f % 14) as u32);
-    let config = with_tile(TileConfig::of("panel"));
+    let config = with_tile(TileConfig::for_unit("panel"));
     let error = patch::build(&clips, &groups, &settings, &config, &panel(), &Silent).unwrap_err().to_string();
     assert!(error.contains("a clip captured in no environment"), "{error}");
 }
@@ -343,7 +351,7 @@ fn random_graph(seed: u64, density: f64) -> TileGraph {
     TileGraph {
         cells,
         links,
-        ways_out: all.iter().map(|&e| if ground { all.clone() } else { vec![e ^ 1] }).collect(),
+        exit_edges: all.iter().map(|&e| if ground { all.clone() } else { vec![e ^ 1] }).collect(),
         must_rest: ground && rests > 0,
         together: if ground { vec![all] } else { all.iter().map(|&e| vec![e]).collect() },
     }
@@ -398,7 +406,7 @@ fn is_stuck(g: &TileGraph, left: &[bool], cell: u32) -> bool {
     let exit = g.cells.iter().position(|c| matches!(c, TileCell::Exit(_, twin) if *twin == cell)).unwrap() as u32;
     let used = links().any(|(a, b)| a == cell || b == exit);
     let leads = |fits: &dyn Fn(TileCell) -> bool| links().any(|(a, b)| a == cell && fits(g.cells[b as usize]));
-    let free = g.ways_out[edge as usize].iter().all(|&way| leads(&|c| matches!(c, TileCell::Exit(e, _) if e == way)));
+    let free = g.exit_edges[edge as usize].iter().all(|&way| leads(&|c| matches!(c, TileCell::Exit(e, _) if e == way)));
     used && !(free && (!g.must_rest || leads(&|c| c == TileCell::Rest)))
 }
 
@@ -422,7 +430,7 @@ proptest! {
 #[test]
 fn headings_of_entries_spread_about_straight_ahead() {
     let tile = &TILE.patches[0];
-    for c in tile.cells.iter().filter(|c| c.is(CellRecord::IS_ENTRY)) {
+    for c in tile.cells.iter().filter(|c| c.has_flags(CellRecord::IS_ENTRY)) {
         let step = tile.edges[c.edge as usize].step;
         let ahead = (-step[0]).atan2(-step[2]);
         assert!(wrap_angle(c.placement.heading - ahead).abs() < PI / 6.0 + 1e-3);
@@ -434,7 +442,7 @@ fn headings_of_entries_spread_about_straight_ahead() {
 fn with_partners() -> (ClipSet, PoseGroups) {
     let config = SynthConfig { minutes: 0.5, ..SynthConfig::for_set(SynthSet::Office) };
     let made =
-        resample::resample(&synth::make(SynthSet::Office, &config).unwrap(), &ResampleConfig::default()).unwrap();
+        resample::resample(&synth::make_set(SynthSet::Office, &config).unwrap(), &ResampleConfig::default()).unwrap();
     let (mut clips, mut groups) = (WALK.0.clone(), WALK.1.clone());
     let pairs: Vec<_> = made.clips.into_iter().filter(|c| c.name.starts_with("office_pair") && !c.mirrored).collect();
     let mut longer = pairs[..2].to_vec();
@@ -464,7 +472,7 @@ fn two_who_were_captured_together_stand_across_an_edge_as_they_did() {
     let patterns = std::iter::once("office_pair_*".to_owned()).chain(names);
     let pairs = patterns.map(|p| [format!("{p}_a"), format!("{p}_b")]);
     let walks = vec!["walk_*".to_owned()];
-    let tile = TileConfig { clips: walks, pairs: pairs.collect(), ..TileConfig::of("panel") };
+    let tile = TileConfig { clips: walks, pairs: pairs.collect(), ..TileConfig::for_unit("panel") };
     let built = built(&clips, &groups, &panel(), &with_tile(tile)).unwrap();
     let (patch, report) = (&built.patches[0], &built.report[0].pairs);
     let found: Vec<&str> = report.iter().filter(|r| r.refused.is_none()).map(|r| r.tag.as_str()).collect();
@@ -513,7 +521,7 @@ fn two_who_were_captured_together_stand_across_an_edge_as_they_did() {
         }
         for (l, end) in [(own, own.from), (own, own.to), (other, other.from), (other, other.to)] {
             let cell = &patch.cells[end as usize];
-            assert!(cell.is(CellRecord::IS_REST), "one can wait there");
+            assert!(cell.has_flags(CellRecord::IS_REST), "one can wait there");
             let near = if end == l.from { l.start } else { l.end };
             let off = (cell.placement.x - near.x).hypot(cell.placement.z - near.z);
             assert!(off < 0.03 + 1e-4, "{off} m from the place of rest");

@@ -5,7 +5,7 @@ use bytemuck::Pod;
 use std::sync::OnceLock;
 use throng_precompute::stitch;
 use throng_runtime::Bundle;
-use throng_runtime::format::{AlignedBytes, Header};
+use throng_runtime::format::{AlignedBytes, FileHeader};
 use throng_runtime::patch::NONE;
 use throng_runtime::world::{PathCosts, WORLD_MAGIC, WORLD_VERSION, World, WorldData, WorldError, WorldGraph};
 
@@ -18,7 +18,7 @@ fn bytes(damaged: &WorldData) -> Vec<u8> {
     static PATHS: OnceLock<PathCosts> = OnceLock::new();
     let paths = PATHS.get_or_init(|| {
         let tables = made_up_world::tables();
-        let graph = WorldGraph::new(tables.patches(), &world(&tables).view()).expect("a world");
+        let graph = WorldGraph::new(tables.patches(), &world(&tables).tables()).expect("a world");
         PathCosts::bake(&graph).expect("path costs")
     });
     let mut out = Vec::new();
@@ -38,7 +38,7 @@ fn what_is_written_is_read_again() {
     let path = folder.path().join("made-up.world");
     std::fs::write(&path, bytes(&world)).unwrap();
     let file = World::open(&path, &tables).unwrap();
-    let (a, b) = (file.view(), &world.view());
+    let (a, b) = (file.view(), &world.tables());
     assert_eq!(a, b);
     assert_eq!(*file.meta(), world.meta);
     assert_eq!(file.num_bytes(), bytes(&world).len());
@@ -81,7 +81,7 @@ fn a_world_that_is_open_does_not_see_what_happens_to_its_file() {
     let mapped = unsafe { World::map(&path, &tables) }.unwrap().hash();
     let file = World::open(&path, &tables).unwrap();
     std::fs::OpenOptions::new().write(true).open(&path).unwrap().set_len(64).unwrap();
-    assert_eq!(file.view(), &world.view());
+    assert_eq!(file.view(), &world.tables());
     assert_eq!(file.hash(), mapped);
 }
 
@@ -120,7 +120,7 @@ fn truncated_extended_and_flipped_files_are_refused() {
         bytes[at] ^= 0x20;
         assert!(open(&bytes, &tables).is_err(), "flipped at {at}");
     }
-    let mut header: Header = bytemuck::pod_read_unaligned(&whole[..64]);
+    let mut header: FileHeader = bytemuck::pod_read_unaligned(&whole[..64]);
     header.version = WORLD_VERSION + 1;
     header.header_crc32 = header.checksum();
     let e = open(&[bytemuck::bytes_of(&header), &whole[64..]].concat(), &tables).unwrap_err();
@@ -191,11 +191,11 @@ fn scramble<T: Pod>(name: &str, tables: &Bundle, of: impl Fn(&mut WorldData) -> 
 }
 
 fn walk(file: &World, tables: &Bundle, name: &str) {
-    use throng_runtime::world::{Node, WorldGraph};
+    use throng_runtime::world::{WorldGraph, WorldNode};
     let graph = WorldGraph::new(tables.patches(), file.view()).unwrap();
     for instance in 0..graph.num_instances() as u32 {
         for cell in 0..graph.cells(instance).len() as u32 {
-            graph.for_each_step(Node { instance, cell }, |s| {
+            graph.for_each_step(WorldNode { instance, cell }, |s| {
                 assert!((s.to.instance as usize) < graph.num_instances(), "{name}: {s:?}");
                 assert!(graph.place(s.to).is_moderate(1e6), "{name}: {s:?}");
             });

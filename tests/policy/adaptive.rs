@@ -4,28 +4,28 @@ use crate::naive::{Hit, random_model};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use throng_precompute::policy::made_up::MadeUp;
+use throng_precompute::policy::made_up::SyntheticProblem;
 use throng_precompute::policy::{
-    ActionModel, AdaptiveConfig, Approach, Behaviour, BehaviourConfig, BehaviourKind, GridConfig, PolicyConfig,
-    PolicyTables, SegmentHit, SegmentMotion, Solution, Spec, ThrowPunches, adapt, bake, solve_behaviours,
-    value_iteration,
+    ActionModel, AdaptiveConfig, Approach, BehaviourKind, BehaviourSpec, GridConfig, PolicyBehaviour,
+    PolicyBehaviourConfig, PolicyConfig, PolicyTables, SegmentHit, SegmentMotion, Solution, ThrowPunches, adapt, bake,
+    solve_behaviours, value_iteration,
 };
 use throng_precompute::progress::Silent;
 use throng_runtime::Joint;
 use throng_runtime::policy::{
-    BestActionJob, Goal, LookAheadJob, MAX_ACTIONS, PolicyTable, RankedActions, SegmentRecord, TargetGrid,
+    BestActionJob, LookAheadGoal, LookAheadJob, MAX_ACTIONS, PolicyTable, RankedActions, SegmentRecord, TargetGrid,
 };
 
 /// Another behaviour's rewards on a grid that may be adaptive.
 struct Compact<'a> {
-    behaviour: &'a dyn Behaviour,
+    behaviour: &'a dyn PolicyBehaviour,
     grid: TargetGrid,
     adaptive: Option<AdaptiveConfig>,
 }
 
-impl Behaviour for Compact<'_> {
-    fn spec(&self) -> Spec<'_> {
-        Spec { grid: self.grid, adaptive: self.adaptive, ..self.behaviour.spec() }
+impl PolicyBehaviour for Compact<'_> {
+    fn spec(&self) -> BehaviourSpec<'_> {
+        BehaviourSpec { grid: self.grid, adaptive: self.adaptive, ..self.behaviour.spec() }
     }
 
     fn sample(&self, segment: usize, motion: &SegmentMotion, record: &mut SegmentRecord) {
@@ -49,14 +49,14 @@ fn blows(rng: &mut Pcg64) -> (ActionModel, Hit, TargetGrid) {
 }
 
 /// The policy on the finest grid everywhere.
-fn finest(model: &ActionModel, behaviour: &dyn Behaviour) -> Solution {
+fn finest(model: &ActionModel, behaviour: &dyn PolicyBehaviour) -> Solution {
     let cfg = PolicyConfig::default();
     let mut solution = value_iteration(model, behaviour, &cfg, &Silent).expect("it converges");
     bake(model, &mut solution, &cfg).expect("it converges");
     solution
 }
 
-fn tables(model: &ActionModel, behaviour: &dyn Behaviour) -> PolicyTables {
+fn tables(model: &ActionModel, behaviour: &dyn PolicyBehaviour) -> PolicyTables {
     let cfg = PolicyConfig { compare_samples: 500, ..PolicyConfig::default() };
     solve_behaviours(model.clone(), &[behaviour], &cfg, &mut Pcg64::seed_from_u64(3), &Silent).expect("it converges")
 }
@@ -79,9 +79,10 @@ fn bytes(s: &Solution) -> usize {
 fn memory_stays_within_the_share_and_more_of_it_never_makes_values_worse() {
     let (model, hit, grid) = blows(&mut Pcg64::seed_from_u64(1));
     let polar = TargetGrid::polar(9, 16, 3.0, 0.25, 1.0).expect("a valid grid");
-    let made_up = MadeUp { states: STATES, actions: 5, ..MadeUp::default() };
+    let made_up = SyntheticProblem { states: STATES, actions: 5, ..SyntheticProblem::default() };
     let approach = made_up.behaviour().expect("a valid behaviour");
-    for (model, behaviour, grid) in [(&model, &hit as &dyn Behaviour, grid), (&made_up.model(), &approach, polar)] {
+    for (model, behaviour, grid) in [(&model, &hit as &dyn PolicyBehaviour, grid), (&made_up.model(), &approach, polar)]
+    {
         let behaviour = Compact { behaviour, grid, adaptive: None };
         let whole = finest(model, &behaviour);
         let mut last = f64::INFINITY;
@@ -157,7 +158,7 @@ fn stored_actions_are_those_of_the_look_ahead_at_the_centres_of_a_state_s_own_ce
         for cell in 0..own.num_cells() {
             let target = table.cell_target(state, cell);
             let mut ranked = [RankedActions::NONE];
-            let goals = [Goal { policy: &table, weights: &[1.0], targets: &[target] }];
+            let goals = [LookAheadGoal { policy: &table, weights: &[1.0], targets: &[target] }];
             LookAheadJob { goals: &goals, states: &[state], ranked: &mut ranked }.run().expect("a sound batch");
             assert_eq!(table.best_of(state, cell), ranked[0].actions);
             let mut action = [0];
@@ -191,7 +192,7 @@ fn the_report_says_what_the_values_say() {
     let (model, hit, grid) = blows(&mut Pcg64::seed_from_u64(8));
     let adaptive = Some(AdaptiveConfig { share: 0.2, ..AdaptiveConfig::default() });
     let cfg = PolicyConfig { compare_samples: 20_000, ..PolicyConfig::default() };
-    let solve = |behaviour: &dyn Behaviour| {
+    let solve = |behaviour: &dyn PolicyBehaviour| {
         let mut rng = Pcg64::seed_from_u64(3);
         solve_behaviours(model.clone(), &[behaviour], &cfg, &mut rng, &Silent).expect("it converges")
     };
@@ -229,7 +230,7 @@ fn same_grids_at_any_thread_count() {
 
 #[test]
 fn configuration_says_what_is_wrong_with_it() {
-    let read = |text: &str| toml::from_str::<BehaviourConfig>(text);
+    let read = |text: &str| toml::from_str::<PolicyBehaviourConfig>(text);
     let text = "kind = \"throw_punches\"\ngrid = { rings = 20, adaptive = { share = 0.125 } }";
     let config = read(text).expect("a valid behaviour");
     assert_eq!(config.grid.adaptive, Some(AdaptiveConfig { share: 0.125, tolerance: 0.0 }));
@@ -239,7 +240,8 @@ fn configuration_says_what_is_wrong_with_it() {
         SegmentHit { frame: 3, kind: "punch".into(), joint: Joint::LeftHand, place, own_place: place, force: 1.0 };
     let punches = |adaptive| {
         let grid = GridConfig { adaptive: Some(adaptive), ..GridConfig::default() };
-        let config = BehaviourConfig { kind: BehaviourKind::ThrowPunches, grid, ..BehaviourConfig::default() };
+        let config =
+            PolicyBehaviourConfig { kind: BehaviourKind::ThrowPunches, grid, ..PolicyBehaviourConfig::default() };
         ThrowPunches::new(&config, 30.0, &[vec![hit.clone()]]).map(|b| b.spec().adaptive)
     };
     let good = AdaptiveConfig::default();
@@ -251,7 +253,7 @@ fn configuration_says_what_is_wrong_with_it() {
     let message = punches(AdaptiveConfig { tolerance: -0.1, ..good }).expect_err("no tolerance").to_string();
     assert!(message.contains("grid.adaptive.tolerance"), "{message}");
     let grid = GridConfig { adaptive: Some(AdaptiveConfig { share: 2.0, ..good }), ..GridConfig::default() };
-    assert!(Approach::new(&BehaviourConfig { grid, ..BehaviourConfig::default() }, 30.0, None).is_err());
+    assert!(Approach::new(&PolicyBehaviourConfig { grid, ..PolicyBehaviourConfig::default() }, 30.0, None).is_err());
     let grid = GridConfig { adaptive: Some(good), ..GridConfig::default() };
     let message = grid.make_space_time().expect_err("one resolution").to_string();
     assert!(message.contains("grid.adaptive") && message.contains("evade"), "{message}");

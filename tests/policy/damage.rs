@@ -7,8 +7,8 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use throng_precompute::policy::{PolicyConfig, RewardForm};
 use throng_runtime::policy::{
-    ActionTable, BestActionJob, Goal, LookAheadJob, NO_ACTION, PolicyRecord, PolicySlices, PolicyTable, RankedActions,
-    SegmentRecord,
+    ActionTable, BestActionJob, LookAheadGoal, LookAheadJob, NO_ACTION, PolicyRecord, PolicySlices, PolicyTable,
+    RankedActions, SegmentRecord,
 };
 
 /// Sound tables, to be spoilt.
@@ -88,7 +88,7 @@ proptest! {
         if let Ok(policy) = PolicyTable::new(record, actions.clone(), slices(segments, values, best)) {
             let (states, targets) = ([state], [Vec3::from_array(target)]);
             let mut ranked = [RankedActions::NONE];
-            let goals = [Goal { policy: &policy, weights: &[1.0], targets: &targets }];
+            let goals = [LookAheadGoal { policy: &policy, weights: &[1.0], targets: &targets }];
             let looked = LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked }.run();
             let mut action = [0];
             let job = BestActionJob { policy: &policy, states: &states, targets: &targets, choice: 3, actions: &mut action };

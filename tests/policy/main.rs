@@ -9,14 +9,14 @@ use glam::{Vec2, Vec3};
 use naive::{ARITHMETIC, Hit, Naive, approach, largest_error, model, random_model, segment, solved};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use throng_precompute::policy::made_up::MadeUp;
+use throng_precompute::policy::made_up::SyntheticProblem;
 use throng_precompute::policy::{
-    ActionModel, Approach, Behaviour, BehaviourConfig, GridConfig, PolicyConfig, RewardForm, bake, solve_behaviours,
-    value_iteration,
+    ActionModel, Approach, GridConfig, PolicyBehaviour, PolicyBehaviourConfig, PolicyConfig, RewardForm, bake,
+    solve_behaviours, value_iteration,
 };
 use throng_precompute::progress::Silent;
 use throng_runtime::Planar;
-use throng_runtime::policy::{BestActionJob, Goal, LookAheadJob, NO_ACTION, RankedActions};
+use throng_runtime::policy::{BestActionJob, LookAheadGoal, LookAheadJob, NO_ACTION, RankedActions};
 
 #[test]
 fn chain_of_three_states_has_the_values_worked_out_by_hand() {
@@ -79,13 +79,13 @@ fn values_are_within_epsilon_of_brute_force() {
 fn offsets_and_gains_are_within_epsilon_of_brute_force() {
     for (seed, offset, gain) in [(1, 0.8, 1.0), (2, 0.0, -1.0), (3, 1.5, -0.5), (4, 0.3, 3.0)] {
         let model = random_model(&mut Pcg64::seed_from_u64(400 + seed), 4);
-        let config = BehaviourConfig {
+        let config = PolicyBehaviourConfig {
             grid: GridConfig::polar(5, 9, 3.0, 0.4, 1.0),
             reward: Some(if seed % 2 == 0 { RewardForm::Integral } else { RewardForm::Max }),
             discount: 0.95,
             offset,
             gain: Some(gain),
-            ..BehaviourConfig::default()
+            ..PolicyBehaviourConfig::default()
         };
         let behaviour = Approach::new(&config, 30.0, None).expect("a valid behaviour");
         let error = largest_error(&model, &behaviour, &PolicyConfig::default());
@@ -153,7 +153,7 @@ fn residual_is_that_of_the_stored_values() {
 
 #[test]
 fn same_tables_at_any_thread_count() {
-    let problem = MadeUp { states: 30, actions: 9, ..MadeUp::default() };
+    let problem = SyntheticProblem { states: 30, actions: 9, ..SyntheticProblem::default() };
     let at = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         let behaviour = problem.behaviour().expect("a valid behaviour");
@@ -178,7 +178,7 @@ fn stored_actions_are_those_of_the_look_ahead_at_cell_centres() {
         let targets: Vec<Vec3> = (0..n).map(|c| table.grid().cell_centre(c)).collect();
         let (states, weights) = (vec![state; n], vec![1.0; n]);
         let mut ranked = vec![RankedActions::NONE; n];
-        let goals = [Goal { policy: &table, weights: &weights, targets: &targets }];
+        let goals = [LookAheadGoal { policy: &table, weights: &weights, targets: &targets }];
         LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked }.run().expect("a sound batch");
         let mut actions = vec![0; n];
         let job =
@@ -207,8 +207,8 @@ fn weighted_behaviours_are_the_weighted_sum_of_their_scores() {
     let (states, weights, none) = ([3u32, 3], [0.3, 0.3], [2.0, 0.0]);
     let targets = [[Vec3::new(0.5, 1.0, 2.0); 2], [Vec3::new(0.2, 1.35, 0.8); 2]];
     let goals = [
-        Goal { policy: &policies[0], weights: &weights, targets: &targets[0] },
-        Goal { policy: &policies[1], weights: &none, targets: &targets[1] },
+        LookAheadGoal { policy: &policies[0], weights: &weights, targets: &targets[0] },
+        LookAheadGoal { policy: &policies[1], weights: &none, targets: &targets[1] },
     ];
     let mut ranked = [RankedActions::NONE; 2];
     LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked }.run().expect("a sound batch");
@@ -222,7 +222,7 @@ fn weighted_behaviours_are_the_weighted_sum_of_their_scores() {
 
 #[test]
 fn sweeps_that_do_not_suffice_are_an_error_with_the_residual() {
-    let problem = MadeUp { states: 10, actions: 5, rings: 8, angles: 9, seed: 2 };
+    let problem = SyntheticProblem { states: 10, actions: 5, rings: 8, angles: 9, seed: 2 };
     let cfg = PolicyConfig { max_sweeps: 1, ..PolicyConfig::default() };
     let behaviour = problem.behaviour().expect("a valid behaviour");
     let message = value_iteration(&problem.model(), &behaviour, &cfg, &Silent).expect_err("too few").to_string();
@@ -235,12 +235,12 @@ fn sweeps_that_do_not_suffice_are_an_error_with_the_residual() {
 #[test]
 fn configuration_refuses_unknown_keys_and_takes_those_of_lee_and_lee() {
     let text = "name = \"a\"\nreward = \"max\"\ngrid = { rings = 5, angles = 13, radius = 2.0, inner_spacing = 0.5 }";
-    let config: BehaviourConfig = toml::from_str(text).expect("a valid behaviour");
+    let config: PolicyBehaviourConfig = toml::from_str(text).expect("a valid behaviour");
     assert_eq!(
         (config.grid, config.reward),
         (GridConfig { falloff: None, ..GridConfig::polar(5, 13, 2.0, 0.5, 2.5) }, Some(RewardForm::Max))
     );
-    assert!(toml::from_str::<BehaviourConfig>("discont = 0.9").is_err());
+    assert!(toml::from_str::<PolicyBehaviourConfig>("discont = 0.9").is_err());
     assert!(toml::from_str::<PolicyConfig>("epsilon = 1e-3\nsweeps = 4").is_err());
 }
 
@@ -264,7 +264,7 @@ fn walker() -> ActionModel {
 #[test]
 fn approach_comes_to_the_target_from_anywhere_and_stands_there() {
     let model = walker();
-    let behaviour = Approach::new(&BehaviourConfig::default(), 30.0, None).expect("a valid behaviour");
+    let behaviour = Approach::new(&PolicyBehaviourConfig::default(), 30.0, None).expect("a valid behaviour");
     let tables = solved(&model, &behaviour, &PolicyConfig::default());
     let table = tables.table(0).expect("sound tables");
     let mut rng = Pcg64::seed_from_u64(6);
@@ -278,7 +278,7 @@ fn approach_comes_to_the_target_from_anywhere_and_stands_there() {
             let local = root.inverse_transform_point(target);
             let local = Vec3::new(local.x, 0.0, local.y);
             let mut ranked = [RankedActions::NONE];
-            let goals = [Goal { policy: &table, weights: &[1.0], targets: &[local] }];
+            let goals = [LookAheadGoal { policy: &table, weights: &[1.0], targets: &[local] }];
             LookAheadJob { goals: &goals, states: &[state], ranked: &mut ranked }.run().expect("a sound batch");
             last = table.actions().segments_of(state)[usize::from(ranked[0].best())];
             let played = &model.segments[last as usize];

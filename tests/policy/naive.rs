@@ -4,8 +4,8 @@ use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use throng_precompute::policy::{
-    ActionModel, Approach, Behaviour, BehaviourConfig, GridConfig, PolicyConfig, PolicyTables, RewardForm,
-    SegmentMotion, Spec, segment_records, solve_behaviours,
+    ActionModel, Approach, BehaviourSpec, GridConfig, PolicyBehaviour, PolicyBehaviourConfig, PolicyConfig,
+    PolicyTables, RewardForm, SegmentMotion, segment_records, solve_behaviours,
 };
 use throng_precompute::progress::Silent;
 use throng_runtime::Planar;
@@ -23,12 +23,12 @@ pub struct Hit {
     pub transition_cost: f32,
 }
 
-impl Behaviour for Hit {
-    fn spec(&self) -> Spec<'_> {
+impl PolicyBehaviour for Hit {
+    fn spec(&self) -> BehaviourSpec<'_> {
         let grid = TargetGrid::cylinder([5, 4, 3], Vec3::new(-1.0, 0.4, 1.2), Vec3::new(1.0, 1.3, 1.6), 0.1);
         let record = RewardRecord::new(COMBINE_MAX, KERNEL_WITHIN, self.radius);
         let reward = Reward::new(RewardRecord { transition_cost: self.transition_cost, ..record });
-        Spec::new("hit", grid.expect("a valid grid"), reward.expect("a valid reward"), self.discount)
+        BehaviourSpec::new("hit", grid.expect("a valid grid"), reward.expect("a valid reward"), self.discount)
     }
 
     fn sample(&self, segment: usize, _: &SegmentMotion, record: &mut SegmentRecord) {
@@ -78,7 +78,13 @@ pub fn random_model(rng: &mut Pcg64, num_states: u32) -> ActionModel {
 pub fn approach(rings: u32, angles: u32, reward: RewardForm, discount: f64) -> Approach {
     let reward = Some(reward);
     let grid = GridConfig::polar(rings, angles, 3.0, 0.4, 1.0);
-    let config = BehaviourConfig { grid, reward, discount, transition_cost_s: Some(3.0), ..BehaviourConfig::default() };
+    let config = PolicyBehaviourConfig {
+        grid,
+        reward,
+        discount,
+        transition_cost_s: Some(3.0),
+        ..PolicyBehaviourConfig::default()
+    };
     Approach::new(&config, 30.0, None).expect("valid")
 }
 
@@ -92,7 +98,7 @@ pub struct Naive<'a> {
 }
 
 impl<'a> Naive<'a> {
-    pub fn new(model: &'a ActionModel, behaviour: &dyn Behaviour) -> Self {
+    pub fn new(model: &'a ActionModel, behaviour: &dyn PolicyBehaviour) -> Self {
         let records = segment_records(behaviour, &model.segments);
         let (grid, reward) = (behaviour.spec().grid, *behaviour.spec().reward.record());
         Self { model, grid, reward, records, discount: behaviour.spec().discount }
@@ -225,14 +231,14 @@ impl<'a> Naive<'a> {
     }
 }
 
-pub fn solved(model: &ActionModel, behaviour: &dyn Behaviour, cfg: &PolicyConfig) -> PolicyTables {
+pub fn solved(model: &ActionModel, behaviour: &dyn PolicyBehaviour, cfg: &PolicyConfig) -> PolicyTables {
     solve_behaviours(model.clone(), &[behaviour], cfg, &mut Pcg64::seed_from_u64(3), &Silent).expect("it converges")
 }
 
 /// Angles of reward and geometry are within 4e-6 rad, exponentials within 1e-5: what that makes of values.
 pub const ARITHMETIC: f64 = 2e-5;
 
-pub fn largest_error(model: &ActionModel, behaviour: &dyn Behaviour, cfg: &PolicyConfig) -> f64 {
+pub fn largest_error(model: &ActionModel, behaviour: &dyn PolicyBehaviour, cfg: &PolicyConfig) -> f64 {
     let tables = solved(model, behaviour, cfg);
     let exact = Naive::new(model, behaviour).solve();
     let errors = exact.iter().zip(&tables.policies[0].values).map(|(a, &b)| (a - f64::from(b)).abs());

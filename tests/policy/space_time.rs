@@ -4,7 +4,7 @@ use crate::naive::{ARITHMETIC, Naive, random_model, solved};
 use glam::{DVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use throng_precompute::policy::{ActionModel, Behaviour, PolicyConfig, SegmentMotion, Spec};
+use throng_precompute::policy::{ActionModel, BehaviourSpec, PolicyBehaviour, PolicyConfig, SegmentMotion};
 use throng_runtime::policy::{
     KERNEL_EXPONENTIAL, MAX_ACTIONS, PATH_POINTS, PathRecord, Reward, RewardRecord, SegmentRecord, TargetGrid,
 };
@@ -29,11 +29,11 @@ impl Dodge {
     }
 }
 
-impl Behaviour for Dodge {
-    fn spec(&self) -> Spec<'_> {
+impl PolicyBehaviour for Dodge {
+    fn spec(&self) -> BehaviourSpec<'_> {
         let grid = TargetGrid::space_time([4, 8, 6], 1.2, 0.75, 0.3).expect("a valid grid");
         let record = RewardRecord { gain: -1.0, height: 1.6, ..RewardRecord::new(1, KERNEL_EXPONENTIAL, 0.2) };
-        Spec::new("dodge", grid, Reward::new(record).expect("a valid reward"), self.discount)
+        BehaviourSpec::new("dodge", grid, Reward::new(record).expect("a valid reward"), self.discount)
     }
 
     fn sample(&self, _: usize, _: &SegmentMotion, _: &mut SegmentRecord) {}

@@ -1,18 +1,18 @@
 //! The viewer without its window: the same code runs in a window, for a picture and in tests.
 
-use crate::command::{Command, SteerCommand, WorldCommand};
-use crate::document::Document;
+use crate::command::{SteerCommand, ViewerCommand, WorldCommand};
+use crate::document::OpenDocument;
 use crate::model::Model;
 use crate::panels::viewport::pad::Pads;
-use crate::panels::{Dialog, PANELS, PanelStates, dock, keys, messages, start, top_bar, transport, viewport};
-use crate::render::{SceneCallback, SceneFrame, SceneRenderer, Worn};
+use crate::panels::{PANELS, PanelStates, SystemDialog, dock, keys, messages, start, top_bar, transport, viewport};
+use crate::render::{SceneCallback, SceneFrame, SceneRenderer, WornFrame};
 use crate::settings::Dock;
-use crate::settings::Settings;
-use crate::stage::{Layout, scene_colours};
+use crate::settings::ViewerSettings;
+use crate::stage::{StageLayout, scene_colours};
 use crate::theme;
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use eframe::egui_wgpu::RenderState;
-use keys::Action;
+use keys::KeyAction;
 use std::path::PathBuf;
 use std::pin::Pin;
 use std::sync::mpsc::{Receiver, channel};
@@ -32,10 +32,10 @@ pub struct Viewer {
     renderer: Result<Arc<Mutex<SceneRenderer>>, String>,
     /// Time for encoding the last frame of the 3-D view.
     drawing: Arc<Mutex<Duration>>,
-    layout: Layout,
+    layout: StageLayout,
     /// Commands that panels asked for in the last frame.
-    pending: Vec<Command>,
-    dialog: Option<(Dialog, Receiver<Vec<PathBuf>>)>,
+    pending: Vec<ViewerCommand>,
+    dialog: Option<(SystemDialog, Receiver<Vec<PathBuf>>)>,
     /// Scale of the window as last set.
     zoom: Option<f32>,
     pads: Pads,
@@ -43,7 +43,7 @@ pub struct Viewer {
 
 impl Viewer {
     /// A viewer with nothing open. Without a graphics device, the 3-D view shows an error.
-    pub fn new(settings: Settings, render_state: Option<&RenderState>) -> Self {
+    pub fn new(settings: ViewerSettings, render_state: Option<&RenderState>) -> Self {
         let renderer = match render_state {
             None => Err("There is no graphics device to draw with.".to_owned()),
             Some(r) => SceneRenderer::new(&r.device, &r.queue, r.target_format)
@@ -55,7 +55,7 @@ impl Viewer {
             states: PanelStates::default(),
             renderer,
             drawing: Arc::default(),
-            layout: Layout::default(),
+            layout: StageLayout::default(),
             pending: Vec::new(),
             dialog: None,
             zoom: None,
@@ -73,8 +73,8 @@ impl Viewer {
         if let Some((wanted, paths)) = self.dialog.as_ref().and_then(|(w, d)| Some((*w, d.try_recv().ok()?))) {
             self.dialog = None;
             match (wanted, &paths[..]) {
-                (Dialog::Body, [path]) => self.model.apply(ctx, Command::Wear(path.clone())),
-                _ => self.model.apply(ctx, Command::Open(paths)),
+                (SystemDialog::Body, [path]) => self.model.apply(ctx, ViewerCommand::Wear(path.clone())),
+                _ => self.model.apply(ctx, ViewerCommand::Open(paths)),
             }
         }
         let begin = Instant::now();
@@ -101,7 +101,7 @@ impl Viewer {
         self.keys(&ctx, &mut commands);
         let dropped = ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_path_buf()).collect::<Vec<_>>());
         if !dropped.is_empty() {
-            commands.push(Command::Open(dropped));
+            commands.push(ViewerCommand::Open(dropped));
         }
         self.upload(ctx.theme() == egui::Theme::Dark);
         self.panels(ui, &mut commands);
@@ -131,9 +131,9 @@ impl Viewer {
         ctx.set_zoom_factor(s.zoom);
     }
 
-    fn panels(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
+    fn panels(&mut self, ui: &mut Ui, commands: &mut Vec<ViewerCommand>) {
         let (model, states) = (&self.model, &mut self.states);
-        if matches!(model.document, Document::Nothing) {
+        if matches!(model.document, OpenDocument::Nothing) {
             return start_page(ui, model, states, commands);
         }
         if !states.bare {
@@ -150,7 +150,7 @@ impl Viewer {
         let dark = ui.visuals().dark_mode;
         let (renderer, drawing, layout) = (&self.renderer, &self.drawing, &self.layout);
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
-            let paint = |ui: &Ui, drawn: viewport::Drawn| {
+            let paint = |ui: &Ui, drawn: viewport::ViewportArea| {
                 let renderer = renderer.as_ref().map_err(Clone::clone)?;
                 let callback = SceneCallback {
                     renderer: Arc::clone(renderer),
@@ -179,7 +179,7 @@ impl Viewer {
         let frame = SceneFrame {
             skeleton: &self.layout.skeleton,
             body: self.model.settings.body,
-            worn: self.model.worn_outfit().map(|o| Worn { mesh: &o.mesh, matrices: &self.layout.worn }),
+            worn: self.model.worn_outfit().map(|o| WornFrame { mesh: &o.mesh, matrices: &self.layout.worn }),
             palette: self.layout.poses(&self.model),
             instances: &self.layout.instances,
             records: &self.layout.records,
@@ -195,84 +195,84 @@ impl Viewer {
         }
     }
 
-    fn keys(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) {
+    fn keys(&mut self, ctx: &egui::Context, commands: &mut Vec<ViewerCommand>) {
         if ctx.text_edit_focused() || egui::Popup::is_any_open(ctx) {
             return;
         }
         viewport::steer::keys(ctx, &self.model, self.pads.read(), commands);
         for panel in PANELS {
             if ctx.input_mut(|i| i.consume_key(egui::Modifiers::NONE, panel.key)) {
-                commands.push(Command::TogglePanel(panel.kind));
+                commands.push(ViewerCommand::TogglePanel(panel.kind));
             }
         }
-        for action in keys::pressed(ctx, self.states.blend.has_focus()) {
+        for action in keys::take_pressed(ctx, self.states.blend.has_focus()) {
             if self.states.help {
                 // Over everything else, the list only waits to be closed.
-                self.states.help = !matches!(action, Action::SelectNone | Action::Help);
+                self.states.help = !matches!(action, KeyAction::SelectNone | KeyAction::Help);
             } else {
                 self.act(action, ctx.theme() == egui::Theme::Dark, commands);
             }
         }
     }
 
-    fn act(&mut self, action: Action, is_dark: bool, commands: &mut Vec<Command>) {
+    fn act(&mut self, action: KeyAction, is_dark: bool, commands: &mut Vec<ViewerCommand>) {
         let m = &self.model;
         let mut s = m.settings.clone();
         let second = if m.shows_clip() { m.shown_clip().map_or(30.0, |c| c.1) } else { crate::run::STEP_HZ } as i32;
         let speed = m.head().map_or(m.player.speed, |h| h.speed());
         commands.push(match action {
-            Action::PlayPause => Command::Play(!m.is_playing()),
-            Action::Back => Command::Step(-1),
-            Action::On => Command::Step(1),
-            Action::BackSecond => Command::Step(-second),
-            Action::OnSecond => Command::Step(second),
-            Action::First => Command::Seek(0),
-            Action::Last => Command::Seek(u32::MAX),
-            Action::Slower => Command::Speed(speed * 0.5),
-            Action::Faster => Command::Speed(speed * 2.0),
-            Action::Restart => Command::Restart,
-            Action::Stage => {
+            KeyAction::PlayPause => ViewerCommand::Play(!m.is_playing()),
+            KeyAction::Back => ViewerCommand::Step(-1),
+            KeyAction::On => ViewerCommand::Step(1),
+            KeyAction::BackSecond => ViewerCommand::Step(-second),
+            KeyAction::OnSecond => ViewerCommand::Step(second),
+            KeyAction::First => ViewerCommand::Seek(0),
+            KeyAction::Last => ViewerCommand::Seek(u32::MAX),
+            KeyAction::Slower => ViewerCommand::Speed(speed * 0.5),
+            KeyAction::Faster => ViewerCommand::Speed(speed * 2.0),
+            KeyAction::Restart => ViewerCommand::Restart,
+            KeyAction::Stage => {
                 let all = m.stages();
                 let now = all.iter().position(|&s| s == m.shown_stage()).unwrap_or(0);
                 let Some(&next) = all.get((now + 1) % all.len().max(1)) else { return };
-                Command::Stage(next)
+                ViewerCommand::Stage(next)
             }
-            Action::FrameAll => Command::FrameAll,
-            Action::Steer => Command::Steer(SteerCommand::Toggle),
-            Action::SelectNone => Command::SelectCharacter(None),
-            Action::Reload => Command::Reload,
-            Action::Open => return self.states.dialog = Some(Dialog::Files),
-            Action::Undo => Command::World(WorldCommand::Undo),
-            Action::Redo => Command::World(WorldCommand::Redo),
-            Action::Help => return self.states.help = !self.states.help,
-            Action::Follow | Action::Body | Action::JointAxes | Action::Theme => {
+            KeyAction::FrameAll => ViewerCommand::FrameAll,
+            KeyAction::Steer => ViewerCommand::Steer(SteerCommand::Toggle),
+            KeyAction::SelectNone => ViewerCommand::SelectCharacter(None),
+            KeyAction::Reload => ViewerCommand::Reload,
+            KeyAction::Open => return self.states.dialog = Some(SystemDialog::Files),
+            KeyAction::Undo => ViewerCommand::World(WorldCommand::Undo),
+            KeyAction::Redo => ViewerCommand::World(WorldCommand::Redo),
+            KeyAction::Help => return self.states.help = !self.states.help,
+            KeyAction::Follow | KeyAction::Body | KeyAction::JointAxes | KeyAction::Theme => {
                 match action {
-                    Action::Follow => s.follow = !s.follow,
-                    Action::Body => s.body = m.next_body(),
-                    Action::JointAxes => s.overlays.joint_axes = !s.overlays.joint_axes,
+                    KeyAction::Follow => s.follow = !s.follow,
+                    KeyAction::Body => s.body = m.next_body(),
+                    KeyAction::JointAxes => s.overlays.joint_axes = !s.overlays.joint_axes,
                     _ => {
                         s.theme = if is_dark { egui::ThemePreference::Light } else { egui::ThemePreference::Dark };
                     }
                 }
-                Command::Settings(Box::new(s))
+                ViewerCommand::Settings(Box::new(s))
             }
         });
     }
 
     /// Asks for files or a folder in the system's own dialog, away from this thread.
-    fn open_dialog(&mut self, ctx: &egui::Context, wanted: Dialog) {
+    fn open_dialog(&mut self, ctx: &egui::Context, wanted: SystemDialog) {
         let dialog = rfd::AsyncFileDialog::new();
         let chosen: Pin<Box<dyn Future<Output = Option<Vec<_>>> + Send>> = match wanted {
-            Dialog::Files => {
+            SystemDialog::Files => {
                 let extensions = [&["throng", "toml", "zip"], &import::EXTENSIONS[..]].concat();
                 let dialog = dialog.add_filter("bundles, scenes, worlds, motion files, archives of them", &extensions);
                 Box::pin(dialog.add_filter("all files", &["*"]).pick_files())
             }
-            Dialog::Body => {
+            SystemDialog::Body => {
                 let chosen = dialog.add_filter("characters with a skin", &["glb", "gltf"]).pick_file();
                 Box::pin(async { chosen.await.map(|file| vec![file]) })
             }
-            Dialog::Folder => {
+            SystemDialog::Folder => {
                 let chosen = dialog.pick_folder();
                 Box::pin(async { chosen.await.map(|folder| vec![folder]) })
             }
@@ -292,7 +292,7 @@ impl Viewer {
 }
 
 /// Start page, shown while no document is open.
-fn start_page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
+fn start_page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<ViewerCommand>) {
     if !states.bare {
         Panel::top("top bar").show(ui, |ui| top_bar::show(ui, model, states, commands));
     }
@@ -303,7 +303,7 @@ fn start_page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &m
 }
 
 /// The bars at the top and at the bottom.
-fn bars(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
+fn bars(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<ViewerCommand>) {
     Panel::top("top bar").show(ui, |ui| top_bar::show(ui, model, states, commands));
     Panel::bottom("transport").show(ui, |ui| {
         ui.add_space(3.0);

@@ -5,20 +5,20 @@ mod scene;
 mod steer;
 mod world;
 
-pub use plan::{PlanCommand, PlanLook};
-pub use scene::{BoardCell, Boards, SceneCommand, SceneLook, Whose};
-pub use steer::{Held, SteerCommand};
-pub use world::{Draft, Tool, WorldCommand, WorldLook};
+pub use plan::{PlanCommand, PlanViewOptions};
+pub use scene::{BlackboardCell, BlackboardFilter, OverlayScope, SceneCommand, SceneViewOptions};
+pub use steer::{SteerCommand, SteerInput};
+pub use world::{Tool, UnitDraft, WorldCommand, WorldSelection};
 
-use crate::render::Camera;
-use crate::run::{Blending, Input, RunConfig};
+use crate::render::OrbitCamera;
+use crate::run::{Blending, CrowdRunConfig, RunInput};
 use crate::settings::PanelKind;
-use crate::settings::Settings;
+use crate::settings::ViewerSettings;
 use std::path::PathBuf;
 
 /// Stage of a bundle: which of its contents the 3-D view shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Stage {
+pub enum ViewStage {
     /// The run of a crowd.
     #[default]
     Crowd,
@@ -30,7 +30,7 @@ pub enum Stage {
 
 /// A request of a panel, carried out by the model after all panels have been shown.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Command {
+pub enum ViewerCommand {
     /// Open a bundle, a scene, a world or a motion file; of a folder, an archive and several files of motion, build a
     /// bundle first.
     Open(Vec<PathBuf>),
@@ -58,9 +58,9 @@ pub enum Command {
     /// Restart the run, with the same config.
     Restart,
     /// Start a run with another config.
-    Configure(RunConfig),
+    Configure(CrowdRunConfig),
     /// Do something to the run.
-    Input(Input),
+    Input(RunInput),
     /// Blend something else, or on another body, and show it.
     Blend(Blending),
     /// Do something to the world.
@@ -92,13 +92,13 @@ pub enum Command {
     SelectSlice(u32),
 
     /// Show the crowd or a clip.
-    Stage(Stage),
+    Stage(ViewStage),
     /// Open a panel, or close it if it is open.
     TogglePanel(PanelKind),
     /// Set the camera.
-    Camera(Camera),
+    Camera(OrbitCamera),
     /// Move the camera so that everything is in view.
     FrameAll,
     /// Change settings, except those of the run and the panels, which have their own commands.
-    Settings(Box<Settings>),
+    Settings(Box<ViewerSettings>),
 }

@@ -19,9 +19,9 @@ pub(crate) mod paces;
 pub(crate) mod square;
 
 use crate::bundle::OpenBundle;
-use crate::document::Building;
+use crate::document::OngoingBuild;
 use std::path::{Path, PathBuf};
-use throng_precompute::run::Cached;
+use throng_precompute::run::BuildContext;
 use throng_runtime::format::VERSION;
 
 /// The bundle of the current version that every checkout has.
@@ -35,6 +35,6 @@ pub(crate) fn golden() -> OpenBundle {
 }
 
 /// Runs an opening function without any report.
-pub(crate) fn quietly<T>(open: impl FnOnce(&Cached<'_>) -> T) -> T {
-    Building::default().with(open)
+pub(crate) fn quietly<T>(open: impl FnOnce(&BuildContext<'_>) -> T) -> T {
+    OngoingBuild::default().run_with_cache(open)
 }

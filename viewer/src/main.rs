@@ -6,7 +6,7 @@ use std::error::Error;
 use std::io::Write;
 use std::process::ExitCode;
 use throng_runtime::base::limit_threads;
-use throng_runtime::base::text::{plain, plain_json};
+use throng_runtime::base::text::{escape_for_terminal, escape_json_for_terminal};
 use throng_viewer::args::Args;
 use throng_viewer::{headless, window};
 
@@ -15,7 +15,7 @@ fn main() -> ExitCode {
     match run(&Args::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) => {
-            eprintln!("error: {}", plain(&e.to_string()));
+            eprintln!("error: {}", escape_for_terminal(&e.to_string()));
             ExitCode::FAILURE
         }
     }
@@ -36,7 +36,7 @@ fn run(args: &Args) -> Result<(), Box<dyn Error>> {
 }
 
 fn print_json(report: &impl Serialize) -> Result<(), Box<dyn Error>> {
-    print(&(plain_json(&serde_json::to_string_pretty(report)?) + "\n"))
+    print(&(escape_json_for_terminal(&serde_json::to_string_pretty(report)?) + "\n"))
 }
 
 /// Prints; a reader that has gone away is no failure.

@@ -4,19 +4,19 @@ mod commands;
 mod documents;
 mod places;
 mod plan;
-mod played;
-mod shown;
+mod playback;
+mod shown_stage;
 mod steer;
 pub mod world;
 
 pub use documents::name_of;
-pub use steer::{Lags, Steering};
+pub use steer::{Lags, UserSteering};
 
-use crate::command::{PlanLook, SceneLook, Stage, WorldLook};
-use crate::document::{Build, Building, Document, Dressing, Loader, Outfit, Watch};
-use crate::render::{Body, Camera};
+use crate::command::{PlanViewOptions, SceneViewOptions, ViewStage, WorldSelection};
+use crate::document::{FileWatch, Loader, OngoingBuild, OpenDocument, OutfitLoader, ShownBuild, UserOutfit};
+use crate::render::{BodyStyle, OrbitCamera};
 use crate::settings::PanelKind;
-use crate::settings::{BODIES, Settings};
+use crate::settings::{BODIES, ViewerSettings};
 use eframe::egui;
 use glam::Vec3;
 use std::path::PathBuf;
@@ -38,11 +38,11 @@ pub struct Selection {
     /// Clip of the database.
     pub clip: usize,
     /// Selection in a world.
-    pub world: WorldLook,
+    pub world: WorldSelection,
     /// View options of a scene.
-    pub scene: SceneLook,
+    pub scene: SceneViewOptions,
     /// View options of a task.
-    pub plan: PlanLook,
+    pub plan: PlanViewOptions,
 }
 
 /// The play head of a clip.
@@ -63,13 +63,13 @@ impl Default for ClipPlayer {
 }
 
 /// Subject of the camera: stage, character, clip.
-type Who = (Stage, Option<usize>, usize);
+type FollowedKey = (ViewStage, Option<usize>, usize);
 /// Subject of the camera, and its position (m).
-type Followed = (Who, Vec3);
+type FollowedPlace = (FollowedKey, Vec3);
 
 /// A message to the user.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Message {
+pub struct UserMessage {
     /// Number by which the message is dismissed.
     pub id: u64,
     /// Text of the message.
@@ -101,17 +101,17 @@ pub struct FrameTimes {
 #[derive(Debug, Default)]
 pub struct Model {
     /// The open document.
-    pub document: Document,
+    pub document: OpenDocument,
     /// Settings stored between runs.
-    pub settings: Settings,
+    pub settings: ViewerSettings,
     /// Selection of the user.
     pub selection: Selection,
     /// Stage of the 3-D view.
-    pub stage: Stage,
+    pub stage: ViewStage,
     /// The play head of the clip shown.
     pub player: ClipPlayer,
     /// Messages to the user.
-    pub messages: Vec<Message>,
+    pub messages: Vec<UserMessage>,
     /// Times of the last frame.
     pub times: FrameTimes,
     /// Aspect ratio of the 3-D view, width over height; 0 before it was first shown.
@@ -123,29 +123,29 @@ pub struct Model {
     /// version are discarded.
     pub generation: u64,
     /// The build under way, or the last one until it is dismissed.
-    pub build: Option<Build>,
+    pub build: Option<ShownBuild>,
     /// A character of the user's own.
-    pub outfit: Option<Outfit>,
-    dressing: Option<Dressing>,
-    steering: Option<Steering>,
+    pub outfit: Option<UserOutfit>,
+    dressing: Option<OutfitLoader>,
+    steering: Option<UserSteering>,
     weights: Vec<f32>,
     /// Files of the open document, as requested.
     asked: Vec<PathBuf>,
     loader: Loader,
-    watch: Option<Watch>,
+    watch: Option<FileWatch>,
     num_messages: u64,
     /// Side panel that was open before a motion file was.
     panel_of_bundles: Option<PanelKind>,
     /// Subject of the camera in the last frame, and its position.
-    followed: Option<Followed>,
+    followed: Option<FollowedPlace>,
     /// Cameras of the other stages, and their subjects.
-    views: Vec<(Stage, Camera, Option<Followed>)>,
+    views: Vec<(ViewStage, OrbitCamera, Option<FollowedPlace>)>,
     now_s: f64,
 }
 
 impl Model {
     /// Nothing open.
-    pub fn new(settings: Settings) -> Self {
+    pub fn new(settings: ViewerSettings) -> Self {
         Self { settings, ..Self::default() }
     }
 
@@ -155,9 +155,9 @@ impl Model {
     }
 
     /// The build for the files being read; none while files are only read.
-    pub fn building(&self) -> Option<&Building> {
+    pub fn building(&self) -> Option<&OngoingBuild> {
         match &self.build {
-            Some(Build::UnderWay { building, .. }) if building.has_begun() => Some(building),
+            Some(ShownBuild::UnderWay { building, .. }) if building.has_begun() => Some(building),
             _ => None,
         }
     }
@@ -170,8 +170,8 @@ impl Model {
     /// Frames and rate of the clip shown (frames, Hz).
     pub fn shown_clip(&self) -> Option<(u32, f32)> {
         match &self.document {
-            Document::Clip(c) => Some((c.imported.clip.num_frames as u32, c.imported.clip.rate_hz as f32)),
-            Document::Task(t) => Some(t.frames()),
+            OpenDocument::Clip(c) => Some((c.imported.clip.num_frames as u32, c.imported.clip.rate_hz as f32)),
+            OpenDocument::Task(t) => Some(t.frames()),
             document => {
                 let bundle = document.bundle()?;
                 Some((bundle.tables().clips().get(self.selection.clip)?.num_frames, bundle.rate_hz()))
@@ -186,7 +186,7 @@ impl Model {
     }
 
     /// State inspected by panels: the selected one, or the one of the selected character's last choice.
-    pub fn looked_at_state(&self) -> Option<u32> {
+    pub fn inspected_state(&self) -> Option<u32> {
         let followed = || {
             let c = self.document.chooser(self.selection.character?)?;
             Some(c.characters.last_choice(c.number)?.state)
@@ -210,38 +210,38 @@ impl Model {
     /// Number of characters of the crowd or the world, or of agents of a scene.
     pub fn num_characters(&self) -> usize {
         match &self.document {
-            Document::World(w) => w.run().num_characters(),
-            Document::Scene(s) => s.run().simulation().num_characters(),
+            OpenDocument::World(w) => w.run().num_characters(),
+            OpenDocument::Scene(s) => s.run().simulation().num_characters(),
             document => document.crowd().map_or(0, |(_, run)| run.config().characters),
         }
     }
 
     /// The mesh that all characters wear.
-    pub fn worn_outfit(&self) -> Option<&Outfit> {
-        self.outfit.as_ref().filter(|_| self.settings.body == Body::Own)
+    pub fn worn_outfit(&self) -> Option<&UserOutfit> {
+        self.outfit.as_ref().filter(|_| self.settings.body == BodyStyle::Own)
     }
 
     /// Available bodies with their names.
-    pub fn bodies(&self) -> Vec<(Body, String)> {
+    pub fn bodies(&self) -> Vec<(BodyStyle, String)> {
         let made = BODIES.into_iter().map(|(body, name)| (body, name.to_owned()));
-        made.chain(self.outfit.as_ref().map(|o| (Body::Own, o.name()))).collect()
+        made.chain(self.outfit.as_ref().map(|o| (BodyStyle::Own, o.name()))).collect()
     }
 
     /// The body after the one shown, the first one after the last.
-    pub fn next_body(&self) -> Body {
+    pub fn next_body(&self) -> BodyStyle {
         let all = self.bodies();
         let at = all.iter().position(|b| b.0 == self.settings.body).unwrap_or(0);
         all[(at + 1) % all.len()].0
     }
 
     /// Lets all characters wear a mesh.
-    pub fn wear(&mut self, outfit: Outfit) {
+    pub fn wear(&mut self, outfit: UserOutfit) {
         self.outfit = Some(outfit);
-        self.settings.body = Body::Own;
+        self.settings.body = BodyStyle::Own;
     }
 
-    fn take_in_outfit(&mut self) {
-        let Some(read) = self.dressing.as_ref().and_then(Dressing::poll) else { return };
+    fn adopt_outfit(&mut self) {
+        let Some(read) = self.dressing.as_ref().and_then(OutfitLoader::poll) else { return };
         self.dressing = None;
         match read {
             Ok(outfit) => {
@@ -266,7 +266,7 @@ impl Model {
         self.messages.retain(|m| m.text != text);
         self.num_messages += 1;
         let until = if is_error { f64::INFINITY } else { self.now_s + NEWS_S };
-        self.messages.push(Message { id: self.num_messages, text, is_error, until });
+        self.messages.push(UserMessage { id: self.num_messages, text, is_error, until });
     }
 
     /// Advances time and adopts what other threads have read meanwhile.
@@ -274,12 +274,12 @@ impl Model {
         self.now_s = ctx.input(|i| i.time);
         let now = self.now_s;
         self.messages.retain(|m| m.until > now);
-        self.take_in();
-        self.take_in_outfit();
+        self.adopt_loaded();
+        self.adopt_outfit();
         self.look_for_changes(ctx);
-        self.take_in_world(false);
-        self.take_in_scene(false);
-        self.take_in_task(false);
+        self.adopt_edit(false);
+        self.adopt_scene(false);
+        self.adopt_plan(false);
         self.times.steps = 0;
         self.steer();
         if self.shows_clip() {
@@ -287,7 +287,7 @@ impl Model {
         } else {
             self.times.steps = self.advance_run(wall_s);
         }
-        self.see_steered(self.times.steps, wall_s);
+        self.update_steered(self.times.steps, wall_s);
         self.follow();
     }
 
@@ -300,7 +300,7 @@ impl Model {
             self.followed = None;
             return;
         };
-        let who = self.who_is_followed();
+        let who = self.followed_key();
         let before = self.followed.replace((who, at)).filter(|f| f.0 == who);
         let target = &mut self.settings.camera.target;
         match before {
@@ -310,7 +310,7 @@ impl Model {
     }
 
     /// Subject of the camera.
-    fn who_is_followed(&self) -> Who {
+    fn followed_key(&self) -> FollowedKey {
         (self.shown_stage(), self.selection.character, self.selection.clip)
     }
 

@@ -1,7 +1,7 @@
 //! Settings that the viewer stores between runs.
 
-use crate::render::{Body, Camera};
-use crate::run::RunConfig;
+use crate::render::{BodyStyle, OrbitCamera};
+use crate::run::CrowdRunConfig;
 use eframe::egui::ThemePreference;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 const MAX_RECENT: usize = 8;
 
 /// Built-in bodies with their names.
-pub const BODIES: [(Body, &str); 2] = [(Body::Capsules, "capsules"), (Body::Mannequin, "mannequin")];
+pub const BODIES: [(BodyStyle, &str); 2] = [(BodyStyle::Capsules, "capsules"), (BodyStyle::Mannequin, "mannequin")];
 
 /// Which panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -136,13 +136,13 @@ impl RawView {
 /// Settings that the viewer stores between runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Settings {
+pub struct ViewerSettings {
     /// Dark, light, or as the system.
     pub theme: ThemePreference,
     /// Scale of everything in the window (0.5 to 3).
     pub zoom: f32,
     /// Body of the characters.
-    pub body: Body,
+    pub body: BodyStyle,
     /// Bodies differ from one another, but capsules.
     pub varied: bool,
     /// Colours of the characters.
@@ -156,44 +156,44 @@ pub struct Settings {
     /// Panel below the view.
     pub bottom_panel: Option<PanelKind>,
     /// Camera.
-    pub camera: Camera,
+    pub camera: OrbitCamera,
     /// The camera goes with the selected character.
     pub follow: bool,
     /// Config of runs.
-    pub run: RunConfig,
+    pub run: CrowdRunConfig,
     /// Recently opened files, the latest first; several files of motion together are one entry.
     pub opened: Vec<Vec<PathBuf>>,
 }
 
-impl Default for Settings {
+impl Default for ViewerSettings {
     fn default() -> Self {
         Self {
             theme: ThemePreference::Dark,
             zoom: 1.0,
-            body: Body::default(),
+            body: BodyStyle::default(),
             varied: true,
             colouring: Colouring::default(),
             raw_view: RawView::default(),
             overlays: Overlays::default(),
             side_panel: Some(PanelKind::Control),
             bottom_panel: None,
-            camera: Camera::default(),
+            camera: OrbitCamera::default(),
             follow: false,
-            run: RunConfig::default(),
+            run: CrowdRunConfig::default(),
             opened: Vec::new(),
         }
     }
 }
 
-impl Settings {
+impl ViewerSettings {
     /// The nearest valid settings: stored ones may come from another version, or may have been edited by hand.
     pub fn limited(mut self) -> Self {
         self.zoom = if self.zoom.is_finite() { self.zoom.clamp(0.5, 3.0) } else { 1.0 };
         self.camera.limit();
         self.run = self.run.limited();
-        if self.body == Body::Own {
+        if self.body == BodyStyle::Own {
             // The file of a user's body has to be named in every run.
-            self.body = Body::Mannequin;
+            self.body = BodyStyle::Mannequin;
         }
         self
     }
@@ -234,7 +234,7 @@ mod tests {
 
     #[test]
     fn the_latest_files_are_remembered_once_each() {
-        let mut settings = Settings::default();
+        let mut settings = ViewerSettings::default();
         for i in 0..20 {
             settings.remember(&[format!("/{}.throng", i % 10).into()]);
         }

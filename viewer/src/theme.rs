@@ -3,7 +3,7 @@
 mod palette;
 pub mod viridis;
 
-pub use palette::Palette;
+pub use palette::ThemePalette;
 
 use eframe::egui::{Color32, Context, Theme};
 
@@ -50,7 +50,7 @@ mod tests {
                 assert!(weak >= 4.5 && text > 1.4 * weak, "{theme:?}: {text} {weak} on {back:?}");
                 assert!(contrast(v.error_fg_color, back) >= 4.5, "{theme:?}: faults on {back:?}");
             }
-            let p = Palette::of(v);
+            let p = ThemePalette::for_visuals(v);
             for colour in [p.left, p.right, p.standing, p.incoming, p.character, p.head, p.good, p.warning] {
                 let ratio = contrast(colour, v.panel_fill);
                 assert!(ratio >= 4.5, "{theme:?}: {ratio} of {colour:?}");

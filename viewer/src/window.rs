@@ -1,10 +1,10 @@
 //! The window.
 
 use crate::app::{SETTINGS_KEY, Viewer};
-use crate::args::{Args, Size};
-use crate::document::{Document, may_be_made};
+use crate::args::{Args, PictureSize};
+use crate::document::{OpenDocument, may_be_made};
 use crate::render::device_descriptor;
-use crate::settings::Settings;
+use crate::settings::ViewerSettings;
 use eframe::egui;
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -35,7 +35,7 @@ pub fn run(args: &Args) -> Result<(), String> {
     let native = options(args.size);
     let create: eframe::AppCreator<'_> = Box::new(move |cc| {
         opened.store(true, Ordering::Relaxed);
-        Ok(Box::new(Window::new(&args, cc)?))
+        Ok(Box::new(ViewerWindow::new(&args, cc)?))
     });
     // The windowing library panics where a shared library of the system is not there.
     match catch_unwind(AssertUnwindSafe(|| eframe::run_native(APP_ID, native, create))) {
@@ -56,7 +56,7 @@ fn has_value(variable: &&str) -> bool {
     std::env::var_os(variable).is_some_and(|v| !v.is_empty())
 }
 
-fn options(size: Option<Size>) -> eframe::NativeOptions {
+fn options(size: Option<PictureSize>) -> eframe::NativeOptions {
     let asked = size.unwrap_or_default();
     let viewport = egui::ViewportBuilder::default()
         .with_title("Throng")
@@ -81,7 +81,7 @@ fn options(size: Option<Size>) -> eframe::NativeOptions {
 }
 
 /// The viewer with the parts that only a window has: stored settings, and an end.
-struct Window {
+struct ViewerWindow {
     viewer: Viewer,
     /// Arguments to apply when the document under construction is ready.
     waiting: Option<Args>,
@@ -89,9 +89,9 @@ struct Window {
     frames_left: Option<u32>,
 }
 
-impl Window {
+impl ViewerWindow {
     fn new(args: &Args, cc: &eframe::CreationContext<'_>) -> Result<Self, String> {
-        let kept = cc.storage.and_then(|s| eframe::get_value::<Settings>(s, SETTINGS_KEY)).unwrap_or_default();
+        let kept = cc.storage.and_then(|s| eframe::get_value::<ViewerSettings>(s, SETTINGS_KEY)).unwrap_or_default();
         let mut settings = args.settings(kept);
         if let Some(scale) = args.scale {
             settings.zoom = scale;
@@ -111,7 +111,7 @@ impl Window {
         let model = &mut self.viewer.model;
         if model.loading().is_none()
             && let Some(args) = self.waiting.take()
-            && !matches!(model.document, Document::Nothing)
+            && !matches!(model.document, OpenDocument::Nothing)
             && let Err(why) = args.show(ctx, model)
         {
             model.complain(why);
@@ -119,7 +119,7 @@ impl Window {
     }
 }
 
-impl eframe::App for Window {
+impl eframe::App for ViewerWindow {
     fn logic(&mut self, ctx: &egui::Context, frame: &mut eframe::Frame) {
         eframe::App::logic(&mut self.viewer, ctx, frame);
         self.show_waiting(ctx);

@@ -8,11 +8,11 @@ use eframe::egui::{self, Key, Modifiers, pos2};
 use egui_kittest::kittest::Queryable;
 use glam::Vec3;
 use std::path::PathBuf;
-use throng_runtime::simulation::GroupCast;
-use throng_viewer::command::{Command, SceneCommand};
+use throng_runtime::simulation::AnyCharacterGroup;
+use throng_viewer::command::{SceneCommand, ViewerCommand};
 use throng_viewer::document::{SceneChoice, SceneDocument};
 use throng_viewer::panels::PANELS;
-use throng_viewer::run::{Run, RunConfig};
+use throng_viewer::run::{CrowdRun, CrowdRunConfig};
 use throng_viewer::settings::PanelKind;
 
 fn scene(v: &Viewing) -> &SceneDocument {
@@ -21,11 +21,13 @@ fn scene(v: &Viewing) -> &SceneDocument {
 
 /// Where the first character's target hangs (m).
 fn home(v: &Viewing) -> Vec3 {
-    let GroupCast::Policy(practice) = &scene(v).run().simulation().casts()[0] else { panic!("no targets") };
+    let AnyCharacterGroup::Policy(practice) = &scene(v).run().simulation().character_groups()[0] else {
+        panic!("no targets")
+    };
     practice.practice().targets()[0].home
 }
 
-fn run(v: &Viewing) -> &Run {
+fn run(v: &Viewing) -> &CrowdRun {
     v.model().document.crowd().expect("a crowd").1
 }
 
@@ -54,41 +56,41 @@ fn a_run_that_is_scrubbed_back_shows_the_same_step_again() {
     v.harness.get_by_label("Pause").click();
     v.harness.run_steps(2);
     assert!(!run(&v).head.is_playing());
-    let (step, seen) = (run(&v).now(), poses(&v));
+    let (step, seen) = (run(&v).shown_step(), poses(&v));
     assert!(step >= 30, "step {step}");
 
     v.harness.get_by_label("Play").click();
     let mut shown = vec![(step, seen)];
     for _ in 0..60 {
         v.harness.step();
-        shown.push((run(&v).now(), poses(&v)));
+        shown.push((run(&v).shown_step(), poses(&v)));
     }
-    let last = run(&v).now();
+    let last = run(&v).shown_step();
     assert!(last > step + 30);
     let line = v.harness.get_by_label("Time").rect();
     let at = |ratio: f32| pos2(line.left() + ratio * line.width(), line.center().y);
     v.drag(at(1.0) - egui::vec2(6.0, 0.0), at(0.5 * (step + last) as f32 / last as f32));
-    let now = run(&v).now();
+    let now = run(&v).shown_step();
     assert!((step..last - 5).contains(&now) && !run(&v).head.is_playing(), "step {now} of {last} is shown");
     let (_, seen) = shown.iter().find(|s| s.0 == now).expect("every step was shown");
     assert!(poses(&v) == *seen, "step {now} is another one after scrubbing back");
 
     v.harness.key_press(Key::ArrowLeft);
     v.harness.run_steps(2);
-    let back = run(&v).now();
+    let back = run(&v).shown_step();
     v.harness.get_by_label("Step").click();
     v.harness.run_steps(2);
-    assert_eq!(run(&v).now(), back + 1);
+    assert_eq!(run(&v).shown_step(), back + 1);
 }
 
 #[test]
 fn a_target_dragged_in_the_view_is_walked_to() {
     let mut v = Viewing::of(&golden());
     // So few that none is in its way for long.
-    let config = RunConfig { characters: 6, ..v.model().settings.run };
-    v.apply(Command::Configure(config));
-    v.apply(Command::SelectCharacter(Some(0)));
-    v.apply(Command::Play(false));
+    let config = CrowdRunConfig { characters: 6, ..v.model().settings.run };
+    v.apply(ViewerCommand::Configure(config));
+    v.apply(ViewerCommand::SelectCharacter(Some(0)));
+    v.apply(ViewerCommand::Play(false));
     v.harness.run_steps(2);
     let rect = v.harness.get_by_label("3-D view").rect();
     let old = run(&v).targets()[0];
@@ -99,7 +101,7 @@ fn a_target_dragged_in_the_view_is_walked_to() {
     let target = run(&v).targets()[0];
     let size = glam::Vec2::new(rect.width(), rect.height());
     let wanted = camera.ray(glam::Vec2::new(to.x - rect.left(), to.y - rect.top()), size);
-    let wanted = wanted.meets_ground().expect("the ground");
+    let wanted = wanted.intersect_ground().expect("the ground");
     assert!((target - wanted).length() < 0.05, "{target} is not at {wanted}; it was at {old}");
     assert_eq!(v.model().settings.camera, camera, "the camera moved instead");
 
@@ -108,7 +110,7 @@ fn a_target_dragged_in_the_view_is_walked_to() {
         (Vec3::new(root.x, 0.0, root.z) - target.with_y(0.0)).length()
     };
     let before = far(&v);
-    v.apply(Command::Play(true));
+    v.apply(ViewerCommand::Play(true));
     let mut nearest = before;
     for _ in 0..900 {
         v.harness.step();
@@ -164,9 +166,9 @@ fn a_dropped_broken_file_is_refused_and_the_open_bundle_stays() {
     drop(buttons);
     v.harness.run_steps(2);
     assert!(!has_message(&v, "broken.throng"));
-    let now = run(&v).now();
+    let now = run(&v).shown_step();
     v.harness.run_steps(5);
-    assert!(run(&v).now() > now, "the old run stopped");
+    assert!(run(&v).shown_step() > now, "the old run stopped");
 }
 
 #[test]
@@ -190,7 +192,7 @@ fn a_file_that_changes_on_disk_is_read_again_unless_it_is_broken() {
     v.harness.run_steps(20);
     std::fs::write(&path, "no tables").expect("written over");
     v.until("a message about the broken version", |v| has_message(v, "The open file stays open"));
-    assert!(run(&v).now() > 0, "the old run is gone");
+    assert!(run(&v).shown_step() > 0, "the old run is gone");
     std::fs::copy(golden(), &path).expect("written over");
     v.until("the good version", |v| has_message(v, "was reloaded"));
     assert_eq!(v.model().document.path(), Some(path.as_path()));
@@ -204,34 +206,34 @@ fn a_dropped_scene_runs_and_counts_its_blows() {
     drop_files(&mut v, &[&boxing.pairs(4)]);
     v.until("the scene", |v| v.model().document.scene().is_some());
     assert_eq!(v.model().settings.opened[0][0].file_name(), Some("pairs.toml".as_ref()));
-    v.apply(Command::TogglePanel(PanelKind::Statistics));
+    v.apply(ViewerCommand::TogglePanel(PanelKind::Statistics));
     let thrown = |v: &Viewing| scene(v).run().figures().bout.expect("figures of blows").blows.thrown;
     v.until("some blows", |v| thrown(v) > 3);
     v.harness.get_by_label("thrown");
     v.harness.get_by_label("blocked");
-    v.apply(Command::Play(false));
+    v.apply(ViewerCommand::Play(false));
     v.harness.run_steps(2);
     let joints = |v: &Viewing| (0..4).map(|who| scene(v).run().simulation().joint_positions(who)).collect::<Vec<_>>();
-    let (last, seen) = (scene(&v).run().head.now(), joints(&v));
-    v.apply(Command::Seek(0));
+    let (last, seen) = (scene(&v).run().head.shown_step(), joints(&v));
+    v.apply(ViewerCommand::Seek(0));
     assert_eq!(thrown(&v), 0);
-    v.apply(Command::Seek(last));
+    v.apply(ViewerCommand::Seek(last));
     assert!(joints(&v) == seen, "another bout after scrubbing back and on");
     assert!(v.has_no_errors(), "{:?}", v.model().messages);
 
     let choice = SceneChoice { characters: 8, ..scene(&v).choice() };
-    v.apply(Command::Scene(SceneCommand::Restart(choice)));
+    v.apply(ViewerCommand::Scene(SceneCommand::Restart(choice)));
     v.until("eight boxers", |v| v.model().num_characters() == 8);
-    v.apply(Command::Restart);
+    v.apply(ViewerCommand::Restart);
     v.until("the start", |v| scene(v).num_runs() == 2);
-    assert_eq!((v.model().num_characters(), scene(&v).run().head.now()), (8, 0));
+    assert_eq!((v.model().num_characters(), scene(&v).run().head.shown_step()), (8, 0));
 }
 
 #[test]
 fn a_hanging_target_dragged_in_the_view_keeps_its_height_unless_alt_is_held() {
     let boxing = Boxing::new();
     let mut v = Viewing::of(&boxing.targets(1));
-    v.apply(Command::Play(false));
+    v.apply(ViewerCommand::Play(false));
     v.harness.run_steps(2);
     let camera = v.model().settings.camera;
     let old = home(&v);
@@ -252,7 +254,7 @@ fn a_hanging_target_dragged_in_the_view_keeps_its_height_unless_alt_is_held() {
 #[test]
 fn a_character_is_steered_with_keys_and_frames_until_it_is_seen_are_counted() {
     let mut v = Viewing::of(&golden());
-    v.apply(Command::SelectCharacter(Some(3)));
+    v.apply(ViewerCommand::SelectCharacter(Some(3)));
     v.key(Key::G, true);
     v.key(Key::G, false);
     assert!(v.model().steering().is_some() && v.model().settings.follow);

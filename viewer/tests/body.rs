@@ -7,7 +7,7 @@ use common::{golden, rig};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 use throng_viewer::args::Args;
-use throng_viewer::document::Outfit;
+use throng_viewer::document::UserOutfit;
 use throng_viewer::headless::{Headless, Image};
 
 fn args(rest: &[&str]) -> Args {
@@ -69,15 +69,15 @@ fn everybody_wears_the_mesh_of_a_file() {
 fn feet_of_the_mesh_stand_where_those_of_the_motion_do() {
     use throng_runtime::{Joint, NUM_JOINTS, Skeleton};
     let folder = tempfile::tempdir().expect("a folder");
-    let outfit = Outfit::open(&written(folder.path())).expect("a character");
+    let outfit = UserOutfit::open(&written(folder.path())).expect("a character");
     let skeleton = Skeleton::default();
     let rest = skeleton.rest_positions().map(|p| (p, glam::Quat::IDENTITY));
     let mut matrices = vec![throng_runtime::Mat3x4::default(); outfit.figure.num_frames()];
-    outfit.figure.wear(&skeleton, &rest, &mut matrices);
+    outfit.figure.pose_matrices(&skeleton, &rest, &mut matrices);
     let (surface, mut off) = (outfit.figure.surface(), Vec::new());
     for joint in [Joint::LeftFoot, Joint::RightFoot, Joint::LeftHand, Joint::RightHand, Joint::Head] {
         // Each part of the rig is a box around its joint.
-        let of = |c: &&throng_precompute::onto::Corner| rig::part_of(c.frames[0]) == Some(joint);
+        let of = |c: &&throng_precompute::wearer::SurfaceCorner| rig::part_of(c.frames[0]) == Some(joint);
         let corners: Vec<Vec3> = surface
             .corners
             .iter()

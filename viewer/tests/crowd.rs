@@ -7,8 +7,8 @@ use common::meeting::Meeting;
 use common::{Viewing, adapter, assert_drawn_alike};
 use eframe::egui::{Key, vec2};
 use egui_kittest::kittest::Queryable;
-use throng_viewer::args::{Args, Character, PanelChoice, Size};
-use throng_viewer::command::{BoardCell, Command, SceneCommand};
+use throng_viewer::args::{Args, CharacterArg, PanelChoice, PictureSize};
+use throng_viewer::command::{BlackboardCell, SceneCommand, ViewerCommand};
 use throng_viewer::document::{SceneChoice, SceneDocument};
 use throng_viewer::panels::PANELS;
 use throng_viewer::settings::PanelKind;
@@ -18,7 +18,7 @@ fn scene(v: &Viewing) -> &SceneDocument {
 }
 
 fn now(v: &Viewing) -> u32 {
-    scene(v).run().head.now()
+    scene(v).run().head.shown_step()
 }
 
 /// Places of all agents (m).
@@ -54,18 +54,18 @@ fn a_scene_opens_plays_and_is_paused_stepped_and_rewound() {
     v.harness.get_by_label("Step").click();
     v.harness.run_steps(3);
     assert_eq!(now(&v), last + 2);
-    v.apply(Command::Seek(last));
+    v.apply(ViewerCommand::Seek(last));
     assert_eq!(places(&v), seen);
-    v.apply(Command::Step(-20));
+    v.apply(ViewerCommand::Step(-20));
     v.harness.run_steps(2);
     assert_eq!(now(&v), last - 20);
     // A second on: what is kept first, then new steps.
-    v.apply(Command::Step(60));
+    v.apply(ViewerCommand::Step(60));
     v.until("a second more", |v| now(v) == last + 40);
     v.harness.run_steps(3);
     assert_eq!(now(&v), last + 40);
-    v.apply(Command::Speed(4.0));
-    v.apply(Command::Play(true));
+    v.apply(ViewerCommand::Speed(4.0));
+    v.apply(ViewerCommand::Play(true));
     v.harness.run_steps(10);
     assert!(now(&v) > last + 60 && v.has_no_errors(), "{:?}", v.model().messages);
 }
@@ -75,17 +75,17 @@ fn a_scene_restarts_with_other_numbers_and_is_saved() {
     let meeting = Meeting::new();
     let mut v = Viewing::of(&meeting.scene(12));
     v.until("half a second", |v| now(v) >= 30);
-    v.apply(Command::Play(false));
-    v.apply(Command::SelectCharacter(Some(20)));
+    v.apply(ViewerCommand::Play(false));
+    v.apply(ViewerCommand::SelectCharacter(Some(20)));
     let file = meeting.folder().join("kept.state");
-    v.apply(Command::Scene(SceneCommand::Save(file.clone())));
+    v.apply(ViewerCommand::Scene(SceneCommand::Save(file.clone())));
     let (hash, time_s) = (scene(&v).run().simulation().hash(), scene(&v).run().simulation().time_s());
 
     let choice = SceneChoice { characters: 10, ..scene(&v).choice() };
-    v.apply(Command::Scene(SceneCommand::Restart(choice)));
+    v.apply(ViewerCommand::Scene(SceneCommand::Restart(choice)));
     v.until("ten agents", |v| v.model().num_characters() == 10);
     assert_eq!((v.model().selection.character, now(&v), v.model().is_playing()), (None, 0, false));
-    v.apply(Command::Scene(SceneCommand::Restore(file)));
+    v.apply(ViewerCommand::Scene(SceneCommand::Restore(file)));
     v.until("those of before", |v| v.model().num_characters() == 24);
     assert_eq!((scene(&v).run().simulation().hash(), scene(&v).run().simulation().time_s()), (hash, time_s));
 
@@ -95,12 +95,12 @@ fn a_scene_restarts_with_other_numbers_and_is_saved() {
     assert_eq!(scene(&v).run().simulation().time_s(), 0.0);
     // All panels have something to say of it.
     for panel in PANELS {
-        v.apply(Command::TogglePanel(panel.kind));
+        v.apply(ViewerCommand::TogglePanel(panel.kind));
         v.harness.run_steps(2);
     }
     assert!(v.has_no_errors(), "{:?}", v.model().messages);
     let impossible = SceneChoice { characters: 0, ..choice };
-    v.apply(Command::Scene(SceneCommand::Restart(impossible)));
+    v.apply(ViewerCommand::Scene(SceneCommand::Restart(impossible)));
     assert!(v.model().messages.iter().any(|m| m.is_error && m.text.contains("is unchanged")));
     assert_eq!(v.model().num_characters(), 24);
 }
@@ -111,11 +111,11 @@ fn a_scene_that_is_edited_goes_on_at_its_time_and_a_broken_one_leaves_the_old_on
     let path = market.scene(12);
     let mut v = Viewing::of(&path);
     let choice = SceneChoice { seed: 8, ..scene(&v).choice() };
-    v.apply(Command::Scene(SceneCommand::Restart(choice)));
+    v.apply(ViewerCommand::Scene(SceneCommand::Restart(choice)));
     v.until("the other seed", |v| scene(v).num_runs() == 1);
     v.until("a second", |v| now(v) >= 60);
-    v.apply(Command::Play(false));
-    v.apply(Command::SelectCharacter(Some(4)));
+    v.apply(ViewerCommand::Play(false));
+    v.apply(ViewerCommand::SelectCharacter(Some(4)));
     v.harness.run_steps(2);
     let step = now(&v);
     let says = |v: &Viewing, text: &str| v.model().messages.iter().any(|m| m.text.contains(text));
@@ -136,9 +136,9 @@ fn a_scene_that_is_edited_goes_on_at_its_time_and_a_broken_one_leaves_the_old_on
     assert!(!v.model().is_playing());
     assert_eq!(scene(&v).run().spread().times(1)[0], 0.25);
     // The way there is recorded, too.
-    v.apply(Command::Seek(10));
+    v.apply(ViewerCommand::Seek(10));
     assert_eq!(scene(&v).run().spread().times(1)[0], 0.25);
-    v.apply(Command::Play(true));
+    v.apply(ViewerCommand::Play(true));
     // A new seed in the file counts.
     std::fs::write(&path, text.replace("seed = 3", "seed = 4")).expect("written over");
     v.until("the new seed", |v| scene(v).choice().seed == 4);
@@ -149,11 +149,11 @@ fn a_click_on_a_cell_with_a_board_reads_it_and_keeps_the_agent() {
     let market = Market::new();
     let mut v = Viewing::of(&market.scene(24));
     v.until("some seconds", |v| now(v) >= 180);
-    v.apply(Command::Play(false));
-    v.apply(Command::SelectCharacter(Some(5)));
-    v.apply(Command::FrameAll);
+    v.apply(ViewerCommand::Play(false));
+    v.apply(ViewerCommand::SelectCharacter(Some(5)));
+    v.apply(ViewerCommand::FrameAll);
     v.harness.run_steps(2);
-    let minds = scene(&v).run().simulation().minds().expect("minds");
+    let minds = scene(&v).run().simulation().brains().expect("minds");
     // A spot of a smallest cell with nobody near.
     let far = |p: &glam::Vec3| places(&v).into_iter().flatten().all(|a| a.distance(*p) > 0.9);
     let offsets: Vec<_> =
@@ -165,7 +165,7 @@ fn a_click_on_a_cell_with_a_board_reads_it_and_keeps_the_agent() {
     let (smallest, free) = found.expect("a free spot");
     let pixel = v.on_screen(free);
     v.click(pixel);
-    assert_eq!(v.model().selection.scene.cell, Some(BoardCell::of(&smallest)));
+    assert_eq!(v.model().selection.scene.cell, Some(BlackboardCell::from_cell(&smallest)));
     assert_eq!(v.model().selection.character, Some(5));
     // A tip waits until the pointer has moved and rests again.
     v.harness.hover_at(pixel + vec2(3.0, 0.0));
@@ -182,8 +182,8 @@ fn scenes_are_drawn_the_same_every_time() {
     let args = Args {
         file: Some(meeting.flock(12)),
         panel: vec![PanelChoice::Open(PanelKind::Crowd)],
-        character: Some(Character(Some(1))),
-        size: Some(Size { width: 640, height: 400 }),
+        character: Some(CharacterArg(Some(1))),
+        size: Some(PictureSize { width: 640, height: 400 }),
         frames: Some(60),
         ..Args::default()
     };

@@ -17,13 +17,15 @@ use egui_kittest::{SnapshotOptions, SnapshotResults};
 use std::path::PathBuf;
 use throng_precompute::run::News;
 use throng_runtime::patch::Placement;
-use throng_viewer::args::{Args, Character, PanelChoice, ThemeName};
-use throng_viewer::command::{Command, PlanCommand, PlanLook, SceneCommand, SceneLook, Tool, Whose, WorldCommand};
-use throng_viewer::document::world::Change;
-use throng_viewer::document::{Build, Building, Built, End};
+use throng_viewer::args::{Args, CharacterArg, PanelChoice, ThemeName};
+use throng_viewer::command::{
+    OverlayScope, PlanCommand, PlanViewOptions, SceneCommand, SceneViewOptions, Tool, ViewerCommand, WorldCommand,
+};
+use throng_viewer::document::world::UnitChange;
+use throng_viewer::document::{BuildEnd, FinishedBuild, OngoingBuild, ShownBuild};
 use throng_viewer::panels::PANELS;
-use throng_viewer::run::agents::What;
-use throng_viewer::run::{Beside, Blending};
+use throng_viewer::run::agents::AgentEventKind;
+use throng_viewer::run::{BlendCompanions, Blending};
 use throng_viewer::settings::{Dock, PanelKind};
 
 /// Size of a picture of a panel (points).
@@ -54,7 +56,7 @@ fn crowd() -> Args {
     Args {
         file: Some(golden()),
         characters: Some(12),
-        character: Some(Character(Some(3))),
+        character: Some(CharacterArg(Some(3))),
         panel: vec![PanelChoice::None],
         ..Args::default()
     }
@@ -73,11 +75,11 @@ fn rest(v: Viewing) -> Viewing {
 /// The same, at another step.
 fn rest_at(mut v: Viewing, step: u32) -> Viewing {
     if !v.model().shows_clip() {
-        v.until("the step", |v| v.model().head().is_some_and(|h| h.now() >= step));
-        v.apply(Command::Seek(step));
+        v.until("the step", |v| v.model().head().is_some_and(|h| h.shown_step() >= step));
+        v.apply(ViewerCommand::Seek(step));
     }
-    v.apply(Command::Play(false));
-    v.apply(Command::FrameAll);
+    v.apply(ViewerCommand::Play(false));
+    v.apply(ViewerCommand::FrameAll);
     v.harness.remove_cursor();
     v.harness.run_steps(4);
     v
@@ -152,25 +154,27 @@ fn the_start_page() {
     compare_page(&mut results, start_page(wide, None), "start_page");
     compare_page(&mut results, start_page(wide, Some(ThemeName::Light)), "start_page_light");
     compare_page(&mut results, start_page(small, None), "start_page_small");
-    let building = Building::default();
-    building.with(|with| {
-        (with.tell)(News::Making("building walks".into()));
-        with.progress.kept("motion");
-        (with.tell)(News::Skipped("/motion/walks/torn.bvh:7:1: expected a channel, found the end of the file".into()));
+    let building = OngoingBuild::default();
+    building.run_with_cache(|with| {
+        (with.report_news)(News::Making("building walks".into()));
+        with.progress.stage_kept("motion");
+        (with.report_news)(News::Skipped(
+            "/motion/walks/torn.bvh:7:1: expected a channel, found the end of the file".into(),
+        ));
         with.progress.begin("graph", 3584, "event frames");
         with.progress.advance(1541);
     });
     for (size, name) in [(wide, "start_page_building"), (small, "start_page_building_small")] {
         let mut v = start_page(size, None);
-        v.harness.state_mut().model.build = Some(Build::UnderWay { paths: walks(), building: building.clone() });
+        v.harness.state_mut().model.build = Some(ShownBuild::UnderWay { paths: walks(), building: building.clone() });
         compare_page(&mut results, v, name);
     }
-    let told = building.told().clone();
+    let told = building.log().clone();
     let why = "/motion/walks: no motion file can be read: /motion/walks/torn.bvh:7:1: expected a channel, found the end \
                of the file. Add files of motion (.bvh, .amc with its .asf, .npz), or name another folder";
-    let failed = Built { paths: walks(), told, end: End::Failed(why.into()) };
+    let failed = FinishedBuild { paths: walks(), log: told, end: BuildEnd::Failed(why.into()) };
     let mut v = start_page(wide, None);
-    v.harness.state_mut().model.build = Some(Build::Ended(Box::new(failed)));
+    v.harness.state_mut().model.build = Some(ShownBuild::Ended(Box::new(failed)));
     compare_page(&mut results, v, "start_page_failed");
 }
 
@@ -255,19 +259,19 @@ fn world() {
     let square = Square::new();
     let panel = vec![PanelChoice::Open(PanelKind::Patches)];
     let args = Args { file: Some(square.world(3)), panel, characters: Some(3), ..crowd() };
-    let args = Args { character: Some(Character(Some(1))), ..args };
+    let args = Args { character: Some(CharacterArg(Some(1))), ..args };
     let mut v = at_rest(&args, vec2(1000.0, 640.0));
     // The name of the folder is another one every time.
     let field = v.harness.get_by_label("Save").rect();
     v.harness.mask(Rect::from_min_size(field.right_top(), vec2(500.0, field.height() + 4.0)));
     compare(&mut results, v, "panel_patches_world");
     // A refusal is shown beside the unit.
-    let light = Args { theme: Some(ThemeName::Light), character: Some(Character(None)), ..args };
+    let light = Args { theme: Some(ThemeName::Light), character: Some(CharacterArg(None)), ..args };
     let mut v = at_rest(&light, vec2(1000.0, 640.0));
-    v.apply(Command::World(WorldCommand::Tool(Tool::Move)));
-    v.apply(Command::World(WorldCommand::SelectPlace(Some(4))));
+    v.apply(ViewerCommand::World(WorldCommand::Tool(Tool::Move)));
+    v.apply(ViewerCommand::World(WorldCommand::SelectPlace(Some(4))));
     let to = Placement::new(7.4, 0.0, 2.8, 0.0);
-    v.apply(Command::World(WorldCommand::Edit(Change::Move { place: 4, to })));
+    v.apply(ViewerCommand::World(WorldCommand::Edit(UnitChange::Move { place: 4, to })));
     v.until("an answer", |v| v.model().document.world().is_some_and(|w| w.working().is_none()));
     v.harness.run_steps(4);
     compare(&mut results, v, "panel_patches_refused");
@@ -287,7 +291,7 @@ fn blend_spaces() {
         let mut v = Viewing::new(&args, vec2(1000.0, 860.0));
         let mut wanted = *v.model().document.blend().expect("a blend space").1.blending();
         wanted.point[..2].copy_from_slice(&[1.0, 0.25]);
-        v.apply(Command::Blend(Blending { beside: Beside::Sizes, ..wanted }));
+        v.apply(ViewerCommand::Blend(Blending { companions: BlendCompanions::Sizes, ..wanted }));
         compare(&mut results, rest(v), name);
     }
     let scene = Args { file: Some(paces.scene(12, 1.0)), ..crowd() };
@@ -306,7 +310,7 @@ fn scenes_of_crowds() {
         file: Some(meeting.scene(12)),
         panel,
         characters: None,
-        character: Some(Character(Some(5))),
+        character: Some(CharacterArg(Some(5))),
         ..Args::default()
     };
     let light = Args { theme: Some(ThemeName::Light), ..args.clone() };
@@ -327,12 +331,12 @@ fn scenes_of_crowds() {
     for (args, name) in [(people, "view_people"), (light, "view_people_light")] {
         compare(&mut results, rest_at(Viewing::new(&args, SIZE), MET), name);
     }
-    let all = SceneLook { bounds: Whose::All, paths: Whose::All, ..SceneLook::default() };
+    let all = SceneViewOptions { bounds: OverlayScope::All, paths: OverlayScope::All, ..SceneViewOptions::default() };
     let flock = Args { file: Some(meeting.flock(12)), ..alone.clone() };
     let light = Args { theme: Some(ThemeName::Light), ..alone.clone() };
     for (args, name) in [(alone, "view_meeting"), (light, "view_meeting_light"), (flock, "view_flock")] {
         let mut v = Viewing::new(&args, SIZE);
-        v.apply(Command::Scene(SceneCommand::Look(all)));
+        v.apply(ViewerCommand::Scene(SceneCommand::SetOptions(all)));
         compare(&mut results, rest_at(v, MET), name);
     }
 }
@@ -348,15 +352,18 @@ fn scenarios() {
         file: Some(market.scene(24)),
         panel: vec![PanelChoice::Open(PanelKind::Crowd)],
         characters: None,
-        character: Some(Character(Some(5))),
+        character: Some(CharacterArg(Some(5))),
         message: Some("sale".into()),
         ..Args::default()
     };
     let light = Args { theme: Some(ThemeName::Light), ..args.clone() };
     for (args, name) in [(args, "panel_crowd_minds"), (light, "panel_crowd_minds_light")] {
         let mut v = Viewing::new(&args, vec2(1000.0, 2150.0));
-        let kinds = What::all().map(|what| !what.is_of_engine());
-        v.apply(Command::Scene(SceneCommand::Look(SceneLook { kinds, ..v.model().selection.scene })));
+        let kinds = AgentEventKind::all().map(|what| !what.is_of_engine());
+        v.apply(ViewerCommand::Scene(SceneCommand::SetOptions(SceneViewOptions {
+            kinds,
+            ..v.model().selection.scene
+        })));
         compare(&mut results, rest_at(v, MET), name);
     }
 }
@@ -374,12 +381,12 @@ fn a_task_of_limbs() {
     let light = Args { theme: Some(ThemeName::Light), ..args.clone() };
     for (args, name) in [(args, "panel_plan_task"), (light, "panel_plan_task_light")] {
         let mut v = Viewing::new(&args, vec2(1100.0, 720.0));
-        let look = PlanLook { number: 2, ..v.model().selection.plan };
-        v.apply(Command::Plan(PlanCommand::Look(look)));
-        v.apply(Command::Plan(PlanCommand::Plan));
+        let look = PlanViewOptions { num_motions: 2, ..v.model().selection.plan };
+        v.apply(ViewerCommand::Plan(PlanCommand::SetOptions(look)));
+        v.apply(ViewerCommand::Plan(PlanCommand::Plan));
         v.until("two motions", |v| v.model().task().is_some_and(|t| t.motions().len() == 2));
         let mut v = rest(v);
-        v.apply(Command::Seek(51));
+        v.apply(ViewerCommand::Seek(51));
         v.harness.run_steps(4);
         compare(&mut results, v, name);
     }
@@ -397,13 +404,13 @@ fn boxing() {
     compare(&mut results, at_rest(&hits, vec2(1000.0, 560.0)), "panel_hits");
 
     let alone =
-        Args { file: Some(boxing.targets(1)), characters: None, character: Some(Character(Some(0))), ..crowd() };
+        Args { file: Some(boxing.targets(1)), characters: None, character: Some(CharacterArg(Some(0))), ..crowd() };
     let policy = Args { panel: vec![PanelChoice::Open(PanelKind::Policy)], ..alone.clone() };
     let mut v = Viewing::new(&policy, vec2(1000.0, 560.0));
     let mut settings = v.model().settings.clone();
     settings.overlays.values = true;
-    v.apply(Command::Settings(Box::new(settings)));
-    v.apply(Command::SelectPolicy(1));
+    v.apply(ViewerCommand::Settings(Box::new(settings)));
+    v.apply(ViewerCommand::SelectPolicy(1));
     compare(&mut results, rest(v), "panel_policy_heights");
 
     compare(&mut results, at_rest(&alone, SIZE), "view_target");

@@ -8,8 +8,8 @@ use egui_kittest::kittest::Queryable;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use throng_precompute::run::News;
-use throng_viewer::command::Command;
-use throng_viewer::document::{Build, Built, Document, End};
+use throng_viewer::command::ViewerCommand;
+use throng_viewer::document::{BuildEnd, FinishedBuild, OpenDocument, ShownBuild};
 
 /// The viewer on its start page, in a folder of its own for the cache, and a file that is there whatever the folder.
 fn start() -> (Viewing, PathBuf) {
@@ -23,9 +23,9 @@ fn start() -> (Viewing, PathBuf) {
     (Viewing::empty(), golden.clone())
 }
 
-fn ended(v: &Viewing) -> Option<&Built> {
+fn ended(v: &Viewing) -> Option<&FinishedBuild> {
     match &v.model().build {
-        Some(Build::Ended(built)) => Some(built.as_ref()),
+        Some(ShownBuild::Ended(built)) => Some(built.as_ref()),
         _ => None,
     }
 }
@@ -50,10 +50,10 @@ fn a_dropped_folder_is_built_told_judged_and_run() {
     v.harness.get_by_label("Cancel");
     v.until("the bundle", |v| v.model().document.bundle().is_some());
     let built = ended(&v).expect("a record").clone();
-    assert_eq!((&built.end, &*built.paths), (&End::Done, &[clips.clone()][..]));
-    let made = built.told.news.iter().any(|n| matches!(n, News::Made(what) if what.contains("policies")));
-    assert!(made, "{:?}", built.told.news);
-    let verdict = built.told.verdict.expect("characters go to targets");
+    assert_eq!((&built.end, &*built.paths), (&BuildEnd::Done, &[clips.clone()][..]));
+    let made = built.log.news.iter().any(|n| matches!(n, News::Made(what) if what.contains("policies")));
+    assert!(made, "{:?}", built.log.news);
+    let verdict = built.log.verdict.expect("characters go to targets");
     let is_reach = |s: &String| s.contains("of the targets were reached");
     assert!(verdict.sentences.iter().any(is_reach), "{verdict:?}");
     v.harness.run_steps(3);
@@ -63,14 +63,14 @@ fn a_dropped_folder_is_built_told_judged_and_run() {
     assert_eq!((v.model().asked(), &v.model().settings.opened[0]), (&[clips.clone()][..], &vec![clips.clone()]));
 
     // It is there at once when it is opened again; what is not reached any more is told anew.
-    v.apply(Command::Close);
+    v.apply(ViewerCommand::Close);
     v.harness.run_steps(2);
     v.harness.get_by_label("Demonstrations");
-    v.apply(Command::Open(vec![clips]));
+    v.apply(ViewerCommand::Open(vec![clips]));
     v.until("the bundle again", |v| v.model().document.bundle().is_some());
     let again = ended(&v).expect("a record");
-    assert!(again.told.news.is_empty() && again.told.verdict.is_some(), "{again:?}");
-    v.apply(Command::DismissBuild);
+    assert!(again.log.news.is_empty() && again.log.verdict.is_some(), "{again:?}");
+    v.apply(ViewerCommand::DismissBuild);
     v.harness.run_steps(2);
     assert!(v.harness.query_by_label("Built walks").is_none());
 }
@@ -85,9 +85,9 @@ fn a_build_that_is_stopped_says_what_is_kept_and_goes_on_when_it_is_asked_for_ag
     v.harness.get_by_label("Cancel").click();
     v.until("its end", |v| ended(v).is_some());
     let built = ended(&v).expect("a record").clone();
-    let End::Stopped(why) = built.end else { panic!("{built:?}") };
+    let BuildEnd::Stopped(why) = built.end else { panic!("{built:?}") };
     assert!(why.contains(".throng-cache keeps") && why.contains("opening it again"), "{why}");
-    assert!(matches!(v.model().document, Document::Nothing));
+    assert!(matches!(v.model().document, OpenDocument::Nothing));
     v.harness.run_steps(2);
     v.harness.get_by_label("Stopped building walks");
     v.harness.get_by_label("Try again").click();
@@ -101,7 +101,7 @@ fn what_cannot_be_built_is_said_in_whole_and_the_page_stays_usable() {
     std::fs::write(folder.path().join("notes.txt"), "no motion").expect("a file");
     drop_files(&mut v, &[folder.path()]);
     v.until("its end", |v| ended(v).is_some());
-    let End::Failed(why) = ended(&v).expect("a record").end.clone() else { panic!("{:?}", v.model().build) };
+    let BuildEnd::Failed(why) = ended(&v).expect("a record").end.clone() else { panic!("{:?}", v.model().build) };
     assert!(why.contains(&*folder.path().to_string_lossy()), "{why}");
     v.harness.run_steps(2);
     v.harness.get_by_label(&why);
@@ -109,7 +109,10 @@ fn what_cannot_be_built_is_said_in_whole_and_the_page_stays_usable() {
     // Torn motion is left out with file and line, and nothing is left.
     std::fs::write(folder.path().join("torn.bvh"), "HIERARCHY\nROOT").expect("a file");
     drop_files(&mut v, &[folder.path()]);
-    v.until("its end", |v| matches!(ended(v), Some(Built { end: End::Failed(why), .. }) if why.contains("torn.bvh")));
+    v.until(
+        "its end",
+        |v| matches!(ended(v), Some(FinishedBuild { end: BuildEnd::Failed(why), .. }) if why.contains("torn.bvh")),
+    );
     // Scenes and motion do not go together.
     drop_files(&mut v, &[&golden, folder.path()]);
     v.until("a message", |v| v.model().messages.iter().any(|m| m.text.contains("open them one by one")));
@@ -144,8 +147,8 @@ fn a_scene_whose_bundle_is_missing_is_built_from_its_config_in_the_window() {
     drop_files(&mut v, &[&scene]);
     v.until("its end", |v| ended(v).is_some());
     let built = ended(&v).expect("a record");
-    let told = built.told.news.iter().any(|n| matches!(n, News::Making(what) if what.contains("paces.throng")));
+    let told = built.log.news.iter().any(|n| matches!(n, News::Making(what) if what.contains("paces.throng")));
     assert!(told, "{built:?}");
-    assert_eq!(built.end, End::Done, "{built:?}");
+    assert_eq!(built.end, BuildEnd::Done, "{built:?}");
     assert!(v.model().document.scene().is_some() && bundle.is_file());
 }

@@ -8,7 +8,7 @@ use glam::Vec3;
 use std::path::PathBuf;
 use throng_planner::task::Handle;
 use throng_viewer::args::{Args, PanelChoice};
-use throng_viewer::command::{Command, PlanCommand};
+use throng_viewer::command::{PlanCommand, ViewerCommand};
 use throng_viewer::settings::PanelKind;
 
 fn file(name: &str) -> PathBuf {
@@ -18,7 +18,7 @@ fn file(name: &str) -> PathBuf {
 /// At rest, planned.
 fn planned(v: &mut Viewing) {
     v.until("a motion", |v| v.model().task().is_some_and(|t| t.planning().is_none() && !t.motions().is_empty()));
-    v.apply(Command::Play(false));
+    v.apply(ViewerCommand::Play(false));
     v.harness.run_steps(3);
 }
 
@@ -26,7 +26,7 @@ fn opened(name: &str) -> Viewing {
     let args = Args { file: Some(file(name)), panel: vec![PanelChoice::Open(PanelKind::Plan)], ..Args::default() };
     let mut v = Viewing::new(&args, vec2(1100.0, 760.0));
     planned(&mut v);
-    v.apply(Command::FrameAll);
+    v.apply(ViewerCommand::FrameAll);
     v.harness.run_steps(3);
     v
 }
@@ -91,21 +91,21 @@ fn a_task_is_dropped_played_scrubbed_and_cancelled() {
     assert_eq!(v.model().settings.side_panel, Some(PanelKind::Plan));
     let (frames, rate_hz) = v.model().shown_clip().expect("a clip");
     assert_eq!((frames, rate_hz), v.model().task().expect("a task").frames());
-    v.apply(Command::Seek(60));
+    v.apply(ViewerCommand::Seek(60));
     assert!((v.model().task_time_s() - 60.0 / f64::from(rate_hz)).abs() < 1e-6);
     let before = v.model().task().expect("a task").clip(0).clone();
-    v.apply(Command::Plan(PlanCommand::Plan));
-    v.apply(Command::Plan(PlanCommand::Cancel));
+    v.apply(ViewerCommand::Plan(PlanCommand::Plan));
+    v.apply(ViewerCommand::Plan(PlanCommand::Cancel));
     v.harness.run_steps(3);
     let task = v.model().task().expect("a task");
     assert!(task.planning().is_none() && *task.clip(0) == before);
     // The thing in the hand is where the hand is; it goes back where it lay where the clip is shown as it was.
     let cube = task.task().things.iter().position(|t| t.is_object).expect("a cube");
     let carried = task.place_of_thing(cube, 3.0);
-    v.apply(Command::Plan(PlanCommand::Show(None)));
+    v.apply(ViewerCommand::Plan(PlanCommand::Show(None)));
     let task = v.model().task().expect("a task");
     assert!(task.place_of_thing(cube, 3.0).position.distance(carried.position) > 0.05);
-    v.apply(Command::Close);
+    v.apply(ViewerCommand::Close);
     v.harness.run_steps(3);
     assert!(v.model().task().is_none());
 }

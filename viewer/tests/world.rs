@@ -7,9 +7,9 @@ use common::{Viewing, adapter, assert_drawn_alike};
 use eframe::egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
 use glam::Vec3;
-use throng_runtime::world::inhabitants::Wish;
-use throng_viewer::args::{Args, Character, PanelChoice, Size};
-use throng_viewer::command::{Command, Tool, WorldCommand};
+use throng_runtime::world::inhabitants::InhabitantGoal;
+use throng_viewer::args::{Args, CharacterArg, PanelChoice, PictureSize};
+use throng_viewer::command::{Tool, ViewerCommand, WorldCommand};
 use throng_viewer::settings::PanelKind;
 
 /// The panel Patches beside the view.
@@ -18,8 +18,8 @@ fn opened(file: &std::path::Path) -> Viewing {
     let args = Args { file: Some(file.to_path_buf()), panel, ..Args::default() };
     let mut v = Viewing::new(&args, vec2(1000.0, 700.0));
     v.harness.run_steps(3);
-    v.apply(Command::Play(false));
-    v.apply(Command::FrameAll);
+    v.apply(ViewerCommand::Play(false));
+    v.apply(ViewerCommand::FrameAll);
     v.harness.run_steps(3);
     v
 }
@@ -31,7 +31,7 @@ fn stitched(v: &mut Viewing) {
 }
 
 fn tool(v: &mut Viewing, tool: Tool) {
-    v.apply(Command::World(WorldCommand::Tool(tool)));
+    v.apply(ViewerCommand::World(WorldCommand::Tool(tool)));
     v.harness.run_steps(2);
 }
 
@@ -103,13 +103,13 @@ fn units_are_edited_and_characters_get_orders() {
     assert_eq!(num_units(&v), 10);
 
     // A panel that cannot be reached is refused with the reason.
-    tool(&mut v, Tool::Look);
+    tool(&mut v, Tool::Select);
     let far = throng_runtime::patch::Placement::new(70.0, 0.0, 0.0, 0.0);
-    let change = throng_viewer::document::world::Change::Add { unit: 0, at: far };
-    v.apply(Command::World(WorldCommand::Edit(change)));
+    let change = throng_viewer::document::world::UnitChange::Add { unit: 0, at: far };
+    v.apply(ViewerCommand::World(WorldCommand::Edit(change)));
     stitched(&mut v);
     assert_eq!(num_units(&v), 10);
-    let refused = v.model().document.world().and_then(|w| w.refused()).expect("a reason").why.clone();
+    let refused = v.model().document.world().and_then(|w| w.refused()).expect("a reason").reason.clone();
     assert!(refused.contains("ground"), "{refused}");
     let said = v.harness.get_all_by_label_contains(&refused).count();
     assert_eq!(said, 2, "in the view and in the panel");
@@ -118,17 +118,17 @@ fn units_are_edited_and_characters_get_orders() {
     assert!(v.harness.query_by_label_contains(&refused).is_none());
 
     // A click with the tool Send tells the selected one where to go.
-    v.apply(Command::SelectCharacter(Some(0)));
+    v.apply(ViewerCommand::SelectCharacter(Some(0)));
     tool(&mut v, Tool::Send);
     let at = v.on_screen(Vec3::new(5.6, 0.0, 5.6));
     v.click(at);
     v.harness.run_steps(3);
-    let told = v.model().document.world().and_then(|w| w.run().told(0));
-    let Some(Wish::GoNear { place, .. }) = told else { panic!("{told:?}") };
+    let told = v.model().document.world().and_then(|w| w.run().order_of(0));
+    let Some(InhabitantGoal::GoNear { place, .. }) = told else { panic!("{told:?}") };
     assert!(place.distance(Vec3::new(5.6, 0.0, 5.6)) < 0.3, "{place}");
     v.harness.get_by_label("Roam").click();
     v.harness.run_steps(3);
-    assert_eq!(v.model().document.world().and_then(|w| w.run().told(0)), Some(Wish::Roam));
+    assert_eq!(v.model().document.world().and_then(|w| w.run().order_of(0)), Some(InhabitantGoal::Roam));
 }
 
 #[test]
@@ -141,8 +141,8 @@ fn a_scene_in_a_world_is_drawn_the_same_every_time() {
     let args = Args {
         file: Some(square.scene(3)),
         panel: vec![PanelChoice::None],
-        character: Some(Character(Some(1))),
-        size: Some(Size { width: 640, height: 400 }),
+        character: Some(CharacterArg(Some(1))),
+        size: Some(PictureSize { width: 640, height: 400 }),
         frames: Some(60),
         ..Args::default()
     };
@@ -154,14 +154,14 @@ fn a_scene_in_a_world_is_drawn_the_same_every_time() {
 fn who_is_steered_on_patches_is_sent_ahead() {
     let square = Square::new();
     let mut v = opened(&square.world(3));
-    v.apply(Command::SelectCharacter(Some(0)));
+    v.apply(ViewerCommand::SelectCharacter(Some(0)));
     v.key(Key::G, true);
     v.key(Key::G, false);
     let mut sent = 0;
     for pressed in [Key::W, Key::A, Key::S, Key::D] {
         v.key(pressed, true);
         let world = v.model().document.world().expect("a world");
-        let (at, wish) = (world.run().moment().roots[0].translation(), world.run().moment().states[0].wish);
+        let (at, wish) = (world.run().moment().roots[0].translation(), world.run().moment().states[0].goal);
         let [right, _, back] = v.model().settings.camera.axes();
         let ahead = -back.with_y(0.0).normalize();
         let wanted = match pressed {
@@ -171,7 +171,7 @@ fn who_is_steered_on_patches_is_sent_ahead() {
             _ => -right,
         };
         // At an edge of the world there may be nowhere to go.
-        if let Wish::GoNear { place, .. } = wish
+        if let InhabitantGoal::GoNear { place, .. } = wish
             && (place - at).length() > 1.0
         {
             assert!((place - at).with_y(0.0).normalize().dot(wanted) > 0.9, "{pressed:?}: {}", place - at);

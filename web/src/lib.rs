@@ -9,4 +9,4 @@ pub use page::{
     throng_agents, throng_input, throng_open, throng_parents, throng_people, throng_records, throng_rest, throng_rows,
     throng_size, throng_step, throng_target, throng_targets, throng_text,
 };
-pub use stage::{Stage, Walk};
+pub use stage::{PageCrowd, PageStage};

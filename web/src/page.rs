@@ -1,13 +1,13 @@
 //! Functions that a page calls. There is one page, one thread and one stage.
 
-use crate::stage::Stage;
+use crate::stage::PageStage;
 use glam::Vec2;
 use std::cell::RefCell;
 
 /// State of the page.
 #[derive(Default)]
 struct Page {
-    stage: Option<Stage>,
+    stage: Option<PageStage>,
     /// Memory for bytes that the page writes.
     input: Vec<u8>,
     /// Reason why the last call failed.
@@ -25,7 +25,7 @@ thread_local! {
 
 impl Page {
     /// Stores the reason of a failed call; returns the status.
-    fn said(&mut self, result: Result<(), String>) -> u32 {
+    fn store_result(&mut self, result: Result<(), String>) -> u32 {
         match result {
             Ok(()) => 0,
             Err(why) => {
@@ -35,16 +35,16 @@ impl Page {
         }
     }
 
-    fn with_stage(&mut self, work: impl FnOnce(&mut Stage) -> Result<(), String>) -> u32 {
+    fn with_stage(&mut self, work: impl FnOnce(&mut PageStage) -> Result<(), String>) -> u32 {
         let result = match &mut self.stage {
             Some(stage) => work(stage),
             None => Err("no bundle is open; call throng_open".into()),
         };
-        self.said(result)
+        self.store_result(result)
     }
 
     /// Pointer to a slice; its length is stored for [`throng_size`].
-    fn slice<T>(&mut self, of: impl FnOnce(&mut Self) -> &[T]) -> *const T {
+    fn publish_slice<T>(&mut self, of: impl FnOnce(&mut Self) -> &[T]) -> *const T {
         let slice = of(self);
         let (at, size) = (slice.as_ptr(), slice.len());
         self.size = size;
@@ -52,14 +52,14 @@ impl Page {
     }
 }
 
-fn on<R>(work: impl FnOnce(&mut Page) -> R) -> R {
+fn with_page<R>(work: impl FnOnce(&mut Page) -> R) -> R {
     PAGE.with(|page| work(&mut page.borrow_mut()))
 }
 
 /// Allocates memory for the bytes of a bundle, for [`throng_open`].
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_input(bytes: usize) -> *mut u8 {
-    on(|page| {
+    with_page(|page| {
         page.input = vec![0; bytes];
         page.input.as_mut_ptr()
     })
@@ -68,84 +68,84 @@ pub extern "C" fn throng_input(bytes: usize) -> *mut u8 {
 /// Opens the bundle that was written to [`throng_input`], without characters. If it fails, the previous bundle stays open.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_open() -> u32 {
-    on(|page| {
+    with_page(|page| {
         let bytes = std::mem::take(&mut page.input);
-        let opened = Stage::open(&bytes).map(|stage| page.stage = Some(stage));
-        page.said(opened)
+        let opened = PageStage::open(&bytes).map(|stage| page.stage = Some(stage));
+        page.store_result(opened)
     })
 }
 
 /// Places a number of people that walk to targets.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_people(count: u32, seed: u32) -> u32 {
-    on(|page| page.with_stage(|s| s.people(count as usize, seed.into()).map_err(|e| e.to_string())))
+    with_page(|page| page.with_stage(|s| s.spawn_people(count as usize, seed.into()).map_err(|e| e.to_string())))
 }
 
 /// Places a number of agents that cross a square.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_agents(count: u32, seed: u32) -> u32 {
-    on(|page| page.with_stage(|s| s.agents(count as usize, seed.into()).map_err(|e| e.to_string())))
+    with_page(|page| page.with_stage(|s| s.spawn_agents(count as usize, seed.into()).map_err(|e| e.to_string())))
 }
 
 /// Steps the simulation by a duration (s).
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_step(dt_s: f32) -> u32 {
-    on(|page| page.with_stage(|s| s.step(dt_s)))
+    with_page(|page| page.with_stage(|s| s.step(dt_s)))
 }
 
 /// Moves a target (m); nothing happens for an unknown number.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_target(number: u32, x: f32, z: f32) -> u32 {
-    on(|page| page.with_stage(|s| s.move_target(number as usize, Vec2::new(x, z)).map_err(|e| e.to_string())))
+    with_page(|page| page.with_stage(|s| s.move_target(number as usize, Vec2::new(x, z)).map_err(|e| e.to_string())))
 }
 
 /// Positions of targets, x and z (m); [`throng_size`] is the count of numbers.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_targets() -> *const f32 {
-    on(|page| {
+    with_page(|page| {
         page.numbers = page.stage.iter().flat_map(|s| s.targets()).flat_map(|t| [t.x, t.y]).collect();
-        page.slice(|page| &page.numbers)
+        page.publish_slice(|page| &page.numbers)
     })
 }
 
 /// Records of all characters, 32 bytes each; [`throng_size`] is their number.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_records() -> *const u8 {
-    on(|page| page.slice(|page| page.stage.as_ref().map_or(&[], |s| &s.records[..]))).cast()
+    with_page(|page| page.publish_slice(|page| page.stage.as_ref().map_or(&[], |s| &s.records[..]))).cast()
 }
 
 /// Poses of all frame rows, 22 times 12 numbers each.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_rows() -> *const f32 {
-    on(|page| page.slice(|page| page.stage.as_ref().map_or(&[], |s| bytemuck::cast_slice(&s.rows))))
+    with_page(|page| page.publish_slice(|page| page.stage.as_ref().map_or(&[], |s| bytemuck::cast_slice(&s.rows))))
 }
 
 /// Positions of joints at rest, three numbers each (m).
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_rest() -> *const f32 {
-    on(|page| {
-        page.numbers = page.stage.iter().flat_map(|s| s.rest()).flat_map(|p| p.to_array()).collect();
-        page.slice(|page| &page.numbers)
+    with_page(|page| {
+        page.numbers = page.stage.iter().flat_map(|s| s.rest_positions()).flat_map(|p| p.to_array()).collect();
+        page.publish_slice(|page| &page.numbers)
     })
 }
 
 /// Number of each joint's parent.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_parents() -> *const i32 {
-    on(|page| {
-        page.parents = Stage::parents().to_vec();
-        page.slice(|page| &page.parents)
+    with_page(|page| {
+        page.parents = PageStage::joint_parents().to_vec();
+        page.publish_slice(|page| &page.parents)
     })
 }
 
 /// Reason why the last call failed, in UTF-8.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_text() -> *const u8 {
-    on(|page| page.slice(|page| page.text.as_bytes()))
+    with_page(|page| page.publish_slice(|page| page.text.as_bytes()))
 }
 
 /// Number of elements at the pointer that was returned last.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_size() -> usize {
-    on(|page| page.size)
+    with_page(|page| page.size)
 }

@@ -5,32 +5,32 @@ use std::f32::consts::{PI, TAU};
 use throng_base::limits::{CAPACITY, COORDINATE, STEP_S};
 use throng_base::{Inline, Result};
 use throng_core::characters::{
-    AvoidConfig, CharactersConfig, Instance, MotionSet, PolicyCharacters, SampleJob, Spawn, uniform,
+    AvoidConfig, CharactersConfig, MotionSet, PolicyCharacters, PoseInstance, SampleJob, Spawn, uniform_random,
 };
-use throng_core::{Bundle, Cast, Joint, Mat3x4, NUM_JOINTS, Planar};
+use throng_core::{Bundle, CharacterGroup, Joint, Mat3x4, NUM_JOINTS, Planar};
 use throng_crowd::{Agent, AtEnd, Crowd, CrowdError, Route, Setup};
 
 /// Number of targets at which people gather.
 const NUM_TARGETS: usize = 6;
 /// Approximate distance between people at one target (m).
-const APART_M: f32 = 0.9;
+const GATHER_SPACING_M: f32 = 0.9;
 /// Side of each agent's square of ground (m).
 const SPACING_M: f32 = 2.2;
 
 /// An open bundle, and the people or agents that move.
 #[derive(Debug)]
-pub struct Stage {
+pub struct PageStage {
     bundle: Bundle,
     /// Joints in model space of every frame row (rows * NUM_JOINTS).
     pub rows: Vec<Mat3x4>,
-    walk: Walk,
+    crowd: PageCrowd,
     /// Record of each character.
-    pub records: Vec<Instance>,
+    pub records: Vec<PoseInstance>,
 }
 
 /// People or agents that move.
 #[derive(Debug)]
-pub enum Walk {
+pub enum PageCrowd {
     /// No characters.
     Nobody,
     /// People of a policy, each sent beside one of a few targets.
@@ -46,7 +46,7 @@ pub enum Walk {
     Agents(Box<Crowd>),
 }
 
-impl Stage {
+impl PageStage {
     /// Opens a bundle that lies in memory.
     ///
     /// # Errors
@@ -59,16 +59,16 @@ impl Stage {
         let mut rows = vec![Mat3x4::default(); frames.len() * NUM_JOINTS];
         let (frames, ratios) = (&frames[..], &vec![0.0; frames.len()][..]);
         SampleJob { motion_set, frames, ratios, matrices: &mut rows }.run().map_err(|e| e.to_string())?;
-        Ok(Self { bundle, rows, walk: Walk::Nobody, records: Vec::new() })
+        Ok(Self { bundle, rows, crowd: PageCrowd::Nobody, records: Vec::new() })
     }
 
     /// Positions of joints at rest, in model space (m).
-    pub fn rest(&self) -> [Vec3; NUM_JOINTS] {
+    pub fn rest_positions(&self) -> [Vec3; NUM_JOINTS] {
         self.bundle.skeleton().rest_positions()
     }
 
     /// The number of each joint's parent; -1 for the first.
-    pub fn parents() -> [i32; NUM_JOINTS] {
+    pub fn joint_parents() -> [i32; NUM_JOINTS] {
         Joint::ALL.map(|j| j.parent().map_or(-1, |p| p.index() as i32))
     }
 
@@ -76,29 +76,29 @@ impl Stage {
     ///
     /// # Errors
     /// If the bundle has no policy, or a number is out of its range.
-    pub fn people(&mut self, count: usize, seed: u64) -> Result<()> {
+    pub fn spawn_people(&mut self, count: usize, seed: u64) -> Result<()> {
         let policy = self.bundle.find_policy("approach")?;
         let avoid = Some(AvoidConfig::default());
         let config = CharactersConfig { seed, avoid, instances: true, ..CharactersConfig::default() };
         let mut cast = PolicyCharacters::with_capacity(&self.bundle, count, config)?;
         let side = (count as f32).sqrt().ceil().max(1.0);
-        cast.gather();
+        cast.hold_entrants();
         for k in 0..count {
             let place = |at: f32| SPACING_M * (at - 0.5 * (side - 1.0));
-            let heading = TAU * uniform(seed, k as u64, 0);
-            cast.spawn(Spawn::standing(Planar::new(
+            let heading = TAU * uniform_random(seed, k as u64, 0);
+            cast.spawn(Spawn::standing_at(Planar::new(
                 place(k as f32 % side),
                 place((k as f32 / side).floor()),
                 heading,
             )))?;
         }
-        cast.settle();
+        cast.release_entrants();
         let targets = std::array::from_fn(|t| {
             let angle = TAU * t as f32 / NUM_TARGETS as f32;
             0.35 * side * SPACING_M * Vec2::new(throng_base::maths::sin(angle), throng_base::maths::cos(angle))
         });
-        self.walk = Walk::People { cast: Box::new(cast), targets, policy };
-        self.aim()?;
+        self.crowd = PageCrowd::People { cast: Box::new(cast), targets, policy };
+        self.send_people()?;
         self.step(0.0).map_err(|why| throng_base::Error::Unknown { what: "step", name: why, known: Vec::new() })
     }
 
@@ -106,7 +106,7 @@ impl Stage {
     ///
     /// # Errors
     /// [`CrowdError`] for numbers out of range.
-    pub fn agents(&mut self, count: usize, seed: u64) -> std::result::Result<(), CrowdError> {
+    pub fn spawn_agents(&mut self, count: usize, seed: u64) -> std::result::Result<(), CrowdError> {
         CAPACITY.check_count("count", count)?;
         let side = ((count as f32).sqrt().ceil().max(4.0) * SPACING_M).ceil();
         let lanes = 24;
@@ -118,26 +118,26 @@ impl Stage {
         let columns = (count as f32).sqrt().ceil() as usize;
         let agent = |k: usize| {
             let place = |at: usize, draw: u64| {
-                SPACING_M * (at as f32 - 0.5 * (columns - 1) as f32) + uniform(seed, k as u64, draw) - 0.5
+                SPACING_M * (at as f32 - 0.5 * (columns - 1) as f32) + uniform_random(seed, k as u64, draw) - 0.5
             };
             let at = Vec3::new(place(k % columns, 0), 0.0, place(k / columns, 1));
-            let route = (uniform(seed, k as u64, 2) * 2.0 * lanes as f32) as usize;
-            let speed = 1.1 + 0.5 * uniform(seed, k as u64, 3);
+            let route = (uniform_random(seed, k as u64, 2) * 2.0 * lanes as f32) as usize;
+            let speed = 1.1 + 0.5 * uniform_random(seed, k as u64, 3);
             Agent { route: Some(route.min(2 * lanes - 1)), speed, ..Agent::at(at) }
         };
         let routes = across.chain(along).collect();
         let setup = Setup { agents: (0..count).map(agent).collect(), routes, ..Setup::default() };
-        self.walk = Walk::Agents(Box::new(Crowd::on_ground(setup)?));
+        self.crowd = PageCrowd::Agents(Box::new(Crowd::on_ground(setup)?));
         self.records.clear();
-        self.records.resize(count, Instance::default());
-        self.show_agents();
+        self.records.resize(count, PoseInstance::default());
+        self.write_agent_records();
         Ok(())
     }
 
     /// Targets at which people gather (m).
     pub fn targets(&self) -> &[Vec2] {
-        match &self.walk {
-            Walk::People { targets, .. } => targets,
+        match &self.crowd {
+            PageCrowd::People { targets, .. } => targets,
             _ => &[],
         }
     }
@@ -148,23 +148,26 @@ impl Stage {
     /// If the place is not finite, or far away.
     pub fn move_target(&mut self, number: usize, to: Vec2) -> Result<()> {
         to.to_array().iter().try_for_each(|&v| COORDINATE.check("target", None, v))?;
-        if let Walk::People { targets, .. } = &mut self.walk
+        if let PageCrowd::People { targets, .. } = &mut self.crowd
             && let Some(target) = targets.get_mut(number)
         {
             *target = to;
-            self.aim()?;
+            self.send_people()?;
         }
         Ok(())
     }
 
     /// Sends each of the people to its own place near a target, on a spiral of the golden angle.
-    fn aim(&mut self) -> Result<()> {
-        let Walk::People { cast, targets, policy } = &mut self.walk else { return Ok(()) };
+    fn send_people(&mut self) -> Result<()> {
+        let PageCrowd::People { cast, targets, policy } = &mut self.crowd else { return Ok(()) };
         for (k, id) in cast.ids().to_vec().into_iter().enumerate() {
             let (target, ring) = (targets[k % NUM_TARGETS], (k / NUM_TARGETS) as f32);
-            let (angle, radius) = (ring * PI * (3.0 - 5.0_f32.sqrt()), APART_M * ring.sqrt());
+            let (angle, radius) = (ring * PI * (3.0 - 5.0_f32.sqrt()), GATHER_SPACING_M * ring.sqrt());
             let by = radius * Vec2::new(throng_base::maths::sin(angle), throng_base::maths::cos(angle));
-            let order = throng_core::characters::Order::aim(*policy, Vec3::new(target.x + by.x, 0.0, target.y + by.y));
+            let order = throng_core::characters::PolicyOrder::towards(
+                *policy,
+                Vec3::new(target.x + by.x, 0.0, target.y + by.y),
+            );
             cast.order(id, order)?;
         }
         Ok(())
@@ -175,26 +178,26 @@ impl Stage {
     /// # Errors
     /// The message of the runtime.
     pub fn step(&mut self, dt_s: f32) -> std::result::Result<(), String> {
-        match &mut self.walk {
-            Walk::Nobody => self.records.clear(),
-            Walk::People { cast, .. } => {
+        match &mut self.crowd {
+            PageCrowd::Nobody => self.records.clear(),
+            PageCrowd::People { cast, .. } => {
                 cast.step(dt_s, &Inline).map_err(|e| e.to_string())?;
                 self.records.clear();
                 self.records.extend(cast.instances());
             }
-            Walk::Agents(crowd) => {
+            PageCrowd::Agents(crowd) => {
                 STEP_S.check("dt_s", None, dt_s).map_err(|e| e.to_string())?;
                 let until = crowd.now() + f64::from(dt_s);
                 crowd.advance(until, &mut |_| ()).map_err(|e| e.to_string())?;
-                self.show_agents();
+                self.write_agent_records();
             }
         }
         Ok(())
     }
 
     /// Writes positions and headings of agents to the records; a standing agent keeps its heading.
-    fn show_agents(&mut self) {
-        let Walk::Agents(crowd) = &self.walk else { return };
+    fn write_agent_records(&mut self) {
+        let PageCrowd::Agents(crowd) = &self.crowd else { return };
         let now = crowd.now();
         for (record, id) in self.records.iter_mut().zip(crowd.ids()) {
             let at = crowd.position(id, now).unwrap_or_default();
@@ -211,19 +214,19 @@ impl Stage {
 mod tests {
     use super::*;
 
-    fn stage() -> Stage {
+    fn stage() -> PageStage {
         let golden = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/golden/tables_v");
         let path = format!("{golden}{}.throng", throng_core::format::VERSION);
-        Stage::open(&std::fs::read(path).expect("the golden bundle")).expect("opened")
+        PageStage::open(&std::fs::read(path).expect("the golden bundle")).expect("opened")
     }
 
     #[test]
     fn people_come_nearer_to_a_target_that_is_moved() {
         let mut stage = stage();
-        stage.people(60, 3).expect("people");
+        stage.spawn_people(60, 3).expect("people");
         let to = Vec2::new(9.0, -14.0);
         stage.move_target(2, to).expect("moved");
-        let far = |stage: &Stage| -> f32 {
+        let far = |stage: &PageStage| -> f32 {
             let of_target = stage.records.iter().skip(2).step_by(NUM_TARGETS);
             of_target.map(|r| Vec2::new(r.x, r.z).distance(to)).sum::<f32>() / 10.0
         };
@@ -238,19 +241,19 @@ mod tests {
     #[test]
     fn agents_cross_and_look_where_they_go() {
         let mut stage = stage();
-        stage.agents(200, 5).expect("agents");
+        stage.spawn_agents(200, 5).expect("agents");
         let before = stage.records.clone();
         (0..120).for_each(|_| stage.step(1.0 / 30.0).expect("a step"));
         let moved = stage.records.iter().zip(&before).filter(|(a, b)| Vec2::new(a.x - b.x, a.z - b.z).length() > 1.0);
         assert!(moved.count() > 150);
         assert!(stage.targets().is_empty());
         assert!(stage.step(1e8).is_err() && stage.step(f32::NAN).is_err());
-        assert!(stage.agents(usize::MAX, 5).is_err() && stage.step(0.1).is_ok());
+        assert!(stage.spawn_agents(usize::MAX, 5).is_err() && stage.step(0.1).is_ok());
     }
 
     #[test]
     fn what_is_no_bundle_is_told() {
-        let told = Stage::open(b"no bundle").expect_err("nine bytes");
+        let told = PageStage::open(b"no bundle").expect_err("nine bytes");
         assert!(told.contains("Throng"), "{told}");
     }
 }

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use throng_bake::cache::Cache;
 use throng_checks::damage::write_corpus;
 use throng_checks::soak::{self, SoakConfig, SoakReport};
-use throng_lab::run::{Cached, ensure};
+use throng_lab::run::{BuildContext, ensure_scene};
 use throng_motion::progress::Silent;
 use throng_runtime::base::limit_threads;
 use throng_runtime::simulation::Scene;
@@ -105,14 +105,14 @@ fn write_seeds(out: &Path) -> Result<(), Box<dyn Error>> {
 fn run_soak(args: &SoakArgs) -> Result<(), Box<dyn Error>> {
     let seconds = args.hours.map(|h| 3600.0 * h).or(args.seconds).unwrap_or(60.0);
     let folder = tempfile::tempdir()?;
-    let cache = Cache::at(&args.cache, Cache::LIMIT_BYTES)?;
-    let with = Cached { cache: &cache, progress: &Silent, tell: &|news| eprintln!("{news}") };
+    let cache = Cache::at_address(&args.cache, Cache::LIMIT_BYTES)?;
+    let with = BuildContext { cache: &cache, progress: &Silent, report_news: &|news| eprintln!("{news}") };
     let scenes = if args.scenes.is_empty() {
         soak::scenes(folder.path(), &with)?
     } else {
         let load = |path: &PathBuf| -> Result<Scene, Box<dyn Error>> {
             let scene = Scene::load(path)?;
-            ensure(&scene, &with)?;
+            ensure_scene(&scene, &with)?;
             Ok(scene)
         };
         args.scenes.iter().map(load).collect::<Result<_, _>>()?

@@ -9,7 +9,7 @@ use std::time::Instant;
 use throng_bake::cache::{Cache, content_hash};
 use throng_bake::config::BuildConfig;
 use throng_bake::pipeline;
-use throng_lab::run::Cached;
+use throng_lab::run::BuildContext;
 use throng_motion::error::BuildError;
 use throng_motion::progress::Silent;
 
@@ -17,7 +17,7 @@ use throng_motion::progress::Silent;
 const THREADS: [usize; 3] = [1, 2, 8];
 
 /// Config of a build that takes a second.
-const SMALL: &str = "name = \"small\"\nsynth = { set = \"walk\", minutes = 0.5 }\n[resample]\nmirror = true\n[policy]\n\
+const SMALL_CONFIG: &str = "name = \"small\"\nsynth = { set = \"walk\", minutes = 0.5 }\n[resample]\nmirror = true\n[policy]\n\
                      compare_samples = 100\n[[behaviours]]\nname = \"approach\"\ngrid = { rings = 6, angles = 8, \
                      radius = 6.0, inner_spacing = 0.5 }\n";
 
@@ -50,12 +50,12 @@ pub struct SelftestReport {
     /// Wall time (s).
     pub seconds: f64,
     /// All checks.
-    pub checks: Vec<Check>,
+    pub checks: Vec<SelftestCheck>,
 }
 
 /// One check.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct Check {
+pub struct SelftestCheck {
     /// Description of the check.
     pub name: String,
     /// True if it passed.
@@ -67,10 +67,10 @@ pub struct Check {
 }
 
 /// Result of a check: passed or not, and the findings in words.
-type Found = Result<(bool, String), BuildError>;
+type CheckResult = Result<(bool, String), BuildError>;
 
 impl SelftestReport {
-    fn add(&mut self, name: impl Into<String>, check: impl FnOnce() -> Found) {
+    fn add(&mut self, name: impl Into<String>, check: impl FnOnce() -> CheckResult) {
         let begin = Instant::now();
         // A panic fails one check; the others go on.
         let found = catch_unwind(AssertUnwindSafe(check)).map_err(|panic| said(&*panic));
@@ -79,7 +79,7 @@ impl SelftestReport {
             Ok(Err(e)) => (false, e.to_string()),
             Err(panic) => (false, panic),
         };
-        self.checks.push(Check { name: name.into(), ok, found, seconds: begin.elapsed().as_secs_f64() });
+        self.checks.push(SelftestCheck { name: name.into(), ok, found, seconds: begin.elapsed().as_secs_f64() });
         self.checked += 1;
         self.failed += usize::from(!ok);
     }
@@ -88,10 +88,10 @@ impl SelftestReport {
 /// Runs all checks.
 ///
 /// - `folder`: folder for small bundles and a world.
-pub fn selftest(config: &SelftestConfig, folder: &Path, with: &Cached<'_>) -> SelftestReport {
+pub fn selftest(config: &SelftestConfig, folder: &Path, with: &BuildContext<'_>) -> SelftestReport {
     let begin = Instant::now();
     let mut report = SelftestReport::default();
-    report.add("a bundle has the same bytes at 1, 2 and 8 threads", || same_bytes(folder));
+    report.add("a bundle has the same bytes at 1, 2 and 8 threads", || check_same_bytes(folder));
     for reader in READERS {
         report.add(format!("damaged input: {}", reader.name), || {
             let tried = reader.try_mutants(config.mutants, config.seed);
@@ -138,14 +138,14 @@ pub fn selftest(config: &SelftestConfig, folder: &Path, with: &Cached<'_>) -> Se
 }
 
 /// Builds a small bundle on several numbers of threads.
-fn same_bytes(folder: &Path) -> Found {
-    let config = BuildConfig::parse(SMALL, Path::new("small.toml"))?;
+fn check_same_bytes(folder: &Path) -> CheckResult {
+    let config = BuildConfig::parse(SMALL_CONFIG, Path::new("small.toml"))?;
     let out = folder.join("small.throng");
     let mut hashes = Vec::new();
     for threads in THREADS {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.map_err(|e| BuildError::Config { message: e.to_string() })?;
-        pool.install(|| pipeline::build(&config, &out, &Cache::none(), &Silent))?;
+        pool.install(|| pipeline::build(&config, &out, &Cache::disabled(), &Silent))?;
         let bytes = std::fs::read(&out).map_err(|source| BuildError::Io { path: out.clone(), source })?;
         hashes.push((bytes.len(), content_hash(&bytes)));
     }

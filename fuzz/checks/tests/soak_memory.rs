@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicI64, Ordering::SeqCst};
 use std::sync::{Mutex, PoisonError};
 use throng_bake::cache::Cache;
 use throng_checks::soak::{self, Pools, SoakConfig, SoakReport};
-use throng_lab::run::{Cached, own_scene};
+use throng_lab::run::{BuildContext, built_in_scene};
 use throng_motion::progress::Silent;
 use throng_runtime::simulation::Simulation;
 
@@ -58,7 +58,7 @@ const MARGIN: i64 = 64 << 10;
 fn runs_of_every_kind_leave_no_memory_behind() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let folder = tempfile::tempdir().expect("a folder");
-    let with = Cached { cache: &Cache::none(), progress: &Silent, tell: &|_| {} };
+    let with = BuildContext { cache: &Cache::disabled(), progress: &Silent, report_news: &|_| {} };
     let scenes = soak::scenes(folder.path(), &with).expect("scenes of every kind");
     let config = SoakConfig { run_s: 0.5, ..SoakConfig::default() };
     let (pools, mut rng) = (Pools::new().expect("threads"), Pcg64Mcg::seed_from_u64(5));
@@ -84,7 +84,7 @@ fn runs_of_every_kind_leave_no_memory_behind() {
 #[test]
 fn a_run_is_repeated_in_the_room_of_the_one_before() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    let scene = own_scene("circle").expect("it is read").expect("it is there").resized(2000);
+    let scene = built_in_scene("circle").expect("it is read").expect("it is there").resized(2000);
     let config = SoakConfig { run_s: 0.1, ..SoakConfig::default() };
     let (pools, mut rng) = (Pools::new().expect("threads"), Pcg64Mcg::seed_from_u64(5));
     let mut report = SoakReport::default();

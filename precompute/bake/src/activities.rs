@@ -53,7 +53,7 @@ pub struct ActivityReport {
 
 impl ActivityReport {
     /// Summary of an activity as a bundle stores it.
-    pub fn of(activity: &ActivityMeta, rate_hz: f64) -> Self {
+    pub fn from_meta(activity: &ActivityMeta, rate_hz: f64) -> Self {
         let seconds = |frames: u32| f64::from(frames) / rate_hz;
         Self {
             name: activity.name.clone(),
@@ -72,9 +72,12 @@ impl ActivityReport {
 ///
 /// # Errors
 /// [`BuildError::Key`] where nothing shows what a tag asks for, or something that does not begin and end standing.
-pub fn find(clips: &ClipSet, config: &BTreeMap<String, ActivityConfig>) -> Result<Vec<ActivityMeta>, BuildError> {
+pub fn find_activities(
+    clips: &ClipSet,
+    config: &BTreeMap<String, ActivityConfig>,
+) -> Result<Vec<ActivityMeta>, BuildError> {
     let of_tag = |(tag, config): (&String, &ActivityConfig)| {
-        of_tag(clips, tag, config).map_err(|why| BuildError::key(format!("activities.{tag}"), why))
+        find_of_tag(clips, tag, config).map_err(|why| BuildError::key(format!("activities.{tag}"), why))
     };
     let mut found = config.iter().map(of_tag).collect::<Result<Vec<_>, _>>()?.concat();
     // A clip that shows several things.
@@ -85,7 +88,7 @@ pub fn find(clips: &ClipSet, config: &BTreeMap<String, ActivityConfig>) -> Resul
     Ok(found)
 }
 
-fn of_tag(clips: &ClipSet, tag: &str, config: &ActivityConfig) -> Result<Vec<ActivityMeta>, String> {
+fn find_of_tag(clips: &ClipSet, tag: &str, config: &ActivityConfig) -> Result<Vec<ActivityMeta>, String> {
     let mut found = Vec::new();
     for (number, clip) in (0u32..).zip(&clips.clips).filter(|(_, c)| !c.mirrored) {
         let ranges = ranges(clip, tag, config);
@@ -98,7 +101,7 @@ fn of_tag(clips: &ClipSet, tag: &str, config: &ActivityConfig) -> Result<Vec<Act
         }
     }
     if found.is_empty() {
-        return Err(nothing(clips, tag, config));
+        return Err(describe_missing(clips, tag, config));
     }
     Ok(found)
 }
@@ -162,7 +165,7 @@ fn activity(
 }
 
 /// Explains why a tag has no activity.
-fn nothing(clips: &ClipSet, tag: &str, config: &ActivityConfig) -> String {
+fn describe_missing(clips: &ClipSet, tag: &str, config: &ActivityConfig) -> String {
     if !config.clips.is_empty() {
         return format!("expected clips named {}, found none among {}", config.clips.join(" or "), clips.clips.len());
     }
@@ -178,10 +181,10 @@ fn nothing(clips: &ClipSet, tag: &str, config: &ActivityConfig) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_synth::{SynthConfig, SynthSet, make};
+    use throng_synth::{SynthConfig, SynthSet, make_set};
 
     fn people() -> ClipSet {
-        make(SynthSet::People, &SynthConfig { minutes: 1.2, ..SynthConfig::default() }).unwrap()
+        make_set(SynthSet::People, &SynthConfig { minutes: 1.2, ..SynthConfig::default() }).unwrap()
     }
 
     fn asked(tag: &str, config: ActivityConfig) -> BTreeMap<String, ActivityConfig> {
@@ -192,7 +195,7 @@ mod tests {
     fn tagged_ranges_become_actions_with_their_looped_part() {
         let (clips, default) = (people(), ActivityConfig::default());
         let config = ["sit", "chat", "greet"].map(|t| (t.to_owned(), default.clone())).into();
-        let found = find(&clips, &config).unwrap();
+        let found = find_activities(&clips, &config).unwrap();
         for activity in &found {
             let clip = &clips.clips[activity.clip as usize];
             let tag = clip.tags.iter().find(|t| t.name == activity.tag).unwrap();
@@ -210,9 +213,9 @@ mod tests {
     #[test]
     fn tagged_hands_hold_a_thing_from_the_grasp_on_or_until_it_is_let_go() {
         let all = SynthConfig::for_set(SynthSet::People);
-        let (clips, default) = (make(SynthSet::People, &all).unwrap(), ActivityConfig::default());
+        let (clips, default) = (make_set(SynthSet::People, &all).unwrap(), ActivityConfig::default());
         let config = ["take", "put"].map(|t| (t.to_owned(), default.clone())).into();
-        let found = find(&clips, &config).unwrap();
+        let found = find_activities(&clips, &config).unwrap();
         for (tag, stays) in [("take", true), ("put", false)] {
             let of_tag: Vec<_> = found.iter().filter(|a| a.tag == tag).collect();
             assert!((0..2).all(|side| of_tag.iter().any(|a| a.held[side].is_some())), "{tag}: both hands");
@@ -223,21 +226,22 @@ mod tests {
             }
         }
         let own = ActivityConfig { held: ["none".into(), "other".into()], ..default };
-        assert!(find(&clips, &asked("take", own)).unwrap().iter().all(|a| a.held == [None; 2]));
+        assert!(find_activities(&clips, &asked("take", own)).unwrap().iter().all(|a| a.held == [None; 2]));
     }
 
     #[test]
     fn whole_clips_become_actions_by_name() {
         let clips = people();
         let config = ActivityConfig { clips: vec!["people_chat_*".into()], ..ActivityConfig::default() };
-        let found = find(&clips, &asked("talk", config)).unwrap();
+        let found = find_activities(&clips, &asked("talk", config)).unwrap();
         assert!(found.iter().all(|a| a.tag == "talk" && a.first_frame == 0 && a.looped.is_some()));
     }
 
     #[test]
     fn what_is_not_there_or_does_not_stand_is_told() {
         let mut clips = people();
-        let error = |clips: &ClipSet, tag: &str, config| find(clips, &asked(tag, config)).unwrap_err().to_string();
+        let error =
+            |clips: &ClipSet, tag: &str, config| find_activities(clips, &asked(tag, config)).unwrap_err().to_string();
         let text = error(&clips, "dance", ActivityConfig::default());
         assert!(text.contains("activities.dance") && text.contains("the tags are buy, chat"), "{text}");
         let none = ActivityConfig { clips: vec!["x*".into()], ..ActivityConfig::default() };

@@ -4,7 +4,7 @@ mod folder;
 #[cfg(feature = "object-store")]
 mod objects;
 
-use folder::Folder;
+use folder::FolderStorage;
 use serde::{Serialize, de::DeserializeOwned};
 use std::fmt::Debug;
 use std::path::{Path, PathBuf};
@@ -26,14 +26,14 @@ const BUNDLE: &str = ".throng";
 
 /// Hash of everything an output depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Key(u128);
+pub struct CacheKey(u128);
 
-impl Key {
+impl CacheKey {
     /// Key of a stage's output: its name, its config and the keys of all its inputs.
     ///
     /// # Errors
     /// [`BuildError::Format`] for a config that cannot be encoded.
-    pub fn of(stage: &str, inputs: &[Self], config: &impl Serialize) -> Result<Self, BuildError> {
+    pub fn for_stage(stage: &str, inputs: &[Self], config: &impl Serialize) -> Result<Self, BuildError> {
         let config = bincode::serde::encode_to_vec(config, bincode::config::standard())
             .map_err(|e| BuildError::Format(format!("the config of stage {stage} cannot be encoded: {e}")))?;
         let inputs: Vec<u8> = inputs.iter().flat_map(|k| k.0.to_le_bytes()).collect();
@@ -41,7 +41,7 @@ impl Key {
     }
 
     /// The hash as a number.
-    pub(crate) fn number(self) -> u128 {
+    pub(crate) fn as_u128(self) -> u128 {
         self.0
     }
 
@@ -61,11 +61,11 @@ pub fn content_hash(bytes: &[u8]) -> u128 {
 }
 
 /// Storage of entries: bytes under names. An entry is complete unless it was damaged later, which [`Cache`] checks.
-trait Storage: Debug + Send + Sync {
+trait CacheStorage: Debug + Send + Sync {
     /// Reads the bytes of an entry; `None` if there is no such entry.
     fn read(&self, name: &str) -> Result<Option<Vec<u8>>, BuildError>;
     /// True if there is such an entry.
-    fn has(&self, name: &str) -> Result<bool, BuildError>;
+    fn has_entry(&self, name: &str) -> Result<bool, BuildError>;
     /// Stores an entry atomically: other processes see all of it, or the previous one.
     fn write(&self, name: &str, bytes: Vec<u8>) -> Result<(), BuildError>;
     /// Removes an entry; another process may already have removed it.
@@ -76,7 +76,7 @@ trait Storage: Debug + Send + Sync {
     fn touch(&self, name: &str, last: Option<SystemTime>);
     /// Removes partial entries left by killed processes; returns false if the storage itself frees space.
     fn tidy(&self) -> bool;
-    /// Address of an entry, for messages; a file path if [`Storage::is_folder`].
+    /// Address of an entry, for messages; a file path if [`CacheStorage::is_folder`].
     fn address(&self, name: &str) -> PathBuf;
     /// True if entries are files.
     fn is_folder(&self) -> bool;
@@ -88,7 +88,7 @@ trait Storage: Debug + Send + Sync {
 /// output again.
 #[derive(Clone, Debug)]
 pub struct Cache {
-    storage: Option<Arc<dyn Storage>>,
+    storage: Option<Arc<dyn CacheStorage>>,
     limit_bytes: u64,
     /// First fault since faults were last taken.
     fault: Arc<Mutex<Option<BuildError>>>,
@@ -96,7 +96,7 @@ pub struct Cache {
 
 /// A cached output.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Entry {
+pub struct CacheEntry {
     /// Its name in the folder, or in the store.
     pub name: String,
     /// Stage that made it.
@@ -108,7 +108,7 @@ pub struct Entry {
     pub used: SystemTime,
 }
 
-impl Entry {
+impl CacheEntry {
     /// Parses the name of an entry; `None` for a file that is no entry.
     fn new(name: String, bytes: u64, used: SystemTime) -> Option<Self> {
         let (stage, key) = name.strip_suffix(BUNDLE).unwrap_or(&name).rsplit_once('-')?;
@@ -127,7 +127,7 @@ impl Cache {
     /// Default limit of a cache (bytes).
     pub const LIMIT_BYTES: u64 = 5_000_000_000;
 
-    fn new(storage: Option<Arc<dyn Storage>>, limit_bytes: u64) -> Self {
+    fn new(storage: Option<Arc<dyn CacheStorage>>, limit_bytes: u64) -> Self {
         Self { storage, limit_bytes, fault: Arc::default() }
     }
 
@@ -138,7 +138,7 @@ impl Cache {
     /// # Errors
     /// [`BuildError::Store`] where a store does not answer or refuses, or where this program is built without the feature
     /// `object-store`.
-    pub fn at(address: &Path, limit_bytes: u64) -> Result<Self, BuildError> {
+    pub fn at_address(address: &Path, limit_bytes: u64) -> Result<Self, BuildError> {
         match address.to_str().filter(|a| a.starts_with(STORE)) {
             Some(address) => Self::in_store(address),
             None => Ok(Self::in_folder(address).limited(limit_bytes)),
@@ -159,11 +159,11 @@ impl Cache {
 
     /// Keeps outputs in a folder, which is created when first needed, up to [`Cache::LIMIT_BYTES`].
     pub fn in_folder(folder: impl Into<PathBuf>) -> Self {
-        Self::new(Some(Arc::new(Folder::new(folder.into()))), Self::LIMIT_BYTES)
+        Self::new(Some(Arc::new(FolderStorage::new(folder.into()))), Self::LIMIT_BYTES)
     }
 
     /// A disabled cache, which keeps nothing.
-    pub fn none() -> Self {
+    pub fn disabled() -> Self {
         Self::new(None, 0)
     }
 
@@ -174,9 +174,9 @@ impl Cache {
 
     /// Path at which a bundle made to be run or viewed is kept; `None` if nothing is kept, or not in files. Counts as a
     /// use.
-    pub fn bundle(&self, key: Key) -> Option<PathBuf> {
+    pub fn bundle(&self, key: CacheKey) -> Option<PathBuf> {
         let storage = self.storage.as_ref().filter(|p| p.is_folder())?;
-        let name = format!("{}{BUNDLE}", name("bundle", key));
+        let name = format!("{}{BUNDLE}", entry_name("bundle", key));
         let path = storage.address(&name);
         if path.is_file() {
             self.touch(&name);
@@ -188,10 +188,11 @@ impl Cache {
     ///
     /// # Errors
     /// [`BuildError::Io`] where the folder cannot be listed; [`BuildError::Store`].
-    pub fn entries(&self) -> Result<Vec<Entry>, BuildError> {
+    pub fn entries(&self) -> Result<Vec<CacheEntry>, BuildError> {
         let Some(storage) = &self.storage else { return Ok(Vec::new()) };
         let listed = storage.list()?.into_iter();
-        let mut entries: Vec<Entry> = listed.filter_map(|(name, bytes, used)| Entry::new(name, bytes, used)).collect();
+        let mut entries: Vec<CacheEntry> =
+            listed.filter_map(|(name, bytes, used)| CacheEntry::new(name, bytes, used)).collect();
         entries.sort_by(|a, b| a.used.cmp(&b.used).then_with(|| a.name.cmp(&b.name)));
         Ok(entries)
     }
@@ -214,14 +215,16 @@ impl Cache {
     }
 
     /// True if there is an entry under a key, which is not checked for damage.
-    pub(crate) fn has(&self, stage: &str, key: Key) -> bool {
-        self.storage.as_ref().is_some_and(|storage| self.noted(storage.has(&name(stage, key))).unwrap_or(false))
+    pub(crate) fn has_entry(&self, stage: &str, key: CacheKey) -> bool {
+        self.storage
+            .as_ref()
+            .is_some_and(|storage| self.note_fault(storage.has_entry(&entry_name(stage, key))).unwrap_or(false))
     }
 
     /// The output kept under a key. Damaged entries count as absent.
-    pub fn load<T: DeserializeOwned>(&self, stage: &str, key: Key) -> Option<T> {
-        let (storage, name) = (self.storage.as_ref()?, name(stage, key));
-        let value = self.read(&**storage, &name)?;
+    pub fn load<T: DeserializeOwned>(&self, stage: &str, key: CacheKey) -> Option<T> {
+        let (storage, name) = (self.storage.as_ref()?, entry_name(stage, key));
+        let value = self.read_entry(&**storage, &name)?;
         self.touch(&name);
         Some(value)
     }
@@ -229,10 +232,10 @@ impl Cache {
     /// Keeps an output. A cache that cannot be written is a warning, not an error.
     ///
     /// - returns whether it is kept.
-    pub fn store(&self, stage: &str, key: Key, value: &impl Serialize, warnings: &mut Warnings) -> bool {
+    pub fn store(&self, stage: &str, key: CacheKey, value: &impl Serialize, warnings: &mut Warnings) -> bool {
         let Some(storage) = &self.storage else { return false };
-        let name = name(stage, key);
-        let stored = self.write(&**storage, &name, value).and_then(|()| {
+        let name = entry_name(stage, key);
+        let stored = self.write_entry(&**storage, &name, value).and_then(|()| {
             self.touch(&name);
             self.make_room(Some(&name))
         });
@@ -245,50 +248,50 @@ impl Cache {
         }
     }
 
-    /// Loads the output of one of many files, or makes and stores it. Call [`Cache::settle`] after the last of the
+    /// Loads the output of one of many files, or makes and stores it. Call [`Cache::finish_batch`] after the last of the
     /// files.
     ///
     /// - returns also whether it was loaded.
     ///
     /// # Errors
-    /// Errors of `make`. A cache that cannot be written is not an error: see [`Cache::fault`].
-    pub fn each<T: Serialize + DeserializeOwned, E>(
+    /// Errors of `make`. A cache that cannot be written is not an error: see [`Cache::take_fault`].
+    pub fn load_or_make<T: Serialize + DeserializeOwned, E>(
         &self,
         stage: &str,
-        key: Key,
+        key: CacheKey,
         make: impl FnOnce() -> Result<T, E>,
     ) -> Result<(T, bool), E> {
         let Some(storage) = &self.storage else { return Ok((make()?, false)) };
-        let name = name(stage, key);
-        if let Some(value) = self.read(&**storage, &name) {
+        let name = entry_name(stage, key);
+        if let Some(value) = self.read_entry(&**storage, &name) {
             storage.touch(&name, None);
             return Ok((value, true));
         }
         let value = make()?;
-        self.noted(self.write(&**storage, &name, &value));
+        self.note_fault(self.write_entry(&**storage, &name, &value));
         Ok((value, false))
     }
 
-    /// Frees space after a series of calls of [`Cache::each`].
-    pub fn settle(&self) {
-        self.noted(self.make_room(None));
+    /// Frees space after a series of calls of [`Cache::load_or_make`].
+    pub fn finish_batch(&self) {
+        self.note_fault(self.make_room(None));
     }
 
     /// Takes the first fault since the last call. Outputs that could not be stored are made again by the next build.
-    pub fn fault(&self) -> Option<BuildError> {
+    pub fn take_fault(&self) -> Option<BuildError> {
         self.fault.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
-    /// Value of a result; `None` for an error, which is noted for [`Cache::fault`].
-    fn noted<T>(&self, outcome: Result<T, BuildError>) -> Option<T> {
+    /// Value of a result; `None` for an error, which is noted for [`Cache::take_fault`].
+    fn note_fault<T>(&self, outcome: Result<T, BuildError>) -> Option<T> {
         outcome.map_err(|e| _ = self.fault.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(e)).ok()
     }
 
     /// Decodes the output in an entry; `None` if it is damaged.
-    fn read<T: DeserializeOwned>(&self, storage: &dyn Storage, name: &str) -> Option<T> {
-        let bytes = self.noted(storage.read(name))??;
+    fn read_entry<T: DeserializeOwned>(&self, storage: &dyn CacheStorage, name: &str) -> Option<T> {
+        let bytes = self.note_fault(storage.read(name))??;
         let (body, sum) = bytes.split_last_chunk::<16>()?;
-        if sum_of(name, body) != u128::from_le_bytes(*sum) {
+        if checksum(name, body) != u128::from_le_bytes(*sum) {
             return None;
         }
         let config = bincode::config::standard().with_fixed_int_encoding().with_limit::<LIMIT>();
@@ -296,10 +299,10 @@ impl Cache {
         (used == body.len()).then_some(value)
     }
 
-    fn write(&self, storage: &dyn Storage, name: &str, value: &impl Serialize) -> Result<(), BuildError> {
+    fn write_entry(&self, storage: &dyn CacheStorage, name: &str, value: &impl Serialize) -> Result<(), BuildError> {
         let config = bincode::config::standard().with_fixed_int_encoding();
         let mut bytes = bincode::serde::encode_to_vec(value, config).map_err(|e| BuildError::Format(e.to_string()))?;
-        bytes.extend(sum_of(name, &bytes).to_le_bytes());
+        bytes.extend(checksum(name, &bytes).to_le_bytes());
         let most = self.limit_bytes.min(LIMIT as u64);
         if bytes.len() as u64 > most {
             let found = bytes.len();
@@ -333,7 +336,7 @@ impl Cache {
 }
 
 /// Checksum of an entry and its name, so that an entry stored under another name is invalid.
-fn sum_of(name: &str, body: &[u8]) -> u128 {
+fn checksum(name: &str, body: &[u8]) -> u128 {
     let mut hash = Xxh3::new();
     hash.update(name.as_bytes());
     hash.update(body);
@@ -341,7 +344,7 @@ fn sum_of(name: &str, body: &[u8]) -> u128 {
 }
 
 /// Name of the entry of a stage.
-fn name(stage: &str, key: Key) -> String {
+fn entry_name(stage: &str, key: CacheKey) -> String {
     format!("{stage}-{:032x}", key.0)
 }
 
@@ -355,16 +358,16 @@ mod tests {
     fn finds_what_was_kept_and_nothing_else() {
         let dir = tempfile::tempdir().unwrap();
         let cache = Cache::in_folder(dir.path().join("cache"));
-        let key = Key::of("graph", &[], &1u32).unwrap();
+        let key = CacheKey::for_stage("graph", &[], &1u32).unwrap();
         let mut warnings = Warnings::default();
         assert_eq!(cache.load::<Vec<f32>>("graph", key), None);
         cache.store("graph", key, &vec![1.0f32, 2.0], &mut warnings);
         assert_eq!(cache.load::<Vec<f32>>("graph", key), Some(vec![1.0, 2.0]));
-        assert_eq!(cache.load::<Vec<f32>>("graph", Key::of("graph", &[], &2u32).unwrap()), None);
+        assert_eq!(cache.load::<Vec<f32>>("graph", CacheKey::for_stage("graph", &[], &2u32).unwrap()), None);
         assert_eq!(warnings, Warnings::default());
 
         let path_of = |key| path(&cache, key);
-        let other = Key::of("graph", &[], &2u32).unwrap();
+        let other = CacheKey::for_stage("graph", &[], &2u32).unwrap();
         std::fs::copy(path_of(key), path_of(other)).unwrap();
         assert_eq!(cache.load::<Vec<f32>>("graph", other), None, "it is whole, and another's");
         let path = path_of(key);
@@ -375,12 +378,12 @@ mod tests {
     }
 
     /// The file of an output.
-    fn path(cache: &Cache, key: Key) -> PathBuf {
-        cache.storage.as_ref().unwrap().address(&name("graph", key))
+    fn path(cache: &Cache, key: CacheKey) -> PathBuf {
+        cache.storage.as_ref().unwrap().address(&entry_name("graph", key))
     }
 
-    fn key(n: u32) -> Key {
-        Key::of("graph", &[], &n).unwrap()
+    fn key(n: u32) -> CacheKey {
+        CacheKey::for_stage("graph", &[], &n).unwrap()
     }
 
     /// The length of an entry of 1000 bytes.
@@ -414,25 +417,25 @@ mod tests {
     fn outputs_of_many_files_and_bundles_are_entries_like_others() {
         let dir = tempfile::tempdir().unwrap();
         let cache = Cache::in_folder(dir.path()).limited(4 * ENTRY);
-        let each = |n: u32| cache.each::<_, ()>("import", key(n), || Ok(vec![n as u8; 1000])).unwrap();
+        let each = |n: u32| cache.load_or_make::<_, ()>("import", key(n), || Ok(vec![n as u8; 1000])).unwrap();
         for kept in [false, true] {
             for n in 0..3 {
                 assert_eq!(each(n), (vec![n as u8; 1000], kept));
             }
         }
-        assert_eq!(cache.each::<Vec<u8>, _>("import", key(9), || Err("bad")), Err("bad"));
+        assert_eq!(cache.load_or_make::<Vec<u8>, _>("import", key(9), || Err("bad")), Err("bad"));
         let bundle = cache.bundle(key(0)).unwrap();
         assert!(bundle.extension().is_some_and(|e| e == "throng") && !bundle.exists());
         std::fs::write(&bundle, [0; 2000]).unwrap();
         // What writes take for now may lie some milliseconds back.
         File::options().write(true).open(&bundle).unwrap().set_modified(SystemTime::now()).unwrap();
         assert_eq!(cache.entries().unwrap().iter().filter(|e| e.stage == "bundle").count(), 1);
-        cache.settle();
+        cache.finish_batch();
         let left: Vec<String> = cache.entries().unwrap().into_iter().map(|e| e.stage).collect();
         assert_eq!(left, ["import", "import", "bundle"], "what was used first made room");
         assert!(each(2).1 && each(1).1 && !each(0).1);
-        assert_eq!(Cache::none().each::<_, ()>("import", key(1), || Ok(3)), Ok((3, false)));
-        assert!(Cache::none().bundle(key(1)).is_none());
+        assert_eq!(Cache::disabled().load_or_make::<_, ()>("import", key(1), || Ok(3)), Ok((3, false)));
+        assert!(Cache::disabled().bundle(key(1)).is_none());
     }
 
     #[test]
@@ -445,7 +448,7 @@ mod tests {
         File::open(path(&cache, key(1))).unwrap().set_modified(tomorrow).unwrap();
         assert!(cache.load::<u32>("graph", key(0)).is_some());
         let order: Vec<_> = cache.entries().unwrap().into_iter().map(|e| e.name).collect();
-        assert_eq!(order, [2, 1, 0].map(|n| name("graph", key(n))));
+        assert_eq!(order, [2, 1, 0].map(|n| entry_name("graph", key(n))));
     }
 
     #[test]

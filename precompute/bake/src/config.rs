@@ -4,14 +4,14 @@ use crate::activities::ActivityConfig;
 use crate::cluster::ClusterConfig;
 use crate::examples::BlendConfig;
 use crate::features::FeaturesConfig;
-use crate::graph::GraphConfig;
+use crate::graph::MotionGraphConfig;
 use crate::patch::PatchConfig;
-use crate::policy::{BehaviourConfig, BehaviourKind, PolicyConfig};
+use crate::policy::{BehaviourKind, PolicyBehaviourConfig, PolicyConfig};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use throng_base::text::Source;
+use throng_base::text::TomlSource;
 use throng_motion::annotate::{AnnotateConfig, Sidecar};
 use throng_motion::error::BuildError;
 use throng_motion::import::{self, ImportConfig};
@@ -47,7 +47,7 @@ pub struct BuildConfig {
     /// Pose groups.
     pub cluster: ClusterConfig,
     /// The motion graph.
-    pub graph: GraphConfig,
+    pub graph: MotionGraphConfig,
     /// Motion patches.
     pub patches: PatchConfig,
     /// Blend spaces, by name.
@@ -58,7 +58,7 @@ pub struct BuildConfig {
     /// How policies are solved.
     pub policy: PolicyConfig,
     /// Behaviours of characters.
-    pub behaviours: Vec<BehaviourConfig>,
+    pub behaviours: Vec<PolicyBehaviourConfig>,
 }
 
 impl Default for BuildConfig {
@@ -75,12 +75,12 @@ impl Default for BuildConfig {
             clips: BTreeMap::new(),
             features: FeaturesConfig::default(),
             cluster: ClusterConfig::default(),
-            graph: GraphConfig::default(),
+            graph: MotionGraphConfig::default(),
             patches: PatchConfig::default(),
             blend: BTreeMap::new(),
             activities: BTreeMap::new(),
             policy: PolicyConfig::default(),
-            behaviours: vec![BehaviourConfig::default()],
+            behaviours: vec![PolicyBehaviourConfig::default()],
         }
     }
 }
@@ -99,8 +99,12 @@ impl BuildConfig {
     pub fn of_motion(name: impl Into<String>, inputs: Vec<PathBuf>) -> Result<Self, BuildError> {
         let walk = Self::parse(include_str!("../../../data/walk.toml"), Path::new("walk.toml"))?;
         let (mut config, kind) = (Self { name: name.into(), inputs, ..walk }, BehaviourKind::ThrowPunches);
-        config.behaviours.push(BehaviourConfig { name: "throw-punches".into(), kind, ..BehaviourConfig::default() });
-        config.blend.insert("ahead".into(), BlendConfig::of_all_clips());
+        config.behaviours.push(PolicyBehaviourConfig {
+            name: "throw-punches".into(),
+            kind,
+            ..PolicyBehaviourConfig::default()
+        });
+        config.blend.insert("ahead".into(), BlendConfig::for_all_clips());
         Ok(config)
     }
 
@@ -109,7 +113,7 @@ impl BuildConfig {
     /// # Errors
     /// [`BuildError::File`] with file, line and column, and for an unknown key the nearest known one.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
-        let mut config = Self::of(&Source::read(path, "a config")?)?;
+        let mut config = Self::from_source(&TomlSource::read(path, "a config")?)?;
         if config.name.is_empty() {
             config.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         }
@@ -137,12 +141,12 @@ impl BuildConfig {
     /// # Errors
     /// As [`BuildConfig::load`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, BuildError> {
-        Self::of(&Source::new(text, path))
+        Self::from_source(&TomlSource::new(text, path))
     }
 
-    fn of(source: &Source) -> Result<Self, BuildError> {
+    fn from_source(source: &TomlSource) -> Result<Self, BuildError> {
         let config: Self = source.parse("`throng schema` prints what a config may hold.")?;
-        config.check().map_err(|e| e.at(source))?;
+        config.check().map_err(|e| e.with_position(source))?;
         Ok(config)
     }
 
@@ -169,12 +173,12 @@ impl BuildConfig {
             let why = format!("{}: expected a path in UTF-8; rename the folder or the file", path.display());
             return Err(BuildError::key("inputs", &why));
         }
-        self.import.check().map_err(|e| e.within("import"))?;
-        self.synth.as_ref().map_or(Ok(()), |s| s.check().map_err(|e| e.within("synth")))?;
+        self.import.check().map_err(|e| e.within_key("import"))?;
+        self.synth.as_ref().map_or(Ok(()), |s| s.check().map_err(|e| e.within_key("synth")))?;
         self.retarget.check()?;
-        self.resample.check().map_err(|e| e.within("resample"))?;
-        self.annotate.check().map_err(|e| e.within("annotate"))?;
-        let sidecar = |(name, s): (&String, &Sidecar)| s.check().map_err(|e| e.within(&format!("clips.{name}")));
+        self.resample.check().map_err(|e| e.within_key("resample"))?;
+        self.annotate.check().map_err(|e| e.within_key("annotate"))?;
+        let sidecar = |(name, s): (&String, &Sidecar)| s.check().map_err(|e| e.within_key(&format!("clips.{name}")));
         self.clips.iter().try_for_each(sidecar)?;
         self.features.weights()?;
         self.cluster.check()?;
@@ -183,12 +187,12 @@ impl BuildConfig {
         crate::examples::spaces(&self.blend)?;
         self.policy.check()?;
         let behaviour =
-            |(i, b): (usize, &BehaviourConfig)| b.check().map_err(|e| e.within(&format!("behaviours[{i}]")));
+            |(i, b): (usize, &PolicyBehaviourConfig)| b.check().map_err(|e| e.within_key(&format!("behaviours[{i}]")));
         self.behaviours.iter().enumerate().try_for_each(behaviour)
     }
 
     /// All settings of the stages from files to annotated clips, for their key.
-    pub(crate) fn motion(&self) -> impl Serialize {
+    pub(crate) fn motion_config(&self) -> impl Serialize {
         let patches = &self.patches;
         let surroundings = (&patches.environments, &patches.touch);
         // Names of clips depend on the given folder, and a path may name one clip of a file.

@@ -1,27 +1,27 @@
 //! From files, or synthetic motion, to annotated clips of one skeleton: file by file, except for what files share.
 
-mod lent;
 mod shard;
+mod streamed;
 
 pub(crate) use shard::bake;
 pub use shard::{Shard, ShardReport};
 
-use crate::cache::{Cache, Key};
+use crate::cache::{Cache, CacheKey};
 use crate::config::BuildConfig;
 use crate::environment::UnitSet;
-use crate::parts::Parts;
+use crate::parts::RequiredParts;
 use crate::patch;
 use crate::provenance::{self, FileKeys, Provenance};
-use crate::stages::{Motion, Performer, Stages};
-use lent::Lent;
+use crate::stages::{MotionOutput, SourcePerformer, Stages};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use streamed::StreamedMotion;
 use throng_base::Comm;
 use throng_motion::annotate::{self, Sidecars, hits};
 use throng_motion::clip::{Clip, ClipSet};
 use throng_motion::error::{BuildError, Warnings};
-use throng_motion::import::{self, Clips, Imported, ImportedSet, MotionFile};
+use throng_motion::import::{self, ClipsResult, ImportedClip, ImportedSet, MotionFile};
 use throng_motion::progress::Progress;
 use throng_motion::{mirror, resample, retarget};
 use throng_synth as synth;
@@ -30,79 +30,81 @@ use throng_synth as synth;
 ///
 /// # Errors
 /// As the stages from import to annotate; of several bad clips, the first is named.
-pub(crate) fn collect(
+pub(crate) fn collect_motion(
     cfg: &BuildConfig,
-    parts: Parts,
+    parts: RequiredParts,
     units: Option<&UnitSet>,
     from: &Provenance,
     s: &Stages<'_>,
-) -> Result<Motion, BuildError> {
+) -> Result<MotionOutput, BuildError> {
     shard::bake_together(cfg, parts, from, s)?;
-    let Read { raw, maker, skipped, performers, files_kept, warnings } = begin(cfg, parts, from, s, lends(cfg, s))?;
+    let ReadMotion { raw, maker, skipped, performers, files_kept, warnings } =
+        read_all(cfg, parts, from, s, streams_motion(cfg, s))?;
     let (mut clips, clips_kept) = s.run("clips", |p| maker.clips(raw, shares_poses(cfg, s).then(|| s.comm()), p))?;
     if let Some(units) = units {
         s.run("embed", |_| patch::embed(&mut clips, &cfg.patches, units, &cfg.annotate.contacts))?;
     }
     provenance::check_unchanged(from, cfg)?;
-    Ok(Motion { clips, skipped, performers, files_kept, clips_kept, warnings })
+    Ok(MotionOutput { clips, skipped, performers, files_kept, clips_kept, warnings })
 }
 
 /// True if several processes stream the motion of files from the cache, so that none needs memory for all of it.
-fn lends(cfg: &BuildConfig, s: &Stages<'_>) -> bool {
+fn streams_motion(cfg: &BuildConfig, s: &Stages<'_>) -> bool {
     s.comm().num_ranks() > 1 && s.cache().is_on() && cfg.synth.is_none()
 }
 
 /// True if each of several processes keeps only the poses of its share of the clips. Blend spaces, activities and
 /// patches need the poses of all.
 pub(crate) fn shares_poses(cfg: &BuildConfig, s: &Stages<'_>) -> bool {
-    lends(cfg, s) && cfg.patches.units.is_none() && cfg.blend.is_empty() && cfg.activities.is_empty()
+    streams_motion(cfg, s) && cfg.patches.units.is_none() && cfg.blend.is_empty() && cfg.activities.is_empty()
 }
 
 /// Imported files, with measurements that they share.
-struct Read<'a> {
+struct ReadMotion<'a> {
     /// Imported clips, without motion if it is streamed.
-    raw: Vec<Imported>,
-    maker: Maker<'a>,
-    /// Files that were skipped; this and the following fields are those of [`Motion`].
+    raw: Vec<ImportedClip>,
+    maker: ClipMaker<'a>,
+    /// Files that were skipped; this and the following fields are those of [`MotionOutput`].
     skipped: Vec<String>,
-    performers: Vec<Performer>,
+    performers: Vec<SourcePerformer>,
     files_kept: usize,
     warnings: Warnings,
 }
 
 /// Reads all files, and measures what they share.
 ///
-/// - `lends`: true if the motion of a file stays in the cache and is streamed.
-fn begin<'a>(
+/// - `streams_motion`: true if the motion of a file stays in the cache and is streamed.
+fn read_all<'a>(
     cfg: &'a BuildConfig,
-    parts: Parts,
+    parts: RequiredParts,
     from: &'a Provenance,
     s: &'a Stages<'_>,
     lends: bool,
-) -> Result<Read<'a>, BuildError> {
+) -> Result<ReadMotion<'a>, BuildError> {
     let files = from.file_keys(&cfg.import);
-    let lent = lends.then(|| Lent::new(from.file_keys(&cfg.import), s.cache()));
+    let lent = lends.then(|| StreamedMotion::new(from.file_keys(&cfg.import), s.cache()));
     let ((mut raw, files_kept), sidecars) = s.run("import", |p| match &cfg.synth {
         Some(synth) => synth::input(synth, cfg.resample.rate_hz, &cfg.import).map(|(set, marks)| ((set, 0), marks)),
-        None => Ok((read(cfg, &files, s.cache(), lent.as_ref(), p)?, BTreeMap::new())),
+        None => Ok((read_files(cfg, &files, s.cache(), lent.as_ref(), p)?, BTreeMap::new())),
     })?;
     let mut warnings = Warnings::default();
     let mut skipped: Vec<String> = raw.skipped.iter().map(ToString::to_string).collect();
-    let repeated = tell_repeated(&mut raw, lent.as_ref(), parts)?;
-    if parts == Parts::Possible {
+    let repeated = report_repeated(&mut raw, lent.as_ref(), parts)?;
+    if parts == RequiredParts::Possible {
         skipped.extend(repeated)
     } else {
         warnings.messages.extend(repeated)
     }
-    warnings.messages.extend(raw.clips.iter().flat_map(Imported::own_warnings).map(str::to_owned));
+    warnings.messages.extend(raw.clips.iter().flat_map(ImportedClip::own_warnings).map(str::to_owned));
     warnings.messages.extend(import::skeleton_warnings(&raw.clips));
     resample::check_length(raw.clips.iter().map(|c| c.clip.num_frames as f64 / c.clip.rate_hz), &cfg.resample)?;
-    let keys: Vec<Option<Key>> = match &cfg.synth {
+    let keys: Vec<Option<CacheKey>> = match &cfg.synth {
         Some(_) => vec![None; raw.clips.len()],
         None => raw.clips.iter().map(|c| files.key_of(&c.clip.path).map(Some)).collect::<Result<_, _>>()?,
     };
-    let plan = s.run("retarget", |_| settle(&raw.clips, lent.as_ref(), &keys, cfg, s.cache(), &mut warnings))?;
-    let performer = |indices: Vec<usize>| Performer {
+    let plan =
+        s.run("retarget", |_| measure_performers(&raw.clips, lent.as_ref(), &keys, cfg, s.cache(), &mut warnings))?;
+    let performer = |indices: Vec<usize>| SourcePerformer {
         height_m: raw.clips[indices[0]].height,
         clips: indices.iter().map(|&i| plan.names[i].clone()).collect(),
     };
@@ -110,42 +112,46 @@ fn begin<'a>(
     let sidecars = sidecars.into_iter().chain(cfg.clips.clone()).collect();
     let marks = Sidecars::collect(&raw, &plan.names, &sidecars)?;
     let sources = raw.clips.iter().map(|c| from.seen_from_base(&c.clip.path).display().to_string()).collect();
-    let maker = Maker { cfg, plan, marks, keys, sources, cache: s.cache(), lent };
-    Ok(Read { raw: raw.clips, maker, skipped, performers, files_kept, warnings })
+    let maker = ClipMaker { cfg, plan, marks, keys, sources, cache: s.cache(), streamed: lent };
+    Ok(ReadMotion { raw: raw.clips, maker, skipped, performers, files_kept, warnings })
 }
 
 /// Reads files, or loads them from the cache, file by file.
 ///
 /// - `lent`: receives the motion of each file after reading; `None` to keep it in memory.
 /// - returns also the number of files loaded from the cache.
-fn read(
+fn read_files(
     cfg: &BuildConfig,
     keys: &FileKeys<'_>,
     cache: &Cache,
-    lent: Option<&Lent<'_>>,
+    lent: Option<&StreamedMotion<'_>>,
     p: &dyn Progress,
 ) -> Result<(ImportedSet, usize), BuildError> {
     let kept = AtomicUsize::new(0);
-    let reader = |file: &MotionFile, read: &dyn Fn() -> Clips| {
+    let reader = |file: &MotionFile, read: &dyn Fn() -> ClipsResult| {
         let Ok(key) = keys.key_of(&file.path) else { return read() };
-        let (mut imported, was_kept) = cache.each("import", key, || keys.read(&file.path, read))?;
+        let (mut imported, was_kept) = cache.load_or_make("import", key, || keys.read_file(&file.path, read))?;
         kept.fetch_add(usize::from(was_kept), Ordering::Relaxed);
-        lent.into_iter().for_each(|lent| lent.take_back(file, key, &mut imported));
+        lent.into_iter().for_each(|lent| lent.release_motion(file, key, &mut imported));
         Ok(imported)
     };
-    let set = import::read_by(&reader, &cfg.inputs, &cfg.import, p)?.some()?;
-    cache.settle();
+    let set = import::read_by(&reader, &cfg.inputs, &cfg.import, p)?.require_clips()?;
+    cache.finish_batch();
     Ok((set, kept.into_inner()))
 }
 
 /// Reports clips that repeat the motion of others; if only possible parts are made, they are dropped.
-fn tell_repeated(raw: &mut ImportedSet, lent: Option<&Lent<'_>>, parts: Parts) -> Result<Vec<String>, BuildError> {
-    let repeated = lent.map_or_else(|| Ok(raw.repeated()), |lent| lent.repeated(&raw.clips))?;
+fn report_repeated(
+    raw: &mut ImportedSet,
+    lent: Option<&StreamedMotion<'_>>,
+    parts: RequiredParts,
+) -> Result<Vec<String>, BuildError> {
+    let repeated = lent.map_or_else(|| Ok(raw.repeated()), |lent| lent.repeated_clips(&raw.clips))?;
     let path = |i: usize| raw.clips[i].clip.path.display();
-    let end = if parts == Parts::Possible { "; it is left out" } else { "" };
+    let end = if parts == RequiredParts::Possible { "; it is left out" } else { "" };
     let told = repeated.iter().map(|&[first, i]| format!("{}: the same motion as {}{end}", path(i), path(first)));
     let told = told.collect();
-    if parts == Parts::Possible {
+    if parts == RequiredParts::Possible {
         let mut place = 0..;
         raw.clips.retain(|_| place.next().is_none_or(|i: usize| repeated.iter().all(|[_, later]| *later != i)));
     }
@@ -153,50 +159,52 @@ fn tell_repeated(raw: &mut ImportedSet, lent: Option<&Lent<'_>>, parts: Parts) -
 }
 
 /// Measures the performers and their floors.
-fn settle(
-    clips: &[Imported],
-    lent: Option<&Lent<'_>>,
-    keys: &[Option<Key>],
+fn measure_performers(
+    clips: &[ImportedClip],
+    lent: Option<&StreamedMotion<'_>>,
+    keys: &[Option<CacheKey>],
     cfg: &BuildConfig,
     cache: &Cache,
     warnings: &mut Warnings,
-) -> Result<retarget::Plan, BuildError> {
-    let sources: Vec<retarget::Source> = clips.iter().map(retarget::Source::from).collect();
-    let lender: Box<retarget::Lender<'_>> = match lent {
-        Some(lent) => Box::new(|places, look| lent.lend(clips, places, look)),
-        None => retarget::lend(&sources),
+) -> Result<retarget::RetargetPlan, BuildError> {
+    let sources: Vec<retarget::RetargetSource> = clips.iter().map(retarget::RetargetSource::from).collect();
+    let lender: Box<retarget::ClipProvider<'_>> = match lent {
+        Some(lent) => Box::new(|places, look| lent.with_motion(clips, places, look)),
+        None => retarget::provide_from_memory(&sources),
     };
-    let mut plan = retarget::Plan::new(&sources, &*lender, &cfg.retarget, warnings)?;
+    let mut plan = retarget::RetargetPlan::new(&sources, &*lender, &cfg.retarget, warnings)?;
     if cfg.resample.mirror {
-        retarget::tell_from_mirrored(&mut plan.names, warnings);
+        retarget::rename_mirror_clashes(&mut plan.names, warnings);
     }
     for p in 0..plan.performers.len() {
         let telling = &plan.performers[p].telling;
         let find = || plan.find_floor(p, &*lender);
-        let floor = match telling.iter().map(|&i| keys[i]).collect::<Option<Vec<Key>>>() {
-            Some(keys) => cache.each("floor", Key::of("floor", &keys, &plan.basis(telling[0]))?, find)?.0,
+        let floor = match telling.iter().map(|&i| keys[i]).collect::<Option<Vec<CacheKey>>>() {
+            Some(keys) => {
+                cache.load_or_make("floor", CacheKey::for_stage("floor", &keys, &plan.basis(telling[0]))?, find)?.0
+            }
             None => find()?,
         };
-        plan.lay_floor(p, floor, &*lender)?;
+        plan.set_floor(p, floor, &*lender)?;
     }
     Ok(plan)
 }
 
 /// Converter of files to clips.
-struct Maker<'a> {
+struct ClipMaker<'a> {
     cfg: &'a BuildConfig,
-    plan: retarget::Plan,
+    plan: retarget::RetargetPlan,
     marks: Sidecars,
     /// Keys of all files; `None` for synthetic motion.
-    keys: Vec<Option<Key>>,
+    keys: Vec<Option<CacheKey>>,
     /// Path of every file, as the bundle keeps it.
     sources: Vec<String>,
     cache: &'a Cache,
     /// Source of streamed motion, for files imported without it.
-    lent: Option<Lent<'a>>,
+    streamed: Option<StreamedMotion<'a>>,
 }
 
-impl Maker<'_> {
+impl ClipMaker<'_> {
     /// Clips of all files, mirrored copies after their originals; the motion of a file is dropped once its clips are
     /// made.
     ///
@@ -204,16 +212,16 @@ impl Maker<'_> {
     /// - returns also the number of files with cached clips.
     fn clips(
         &self,
-        raw: Vec<Imported>,
+        raw: Vec<ImportedClip>,
         comm: Option<&dyn Comm>,
         p: &dyn Progress,
     ) -> Result<(ClipSet, usize), BuildError> {
         p.begin("clips", raw.len() as u64, "files");
         // The distribution of `owners`.
-        let own = comm.map(|comm| comm.share(raw.len()));
-        let of_file = |(i, raw): (usize, Imported)| {
+        let own = comm.map(|comm| comm.own_range(raw.len()));
+        let of_file = |(i, raw): (usize, ImportedClip)| {
             p.check()?;
-            let mut made = self.of_file(i, &raw);
+            let mut made = self.clips_of_file(i, &raw);
             if own.as_ref().is_some_and(|own| !own.contains(&i)) {
                 made.iter_mut().flat_map(|(clips, _)| clips).for_each(Clip::forget_poses);
             }
@@ -222,7 +230,7 @@ impl Maker<'_> {
         };
         let all: Vec<Result<(Vec<Clip>, bool), BuildError>> = raw.into_par_iter().enumerate().map(of_file).collect();
         p.end();
-        self.cache.settle();
+        self.cache.finish_batch();
         let (mut clips, mut num_kept) = (Vec::with_capacity(2 * all.len()), 0);
         for made in all {
             let (of_file, kept) = made?;
@@ -234,19 +242,20 @@ impl Maker<'_> {
     }
 
     /// Clips of one file, and whether they were cached. The force of blows is relative to that of other files.
-    fn of_file(&self, i: usize, raw: &Imported) -> Result<(Vec<Clip>, bool), BuildError> {
+    fn clips_of_file(&self, i: usize, raw: &ImportedClip) -> Result<(Vec<Clip>, bool), BuildError> {
         let (cfg, name) = (self.cfg, &self.plan.names[i]);
-        let marks = self.marks.of(name);
+        let marks = self.marks.for_clip(name);
         let make = || {
-            let whole = self.lent.as_ref().map(|lent| lent.whole(raw)).transpose()?;
+            let whole = self.streamed.as_ref().map(|lent| lent.load_clip(raw)).transpose()?;
             let raw = whole.as_ref().unwrap_or(raw);
-            let laid = ClipSet { skeleton: self.plan.skeleton.clone(), clips: vec![self.plan.lay(i, raw)] };
+            let laid = ClipSet { skeleton: self.plan.skeleton.clone(), clips: vec![self.plan.retarget_clip(i, raw)] };
             let resampled = resample::resample(&laid, &cfg.resample)?;
             Ok::<_, BuildError>(annotate::annotate(&resampled, &cfg.annotate, &marks)?.clips)
         };
         let Some(key) = self.keys[i] else { return Ok((make()?, false)) };
         let settings = (self.plan.basis(i), &cfg.resample, &cfg.annotate, &marks);
-        let (mut clips, kept) = self.cache.each("clips", Key::of("clips", &[key], &settings)?, make)?;
+        let (mut clips, kept) =
+            self.cache.load_or_make("clips", CacheKey::for_stage("clips", &[key], &settings)?, make)?;
         for clip in &mut clips {
             // Other files may have changed how many folders make names unique.
             clip.source.clone_from(&self.sources[i]);

@@ -6,7 +6,7 @@ use throng_motion::error::BuildError;
 
 /// Parts of a config that a build must make.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Parts {
+pub enum RequiredParts {
     /// All parts: a failure ends the build.
     All,
     /// Parts that the motion allows, each by itself: a failure is reported.
@@ -15,7 +15,7 @@ pub enum Parts {
 
 /// A part that a build could not make.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct NotMade {
+pub struct SkippedPart {
     /// Name of the part, such as `policy throw-punches` or `blend space ahead`.
     pub part: String,
     /// Reason, and the way out.
@@ -24,20 +24,20 @@ pub struct NotMade {
 
 /// Collects parts that could not be made.
 pub(crate) struct Attempts {
-    pub parts: Parts,
-    pub not_made: Vec<NotMade>,
+    pub parts: RequiredParts,
+    pub not_made: Vec<SkippedPart>,
 }
 
 impl Attempts {
-    pub fn new(parts: Parts) -> Self {
+    pub fn new(parts: RequiredParts) -> Self {
         Self { parts, not_made: Vec::new() }
     }
 
     /// Parts of a list that are made together: all of them, or each by itself.
-    pub fn pieces<'a, T>(&self, list: &'a [T]) -> impl Iterator<Item = &'a [T]> + use<'a, T> {
+    pub fn units_of_work<'a, T>(&self, list: &'a [T]) -> impl Iterator<Item = &'a [T]> + use<'a, T> {
         let together = match self.parts {
-            Parts::All => list.len(),
-            Parts::Possible => 1,
+            RequiredParts::All => list.len(),
+            RequiredParts::Possible => 1,
         };
         list.chunks(together.max(1))
     }
@@ -46,16 +46,16 @@ impl Attempts {
     ///
     /// # Errors
     /// The fault, if the part must be made or if the motion is not the cause.
-    pub fn made<T>(&mut self, part: impl Into<String>, made: Result<T, BuildError>) -> Result<Option<T>, BuildError> {
+    pub fn accept<T>(&mut self, part: impl Into<String>, made: Result<T, BuildError>) -> Result<Option<T>, BuildError> {
         let why = match made {
             Ok(made) => return Ok(Some(made)),
-            Err(e) if self.parts == Parts::All => return Err(e),
+            Err(e) if self.parts == RequiredParts::All => return Err(e),
             Err(BuildError::Key { why, .. }) => why.trim_end_matches('.').to_owned(),
             Err(BuildError::Stage { message, help, .. }) => format!("{message}. {}", help.trim_end_matches('.')),
             Err(BuildError::Config { message }) => message.trim_end_matches('.').to_owned(),
             Err(e) => return Err(e),
         };
-        self.not_made.push(NotMade { part: part.into(), why });
+        self.not_made.push(SkippedPart { part: part.into(), why });
         Ok(None)
     }
 }
@@ -67,14 +67,14 @@ mod tests {
     #[test]
     fn what_the_motion_does_not_allow_is_told_and_what_else_goes_wrong_ends_the_build() {
         let bad = || Err::<u8, _>(BuildError::key("a", "too little motion."));
-        assert!(Attempts::new(Parts::All).made("policy a", bad()).is_err());
-        let mut attempts = Attempts::new(Parts::Possible);
-        assert_eq!(attempts.made("policy a", bad()).unwrap(), None);
-        assert_eq!(attempts.made("policy b", Ok(3)).unwrap(), Some(3));
-        assert!(attempts.made::<u8>("policy c", Err(BuildError::Format("torn".into()))).is_err());
-        assert_eq!(attempts.not_made, [NotMade { part: "policy a".into(), why: "too little motion".into() }]);
-        assert_eq!(attempts.pieces(&[1, 2, 3]).count(), 3);
-        assert_eq!(Attempts::new(Parts::All).pieces(&[1, 2, 3]).collect::<Vec<_>>(), [[1, 2, 3]]);
-        assert_eq!(Attempts::new(Parts::All).pieces::<u8>(&[]).count(), 0);
+        assert!(Attempts::new(RequiredParts::All).accept("policy a", bad()).is_err());
+        let mut attempts = Attempts::new(RequiredParts::Possible);
+        assert_eq!(attempts.accept("policy a", bad()).unwrap(), None);
+        assert_eq!(attempts.accept("policy b", Ok(3)).unwrap(), Some(3));
+        assert!(attempts.accept::<u8>("policy c", Err(BuildError::Format("torn".into()))).is_err());
+        assert_eq!(attempts.not_made, [SkippedPart { part: "policy a".into(), why: "too little motion".into() }]);
+        assert_eq!(attempts.units_of_work(&[1, 2, 3]).count(), 3);
+        assert_eq!(Attempts::new(RequiredParts::All).units_of_work(&[1, 2, 3]).collect::<Vec<_>>(), [[1, 2, 3]]);
+        assert_eq!(Attempts::new(RequiredParts::All).units_of_work::<u8>(&[]).count(), 0);
     }
 }

@@ -1,28 +1,28 @@
 //! The offline build, in reading order. One line = one stage = one module.
 
-use crate::cache::{Cache, Key};
+use crate::cache::{Cache, CacheKey};
 use crate::config::BuildConfig;
 use crate::environment::UnitSet;
 use crate::examples::BlendSpaces;
 pub use crate::motion::{Shard, ShardReport};
-use crate::parts::{Attempts, Parts};
-use crate::patch::{self, PatchConfig, Patches, TileConfig};
-use crate::policy::{BehaviourConfig, BehaviourKind, Policy};
-use crate::report::{self, BuildReport, Built};
-use crate::share::{by_owners, owners};
-use crate::stages::{Motion, Output, Stages};
-use crate::write::{self, Baked};
+use crate::parts::{Attempts, RequiredParts};
+use crate::patch::{self, PatchConfig, RawPatches, TileConfig};
+use crate::policy::{BehaviourKind, PolicyBehaviourConfig, RawPolicy};
+use crate::report::{self, BuildProducts, BuildReport};
+use crate::share::{clip_owners, sort_by_owner};
+use crate::stages::{MotionOutput, StageOutput, Stages};
+use crate::write::{self, BundleInputs};
 use crate::{activities, cluster, examples, features, graph, motion, policy, provenance, stops};
 use glam::Vec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use throng_base::{Alone, Comm};
+use throng_base::{Comm, SingleRank};
 use throng_core::format::{ActivityMeta, MAGIC};
 use throng_motion::clip::{ClipSet, FrameRange};
 use throng_motion::error::{BuildError, Warnings};
-use throng_motion::import::Imported;
+use throng_motion::import::ImportedClip;
 use throng_motion::progress::Progress;
 use throng_motion::resample::ResampleConfig;
 use throng_motion::{annotate, files, resample, retarget};
@@ -36,7 +36,7 @@ use throng_motion::{annotate, files, resample, retarget};
 /// # Errors
 /// Error of the first failing stage; nothing is written then.
 pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progress) -> Result<BuildReport, BuildError> {
-    build_shared(cfg, Parts::All, out, cache, progress, &Alone)
+    build_shared(cfg, RequiredParts::All, out, cache, progress, &SingleRank)
 }
 
 /// Builds as [`build`] does, but leaves out and reports parts that the motion does not allow
@@ -50,7 +50,7 @@ pub fn build_possible(
     cache: &Cache,
     progress: &dyn Progress,
 ) -> Result<BuildReport, BuildError> {
-    build_shared(cfg, Parts::Possible, out, cache, progress, &Alone)
+    build_shared(cfg, RequiredParts::Possible, out, cache, progress, &SingleRank)
 }
 
 /// Does the share of one of several processes in a build: reads its files into the cache and, once the cache has those
@@ -60,7 +60,7 @@ pub fn build_possible(
 /// Errors of the stages from import to annotate; [`BuildError::Config`] for synthetic motion.
 pub fn bake_shard(
     cfg: &BuildConfig,
-    parts: Parts,
+    parts: RequiredParts,
     shard: Shard,
     cache: &Cache,
     progress: &dyn Progress,
@@ -76,7 +76,7 @@ pub fn bake_shard(
 /// As [`provenance::collect`].
 pub fn kept_bundle(cfg: &BuildConfig, cache: &Cache) -> Result<Option<PathBuf>, BuildError> {
     cfg.check()?;
-    let key = Key::of("bundle", &[provenance::collect(cfg)?.key()?], cfg)?;
+    let key = CacheKey::for_stage("bundle", &[provenance::collect_provenance(cfg)?.key()?], cfg)?;
     Ok(cache.bundle(key))
 }
 
@@ -90,7 +90,7 @@ pub fn kept_bundle(cfg: &BuildConfig, cache: &Cache) -> Result<Option<PathBuf>, 
 /// As [`build`]; [`throng_base::Error::Rank`] if another process has ended.
 pub fn build_shared(
     cfg: &BuildConfig,
-    parts: Parts,
+    parts: RequiredParts,
     out: &Path,
     cache: &Cache,
     progress: &dyn Progress,
@@ -101,47 +101,47 @@ pub fn build_shared(
     let (s, mut attempts) = (Stages::new(cache, progress, comm), Attempts::new(parts));
     let units = cfg.patches.units.as_deref().map(UnitSet::load).transpose()?;
 
-    let from = s.run("hash", |_| provenance::collect(cfg))?;
-    let motion_cfg = (cfg.motion(), parts == Parts::Possible);
-    let collect = || motion::collect(cfg, parts, units.as_ref(), &from, &s);
+    let from = s.run("hash", |_| provenance::collect_provenance(cfg))?;
+    let motion_cfg = (cfg.motion_config(), parts == RequiredParts::Possible);
+    let collect = || motion::collect_motion(cfg, parts, units.as_ref(), &from, &s);
     let motion = match motion::shares_poses(cfg, &s) {
         // No process has all the motion.
-        true => s.unkept("motion", &[from.key()?], &motion_cfg, collect)?,
-        false => s.several("motion", &[from.key()?], &motion_cfg, collect)?,
+        true => s.run_unkept("motion", &[from.key()?], &motion_cfg, collect)?,
+        false => s.run_group("motion", &[from.key()?], &motion_cfg, collect)?,
     };
     let clips = &motion.clips;
     let features = s.on_demand("features", &[motion.key], &cfg.features, || features::extract(clips, &cfg.features))?;
-    let blends = blends(cfg, &motion, motion.key, &mut attempts, &s)?;
-    let activities = activities(cfg, clips, &mut attempts)?;
+    let blends = bake_blend_spaces(cfg, &motion, motion.key, &mut attempts, &s)?;
+    let activities = find_activities(cfg, clips, &mut attempts)?;
     let baked_patches = match &units {
         Some(units) => {
             let groups = s.stage("cluster", &[features.key], &cfg.cluster, |p| {
                 cluster::group(clips, features.get()?, &cfg.cluster, p, comm)
             })?;
-            let patches = patched(cfg, clips, (&groups, groups.key), units, &mut attempts, &s)?;
+            let patches = bake_patches(cfg, clips, (&groups, groups.key), units, &mut attempts, &s)?;
             patches.map(|patches| (groups, patches))
         }
         None => None,
     };
     let connected = s.stage("graph", &[features.key], &cfg.graph, |p| match cfg.graph.enabled {
         true => graph::connect(clips, &cfg.features, &cfg.graph, p, comm),
-        false => graph::none(clips, &cfg.graph),
+        false => graph::empty_graph(clips, &cfg.graph),
     });
-    let (connected, graph_key) = match attempts.made("policies", connected)? {
+    let (connected, graph_key) = match attempts.accept("policies", connected)? {
         Some(connected) => (connected.value, connected.key),
-        None => (graph::none(clips, &cfg.graph)?, features.key),
+        None => (graph::empty_graph(clips, &cfg.graph)?, features.key),
     };
     drop(features);
     let (graph, graph_report) = &connected;
-    let (stops, stops_report) = s.run("stops", |_| stops::find(clips, graph, comm))?;
-    let policies = policies(cfg, clips, (graph, graph_key), &mut attempts, &s)?;
+    let (stops, stops_report) = s.run("stops", |_| stops::find_stops(clips, graph, comm))?;
+    let policies = bake_policies(cfg, clips, (graph, graph_key), &mut attempts, &s)?;
 
     let (groups, patches) = baked_patches.as_ref().map(|(g, p)| (&**g, &**p)).unzip();
     if graph.states.is_empty() && blends.spaces.is_empty() && patches.is_none() {
-        return Err(nothing(&attempts, &motion));
+        return Err(nothing_to_play_error(&attempts, &motion));
     }
     let meta = from.meta(cfg, graph_report)?;
-    let baked = Baked {
+    let baked = BundleInputs {
         clips,
         graph,
         stops: &stops,
@@ -153,18 +153,19 @@ pub fn build_shared(
         meta: &meta,
     };
     let (written, sanity) = s.run("write", |_| {
-        let sanity =
-            by_owners(comm, &owners(clips, comm.num_ranks()), |c| annotate::sanity(&clips.clips[c], &clips.skeleton))?;
+        let sanity = sort_by_owner(comm, &clip_owners(clips, comm.num_ranks()), |c| {
+            annotate::contact_sanity(&clips.clips[c], &clips.skeleton)
+        })?;
         Ok((write::bundle(&baked, out, comm)?, sanity))
     })?;
     let (graph, stops) = (graph_report, stops_report);
-    let built = Built { motion: &motion, baked, blends: &blends, graph, stops, written, sanity };
+    let built = BuildProducts { motion: &motion, baked, blends: &blends, graph, stops, written, sanity };
     let (timing, warnings) = s.finish();
-    Ok(BuildReport { not_made: attempts.not_made, ..report::of_build(cfg, &built, timing, warnings) })
+    Ok(BuildReport { not_made: attempts.not_made, ..report::build_report(cfg, &built, timing, warnings) })
 }
 
 /// Error of a build that has nothing to play.
-fn nothing(attempts: &Attempts, motion: &Motion) -> BuildError {
+fn nothing_to_play_error(attempts: &Attempts, motion: &MotionOutput) -> BuildError {
     let parts: Vec<String> = attempts.not_made.iter().map(|n| format!("no {}: {}", n.part, n.why)).collect();
     let (message, help) = match parts.is_empty() {
         true => (
@@ -175,7 +176,7 @@ fn nothing(attempts: &Attempts, motion: &Motion) -> BuildError {
         false => {
             // The report with these warnings is not made.
             let told = motion.warnings.messages.iter().take(1).map(|w| format!("; {}", w.trim_end_matches('.')));
-            let there_is = there_is(&motion.clips) + &told.collect::<String>();
+            let there_is = describe_motion(&motion.clips) + &told.collect::<String>();
             let parts = parts.join("; ");
             (format!("nothing can be made of this motion: {there_is}; {parts}"), "`throng inspect` says more")
         }
@@ -184,7 +185,7 @@ fn nothing(attempts: &Attempts, motion: &Motion) -> BuildError {
 }
 
 /// Describes insufficient motion: how much there is, what is left out, and whether it shows walking.
-fn there_is(clips: &ClipSet) -> String {
+fn describe_motion(clips: &ClipSet) -> String {
     let (mut all_s, mut usable_s) = (0.0, 0.0);
     let mut left_out = BTreeMap::<String, f64>::new();
     for clip in clips.clips.iter().filter(|c| !c.mirrored) {
@@ -197,7 +198,7 @@ fn there_is(clips: &ClipSet) -> String {
     }
     let left_out: Vec<String> = left_out.iter().map(|(why, s)| format!("{why} {s:.1} s")).collect();
     let left_out = if left_out.is_empty() { String::new() } else { format!(" (left out: {})", left_out.join(", ")) };
-    let what = match walks(clips) {
+    let what = match shows_walking(clips) {
         true => "somebody walks in it, but too little or too seldom",
         false => "nobody walks in it: add walks that start, turn and stop, with root motion",
     };
@@ -205,7 +206,7 @@ fn there_is(clips: &ClipSet) -> String {
 }
 
 /// True if the motion shows walking.
-fn walks(clips: &ClipSet) -> bool {
+fn shows_walking(clips: &ClipSet) -> bool {
     /// Least mean speed of walking over a second (m/s).
     const WALKING_MPS: f32 = 0.3;
     /// Shortest motion that shows walking (s).
@@ -223,47 +224,47 @@ fn walks(clips: &ClipSet) -> bool {
 }
 
 /// Motion patches of a config; tiles that cannot be made are left out if they may be missing.
-fn patched(
+fn bake_patches(
     cfg: &BuildConfig,
     clips: &ClipSet,
-    (groups, key): (&cluster::PoseGroups, Key),
+    (groups, key): (&cluster::PoseGroups, CacheKey),
     units: &UnitSet,
     attempts: &mut Attempts,
     s: &Stages<'_>,
-) -> Result<Option<Output<Patches>>, BuildError> {
+) -> Result<Option<StageOutput<RawPatches>>, BuildError> {
     let with_tiles = |tiles: Vec<TileConfig>| {
         let cfg = BuildConfig { patches: PatchConfig { tiles, ..cfg.patches.clone() }, ..cfg.clone() };
-        s.stage("patch", &[key], &cfg.patches, |p| patches(clips, groups, &cfg, units, p))
+        s.stage("patch", &[key], &cfg.patches, |p| build_patches(clips, groups, &cfg, units, p))
     };
     let tiles = &cfg.patches.tiles;
-    if attempts.parts == Parts::All || tiles.len() < 2 {
-        return attempts.made("motion patches", with_tiles(tiles.clone()));
+    if attempts.parts == RequiredParts::All || tiles.len() < 2 {
+        return attempts.accept("motion patches", with_tiles(tiles.clone()));
     }
     let mut possible = Vec::new();
     for tile in tiles {
         let alone = with_tiles(vec![tile.clone()]);
-        possible.extend(attempts.made(format!("tile {}", tile.unit), alone)?.map(|_| tile.clone()));
+        possible.extend(attempts.accept(format!("tile {}", tile.unit), alone)?.map(|_| tile.clone()));
     }
     if possible.is_empty() && cfg.patches.environments.is_empty() {
         return Ok(None);
     }
-    attempts.made("motion patches", with_tiles(possible))
+    attempts.accept("motion patches", with_tiles(possible))
 }
 
 /// The blend spaces of a config.
-fn blends(
+fn bake_blend_spaces(
     cfg: &BuildConfig,
-    motion: &Motion,
-    key: Key,
+    motion: &MotionOutput,
+    key: CacheKey,
     attempts: &mut Attempts,
     s: &Stages<'_>,
 ) -> Result<BlendSpaces, BuildError> {
     let mut all = BlendSpaces::default();
     let tables: Vec<_> = cfg.blend.iter().map(|(name, table)| (name.clone(), table.clone())).collect();
-    for some in attempts.pieces(&tables) {
+    for some in attempts.units_of_work(&tables) {
         let tables = some.iter().cloned().collect();
         let fitted = s.stage("examples", &[key], &tables, |p| examples::fit(&motion.clips, &tables, p));
-        if let Some(fitted) = attempts.made(format!("blend space {}", some[0].0), fitted)? {
+        if let Some(fitted) = attempts.accept(format!("blend space {}", some[0].0), fitted)? {
             let BlendSpaces { spaces, report, warnings } = fitted.value;
             all.spaces.extend(spaces);
             all.report.extend(report);
@@ -274,40 +275,45 @@ fn blends(
 }
 
 /// The activities of a config.
-fn activities(cfg: &BuildConfig, clips: &ClipSet, attempts: &mut Attempts) -> Result<Vec<ActivityMeta>, BuildError> {
+fn find_activities(
+    cfg: &BuildConfig,
+    clips: &ClipSet,
+    attempts: &mut Attempts,
+) -> Result<Vec<ActivityMeta>, BuildError> {
     let tables: Vec<_> = cfg.activities.iter().map(|(tag, table)| (tag.clone(), table.clone())).collect();
     let mut all = Vec::new();
-    for some in attempts.pieces(&tables) {
-        let found = activities::find(clips, &some.iter().cloned().collect());
-        all.extend(attempts.made(format!("activity {}", some[0].0), found)?.unwrap_or_default());
+    for some in attempts.units_of_work(&tables) {
+        let found = activities::find_activities(clips, &some.iter().cloned().collect());
+        all.extend(attempts.accept(format!("activity {}", some[0].0), found)?.unwrap_or_default());
     }
     Ok(all)
 }
 
 /// Policies of a config, over a motion graph and its key.
-fn policies(
+fn bake_policies(
     cfg: &BuildConfig,
     clips: &ClipSet,
-    (graph, key): (&graph::MotionGraph, Key),
+    (graph, key): (&graph::RawMotionGraph, CacheKey),
     attempts: &mut Attempts,
     s: &Stages<'_>,
-) -> Result<Vec<Policy>, BuildError> {
+) -> Result<Vec<RawPolicy>, BuildError> {
     let mut all = Vec::new();
     if graph.states.is_empty() {
         return Ok(all);
     }
-    let stays = |b: &BehaviourConfig| b.kind == BehaviourKind::Approach && !walks(clips);
-    for some in attempts.pieces(&cfg.behaviours) {
-        if attempts.parts == Parts::Possible && some.iter().any(stays) {
+    let stays = |b: &PolicyBehaviourConfig| b.kind == BehaviourKind::Approach && !shows_walking(clips);
+    for some in attempts.units_of_work(&cfg.behaviours) {
+        if attempts.parts == RequiredParts::Possible && some.iter().any(stays) {
             let why = "nobody walks in this motion, so that characters would stay where they are. Add walks that start, turn \
                        and stop, with root motion";
-            attempts.made::<()>(format!("policy {}", some[0].name), Err(BuildError::Config { message: why.into() }))?;
+            attempts
+                .accept::<()>(format!("policy {}", some[0].name), Err(BuildError::Config { message: why.into() }))?;
             continue;
         }
         let solved = s.stage("policy", &[key], &(&cfg.policy, some, cfg.seed), |p| {
             policy::solve(clips, graph, some, &cfg.policy, &mut Pcg64::seed_from_u64(cfg.seed), p, s.comm())
         });
-        if let Some(solved) = attempts.made(format!("policy {}", some[0].name), solved)? {
+        if let Some(solved) = attempts.accept(format!("policy {}", some[0].name), solved)? {
             all.extend(solved.value.policies);
         }
     }
@@ -315,13 +321,13 @@ fn policies(
 }
 
 /// Motion patches of the environments in which clips were captured, and of tiles.
-fn patches(
+fn build_patches(
     clips: &ClipSet,
     groups: &cluster::PoseGroups,
     cfg: &BuildConfig,
     units: &UnitSet,
     progress: &dyn Progress,
-) -> Result<Patches, BuildError> {
+) -> Result<RawPatches, BuildError> {
     let scenes = patch::scenes(&clips.clips, &cfg.patches, units)?;
     let settings = scenes.settings(clips, &cfg.patches.touch);
     patch::build(clips, groups, &settings, &cfg.patches, units, progress)
@@ -331,7 +337,7 @@ fn patches(
 ///
 /// # Errors
 /// As the retarget, resample and annotate stages.
-pub fn single(raw: &Imported, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
+pub fn process_clip(raw: &ImportedClip, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
     clips_of(std::slice::from_ref(raw), &BuildConfig::default(), warnings)
 }
 
@@ -339,8 +345,8 @@ pub fn single(raw: &Imported, warnings: &mut Warnings) -> Result<ClipSet, BuildE
 ///
 /// # Errors
 /// As the retarget, resample and annotate stages.
-pub fn clips_of(raw: &[Imported], cfg: &BuildConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
-    let clips = retarget::onto(raw, &cfg.retarget, warnings)?;
+pub fn clips_of(raw: &[ImportedClip], cfg: &BuildConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
+    let clips = retarget::retarget_clips(raw, &cfg.retarget, warnings)?;
     let clips = resample::resample(&clips, &ResampleConfig { mirror: false, ..cfg.resample.clone() })?;
     annotate::annotate(&clips, &cfg.annotate, &Default::default())
 }
@@ -359,9 +365,9 @@ mod tests {
             ClipSet { skeleton: Skeleton::default(), clips: vec![Clip::new("a", 30.0, roots, rotations)] }
         };
         for frames in [15, 31, 90] {
-            assert!(walks(&set(frames, 1.2)) && !walks(&set(frames, 0.1)), "{frames} frames");
+            assert!(shows_walking(&set(frames, 1.2)) && !shows_walking(&set(frames, 0.1)), "{frames} frames");
         }
-        assert!(!walks(&set(1, 1.2)) && !walks(&set(4, 1.2)));
-        assert!(there_is(&set(15, 1.2)).contains("somebody walks in it"));
+        assert!(!shows_walking(&set(1, 1.2)) && !shows_walking(&set(4, 1.2)));
+        assert!(describe_motion(&set(15, 1.2)).contains("somebody walks in it"));
     }
 }

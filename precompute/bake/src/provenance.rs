@@ -1,8 +1,8 @@
 //! Files that a build depends on, with their hashes.
 
-use crate::cache::{Key, content_hash};
+use crate::cache::{CacheKey, content_hash};
 use crate::config::BuildConfig;
-use crate::environment::{Shape, UnitSet, buffer_files};
+use crate::environment::{UnitSet, UnitShape, buffer_files};
 use crate::graph::GraphReport;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,7 +10,7 @@ use std::io::Write;
 use std::path::{Component, Path, PathBuf};
 use throng_core::format::{Meta, SourceMeta};
 use throng_motion::error::{BuildError, ImportError};
-use throng_motion::import::{self, Clips, ImportConfig, archive};
+use throng_motion::import::{self, ClipsResult, ImportConfig, archive};
 use throng_synth::SynthInput;
 use xxhash_rust::xxh3::Xxh3;
 
@@ -40,10 +40,10 @@ impl FileKeys<'_> {
     ///
     /// # Errors
     /// Never in practice, as [`Provenance::key`].
-    pub fn key_of(&self, file: &Path) -> Result<Key, BuildError> {
+    pub fn key_of(&self, file: &Path) -> Result<CacheKey, BuildError> {
         let name = file.as_os_str().as_encoded_bytes();
         let read: Vec<_> = self.read_with(file).map(|path| self.files.get(&*path)).collect();
-        Key::of("file", &[], &(name, read, &self.given, self.config, import::READS_FBX))
+        CacheKey::for_stage("file", &[], &(name, read, &self.given, self.config, import::READS_FBX))
     }
 
     /// A file, and the files read along with it.
@@ -57,7 +57,7 @@ impl FileKeys<'_> {
     ///
     /// # Errors
     /// Errors of `import`; [`ImportError::Changed`] for a file that differs from its hash.
-    pub fn read(&self, file: &Path, import: impl FnOnce() -> Clips) -> Clips {
+    pub fn read_file(&self, file: &Path, import: impl FnOnce() -> ClipsResult) -> ClipsResult {
         let clips = import();
         let given = self.given.iter().map(|s| PathBuf::from(&s.path));
         for path in self.read_with(file).chain(given) {
@@ -74,9 +74,9 @@ impl FileKeys<'_> {
 /// Checks that no file has changed, as some stages read files again.
 ///
 /// # Errors
-/// As [`collect`]; [`ImportError::Changed`] names the first changed file.
+/// As [`collect_provenance`]; [`ImportError::Changed`] names the first changed file.
 pub fn check_unchanged(from: &Provenance, config: &BuildConfig) -> Result<(), BuildError> {
-    let now = collect(config)?;
+    let now = collect_provenance(config)?;
     let both = from.sources.iter().map(Some).chain([None]).zip(now.sources.iter().map(Some).chain([None]));
     match both.into_iter().find(|(was, is)| was != is) {
         None => Ok(()),
@@ -91,14 +91,14 @@ pub fn check_unchanged(from: &Provenance, config: &BuildConfig) -> Result<(), Bu
 ///
 /// # Errors
 /// [`BuildError::Import`] for a path that yields no file, [`BuildError::Io`] for a file that cannot be read.
-pub fn collect(config: &BuildConfig) -> Result<Provenance, BuildError> {
+pub fn collect_provenance(config: &BuildConfig) -> Result<Provenance, BuildError> {
     let cfg = &config.import;
     let file_of = |path: PathBuf| import::clip_in_file(&path).map_or(path, |(file, _)| file);
     let motion: BTreeSet<PathBuf> = import::expand(&config.inputs)?.into_iter().map(file_of).collect();
     let mut along = BTreeMap::new();
     let mut all: BTreeSet<PathBuf> = motion.iter().cloned().chain(cfg.profiles.iter().cloned()).collect();
     all.extend(cfg.asf.clone());
-    all.extend(surroundings(config)?);
+    all.extend(surrounding_files(config)?);
     for path in &motion {
         all.extend(Some(path.with_extension("toml")).filter(|p| archive::is_file(p)));
         let others = import::read_along(path, cfg.asf.as_deref());
@@ -106,9 +106,11 @@ pub fn collect(config: &BuildConfig) -> Result<Provenance, BuildError> {
         along.insert(path.clone(), others);
     }
     let mut sources: Vec<SourceMeta> = all.into_par_iter().map(|p| hash(&p)).collect::<Result<_, _>>()?;
-    sources.extend(config.synth.iter().flat_map(SynthInput::all).map(|s| made(s, config.resample.rate_hz)));
+    sources.extend(
+        config.synth.iter().flat_map(SynthInput::with_others).map(|s| synthetic_source(s, config.resample.rate_hz)),
+    );
     let named: Vec<&PathBuf> = config.paths().collect();
-    let base = named.iter().map(|p| folder_of(p)).reduce(|a, b| shared(&a, &b)).unwrap_or_default();
+    let base = named.iter().map(|p| folder_of(p)).reduce(|a, b| shared_files(&a, &b)).unwrap_or_default();
     Ok(Provenance { sources, along, base })
 }
 
@@ -120,12 +122,12 @@ fn folder_of(path: &Path) -> PathBuf {
 }
 
 /// Common folder of two folders.
-fn shared(a: &Path, b: &Path) -> PathBuf {
+fn shared_files(a: &Path, b: &Path) -> PathBuf {
     a.components().zip(b.components()).take_while(|(a, b)| a == b).map(|(a, _)| a).collect()
 }
 
 /// Files of unit objects, with their meshes, and of the environments of clips.
-fn surroundings(config: &BuildConfig) -> Result<Vec<PathBuf>, BuildError> {
+fn surrounding_files(config: &BuildConfig) -> Result<Vec<PathBuf>, BuildError> {
     let Some(path) = &config.patches.units else {
         return Ok(Vec::new());
     };
@@ -133,7 +135,7 @@ fn surroundings(config: &BuildConfig) -> Result<Vec<PathBuf>, BuildError> {
     let mut all = vec![path.clone()];
     all.extend(config.patches.environments.iter().map(|e| e.file.clone()));
     for shape in units.units.iter().flat_map(|u| &u.shapes) {
-        if let Shape::Mesh { file } = shape
+        if let UnitShape::Mesh { file } = shape
             && !all.contains(file)
         {
             all.extend(buffer_files(file)?);
@@ -144,25 +146,25 @@ fn surroundings(config: &BuildConfig) -> Result<Vec<PathBuf>, BuildError> {
 }
 
 /// Source entry of synthetic motion, whose settings stand for its content.
-fn made(synth: &SynthInput, rate_hz: f64) -> SourceMeta {
+fn synthetic_source(synth: &SynthInput, rate_hz: f64) -> SourceMeta {
     let (name, how) = (synth.set.name(), synth.config(rate_hz));
     let path = format!("synthetic {name}, {} min, seed {}", how.minutes, how.seed);
     SourceMeta { hash: content_hash(format!("{how:?}").as_bytes()), path, bytes: 0 }
 }
 
 fn hash(path: &Path) -> Result<SourceMeta, BuildError> {
-    let mut counted = Counted { hash: Xxh3::new(), bytes: 0 };
+    let mut counted = CountingHasher { hash: Xxh3::new(), bytes: 0 };
     archive::copy_file(path, "a file of a build", import::MAX_MOTION_BYTES, &mut counted)?;
     Ok(SourceMeta { path: path.display().to_string(), bytes: counted.bytes, hash: counted.hash.digest128() })
 }
 
 /// Writer that hashes its input, as [`content_hash`] does.
-struct Counted {
+struct CountingHasher {
     hash: Xxh3,
     bytes: u64,
 }
 
-impl Write for Counted {
+impl Write for CountingHasher {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
         self.hash.update(bytes);
         self.bytes += bytes.len() as u64;
@@ -179,8 +181,8 @@ impl Provenance {
     ///
     /// # Errors
     /// Never in practice: paths and numbers can be encoded.
-    pub fn key(&self) -> Result<Key, BuildError> {
-        Key::of("sources", &[], &self.sources)
+    pub fn key(&self) -> Result<CacheKey, BuildError> {
+        CacheKey::for_stage("sources", &[], &self.sources)
     }
 
     /// Keys of single imported files.
@@ -244,7 +246,7 @@ mod tests {
         let config = BuildConfig { inputs: vec![folder.path().to_path_buf()], ..BuildConfig::default() };
         let keys = |content: &[u8]| {
             std::fs::write(at("m.bin"), content).unwrap();
-            let found = collect(&config).unwrap();
+            let found = collect_provenance(&config).unwrap();
             assert_eq!(found.sources.len(), 2);
             // A clip of several is as its file is.
             [at("m.gltf"), at("m.gltf/Run")].map(|p| found.file_keys(&config.import).key_of(&p).unwrap())
@@ -264,7 +266,7 @@ mod tests {
         std::fs::write(at("u.toml"), format!("[[units]]\nname = \"a\"\nshapes = [{shape}, {shape}]\n")).unwrap();
         let mut config = BuildConfig::default();
         config.patches.units = Some(at("u.toml"));
-        let found = surroundings(&config).unwrap();
+        let found = surrounding_files(&config).unwrap();
         assert_eq!(found, [at("u.toml"), at("m.bin"), at("m.gltf")]);
     }
 }

@@ -15,7 +15,7 @@ impl BuildConfig {
     /// # Errors
     /// As [`import::find`].
     pub fn replace_motion(&mut self, inputs: Vec<PathBuf>) -> Result<Vec<String>, BuildError> {
-        let names: Vec<String> = import::find(&inputs)?.into_iter().map(|f| f.name).collect();
+        let names: Vec<String> = import::find_motion_files(&inputs)?.into_iter().map(|f| f.name).collect();
         let mut told = Vec::new();
         self.inputs = inputs;
         self.synth = None;

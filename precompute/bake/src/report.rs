@@ -6,16 +6,16 @@ use crate::activities::ActivityReport;
 use crate::cluster::PoseGroups;
 use crate::config::BuildConfig;
 use crate::examples::{BlendReport, BlendSpaces};
-use crate::graph::{GraphReport, Spread};
-use crate::parts::NotMade;
+use crate::graph::{GraphReport, MinMeanMax};
+use crate::parts::SkippedPart;
 use crate::patch::PatchReport;
 use crate::policy::PolicyReport;
-pub use crate::stages::Performer;
-pub use crate::stages::Spent;
-use crate::stages::{Motion, Timing};
+pub use crate::stages::SourcePerformer;
+pub use crate::stages::StageCost;
+use crate::stages::{BuildTiming, MotionOutput};
 use crate::stops::StopsReport;
-use crate::write::{Baked, Written};
-pub use paper::{Line, beside_paper, markdown};
+use crate::write::{BundleInputs, WrittenBundle};
+pub use paper::{PaperFigure, compare_with_paper, markdown};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use throng_core::format::FrameRow;
@@ -48,7 +48,7 @@ pub struct BuildReport {
     pub stage_s: BTreeMap<&'static str, f64>,
     /// Cost of each of these stages in this process.
     #[serde(skip)]
-    pub spent: BTreeMap<&'static str, Spent>,
+    pub spent: BTreeMap<&'static str, StageCost>,
     /// Outputs that were read from the cache: `motion` stands for import to clips.
     pub cached: Vec<&'static str>,
     /// Pose groups of the frames; 0 in a build without patches, which are their only use.
@@ -58,7 +58,7 @@ pub struct BuildReport {
     /// Upper bound of every group's diameter (rad).
     pub group_threshold: f64,
     /// Mean and extremes of the frames of a group.
-    pub group_frames: Spread,
+    pub group_frames: MinMeanMax,
     /// Reports of the motion patches.
     pub patches: Vec<PatchReport>,
     /// Reports of the blend spaces.
@@ -93,9 +93,9 @@ pub struct BuildReport {
     /// Frames left out, by reason.
     pub excluded_frames: BTreeMap<String, usize>,
     /// Parts of the config that the motion does not allow, in a build that may leave them out.
-    pub not_made: Vec<NotMade>,
+    pub not_made: Vec<SkippedPart>,
     /// Performers: files grouped by source skeleton.
-    pub performers: Vec<Performer>,
+    pub performers: Vec<SourcePerformer>,
     /// Files imported by an earlier build, if the stage `import` ran.
     pub files_kept: usize,
     /// Files with clips made by an earlier build, if the stage `clips` ran.
@@ -107,27 +107,32 @@ pub struct BuildReport {
 }
 
 /// All outputs of a build.
-pub(crate) struct Built<'a> {
-    pub motion: &'a Motion,
-    pub baked: Baked<'a>,
+pub(crate) struct BuildProducts<'a> {
+    pub motion: &'a MotionOutput,
+    pub baked: BundleInputs<'a>,
     pub blends: &'a BlendSpaces,
     pub graph: &'a GraphReport,
     pub stops: StopsReport,
-    pub written: Written,
+    pub written: WrittenBundle,
     /// Contact sanity of each clip, from the rank with its poses.
     pub sanity: Vec<ContactSanity>,
 }
 
 /// Assembles the report; `odd` holds warnings about the build itself.
-pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd: Warnings) -> BuildReport {
-    let Built { motion, baked, blends, graph, stops, written, ref sanity } = *built;
+pub(crate) fn build_report(
+    cfg: &BuildConfig,
+    built: &BuildProducts<'_>,
+    timing: BuildTiming,
+    odd: Warnings,
+) -> BuildReport {
+    let BuildProducts { motion, baked, blends, graph, stops, written, ref sanity } = *built;
     let (blends, blend_warnings) = (&blends.report, &blends.warnings);
     let mut warnings = [&motion.warnings, blend_warnings, &odd].map(|w| w.messages.clone()).concat();
     // A config that keeps captured heights has terrain.
     warnings.extend(far_from_ground(motion, sanity).filter(|_| cfg.retarget.align_ground));
     warnings.extend(baked.policies.iter().filter_map(|p| p.report.promise.warning.clone()));
     let groups = baked.groups.cloned().unwrap_or_default();
-    let mut spent = BTreeMap::<_, Spent>::new();
+    let mut spent = BTreeMap::<_, StageCost>::new();
     for &(name, of) in &timing.stages {
         spent.entry(name).and_modify(|all| *all = all.plus(of)).or_insert(of);
     }
@@ -161,7 +166,7 @@ pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd
         group_frames: group_frames(&groups),
         patches: baked.patches.map_or_else(Vec::new, |p| p.report.clone()),
         blend_spaces: blends.to_vec(),
-        activities: baked.activities.iter().map(|a| ActivityReport::of(a, cfg.resample.rate_hz)).collect(),
+        activities: baked.activities.iter().map(|a| ActivityReport::from_meta(a, cfg.resample.rate_hz)).collect(),
         blend_examples: blends.iter().map(|b| b.examples.len()).sum(),
         weight_table_bytes: blends.iter().map(|b| b.weight_table_bytes).sum(),
         weight_table_max_error: blends.iter().map(|b| b.weight_table_max_error).fold(0.0, f64::max),
@@ -173,7 +178,7 @@ pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd
         graph: graph.clone(),
         stops,
         contacts: contacts(motion, sanity),
-        hits: HitReport::new(&HitPoint::of_set(&motion.clips)),
+        hits: HitReport::new(&HitPoint::from_clip_set(&motion.clips)),
         excluded_frames,
         not_made: Vec::new(),
         performers: motion.performers.clone(),
@@ -186,7 +191,7 @@ pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd
 
 impl BuildReport {
     /// Summary of the outputs, such as `policies approach; blend spaces ahead`.
-    pub fn made(&self) -> String {
+    pub fn summary(&self) -> String {
         let policies: Vec<&str> = self.policies.iter().map(|p| &*p.name).collect();
         let spaces: Vec<&str> = self.blend_spaces.iter().map(|b| &*b.name).collect();
         let patches: Vec<&str> = self.patches.iter().map(|p| &*p.name).collect();
@@ -205,14 +210,14 @@ impl BuildReport {
 }
 
 /// Mean and extremes of the number of frames of the groups.
-fn group_frames(groups: &PoseGroups) -> Spread {
+fn group_frames(groups: &PoseGroups) -> MinMeanMax {
     let mut frames = vec![0u32; groups.num_groups()];
     groups.groups.iter().filter(|g| **g != PoseGroups::NO_GROUP).for_each(|&g| frames[g as usize] += 1);
-    Spread::of(frames.into_iter().map(f64::from))
+    MinMeanMax::from_values(frames.into_iter().map(f64::from))
 }
 
 /// Warning about the clip whose standing feet are farthest from the ground, with the number of other such clips.
-fn far_from_ground(motion: &Motion, of_clips: &[ContactSanity]) -> Option<String> {
+fn far_from_ground(motion: &MotionOutput, of_clips: &[ContactSanity]) -> Option<String> {
     let originals = motion.clips.clips.iter().zip(of_clips).filter(|(c, _)| !c.mirrored);
     let far: Vec<_> = originals.filter_map(|(c, s)| Some((c, s.stance.p95_cm, s.stance.advice()?))).collect();
     let (clip, _, advice) = far.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -226,7 +231,7 @@ fn far_from_ground(motion: &Motion, of_clips: &[ContactSanity]) -> Option<String
 
 /// Mean contact sanity of all originals, weighted by frames; 95th percentiles and distances are the largest of any
 /// clip.
-fn contacts(motion: &Motion, of_clips: &[ContactSanity]) -> ContactSanity {
+fn contacts(motion: &MotionOutput, of_clips: &[ContactSanity]) -> ContactSanity {
     let (mut sum, mut frames) = (ContactSanity::default(), 0.0f32);
     for (c, s) in motion.clips.clips.iter().zip(of_clips).filter(|(c, _)| !c.mirrored) {
         let n = c.num_frames() as f32;
@@ -234,7 +239,7 @@ fn contacts(motion: &Motion, of_clips: &[ContactSanity]) -> ContactSanity {
         sum.right_share += n * s.right_share;
         sum.mean_speed_mps += n * s.mean_speed_mps;
         sum.p95_speed_mps = sum.p95_speed_mps.max(s.p95_speed_mps);
-        sum.stance = sum.stance.or_worse(s.stance);
+        sum.stance = sum.stance.worse_of(s.stance);
         frames += n;
     }
     let share = |v: f32| v / frames.max(1.0);

@@ -3,7 +3,7 @@
 use bytemuck::Pod;
 use rayon::prelude::*;
 use serde::{Serialize, de::DeserializeOwned};
-use throng_base::{Comm, out_of_step, share};
+use throng_base::{Comm, rank_range, unexpected_message};
 use throng_motion::clip::{Clip, ClipSet};
 use throng_motion::error::BuildError;
 
@@ -14,23 +14,23 @@ use throng_motion::error::BuildError;
 ///
 /// # Errors
 /// Errors of `work`; [`throng_base::Error::Rank`].
-pub(crate) fn dealt<T: Serialize + DeserializeOwned>(
+pub(crate) fn run_dealt<T: Serialize + DeserializeOwned>(
     comm: &dyn Comm,
     count: usize,
     work: impl FnOnce(Vec<usize>) -> Result<Vec<T>, BuildError>,
 ) -> Result<Vec<T>, BuildError> {
     let (rank, num_ranks) = (comm.rank(), comm.num_ranks());
-    let own = work(own(comm, count))?;
+    let own = work(own_numbers(comm, count))?;
     if num_ranks == 1 {
         return Ok(own);
     }
-    let mut hands: Vec<_> = gathered(comm, own)?.into_iter().map(Vec::into_iter).collect();
+    let mut hands: Vec<_> = gather_bytes(comm, own)?.into_iter().map(Vec::into_iter).collect();
     let all: Vec<T> = (0..count).map_while(|n| hands[n % num_ranks].next()).collect();
-    if all.len() == count { Ok(all) } else { Err(out_of_step(rank).into()) }
+    if all.len() == count { Ok(all) } else { Err(unexpected_message(rank).into()) }
 }
 
-/// Indices of this rank's items, of so many that are dealt out (see [`dealt`]).
-pub(crate) fn own(comm: &dyn Comm, count: usize) -> Vec<usize> {
+/// Indices of this rank's items, of so many that are dealt out (see [`run_dealt`]).
+pub(crate) fn own_numbers(comm: &dyn Comm, count: usize) -> Vec<usize> {
     (comm.rank()..count).step_by(comm.num_ranks()).collect()
 }
 
@@ -39,18 +39,18 @@ pub(crate) fn is_own(comm: &dyn Comm, number: usize) -> bool {
     number % comm.num_ranks() == comm.rank()
 }
 
-/// Gathers rows of all dealt items, from each rank's own; see [`own`].
+/// Gathers rows of all dealt items, from each rank's own; see [`own_numbers`].
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
-pub(crate) fn rows_of_all<T: Pod>(comm: &dyn Comm, count: usize, own: Vec<Vec<T>>) -> Result<Vec<Vec<T>>, BuildError> {
+pub(crate) fn gather_rows<T: Pod>(comm: &dyn Comm, count: usize, own: Vec<Vec<T>>) -> Result<Vec<Vec<T>>, BuildError> {
     let num_ranks = comm.num_ranks();
     if num_ranks == 1 {
         return Ok(own);
     }
     let lengths: Vec<u32> = own.iter().map(|row| row.len() as u32).collect();
-    let lengths: Vec<Vec<u32>> = read(comm.all_gather(bytemuck::cast_slice(&lengths))?)?;
-    let rows: Vec<Vec<T>> = read(comm.all_gather(bytemuck::cast_slice(&own.concat()))?)?;
+    let lengths: Vec<Vec<u32>> = decode_messages(comm.all_gather(bytemuck::cast_slice(&lengths))?)?;
+    let rows: Vec<Vec<T>> = decode_messages(comm.all_gather(bytemuck::cast_slice(&own.concat()))?)?;
     let mut rest: Vec<(&[u32], &[T])> = lengths.iter().zip(&rows).map(|(l, r)| (&l[..], &r[..])).collect();
     let mut next = |number: usize| {
         let (lengths, rows) = &mut rest[number % num_ranks];
@@ -60,21 +60,21 @@ pub(crate) fn rows_of_all<T: Pod>(comm: &dyn Comm, count: usize, own: Vec<Vec<T>
         Some(row.to_vec())
     };
     let all: Vec<Vec<T>> = (0..count).map_while(&mut next).collect();
-    if all.len() == count { Ok(all) } else { Err(out_of_step(comm.rank()).into()) }
+    if all.len() == count { Ok(all) } else { Err(unexpected_message(comm.rank()).into()) }
 }
 
-/// Gathers one value for each of `count` dealt items; see [`own`].
+/// Gathers one value for each of `count` dealt items; see [`own_numbers`].
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
-pub(crate) fn one_of_all<T: Pod>(comm: &dyn Comm, count: usize, own: Vec<T>) -> Result<Vec<T>, BuildError> {
+pub(crate) fn gather_each<T: Pod>(comm: &dyn Comm, count: usize, own: Vec<T>) -> Result<Vec<T>, BuildError> {
     let num_ranks = comm.num_ranks();
-    let all = told(comm, own)?;
+    let all = gather_all(comm, own)?;
     let mut firsts = vec![0; num_ranks];
     (1..num_ranks)
         .for_each(|rank| firsts[rank] = firsts[rank - 1] + count.saturating_sub(rank - 1).div_ceil(num_ranks));
     if all.len() != count {
-        return Err(out_of_step(comm.rank()).into());
+        return Err(unexpected_message(comm.rank()).into());
     }
     Ok((0..count).map(|n| all[firsts[n % num_ranks] + n / num_ranks]).collect())
 }
@@ -83,10 +83,10 @@ pub(crate) fn one_of_all<T: Pod>(comm: &dyn Comm, count: usize, own: Vec<T>) -> 
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
-pub(crate) fn told<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<T>, BuildError> {
+pub(crate) fn gather_all<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<T>, BuildError> {
     match comm.num_ranks() {
         1 => Ok(own),
-        _ => Ok(read(comm.all_gather(bytemuck::cast_slice(&own))?)?.concat()),
+        _ => Ok(decode_messages(comm.all_gather(bytemuck::cast_slice(&own))?)?.concat()),
     }
 }
 
@@ -96,31 +96,31 @@ pub(crate) fn told<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<T>, Build
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
-pub(crate) fn sent<T: Pod>(comm: &dyn Comm, mut to: Vec<Vec<T>>) -> Result<Vec<T>, BuildError> {
+pub(crate) fn exchange_values<T: Pod>(comm: &dyn Comm, mut to: Vec<Vec<T>>) -> Result<Vec<T>, BuildError> {
     if comm.num_ranks() == 1 {
         return Ok(to.pop().unwrap_or_default());
     }
     let messages = to.into_iter().map(|t| bytemuck::cast_slice(&t).to_vec()).collect();
-    Ok(read(comm.exchange(messages)?)?.concat())
+    Ok(decode_messages(comm.exchange(messages)?)?.concat())
 }
 
 /// Decodes the messages of all ranks.
-fn read<T: Pod>(messages: Vec<Vec<u8>>) -> Result<Vec<Vec<T>>, BuildError> {
+fn decode_messages<T: Pod>(messages: Vec<Vec<u8>>) -> Result<Vec<Vec<T>>, BuildError> {
     let read = |(rank, bytes): (usize, Vec<u8>)| match bytes.len() % size_of::<T>() {
         0 => Ok(bytemuck::pod_collect_to_vec(&bytes)),
-        _ => Err(out_of_step(rank).into()),
+        _ => Err(unexpected_message(rank).into()),
     };
     messages.into_iter().enumerate().map(read).collect()
 }
 
 /// Rank with the poses of each clip (clips.len()), which is that of its original. Ranks have about equally many
 /// originals, in order.
-pub(crate) fn owners(clips: &ClipSet, num_ranks: usize) -> Vec<usize> {
+pub(crate) fn clip_owners(clips: &ClipSet, num_ranks: usize) -> Vec<usize> {
     let count = clips.clips.iter().filter(|c| !c.mirrored).count();
     let (mut originals, mut rank) = (0, 0);
     let of_clip = |clip: &Clip| {
         originals += usize::from(!clip.mirrored);
-        while rank + 1 < num_ranks && originals > share(count, rank, num_ranks).end {
+        while rank + 1 < num_ranks && originals > rank_range(count, rank, num_ranks).end {
             rank += 1;
         }
         rank
@@ -130,11 +130,11 @@ pub(crate) fn owners(clips: &ClipSet, num_ranks: usize) -> Vec<usize> {
 
 /// Results for each of some items, in order, made by their owners and shared with all.
 ///
-/// - `owners`: rank of each item.
+/// - `clip_owners`: rank of each item.
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
-pub(crate) fn by_owners<T: Send + Serialize + DeserializeOwned>(
+pub(crate) fn sort_by_owner<T: Send + Serialize + DeserializeOwned>(
     comm: &dyn Comm,
     owners: &[usize],
     work: impl Fn(usize) -> T + Send + Sync,
@@ -144,19 +144,19 @@ pub(crate) fn by_owners<T: Send + Serialize + DeserializeOwned>(
     if comm.num_ranks() == 1 {
         return Ok(own);
     }
-    let mut hands: Vec<_> = gathered(comm, own)?.into_iter().map(Vec::into_iter).collect();
+    let mut hands: Vec<_> = gather_bytes(comm, own)?.into_iter().map(Vec::into_iter).collect();
     let all: Vec<T> = owners.iter().map_while(|&rank| hands[rank].next()).collect();
-    if all.len() == owners.len() { Ok(all) } else { Err(out_of_step(comm.rank()).into()) }
+    if all.len() == owners.len() { Ok(all) } else { Err(unexpected_message(comm.rank()).into()) }
 }
 
 /// Gathers serialized values of all ranks, in the order of ranks.
-fn gathered<T: Serialize + DeserializeOwned>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<Vec<T>>, BuildError> {
+fn gather_bytes<T: Serialize + DeserializeOwned>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<Vec<T>>, BuildError> {
     let config = bincode::config::standard().with_fixed_int_encoding();
     let message = bincode::serde::encode_to_vec(&own, config).map_err(|e| BuildError::Format(e.to_string()))?;
     drop(own);
     let read = |(rank, bytes): (usize, Vec<u8>)| match bincode::serde::decode_from_slice(&bytes, config) {
         Ok((hand, _)) => Ok(hand),
-        Err(_) => Err(out_of_step(rank).into()),
+        Err(_) => Err(unexpected_message(rank).into()),
     };
     comm.all_gather(&message)?.into_iter().enumerate().map(read).collect()
 }
@@ -168,7 +168,7 @@ const MOST: usize = 256 << 20;
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
-pub(crate) fn gathered_first<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<T>, BuildError> {
+pub(crate) fn gather_to_first<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<T>, BuildError> {
     if comm.num_ranks() == 1 {
         return Ok(own);
     }
@@ -184,7 +184,7 @@ pub(crate) fn gathered_first<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec
             let to = of(lengths[rank]);
             let to: &mut [u8] = bytemuck::cast_slice_mut(&mut all[at + to.start..at + to.end]);
             if to.len() != bytes.len() {
-                return Err(out_of_step(rank).into());
+                return Err(unexpected_message(rank).into());
             }
             to.copy_from_slice(bytes);
             at += lengths[rank];
@@ -195,12 +195,12 @@ pub(crate) fn gathered_first<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec
 
 /// Exchanges the rows of all ranks, so that each has all of them.
 ///
-/// - `own`: rows of this rank: those of its [`Comm::share`] of all rows. Their previous values are lost.
+/// - `own_numbers`: rows of this rank: those of its [`Comm::share`] of all rows. Their previous values are lost.
 /// - `row`: numbers of a row.
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
-pub(crate) fn joined<T: Pod>(
+pub(crate) fn share_rows<T: Pod>(
     comm: &dyn Comm,
     row: usize,
     own: &mut Vec<T>,
@@ -212,10 +212,10 @@ pub(crate) fn joined<T: Pod>(
     }
     let num_rows = all.len() / row.max(1);
     for (rank, bytes) in comm.all_gather(bytemuck::cast_slice(own))?.iter().enumerate() {
-        let rows = share(num_rows, rank, comm.num_ranks());
+        let rows = rank_range(num_rows, rank, comm.num_ranks());
         let to: &mut [u8] = bytemuck::cast_slice_mut(&mut all[rows.start * row..rows.end * row]);
         if to.len() != bytes.len() {
-            return Err(out_of_step(rank).into());
+            return Err(unexpected_message(rank).into());
         }
         to.copy_from_slice(bytes);
     }
@@ -226,7 +226,7 @@ pub(crate) fn joined<T: Pod>(
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
-pub(crate) fn is_so_for_all(comm: &dyn Comm, is_so: bool) -> Result<bool, BuildError> {
+pub(crate) fn all_ranks_agree(comm: &dyn Comm, is_so: bool) -> Result<bool, BuildError> {
     if comm.num_ranks() == 1 {
         return Ok(is_so);
     }
@@ -243,12 +243,12 @@ mod tests {
         let clip = |mirrored: bool| Clip { mirrored, ..Clip::new("c", 30.0, Vec::new(), Vec::new()) };
         let clips = [false, true].repeat(5).into_iter().map(clip).collect();
         let set = ClipSet { skeleton: throng_core::Skeleton::default(), clips };
-        assert_eq!(owners(&set, 1), [0; 10]);
-        assert_eq!(owners(&set, 2), [0, 0, 0, 0, 1, 1, 1, 1, 1, 1]);
+        assert_eq!(clip_owners(&set, 1), [0; 10]);
+        assert_eq!(clip_owners(&set, 2), [0, 0, 0, 0, 1, 1, 1, 1, 1, 1]);
         for num_ranks in [2, 3, 4, 5, 8] {
-            let of_originals: Vec<usize> = owners(&set, num_ranks).into_iter().step_by(2).collect();
+            let of_originals: Vec<usize> = clip_owners(&set, num_ranks).into_iter().step_by(2).collect();
             for (original, &rank) in of_originals.iter().enumerate() {
-                assert!(share(5, rank, num_ranks).contains(&original), "{num_ranks}: {of_originals:?}");
+                assert!(rank_range(5, rank, num_ranks).contains(&original), "{num_ranks}: {of_originals:?}");
             }
         }
     }
@@ -257,28 +257,29 @@ mod tests {
     fn everybody_has_what_all_have_made() {
         for (num_ranks, count) in [(1, 5), (2, 5), (3, 0), (4, 3), (5, 100)] {
             let got = LocalComm::run(num_ranks, |comm| {
-                let squares = dealt(comm, count, |own| Ok(own.into_iter().map(|n| (n * n) as u64).collect())).unwrap();
-                let mut rows: Vec<u32> = comm.share(count).flat_map(|n| [n as u32, 7]).collect();
+                let squares =
+                    run_dealt(comm, count, |own| Ok(own.into_iter().map(|n| (n * n) as u64).collect())).unwrap();
+                let mut rows: Vec<u32> = comm.own_range(count).flat_map(|n| [n as u32, 7]).collect();
                 let mut all = vec![0u32; 2 * count];
-                joined(comm, 2, &mut rows, &mut all).unwrap();
+                share_rows(comm, 2, &mut rows, &mut all).unwrap();
                 let owners: Vec<usize> = (0..count).map(|n| n * n % num_ranks).collect();
-                assert_eq!(by_owners(comm, &owners, |n| n as u64).unwrap(), (0..count as u64).collect::<Vec<_>>());
-                let own = own(comm, count);
+                assert_eq!(sort_by_owner(comm, &owners, |n| n as u64).unwrap(), (0..count as u64).collect::<Vec<_>>());
+                let own = own_numbers(comm, count);
                 assert!(own.iter().all(|&n| is_own(comm, n)));
-                assert_eq!(one_of_all(comm, count, own.clone()).unwrap(), (0..count).collect::<Vec<_>>());
+                assert_eq!(gather_each(comm, count, own.clone()).unwrap(), (0..count).collect::<Vec<_>>());
                 let row = |n: usize| vec![n as u32; n % 3];
-                let rows = rows_of_all(comm, count, own.iter().map(|&n| row(n)).collect()).unwrap();
+                let rows = gather_rows(comm, count, own.iter().map(|&n| row(n)).collect()).unwrap();
                 assert_eq!(rows, (0..count).map(row).collect::<Vec<_>>());
-                let mut told = told(comm, own).unwrap();
+                let mut told = gather_all(comm, own).unwrap();
                 told.sort_unstable();
                 assert_eq!(told, (0..count).collect::<Vec<_>>());
                 let to = (0..num_ranks).map(|to| vec![[comm.rank(), to]; to]).collect();
                 let wanted: Vec<_> = (0..num_ranks).flat_map(|from| vec![[from, comm.rank()]; comm.rank()]).collect();
-                assert_eq!(sent(comm, to).unwrap(), wanted);
-                let parts = gathered_first(comm, vec![comm.rank() as u16; 3 * comm.rank()]).unwrap();
+                assert_eq!(exchange_values(comm, to).unwrap(), wanted);
+                let parts = gather_to_first(comm, vec![comm.rank() as u16; 3 * comm.rank()]).unwrap();
                 let wanted: Vec<u16> = (0..num_ranks as u16).flat_map(|r| vec![r; 3 * usize::from(r)]).collect();
                 assert!(if comm.rank() == 0 { parts == wanted } else { num_ranks > 1 && parts.is_empty() });
-                (squares, all, is_so_for_all(comm, comm.rank() > 0).unwrap(), is_so_for_all(comm, true).unwrap())
+                (squares, all, all_ranks_agree(comm, comm.rank() > 0).unwrap(), all_ranks_agree(comm, true).unwrap())
             });
             for (squares, all, some, every) in got {
                 assert_eq!(squares, (0..count as u64).map(|n| n * n).collect::<Vec<_>>());

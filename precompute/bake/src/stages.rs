@@ -1,7 +1,7 @@
 //! Runs stages: measures their time, reports progress, stores and loads their outputs.
 
-use crate::cache::{Cache, Key};
-use crate::share::is_so_for_all;
+use crate::cache::{Cache, CacheKey};
+use crate::share::all_ranks_agree;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::cell::{OnceCell, RefCell};
 use std::ops::Deref;
@@ -14,7 +14,7 @@ use throng_motion::progress::Progress;
 
 /// Files of one performer: those of one source skeleton.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct Performer {
+pub struct SourcePerformer {
     /// Height of the body, estimated from the lengths of its segments (m).
     pub height_m: f32,
     /// Names of the clips.
@@ -23,13 +23,13 @@ pub struct Performer {
 
 /// Output of the motion stages.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Motion {
+pub struct MotionOutput {
     /// The clips, annotated.
     pub clips: ClipSet,
     /// Skipped files, with the reason.
     pub skipped: Vec<String>,
     /// Performers: files grouped by source skeleton.
-    pub performers: Vec<Performer>,
+    pub performers: Vec<SourcePerformer>,
     /// Files imported by an earlier build. Not part of the cached value, like the next field.
     #[serde(skip)]
     pub files_kept: usize,
@@ -42,7 +42,7 @@ pub struct Motion {
 
 /// Cost of a stage in one process.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct Spent {
+pub struct StageCost {
     /// Time (s).
     pub wall_s: f64,
     /// Part of this time spent waiting for other processes, including messages (s).
@@ -56,9 +56,9 @@ pub struct Spent {
     pub peak_bytes: u64,
 }
 
-impl Spent {
+impl StageCost {
     /// Cost beyond `before`.
-    fn since(self, before: Self) -> Self {
+    fn minus(self, before: Self) -> Self {
         Self {
             wall_s: self.wall_s - before.wall_s,
             waited_s: self.waited_s - before.waited_s,
@@ -82,9 +82,9 @@ impl Spent {
 
 /// Costs of stages, and names of those read from the cache.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Timing {
+pub struct BuildTiming {
     /// Stages that ran, in order, with their costs.
-    pub stages: Vec<(&'static str, Spent)>,
+    pub stages: Vec<(&'static str, StageCost)>,
     /// Outputs that were read from the cache.
     pub cached: Vec<&'static str>,
     /// Time since the build began (s).
@@ -93,14 +93,14 @@ pub struct Timing {
 
 /// Output of a stage, with its key.
 #[derive(Clone, Debug)]
-pub struct Output<T> {
+pub struct StageOutput<T> {
     /// Key of the stage's config and its inputs.
-    pub key: Key,
+    pub key: CacheKey,
     /// Value of the output.
     pub value: T,
 }
 
-impl<T> Deref for Output<T> {
+impl<T> Deref for StageOutput<T> {
     type Target = T;
 
     fn deref(&self) -> &T {
@@ -114,7 +114,7 @@ pub struct Stages<'a> {
     progress: &'a dyn Progress,
     comm: &'a dyn Comm,
     begin: Instant,
-    timing: RefCell<Timing>,
+    timing: RefCell<BuildTiming>,
     warnings: RefCell<Warnings>,
 }
 
@@ -128,20 +128,20 @@ impl<'a> Stages<'a> {
     }
 
     /// Cost of the build so far.
-    fn spent(&self) -> Spent {
+    fn spent(&self) -> StageCost {
         let (wall_s, traffic) = (self.begin.elapsed().as_secs_f64(), self.comm.traffic());
-        Spent {
+        StageCost {
             wall_s,
             waited_s: traffic.waited_s,
-            ran_s: self.comm.ran_s(),
+            ran_s: self.comm.cpu_s(),
             bytes_moved: traffic.bytes_moved,
             peak_bytes: memory::peak_bytes().unwrap_or(0),
         }
     }
 
     /// Cost of the stages that have ended.
-    fn spent_in_stages(&self) -> Spent {
-        let none = Spent { ran_s: Some(0.0), ..Spent::default() };
+    fn spent_in_stages(&self) -> StageCost {
+        let none = StageCost { ran_s: Some(0.0), ..StageCost::default() };
         self.timing.borrow().stages.iter().fold(none, |all, (_, spent)| all.plus(*spent))
     }
 
@@ -156,9 +156,9 @@ impl<'a> Stages<'a> {
     ) -> Result<T, BuildError> {
         let (begin, before) = (self.spent(), self.spent_in_stages());
         self.progress.check()?;
-        self.progress.comes_to(stage);
+        self.progress.enter_stage(stage);
         let out = work(self.progress);
-        let took = self.spent().since(begin).since(self.spent_in_stages().since(before));
+        let took = self.spent().minus(begin).minus(self.spent_in_stages().minus(before));
         self.timing.borrow_mut().stages.push((stage, took));
         out
     }
@@ -172,50 +172,50 @@ impl<'a> Stages<'a> {
     pub fn stage<T: Serialize + DeserializeOwned>(
         &self,
         name: &'static str,
-        inputs: &[Key],
+        inputs: &[CacheKey],
         config: &impl Serialize,
         work: impl FnOnce(&dyn Progress) -> Result<T, BuildError>,
-    ) -> Result<Output<T>, BuildError> {
-        self.several(name, inputs, config, || self.run(name, work))
+    ) -> Result<StageOutput<T>, BuildError> {
+        self.run_group(name, inputs, config, || self.run(name, work))
     }
 
     /// Output of several stages, which `work` runs; see [`Stages::stage`].
     ///
     /// # Errors
     /// Errors of `work`.
-    pub fn several<T: Serialize + DeserializeOwned>(
+    pub fn run_group<T: Serialize + DeserializeOwned>(
         &self,
         name: &'static str,
-        inputs: &[Key],
+        inputs: &[CacheKey],
         config: &impl Serialize,
         work: impl FnOnce() -> Result<T, BuildError>,
-    ) -> Result<Output<T>, BuildError> {
-        let key = Key::of(name, inputs, config)?;
+    ) -> Result<StageOutput<T>, BuildError> {
+        let key = CacheKey::for_stage(name, inputs, config)?;
         let kept = self.cache.load(name, key);
-        if let (true, Some(value)) = (is_so_for_all(self.comm, kept.is_some())?, kept) {
+        if let (true, Some(value)) = (all_ranks_agree(self.comm, kept.is_some())?, kept) {
             self.timing.borrow_mut().cached.push(name);
-            self.progress.kept(name);
-            return Ok(Output { key, value });
+            self.progress.stage_kept(name);
+            return Ok(StageOutput { key, value });
         }
         let value = work()?;
         if self.comm.rank() == 0 && self.cache.store(name, key, &value, &mut self.warnings.borrow_mut()) {
-            self.progress.kept(name);
+            self.progress.stage_kept(name);
         }
-        Ok(Output { key, value })
+        Ok(StageOutput { key, value })
     }
 
-    /// Output of several stages that is not cached as a whole; see [`Stages::several`].
+    /// Output of several stages that is not cached as a whole; see [`Stages::run_group`].
     ///
     /// # Errors
     /// Errors of `work`.
-    pub fn unkept<T>(
+    pub fn run_unkept<T>(
         &self,
         name: &'static str,
-        inputs: &[Key],
+        inputs: &[CacheKey],
         config: &impl Serialize,
         work: impl FnOnce() -> Result<T, BuildError>,
-    ) -> Result<Output<T>, BuildError> {
-        Ok(Output { key: Key::of(name, inputs, config)?, value: work()? })
+    ) -> Result<StageOutput<T>, BuildError> {
+        Ok(StageOutput { key: CacheKey::for_stage(name, inputs, config)?, value: work()? })
     }
 
     /// A stage that runs when its output is first requested, and is faster than reading a cache.
@@ -225,11 +225,17 @@ impl<'a> Stages<'a> {
     pub fn on_demand<T, W: Fn() -> Result<T, BuildError>>(
         &self,
         name: &'static str,
-        inputs: &[Key],
+        inputs: &[CacheKey],
         config: &impl Serialize,
         work: W,
     ) -> Result<OnDemand<'_, T, W>, BuildError> {
-        Ok(OnDemand { stages: self, key: Key::of(name, inputs, config)?, name, work, made: OnceCell::new() })
+        Ok(OnDemand {
+            stages: self,
+            key: CacheKey::for_stage(name, inputs, config)?,
+            name,
+            work,
+            made: OnceCell::new(),
+        })
     }
 
     /// Processes that build together.
@@ -243,19 +249,19 @@ impl<'a> Stages<'a> {
     }
 
     /// Ends the build: returns its costs, and warnings about the build itself.
-    pub fn finish(self) -> (Timing, Warnings) {
-        if let Some(fault) = self.cache.fault() {
+    pub fn finish(self) -> (BuildTiming, Warnings) {
+        if let Some(fault) = self.cache.take_fault() {
             self.warnings.borrow_mut().push(format!("not all is cached, and more will be made again: {fault}"));
         }
         let timing = self.timing.into_inner();
-        (Timing { seconds_total: self.begin.elapsed().as_secs_f64(), ..timing }, self.warnings.into_inner())
+        (BuildTiming { seconds_total: self.begin.elapsed().as_secs_f64(), ..timing }, self.warnings.into_inner())
     }
 }
 
 /// An output that is made once, when first requested.
 pub struct OnDemand<'a, T, W> {
     /// Key of the stage's config and its inputs.
-    pub key: Key,
+    pub key: CacheKey,
     stages: &'a Stages<'a>,
     name: &'static str,
     work: W,

@@ -1,7 +1,7 @@
 //! Stop tables: the area that each segment sweeps, and the cheapest path to a stand from every state.
 
-use crate::graph::{MotionGraph, SegmentId, StateId};
-use crate::share::{by_owners, owners};
+use crate::graph::{RawMotionGraph, SegmentId, StateId};
+use crate::share::{clip_owners, sort_by_owner};
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
 use std::cmp::Reverse;
@@ -16,7 +16,7 @@ use throng_motion::clip::{Clip, ClipSet, FrameId};
 use throng_motion::error::BuildError;
 
 /// Largest motion of a resting character from its place and back (m).
-const REST_WAY_M: f32 = 0.1;
+const REST_PATH_M: f32 = 0.1;
 /// Cost of a metre on the way to a stand (s).
 const METRE_S: f64 = 0.5;
 /// Cost of a metre by which the body extends beyond the disc of an upright one, as in a bow (s).
@@ -30,7 +30,7 @@ const LIFTED_S: f64 = 10.0;
 
 /// The rows of the stop tables.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Stops {
+pub struct StopRows {
     /// Sweep of each segment.
     pub sweeps: Vec<SweepRecord>,
     /// Nodes of all sweeps.
@@ -60,41 +60,46 @@ pub struct StopsReport {
 ///
 /// # Errors
 /// [`BuildError::File`] if another process has ended.
-pub fn find(clips: &ClipSet, graph: &MotionGraph, comm: &dyn Comm) -> Result<(Stops, StopsReport), BuildError> {
+pub fn find_stops(
+    clips: &ClipSet,
+    graph: &RawMotionGraph,
+    comm: &dyn Comm,
+) -> Result<(StopRows, StopsReport), BuildError> {
     let starts = clips.frame_starts();
     let clip_of = |frame: FrameId| starts.partition_point(|&f| f <= frame.0) - 1;
     // Segments first, then states.
     let places = graph.segments.iter().map(|s| (s.start, s.num_frames as usize));
     let places: Vec<(FrameId, usize)> = places.chain(graph.states.iter().map(|&frame| (frame, 0))).collect();
-    let of_clips = owners(clips, comm.num_ranks());
+    let of_clips = clip_owners(clips, comm.num_ranks());
     let of_places: Vec<usize> = places.iter().map(|&(frame, _)| of_clips[clip_of(frame)]).collect();
-    let radii = by_owners(comm, &of_places, |n| {
+    let radii = sort_by_owner(comm, &of_places, |n| {
         let (frame, num_frames) = places[n];
         let clip = clip_of(frame);
         radius(clips, clip, (frame.0 - starts[clip]) as usize, num_frames) + SWEEP_TOLERANCE_M
     })?;
     let (of_segments, of_states) = radii.split_at(graph.segments.len());
-    let mut out = Stops::default();
+    let mut out = StopRows::default();
     let mut ways = Vec::with_capacity(graph.segments.len());
     for (s, &radius) in graph.segments.iter().zip(of_segments) {
         let c = clip_of(s.start);
         let first = (s.start.0 - starts[c]) as usize;
-        let way = way_of(&clips.clips[c], first, s.num_frames as usize);
+        let way = root_path(&clips.clips[c], first, s.num_frames as usize);
         let first_node = out.nodes.len() as u32;
         simplify(&way, &mut out.nodes);
         out.sweeps.push(SweepRecord { first_node, num_nodes: out.nodes.len() as u32 - first_node, radius });
         ways.push(way);
     }
     let rate = clips.clips.first().map_or(30.0, |c| c.rate_hz);
-    let rests =
-        [REST_RADIUS_M, f32::INFINITY].map(|most| rests(graph, &ways, |s| out.sweeps[s.0 as usize].radius <= most));
+    let rests = [REST_RADIUS_M, f32::INFINITY]
+        .map(|most| rest_segments(graph, &ways, |s| out.sweeps[s.0 as usize].radius <= most));
     let rests = rests.into_iter().find(|r| r.iter().any(Option::is_some)).unwrap_or(vec![None; graph.states.len()]);
     // A resting character is moved back to its place evenly: the disc includes that distance.
     for &segment in rests.iter().flatten() {
         let (way, sweep) = (&ways[segment.0 as usize], &mut out.sweeps[segment.0 as usize]);
-        sweep.radius = sweep.radius.max(BODY_RADIUS_M + SWEEP_TOLERANCE_M + wobble(way));
+        sweep.radius = sweep.radius.max(BODY_RADIUS_M + SWEEP_TOLERANCE_M + straightness_error(way));
     }
-    let found = Found { graph, rate, rests, sweeps: out.sweeps.clone(), on_both: on_both(clips, &starts, graph) };
+    let found =
+        CheapestPaths { graph, rate, rests, sweeps: out.sweeps.clone(), on_both: on_both(clips, &starts, graph) };
     let choices = found.cheapest();
     out.stops = choices;
     out.stops.iter_mut().zip(of_states).for_each(|(stop, &radius)| stop.pose_radius = radius);
@@ -104,7 +109,7 @@ pub fn find(clips: &ClipSet, graph: &MotionGraph, comm: &dyn Comm) -> Result<(St
 }
 
 /// Path of the root over a segment, relative to its first frame (num_frames + 1).
-fn way_of(clip: &Clip, first: usize, num_frames: usize) -> Vec<Vec2> {
+fn root_path(clip: &Clip, first: usize, num_frames: usize) -> Vec<Vec2> {
     let origin = clip.planar(first);
     (first..=first + num_frames)
         .map(|f| clip.planar(f))
@@ -149,7 +154,7 @@ fn radius(clips: &ClipSet, clip: usize, first: usize, num_frames: usize) -> f32 
 }
 
 /// Largest distance of a path from the straight line between its ends (m).
-fn wobble(way: &[Vec2]) -> f32 {
+fn straightness_error(way: &[Vec2]) -> f32 {
     let (last, end) = (way.len() - 1, way[way.len() - 1]);
     way.iter().enumerate().map(|(f, p)| p.distance(end * (f as f32 / last as f32))).fold(0.0, f32::max)
 }
@@ -158,15 +163,19 @@ fn wobble(way: &[Vec2]) -> f32 {
 /// hardly moves.
 ///
 /// The result is the greatest set of standing states each of which has an action into the set.
-fn rests(graph: &MotionGraph, ways: &[Vec<Vec2>], is_slim: impl Fn(SegmentId) -> bool) -> Vec<Option<SegmentId>> {
+fn rest_segments(
+    graph: &RawMotionGraph,
+    ways: &[Vec<Vec2>],
+    is_slim: impl Fn(SegmentId) -> bool,
+) -> Vec<Option<SegmentId>> {
     let stays = |s: SegmentId| {
         let way = &ways[s.0 as usize];
-        is_slim(s) && way[way.len() - 1].length() <= REST_WAY_M && wobble(way) <= REST_WAY_M
+        is_slim(s) && way[way.len() - 1].length() <= REST_PATH_M && straightness_error(way) <= REST_PATH_M
     };
     let mut is_rest = graph.standing.clone();
     let leads = |state: usize, is_rest: &[bool]| {
         // The clip's own continuation if possible; else the nearest pose.
-        let fits = |a: &&crate::graph::Action| {
+        let fits = |a: &&crate::graph::GraphAction| {
             is_rest[graph.segments[a.segment.0 as usize].end.0 as usize] && stays(a.segment)
         };
         graph
@@ -186,7 +195,7 @@ fn rests(graph: &MotionGraph, ways: &[Vec<Vec2>], is_slim: impl Fn(SegmentId) ->
 }
 
 /// True for states with both feet on the ground.
-fn on_both(clips: &ClipSet, starts: &[u32], graph: &MotionGraph) -> Vec<bool> {
+fn on_both(clips: &ClipSet, starts: &[u32], graph: &RawMotionGraph) -> Vec<bool> {
     let contacts = |f: &FrameId| {
         let c = starts.partition_point(|&s| s <= f.0) - 1;
         clips.clips[c].contacts.get((f.0 - starts[c]) as usize).copied().unwrap_or(Contacts::NONE)
@@ -195,15 +204,15 @@ fn on_both(clips: &ClipSet, starts: &[u32], graph: &MotionGraph) -> Vec<bool> {
 }
 
 /// Inputs of the search for the cheapest path.
-struct Found<'a> {
-    graph: &'a MotionGraph,
+struct CheapestPaths<'a> {
+    graph: &'a RawMotionGraph,
     rate: f64,
     rests: Vec<Option<SegmentId>>,
     sweeps: Vec<SweepRecord>,
     on_both: Vec<bool>,
 }
 
-impl Found<'_> {
+impl CheapestPaths<'_> {
     /// Cost of a segment on the way to a stand (s).
     fn cost(&self, segment: SegmentId) -> f64 {
         let s = &self.graph.segments[segment.0 as usize];
@@ -261,7 +270,7 @@ impl Found<'_> {
 }
 
 /// Largest radius from each state on: that of its pose, its segment and all that follow.
-fn spread_radii(graph: &MotionGraph, sweeps: &[SweepRecord], stops: &mut [StopRecord]) {
+fn spread_radii(graph: &RawMotionGraph, sweeps: &[SweepRecord], stops: &mut [StopRecord]) {
     let mut changed = true;
     while changed {
         changed = false;
@@ -278,7 +287,7 @@ fn spread_radii(graph: &MotionGraph, sweeps: &[SweepRecord], stops: &mut [StopRe
     }
 }
 
-fn report(stops: &[StopRecord], found: &Found<'_>, ways: &[Vec<Vec2>]) -> StopsReport {
+fn report(stops: &[StopRecord], found: &CheapestPaths<'_>, ways: &[Vec<Vec2>]) -> StopsReport {
     let graph = found.graph;
     let slows = |mut s: usize| loop {
         match stops[s].kind {

@@ -1,17 +1,17 @@
 //! Last stage: writes everything that was baked as one bundle.
 
 use crate::cluster::PoseGroups;
-use crate::examples::BlendSpace;
-use crate::graph::MotionGraph;
-use crate::patch::{Patch, Patches};
-use crate::policy::Policy;
-use crate::share::{gathered_first, owners};
-use crate::stops::Stops;
+use crate::examples::RawBlendSpace;
+use crate::graph::RawMotionGraph;
+use crate::patch::{RawPatch, RawPatches};
+use crate::policy::RawPolicy;
+use crate::share::{clip_owners, gather_to_first};
+use crate::stops::StopRows;
 use bytemuck::Zeroable;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 use std::path::Path;
-use throng_base::{Alone, Comm, out_of_step};
+use throng_base::{Comm, SingleRank, unexpected_message};
 use throng_core::blend::BlendRecord;
 use throng_core::format::{
     ActivityMeta, AlignedBytes, BlendMeta, BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, PatchMeta,
@@ -22,27 +22,27 @@ use throng_core::hits::KIND_NAMES;
 use throng_core::patch::{PairRecord, PatchRecord};
 use throng_core::planar::wrap_angle;
 use throng_core::{Bundle, Contacts, HitRecord, Planar, bundle::tags};
-use throng_motion::clip::{Clip, ClipSet, Hit, joint_transforms};
+use throng_motion::clip::{Clip, ClipHit, ClipSet, joint_transforms};
 use throng_motion::error::BuildError;
 use throng_motion::files::write_atomically;
 
 /// Contents of a bundle.
 #[derive(Clone, Copy, Debug)]
-pub struct Baked<'a> {
+pub struct BundleInputs<'a> {
     /// Motion, annotated.
     pub clips: &'a ClipSet,
     /// Motion graph.
-    pub graph: &'a MotionGraph,
+    pub graph: &'a RawMotionGraph,
     /// Stop tables.
-    pub stops: &'a Stops,
+    pub stops: &'a StopRows,
     /// Policies, one per behaviour.
-    pub policies: &'a [Policy],
+    pub policies: &'a [RawPolicy],
     /// Pose groups of the frames, if they were computed.
     pub groups: Option<&'a PoseGroups>,
     /// Motion patches; their cells name pose groups.
-    pub patches: Option<&'a Patches>,
+    pub patches: Option<&'a RawPatches>,
     /// Blend spaces.
-    pub blends: &'a [BlendSpace],
+    pub blends: &'a [RawBlendSpace],
     /// Activities of bodies.
     pub activities: &'a [ActivityMeta],
     /// Name, provenance and figures; clips and behaviours are added here.
@@ -51,7 +51,7 @@ pub struct Baked<'a> {
 
 /// Summary of a written bundle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Written {
+pub struct WrittenBundle {
     /// Length of the bundle (bytes).
     pub bytes: u64,
     /// Error of joint positions by packed rotations, for the worst joint of each frame: 95th percentile of all frames,
@@ -65,11 +65,11 @@ pub struct Written {
 ///
 /// # Errors
 /// [`BuildError::Io`] if it cannot be written, [`BuildError::Format`] if it would be refused.
-pub fn bundle(baked: &Baked<'_>, out: &Path, comm: &dyn Comm) -> Result<Written, BuildError> {
+pub fn bundle(baked: &BundleInputs<'_>, out: &Path, comm: &dyn Comm) -> Result<WrittenBundle, BuildError> {
     let format = |e: FormatError| BuildError::Format(e.to_string());
     let (rows, code, off) = frame_rows(baked.clips, comm)?;
     if comm.rank() > 0 {
-        return Ok(Written::default());
+        return Ok(WrittenBundle::default());
     }
     let layout = sections(baked, rows, &code).map_err(format)?;
     let io = |source| BuildError::Io { path: out.to_path_buf(), source };
@@ -80,21 +80,21 @@ pub fn bundle(baked: &Baked<'_>, out: &Path, comm: &dyn Comm) -> Result<Written,
     write_atomically(out, |w| w.write_all(written.bytes()))?;
     let joint_error_mm =
         [off.len() * 95 / 100, off.len().saturating_sub(1)].map(|i| off.get(i).copied().unwrap_or(0.0));
-    Ok(Written { bytes: written.bytes().len() as u64, joint_error_mm })
+    Ok(WrittenBundle { bytes: written.bytes().len() as u64, joint_error_mm })
 }
 
 /// Lays everything out as sections.
 ///
 /// # Errors
 /// [`FormatError`] if META cannot be encoded, or blend spaces have more rows than 32 bits can count.
-pub fn lay_out<'a>(baked: &Baked<'a>) -> Result<BundleWriter<'a>, FormatError> {
+pub fn lay_out<'a>(baked: &BundleInputs<'a>) -> Result<BundleWriter<'a>, FormatError> {
     let message = |e: BuildError| FormatError::Layout { message: e.to_string() };
-    let (rows, code, _) = frame_rows(baked.clips, &Alone).map_err(message)?;
+    let (rows, code, _) = frame_rows(baked.clips, &SingleRank).map_err(message)?;
     sections(baked, rows, &code)
 }
 
 /// Lays out sections with packed frames; see [`lay_out`].
-fn sections<'a>(baked: &Baked<'a>, rows: Vec<u8>, code: &RotationCode) -> Result<BundleWriter<'a>, FormatError> {
+fn sections<'a>(baked: &BundleInputs<'a>, rows: Vec<u8>, code: &RotationCode) -> Result<BundleWriter<'a>, FormatError> {
     let mut meta = baked.meta.clone();
     meta.clips = baked.clips.clips.iter().map(clip_meta).collect();
     let kinds = baked.clips.hit_kinds();
@@ -120,11 +120,11 @@ fn sections<'a>(baked: &Baked<'a>, rows: Vec<u8>, code: &RotationCode) -> Result
     Ok(out)
 }
 
-fn blend_meta(b: &BlendSpace) -> BlendMeta {
+fn blend_meta(b: &RawBlendSpace) -> BlendMeta {
     BlendMeta { name: b.name.clone(), axes: b.axes.clone(), examples: b.example_names.clone() }
 }
 
-fn blends(spaces: &[BlendSpace], out: &mut BundleWriter<'_>) -> Result<(), FormatError> {
+fn blends(spaces: &[RawBlendSpace], out: &mut BundleWriter<'_>) -> Result<(), FormatError> {
     let (mut records, mut next) = (Vec::with_capacity(spaces.len()), [0u32; 4]);
     for s in spaces {
         let [first_example, first_weight, first_row, first_channel_row] = next;
@@ -152,11 +152,11 @@ fn too_many(space: &str) -> FormatError {
     FormatError::Layout { message }
 }
 
-fn patch_meta(p: &Patch) -> PatchMeta {
+fn patch_meta(p: &RawPatch) -> PatchMeta {
     PatchMeta { name: p.name.clone(), units: p.units.clone() }
 }
 
-fn patches(patches: &[Patch], out: &mut BundleWriter<'_>) {
+fn patches(patches: &[RawPatch], out: &mut BundleWriter<'_>) {
     let mut records: Vec<PatchRecord> = Vec::with_capacity(patches.len());
     for p in patches {
         let (first_cell, first_link, first_edge) = records.last().map_or((0, 0, 0), |b| {
@@ -217,7 +217,7 @@ fn motion(set: &ClipSet, rows: Vec<u8>, code: &RotationCode, out: &mut BundleWri
 /// All hits as stored, ascending by frame.
 pub fn hit_records(set: &ClipSet) -> Vec<HitRecord> {
     let kinds = set.hit_kinds();
-    let record = |(h, first): (&Hit, u32)| HitRecord {
+    let record = |(h, first): (&ClipHit, u32)| HitRecord {
         frame: first + h.frame as u32,
         kind: kinds.iter().position(|k| *k == h.kind).unwrap_or(0) as u32,
         joint: h.joint.index() as u32,
@@ -239,7 +239,7 @@ pub fn hit_records(set: &ClipSet) -> Vec<HitRecord> {
 /// each frame (mm, ascending). Each rank packs the clips whose poses it holds; the first one ends up with all of them,
 /// others with nothing.
 fn frame_rows(set: &ClipSet, comm: &dyn Comm) -> Result<(Vec<u8>, RotationCode, Vec<f32>), BuildError> {
-    let owners = owners(set, comm.num_ranks());
+    let owners = clip_owners(set, comm.num_ranks());
     let own: Vec<&Clip> = set.clips.iter().zip(&owners).filter(|(_, o)| **o == comm.rank()).map(|(c, _)| c).collect();
     let of_joint = |joint: usize| {
         let rotation = |clip: &Clip, frame: usize| {
@@ -247,12 +247,12 @@ fn frame_rows(set: &ClipSet, comm: &dyn Comm) -> Result<(Vec<u8>, RotationCode, 
             if joint == 0 { Planar::split(clip.root_positions[frame], local).1.normalize() } else { local }
         };
         let of_clip = |clip: &&Clip| (0..clip.num_frames()).map(|f| rotation(clip, f)).collect::<Vec<Quat>>();
-        gathered_first(comm, own.par_iter().flat_map_iter(of_clip).collect())
+        gather_to_first(comm, own.par_iter().flat_map_iter(of_clip).collect())
     };
     let code = RotationCode::fit_joints(&set.skeleton, of_joint)?;
     // The code of ranks without frames is ignored.
     let code = comm.all_gather(bytemuck::bytes_of(&code))?.swap_remove(0);
-    let code: RotationCode = bytemuck::try_pod_read_unaligned(&code).map_err(|_| out_of_step(0))?;
+    let code: RotationCode = bytemuck::try_pod_read_unaligned(&code).map_err(|_| unexpected_message(0))?;
     let of_clip = |clip: &&Clip| {
         let rows = clip_rows(clip, &code);
         let off: Vec<f32> = rows.iter().enumerate().map(|(f, row)| off_mm(set, clip, f, row, &code)).collect();
@@ -261,9 +261,9 @@ fn frame_rows(set: &ClipSet, comm: &dyn Comm) -> Result<(Vec<u8>, RotationCode, 
     let (rows, off): (Vec<Vec<FrameRow>>, Vec<Vec<f32>>) = own.par_iter().map(of_clip).unzip();
     let mut bytes = Vec::with_capacity(rows.iter().map(|r| size_of_val(&r[..])).sum());
     rows.into_iter().for_each(|rows| bytes.extend_from_slice(bytemuck::cast_slice(&rows)));
-    let mut off = gathered_first(comm, off.concat())?;
+    let mut off = gather_to_first(comm, off.concat())?;
     off.par_sort_unstable_by(f32::total_cmp);
-    Ok((gathered_first(comm, bytes)?, code, off))
+    Ok((gather_to_first(comm, bytes)?, code, off))
 }
 
 /// Error of the worst joint of a frame by packed rotations (mm).
@@ -292,7 +292,7 @@ fn clip_rows(clip: &Clip, code: &RotationCode) -> Vec<FrameRow> {
     rows
 }
 
-fn graph(baked: &Baked<'_>, out: &mut BundleWriter<'_>) {
+fn graph(baked: &BundleInputs<'_>, out: &mut BundleWriter<'_>) {
     let (g, starts) = (baked.graph, baked.clips.frame_starts());
     let states: Vec<_> = g
         .states
@@ -323,7 +323,7 @@ fn graph(baked: &Baked<'_>, out: &mut BundleWriter<'_>) {
     out.section(tags::STOPS, &baked.stops.stops);
 }
 
-fn policies<'a>(policies: &'a [Policy], out: &mut BundleWriter<'a>) {
+fn policies<'a>(policies: &'a [RawPolicy], out: &mut BundleWriter<'a>) {
     out.section(tags::POLICIES, &policies.iter().map(|p| p.record).collect::<Vec<_>>());
     out.section_of(tags::POLICY_SEGMENTS, policies.iter().map(|p| &*p.segments));
     out.section_of(tags::POLICY_PATHS, policies.iter().map(|p| &*p.paths));

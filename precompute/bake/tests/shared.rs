@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use tempfile::TempDir;
 use throng_bake::cache::Cache;
 use throng_bake::config::BuildConfig;
-use throng_bake::parts::Parts;
+use throng_bake::parts::RequiredParts;
 use throng_bake::pipeline::{bake_shard, build, build_shared};
 use throng_bake::policy::GridConfig;
 use throng_bake::report::BuildReport;
@@ -20,7 +20,7 @@ fn motion(set: SynthSet, seed: u64, minutes: f64, text: &str) -> (TempDir, Build
     let folder = tempfile::tempdir().expect("a temporary folder");
     let clips = folder.path().join("clips");
     let settings = SynthConfig { seed, minutes, clip_seconds: 8.0, ..SynthConfig::for_set(set) };
-    synth::write(set, &settings, &clips).expect("synthetic clips can be written");
+    synth::write_set(set, &settings, &clips).expect("synthetic clips can be written");
     let text = format!("name = \"small\"\ninputs = [\"clips\"]\n{text}");
     let mut config = BuildConfig::parse(&text, Path::new("small.toml")).expect("a config");
     config.inputs = vec![clips];
@@ -31,7 +31,7 @@ fn motion(set: SynthSet, seed: u64, minutes: f64, text: &str) -> (TempDir, Build
 /// What each of some ranks tells of a build, and the bundle.
 fn shared(config: &BuildConfig, cache: &Cache, num_ranks: usize, out: &Path) -> (Vec<BuildReport>, Vec<u8>) {
     let one = |comm: &LocalComm| {
-        build_shared(config, Parts::All, out, cache, &Silent, comm)
+        build_shared(config, RequiredParts::All, out, cache, &Silent, comm)
             .unwrap_or_else(|e| panic!("rank {}: {e}", comm.rank()))
     };
     let reports = LocalComm::run(num_ranks, one);
@@ -39,7 +39,7 @@ fn shared(config: &BuildConfig, cache: &Cache, num_ranks: usize, out: &Path) -> 
 }
 
 fn alone(config: &BuildConfig, out: &Path) -> Vec<u8> {
-    build(config, out, &Cache::none(), &Silent).expect("the config builds");
+    build(config, out, &Cache::disabled(), &Silent).expect("the config builds");
     std::fs::read(out).expect("the bundle")
 }
 
@@ -51,7 +51,7 @@ fn any_number_of_ranks_writes_the_bytes_of_one_process() {
     let out = folder.path().join("small.throng");
     let want = alone(&config, &out);
     for num_ranks in [1, 2, 3, 4, 8] {
-        assert!(shared(&config, &Cache::none(), num_ranks, &out).1 == want, "{num_ranks} ranks");
+        assert!(shared(&config, &Cache::disabled(), num_ranks, &out).1 == want, "{num_ranks} ranks");
     }
     // With a cache, each rank has poses of its own clips alone: blows, hits that are evaded and stops need those of all.
     for num_ranks in [2, 3, 8] {
@@ -70,7 +70,7 @@ fn ranks_share_a_cache_and_find_what_they_left() {
     let (first, bytes) = shared(&config, &cache, 3, &out);
     assert!(bytes == want, "filling the cache");
     assert!(first.iter().all(|r| r.cached.is_empty()));
-    let single = build(&config, &folder.path().join("single.throng"), &Cache::none(), &Silent).expect("it builds");
+    let single = build(&config, &folder.path().join("single.throng"), &Cache::disabled(), &Silent).expect("it builds");
     let figures = |r: &BuildReport| (r.contacts, r.joint_error_p95_mm, r.joint_error_worst_mm, r.stops);
     assert_eq!(figures(&first[0]), figures(&single), "what is told does not depend on who has which poses");
     assert!(first.iter().all(|r| r.spent.values().map(|s| s.bytes_moved).sum::<u64>() > 0));
@@ -85,7 +85,7 @@ fn ranks_share_a_cache_and_find_what_they_left() {
 fn shard_whose_cache_is_full_fails() {
     let (folder, config) = motion(SynthSet::Walk, 6, 0.3, "");
     let cache = Cache::in_folder(folder.path().join("cache")).limited(1000);
-    let told = bake_shard(&config, Parts::All, "0/1".parse().expect("a shard"), &cache, &Silent);
+    let told = bake_shard(&config, RequiredParts::All, "0/1".parse().expect("a shard"), &cache, &Silent);
     let told = told.expect_err("nothing is kept").to_string();
     assert!(told.contains("the cache keeps 1000 at most"), "{told}");
     // A build goes on without, and says so.
@@ -101,7 +101,8 @@ fn ranks_and_shards_see_motion_that_is_there_twice() {
     let (out, cache) = (folder.path().join("small.throng"), Cache::in_folder(folder.path().join("cache")));
     let want = alone(&config, &out);
     for shard in ["0/2", "1/2", "0/2", "1/2"] {
-        let told = bake_shard(&config, Parts::All, shard.parse().expect("a shard"), &cache, &Silent).expect("it bakes");
+        let told = bake_shard(&config, RequiredParts::All, shard.parse().expect("a shard"), &cache, &Silent)
+            .expect("it bakes");
         let twice = |w: &String| w.contains("walk_again.bvh: the same motion as");
         assert!(!told.done || told.own_files == 0 || told.warnings.iter().any(twice), "{told:?}");
     }
@@ -117,7 +118,7 @@ impl Progress for EndsIn {
     fn begin(&self, _: &'static str, _: u64, _: &'static str) {}
     fn advance(&self, _: u64) {}
     fn end(&self) {}
-    fn comes_to(&self, stage: &'static str) {
+    fn enter_stage(&self, stage: &'static str) {
         self.1.store(stage == self.0, Ordering::Relaxed);
     }
     fn is_stopped(&self) -> bool {
@@ -133,7 +134,7 @@ fn rank_that_ends_ends_all_and_leaves_what_was_done() {
     for (stage, before) in [("clips", &["import"][..]), ("graph", &["clips"]), ("policy", &["clips", "graph"])] {
         let ended = LocalComm::run(3, |comm| {
             let stops = EndsIn(if comm.rank() == 1 { stage } else { "" }, AtomicBool::new(false));
-            build_shared(&config, Parts::All, &out, &cache, &stops, comm).map(drop)
+            build_shared(&config, RequiredParts::All, &out, &cache, &stops, comm).map(drop)
         });
         assert!(matches!(ended[1], Err(BuildError::Stopped(_))), "{stage}: {:?}", ended[1]);
         for rank in [0, 2] {
@@ -162,11 +163,11 @@ proptest! {
         config.behaviours[0].grid = GridConfig::polar(rings, angles, 6.0, 0.5, 2.0);
         config.behaviours[0].discount = discount;
         let out = folder.path().join("small.throng");
-        let built = build(&config, &out, &Cache::none(), &Silent);
+        let built = build(&config, &out, &Cache::disabled(), &Silent);
         // Too little motion for a graph is refused by all.
         prop_assume!(built.is_ok());
         let want = std::fs::read(&out).expect("the bundle");
-        let cache = if is_cached { Cache::in_folder(folder.path().join("cache")) } else { Cache::none() };
+        let cache = if is_cached { Cache::in_folder(folder.path().join("cache")) } else { Cache::disabled() };
         prop_assert!(shared(&config, &cache, num_ranks, &out).1 == want);
     }
 }

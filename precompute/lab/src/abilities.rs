@@ -2,7 +2,7 @@
 
 use crate::frames::runs;
 use std::f64::consts::PI;
-use throng_motion::clip::{ClipSet, runs as runs_where};
+use throng_motion::clip::{ClipSet, runs_where};
 use throng_runtime::format::ClipRecord;
 use throng_runtime::{Bundle, Planar};
 
@@ -71,7 +71,7 @@ impl Abilities {
     }
 
     /// Abilities in the frames that the actions of a bundle's motion graph play.
-    pub fn of_played(tables: &Bundle) -> Self {
+    pub fn of_played_frames(tables: &Bundle) -> Self {
         let played = played_frames(tables);
         Self::of_frames(tables, |f| played[f])
     }
@@ -97,7 +97,7 @@ impl Abilities {
     /// Adds a run of usable frames.
     fn add(&mut self, roots: &[Planar], rate_hz: f64) {
         let frames = |s: f64| (s * rate_hz).round().max(1.0) as usize;
-        let velocities = velocities(roots, frames(0.5 * SPEED_S), rate_hz);
+        let velocities = ground_velocities(roots, frames(0.5 * SPEED_S), rate_hz);
         let speeds: Vec<f64> = velocities.iter().map(|[x, z]| x.hypot(*z)).collect();
         let walks = |f: usize| speeds[f] >= WALKING_MPS;
         let backwards = |f: usize| {
@@ -132,7 +132,7 @@ impl Abilities {
     }
 
     /// Share of the walking that goes backwards (0 to 1).
-    pub(crate) fn backwards(&self) -> f64 {
+    pub(crate) fn backwards_share(&self) -> f64 {
         self.backwards_s / self.walking_s.max(1.0)
     }
 
@@ -152,11 +152,11 @@ impl Abilities {
             let s = self.walking_s;
             out.push(format!("only {s:.0} s of walking: characters have few ways to a target; add a minute of walks"));
         }
-        if self.backwards() > MOSTLY_BACKWARDS {
+        if self.backwards_share() > MOSTLY_BACKWARDS {
             out.push(format!(
                 "hardly any walking ahead: {:.0} % of it is backwards; if it is not, the front of the rest pose was misread \
                  (`import.forward` in a config sets it), otherwise add walks ahead",
-                100.0 * self.backwards()
+                100.0 * self.backwards_share()
             ));
         }
         if self.stops == 0 {
@@ -199,7 +199,7 @@ pub fn unused_clips(tables: &Bundle) -> Vec<&str> {
 }
 
 /// Velocity over ground at every frame, along X and Z, as the mean over `half` frames before and after (m/s).
-fn velocities(roots: &[Planar], half: usize, rate_hz: f64) -> Vec<[f64; 2]> {
+fn ground_velocities(roots: &[Planar], half: usize, rate_hz: f64) -> Vec<[f64; 2]> {
     let velocity = |f: usize| {
         let (from, to) = (f.saturating_sub(half), (f + half).min(roots.len() - 1));
         let [a, b] = [roots[from], roots[to]];

@@ -15,7 +15,7 @@ use throng_motion::annotate::hits::{HitPoint, HitReport};
 use throng_motion::annotate::{self, ContactSanity};
 use throng_motion::clip::{Clip, ClipSet, Exclusion};
 use throng_motion::error::{BuildError, Warnings};
-use throng_motion::import::{self, ImportConfig, Imported};
+use throng_motion::import::{self, ImportConfig, ImportedClip};
 use throng_motion::raw::{RawClip, SourceFormat};
 use throng_runtime::Skeleton;
 
@@ -62,9 +62,9 @@ pub struct ClipReport {
 
 /// A clip as the file holds it and as a build would use it, with its report.
 #[derive(Clone, Debug)]
-pub struct Inspected {
+pub struct InspectedClip {
     /// The source's own joints.
-    pub imported: Imported,
+    pub imported: ImportedClip,
     /// The clip on the database skeleton, at the default database rate, annotated.
     pub clips: ClipSet,
     /// The findings.
@@ -83,7 +83,7 @@ pub fn inspect(path: &Path, config: &ImportConfig) -> Result<ClipReport, BuildEr
 ///
 /// # Errors
 /// As the import and retarget stages; [`BuildError::Stage`] for a folder or pattern of several clips.
-pub fn inspect_clip(path: &Path, config: &BuildConfig) -> Result<Inspected, BuildError> {
+pub fn inspect_clip(path: &Path, config: &BuildConfig) -> Result<InspectedClip, BuildError> {
     let files = import::expand(&[path.to_path_buf()])?;
     let [file] = files.as_slice() else {
         let message = format!("{}: expected one clip, found {}", path.display(), files.len());
@@ -98,11 +98,11 @@ pub fn inspect_clip(path: &Path, config: &BuildConfig) -> Result<Inspected, Buil
     // At the rate of a build, so that it finds the same speeds.
     let clips = pipeline::clips_of(std::slice::from_ref(&imported), config, &mut warnings)?;
     let mut report = match clips.clips.first() {
-        Some(clip) => ClipReport::of(&imported, clip, &clips.skeleton, config),
-        None => ClipReport::new(&imported),
+        Some(clip) => ClipReport::from_annotated(&imported, clip, &clips.skeleton, config),
+        None => ClipReport::from_imported(&imported),
     };
     report.warnings.extend(warnings.messages);
-    Ok(Inspected { imported, clips, report })
+    Ok(InspectedClip { imported, clips, report })
 }
 
 /// Converts an excluded range to frames of the file: reason, first frame, frame after the last.
@@ -115,12 +115,12 @@ fn excluded_in_source(e: &Exclusion, clip: &Clip, source: &RawClip) -> (String, 
 
 impl ClipReport {
     /// Combines the findings of import with those of the later stages of a build.
-    fn of(imported: &Imported, clip: &Clip, skeleton: &Skeleton, config: &BuildConfig) -> Self {
+    fn from_annotated(imported: &ImportedClip, clip: &Clip, skeleton: &Skeleton, config: &BuildConfig) -> Self {
         let mut report = Self {
-            contact: annotate::sanity(clip, skeleton),
-            hits: HitReport::new(&HitPoint::of_clip(clip)),
+            contact: annotate::contact_sanity(clip, skeleton),
+            hits: HitReport::new(&HitPoint::from_clip(clip)),
             excluded: clip.excluded.iter().map(|e| excluded_in_source(e, clip, &imported.clip)).collect(),
-            ..Self::new(imported)
+            ..Self::from_imported(imported)
         };
         // A config that keeps heights as captured implies terrain.
         let advice = report.contact.stance.advice().filter(|_| config.retarget.align_ground);
@@ -129,7 +129,7 @@ impl ClipReport {
     }
 
     /// Collects the findings of import.
-    fn new(imported: &Imported) -> Self {
+    fn from_imported(imported: &ImportedClip) -> Self {
         let clip = &imported.clip;
         let roles = imported.roles.pairs(&clip.joints).map(|(role, joint)| (role.name(), joint.to_owned()));
         Self {

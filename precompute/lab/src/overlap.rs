@@ -5,14 +5,14 @@ use std::collections::{HashMap, HashSet};
 use throng_runtime::skeleton::Skeleton;
 use throng_runtime::sparring::nearest_points;
 use throng_runtime::stops::{BODY_RADIUS_M, HEAD_RADIUS_M, TRUNK_RADIUS_M};
-use throng_runtime::{Body, Joint, Planar};
+use throng_runtime::{Joint, Planar, PosedBody};
 
 /// Side of a cell of the neighbour grid, which no character exceeds (m).
 const CELL_M: f32 = 2.0;
 
 /// A character in the scene.
 #[derive(Clone, Copy, Debug)]
-pub struct Present {
+pub struct PresentCharacter {
     /// Number of the character.
     pub number: usize,
     /// Position on the ground (m).
@@ -23,9 +23,9 @@ pub struct Present {
     pub trunk: Option<[Vec3; 3]>,
 }
 
-impl Present {
+impl PresentCharacter {
     /// A character with a body.
-    pub fn with_body(number: usize, body: &Body<'_>, skeleton: &Skeleton) -> Self {
+    pub fn with_body(number: usize, body: &PosedBody<'_>, skeleton: &Skeleton) -> Self {
         let Planar { x, z, .. } = body.root;
         let head = body.world(Joint::Head).transform_point3(skeleton.tips[0] * 0.5);
         let trunk = Some([body.position(Joint::Hips), body.position(Joint::Neck), head]);
@@ -37,26 +37,26 @@ impl Present {
 ///
 /// Two characters overlap if the discs around their roots do, or the capsules of trunk and head.
 #[derive(Clone, Debug, Default)]
-pub struct OverlapMeter {
+pub struct BodyOverlapMeter {
     pairs: HashSet<(usize, usize)>,
     deepest_m: f32,
 }
 
-impl OverlapMeter {
+impl BodyOverlapMeter {
     /// Measures all characters at one time.
-    pub fn observe(&mut self, all: &[Present]) {
-        self.observe_but(all, |_, _| false);
+    pub fn observe(&mut self, all: &[PresentCharacter]) {
+        self.observe_except(all, |_, _| false);
     }
 
     /// Like [`Self::observe`], except for pairs of characters that `may_meet` allows to be near each other.
-    pub fn observe_but(&mut self, all: &[Present], may_meet: impl Fn(usize, usize) -> bool) {
+    pub fn observe_except(&mut self, all: &[PresentCharacter], may_meet: impl Fn(usize, usize) -> bool) {
         let cell = |p: Vec2| (p / CELL_M).floor().to_array().map(|v| v as i32);
         let mut cells: HashMap<[i32; 2], Vec<usize>> = HashMap::new();
         for (i, a) in all.iter().enumerate() {
             let [x, z] = cell(a.place);
             for near in (-1..=1).flat_map(|dx| (-1..=1).map(move |dz| [x + dx, z + dz])) {
                 for &j in cells.get(&near).map_or(&[][..], Vec::as_slice) {
-                    let depth = depth(a, &all[j]);
+                    let depth = overlap_depth(a, &all[j]);
                     if depth > 0.0 && !may_meet(a.number, all[j].number) {
                         self.pairs.insert((all[j].number.min(a.number), all[j].number.max(a.number)));
                         self.deepest_m = self.deepest_m.max(depth);
@@ -79,7 +79,7 @@ impl OverlapMeter {
 }
 
 /// Overlap depth of two characters; negative if they are apart (m).
-pub fn depth(a: &Present, b: &Present) -> f32 {
+pub fn overlap_depth(a: &PresentCharacter, b: &PresentCharacter) -> f32 {
     let on_ground = a.radius_m > 0.0 && b.radius_m > 0.0;
     let discs = if on_ground { a.radius_m + b.radius_m - a.place.distance(b.place) } else { f32::NEG_INFINITY };
     let (Some([hips_a, neck_a, head_a]), Some([hips_b, neck_b, head_b])) = (a.trunk, b.trunk) else { return discs };
@@ -100,14 +100,14 @@ pub(crate) fn segment_distance(a: [Vec3; 2], b: [Vec3; 2]) -> f32 {
 mod tests {
     use super::*;
 
-    fn upright(number: usize, x: f32, y: f32) -> Present {
+    fn upright(number: usize, x: f32, y: f32) -> PresentCharacter {
         let trunk = Some([Vec3::new(x, y + 0.95, 0.0), Vec3::new(x, y + 1.4, 0.0), Vec3::new(x, y + 1.6, 0.0)]);
-        Present { number, place: Vec2::new(x, 0.0), radius_m: 0.0, trunk }
+        PresentCharacter { number, place: Vec2::new(x, 0.0), radius_m: 0.0, trunk }
     }
 
     #[test]
     fn people_on_two_floors_do_not_meet() {
-        let mut meter = OverlapMeter::default();
+        let mut meter = BodyOverlapMeter::default();
         meter.observe(&[upright(0, 0.0, 0.0), upright(1, 0.0, 2.1)]);
         assert_eq!(meter.pairs(), 0);
         meter.observe(&[upright(0, 0.0, 0.0), upright(1, 0.2, 0.0)]);
@@ -116,18 +116,18 @@ mod tests {
 
     #[test]
     fn discs_trunks_and_heads_overlap_as_drawn_by_hand() {
-        let at = |number, x: f32| Present { number, place: Vec2::new(x, 0.0), radius_m: 0.25, trunk: None };
-        let mut meter = OverlapMeter::default();
+        let at = |number, x: f32| PresentCharacter { number, place: Vec2::new(x, 0.0), radius_m: 0.25, trunk: None };
+        let mut meter = BodyOverlapMeter::default();
         meter.observe(&[at(0, 0.0), at(1, 0.4), at(2, 5.0)]);
         meter.observe(&[at(0, 0.0), at(1, 0.6), at(2, 0.45)]);
         assert_eq!(meter.pairs(), 3);
         assert!((meter.deepest_m() - 0.35).abs() < 1e-6);
         // Discs apart, but one bows: its head meets the other's trunk.
-        let body = |x: f32, lean: f32| Present {
+        let body = |x: f32, lean: f32| PresentCharacter {
             trunk: Some([Vec3::new(x, 1.0, 0.0), Vec3::new(x + lean, 1.3, 0.0), Vec3::new(x + 1.6 * lean, 1.3, 0.0)]),
             ..at(0, x)
         };
-        assert!(depth(&body(0.0, 0.0), &body(0.6, 0.0)) < 0.0);
-        assert!((depth(&body(0.0, 0.3), &body(0.6, 0.0)) - (0.25 - 0.12)).abs() < 1e-6);
+        assert!(overlap_depth(&body(0.0, 0.0), &body(0.6, 0.0)) < 0.0);
+        assert!((overlap_depth(&body(0.0, 0.3), &body(0.6, 0.0)) - (0.25 - 0.12)).abs() < 1e-6);
     }
 }

@@ -2,13 +2,13 @@
 
 use crate::histogram::Histogram;
 use glam::{Vec2, Vec3};
-use throng_motion::annotate::contacts::PARTS;
-use throng_runtime::characters::{Characters, Level};
+use throng_motion::annotate::contacts::FOOT_PARTS;
+use throng_runtime::characters::{Characters, DetailLevel};
 use throng_runtime::simulation::Simulation;
 use throng_runtime::{Contacts, Joint};
 
 /// Histogram of the speeds of planted feet, up to 4 m/s, in bins of 1 mm/s.
-type Speeds = Histogram<1000, 4000>;
+type SpeedHistogram = Histogram<1000, 4000>;
 
 /// The bottom of the heel and the ball of the left and of the right foot, in the world (m).
 pub type Soles = [[Vec3; 2]; 2];
@@ -27,7 +27,7 @@ impl Feet {
     ///
     /// - `at`: position of a joint in the world (m).
     pub fn joints(at: impl Fn(Joint) -> Vec3) -> Self {
-        Self::Joints(PARTS.map(|(joint, _)| at(joint)))
+        Self::Joints(FOOT_PARTS.map(|(joint, _)| at(joint)))
     }
 }
 
@@ -36,13 +36,13 @@ impl Feet {
 pub struct SlipMeter {
     /// Feet and contacts of each character at the last step.
     before: Vec<Option<(Feet, Contacts)>>,
-    speeds: Speeds,
+    speeds: SpeedHistogram,
 }
 
 impl SlipMeter {
     /// A meter for a number of characters.
     pub fn new(num_characters: usize) -> Self {
-        Self { before: vec![None; num_characters], speeds: Speeds::default() }
+        Self { before: vec![None; num_characters], speeds: SpeedHistogram::default() }
     }
 
     /// Observes one character after a step of `dt_s`; feet count that were planted before and still are.
@@ -51,12 +51,12 @@ impl SlipMeter {
         let is_planted = |part: Contacts| dt_s > 0.0 && contacts.any(part) && were.any(part);
         match (before, feet) {
             (Feet::Joints(was), Feet::Joints(now)) => {
-                for k in (0..PARTS.len()).filter(|&k| is_planted(PARTS[k].1)) {
+                for k in (0..FOOT_PARTS.len()).filter(|&k| is_planted(FOOT_PARTS[k].1)) {
                     self.speeds.add((now[k] - was[k]).length() / dt_s);
                 }
             }
             (Feet::Soles(was), Feet::Soles(now)) => {
-                for k in (0..PARTS.len()).filter(|&k| is_planted(PARTS[k].1)) {
+                for k in (0..FOOT_PARTS.len()).filter(|&k| is_planted(FOOT_PARTS[k].1)) {
                     let by = now[k / 2][k % 2] - was[k / 2][k % 2];
                     self.speeds.add(Vec2::new(by.x, by.z).length() / dt_s);
                 }
@@ -68,7 +68,7 @@ impl SlipMeter {
     /// Observes all characters with policies after a step, except those whose feet are not locked at their level of detail.
     pub fn observe_characters(&mut self, characters: &Characters, dt_s: f32) {
         for c in 0..self.before.len() {
-            if characters.level(c) != Level::Full {
+            if characters.level(c) != DetailLevel::Full {
                 self.before[c] = None;
                 continue;
             }
@@ -96,7 +96,7 @@ impl SlipMeter {
 
     /// Clears the measurements, but keeps the last step.
     pub fn clear(&mut self) {
-        self.speeds = Speeds::default();
+        self.speeds = SpeedHistogram::default();
     }
 
     /// True if the last step had feet.

@@ -6,8 +6,8 @@ use crate::overlap::segment_distance;
 use crate::quality::clip_joints;
 use glam::Vec3;
 use serde::Serialize;
-use throng_runtime::sparring::{Part, Sparring};
-use throng_runtime::{Bundle, Cast, Joint, NUM_JOINTS};
+use throng_runtime::sparring::{Sparring, StruckPart};
+use throng_runtime::{Bundle, CharacterGroup, Joint, NUM_JOINTS};
 
 /// Figures of opponents: whether their limbs stop at each other.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
@@ -44,7 +44,7 @@ const CLOSE_M: f32 = 0.45;
 /// Time after its blow has landed in which a wrist may be in the head (s).
 const LANDING_S: f32 = 0.1;
 /// Histogram of angular rates of elbows up to 80 rad/s.
-type Rates = Histogram<50, 4000>;
+type ElbowRateHistogram = Histogram<50, 4000>;
 
 const SPINE: [Joint; 5] = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest, Joint::Neck];
 const ARMS: [[Joint; 3]; 2] = [
@@ -60,7 +60,7 @@ const LEGS: [[Joint; 3]; 2] =
 #[derive(Default)]
 pub struct TouchMeter {
     /// States by the character's number.
-    boxers: Vec<Option<Boxer>>,
+    boxers: Vec<Option<BoxerState>>,
     arms_in_bodies: u64,
     legs_in_bodies: u64,
     legs_in_legs: u64,
@@ -71,12 +71,12 @@ pub struct TouchMeter {
     head_distance_sum: f64,
     /// Time of all pairs (s).
     pair_s: f64,
-    elbows: Rates,
+    elbows: ElbowRateHistogram,
 }
 
 /// State of one boxer that is kept from step to step.
 #[derive(Clone, Copy, Default)]
-struct Boxer {
+struct BoxerState {
     in_body: [bool; 2],
     legs_in_body: [bool; 2],
     /// Flags of the legs that are in a leg of the opponent.
@@ -95,7 +95,7 @@ impl TouchMeter {
         let num = 2 * sparring.num_pairs();
         self.boxers.resize(self.boxers.len().max(first_number + num), None);
         let landed = |row: usize, hand: Joint| {
-            let on_head = |part: Part| matches!(part, Part::Head | Part::Neck);
+            let on_head = |part: StruckPart| matches!(part, StruckPart::Head | StruckPart::Neck);
             sparring
                 .events()
                 .iter()
@@ -111,7 +111,7 @@ impl TouchMeter {
             self.close_s += if apart < CLOSE_M { f64::from(dt_s) } else { 0.0 };
             for k in 0..2 {
                 let before = self.boxers[first_number + rows[k]];
-                let mut now = Boxer { landed_s: [f32::MAX; 2], ..before.unwrap_or_default() };
+                let mut now = BoxerState { landed_s: [f32::MAX; 2], ..before.unwrap_or_default() };
                 for (a, arm) in ARMS.into_iter().enumerate() {
                     let [shoulder, elbow, wrist] = arm.map(|j| joints[k][j.index()]);
                     now.landed_s[a] = match before {
@@ -171,8 +171,8 @@ impl TouchMeter {
 }
 
 /// Angular rates of the elbows in a bundle's clips.
-fn source_elbows(bundle: &Bundle) -> Rates {
-    let (mut rates, rate_hz) = (Rates::default(), bundle.meta().rate_hz as f32);
+fn source_elbows(bundle: &Bundle) -> ElbowRateHistogram {
+    let (mut rates, rate_hz) = (ElbowRateHistogram::default(), bundle.meta().rate_hz as f32);
     for run in runs(bundle) {
         let mut before: Option<[f32; 2]> = None;
         for frame in run {

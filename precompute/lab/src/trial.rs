@@ -12,10 +12,10 @@ use std::f32::consts::TAU;
 use std::time::Instant;
 use throng_motion::error::BuildError;
 use throng_runtime::base::limits::{CHARACTERS, SECONDS, STEP_HZ};
-use throng_runtime::characters::{AvoidConfig, CharactersConfig, Order, PolicyCharacters, Spawn};
+use throng_runtime::characters::{AvoidConfig, CharactersConfig, PolicyCharacters, PolicyOrder, Spawn};
 use throng_runtime::stops::REST;
-use throng_runtime::{Bundle, Cast, Contacts, Error, Inline, NUM_JOINTS, Planar};
-use watch::Watch;
+use throng_runtime::{Bundle, CharacterGroup, Contacts, Error, Inline, NUM_JOINTS, Planar};
+use watch::TrialWatch;
 
 /// Settings of a trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,9 +77,9 @@ pub struct TrialReport {
     /// Distance to the target at the end, mean over all characters (m).
     pub mean_final_distance_m: f64,
     /// Share that came within reach, by the distance of the target at the start.
-    pub reached_by_distance: Vec<Share>,
+    pub reached_by_distance: Vec<ReachShare>,
     /// Share that came within reach, by the direction of the target at the start in the character's frame.
-    pub reached_by_direction: Vec<Share>,
+    pub reached_by_direction: Vec<ReachShare>,
     /// Longest time from one choice of a character to its next, in which it does not react (s).
     pub longest_wait_s: f64,
     /// Share that stands still, of the characters near their targets at the end.
@@ -107,7 +107,7 @@ pub struct TrialReport {
 
 /// Share of a group of characters that reached their targets.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct Share {
+pub struct ReachShare {
     /// Common property of their targets, such as `2 to 3 m` or `behind`.
     pub targets: String,
     /// Number of the characters.
@@ -157,8 +157,8 @@ pub struct TrialFrame {
 pub fn run(tables: &Bundle, config: &TrialConfig) -> Result<(TrialReport, TrialRecord), BuildError> {
     let fail = |e: Error| stage_error(e.to_string());
     check(tables, config)?;
-    let (mut cast, targets) = scatter(tables, config).map_err(fail)?;
-    let mut watch = Watch::new(config, tables, cast.bodies().roots.to_vec(), targets);
+    let (mut cast, targets) = scatter_characters(tables, config).map_err(fail)?;
+    let mut watch = TrialWatch::new(config, tables, cast.bodies().roots.to_vec(), targets);
     let dt = 1.0 / config.step_hz;
     let busy_s = play(&mut cast, config, |cast, step| {
         watch.observe(cast, config, step, dt);
@@ -225,11 +225,14 @@ fn stage_error(message: String) -> BuildError {
 
 /// Places characters on a loose grid, each with a target in some direction; targets are apart if there is room. Characters
 /// that avoid each other start in a standing state, if there is one.
-pub(crate) fn scatter(tables: &Bundle, config: &TrialConfig) -> Result<(PolicyCharacters, Vec<Vec3>), Error> {
+pub(crate) fn scatter_characters(
+    tables: &Bundle,
+    config: &TrialConfig,
+) -> Result<(PolicyCharacters, Vec<Vec3>), Error> {
     scatter_from(tables, config, SPACING_M)
 }
 
-/// Like [`scatter`], with an initial distance between neighbours (m), which grows as necessary.
+/// Like [`scatter_characters`], with an initial distance between neighbours (m), which grows as necessary.
 fn scatter_from(
     tables: &Bundle,
     config: &TrialConfig,
@@ -246,19 +249,19 @@ fn scatter_from(
     }
 }
 
-/// Like [`scatter`], with a fixed distance between neighbours (m).
+/// Like [`scatter_characters`], with a fixed distance between neighbours (m).
 fn scatter_apart(
     tables: &Bundle,
     config: &TrialConfig,
     spacing_m: f32,
 ) -> Result<(PolicyCharacters, Vec<Vec3>), Error> {
     let mut rng = Pcg64Mcg::seed_from_u64(config.seed);
-    let states = starts(tables, &config.motion);
+    let states = start_states(tables, &config.motion);
     let side = (config.characters as f32).sqrt().ceil() as usize;
     let middle = (side as f32 - 1.0) * 0.5;
     let [near, far] = config.distances;
     let mut cast = PolicyCharacters::with_capacity(tables, config.characters, config.motion)?;
-    cast.gather();
+    cast.hold_entrants();
     let (mut targets, mut taken) = (Vec::new(), HashMap::new());
     for i in 0..config.characters {
         let place = |k: usize| (k as f32 - middle) * spacing_m;
@@ -272,21 +275,22 @@ fn scatter_apart(
             let distance = near + (far - near) * rng.random_range(0.0..1.0f32);
             Vec2::new(x + distance * angle.sin(), z + distance * angle.cos())
         };
-        let is_free = |p: &Vec2| around(*p).all(|c| taken.get(&c).is_none_or(|o: &Vec2| o.distance(*p) >= APART_M));
+        let is_free =
+            |p: &Vec2| cells_around(*p).all(|c| taken.get(&c).is_none_or(|o: &Vec2| o.distance(*p) >= APART_M));
         let target = (0..TRIES).map(|_| draw()).find(is_free).unwrap_or_else(&mut draw);
-        taken.insert(cell(target), target);
+        taken.insert(target_cell(target), target);
         let state = Some(states[rng.random_range(0..states.len())]);
         let id = cast.spawn(Spawn { root, state })?;
         let target = Vec3::new(target.x, 0.0, target.y);
-        cast.order(id, Order::aim(0, target))?;
+        cast.order(id, PolicyOrder::towards(0, target))?;
         targets.push(target);
     }
-    cast.settle();
+    cast.release_entrants();
     Ok((cast, targets))
 }
 
 /// Start states: for characters that avoid each other, the upright standing ones, if there are any.
-pub fn starts(tables: &Bundle, motion: &CharactersConfig) -> Vec<u32> {
+pub fn start_states(tables: &Bundle, motion: &CharactersConfig) -> Vec<u32> {
     let all = 0..tables.graph().states.len() as u32;
     let radius = |s: u32| tables.stops().stops[s as usize].radius;
     let rests: Vec<u32> = all.clone().filter(|&s| tables.stops().stops[s as usize].kind == REST).collect();
@@ -307,13 +311,13 @@ const APART_M: f32 = 0.8;
 const TRIES: usize = 20;
 
 /// Cell of a grid whose cells hold one target at most.
-fn cell(p: Vec2) -> [i32; 2] {
+fn target_cell(p: Vec2) -> [i32; 2] {
     (p * (std::f32::consts::SQRT_2 / APART_M)).floor().to_array().map(|v| v as i32)
 }
 
 /// Cells whose targets may be too near to a place.
-fn around(p: Vec2) -> impl Iterator<Item = [i32; 2]> {
-    let [x, z] = cell(p);
+fn cells_around(p: Vec2) -> impl Iterator<Item = [i32; 2]> {
+    let [x, z] = target_cell(p);
     (-2..=2).flat_map(move |dx| (-2..=2).map(move |dz| [x + dx, z + dz]))
 }
 

@@ -43,7 +43,7 @@ impl std::fmt::Display for ExclusionReason {
 
 /// A name on a run of frames.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Tag {
+pub struct ClipTag {
     /// The name, as configs and reports use it.
     pub name: String,
     /// The frames.
@@ -52,7 +52,7 @@ pub struct Tag {
 
 /// A moment at which a joint could deliver a blow (Lee and Lee 2004, section 6).
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Hit {
+pub struct ClipHit {
     /// The frame.
     pub frame: usize,
     /// Kind of blow.
@@ -116,9 +116,9 @@ pub struct Clip {
     /// Frames left out; from the annotate stage on sorted, not overlapping.
     pub excluded: Vec<Exclusion>,
     /// Named runs of frames.
-    pub tags: Vec<Tag>,
+    pub tags: Vec<ClipTag>,
     /// Effective hits, ascending by frame; empty before the annotate stage.
-    pub hits: Vec<Hit>,
+    pub hits: Vec<ClipHit>,
     /// Height of the support under the character: the lowest thing that a planted part touches, between contacts that of the
     /// last one. Empty where all of it is the ground at y = 0 (m, num_frames or 0).
     #[serde(with = "crate::pod")]
@@ -205,7 +205,7 @@ impl Clip {
             let end = range.end.min(usable.len());
             usable[range.start.min(end)..end].fill(false);
         }
-        runs(0..self.num_frames(), |f| usable[f])
+        runs_where(0..self.num_frames(), |f| usable[f])
     }
 }
 
@@ -227,7 +227,7 @@ pub fn joint_transforms(
 }
 
 /// The longest runs of frames within `range` for which `holds` is true, in order.
-pub fn runs(range: FrameRange, holds: impl Fn(usize) -> bool) -> Vec<FrameRange> {
+pub fn runs_where(range: FrameRange, holds: impl Fn(usize) -> bool) -> Vec<FrameRange> {
     let mut out = Vec::new();
     let mut start = None;
     for f in range.start..=range.end {
@@ -286,8 +286,8 @@ mod tests {
     #[test]
     fn runs_are_the_longest_ones() {
         let on = [true, true, false, true, false, false, true, true];
-        assert_eq!(runs(0..8, |f| on[f]), [0..2, 3..4, 6..8]);
-        assert_eq!(runs(1..7, |f| on[f]), [1..2, 3..4, 6..7]);
-        assert!(runs(0..8, |_| false).is_empty() && runs(3..3, |_| true).is_empty());
+        assert_eq!(runs_where(0..8, |f| on[f]), [0..2, 3..4, 6..8]);
+        assert_eq!(runs_where(1..7, |f| on[f]), [1..2, 3..4, 6..7]);
+        assert!(runs_where(0..8, |_| false).is_empty() && runs_where(3..3, |_| true).is_empty());
     }
 }

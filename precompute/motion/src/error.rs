@@ -1,8 +1,8 @@
 //! Errors between files and tables, in words that name the place and the way out.
 
-use crate::progress::Stopped;
+use crate::progress::StopRequested;
 use std::path::{Path, PathBuf};
-use throng_base::text::Source;
+use throng_base::text::TomlSource;
 
 /// A file that could not be read as motion.
 #[non_exhaustive]
@@ -53,7 +53,7 @@ pub enum ImportError {
     },
     /// Reading was stopped.
     #[error(transparent)]
-    Stopped(#[from] Stopped),
+    Stopped(#[from] StopRequested),
 }
 
 impl ImportError {
@@ -139,7 +139,7 @@ pub enum BuildError {
     Format(String),
     /// The build was stopped.
     #[error(transparent)]
-    Stopped(#[from] Stopped),
+    Stopped(#[from] StopRequested),
 }
 
 impl BuildError {
@@ -150,7 +150,7 @@ impl BuildError {
 
     /// This error relative to the table or list entry that holds the key, such as `behaviours[2]`.
     #[must_use]
-    pub fn within(self, outer: &str) -> Self {
+    pub fn within_key(self, outer: &str) -> Self {
         match self {
             Self::Key { key, why } if key.is_empty() => Self::Key { key: outer.into(), why },
             Self::Key { key, why } => Self::Key { key: format!("{outer}.{key}"), why },
@@ -160,9 +160,9 @@ impl BuildError {
 
     /// This error with line and column of the key in a text.
     #[must_use]
-    pub fn at(self, source: &Source) -> Self {
+    pub fn with_position(self, source: &TomlSource) -> Self {
         match self {
-            Self::Key { key, why } => Self::File(source.at(&key, format!("{key}: {why}"))),
+            Self::Key { key, why } => Self::File(source.error_at_key(&key, format!("{key}: {why}"))),
             other => other,
         }
     }
@@ -170,11 +170,11 @@ impl BuildError {
     /// This error with the place in a file, which is read again for it.
     #[must_use]
     pub fn in_file(self, path: &Path) -> Self {
-        match (self, Source::read(path, "a text")) {
+        match (self, TomlSource::read(path, "a text")) {
             (Self::Key { key, why }, Err(_)) => {
                 Self::File(throng_base::Error::Format { path: path.to_path_buf(), why: format!("{key}: {why}") })
             }
-            (fault, Ok(source)) => fault.at(&source),
+            (fault, Ok(source)) => fault.with_position(&source),
             (other, _) => other,
         }
     }
@@ -225,13 +225,14 @@ mod tests {
 
     #[test]
     fn a_key_gets_its_place_from_the_text() {
-        let fault =
-            || check_ranges([("height", f64::from(0.7f32), 1.0, 2.0)]).unwrap_err().within("grid").within("b[1]");
+        let fault = || {
+            check_ranges([("height", f64::from(0.7f32), 1.0, 2.0)]).unwrap_err().within_key("grid").within_key("b[1]")
+        };
         let key = "b[1].grid.height: expected 1 to 2, found 0.7. Correct it or leave it out.";
         assert_eq!(fault().to_string(), key);
         let text = "[[b]]\n[[b]]\nname = 'x'\n  grid.height = 0.7\n";
-        let source = Source::new(text, Path::new("a.toml"));
-        assert_eq!(fault().at(&source).to_string(), format!("a.toml:4:8: {key}"));
+        let source = TomlSource::new(text, Path::new("a.toml"));
+        assert_eq!(fault().with_position(&source).to_string(), format!("a.toml:4:8: {key}"));
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.toml");
         assert!(fault().in_file(&path).to_string().ends_with(&format!("a.toml: {key}")));

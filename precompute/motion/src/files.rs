@@ -28,8 +28,8 @@ pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<(), BuildError> {
-    if let Ok(real) = follow(path) {
-        remove_left(folder_of(&real));
+    if let Ok(real) = resolve_links(path) {
+        remove_leftovers(folder_of(&real));
     }
     let done = replace(path, write, |file| file.sync_all())?;
     // The name is on the disk when the folder is. Not every file system can be asked for that.
@@ -60,10 +60,10 @@ fn replace(
 ) -> Result<PathBuf, BuildError> {
     check_target(path)?;
     let io = |source| BuildError::Io { path: path.to_path_buf(), source };
-    let real = follow(path).map_err(io)?;
+    let real = resolve_links(path).map_err(io)?;
     let folder = folder_of(&real);
     let in_folder = |e: std::io::Error| {
-        let why = format!("the folder {} takes no file: {}", folder.display(), plain(&e));
+        let why = format!("the folder {} takes no file: {}", folder.display(), plain_message(&e));
         io(std::io::Error::new(e.kind(), why))
     };
     let mut file = temporary(folder).map_err(in_folder)?;
@@ -78,7 +78,7 @@ fn replace(
 }
 
 /// The system's message, without the temporary name.
-fn plain(e: &std::io::Error) -> String {
+fn plain_message(e: &std::io::Error) -> String {
     e.raw_os_error().map_or_else(|| e.kind().to_string(), |code| std::io::Error::from_raw_os_error(code).to_string())
 }
 
@@ -105,7 +105,7 @@ fn new_file(folder: &Path) -> std::io::Result<NamedTempFile> {
 }
 
 /// Removes temporary files that no process writes any more.
-pub fn remove_left(folder: &Path) {
+pub fn remove_leftovers(folder: &Path) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for entry in entries.flatten().filter(|e| is_temporary(&e.file_name().to_string_lossy())) {
         let path = entry.path();
@@ -126,7 +126,7 @@ fn is_temporary(name: &str) -> bool {
 }
 
 /// The target of symbolic links; it need not exist.
-fn follow(path: &Path) -> std::io::Result<PathBuf> {
+fn resolve_links(path: &Path) -> std::io::Result<PathBuf> {
     let mut path = path.to_path_buf();
     for _ in 0..MAX_LINKS {
         if !path.symlink_metadata().is_ok_and(|m| m.is_symlink()) {
@@ -174,14 +174,14 @@ pub fn check_target(path: &Path) -> Result<(), BuildError> {
         }
         _ => {}
     }
-    let real = follow(path).map_err(|source| BuildError::Io { path: path.to_path_buf(), source })?;
+    let real = resolve_links(path).map_err(|source| BuildError::Io { path: path.to_path_buf(), source })?;
     let folder = folder_of(&real);
     if !folder.is_dir() {
         return fail(ErrorKind::NotFound, format!("there is no folder {}", folder.display()));
     }
     match new_file(folder) {
         Ok(_) => Ok(()),
-        Err(e) => fail(e.kind(), format!("the folder {} takes no file: {}", folder.display(), plain(&e))),
+        Err(e) => fail(e.kind(), format!("the folder {} takes no file: {}", folder.display(), plain_message(&e))),
     }
 }
 

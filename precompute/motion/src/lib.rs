@@ -8,7 +8,6 @@ pub mod files;
 pub mod import;
 pub mod memory;
 pub mod mirror;
-pub mod onto;
 pub mod pod;
 pub mod progress;
 pub mod raw;
@@ -16,6 +15,7 @@ pub mod resample;
 pub mod retarget;
 mod smpl;
 pub mod stance;
+pub mod wearer;
 
 pub use clip::{Clip, ClipSet};
 pub use error::{BuildError, ImportError, Warnings};

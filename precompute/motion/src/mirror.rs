@@ -1,6 +1,6 @@
 //! Left and right exchanged.
 
-use crate::clip::{Clip, Hit, Tag};
+use crate::clip::{Clip, ClipHit, ClipTag};
 use glam::{Quat, Vec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS};
 
@@ -11,7 +11,7 @@ pub const SUFFIX: &str = "~mirror";
 ///
 /// Mirroring twice gives the clip back, name included. On a skeleton whose sides differ, joints land as far from
 /// the mirror image as the sides differ.
-pub fn mirror(clip: &Clip) -> Clip {
+pub fn mirror_clip(clip: &Clip) -> Clip {
     let original = clip.name.strip_suffix(SUFFIX).filter(|_| clip.mirrored);
     let name = original.map_or_else(|| format!("{}{SUFFIX}", clip.name), str::to_string);
     let rotations = (0..clip.num_frames())
@@ -30,21 +30,26 @@ pub fn mirror(clip: &Clip) -> Clip {
         rotations,
         contacts: clip.contacts.iter().copied().map(Contacts::mirrored).collect(),
         excluded: clip.excluded.clone(),
-        tags: tags(&clip.tags),
+        tags: mirror_tags(&clip.tags),
         hits: clip.hits.iter().map(mirror_hit).collect(),
         support: clip.support.clone(),
     }
 }
 
 /// The hit of the mirrored clip.
-pub fn mirror_hit(hit: &Hit) -> Hit {
+pub fn mirror_hit(hit: &ClipHit) -> ClipHit {
     let flip = Vec3::new(-1.0, 1.0, 1.0);
-    Hit { joint: hit.joint.mirrored(), position: hit.position * flip, direction: hit.direction * flip, ..hit.clone() }
+    ClipHit {
+        joint: hit.joint.mirrored(),
+        position: hit.position * flip,
+        direction: hit.direction * flip,
+        ..hit.clone()
+    }
 }
 
 /// The tags of the mirrored clip: the words `left` and `right` in their names change places.
-pub fn tags(of: &[Tag]) -> Vec<Tag> {
-    of.iter().map(|t| Tag { name: mirrored_name(&t.name), range: t.range.clone() }).collect()
+pub fn mirror_tags(of: &[ClipTag]) -> Vec<ClipTag> {
+    of.iter().map(|t| ClipTag { name: mirrored_name(&t.name), range: t.range.clone() }).collect()
 }
 
 fn mirrored_name(name: &str) -> String {
@@ -73,7 +78,7 @@ mod tests {
         Clip {
             source: "c.bvh".into(),
             contacts: (0..frames).map(|f| Contacts(f as u8 & 15)).collect(),
-            tags: vec![Tag { name: "t".into(), range: 0..1 }],
+            tags: vec![ClipTag { name: "t".into(), range: 0..1 }],
             ..Clip::new(
                 "c",
                 30.0,
@@ -85,7 +90,7 @@ mod tests {
 
     #[test]
     fn sides_change_places_in_tags() {
-        let name = |s: &str| tags(&[Tag { name: s.into(), range: 0..1 }])[0].name.clone();
+        let name = |s: &str| mirror_tags(&[ClipTag { name: s.into(), range: 0..1 }])[0].name.clone();
         assert_eq!(["left_hook", "slip_right", "lefty", "jab"].map(name), ["right_hook", "slip_left", "lefty", "jab"]);
     }
 
@@ -93,7 +98,7 @@ mod tests {
         #[test]
         fn twice_is_the_identity(seeds in prop::collection::vec(prop::array::uniform4(-1.0f32..1.0), 3 * NUM_JOINTS)) {
             let c = clip(&seeds);
-            prop_assert_eq!(mirror(&mirror(&c)), c);
+            prop_assert_eq!(mirror_clip(&mirror_clip(&c)), c);
         }
 
         #[test]
@@ -101,7 +106,7 @@ mod tests {
             seeds in prop::collection::vec(prop::array::uniform4(-1.0f32..1.0), NUM_JOINTS),
         ) {
             let (c, s) = (clip(&seeds), Skeleton::default());
-            let (p, m) = (c.joint_positions(&s, 0), mirror(&c).joint_positions(&s, 0));
+            let (p, m) = (c.joint_positions(&s, 0), mirror_clip(&c).joint_positions(&s, 0));
             for j in Joint::ALL {
                 let image = p[j.mirrored().index()] * Vec3::new(-1.0, 1.0, 1.0);
                 prop_assert!((m[j.index()] - image).length() < 1e-5, "{}", j.name());
@@ -113,9 +118,9 @@ mod tests {
     fn feet_change_sides_in_contacts() {
         let mut c = clip(&[[0.0; 4]; NUM_JOINTS]);
         c.contacts = vec![Contacts::LEFT_HEEL];
-        assert_eq!(mirror(&c).contacts, [Contacts::RIGHT_HEEL]);
-        assert_eq!(mirror(&c).name, "c~mirror");
+        assert_eq!(mirror_clip(&c).contacts, [Contacts::RIGHT_HEEL]);
+        assert_eq!(mirror_clip(&c).name, "c~mirror");
         c.name = "c~mirror".into();
-        assert_eq!((mirror(&c).name.as_str(), mirror(&mirror(&c)).name), ("c~mirror~mirror", c.name));
+        assert_eq!((mirror_clip(&c).name.as_str(), mirror_clip(&mirror_clip(&c)).name), ("c~mirror~mirror", c.name));
     }
 }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 /// Error: the work was stopped by request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("stopped before it was done")]
-pub struct Stopped;
+pub struct StopRequested;
 
 /// Receives the progress of the stages. Calls may come from any thread.
 pub trait Progress: Sync {
@@ -17,9 +17,9 @@ pub trait Progress: Sync {
     /// The stage is finished.
     fn end(&self);
     /// A build reaches a stage, which may report more of itself.
-    fn comes_to(&self, _stage: &'static str) {}
+    fn enter_stage(&self, _stage: &'static str) {}
     /// The output of a stage is stored: a build that is started again continues behind it.
-    fn kept(&self, _stage: &'static str) {}
+    fn stage_kept(&self, _stage: &'static str) {}
     /// True where the work is asked to stop.
     fn is_stopped(&self) -> bool {
         false
@@ -28,15 +28,15 @@ pub trait Progress: Sync {
     /// Fails if the work is asked to stop; called between two pieces of work.
     ///
     /// # Errors
-    /// [`Stopped`] where the work is to stop.
-    fn check(&self) -> Result<(), Stopped> {
-        if self.is_stopped() { Err(Stopped) } else { Ok(()) }
+    /// [`StopRequested`] where the work is to stop.
+    fn check(&self) -> Result<(), StopRequested> {
+        if self.is_stopped() { Err(StopRequested) } else { Ok(()) }
     }
 }
 
 /// Progress of a build: the last reports to its [`Progress`].
 #[derive(Clone, Debug, Default)]
-pub struct Status {
+pub struct BuildStatus {
     stage: &'static str,
     unit: &'static str,
     done: u64,
@@ -48,7 +48,7 @@ pub struct Status {
     kept: Vec<&'static str>,
 }
 
-impl Status {
+impl BuildStatus {
     /// Receives [`Progress::begin`].
     pub fn begin(&mut self, stage: &'static str, total: u64, unit: &'static str) {
         let kept = std::mem::take(&mut self.kept);
@@ -65,12 +65,12 @@ impl Status {
         self.since = None;
     }
 
-    /// Receives [`Progress::comes_to`].
-    pub fn comes_to(&mut self, stage: &'static str) {
+    /// Receives [`Progress::enter_stage`].
+    pub fn enter_stage(&mut self, stage: &'static str) {
         self.begin(stage, 0, "");
     }
 
-    /// Receives [`Progress::kept`].
+    /// Receives [`Progress::stage_kept`].
     pub fn keep(&mut self, stage: &'static str) {
         self.kept.push(stage);
     }
@@ -98,16 +98,16 @@ impl Status {
 
     /// Text about the part of the stage that is done and the time for the rest, such as `43 % of 3584 frames, about 12 s left`;
     /// `None` between two stages.
-    pub fn far(&self) -> Option<String> {
-        Some(self.after(self.since?.elapsed()))
+    pub fn progress_text(&self) -> Option<String> {
+        Some(self.text_after(self.since?.elapsed()))
     }
 
     /// Text about the progress of the build, such as `graph: 43 % of 3584 frames, about 12 s left`; `None` between two stages.
-    pub fn line(&self) -> Option<String> {
-        Some(format!("{}: {}", self.stage, self.far()?))
+    pub fn status_line(&self) -> Option<String> {
+        Some(format!("{}: {}", self.stage, self.progress_text()?))
     }
 
-    fn after(&self, spent: Duration) -> String {
+    fn text_after(&self, spent: Duration) -> String {
         let (spent_s, total, unit) = (spent.as_secs_f64(), self.total, self.unit);
         match (self.done, self.share()) {
             (0, None) => format!("for {spent_s:.0} s"),
@@ -124,7 +124,7 @@ impl Status {
     ///
     /// - `cache`: the folder of the cache; `None` where nothing is stored.
     /// - `again`: the command that continues the build, such as `the same command`.
-    pub fn farewell(&self, cache: Option<&Path>, again: &str) -> String {
+    pub fn interruption_text(&self, cache: Option<&Path>, again: &str) -> String {
         let stage = if self.stage.is_empty() { String::new() } else { format!(" in stage {}", self.stage) };
         let kept = match cache {
             None => format!("Nothing is kept, as the cache is off: {again} begins anew."),
@@ -161,8 +161,8 @@ mod tests {
     #[test]
     fn lines_say_share_and_time_left() {
         let line = |done, total, s| {
-            let status = Status { unit: "frames", done, total, ..Status::default() };
-            status.after(Duration::from_secs(s))
+            let status = BuildStatus { unit: "frames", done, total, ..BuildStatus::default() };
+            status.text_after(Duration::from_secs(s))
         };
         assert_eq!(line(25, 100, 10), "25 % of 100 frames, about 30 s left");
         assert_eq!(line(0, 100, 10), "0 % of 100 frames, for 10 s");
@@ -173,17 +173,17 @@ mod tests {
 
     #[test]
     fn who_interrupts_is_told_what_is_kept() {
-        let mut status = Status::default();
-        assert_eq!((status.line(), status.share()), (None, None));
-        status.comes_to("motion");
+        let mut status = BuildStatus::default();
+        assert_eq!((status.status_line(), status.share()), (None, None));
+        status.enter_stage("motion");
         status.keep("motion");
         status.begin("graph", 10, "frames");
         status.advance(5);
-        assert!(status.line().is_some_and(|l| l.starts_with("graph: 50 % of 10 frames")));
-        let told = status.farewell(Some("cache".as_ref()), "the same command");
+        assert!(status.status_line().is_some_and(|l| l.starts_with("graph: 50 % of 10 frames")));
+        let told = status.interruption_text(Some("cache".as_ref()), "the same command");
         assert!(told.contains("in stage graph") && told.contains("cache keeps") && told.contains("(motion)"), "{told}");
-        assert!(status.farewell(None, "the same command").contains("the same command begins anew"));
+        assert!(status.interruption_text(None, "the same command").contains("the same command begins anew"));
         status.end();
-        assert_eq!(status.line(), None);
+        assert_eq!(status.status_line(), None);
     }
 }

@@ -1,8 +1,8 @@
 //! Clips at one rate, and their mirrored copies.
 
-use crate::clip::{Clip, ClipSet, Exclusion, FrameRange, Hit, Tag};
+use crate::clip::{Clip, ClipHit, ClipSet, ClipTag, Exclusion, FrameRange};
 use crate::error::{BuildError, check_ranges};
-use crate::mirror::mirror;
+use crate::mirror::mirror_clip;
 use glam::Quat;
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -74,7 +74,7 @@ pub fn check_length(seconds: impl Iterator<Item = f64>, cfg: &ResampleConfig) ->
 /// # Errors
 /// [`BuildError::Config`] for a rate outside its limits.
 pub fn resample(clips: &ClipSet, cfg: &ResampleConfig) -> Result<ClipSet, BuildError> {
-    cfg.check().map_err(|e| e.within("resample"))?;
+    cfg.check().map_err(|e| e.within_key("resample"))?;
     check_length(clips.clips.iter().map(|c| c.num_frames() as f64 / c.rate_hz), cfg)?;
     let per_clip: Vec<Vec<Clip>> = clips
         .clips
@@ -82,7 +82,7 @@ pub fn resample(clips: &ClipSet, cfg: &ResampleConfig) -> Result<ClipSet, BuildE
         .map(|c| {
             let resampled = to_rate(c, cfg.rate_hz);
             if cfg.mirror {
-                let copy = mirror(&resampled);
+                let copy = mirror_clip(&resampled);
                 vec![resampled, copy]
             } else {
                 vec![resampled]
@@ -121,8 +121,12 @@ fn to_rate(clip: &Clip, rate_hz: f64) -> Clip {
         mirrored: clip.mirrored,
         contacts,
         excluded: clip.excluded.iter().map(|e| Exclusion { range: range(&e.range), reason: e.reason }).collect(),
-        tags: clip.tags.iter().map(|t| Tag { name: t.name.clone(), range: range(&t.range) }).collect(),
-        hits: clip.hits.iter().map(|h| Hit { frame: nearest_frame(h.frame, step, num_frames), ..h.clone() }).collect(),
+        tags: clip.tags.iter().map(|t| ClipTag { name: t.name.clone(), range: range(&t.range) }).collect(),
+        hits: clip
+            .hits
+            .iter()
+            .map(|h| ClipHit { frame: nearest_frame(h.frame, step, num_frames), ..h.clone() })
+            .collect(),
         ..Clip::new(clip.name.clone(), rate_hz, root_positions, rotations)
     }
 }
@@ -161,7 +165,7 @@ mod tests {
         let t = |f: usize| f as f32 / rate_hz as f32;
         Clip {
             excluded: vec![Exclusion { range: 0..num_frames / 3, reason: ExclusionReason::Still }],
-            tags: vec![Tag { name: "all".into(), range: 0..num_frames }],
+            tags: vec![ClipTag { name: "all".into(), range: 0..num_frames }],
             ..Clip::new(
                 "steady",
                 rate_hz,

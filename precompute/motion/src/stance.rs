@@ -16,19 +16,19 @@ const SHORTEST: f64 = 0.12;
 
 /// The lowest part of the feet at one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stand {
+pub struct FootSample {
     /// Index of the frame.
     pub frame: usize,
     /// Position; y is the height above that of the joint when the foot stands flat (m).
-    pub at: Vec3,
+    pub position: Vec3,
     /// True where it hardly moves.
-    pub stands: bool,
+    pub is_still: bool,
 }
 
 /// The lowest part of the feet at every frame.
 ///
 /// - `feet`: positions of [`FEET`], frame by frame.
-pub fn lowest(feet: impl Iterator<Item = [Vec3; 4]>, skeleton: &Skeleton, rate_hz: f64) -> Vec<Stand> {
+pub fn lowest_feet(feet: impl Iterator<Item = [Vec3; 4]>, skeleton: &Skeleton, rate_hz: f64) -> Vec<FootSample> {
     let rest = skeleton.rest_positions();
     let mut before: Option<[Vec3; 4]> = None;
     let stand = |(frame, at): (usize, [Vec3; 4])| {
@@ -36,14 +36,14 @@ pub fn lowest(feet: impl Iterator<Item = [Vec3; 4]>, skeleton: &Skeleton, rate_h
         let lowest = (0..4).min_by(|&a, &b| clearance(a).total_cmp(&clearance(b))).unwrap_or(0);
         let slow = |b: [Vec3; 4]| (at[lowest] - b[lowest]).length() * (rate_hz as f32) < STANDING_SPEED;
         let stands = before.replace(at).is_some_and(slow);
-        Stand { frame, at: at[lowest].with_y(clearance(lowest)), stands }
+        FootSample { frame, position: at[lowest].with_y(clearance(lowest)), is_still: stands }
     };
     feet.enumerate().map(stand).collect()
 }
 
 /// Distance of standing feet from the ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Stance {
+pub struct StanceReport {
     /// 95th percentile (cm).
     pub p95_cm: f32,
     /// Largest distance (cm).
@@ -68,9 +68,9 @@ pub enum Grade {
 /// Limits of good and of fair (cm).
 pub const FAR_CM: [f32; 2] = [3.0, 6.0];
 
-impl Stance {
+impl StanceReport {
     /// The stance of a list of distances (m).
-    pub fn of(mut far: Vec<f32>) -> Self {
+    pub fn from_distances(mut far: Vec<f32>) -> Self {
         far.sort_by(f32::total_cmp);
         let cm = |i: usize| far.get(i).copied().unwrap_or(0.0) * 100.0;
         let last = far.len().saturating_sub(1);
@@ -84,7 +84,7 @@ impl Stance {
     }
 
     /// The larger value of each.
-    pub fn or_worse(self, other: Self) -> Self {
+    pub fn worse_of(self, other: Self) -> Self {
         Self {
             p95_cm: self.p95_cm.max(other.p95_cm),
             worst_cm: self.worst_cm.max(other.worst_cm),
@@ -105,7 +105,7 @@ impl Stance {
     }
 }
 
-impl fmt::Display for Stance {
+impl fmt::Display for StanceReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let grade = ["good", "fair", "poor"][self.grade as usize];
         write!(
@@ -117,8 +117,8 @@ impl fmt::Display for Stance {
 }
 
 /// Distances of the feet from the ground, frame by frame, where they stand for a moment (m).
-pub fn distances(stands: &[Stand], rate_hz: f64) -> Vec<f32> {
+pub fn standing_distances(stands: &[FootSample], rate_hz: f64) -> Vec<f32> {
     let long = (SHORTEST * rate_hz).ceil() as usize;
-    let all = stands.chunk_by(|a, b| a.stands && b.stands).filter(|run| run[0].stands && run.len() >= long);
-    all.flatten().map(|s| s.at.y.abs()).collect()
+    let all = stands.chunk_by(|a, b| a.is_still && b.is_still).filter(|run| run[0].is_still && run.len() >= long);
+    all.flatten().map(|s| s.position.y.abs()).collect()
 }

@@ -13,14 +13,14 @@ use rig::{Rest, Style};
 use std::path::Path;
 use throng_core::{Contacts, Joint};
 use throng_motion::annotate::ContactConfig;
-use throng_motion::annotate::contacts::{PARTS, detect};
+use throng_motion::annotate::contacts::{FOOT_PARTS, detect_contacts};
 use throng_motion::clip::ClipSet;
-use throng_motion::import::{ImportConfig, Imported, bvh, interpret, read};
+use throng_motion::import::{ImportConfig, ImportedClip, bvh, interpret, read};
 use throng_motion::progress::Silent;
-use throng_motion::retarget::{Proportions, RetargetConfig, onto};
+use throng_motion::retarget::{Proportions, RetargetConfig, retarget_clips};
 
 /// Clips of a folder of the recordings.
-fn clips(folder: &str) -> Option<Vec<Imported>> {
+fn clips(folder: &str) -> Option<Vec<ImportedClip>> {
     Some(read(&[recording(folder)?], &ImportConfig::default(), &Silent).unwrap().clips)
 }
 
@@ -55,7 +55,7 @@ fn feet(set: &ClipSet, contacts: &[Vec<Contacts>]) -> Feet {
         for f in 0..clip.num_frames() {
             let p = clip.joint_positions(&set.skeleton, f);
             lowest = p.iter().map(|p| p.y).fold(lowest, f32::min);
-            for (j, part) in PARTS {
+            for (j, part) in FOOT_PARTS {
                 let j = j.index();
                 if let Some(b) = before.filter(|_| contacts[f].any(part) && contacts[f - 1].any(part)) {
                     let d = p[j] - b[j];
@@ -74,12 +74,12 @@ fn feet(set: &ClipSet, contacts: &[Vec<Contacts>]) -> Feet {
 }
 
 /// Source and retargeted feet of clips, over the same contacts: those of the source.
-fn compare(clips: &[Imported]) -> (Feet, Feet) {
+fn compare(clips: &[ImportedClip]) -> (Feet, Feet) {
     let own = RetargetConfig { proportions: Proportions::Clip, align_ground: true };
-    let source = onto(clips, &own, &mut Default::default()).unwrap();
+    let source = retarget_clips(clips, &own, &mut Default::default()).unwrap();
     let contacts: Vec<Vec<Contacts>> =
-        source.clips.iter().map(|c| detect(c, &source.skeleton, &ContactConfig::default())).collect();
-    let laid = onto(clips, &RetargetConfig::default(), &mut Default::default()).unwrap();
+        source.clips.iter().map(|c| detect_contacts(c, &source.skeleton, &ContactConfig::default())).collect();
+    let laid = retarget_clips(clips, &RetargetConfig::default(), &mut Default::default()).unwrap();
     (feet(&source, &contacts), feet(&laid, &contacts))
 }
 
@@ -108,7 +108,7 @@ fn report(name: &str, source: &Feet, laid: &Feet) {
 }
 
 /// Slides no more than 1.2 times as fast, and is no more than 2 cm off where the source's feet are.
-fn check(name: &str, clips: &[Imported]) {
+fn check(name: &str, clips: &[ImportedClip]) {
     let (source, laid) = compare(clips);
     report(name, &source, &laid);
     let p95 = [&source, &laid].map(|f| f.slip_at(0.95));
@@ -120,7 +120,7 @@ fn check(name: &str, clips: &[Imported]) {
 }
 
 /// The clips with some roles left out, as of a rig that lacks the joints.
-fn without(clips: &[Imported], roles: &[Joint]) -> Vec<Imported> {
+fn without(clips: &[ImportedClip], roles: &[Joint]) -> Vec<ImportedClip> {
     let mut out = clips.to_vec();
     for clip in &mut out {
         roles.iter().for_each(|j| clip.roles.joints[j.index()] = None);
@@ -142,7 +142,7 @@ fn retargeted_feet_slide_no_more_than_the_sources() {
 #[test]
 fn a_crawl_stays_above_the_ground() {
     let Some(clips) = clips("snu/single") else { return };
-    let crawls: Vec<Imported> = clips.into_iter().filter(|c| c.clip.name.contains("crawl")).collect();
+    let crawls: Vec<ImportedClip> = clips.into_iter().filter(|c| c.clip.name.contains("crawl")).collect();
     let (_, laid) = compare(&crawls);
     assert!(laid.lowest[0].0 > -0.02, "{:?}", laid.lowest);
 }
@@ -160,7 +160,8 @@ fn every_rig_stands_and_turns_as_it_was_written() {
                 .unwrap_or_else(|e| panic!("{name} {rest:?} {moves}: {e}"));
             let has = |j: Joint| imported.roles.get(j).is_some();
             let set =
-                onto(std::slice::from_ref(&imported), &RetargetConfig::default(), &mut Default::default()).unwrap();
+                retarget_clips(std::slice::from_ref(&imported), &RetargetConfig::default(), &mut Default::default())
+                    .unwrap();
             let still = set.skeleton.rest_positions();
             for f in 0..set.clips[0].num_frames() {
                 let turns = rig::turns(f);
@@ -170,7 +171,7 @@ fn every_rig_stands_and_turns_as_it_was_written() {
                     let off = pose[j.index()].1.angle_between(want);
                     assert!(off < 0.06, "{name} {rest:?}, frame {f}: {} is {off} rad off", j.name());
                 }
-                for (j, _) in PARTS.iter().filter(|_| !moves) {
+                for (j, _) in FOOT_PARTS.iter().filter(|_| !moves) {
                     let height = pose[j.index()].0.y - still[j.index()].y;
                     assert!(height.abs() < 0.002, "{name} {rest:?}: {} is {height} m too high", j.name());
                 }

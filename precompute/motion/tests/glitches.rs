@@ -16,10 +16,11 @@ use std::path::{Path, PathBuf};
 use throng_core::Joint;
 use throng_motion::import::profile::{Profile, load_profiles};
 use throng_motion::import::{
-    Glitch, GlitchKind, Glitches, ImportConfig, Imported, SourceClip, Treated, bvh, expand, interpret, read_source,
+    Glitch, GlitchKind, GlitchTreatment, Glitches, ImportConfig, ImportedClip, SourceClip, bvh, expand, interpret,
+    read_source,
 };
 use throng_motion::raw::RawClip;
-use throng_motion::retarget::{RetargetConfig, onto};
+use throng_motion::retarget::{RetargetConfig, retarget_clips};
 
 /// Numbers by chance, the same for the same seed.
 struct Chance(u64);
@@ -57,7 +58,7 @@ const KINDS: [&str; 13] = [
 ];
 
 /// Puts a fault into a clip; returns its frames.
-fn inject(source: &mut SourceClip, clean: &Imported, kind: &str, chance: &mut Chance) -> Range<usize> {
+fn inject(source: &mut SourceClip, clean: &ImportedClip, kind: &str, chance: &mut Chance) -> Range<usize> {
     let clip = &mut source.clip;
     let (n, frames) = (clip.joints.len(), clip.num_frames);
     let hips = clean.roles.get(Joint::Hips).unwrap();
@@ -122,7 +123,7 @@ fn inject(source: &mut SourceClip, clean: &Imported, kind: &str, chance: &mut Ch
     }
 }
 
-fn read(source: &SourceClip, how: Glitches, profiles: &[Profile]) -> Imported {
+fn read(source: &SourceClip, how: Glitches, profiles: &[Profile]) -> ImportedClip {
     interpret(source.clone(), &ImportConfig { glitches: how, ..ImportConfig::default() }, profiles).unwrap()
 }
 
@@ -217,7 +218,7 @@ fn captured_motion_is_left_alone_but_for_its_own_faults() {
             println!("{} {:?} {:?} {} {}", i.clip.name, g.frames, g.kind, g.treated.name(), g.what);
             row[2] += 1;
             row[3] += g.frames.len();
-            row[4] += if g.treated == Treated::Cut { g.frames.len() } else { 0 };
+            row[4] += if g.treated == GlitchTreatment::Cut { g.frames.len() } else { 0 };
         }
     }
     for (folder, [clips, frames, glitches, wrong, cut]) in table {
@@ -251,13 +252,14 @@ fn faults_put_into_a_walking_rig_are_found_told_and_mended() {
                 found.warnings.messages.iter().any(|w| w.contains("a.bvh") && w.contains("`import.glitches`")),
                 "{kind}"
             );
-            let cut = found.glitches.iter().filter(|g| g.treated == Treated::Cut).count();
+            let cut = found.glitches.iter().filter(|g| g.treated == GlitchTreatment::Cut).count();
             assert!(if how == Glitches::Keep {
                 cut == 0
             } else {
                 how == Glitches::Bridge || cut == found.glitches.len()
             });
-            let set = onto(std::slice::from_ref(&found), &RetargetConfig::default(), &mut Default::default()).unwrap();
+            let set = retarget_clips(std::slice::from_ref(&found), &RetargetConfig::default(), &mut Default::default())
+                .unwrap();
             assert_eq!(set.clips[0].excluded.len(), cut, "{kind}");
             // What is used moves as a body does.
             if how != Glitches::Keep {
@@ -281,7 +283,7 @@ fn a_pop_is_bridged_by_what_the_clip_was() {
     let frames = inject(&mut faulty, &clean, "pop 5 m", &mut Chance(3));
     let mended = read(&faulty, Glitches::Bridge, &[]);
     assert!(
-        mended.glitches[0].treated == Treated::Bridged && mended.glitches[0].frames == frames,
+        mended.glitches[0].treated == GlitchTreatment::Bridged && mended.glitches[0].frames == frames,
         "{:?}",
         mended.glitches
     );
@@ -314,7 +316,7 @@ fn frames_that_are_there_twice_are_filled_with_what_is_between_their_neighbours(
         let mended = read(&faulty, Glitches::Bridge, &[]);
         let inner = put.iter().filter(|&&f| f + 1 < played.len());
         assert!(mended.glitches.iter().map(|g| &g.frames.start).eq(inner), "{name}: {:?}", mended.glitches);
-        assert!(mended.glitches.iter().all(|g| g.kind == GlitchKind::Repeat && g.treated == Treated::Bridged));
+        assert!(mended.glitches.iter().all(|g| g.kind == GlitchKind::Repeat && g.treated == GlitchTreatment::Bridged));
         let told = &mended.warnings.messages;
         assert!(told.len() == 1 && told[0].contains("the one before"), "{name}: {told:?}");
         assert_eq!(told[0].contains("a take of 30 Hz in a file of 60 Hz"), name == "all", "{told:?}");
@@ -345,7 +347,7 @@ fn a_frame_in_which_an_elbow_is_turned_by_40_degrees_is_found_and_mended() {
             faulty.clip.rotations[f * n + j] *= Quat::from_rotation_x(40f32.to_radians());
             let mended = read(&faulty, Glitches::Bridge, &[]);
             let found: Vec<_> = mended.glitches.iter().map(|g| (g.frames.clone(), g.treated)).collect();
-            assert_eq!(found, [(f..f + 1, Treated::Bridged)], "{} {f}", role.name());
+            assert_eq!(found, [(f..f + 1, GlitchTreatment::Bridged)], "{} {f}", role.name());
             let apart = mended.clip.rotations[f * n + j].angle_between(clean.clip.rotations[f * n + j]);
             assert!(apart < 0.05, "{} {f}: {apart}", role.name());
         }

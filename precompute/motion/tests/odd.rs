@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use throng_core::Joint;
 use throng_motion::error::ImportError;
 use throng_motion::import::profile::{Profile, load_profiles};
-use throng_motion::import::{ImportConfig, Imported, SourceClip, bvh, expand, interpret, read_clips, read_source};
+use throng_motion::import::{ImportConfig, ImportedClip, SourceClip, bvh, expand, interpret, read_clips, read_source};
 
 /// A walking rig.
 fn walking() -> SourceClip {
@@ -22,11 +22,11 @@ fn walking() -> SourceClip {
     bvh::parse(rig::bvh(&rig::parse(table), &rig::Style::default()).as_bytes(), Path::new("a.bvh")).unwrap()
 }
 
-fn read(source: SourceClip, profiles: &[Profile]) -> Imported {
+fn read(source: SourceClip, profiles: &[Profile]) -> ImportedClip {
     interpret(source, &ImportConfig::default(), profiles).unwrap()
 }
 
-fn told<'a>(i: &'a Imported, what: &str) -> Option<&'a str> {
+fn told<'a>(i: &'a ImportedClip, what: &str) -> Option<&'a str> {
     i.warnings.messages.iter().map(String::as_str).find(|w| w.contains(what))
 }
 
@@ -168,7 +168,7 @@ fn two_performers_in_one_file_are_two_clips() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("duo.bvh");
     let single = read(walking(), &[]);
-    let hips = |i: &Imported, f: usize| i.clip.world(f)[i.roles.get(Joint::Hips).unwrap()].0;
+    let hips = |i: &ImportedClip, f: usize| i.clip.world(f)[i.roles.get(Joint::Hips).unwrap()].0;
     for (names, under, clips) in [
         (["", ""], None, ["1", "2"]),
         (["A_", "B_"], None, ["A_mixamorig:Hips", "B_mixamorig:Hips"]),
@@ -209,7 +209,7 @@ fn names_that_are_used_twice_are_one_line() {
 }
 
 /// A rig that is so many units tall.
-fn of_height(units: f32, declared: Option<f64>, config: &ImportConfig) -> Result<Imported, ImportError> {
+fn of_height(units: f32, declared: Option<f64>, config: &ImportConfig) -> Result<ImportedClip, ImportError> {
     let table = tables::RIGS.iter().find(|(name, _)| *name == "Mixamo").unwrap().1;
     let style = rig::Style { scale: units / read(walking(), &[]).height, ..rig::Style::default() };
     let source = bvh::parse(rig::bvh(&rig::parse(table), &style).as_bytes(), Path::new("a.bvh")).unwrap();

@@ -41,7 +41,7 @@ pub fn centre_of_mass(places: &[Rigid; NUM_JOINTS]) -> DVec3 {
 
 /// Distance of the centre of mass from the convex hull of the planted feet, seen from above; 0 inside it, `None` where no foot
 /// is planted (m).
-pub fn off_feet(skeleton: &Skeleton, places: &[Rigid; NUM_JOINTS], contacts: Contacts) -> Option<f64> {
+pub fn distance_off_feet(skeleton: &Skeleton, places: &[Rigid; NUM_JOINTS], contacts: Contacts) -> Option<f64> {
     let feet = [
         (Contacts::LEFT, Joint::LeftFoot, Joint::LeftToe, skeleton.tips[1]),
         (Contacts::RIGHT, Joint::RightFoot, Joint::RightToe, skeleton.tips[2]),
@@ -50,12 +50,12 @@ pub fn off_feet(skeleton: &Skeleton, places: &[Rigid; NUM_JOINTS], contacts: Con
     for (_, ankle, toe, tip) in feet.into_iter().filter(|f| contacts.any(f.0)) {
         let flat = |p: DVec3| DVec2::new(p.x, p.z);
         let (ankle, ball) = (flat(places[ankle.index()].position), flat(places[toe.index()].position));
-        let end = flat(places[toe.index()].point(tip.as_dvec3()));
+        let end = flat(places[toe.index()].transform_point(tip.as_dvec3()));
         let aside = (end - ankle).perp().normalize_or_zero() * HALF_WIDTH_M;
         corners.extend([ankle - HEEL * (ball - ankle), end].into_iter().flat_map(|p| [p + aside, p - aside]));
     }
     let com = centre_of_mass(places);
-    (!corners.is_empty()).then(|| outside(&hull(corners), DVec2::new(com.x, com.z)))
+    (!corners.is_empty()).then(|| distance_outside(&hull(corners), DVec2::new(com.x, com.z)))
 }
 
 /// Convex hull of points, counter-clockwise.
@@ -79,7 +79,7 @@ fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
 }
 
 /// Distance of a point from a convex polygon; 0 inside (m).
-fn outside(polygon: &[DVec2], p: DVec2) -> f64 {
+fn distance_outside(polygon: &[DVec2], p: DVec2) -> f64 {
     let edges = || (0..polygon.len()).map(|i| (polygon[i], polygon[(i + 1) % polygon.len()]));
     if polygon.len() > 2 && edges().all(|(a, b)| (b - a).perp_dot(p - a) >= 0.0) {
         return 0.0;
@@ -94,8 +94,8 @@ fn outside(polygon: &[DVec2], p: DVec2) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::driven::placed;
-    use crate::rotation::about;
+    use crate::driven::place_joints;
+    use crate::rotation::rotation_about;
     use glam::DQuat;
 
     #[test]
@@ -109,7 +109,7 @@ mod tests {
         let square = hull([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.5, 0.4]].map(DVec2::from).to_vec());
         assert_eq!(square.len(), 4);
         for (p, far) in [([0.5, 0.5], 0.0), ([0.5, 1.25], 0.25), ([-0.3, -0.4], 0.5), ([1.0, 0.5], 0.0)] {
-            assert!((outside(&square, DVec2::from(p)) - far).abs() < 1e-12, "{p:?}");
+            assert!((distance_outside(&square, DVec2::from(p)) - far).abs() < 1e-12, "{p:?}");
         }
     }
 
@@ -119,33 +119,33 @@ mod tests {
         let mut turns = [DQuat::IDENTITY; NUM_JOINTS];
         let root = s.offsets[0].as_dvec3();
         let feet = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
-        let off = |turns: &[DQuat; NUM_JOINTS], feet| off_feet(&s, &placed(&s, root, turns), feet);
+        let off = |turns: &[DQuat; NUM_JOINTS], feet| distance_off_feet(&s, &place_joints(&s, root, turns), feet);
         assert_eq!(off(&turns, feet), Some(0.0));
         // One foot alone does not carry somebody whose hips are between both.
         assert!(off(&turns, Contacts::LEFT).is_some_and(|m| m > 0.02));
         assert_eq!(off(&turns, Contacts::default()), None);
-        let before = centre_of_mass(&placed(&s, root, &turns));
+        let before = centre_of_mass(&place_joints(&s, root, &turns));
         let height = before.y;
         for j in [Joint::Spine, Joint::LeftUpperArm, Joint::RightUpperArm] {
-            turns[j.index()] = about(DVec3::X, 0.8);
+            turns[j.index()] = rotation_about(DVec3::X, 0.8);
         }
-        let ahead = centre_of_mass(&placed(&s, root, &turns)).z - before.z;
+        let ahead = centre_of_mass(&place_joints(&s, root, &turns)).z - before.z;
         // Two thirds of the mass, a third of a metre above the pivot.
         assert!((0.1..0.22).contains(&ahead), "{ahead}");
         // A little farther and it is past the toes.
         let past = (0..40).find(|i| {
-            let places = placed(&s, root, &turns);
+            let places = place_joints(&s, root, &turns);
             let mut moved = places;
             let feet_back = DVec3::Z * -0.01 * f64::from(*i);
             for j in [Joint::LeftFoot, Joint::LeftToe, Joint::RightFoot, Joint::RightToe] {
                 moved[j.index()].position += feet_back;
             }
-            off_feet(&s, &moved, feet).is_some_and(|m| m > 0.0)
+            distance_off_feet(&s, &moved, feet).is_some_and(|m| m > 0.0)
         });
         assert!(past.is_some_and(|i| i < 25), "{past:?}");
         // People's is at 55 % of their height.
-        let places = placed(&s, root, &[DQuat::IDENTITY; NUM_JOINTS]);
-        let top = places[Joint::Head.index()].point(s.tips[0].as_dvec3()).y;
+        let places = place_joints(&s, root, &[DQuat::IDENTITY; NUM_JOINTS]);
+        let top = places[Joint::Head.index()].transform_point(s.tips[0].as_dvec3()).y;
         assert!((0.52..0.62).contains(&(height / top)), "{height} of {top}");
     }
 }

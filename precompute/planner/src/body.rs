@@ -17,7 +17,7 @@ pub struct BodyCapsule {
 
 /// The capsules of a body; change them at will where a character is thinner or thicker.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BodyShape {
+pub struct BodyCapsules {
     /// Capsules; a joint may have none, one or several.
     pub capsules: Vec<BodyCapsule>,
 }
@@ -25,7 +25,7 @@ pub struct BodyShape {
 /// Leg length that the radii are for: the default skeleton's (m).
 const REFERENCE_LEG: f64 = 0.83;
 
-impl BodyShape {
+impl BodyCapsules {
     /// Fits capsules along a skeleton's segments, as thick as those of people with its leg length.
     pub fn fitted(skeleton: &Skeleton) -> Self {
         let scale = f64::from(skeleton.leg_length()) / REFERENCE_LEG;
@@ -73,7 +73,7 @@ mod tests {
     #[test]
     fn every_joint_that_is_flesh_has_a_capsule_near_it() {
         let skeleton = Skeleton::default();
-        let shape = BodyShape::fitted(&skeleton);
+        let shape = BodyCapsules::fitted(&skeleton);
         let rest = skeleton.rest_positions();
         for joint in Joint::ALL {
             let at = rest[joint.index()].as_dvec3();
@@ -97,7 +97,7 @@ mod tests {
         for o in &mut small.offsets {
             *o *= 0.5;
         }
-        let radius = |s: &Skeleton| BodyShape::fitted(s).capsules[0].radius;
+        let radius = |s: &Skeleton| BodyCapsules::fitted(s).capsules[0].radius;
         assert!((radius(&small) - 0.5 * radius(&Skeleton::default())).abs() < 1e-6);
     }
 }

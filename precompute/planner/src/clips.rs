@@ -2,7 +2,7 @@
 
 use crate::linkage::Linkage;
 use crate::planner::LimbMotion;
-use crate::rotation::angle;
+use crate::rotation::angle_between;
 use throng_core::NUM_JOINTS;
 use throng_motion::Clip;
 
@@ -42,7 +42,7 @@ pub fn with_motion(clip: &Clip, start_s: f64, linkage: Linkage, motion: &LimbMot
         let row = (first as usize + k) * NUM_JOINTS;
         for i in 0..linkage.len() {
             let at = row + joints[i].index();
-            if angle(out.rotations[at].as_dquat().normalize(), pose.0[i]) > SAME {
+            if angle_between(out.rotations[at].as_dquat().normalize(), pose.0[i]) > SAME {
                 out.rotations[at] = pose.0[i].as_quat().normalize();
             }
         }
@@ -63,7 +63,7 @@ pub fn with_motion(clip: &Clip, start_s: f64, linkage: Linkage, motion: &LimbMot
 mod tests {
     use super::*;
     use crate::linkage::{Limb, LimbPose};
-    use crate::rotation::about;
+    use crate::rotation::rotation_about;
     use glam::{DVec3, Quat, Vec3};
 
     #[test]
@@ -71,7 +71,7 @@ mod tests {
         let clip = Clip::new("c", 30.0, vec![Vec3::Y; 20], vec![Quat::IDENTITY; 20 * NUM_JOINTS]);
         let linkage = Linkage::limb(Limb::LeftArm);
         let mut frames = vec![LimbPose::REST; 6];
-        frames[2].0[1] = about(DVec3::Y, 0.3);
+        frames[2].0[1] = rotation_about(DVec3::Y, 0.3);
         let motion = LimbMotion { start_s: 5.0 / 30.0, step_s: 1.0 / 30.0, frames: &frames };
         let out = with_motion(&clip, 0.0, linkage, &motion).expect("it fits");
         let changed: Vec<usize> = (0..out.rotations.len()).filter(|&i| out.rotations[i] != Quat::IDENTITY).collect();

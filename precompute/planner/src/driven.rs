@@ -2,7 +2,7 @@
 
 use crate::linkage::{LimbPose, Linkage};
 use crate::rotation::Rigid;
-use crate::track::Clock;
+use crate::track::SampleTimes;
 use glam::{DQuat, DVec3};
 use throng_base::maths::slerp;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
@@ -16,7 +16,7 @@ const RATE_HZ: f64 = 120.0;
 
 /// A body's motion, sampled finely enough that straight lines between samples will do.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Driven {
+pub struct DrivenMotion {
     start_s: f64,
     step_s: f64,
     places: Vec<JointPlaces>,
@@ -26,32 +26,32 @@ pub struct Driven {
     bend: [f64; NUM_JOINTS],
 }
 
-impl Driven {
+impl DrivenMotion {
     /// Samples the motion of a clip from `from_s` to `to_s`, clip time: between frames, the hips go straight and joints turn
     /// evenly.
     ///
     /// A time outside of the clip has its first or last pose.
-    pub fn of_clip(clip: &Clip, skeleton: &Skeleton, from_s: f64, to_s: f64) -> Self {
+    pub fn from_clip(clip: &Clip, skeleton: &Skeleton, from_s: f64, to_s: f64) -> Self {
         let parts = (RATE_HZ / clip.rate_hz).ceil().max(1.0);
         let step_s = 1.0 / (clip.rate_hz * parts);
         // Sample times are the clip's frames, so that these are exact.
         let first = (from_s / step_s).floor();
         let count = ((to_s / step_s).ceil() - first).max(0.0) as usize + 1;
-        Self::sampled(first * step_s, step_s, count, skeleton, |t| frame_between(clip, t))
+        Self::from_function(first * step_s, step_s, count, skeleton, |t| interpolate_frame(clip, t))
     }
 
     /// A body that keeps one pose.
     ///
     /// - `root`: position of the hips (m).
     /// - `turns`: rotations relative to the parents, the hips' to the world.
-    pub fn still(skeleton: &Skeleton, root: DVec3, turns: [DQuat; NUM_JOINTS]) -> Self {
-        Self::sampled(0.0, 1.0, 1, skeleton, |_| (root, turns))
+    pub fn from_pose(skeleton: &Skeleton, root: DVec3, turns: [DQuat; NUM_JOINTS]) -> Self {
+        Self::from_function(0.0, 1.0, 1, skeleton, |_| (root, turns))
     }
 
     /// Samples a function: position of the hips and rotations relative to the parents, the hips' to the world.
     ///
     /// - `step_s`: between samples (s, > 0); 1/120 s is fine enough for people.
-    pub fn sampled(
+    pub fn from_function(
         start_s: f64,
         step_s: f64,
         count: usize,
@@ -60,7 +60,7 @@ impl Driven {
     ) -> Self {
         let at = |i: f64| {
             let (root, turns) = pose(start_s + i * step_s);
-            (placed(skeleton, root, &turns), turns)
+            (place_joints(skeleton, root, &turns), turns)
         };
         let (places, turns): (Vec<_>, Vec<_>) = (0..count.max(1)).map(|i| at(i as f64)).unzip();
         let mut bend = [0.0f64; NUM_JOINTS];
@@ -81,8 +81,8 @@ impl Driven {
     }
 
     /// Times of the samples.
-    pub fn clock(&self) -> Clock {
-        Clock::Even { start_s: self.start_s, step_s: self.step_s }
+    pub fn clock(&self) -> SampleTimes {
+        SampleTimes::Even { start_s: self.start_s, step_s: self.step_s }
     }
 
     /// The samples.
@@ -96,7 +96,7 @@ impl Driven {
     }
 
     /// World transforms of one joint, sample by sample.
-    pub fn of_joint(&self, joint: Joint) -> Vec<Rigid> {
+    pub fn joint_places(&self, joint: Joint) -> Vec<Rigid> {
         self.places.iter().map(|p| p[joint.index()]).collect()
     }
 
@@ -114,17 +114,17 @@ impl Driven {
 }
 
 /// World transforms of a pose.
-pub fn placed(skeleton: &Skeleton, root: DVec3, turns: &[DQuat; NUM_JOINTS]) -> JointPlaces {
+pub fn place_joints(skeleton: &Skeleton, root: DVec3, turns: &[DQuat; NUM_JOINTS]) -> JointPlaces {
     let mut out = [Rigid { position: root, rotation: turns[0] }; NUM_JOINTS];
     for joint in &Joint::ALL[1..] {
         let parent = joint.parent().map_or(0, Joint::index);
         let offset = skeleton.offsets[joint.index()].as_dvec3();
-        out[joint.index()] = out[parent].then(Rigid { position: offset, rotation: turns[joint.index()] });
+        out[joint.index()] = out[parent].compose(Rigid { position: offset, rotation: turns[joint.index()] });
     }
     out
 }
 
-fn frame_between(clip: &Clip, t: f64) -> (DVec3, [DQuat; NUM_JOINTS]) {
+fn interpolate_frame(clip: &Clip, t: f64) -> (DVec3, [DQuat; NUM_JOINTS]) {
     let last = clip.num_frames().saturating_sub(1);
     let at = (t * clip.rate_hz).clamp(0.0, last as f64);
     // A time on a frame gives this frame exactly, whatever the rounding.
@@ -141,15 +141,15 @@ fn frame_between(clip: &Clip, t: f64) -> (DVec3, [DQuat; NUM_JOINTS]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rotation::angle;
-    use throng_synth::{SynthConfig, SynthSet, make};
+    use crate::rotation::angle_between;
+    use throng_synth::{SynthConfig, SynthSet, make_set};
 
     #[test]
     fn a_clip_is_where_its_frames_have_it() {
-        let set = make(SynthSet::Walk, &SynthConfig { minutes: 0.2, clip_seconds: 12.0, ..SynthConfig::default() });
+        let set = make_set(SynthSet::Walk, &SynthConfig { minutes: 0.2, clip_seconds: 12.0, ..SynthConfig::default() });
         let set = set.expect("a set");
         let (clip, skeleton) = (&set.clips[0], &set.skeleton);
-        let driven = Driven::of_clip(clip, skeleton, 1.0, 3.0);
+        let driven = DrivenMotion::from_clip(clip, skeleton, 1.0, 3.0);
         assert!(driven.bend_m(|_| true) < 1e-3, "{}", driven.bend_m(|_| true));
         let [from, to] = driven.window_s();
         assert!((from - 1.0).abs() < 1e-9 && (to - 3.0).abs() < 1e-9);
@@ -163,14 +163,14 @@ mod tests {
             }
             let pose = driven.limb_pose(arm, t);
             let own = clip.frame_rotations(frame)[Joint::LeftForearm.index()].as_dquat();
-            assert!(angle(pose.0[1], own) < 1e-3);
+            assert!(angle_between(pose.0[1], own) < 1e-3);
         }
     }
 
     #[test]
     fn a_still_body_is_one_sample() {
         let s = Skeleton::default();
-        let driven = Driven::still(&s, s.offsets[0].as_dvec3(), [DQuat::IDENTITY; NUM_JOINTS]);
+        let driven = DrivenMotion::from_pose(&s, s.offsets[0].as_dvec3(), [DQuat::IDENTITY; NUM_JOINTS]);
         assert_eq!((driven.places().len(), driven.bend_m(|_| true)), (1, 0.0));
         assert_eq!(driven.limb_pose(Linkage::limb(crate::linkage::Limb::RightLeg), 5.0), LimbPose::REST);
     }

@@ -26,8 +26,8 @@ pub mod search;
 pub mod setup;
 pub mod shape;
 pub mod smooth;
+pub mod stiff_mesh;
 pub mod task;
 #[cfg(test)]
 mod testing;
 pub mod track;
-pub mod worn;

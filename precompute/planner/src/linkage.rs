@@ -43,7 +43,7 @@ impl Limb {
     }
 
     /// True for joints that move with the limb: its own, and fingers and toes behind them.
-    pub fn moves(self, joint: Joint) -> bool {
+    pub fn moves_joint(self, joint: Joint) -> bool {
         std::iter::successors(Some(joint), |j| j.parent()).any(|j| self.joints().contains(&j))
     }
 
@@ -97,7 +97,7 @@ impl Linkage {
     }
 
     /// Index of a joint in the linkage.
-    pub fn position_of(self, joint: Joint) -> Option<usize> {
+    pub fn index_of(self, joint: Joint) -> Option<usize> {
         self.joints()[..self.len()].iter().position(|j| *j == joint)
     }
 
@@ -154,28 +154,28 @@ impl Chain {
     }
 
     /// World transforms of the joints (len), followed by that of the base.
-    pub fn place(&self, base: &Rigid, pose: &LimbPose) -> [Rigid; MAX_JOINTS] {
+    pub fn place_joints(&self, base: &Rigid, pose: &LimbPose) -> [Rigid; MAX_JOINTS] {
         let mut out = [*base; MAX_JOINTS];
         let mut at = *base;
         for i in 0..self.len() {
-            at = Rigid { position: at.point(self.offsets[i]), rotation: at.rotation * pose.0[i] };
+            at = Rigid { position: at.transform_point(self.offsets[i]), rotation: at.rotation * pose.0[i] };
             out[i] = at;
         }
         out
     }
 
     /// Ends of the joints' segments: the points that each rotation moves (len) (m).
-    pub fn ends(&self, placed: &[Rigid; MAX_JOINTS]) -> [DVec3; MAX_JOINTS] {
+    pub fn segment_ends(&self, placed: &[Rigid; MAX_JOINTS]) -> [DVec3; MAX_JOINTS] {
         let last = self.len() - 1;
         std::array::from_fn(|i| match i.cmp(&last) {
             std::cmp::Ordering::Less => placed[i + 1].position,
-            std::cmp::Ordering::Equal => placed[last].point(self.tip),
+            std::cmp::Ordering::Equal => placed[last].transform_point(self.tip),
             std::cmp::Ordering::Greater => DVec3::ZERO,
         })
     }
 
     /// Longest distance from joint `from` to the origin of joint `to`, over all poses between them (m).
-    pub fn span(&self, from: usize, to: usize) -> f64 {
+    pub fn longest_span(&self, from: usize, to: usize) -> f64 {
         self.offsets[from + 1..=to].iter().map(|o| o.length()).sum()
     }
 }
@@ -183,7 +183,7 @@ impl Chain {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rotation::about;
+    use crate::rotation::rotation_about;
 
     #[test]
     fn a_bent_arm_is_where_it_is_worked_out_to_be() {
@@ -191,12 +191,12 @@ mod tests {
         let chain = Chain::new(Linkage::limb(Limb::LeftArm), &s);
         let mut pose = LimbPose::REST;
         // The elbow bends forwards by a right angle: from +X to +Z.
-        pose.0[1] = about(DVec3::NEG_Y, std::f64::consts::FRAC_PI_2);
-        let placed = chain.place(&Rigid::at(DVec3::new(0.03, 1.5, 0.0)), &pose);
+        pose.0[1] = rotation_about(DVec3::NEG_Y, std::f64::consts::FRAC_PI_2);
+        let placed = chain.place_joints(&Rigid::from_position(DVec3::new(0.03, 1.5, 0.0)), &pose);
         let elbow = DVec3::new(0.03 + f64::from(0.155f32) + f64::from(0.29f32), 1.5, 0.0);
         assert!((placed[1].position - elbow).length() < 1e-12);
         assert!((placed[2].position - elbow - DVec3::Z * f64::from(0.255f32)).length() < 1e-12);
-        assert_eq!(chain.ends(&placed)[0], placed[1].position);
+        assert_eq!(chain.segment_ends(&placed)[0], placed[1].position);
     }
 
     #[test]
@@ -205,7 +205,7 @@ mod tests {
         let arm = with(Limb::RightArm);
         assert_eq!((arm.len(), arm.joints()[0], arm.base()), (4, Joint::RightClavicle, Joint::UpperChest));
         assert_eq!((with(Limb::LeftLeg).len(), with(Limb::LeftLeg).base()), (3, Joint::Hips));
-        assert_eq!(arm.position_of(Joint::RightHand), Some(3));
-        assert_eq!(Linkage::limb(Limb::LeftArm).position_of(Joint::LeftClavicle), None);
+        assert_eq!(arm.index_of(Joint::RightHand), Some(3));
+        assert_eq!(Linkage::limb(Limb::LeftArm).index_of(Joint::LeftClavicle), None);
     }
 }

@@ -3,14 +3,14 @@
 use crate::limits::JointLimits;
 use crate::linkage::{Chain, LimbPose, MAX_JOINTS};
 use crate::rotation::Rigid;
-use crate::shape::{Segment, Shape};
-use crate::track::{Path, Track};
+use crate::shape::{Segment, SolidShape};
+use crate::track::{MotionTrack, RigidPath};
 use glam::DVec3;
 use throng_core::Joint;
 
 /// A point of the search space c^P x [t_init, t_goal].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct State {
+pub struct LimbState {
     /// Pose of the planned joints.
     pub pose: LimbPose,
     /// Time (s).
@@ -19,13 +19,13 @@ pub struct State {
 
 /// Something in the world that limbs may not touch.
 #[derive(Clone, Debug)]
-pub struct Solid {
+pub struct MovingSolid {
     /// Name in messages and allowances.
     pub name: String,
     /// Shape in its own frame.
-    pub shape: Shape,
+    pub shape: SolidShape,
     /// Place over time.
-    pub path: Path,
+    pub path: RigidPath,
 }
 
 /// A checked problem, prepared for many queries: everything that moves is a function of time with a bound on its speed.
@@ -39,26 +39,26 @@ pub struct Problem {
     pub(crate) chain: Chain,
     pub(crate) limits: [JointLimits; MAX_JOINTS],
     /// The joint that carries the chain.
-    pub(crate) base: Track<Rigid>,
-    pub(crate) parts: Vec<Part>,
+    pub(crate) base: MotionTrack<Rigid>,
+    pub(crate) parts: Vec<LimbPart>,
     pub(crate) solids: Vec<PlacedSolid>,
     pub(crate) bodies: Vec<BodyPart>,
     pub(crate) tether: Option<TetherTrack>,
-    pub(crate) level: Option<Level>,
+    pub(crate) upright: Option<UprightConstraint>,
     /// Pairs that may not come near each other; those with the same target are adjacent.
-    pub(crate) pairs: Vec<Pair>,
-    /// Poses of the linkage in the external motion, every [`PRESENT_STEP_S`] from `init` on.
-    pub(crate) present: Vec<LimbPose>,
-    pub(crate) init: State,
-    pub(crate) goal: State,
+    pub(crate) pairs: Vec<CollisionPair>,
+    /// Poses of the linkage in the external motion, every [`EXTERNAL_STEP_S`] from `init` on.
+    pub(crate) external_poses: Vec<LimbPose>,
+    pub(crate) init: LimbState,
+    pub(crate) goal: LimbState,
 }
 
 /// Time step of the external motion's poses (s).
-pub(crate) const PRESENT_STEP_S: f64 = 1.0 / 120.0;
+pub(crate) const EXTERNAL_STEP_S: f64 = 1.0 / 120.0;
 
 /// A capsule that moves with the linkage.
 #[derive(Clone, Debug)]
-pub struct Part {
+pub struct LimbPart {
     /// Its name, for messages.
     pub name: String,
     /// Index of the joint of the chain.
@@ -79,7 +79,7 @@ pub struct Part {
 #[derive(Clone, Debug)]
 pub struct PlacedSolid {
     /// The solid.
-    pub solid: Solid,
+    pub solid: MovingSolid,
     /// Middle of the ball (m).
     pub middle: DVec3,
     /// Radius of the ball (m).
@@ -92,11 +92,11 @@ pub struct PlacedSolid {
 #[derive(Clone, Debug)]
 pub struct BodyPart {
     /// Name of the other character; `None` for the own body.
-    pub of: Option<String>,
+    pub character: Option<String>,
     /// The joint that carries it.
     pub joint: Joint,
     /// Its core over time (m).
-    pub track: Track<Segment>,
+    pub track: MotionTrack<Segment>,
     /// Half of its greatest length (m).
     pub half_length: f64,
     /// Of the capsule (m).
@@ -105,7 +105,7 @@ pub struct BodyPart {
 
 /// Things that a part of the linkage may collide with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Target {
+pub enum CollisionTarget {
     /// A solid, by its number.
     Solid(usize),
     /// A capsule of a body, by its number.
@@ -113,12 +113,12 @@ pub enum Target {
     /// Reach of the other hand; the part is a point of it.
     Tether,
     /// The vertical; the part is a direction, a metre long, so that metres are radians.
-    Level,
+    Upright,
 }
 
 /// Constraint that keeps a held object upright: a direction of the hand or foot stays near the vertical.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Level {
+pub struct UprightConstraint {
     /// Direction in the frame of the linkage's last joint (unit).
     pub up: DVec3,
     /// Largest angle from the vertical (rad, > 0, < pi).
@@ -129,18 +129,18 @@ pub struct Level {
 #[derive(Clone, Debug)]
 pub(crate) struct TetherTrack {
     pub name: String,
-    pub from: Track<Rigid>,
+    pub from: MotionTrack<Rigid>,
     /// Least and greatest distance (m).
     pub distances_m: [f64; 2],
 }
 
 /// A part of the linkage, a target that it may not come near, and the least distance between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair {
+pub struct CollisionPair {
     /// The part, by its number.
     pub part: usize,
     /// The thing that the part keeps away from.
-    pub target: Target,
+    pub target: CollisionTarget,
     /// Least distance between surfaces (m).
     pub gap: f64,
     /// Time in which they may touch (s).
@@ -149,7 +149,7 @@ pub struct Pair {
 
 /// Two things that are too near each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
+pub struct CollisionHit {
     pub(crate) pair: usize,
     /// Depth by which they are too near (m, > 0).
     pub depth_m: f64,
@@ -157,12 +157,12 @@ pub struct Hit {
 
 impl Problem {
     /// Start of the plan.
-    pub fn init(&self) -> &State {
+    pub fn init(&self) -> &LimbState {
         &self.init
     }
 
     /// Goal of the plan.
-    pub fn goal(&self) -> &State {
+    pub fn goal(&self) -> &LimbState {
         &self.goal
     }
 
@@ -172,7 +172,7 @@ impl Problem {
     }
 
     /// Capsules that move with the chain.
-    pub fn parts(&self) -> &[Part] {
+    pub fn parts(&self) -> &[LimbPart] {
         &self.parts
     }
 
@@ -187,7 +187,7 @@ impl Problem {
     }
 
     /// Parts and what each may not come near.
-    pub fn pairs(&self) -> &[Pair] {
+    pub fn pairs(&self) -> &[CollisionPair] {
         &self.pairs
     }
 
@@ -198,19 +198,19 @@ impl Problem {
 
     /// World transform of the joint that carries the chain.
     pub fn base_at(&self, time_s: f64) -> Rigid {
-        self.base.at(time_s)
+        self.base.sample_at(time_s)
     }
 
     /// World transforms of the planned joints (chain.len()).
-    pub fn place(&self, state: &State) -> [Rigid; MAX_JOINTS] {
-        self.chain.place(&self.base.at(state.time_s), &state.pose)
+    pub fn place_chain(&self, state: &LimbState) -> [Rigid; MAX_JOINTS] {
+        self.chain.place_joints(&self.base.sample_at(state.time_s), &state.pose)
     }
 
     /// Pose of the linkage in the external motion.
-    pub fn present_at(&self, time_s: f64) -> LimbPose {
-        let at = ((time_s - self.init.time_s) / PRESENT_STEP_S).clamp(0.0, (self.present.len() - 1) as f64);
-        let i = (at as usize).min(self.present.len().saturating_sub(2));
-        let (a, b) = (&self.present[i], &self.present[(i + 1).min(self.present.len() - 1)]);
+    pub fn external_pose_at(&self, time_s: f64) -> LimbPose {
+        let at = ((time_s - self.init.time_s) / EXTERNAL_STEP_S).clamp(0.0, (self.external_poses.len() - 1) as f64);
+        let i = (at as usize).min(self.external_poses.len().saturating_sub(2));
+        let (a, b) = (&self.external_poses[i], &self.external_poses[(i + 1).min(self.external_poses.len() - 1)]);
         let mut pose = *a;
         for (q, to) in pose.0[..self.chain.len()].iter_mut().zip(b.0) {
             *q = throng_base::maths::slerp(*q, to, at - i as f64);
@@ -219,24 +219,24 @@ impl Problem {
     }
 
     /// Names of the two things that are too near each other.
-    pub fn names(&self, hit: &Hit) -> [String; 2] {
+    pub fn hit_names(&self, hit: &CollisionHit) -> [String; 2] {
         let pair = &self.pairs[hit.pair];
         [self.parts[pair.part].name.clone(), self.target_name(pair.target)]
     }
 
-    pub(crate) fn target_name(&self, target: Target) -> String {
+    pub(crate) fn target_name(&self, target: CollisionTarget) -> String {
         match target {
-            Target::Solid(i) => self.solids[i].solid.name.clone(),
-            Target::Body(i) => self.bodies[i].name(),
-            Target::Tether => self.tether.as_ref().map_or_else(String::new, |t| t.name.clone()),
-            Target::Level => "how far it may tilt".into(),
+            CollisionTarget::Solid(i) => self.solids[i].solid.name.clone(),
+            CollisionTarget::Body(i) => self.bodies[i].name(),
+            CollisionTarget::Tether => self.tether.as_ref().map_or_else(String::new, |t| t.name.clone()),
+            CollisionTarget::Upright => "how far it may tilt".into(),
         }
     }
 
     /// Least time that the joints need from one pose to another (s), and the joint that needs it.
     pub fn least_time(&self, from: &LimbPose, to: &LimbPose) -> (f64, Joint) {
         let joints = self.chain.linkage.joints();
-        let need = |i: usize| crate::rotation::angle(from.0[i], to.0[i]) / self.limits[i].speed;
+        let need = |i: usize| crate::rotation::angle_between(from.0[i], to.0[i]) / self.limits[i].speed;
         let all = (0..self.chain.len()).map(|i| (need(i), joints[i]));
         all.fold((0.0, joints[0]), |a, b| if b.0 > a.0 { b } else { a })
     }
@@ -245,7 +245,7 @@ impl Problem {
 impl BodyPart {
     /// Its name, for messages.
     pub fn name(&self) -> String {
-        match &self.of {
+        match &self.character {
             Some(who) => format!("{who}'s {}", self.joint.name()),
             None => self.joint.name().into(),
         }

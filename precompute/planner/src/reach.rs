@@ -1,9 +1,9 @@
 //! Poses that reach a target among everything around: limits and collisions at once.
 
 use crate::collide::Checker;
-use crate::ik::{LimbIk, Swivel, Unreached};
+use crate::ik::{IkError, LimbIk, Swivel};
 use crate::linkage::LimbPose;
-use crate::problem::{Problem, State};
+use crate::problem::{LimbState, Problem};
 use crate::rotation::Rigid;
 use glam::DVec3;
 
@@ -12,39 +12,39 @@ impl Problem {
     /// possible to the present pose's, elbows halfway from there down.
     ///
     /// # Errors
-    /// [`Unreached`], with the name of the obstacle.
+    /// [`IkError`], with the name of the obstacle.
     ///
     /// # Source
     /// Shapiro, Kallmann and Faloutsos 2007, sections 5 and 6.2.
-    pub fn reach(
+    pub fn solve_reach(
         &self,
         checker: &mut Checker,
         target: &Rigid,
         time_s: f64,
         present: &LimbPose,
-    ) -> Result<LimbPose, Unreached<String>> {
+    ) -> Result<LimbPose, IkError<String>> {
         let base = self.base_at(time_s);
         let clavicle = if self.chain.len() > 3 { base.rotation * present.0[0] } else { base.rotation };
         let from = match self.chain.linkage.limb.is_arm() {
             true => Swivel::Low { down: clavicle.inverse() * DVec3::NEG_Y },
             false => Swivel::Present,
         };
-        self.reach_from(checker, target, time_s, present, from)
+        self.solve_reach_from(checker, target, time_s, present, from)
     }
 
-    /// Solves as [`Problem::reach`] does, with the swivel as near as possible to `from`.
-    pub(crate) fn reach_from(
+    /// Solves as [`Problem::solve_reach`] does, with the swivel as near as possible to `from`.
+    pub(crate) fn solve_reach_from(
         &self,
         checker: &mut Checker,
         target: &Rigid,
         time_s: f64,
         present: &LimbPose,
         from: Swivel,
-    ) -> Result<LimbPose, Unreached<String>> {
+    ) -> Result<LimbPose, IkError<String>> {
         let ik = LimbIk::new(&self.chain, &self.limits);
         ik.solve(&self.base_at(time_s), target, present, from, |pose| {
-            checker.deepest(self, &State { pose: *pose, time_s }).map(|hit| {
-                let [_, with] = self.names(&hit);
+            checker.deepest_hit(self, &LimbState { pose: *pose, time_s }).map(|hit| {
+                let [_, with] = self.hit_names(&hit);
                 with
             })
         })
@@ -54,32 +54,32 @@ impl Problem {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rotation::about;
+    use crate::rotation::rotation_about;
     use crate::setup::ProblemSpec;
-    use crate::shape::Shape;
-    use crate::testing::{Somebody, solid};
+    use crate::shape::SolidShape;
+    use crate::testing::{TestCharacter, solid};
 
     #[test]
     fn a_target_is_reached_past_what_is_in_the_way_or_says_what_is() {
-        let s = Somebody::standing();
+        let s = TestCharacter::standing();
         let pose = s.pose(0.0, -0.2, 0.4);
-        let target = Rigid { position: DVec3::new(0.2, 1.35, 0.35), rotation: about(DVec3::Y, -1.4) };
-        let with = |shape: Shape, at: DVec3| {
+        let target = Rigid { position: DVec3::new(0.2, 1.35, 0.35), rotation: rotation_about(DVec3::Y, -1.4) };
+        let with = |shape: SolidShape, at: DVec3| {
             let solids = [solid("box", shape, at)];
             let spec = s.spec([(pose, 0.0), (pose, 1.0)]);
             let problem = Problem::prepare(&ProblemSpec { solids: &solids, ..spec }).expect("a problem");
-            let reached = problem.reach(&mut Checker::default(), &target, 0.5, &pose);
+            let reached = problem.solve_reach(&mut Checker::default(), &target, 0.5, &pose);
             (problem, reached)
         };
-        let (problem, reached) = with(Shape::ball(0.05), DVec3::splat(9.0));
+        let (problem, reached) = with(SolidShape::ball(0.05), DVec3::splat(9.0));
         let reached = reached.expect("free");
-        let placed = problem.place(&State { pose: reached, time_s: 0.5 });
+        let placed = problem.place_chain(&LimbState { pose: reached, time_s: 0.5 });
         assert!(placed[2].position.distance(target.position) < 1e-9);
         // Where the elbow would be: it goes elsewhere.
-        let (problem, other) = with(Shape::ball(0.03), placed[1].position);
-        let elbow = problem.place(&State { pose: other.expect("another swivel"), time_s: 0.5 })[1].position;
+        let (problem, other) = with(SolidShape::ball(0.03), placed[1].position);
+        let elbow = problem.place_chain(&LimbState { pose: other.expect("another swivel"), time_s: 0.5 })[1].position;
         assert!(elbow.distance(placed[1].position) > 0.05);
-        let (_, blocked) = with(Shape::cuboid(DVec3::splat(0.2)), target.position);
+        let (_, blocked) = with(SolidShape::cuboid(DVec3::splat(0.2)), target.position);
         assert_eq!(blocked.unwrap_err().to_string(), "blocked by box");
     }
 }

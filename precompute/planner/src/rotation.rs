@@ -5,14 +5,14 @@ use std::f64::consts::{PI, TAU};
 use throng_base::maths;
 
 /// The rotation about a unit axis (rad).
-pub fn about(axis: DVec3, angle: f64) -> DQuat {
+pub fn rotation_about(axis: DVec3, angle: f64) -> DQuat {
     let (sin, cos) = maths::sin_cos(0.5 * angle);
     let v = axis * sin;
     DQuat::from_xyzw(v.x, v.y, v.z, cos)
 }
 
 /// Angle wrapped to [-pi, pi) (rad).
-pub fn wrap(angle: f64) -> f64 {
+pub fn wrap_angle(angle: f64) -> f64 {
     (angle + PI).rem_euclid(TAU) - PI
 }
 
@@ -23,7 +23,7 @@ pub fn exp(vector: DVec3) -> DQuat {
         let v = 0.5 * vector;
         return DQuat::from_xyzw(v.x, v.y, v.z, 1.0);
     }
-    about(vector / angle, angle)
+    rotation_about(vector / angle, angle)
 }
 
 /// The rotation vector of a unit quaternion, at most half a turn long (rad).
@@ -35,24 +35,24 @@ pub fn log(q: DQuat) -> DVec3 {
 }
 
 /// Angle between two rotations, in [0, pi] (rad).
-pub fn angle(a: DQuat, b: DQuat) -> f64 {
-    let b = towards(a, b);
+pub fn angle_between(a: DQuat, b: DQuat) -> f64 {
+    let b = nearest_sign(a, b);
     // Arctangent of half the difference and half the sum: as exact for small angles as for large ones.
     4.0 * maths::atan2((a - b).length(), (a + b).length())
 }
 
 /// The middle of the shortest path from `a` to `b`: [`maths::slerp`] at one half, without trigonometry.
-pub fn middle(a: DQuat, b: DQuat) -> DQuat {
-    (a + towards(a, b)).normalize()
+pub fn mid_rotation(a: DQuat, b: DQuat) -> DQuat {
+    (a + nearest_sign(a, b)).normalize()
 }
 
 /// `b` or its negative, whichever is nearer to `a`.
-fn towards(a: DQuat, b: DQuat) -> DQuat {
+fn nearest_sign(a: DQuat, b: DQuat) -> DQuat {
     if a.dot(b) < 0.0 { -b } else { b }
 }
 
 /// The smallest rotation that takes one unit vector to another.
-pub fn between(from: DVec3, to: DVec3) -> DQuat {
+pub fn rotation_between(from: DVec3, to: DVec3) -> DQuat {
     let w = 1.0 + from.dot(to);
     if w < 1e-9 {
         let axis = from.any_orthonormal_vector();
@@ -86,7 +86,7 @@ pub fn twist_about(q: DQuat, axis: DVec3) -> DQuat {
 }
 
 /// The rotation as seen in a mirror at x = 0.
-pub fn mirrored(q: DQuat) -> DQuat {
+pub fn mirror_rotation_x(q: DQuat) -> DQuat {
     DQuat::from_xyzw(q.x, -q.y, -q.z, q.w)
 }
 
@@ -104,12 +104,12 @@ impl Rigid {
     pub const IDENTITY: Self = Self { position: DVec3::ZERO, rotation: DQuat::IDENTITY };
 
     /// A position without rotation.
-    pub const fn at(position: DVec3) -> Self {
+    pub const fn from_position(position: DVec3) -> Self {
         Self { position, rotation: DQuat::IDENTITY }
     }
 
     /// A point of its frame, in the outer frame (m).
-    pub fn point(&self, p: DVec3) -> DVec3 {
+    pub fn transform_point(&self, p: DVec3) -> DVec3 {
         self.position + self.rotation * p
     }
 
@@ -119,12 +119,12 @@ impl Rigid {
     }
 
     /// A transform in its frame, expressed in the outer frame.
-    pub fn then(&self, inner: Self) -> Self {
-        Self { position: self.point(inner.position), rotation: self.rotation * inner.rotation }
+    pub fn compose(&self, inner: Self) -> Self {
+        Self { position: self.transform_point(inner.position), rotation: self.rotation * inner.rotation }
     }
 
     /// A transform in the outer frame, expressed in its frame.
-    pub fn local(&self, outer: Self) -> Self {
+    pub fn to_local(&self, outer: Self) -> Self {
         Self { position: self.local_point(outer.position), rotation: self.rotation.inverse() * outer.rotation }
     }
 
@@ -135,7 +135,7 @@ impl Rigid {
 
     /// Interpolates the position linearly, the rotation by the normalised sum of the quaternions.
     pub fn lerp(&self, to: &Self, share: f64) -> Self {
-        let b = towards(self.rotation, to.rotation);
+        let b = nearest_sign(self.rotation, to.rotation);
         Self {
             position: self.position + (to.position - self.position) * share,
             rotation: (self.rotation * (1.0 - share) + b * share).normalize(),
@@ -144,9 +144,9 @@ impl Rigid {
 
     /// Bound on the travel of a point within `reach` of the origin along [`Rigid::lerp`]: as if it always had its greatest
     /// speed (m).
-    pub fn travel(&self, to: &Self, reach: f64) -> f64 {
+    pub fn travel_bound(&self, to: &Self, reach: f64) -> f64 {
         // The normalised sum turns fastest in its middle: there by 4 tan(angle / 4) for the whole path.
-        let b = towards(self.rotation, to.rotation);
+        let b = nearest_sign(self.rotation, to.rotation);
         let quarter = maths::atan2((self.rotation - b).length(), (self.rotation + b).length());
         (to.position - self.position).length() + 4.0 * maths::sin(quarter) / maths::cos(quarter) * reach
     }
@@ -169,22 +169,22 @@ mod tests {
             prop_assume!(axis.length() > 0.1);
             let axis = axis.normalize();
             let (swing, twist) = swing_twist(q, axis);
-            prop_assert!(angle(swing * about(axis, twist), q) < 1e-9);
+            prop_assert!(angle_between(swing * rotation_about(axis, twist), q) < 1e-9);
             prop_assert!(swing.xyz().dot(axis).abs() < 1e-9);
             prop_assert!(twist.abs() <= std::f64::consts::PI + 1e-12);
         }
 
         #[test]
         fn logarithm_and_exponential_are_inverse(q in rotations()) {
-            prop_assert!(angle(exp(log(q)), q) < 1e-9);
-            prop_assert!((log(q).length() - angle(q, DQuat::IDENTITY)).abs() < 1e-9);
+            prop_assert!(angle_between(exp(log(q)), q) < 1e-9);
+            prop_assert!((log(q).length() - angle_between(q, DQuat::IDENTITY)).abs() < 1e-9);
         }
 
         #[test]
         fn slerp_turns_evenly_and_its_middle_is_the_middle(a in rotations(), b in rotations(), share in 0.0f64..1.0) {
-            let whole = angle(a, b);
-            prop_assert!((angle(a, slerp(a, b, share)) - share * whole).abs() < 1e-7);
-            prop_assert!(angle(middle(a, b), slerp(a, b, 0.5)) < 1e-7);
+            let whole = angle_between(a, b);
+            prop_assert!((angle_between(a, slerp(a, b, share)) - share * whole).abs() < 1e-7);
+            prop_assert!(angle_between(mid_rotation(a, b), slerp(a, b, 0.5)) < 1e-7);
         }
 
         #[test]
@@ -194,7 +194,7 @@ mod tests {
             let (a, b) = (DVec3::from(a), DVec3::from(b));
             prop_assume!(a.length() > 0.1 && b.length() > 0.1);
             let (a, b) = (a.normalize(), b.normalize());
-            let q = between(a, b);
+            let q = rotation_between(a, b);
             prop_assert!((q * a - b).length() < 1e-6);
             prop_assert!(swing_twist(q, a).1.abs() < 1e-6);
         }
@@ -206,17 +206,17 @@ mod tests {
             let a = Rigid { position: DVec3::new(0.1, 0.2, 0.3), rotation: a };
             let b = Rigid { position: DVec3::new(-0.4, 0.2, 0.5), rotation: b };
             // Half a turn has no shortest way.
-            prop_assume!(angle(a.rotation, b.rotation) < 3.0);
+            prop_assume!(angle_between(a.rotation, b.rotation) < 3.0);
             let p = DVec3::from(p);
-            let moved = a.lerp(&b, to).point(p) - a.lerp(&b, from).point(p);
-            prop_assert!(moved.length() <= a.travel(&b, p.length()) * (to - from).abs() + 1e-9);
+            let moved = a.lerp(&b, to).transform_point(p) - a.lerp(&b, from).transform_point(p);
+            prop_assert!(moved.length() <= a.travel_bound(&b, p.length()) * (to - from).abs() + 1e-9);
         }
     }
 
     #[test]
     fn half_a_turn_has_an_axis() {
-        let q = between(DVec3::X, DVec3::NEG_X);
+        let q = rotation_between(DVec3::X, DVec3::NEG_X);
         assert!((q * DVec3::X + DVec3::X).length() < 1e-12);
-        assert_eq!(swing_twist(about(DVec3::Y, std::f64::consts::PI), DVec3::X).1, 0.0);
+        assert_eq!(swing_twist(rotation_about(DVec3::Y, std::f64::consts::PI), DVec3::X).1, 0.0);
     }
 }

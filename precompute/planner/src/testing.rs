@@ -1,34 +1,34 @@
 //! Fixtures of tests: a standing character, and solids around it.
 
-use crate::body::BodyShape;
-use crate::driven::Driven;
-use crate::limits::{BodyLimits, Coordinates, Sampler, Style};
+use crate::body::BodyCapsules;
+use crate::driven::DrivenMotion;
+use crate::limits::{BodyLimits, Coordinates, PoseSampler, Style};
 use crate::linkage::{Limb, LimbPose, Linkage};
-use crate::problem::{Problem, Solid, State};
+use crate::problem::{LimbState, MovingSolid, Problem};
 use crate::rotation::Rigid;
 use crate::setup::{ProblemError, ProblemSpec};
-use crate::shape::Shape;
-use crate::track::Path;
+use crate::shape::SolidShape;
+use crate::track::RigidPath;
 use glam::{DQuat, DVec3};
 use rand_pcg::Pcg64Mcg;
 use throng_core::{NUM_JOINTS, Skeleton};
 
 /// A character that stands at the origin and looks along +Z.
-pub struct Somebody {
+pub struct TestCharacter {
     pub skeleton: Skeleton,
     pub limits: BodyLimits,
-    pub motion: Driven,
-    pub shape: BodyShape,
+    pub motion: DrivenMotion,
+    pub shape: BodyCapsules,
     pub linkage: Linkage,
 }
 
-impl Somebody {
+impl TestCharacter {
     pub fn standing() -> Self {
         let skeleton = Skeleton::default();
-        let motion = Driven::still(&skeleton, skeleton.offsets[0].as_dvec3(), [DQuat::IDENTITY; NUM_JOINTS]);
+        let motion = DrivenMotion::from_pose(&skeleton, skeleton.offsets[0].as_dvec3(), [DQuat::IDENTITY; NUM_JOINTS]);
         Self {
             limits: BodyLimits::built_in(&skeleton),
-            shape: BodyShape::fitted(&skeleton),
+            shape: BodyCapsules::fitted(&skeleton),
             motion,
             skeleton,
             linkage: Linkage::limb(Limb::LeftArm),
@@ -37,7 +37,7 @@ impl Somebody {
 
     /// Arm pose: shoulder by its swing, elbow by its flexion (rad).
     pub fn pose(&self, across: f64, up: f64, flexion: f64) -> LimbPose {
-        let limits = self.limits.of_linkage(self.linkage).expect("limits");
+        let limits = self.limits.linkage_limits(self.linkage).expect("limits");
         let mut pose = LimbPose::REST;
         pose.0[0] = limits[0].rotation(Coordinates { swing: [across, up], twist: 0.0 });
         pose.0[1] = limits[1].rotation(Coordinates { swing: [flexion, 0.0], twist: 0.0 });
@@ -45,32 +45,32 @@ impl Somebody {
     }
 
     pub fn any_pose(&self, rng: &mut Pcg64Mcg) -> LimbPose {
-        let limits = self.limits.of_linkage(self.linkage).expect("limits");
-        Sampler::new(self.linkage, limits, &LimbPose::REST, Style::default(), 1).draw(rng, 1)
+        let limits = self.limits.linkage_limits(self.linkage).expect("limits");
+        PoseSampler::new(self.linkage, limits, &LimbPose::REST, Style::default(), 1).draw_pose(rng, 1)
     }
 
     pub fn spec(&self, ends: [(LimbPose, f64); 2]) -> ProblemSpec<'_> {
-        let ends = ends.map(|(pose, time_s)| State { pose, time_s });
+        let ends = ends.map(|(pose, time_s)| LimbState { pose, time_s });
         ProblemSpec::new(&self.skeleton, self.linkage, &self.limits, &self.motion, &self.shape, ends)
     }
 
-    pub fn problem(&self, ends: [(LimbPose, f64); 2], solids: &[Solid]) -> Result<Problem, ProblemError> {
+    pub fn problem(&self, ends: [(LimbPose, f64); 2], solids: &[MovingSolid]) -> Result<Problem, ProblemError> {
         Problem::new(&ProblemSpec { solids, ..self.spec(ends) })
     }
 }
 
-pub fn solid(name: &str, shape: Shape, at: DVec3) -> Solid {
-    Solid { name: name.into(), shape, path: Path::Still(Rigid::at(at)) }
+pub fn solid(name: &str, shape: SolidShape, at: DVec3) -> MovingSolid {
+    MovingSolid { name: name.into(), shape, path: RigidPath::Still(Rigid::from_position(at)) }
 }
 
 /// Problem without a solution: an arm that hangs through a hole in a floor of plates is to come above it.
-pub fn stuck(s: &Somebody) -> Problem {
+pub fn stuck(s: &TestCharacter) -> Problem {
     let mut hanging = LimbPose::REST;
-    hanging.0[0] = crate::rotation::about(DVec3::Z, -1.5);
-    hanging.0[1] = crate::rotation::about(DVec3::NEG_Y, 0.05);
+    hanging.0[0] = crate::rotation::rotation_about(DVec3::Z, -1.5);
+    hanging.0[1] = crate::rotation::rotation_about(DVec3::NEG_Y, 0.05);
     let ends = [(hanging, 0.0), (s.pose(0.0, 0.2, 0.3), 1.5)];
     let plate = |name: &str, [x, z]: [f64; 2], [wide, deep]: [f64; 2]| {
-        solid(name, Shape::cuboid(DVec3::new(wide, 0.02, deep)), DVec3::new(x, 1.13, z))
+        solid(name, SolidShape::cuboid(DVec3::new(wide, 0.02, deep)), DVec3::new(x, 1.13, z))
     };
     let left = plate("left", [1.28, 0.0], [2.0, 4.0]);
     let [front, back] =

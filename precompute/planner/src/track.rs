@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 /// Times of samples.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Clock {
+pub enum SampleTimes {
     /// Every `step_s` from `start_s` on.
     Even {
         /// (s)
@@ -18,10 +18,10 @@ pub enum Clock {
     At(Vec<f64>),
 }
 
-impl Clock {
+impl SampleTimes {
     /// Interval of a time, and the share of it that has passed: the start of the first one before all times, the end of the
     /// last one behind them.
-    fn find(&self, len: usize, t: f64) -> (usize, f64) {
+    fn find_interval(&self, len: usize, t: f64) -> (usize, f64) {
         let last = len.saturating_sub(2);
         match self {
             Self::Even { start_s, step_s } => {
@@ -37,7 +37,7 @@ impl Clock {
         }
     }
 
-    fn length(&self, i: usize) -> f64 {
+    fn interval_length(&self, i: usize) -> f64 {
         match self {
             Self::Even { step_s, .. } => *step_s,
             Self::At(times) => times[i + 1] - times[i],
@@ -65,7 +65,7 @@ impl Peaks {
     }
 
     /// Largest of numbers `first` to `last`, both included.
-    fn of(&self, first: usize, last: usize) -> f64 {
+    fn peak_of(&self, first: usize, last: usize) -> f64 {
         let level = (last + 1 - first).ilog2() as usize;
         let row = &self.levels[level];
         row[first].max(row[last + 1 - (1 << level)])
@@ -74,87 +74,88 @@ impl Peaks {
 
 /// Samples of a motion, with the speeds between them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Track<T> {
-    clock: Clock,
+pub struct MotionTrack<T> {
+    clock: SampleTimes,
     samples: Vec<T>,
     /// Speeds of its origin, and of turns, in each interval (m/s, rad/s); of both ends for segments.
     speeds: Peaks,
     turns: Peaks,
 }
 
-impl<T: Copy> Track<T> {
-    fn made(clock: Clock, samples: Vec<T>, speeds: impl Fn(&T, &T) -> [f64; 2]) -> Self {
+impl<T: Copy> MotionTrack<T> {
+    fn from_samples(clock: SampleTimes, samples: Vec<T>, speeds: impl Fn(&T, &T) -> [f64; 2]) -> Self {
         let pairs = samples.windows(2).enumerate();
-        let each: Vec<[f64; 2]> = pairs.map(|(i, w)| speeds(&w[0], &w[1]).map(|way| way / clock.length(i))).collect();
+        let each: Vec<[f64; 2]> =
+            pairs.map(|(i, w)| speeds(&w[0], &w[1]).map(|way| way / clock.interval_length(i))).collect();
         let each = if each.is_empty() { vec![[0.0; 2]] } else { each };
         let peaks = |k: usize| Peaks::new(each.iter().map(|s| s[k]).collect());
         Self { clock, speeds: peaks(0), turns: peaks(1), samples }
     }
 
-    fn between(&self, t: f64, lerp: impl Fn(&T, &T, f64) -> T) -> T {
-        let (i, share) = self.clock.find(self.samples.len(), t);
+    fn interpolate(&self, t: f64, lerp: impl Fn(&T, &T, f64) -> T) -> T {
+        let (i, share) = self.clock.find_interval(self.samples.len(), t);
         match self.samples.get(i + 1) {
             Some(to) => lerp(&self.samples[i], to, share),
             None => self.samples[i],
         }
     }
 
-    fn peaks(&self, from_s: f64, to_s: f64) -> [f64; 2] {
-        let find = |t| self.clock.find(self.samples.len(), t).0;
+    fn peak_speeds(&self, from_s: f64, to_s: f64) -> [f64; 2] {
+        let find = |t| self.clock.find_interval(self.samples.len(), t).0;
         let (first, last) = (find(from_s), find(to_s));
-        [self.speeds.of(first, last), self.turns.of(first, last)]
+        [self.speeds.peak_of(first, last), self.turns.peak_of(first, last)]
     }
 }
 
-impl Track<Rigid> {
+impl MotionTrack<Rigid> {
     /// Track of a rigid body; it stands still before the first and after the last sample.
     ///
-    /// - `samples`: at least one, valid; of [`Clock::At`] as many as times.
-    pub fn rigid(clock: Clock, samples: Vec<Rigid>) -> Self {
-        Self::made(clock, samples, |a, b| {
-            let turn = a.travel(b, 1.0) - a.travel(b, 0.0);
-            [a.travel(b, 0.0), turn]
+    /// - `samples`: at least one, valid; of [`SampleTimes::At`] as many as times.
+    pub fn rigid(clock: SampleTimes, samples: Vec<Rigid>) -> Self {
+        Self::from_samples(clock, samples, |a, b| {
+            let turn = a.travel_bound(b, 1.0) - a.travel_bound(b, 0.0);
+            [a.travel_bound(b, 0.0), turn]
         })
     }
 
     /// Transform at a time.
-    pub fn at(&self, t: f64) -> Rigid {
-        self.between(t, Rigid::lerp)
+    pub fn sample_at(&self, t: f64) -> Rigid {
+        self.interpolate(t, Rigid::lerp)
     }
 
     /// Bound on the speed of a point within `reach` of its origin over a stretch of time (m/s).
     pub fn speed(&self, from_s: f64, to_s: f64, reach: f64) -> f64 {
-        let [speed, turn] = self.peaks(from_s, to_s);
+        let [speed, turn] = self.peak_speeds(from_s, to_s);
         speed + turn * reach
     }
 }
 
-impl Track<Segment> {
+impl MotionTrack<Segment> {
     /// Track of a segment whose ends move in straight lines between samples.
     ///
-    /// - `samples`: at least one; of [`Clock::At`] as many as times.
-    pub fn segment(clock: Clock, samples: Vec<Segment>) -> Self {
-        Self::made(clock, samples, |p, q| [(q.a - p.a).length().max((q.b - p.b).length()), 0.0])
+    /// - `samples`: at least one; of [`SampleTimes::At`] as many as times.
+    pub fn segment(clock: SampleTimes, samples: Vec<Segment>) -> Self {
+        Self::from_samples(clock, samples, |p, q| [(q.a - p.a).length().max((q.b - p.b).length()), 0.0])
     }
 
     /// Segment at a time (m).
-    pub fn at(&self, t: f64) -> Segment {
-        self.between(t, Segment::lerp)
+    pub fn sample_at(&self, t: f64) -> Segment {
+        self.interpolate(t, Segment::lerp)
     }
 
     /// Bound on the speed of any of its points over a stretch of time (m/s).
     pub fn speed(&self, from_s: f64, to_s: f64) -> f64 {
-        self.peaks(from_s, to_s)[0]
+        self.peak_speeds(from_s, to_s)[0]
     }
 }
 
 /// Motion of a rigid body in the world.
 #[derive(Clone)]
-pub enum Path {
+pub enum RigidPath {
     /// Stands still.
     Still(Rigid),
     /// Through keys, or with a joint of a body.
-    Track(Arc<Track<Rigid>>),
+    Track(Arc<MotionTrack<Rigid>>),
     /// Given by a function.
     Function {
         /// Transform at a time (s).
@@ -164,7 +165,7 @@ pub enum Path {
     },
 }
 
-impl std::fmt::Debug for Path {
+impl std::fmt::Debug for RigidPath {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Still(at) => write!(f, "Still({at:?})"),
@@ -174,27 +175,27 @@ impl std::fmt::Debug for Path {
     }
 }
 
-impl Path {
+impl RigidPath {
     /// Motion through keys: in straight lines at even speed from one to the next, still before and after.
     ///
     /// - `keys`: times (s), ascending, and places; an empty list has no place, and no problem accepts it.
-    pub fn keys(keys: &[(f64, Rigid)]) -> Self {
+    pub fn from_keys(keys: &[(f64, Rigid)]) -> Self {
         if keys.is_empty() {
-            return Self::Still(Rigid::at(glam::DVec3::NAN));
+            return Self::Still(Rigid::from_position(glam::DVec3::NAN));
         }
-        let clock = Clock::At(keys.iter().map(|k| k.0).collect());
-        Self::Track(Arc::new(Track::rigid(clock, keys.iter().map(|k| k.1).collect())))
+        let clock = SampleTimes::At(keys.iter().map(|k| k.0).collect());
+        Self::Track(Arc::new(MotionTrack::rigid(clock, keys.iter().map(|k| k.1).collect())))
     }
 
     /// This path, moved by an offset (m).
     #[must_use]
-    pub fn moved(&self, by: glam::DVec3) -> Self {
+    pub fn moved_by(&self, by: glam::DVec3) -> Self {
         let moved = move |at: Rigid| Rigid { position: at.position + by, ..at };
         match self {
             Self::Still(at) => Self::Still(moved(*at)),
             Self::Track(track) => {
                 let samples = track.samples.iter().map(|s| moved(*s)).collect();
-                Self::Track(Arc::new(Track::rigid(track.clock.clone(), samples)))
+                Self::Track(Arc::new(MotionTrack::rigid(track.clock.clone(), samples)))
             }
             Self::Function { at, speed_mps } => {
                 let at = Arc::clone(at);
@@ -204,10 +205,10 @@ impl Path {
     }
 
     /// Transform at a time.
-    pub fn at(&self, t: f64) -> Rigid {
+    pub fn place_at(&self, t: f64) -> Rigid {
         match self {
             Self::Still(at) => *at,
-            Self::Track(track) => track.at(t),
+            Self::Track(track) => track.sample_at(t),
             Self::Function { at, .. } => at(t),
         }
     }
@@ -227,8 +228,8 @@ impl Path {
             Self::Still(at) => at.is_valid(),
             Self::Track(track) => {
                 let times = match &track.clock {
-                    Clock::Even { start_s, step_s } => start_s.is_finite() && *step_s > 0.0,
-                    Clock::At(times) => {
+                    SampleTimes::Even { start_s, step_s } => start_s.is_finite() && *step_s > 0.0,
+                    SampleTimes::At(times) => {
                         times.len() == track.samples.len()
                             && times.iter().all(|t| t.is_finite())
                             && times.windows(2).all(|w| w[0] < w[1])
@@ -262,20 +263,20 @@ mod tests {
         #[test]
         fn nothing_is_faster_than_said(keys in keys(9), even in any::<bool>(), from in -0.2f64..2.0, length in 0.0f64..1.0) {
             let clock = if even {
-                Clock::Even { start_s: 0.1, step_s: 0.2 }
+                SampleTimes::Even { start_s: 0.1, step_s: 0.2 }
             } else {
-                Clock::At((0..9).map(|i| 0.1 + 0.2 * f64::from(i) + 0.01 * f64::from(i * i)).collect())
+                SampleTimes::At((0..9).map(|i| 0.1 + 0.2 * f64::from(i) + 0.01 * f64::from(i * i)).collect())
             };
-            let track = Track::rigid(clock.clone(), keys.clone());
+            let track = MotionTrack::rigid(clock.clone(), keys.clone());
             let p = DVec3::new(0.3, 0.4, -0.2);
-            let cores: Vec<Segment> = keys.iter().map(|k| Segment::new(k.position, k.point(p))).collect();
-            let segments = Track::segment(clock, cores);
+            let cores: Vec<Segment> = keys.iter().map(|k| Segment::new(k.position, k.transform_point(p))).collect();
+            let segments = MotionTrack::segment(clock, cores);
             let (mut way, mut way_of_end) = (0.0, 0.0f64);
             let n = 400;
             for i in 0..n {
                 let at = |i: i32| from + length * f64::from(i) / f64::from(n);
-                way += (track.at(at(i + 1)).point(p) - track.at(at(i)).point(p)).length();
-                way_of_end += (segments.at(at(i + 1)).b - segments.at(at(i)).b).length();
+                way += (track.sample_at(at(i + 1)).transform_point(p) - track.sample_at(at(i)).transform_point(p)).length();
+                way_of_end += (segments.sample_at(at(i + 1)).b - segments.sample_at(at(i)).b).length();
             }
             prop_assert!(way <= track.speed(from, from + length, p.length()) * length + 1e-9);
             prop_assert!(way_of_end <= segments.speed(from, from + length) * length + 1e-9);
@@ -286,24 +287,26 @@ mod tests {
             let (a, b) = (a % values.len(), b % values.len());
             let (first, last) = (a.min(b), a.max(b));
             let largest = values[first..=last].iter().copied().fold(0.0, f64::max);
-            prop_assert_eq!(Peaks::new(values).of(first, last), largest);
+            prop_assert_eq!(Peaks::new(values).peak_of(first, last), largest);
         }
     }
 
     #[test]
     fn keys_are_passed_at_their_times_and_kept_outside() {
-        let place = |x: f64| Rigid::at(DVec3::X * x);
-        let path = Path::keys(&[(1.0, place(0.0)), (2.0, place(3.0)), (4.0, place(3.0))]);
-        let x = |t: f64| path.at(t).position.x;
+        let place = |x: f64| Rigid::from_position(DVec3::X * x);
+        let path = RigidPath::from_keys(&[(1.0, place(0.0)), (2.0, place(3.0)), (4.0, place(3.0))]);
+        let x = |t: f64| path.place_at(t).position.x;
         assert_eq!((x(0.0), x(1.0), x(1.5), x(2.0), x(9.0)), (0.0, 0.0, 1.5, 3.0, 3.0));
         assert_eq!((path.speed(1.2, 1.3, 0.5), path.speed(2.5, 3.0, 0.5)), (3.0, 0.0));
-        assert!(path.is_valid(0.0, 1.0) && !Path::keys(&[]).is_valid(0.0, 1.0));
-        assert!(!Path::keys(&[(2.0, place(0.0)), (1.0, place(1.0))]).is_valid(0.0, 1.0));
-        assert_eq!(Path::keys(&[(1.0, place(2.0))]).at(7.0), place(2.0));
-        let function = Path::Function { at: Arc::new(place), speed_mps: 1.0 };
-        for path in [path, Path::Still(place(2.0)), function] {
-            let moved = path.moved(DVec3::Y);
-            assert!([0.5, 1.5, 9.0].iter().all(|t| moved.at(*t).position == path.at(*t).position + DVec3::Y));
+        assert!(path.is_valid(0.0, 1.0) && !RigidPath::from_keys(&[]).is_valid(0.0, 1.0));
+        assert!(!RigidPath::from_keys(&[(2.0, place(0.0)), (1.0, place(1.0))]).is_valid(0.0, 1.0));
+        assert_eq!(RigidPath::from_keys(&[(1.0, place(2.0))]).place_at(7.0), place(2.0));
+        let function = RigidPath::Function { at: Arc::new(place), speed_mps: 1.0 };
+        for path in [path, RigidPath::Still(place(2.0)), function] {
+            let moved = path.moved_by(DVec3::Y);
+            assert!(
+                [0.5, 1.5, 9.0].iter().all(|t| moved.place_at(*t).position == path.place_at(*t).position + DVec3::Y)
+            );
             assert_eq!(moved.speed(1.2, 1.3, 0.5), path.speed(1.2, 1.3, 0.5));
         }
     }

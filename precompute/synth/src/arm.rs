@@ -1,6 +1,6 @@
 //! Analytic arm IK: upper arm and forearm that bring a wrist to a position, with the elbow towards a pole.
 
-use super::side::Side;
+use super::side::LateralSide;
 use glam::{DMat3, DQuat, DVec3};
 
 /// Result of arm IK: rotation of the upper arm, and flexion of the elbow.
@@ -38,10 +38,10 @@ impl ArmShape {
     /// A wrist out of reach, or inside the shoulder, is approached as far as the elbow allows.
     ///
     /// - `pole`: direction, not along the arm.
-    pub fn solve(&self, side: Side, shoulder: DVec3, wrist: DVec3, pole: DVec3) -> ArmReach {
+    pub fn solve(&self, side: LateralSide, shoulder: DVec3, wrist: DVec3, pole: DVec3) -> ArmReach {
         let (a, b) = (self.upper_arm, self.forearm);
         let to_wrist = wrist - shoulder;
-        let length = within(to_wrist.length() / self.length()) * self.length();
+        let length = soft_clamp(to_wrist.length() / self.length()) * self.length();
         let elbow = ((length * length - a * a - b * b) / (2.0 * a * b)).clamp(-1.0, 1.0).acos();
         let at_shoulder = ((a * a + length * length - b * b) / (2.0 * a * length)).clamp(-1.0, 1.0).acos();
         let along = to_wrist.normalize_or(DVec3::Z);
@@ -55,13 +55,13 @@ impl ArmShape {
     /// Rotation of the forearm relative to the upper arm.
     ///
     /// - `twist`: about its own axis, palm down (pronation) positive (rad).
-    pub fn forearm(side: Side, elbow: f64, twist: f64) -> DQuat {
+    pub fn forearm(side: LateralSide, elbow: f64, twist: f64) -> DQuat {
         DQuat::from_rotation_y(-side.sign() * elbow) * DQuat::from_rotation_x(twist)
     }
 }
 
 /// Clamps a distance smoothly to the limits of the arm.
-fn within(distance: f64) -> f64 {
+fn soft_clamp(distance: f64) -> f64 {
     let rounded = |over: f64| if over > -ROUNDING { 0.25 * (over + ROUNDING).powi(2) / ROUNDING } else { 0.0 };
     let soft = |over: f64| if over > ROUNDING { over } else { rounded(over) };
     distance - soft(distance - STRETCHED) + soft(FOLDED - distance)
@@ -74,7 +74,7 @@ mod tests {
 
     const ARM: ArmShape = ArmShape { upper_arm: 0.29, forearm: 0.255 };
 
-    fn wrist_of(side: Side, shoulder: DVec3, reach: &ArmReach) -> (DVec3, DVec3) {
+    fn wrist_of(side: LateralSide, shoulder: DVec3, reach: &ArmReach) -> (DVec3, DVec3) {
         let along = DVec3::X * side.sign();
         let elbow = shoulder + reach.upper_arm * along * ARM.upper_arm;
         let forearm = reach.upper_arm * ArmShape::forearm(side, reach.elbow, 0.7);
@@ -89,7 +89,7 @@ mod tests {
         ) {
             let (direction, pole) = (DVec3::from(direction), DVec3::from(pole));
             prop_assume!(direction.length() > 0.1 && direction.normalize().cross(pole).length() > 0.1);
-            let side = if left { Side::Left } else { Side::Right };
+            let side = if left { LateralSide::Left } else { LateralSide::Right };
             let shoulder = DVec3::new(0.1, 1.4, -0.2);
             let wrist = shoulder + direction.normalize() * share * ARM.length();
             let reach = ARM.solve(side, shoulder, wrist, pole);
@@ -101,7 +101,7 @@ mod tests {
 
         #[test]
         fn the_elbow_neither_locks_nor_snaps(share in 0.05f64..1.6) {
-            let elbow = |share: f64| ARM.solve(Side::Left, DVec3::ZERO, DVec3::Z * share * ARM.length(), DVec3::NEG_Y).elbow;
+            let elbow = |share: f64| ARM.solve(LateralSide::Left, DVec3::ZERO, DVec3::Z * share * ARM.length(), DVec3::NEG_Y).elbow;
             prop_assert!((0.3..2.56).contains(&elbow(share)), "{}", elbow(share));
             prop_assert!((elbow(share) - elbow(share + 1e-3)).abs() < 0.012);
         }

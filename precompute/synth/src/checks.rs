@@ -93,19 +93,19 @@ pub fn assert_nothing_pops(clip: &Clip, most: impl Fn(Joint) -> f32) {
 /// A file of unit objects, as far as the tests need it.
 #[derive(Deserialize)]
 pub struct UnitFile {
-    pub units: Vec<Unit>,
+    pub units: Vec<CheckUnit>,
 }
 
 #[derive(Deserialize)]
-pub struct Unit {
+pub struct CheckUnit {
     pub name: String,
     #[serde(default)]
-    pub shapes: Vec<Shape>,
+    pub shapes: Vec<CheckShape>,
 }
 
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Shape {
+pub enum CheckShape {
     Box {
         at: [f32; 3],
         size: [f32; 3],
@@ -123,21 +123,21 @@ pub enum Shape {
 
 /// An environment file, as far as the tests need it.
 #[derive(Deserialize)]
-pub struct EnvironmentFile {
-    pub place: Vec<Place>,
+pub struct CheckEnvironmentFile {
+    pub place: Vec<CheckPlace>,
 }
 
 #[derive(Deserialize)]
-pub struct Place {
+pub struct CheckPlace {
     pub unit: String,
     pub at: [f32; 3],
     #[serde(default)]
     pub heading_deg: f32,
-    #[serde(default = "once")]
+    #[serde(default = "single_count")]
     pub repeat: [u32; 3],
 }
 
-fn once() -> [u32; 3] {
+fn single_count() -> [u32; 3] {
     [1; 3]
 }
 

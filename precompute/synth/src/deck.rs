@@ -3,12 +3,12 @@
 use rand::{Rng, RngExt};
 
 /// Deck that deals its cards in random order, every card equally often.
-pub struct Deck<T> {
+pub struct CardDeck<T> {
     cards: Vec<T>,
     next: usize,
 }
 
-impl<T: Copy> Deck<T> {
+impl<T: Copy> CardDeck<T> {
     /// A deck of `cards`, shuffled at the first deal.
     pub fn new(cards: &[T]) -> Self {
         Self { cards: cards.to_vec(), next: cards.len() }
@@ -38,7 +38,7 @@ mod tests {
 
     #[test]
     fn every_card_comes_before_one_repeats() {
-        let (mut deck, mut rng) = (Deck::new(&[1, 2, 3, 4]), Pcg64Mcg::seed_from_u64(3));
+        let (mut deck, mut rng) = (CardDeck::new(&[1, 2, 3, 4]), Pcg64Mcg::seed_from_u64(3));
         for _ in 0..5 {
             let mut hand: Vec<_> = (0..4).map(|_| deck.deal(&mut rng)).collect();
             hand.sort_unstable();

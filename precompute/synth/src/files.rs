@@ -4,7 +4,7 @@ use std::fs::create_dir_all;
 use std::io::Error;
 use std::path::{Path, PathBuf};
 use throng_motion::annotate::sidecar::{Sidecar, SidecarTag, TimeUnit};
-use throng_motion::clip::{Clip, ClipSet, Tag};
+use throng_motion::clip::{Clip, ClipSet, ClipTag};
 use throng_motion::error::BuildError;
 use throng_motion::export::{self, to_raw};
 use throng_motion::files::{remove, write_atomically};
@@ -21,7 +21,7 @@ pub fn save(set: &ClipSet, folder: &Path) -> Result<Vec<PathBuf>, BuildError> {
     let save_one = |clip: &Clip| {
         let path = folder.join(format!("{}.bvh", clip.name));
         let raw = to_raw(clip, &set.skeleton);
-        write_atomically(&path, |out| export::bvh::write(&raw, out))?;
+        write_atomically(&path, |out| export::bvh::write_clip(&raw, out))?;
         save_tags(clip, &path.with_extension("toml"))?;
         Ok(path)
     };
@@ -40,7 +40,7 @@ fn save_tags(clip: &Clip, path: &Path) -> Result<(), BuildError> {
 
 /// Sidecar with a clip's tags; `None` for a clip without tags.
 pub(super) fn sidecar(clip: &Clip) -> Option<Sidecar> {
-    let tag = |t: &Tag| SidecarTag { name: t.name.clone(), start: t.range.start as f64, end: t.range.end as f64 };
+    let tag = |t: &ClipTag| SidecarTag { name: t.name.clone(), start: t.range.start as f64, end: t.range.end as f64 };
     let tags: Vec<_> = clip.tags.iter().map(tag).collect();
     (!tags.is_empty()).then(|| Sidecar { unit: TimeUnit::Frames, tags, ..Sidecar::default() })
 }
@@ -48,7 +48,7 @@ pub(super) fn sidecar(clip: &Clip) -> Option<Sidecar> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{SynthConfig, SynthSet, make};
+    use crate::{SynthConfig, SynthSet, make_set};
     use std::collections::BTreeMap;
     use throng_core::Joint;
     use throng_motion::annotate::{AnnotateConfig, Sidecars, annotate};
@@ -58,8 +58,8 @@ mod tests {
     #[test]
     fn the_ordinary_importer_reads_back_what_was_saved() {
         let folder = tempfile::tempdir().unwrap();
-        let set =
-            make(SynthSet::Walk, &SynthConfig { minutes: 0.5, clip_seconds: 15.0, ..SynthConfig::default() }).unwrap();
+        let set = make_set(SynthSet::Walk, &SynthConfig { minutes: 0.5, clip_seconds: 15.0, ..SynthConfig::default() })
+            .unwrap();
         let files = save(&set, &folder.path().join("walk")).unwrap();
         let config = ImportConfig { strict: true, ..ImportConfig::default() };
         let imported = read(&[folder.path().join("walk")], &config, &Silent).unwrap();
@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn tags_come_back_by_the_sidecar() {
         let folder = tempfile::tempdir().unwrap();
-        let set = make(SynthSet::Boxing, &SynthConfig { minutes: 0.2, ..SynthConfig::default() }).unwrap();
+        let set = make_set(SynthSet::Boxing, &SynthConfig { minutes: 0.2, ..SynthConfig::default() }).unwrap();
         let files = save(&set, folder.path()).unwrap();
         let raw = read(&files, &ImportConfig::default(), &Silent).unwrap();
         let bare = set.clips.iter().map(|c| Clip { tags: Vec::new(), ..c.clone() }).collect();

@@ -1,6 +1,6 @@
 //! Dimensions and poses of a foot.
 
-use super::side::{Side, forward};
+use super::side::{LateralSide, forward};
 use glam::{DQuat, DVec2, DVec3};
 use throng_core::{Contacts, Joint, Skeleton};
 
@@ -21,7 +21,7 @@ pub struct FootShape {
 
 impl FootShape {
     /// Dimensions of a skeleton's left foot; the heel extends behind the ankle by a third of the distance to the ball.
-    pub fn of(skeleton: &Skeleton) -> Self {
+    pub fn from_skeleton(skeleton: &Skeleton) -> Self {
         let rest = skeleton.rest_positions();
         let toe = skeleton.offsets[Joint::LeftToe.index()];
         let ball = f64::from(toe.z);
@@ -35,7 +35,7 @@ impl FootShape {
     }
 
     /// Pose of the foot with a given ball and directions of its parts; no part carries weight yet.
-    pub fn posed(&self, ball: DVec3, yaw: f64, heading: f64, pitch: f64, toe_pitch: f64) -> FootPose {
+    pub fn contact_pose(&self, ball: DVec3, yaw: f64, heading: f64, pitch: f64, toe_pitch: f64) -> FootPose {
         let rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
         let ankle = ball + rotation * DVec3::new(0.0, self.ankle_height - self.ball_height, -self.ball);
         FootPose { ankle, ball, yaw, heading, pitch, toe_pitch, ground: 0.0, heel_down: false, toe_down: false }
@@ -83,10 +83,10 @@ impl FootPose {
     }
 
     /// The contact bits of this foot.
-    pub fn contacts(&self, side: Side) -> Contacts {
+    pub fn contacts(&self, side: LateralSide) -> Contacts {
         let (heel, toe) = match side {
-            Side::Left => (Contacts::LEFT_HEEL, Contacts::LEFT_TOE),
-            Side::Right => (Contacts::RIGHT_HEEL, Contacts::RIGHT_TOE),
+            LateralSide::Left => (Contacts::LEFT_HEEL, Contacts::LEFT_TOE),
+            LateralSide::Right => (Contacts::RIGHT_HEEL, Contacts::RIGHT_TOE),
         };
         let mut out = Contacts::NONE;
         if self.heel_down {

@@ -3,10 +3,10 @@
 use super::SynthConfig;
 use super::foot::FootPose;
 use super::leg::LegShape;
-use super::side::{Side, forward};
+use super::side::{LateralSide, forward};
 use glam::{DQuat, DVec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
-use throng_motion::clip::{Clip, Tag};
+use throng_motion::clip::{Clip, ClipTag};
 
 /// Least sample rate of the rigs, so that their filters do not depend on the clip's rate (Hz).
 const WORKING_RATE: f64 = 120.0;
@@ -23,7 +23,7 @@ pub struct Samples {
 
 impl Samples {
     /// Samples of a clip.
-    pub fn of(duration: f64, rate_hz: f64) -> Self {
+    pub fn for_clip(duration: f64, rate_hz: f64) -> Self {
         let per_frame = (WORKING_RATE / rate_hz).ceil() as usize;
         let dt = 1.0 / (rate_hz * per_frame as f64);
         let num_frames = (duration * rate_hz).floor() as usize + 1;
@@ -32,7 +32,7 @@ impl Samples {
     }
 
     /// Number of whole samples in a time.
-    pub fn within(&self, seconds: f64) -> usize {
+    pub fn count_within(&self, seconds: f64) -> usize {
         (seconds / self.dt).round() as usize
     }
 
@@ -86,29 +86,29 @@ pub fn empty_clip(name: String, set: &str, cfg: &SynthConfig) -> Clip {
 pub fn add_tags<'a>(clip: &mut Clip, spans: impl IntoIterator<Item = (&'a str, f64, f64)>) {
     let (rate_hz, num_frames) = (clip.rate_hz, clip.num_frames());
     let at = |t: f64| ((t * rate_hz).round().max(0.0) as usize).min(num_frames);
-    clip.tags.extend(spans.into_iter().map(|(name, from, to)| Tag { name: name.into(), range: at(from)..at(to) }));
+    clip.tags.extend(spans.into_iter().map(|(name, from, to)| ClipTag { name: name.into(), range: at(from)..at(to) }));
     clip.tags.sort_by(|a, b| (a.range.start, a.range.end, &a.name).cmp(&(b.range.start, b.range.end, &b.name)));
 }
 
 /// Adds a pose standing on both feet to a clip.
-pub fn push(clip: &mut Clip, pose: &BodyPose, skeleton: &Skeleton) {
+pub fn push_pose(clip: &mut Clip, pose: &BodyPose, skeleton: &Skeleton) {
     let knees = pose.knees.map(|heading| {
         let f = forward(heading);
         DVec3::new(f.x, 0.0, f.y)
     });
-    push_held(clip, pose, knees, Contacts::NONE, skeleton);
+    push_pose_with_hands(clip, pose, knees, Contacts::NONE, skeleton);
 }
 
 /// Adds a pose to a clip.
 ///
 /// - `knees`: directions of the knees, left and right, in place of the headings of the pose.
 /// - `held`: contacts other than those of the feet.
-pub fn push_held(clip: &mut Clip, pose: &BodyPose, knees: [DVec3; 2], held: Contacts, skeleton: &Skeleton) {
+pub fn push_pose_with_hands(clip: &mut Clip, pose: &BodyPose, knees: [DVec3; 2], held: Contacts, skeleton: &Skeleton) {
     let mut local = [DQuat::IDENTITY; NUM_JOINTS];
     local[Joint::Hips.index()] = pose.hips;
     pose_trunk(&mut local, pose);
     let mut contacts = held;
-    for side in Side::BOTH {
+    for side in LateralSide::BOTH {
         let arm = &pose.arms[side.index()];
         for (joint, q) in side.arm().into_iter().zip([arm.clavicle, arm.upper_arm, arm.forearm, arm.hand]) {
             local[joint.index()] = q;
@@ -135,11 +135,11 @@ fn pose_trunk(local: &mut [DQuat; NUM_JOINTS], pose: &BodyPose) {
     }
 }
 
-fn pose_leg(local: &mut [DQuat; NUM_JOINTS], side: Side, pose: &BodyPose, knee: DVec3, skeleton: &Skeleton) {
+fn pose_leg(local: &mut [DQuat; NUM_JOINTS], side: LateralSide, pose: &BodyPose, knee: DVec3, skeleton: &Skeleton) {
     let [thigh, shin, ankle, toe] = side.leg();
     let foot = &pose.feet[side.index()];
     let hip = pose.root + pose.hips * skeleton.offsets[thigh.index()].as_dvec3();
-    let leg = LegShape::of(skeleton).solve(hip, foot.ankle, knee);
+    let leg = LegShape::from_skeleton(skeleton).solve(hip, foot.ankle, knee);
     let knee = DQuat::from_rotation_x(leg.knee);
     local[thigh.index()] = pose.hips.inverse() * leg.thigh;
     local[shin.index()] = knee;

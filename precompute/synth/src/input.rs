@@ -1,6 +1,6 @@
 //! Synthetic clips as the input of a build.
 
-use super::{SynthConfig, SynthSet, files, make};
+use super::{SynthConfig, SynthSet, files, make_set};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -40,12 +40,12 @@ impl SynthInput {
     /// [`BuildError::Key`] names the first one out of its range.
     pub fn check(&self) -> Result<(), BuildError> {
         check_ranges([("minutes", self.minutes.unwrap_or(1.0), 0.05, 240.0)])?;
-        self.also.iter().enumerate().try_for_each(|(i, s)| s.check().map_err(|e| e.within(&format!("also[{i}]"))))
+        self.also.iter().enumerate().try_for_each(|(i, s)| s.check().map_err(|e| e.within_key(&format!("also[{i}]"))))
     }
 
     /// This set and the further ones.
-    pub fn all(&self) -> Vec<&SynthInput> {
-        std::iter::once(self).chain(self.also.iter().flat_map(SynthInput::all)).collect()
+    pub fn with_others(&self) -> Vec<&SynthInput> {
+        std::iter::once(self).chain(self.also.iter().flat_map(SynthInput::with_others)).collect()
     }
 }
 
@@ -54,23 +54,23 @@ impl SynthInput {
 /// - `rate_hz`: of the clips (Hz).
 ///
 /// # Errors
-/// As [`make`] and [`import::made`].
+/// As [`make_set`] and [`import::made`].
 pub fn input(
     cfg: &SynthInput,
     rate_hz: f64,
     import: &ImportConfig,
 ) -> Result<(ImportedSet, BTreeMap<String, Sidecar>), BuildError> {
     let (mut all, mut sidecars) = (ImportedSet { clips: Vec::new(), skipped: Vec::new() }, BTreeMap::new());
-    let inputs = cfg.all();
+    let inputs = cfg.with_others();
     for (i, one) in inputs.iter().enumerate() {
         if inputs[..i].iter().any(|o| o.set == one.set) {
             let name = one.set.name();
             let why = format!("expected every set once, found `{name}` again. Raise its minutes instead");
             return Err(BuildError::key("synth.also", why));
         }
-        let set = make(one.set, &one.config(rate_hz))?;
+        let set = make_set(one.set, &one.config(rate_hz))?;
         sidecars.extend(set.clips.iter().filter_map(|c| Some((c.name.clone(), files::sidecar(c)?))));
-        all.clips.extend(import::made(&set, Path::new(one.set.name()), import)?.clips);
+        all.clips.extend(import::import_made(&set, Path::new(one.set.name()), import)?.clips);
     }
     Ok((all, sidecars))
 }

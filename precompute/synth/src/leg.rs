@@ -23,7 +23,7 @@ pub struct LegShape {
 
 impl LegShape {
     /// Dimensions of a skeleton's left leg.
-    pub fn of(skeleton: &Skeleton) -> Self {
+    pub fn from_skeleton(skeleton: &Skeleton) -> Self {
         let length = |j: Joint| f64::from(skeleton.offsets[j.index()].length());
         Self { thigh: length(Joint::LeftShin), shin: length(Joint::LeftFoot) }
     }

@@ -28,7 +28,7 @@ mod walk;
 
 pub use files::save;
 pub use input::{SynthInput, input};
-pub use set::{SynthSet, make, write};
+pub use set::{SynthSet, make_set, write_set};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -82,6 +82,6 @@ impl SynthConfig {
             ("rate_hz", self.rate_hz, RATE_HZ.least, RATE_HZ.most),
             ("variation", self.variation, 0.0, 2.0),
         ];
-        check_ranges(ranges).map_err(|e| e.within("synth"))
+        check_ranges(ranges).map_err(|e| e.within_key("synth"))
     }
 }

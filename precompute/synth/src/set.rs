@@ -62,7 +62,7 @@ impl SynthSet {
 ///
 /// # Errors
 /// [`BuildError::Config`] for a value outside its limits.
-pub fn make(set: SynthSet, cfg: &SynthConfig) -> Result<ClipSet, BuildError> {
+pub fn make_set(set: SynthSet, cfg: &SynthConfig) -> Result<ClipSet, BuildError> {
     cfg.check()?;
     Ok(match set {
         SynthSet::Walk => walk::walk(cfg),
@@ -80,9 +80,9 @@ pub fn make(set: SynthSet, cfg: &SynthConfig) -> Result<ClipSet, BuildError> {
 /// - returns the set.
 ///
 /// # Errors
-/// As [`make`] and [`files::save`].
-pub fn write(set: SynthSet, cfg: &SynthConfig, folder: &Path) -> Result<ClipSet, BuildError> {
-    let made = make(set, cfg)?;
+/// As [`make_set`] and [`files::save`].
+pub fn write_set(set: SynthSet, cfg: &SynthConfig, folder: &Path) -> Result<ClipSet, BuildError> {
+    let made = make_set(set, cfg)?;
     files::save(&made, folder)?;
     Ok(made)
 }
@@ -108,16 +108,16 @@ mod tests {
     #[test]
     fn refuses_a_value_outside_its_limits() {
         for set in SynthSet::ALL {
-            let error = make(set, &SynthConfig { rate_hz: 0.0, ..SynthConfig::default() }).unwrap_err().to_string();
+            let error = make_set(set, &SynthConfig { rate_hz: 0.0, ..SynthConfig::default() }).unwrap_err().to_string();
             assert!(error.contains("synth.rate_hz") && error.contains("20 to 240"), "{error}");
-            assert!(make(set, &SynthConfig { minutes: f64::NAN, ..SynthConfig::default() }).is_err());
+            assert!(make_set(set, &SynthConfig { minutes: f64::NAN, ..SynthConfig::default() }).is_err());
         }
     }
 
     #[test]
     fn same_seed_same_motion_and_another_seed_another() {
         for set in SynthSet::ALL {
-            let of = |seed| make(set, &SynthConfig { seed, minutes: 0.4, ..SynthConfig::default() }).unwrap();
+            let of = |seed| make_set(set, &SynthConfig { seed, minutes: 0.4, ..SynthConfig::default() }).unwrap();
             assert_eq!(of(1), of(1));
             assert_ne!(of(1).clips[0].rotations, of(2).clips[0].rotations);
         }
@@ -126,7 +126,7 @@ mod tests {
     #[test]
     fn a_higher_rate_only_samples_the_same_motion_more_often() {
         for (set, minutes) in [(SynthSet::Walk, 0.5), (SynthSet::Boxing, 0.3), (SynthSet::Playground, 0.2)] {
-            let of = |rate_hz| make(set, &SynthConfig { rate_hz, minutes, ..SynthConfig::default() }).unwrap();
+            let of = |rate_hz| make_set(set, &SynthConfig { rate_hz, minutes, ..SynthConfig::default() }).unwrap();
             let [slow, fast] = [of(30.0), of(60.0)].map(|mut set| set.clips.remove(0).root_positions);
             for (f, slow) in slow.iter().enumerate() {
                 assert!(slow.distance(fast[2 * f]) < 1e-3, "{set:?} frame {f}: {slow} and {}", fast[2 * f]);
@@ -137,7 +137,8 @@ mod tests {
     #[test]
     fn clips_may_be_as_short_as_the_limit_says() {
         for set in SynthSet::ALL {
-            let made = make(set, &SynthConfig { clip_seconds: 3.0, minutes: 0.2, ..SynthConfig::default() }).unwrap();
+            let made =
+                make_set(set, &SynthConfig { clip_seconds: 3.0, minutes: 0.2, ..SynthConfig::default() }).unwrap();
             assert!(made.clips.iter().all(|c| c.num_frames() > 60), "{set:?}");
         }
     }
@@ -146,7 +147,7 @@ mod tests {
     fn sets_last_as_long_as_asked() {
         for set in SynthSet::ALL {
             let cfg = SynthConfig::for_set(set);
-            let made = make(set, &cfg).unwrap();
+            let made = make_set(set, &cfg).unwrap();
             // What two do together comes on top.
             let alone = made.clips.iter().filter(|c| !c.name.starts_with("office_pair"));
             let minutes = alone.map(|c| c.num_frames()).sum::<usize>() as f64 / cfg.rate_hz / 60.0;

@@ -5,14 +5,14 @@ use throng_core::Joint;
 
 /// A side of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum LateralSide {
     /// The left side, +X of a character that faces +Z.
     Left,
     /// The right side.
     Right,
 }
 
-impl Side {
+impl LateralSide {
     /// Both sides, left first.
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 

@@ -2,7 +2,7 @@
 
 /// Value, first and second derivative at one end of a piece.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct End {
+pub struct PieceEnd {
     /// Value.
     pub value: f64,
     /// First derivative (1/s).
@@ -11,9 +11,9 @@ pub struct End {
     pub acceleration: f64,
 }
 
-impl End {
+impl PieceEnd {
     /// An end at rest at `value`.
-    pub fn still(value: f64) -> Self {
+    pub fn at_rest(value: f64) -> Self {
         Self { value, ..Self::default() }
     }
 
@@ -23,7 +23,7 @@ impl End {
     }
 
     /// An end taken from a smooth function of time at `t`, by central differences.
-    pub fn of(f: impl Fn(f64) -> f64, t: f64) -> Self {
+    pub fn from_function(f: impl Fn(f64) -> f64, t: f64) -> Self {
         const H: f64 = 1e-4;
         let (a, b, c) = (f(t - H), f(t), f(t + H));
         Self { value: b, rate: (c - a) / (2.0 * H), acceleration: (a - 2.0 * b + c) / (H * H) }
@@ -31,7 +31,7 @@ impl End {
 }
 
 /// The quintic that joins two ends in value, rate and acceleration, `t` seconds after the first.
-pub fn quintic(from: End, to: End, duration: f64, t: f64) -> f64 {
+pub fn quintic(from: PieceEnd, to: PieceEnd, duration: f64, t: f64) -> f64 {
     let u = t / duration;
     let (v0, a0) = (from.rate * duration, from.acceleration * duration * duration);
     let (v1, a1) = (to.rate * duration, to.acceleration * duration * duration);
@@ -153,10 +153,10 @@ mod tests {
 
     #[test]
     fn quintic_meets_both_ends() {
-        let a = End { value: 1.0, rate: -2.0, acceleration: 3.0 };
-        let b = End { value: 4.0, rate: 0.5, acceleration: -6.0 };
+        let a = PieceEnd { value: 1.0, rate: -2.0, acceleration: 3.0 };
+        let b = PieceEnd { value: 4.0, rate: 0.5, acceleration: -6.0 };
         for (end, t) in [(a, 0.0), (b, 0.7)] {
-            let got = End::of(|t| quintic(a, b, 0.7, t), t);
+            let got = PieceEnd::from_function(|t| quintic(a, b, 0.7, t), t);
             assert!((got.value - end.value).abs() < 1e-9);
             assert!((got.rate - end.rate).abs() < 1e-5);
             assert!((got.acceleration - end.acceleration).abs() < 1e-3);

@@ -7,11 +7,11 @@ const APART: f64 = 0.045;
 
 /// Keys of `N` channels, ascending in time.
 #[derive(Clone, Debug)]
-pub struct Track<const N: usize> {
+pub struct KeyTrack<const N: usize> {
     keys: Vec<(f64, [f64; N])>,
 }
 
-impl<const N: usize> Track<N> {
+impl<const N: usize> KeyTrack<N> {
     /// A track that begins with `value`.
     pub fn new(value: [f64; N]) -> Self {
         Self { keys: vec![(0.0, value)] }
@@ -92,13 +92,13 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn at(track: &Track<1>, t: f64) -> f64 {
+    fn at(track: &KeyTrack<1>, t: f64) -> f64 {
         track.sample(&[t], &[0.0], 0.0, 1.0)[0][0]
     }
 
     #[test]
     fn later_intentions_replace_what_they_overlap() {
-        let mut track = Track::new([0.0]);
+        let mut track = KeyTrack::new([0.0]);
         track.push(1.0, [1.0]);
         track.push(2.0, [5.0]);
         track.push(1.5, [2.0]);
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn channels_may_run_ahead() {
-        let mut track = Track::new([0.0, 0.0]);
+        let mut track = KeyTrack::new([0.0, 0.0]);
         track.push(1.0, [1.0, 1.0]);
         track.push(2.0, [0.0, 0.0]);
         assert_eq!(track.sample(&[0.9], &[0.1, 0.0], 0.0, 1.0)[0][0], 1.0);
@@ -119,7 +119,7 @@ mod tests {
     proptest! {
         #[test]
         fn signals_stay_between_their_keys(values in prop::collection::vec(-2.0f64..2.0, 2..12), u in 0.0f64..1.0) {
-            let mut track = Track::new([values[0]]);
+            let mut track = KeyTrack::new([values[0]]);
             for (i, v) in values.iter().enumerate().skip(1) {
                 track.push(0.3 * i as f64, [*v]);
             }

@@ -1,6 +1,6 @@
 //! `blend`: what blending costs, and how it moves beside cross-fading.
 
-use crate::args::{CacheArgs, Outcome, fail};
+use crate::args::{CacheArgs, CommandResult, fail};
 use crate::{keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -18,13 +18,13 @@ const FIRST: &str = "gaits";
 
 /// Measure blend spaces: weights, postures, retargeting, and jumps of the parameters beside cross-fading.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<Report<'static>>())]
+#[command(after_long_help = keys::json_keys::<Report<'static>>())]
 pub struct Args {
     /// Bundle with blend spaces; synthetic locomotion, baked first, where absent.
     #[arg(value_name = "BUNDLE")]
     file: Option<PathBuf>,
     /// Time given to each figure.
-    #[arg(long, default_value_t = 0.5, value_name = "S", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::MEASURING_S))]
+    #[arg(long, default_value_t = 0.5, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::MEASURING_S))]
     seconds: f64,
     #[command(flatten)]
     cache: CacheArgs,
@@ -42,9 +42,9 @@ struct Report<'a> {
     spaces: &'a [BlendFigures],
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let tables = match &args.file {
-        Some(file) => crate::args::open(file)?,
+        Some(file) => crate::args::open_bundle(file)?,
         None => own(&args.cache)?,
     };
     if tables.blends().spaces.is_empty() {
@@ -65,11 +65,11 @@ fn own(cache: &CacheArgs) -> Result<Bundle, Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
     let bundle = folder.path().join("locomotion.throng");
     eprintln!("baking synthetic locomotion ...");
-    pipeline::build(&config, &bundle, &cache.cache()?, &progress::Bar::default())?;
-    crate::args::open(&bundle)
+    pipeline::build(&config, &bundle, &cache.cache()?, &progress::BuildProgressBar::default())?;
+    crate::args::open_bundle(&bundle)
 }
 
-fn print(f: &BlendFigures) -> Outcome {
+fn print(f: &BlendFigures) -> CommandResult {
     output::table(&[
         ("space", format!("{}: {} examples, {} axes, {} joints", f.space, f.examples, f.axes, f.joints)),
         (

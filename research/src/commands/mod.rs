@@ -10,10 +10,10 @@ pub mod world;
 use crate::args::CacheArgs;
 use crate::{output, progress};
 use throng_precompute::error::BuildError;
-use throng_precompute::run::Cached;
+use throng_precompute::run::BuildContext;
 
 /// Makes something with the cache, a progress bar, and messages on standard error.
-fn with<T>(cache: &CacheArgs, make: impl FnOnce(&Cached<'_>) -> T) -> Result<T, BuildError> {
-    let (cache, progress) = (cache.cache()?, progress::Bar::on_interrupt(cache.folder()));
-    Ok(make(&Cached { cache: &cache, progress: &progress, tell: &|news| output::tell(news) }))
+fn with<T>(cache: &CacheArgs, make: impl FnOnce(&BuildContext<'_>) -> T) -> Result<T, BuildError> {
+    let (cache, progress) = (cache.cache()?, progress::BuildProgressBar::on_interrupt(cache.folder()));
+    Ok(make(&BuildContext { cache: &cache, progress: &progress, report_news: &|news| output::print_to_stderr(news) }))
 }

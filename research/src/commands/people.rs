@@ -1,6 +1,6 @@
 //! `people`: crowds beside people.
 
-use crate::args::Outcome;
+use crate::args::CommandResult;
 use crate::{keys, output};
 use throng_research::steering::{PeopleFigures, people};
 use throng_runtime::base::limits;
@@ -9,10 +9,10 @@ use throng_runtime::base::limits;
 ///
 /// Agents are strollers (`Field::STROLLER`) 0.42 to 0.5 m wide with speeds of 1.34 +- 0.26 m/s.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<PeopleFigures>())]
+#[command(after_long_help = keys::json_keys::<PeopleFigures>())]
 pub struct Args {
     /// Seed of places, sizes and speeds.
-    #[arg(long, default_value_t = 1, allow_negative_numbers = true, value_parser = limits::number::<u64>(&limits::SEED))]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true, value_parser = limits::number_parser::<u64>(&limits::SEED))]
     seed: u64,
     /// Print one JSON object.
     #[arg(long)]
@@ -20,7 +20,7 @@ pub struct Args {
 }
 
 /// Runs all rings, gaps and crossings.
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let figures = people(args.seed, &|_| {}).map_err(throng_runtime::Error::from)?;
     if args.json {
         return output::json(&figures);

@@ -1,28 +1,28 @@
 //! `plan`: reaches of planned limbs beside those of people, and problems for other planners.
 
 use super::with;
-use crate::args::{CacheArgs, Outcome, fail, is_toml};
+use crate::args::{CacheArgs, CommandResult, fail, is_toml};
 use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use throng_planner::clips::with_motion;
-use throng_planner::planner::{Budget, PlanConfig, Planner};
+use throng_planner::planner::{Budget, LimbPlanner, PlanConfig};
 use throng_planner::task::Task;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::files::write_atomically;
 use throng_precompute::plans;
-use throng_precompute::plans::scenes::{self, SCENES, Scene};
-use throng_research::natural::{Natural, captured};
-use throng_research::plain::Plain;
+use throng_precompute::plans::scenes::{self, PlanScene, SCENES};
+use throng_research::natural::{ReachNaturalness, measure_captured};
+use throng_research::plain_problem::PlainProblem;
 use throng_research::reaches::{ReachFigures, reach_figures};
 
 /// Measure how much planned reaches look like people's, or write a scene for other planners.
 ///
 /// Scenes are those of `throng bench plan`.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<Report>())]
+#[command(after_long_help = keys::json_keys::<Report>())]
 pub struct Args {
     /// Names of scenes, or task files; all named scenes where absent.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
@@ -52,7 +52,7 @@ struct Report {
     /// Every scene.
     results: Vec<Figures>,
     /// Reaches in the captured motion; none without it.
-    captured: Option<Natural>,
+    captured: Option<ReachNaturalness>,
 }
 
 /// Reaches of a scene.
@@ -63,40 +63,42 @@ struct Figures {
     /// Share of the seeds with a plan.
     success_rate: f64,
     /// How much hands move as people's do on their way, in all plans.
-    natural: Option<Natural>,
+    natural: Option<ReachNaturalness>,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let all = || SCENES.iter().map(|(name, _)| (*name).to_owned()).collect();
     let names: Vec<String> = if args.scene.is_empty() { all() } else { args.scene.clone() };
     if let Some(file) = &args.plain {
         let [name] = &names[..] else { return fail("expected one scene for --plain, such as --scene arm-static") };
-        let Some(scene) = scenes::scene(name)? else { return fail(unknown(name)) };
-        let text = serde_json::to_string(&Plain::of(&scene.problem()?, PLAIN_SAMPLES))?;
+        let Some(scene) = scenes::find_scene(name)? else { return fail(unknown(name)) };
+        let text = serde_json::to_string(&PlainProblem::from_problem(&scene.problem()?, PLAIN_SAMPLES))?;
         write_atomically(file, |out| out.write_all(text.as_bytes()))?;
         return Ok(());
     }
     let captured = match args.captured.as_slice() {
         [] => None,
-        files => captured(files, &BuildConfig::of_motion("", Vec::new())?, &|news| output::tell(news))?,
+        files => {
+            measure_captured(files, &BuildConfig::of_motion("", Vec::new())?, &|news| output::print_to_stderr(news))?
+        }
     };
     let mut results = Vec::new();
     for name in &names {
         eprintln!("{name} ...");
-        let (plans, reaches) = match scenes::scene(name)? {
+        let (plans, reaches) = match scenes::find_scene(name)? {
             Some(scene) => of_scene(&scene, args.seeds)?,
             None if is_toml(Path::new(name)) => of_task(Path::new(name), args)?,
             None => return fail(unknown(name)),
         };
         let success_rate = plans as f64 / args.seeds as f64;
-        let natural = Natural::of(&reaches, captured.as_ref());
+        let natural = ReachNaturalness::from_reaches(&reaches, captured.as_ref());
         results.push(Figures { scene: name.clone(), success_rate, natural });
     }
     if args.json {
         return output::json(&Report { results, captured });
     }
-    let row = |what: &str, natural: Option<&Natural>| {
-        output::table(&[(what, natural.map_or_else(|| "no reach".into(), Natural::text))])
+    let row = |what: &str, natural: Option<&ReachNaturalness>| {
+        output::table(&[(what, natural.map_or_else(|| "no reach".into(), ReachNaturalness::text))])
     };
     results.iter().try_for_each(|f| row(&f.scene, f.natural.as_ref()))?;
     captured.map_or(Ok(()), |c| row("captured", Some(&c)))
@@ -108,9 +110,9 @@ fn unknown(name: &str) -> String {
 }
 
 /// Plans a scene with every seed: the number of plans, and their reaches.
-fn of_scene(scene: &Scene, seeds: u64) -> Result<(usize, Vec<ReachFigures>), Box<dyn Error>> {
-    let (problem, who) = (scene.problem()?, &scene.who);
-    let (mut planner, config) = (Planner::new(), PlanConfig::default());
+fn of_scene(scene: &PlanScene, seeds: u64) -> Result<(usize, Vec<ReachFigures>), Box<dyn Error>> {
+    let (problem, who) = (scene.problem()?, &scene.actor);
+    let (mut planner, config) = (LimbPlanner::new(), PlanConfig::default());
     let (mut plans, mut reaches) = (0, Vec::new());
     let window_s = scene.ends.map(|e| e.time_s);
     for seed in 0..seeds {
@@ -128,21 +130,21 @@ fn of_scene(scene: &Scene, seeds: u64) -> Result<(usize, Vec<ReachFigures>), Box
 fn of_task(path: &Path, args: &Args) -> Result<(usize, Vec<ReachFigures>), Box<dyn Error>> {
     let task = Task::read(path)?;
     let config = BuildConfig::of_motion("", Vec::new())?;
-    let sources = with(&args.cache, |with| plans::sources(&task, &config, None, with))??;
-    let (task, clips) = sources.staged(task, None)?;
+    let sources = with(&args.cache, |with| plans::load_sources(&task, &config, None, with))??;
+    let (task, clips) = sources.stage_task(task, None)?;
     let (mut done, mut reaches) = (0, Vec::new());
     for seed in 0..args.seeds {
         let outcome = task.run(&clips, Some(seed))?;
         if !outcome.is_solved() {
             continue;
         }
-        let arms = task.ways_there().filter(|(_, limb, _)| limb.is_arm());
+        let arms = task.reach_windows().filter(|(_, limb, _)| limb.is_arm());
         let of = |(who, limb, window_s): (usize, _, _)| {
             reach_figures(&outcome.clips[who][1], &clips[who].skeleton, limb, window_s)
         };
         let found: Vec<ReachFigures> = arms.filter_map(of).collect();
         let one = [(seed, outcome)];
-        if plans::report(&task, &one).is_some() {
+        if plans::plan_report(&task, &one).is_some() {
             reaches.extend(found);
             done += 1;
         }

@@ -1,6 +1,6 @@
 //! `quality`: policies against exhaustive search, and against motion matching.
 
-use crate::args::Outcome;
+use crate::args::CommandResult;
 use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -12,16 +12,16 @@ use throng_runtime::base::limits;
 /// Measure what policies collect against search to a depth of four actions, and against motion matching over all frames of
 /// the bundle, with the same targets.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<Report>())]
+#[command(after_long_help = keys::json_keys::<Report>())]
 pub struct Args {
     /// Bundle with a motion graph.
     #[arg(value_name = "BUNDLE")]
     file: PathBuf,
     /// Time given to each figure.
-    #[arg(long, default_value_t = 0.5, value_name = "S", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::MEASURING_S))]
+    #[arg(long, default_value_t = 0.5, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::MEASURING_S))]
     seconds: f64,
     /// Random (state, target) pairs that are searched.
-    #[arg(long, default_value_t = 1000, value_name = "N", allow_negative_numbers = true, value_parser = limits::number::<usize>(&limits::PAIRS))]
+    #[arg(long, default_value_t = 1000, value_name = "N", allow_negative_numbers = true, value_parser = limits::number_parser::<usize>(&limits::PAIRS))]
     pairs: usize,
     /// Print one JSON object.
     #[arg(long)]
@@ -37,8 +37,8 @@ struct Report {
     matching: MatchingFigures,
 }
 
-pub fn run(args: &Args) -> Outcome {
-    let tables = crate::args::open(&args.file)?;
+pub fn run(args: &Args) -> CommandResult {
+    let tables = crate::args::open_bundle(&args.file)?;
     let quality = quality(&tables, &QualityConfig { pairs: args.pairs, ..QualityConfig::default() })?;
     let matching = measure::matching(&tables, &MatchingConfig { seconds: args.seconds, ..MatchingConfig::default() })?;
     if args.json {
@@ -48,7 +48,7 @@ pub fn run(args: &Args) -> Outcome {
     print_matching(&matching)
 }
 
-fn print_quality(q: &Quality) -> Outcome {
+fn print_quality(q: &Quality) -> CommandResult {
     let percent = |v: f64| format!("{:.2} %", 100.0 * v);
     let temperatures: Vec<String> =
         q.temperatures.iter().map(|t| format!("{} at {}", percent(t.ratio_mean), t.temperature)).collect();
@@ -76,7 +76,7 @@ fn print_quality(q: &Quality) -> Outcome {
     ])
 }
 
-fn print_matching(m: &MatchingFigures) -> Outcome {
+fn print_matching(m: &MatchingFigures) -> CommandResult {
     let seconds = |s: Option<f64>| s.map_or("never".to_owned(), |s| format!("{s:.2} s"));
     let mut rows = vec![
         ("matching", format!("{} frames", m.frames)),

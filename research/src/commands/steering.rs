@@ -1,6 +1,6 @@
 //! `steering`: how crowds get on, on grounds that steering was tuned on and on others.
 
-use crate::args::{Outcome, fail};
+use crate::args::{CommandResult, fail};
 use crate::{keys, output};
 use serde::Serialize;
 use throng_research::steering::{self, CASES, Case, SteeringFigures};
@@ -12,19 +12,19 @@ use throng_runtime::crowd::{Setup, SteeringConfig};
 /// Some of the grounds were looked at while the constants of steering were chosen; the others, marked `held_out`, judge
 /// them. `--sweep` changes one constant at a time and shows what it is worth there.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<Report>())]
+#[command(after_long_help = keys::json_keys::<Report>())]
 pub struct Args {
     /// Names of grounds; `all`, `tuned` or `held_out`.
     #[arg(long, value_delimiter = ',', default_value = "all", value_name = "NAME,...")]
     scene: Vec<String>,
     /// Seed of places, sizes, speeds and grounds by chance.
-    #[arg(long, default_value_t = 1, allow_negative_numbers = true, value_parser = limits::number::<u64>(&limits::SEED))]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true, value_parser = limits::number_parser::<u64>(&limits::SEED))]
     seed: u64,
     /// Number of runs of each, with seeds one after the other; the one with the median speed is told in full.
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = limits::number::<u32>(&limits::REPEATS))]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = limits::number_parser::<u32>(&limits::REPEATS))]
     repeats: u32,
     /// Simulated time in place of that of each ground.
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::SECONDS))]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::SECONDS))]
     seconds: Option<f64>,
     /// Other constants of steering, as `throng schema` names them.
     #[arg(long, value_delimiter = ',', value_name = "NAME=VALUE,...")]
@@ -79,7 +79,7 @@ struct Swept {
 }
 
 /// Runs all that was asked for.
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let changes = args.set.iter().map(|s| parse(s)).collect::<Result<Vec<_>, _>>()?;
     let cases = chosen(&args.scene)?;
     let (mut results, mut sweep) = (Vec::new(), Vec::new());
@@ -183,7 +183,7 @@ fn parse(text: &str) -> Result<(String, f64), Box<dyn std::error::Error>> {
 }
 
 /// Changes a constant of a crowd.
-fn change(setup: &mut Setup, name: &str, value: f64) -> Outcome {
+fn change(setup: &mut Setup, name: &str, value: f64) -> CommandResult {
     let mut all = serde_json::to_value(setup.config.steering)?;
     all[name] = if all[name].is_u64() { (value.round() as u64).into() } else { value.into() };
     setup.config.steering = serde_json::from_value(all)?;

@@ -1,16 +1,16 @@
 //! `world`: what stitching, editing, planning and living in a world cost.
 
 use super::with;
-use crate::args::{CacheArgs, Outcome};
+use crate::args::{CacheArgs, CommandResult};
 use crate::{keys, output};
 use std::path::PathBuf;
 use throng_precompute::run;
 use throng_precompute::stitch::WorldSource;
-use throng_research::measure::{self, EditFigures, PathFigures, WorldFigures};
+use throng_research::measure::{self, EditFigures, PlannedPathFigures, WorldFigures};
 
 /// Measure a world: stitching, moving a unit of every kind, planning paths, steps of its people.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<WorldFigures>())]
+#[command(after_long_help = keys::json_keys::<WorldFigures>())]
 pub struct Args {
     /// World file (`.toml`). Its bundle is built from its config where it is not there.
     #[arg(value_name = "WORLD")]
@@ -22,15 +22,15 @@ pub struct Args {
     json: bool,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     let source = WorldSource::load(&args.file)?;
     with(&args.cache, |with| run::ensure_bundle(&source.bundle, source.config.as_deref(), with))??;
-    let tables = crate::args::open(&source.bundle)?;
+    let tables = crate::args::open_bundle(&source.bundle)?;
     let figures = measure::world(&tables, &source, &args.file)?;
     if args.json { output::json(&figures) } else { print(&figures) }
 }
 
-fn print(w: &WorldFigures) -> Outcome {
+fn print(w: &WorldFigures) -> CommandResult {
     let mut rows = vec![
         ("world", format!("{}: {} instances, {} cells, {} transitions", w.world, w.instances, w.cells, w.transitions)),
         ("stitching", format!("{:.3} s, {} at most", w.stitch_seconds, output::bytes(w.peak_bytes))),
@@ -56,7 +56,7 @@ fn edit(e: &EditFigures) -> String {
 }
 
 /// What planning paths costs.
-fn paths(p: &PathFigures) -> String {
+fn paths(p: &PlannedPathFigures) -> String {
     let dijkstra = match (p.over_dijkstra_mean, p.over_dijkstra_max, p.worst) {
         (Some(mean), Some(most), Some([from, to])) => format!(
             "; {mean:.3} times the time of Dijkstra's on average, {most:.3} at most (from instance {from} to {to}), of {}",

@@ -6,4 +6,4 @@ mod world;
 
 pub use blend::{BlendFigures, blend};
 pub use matching::{MatchingConfig, MatchingFigures, matching};
-pub use world::{EditFigures, PathFigures, WorldFigures, world};
+pub use world::{EditFigures, PlannedPathFigures, WorldFigures, world};

@@ -2,18 +2,18 @@
 
 mod paths;
 
-pub use paths::PathFigures;
+pub use paths::PlannedPathFigures;
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
-use throng_bake::stitch::{Editor, Kit, WorldSource};
+use throng_bake::stitch::{Editor, StitchKit, WorldSource};
 use throng_motion::error::BuildError;
 use throng_motion::progress::Silent;
 use throng_runtime::format::AlignedBytes;
 use throng_runtime::patch::Placement;
-use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, scatter};
+use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, scatter_rest_nodes};
 use throng_runtime::world::{PathCosts, World, WorldData, WorldGraph};
-use throng_runtime::{Bundle, Cast, Error, Inline};
+use throng_runtime::{Bundle, CharacterGroup, Error, Inline};
 
 /// Number of timed moves of a unit, and distance of each from the one before (m).
 const EDITS: usize = 7;
@@ -23,7 +23,7 @@ const UNITS: usize = 8;
 const PLACES: usize = 20;
 /// Number of inhabitants if there is room, and for how long they walk about (s).
 const CHARACTERS: usize = 1000;
-const LIFE_S: f32 = 4.0;
+const INHABITED_S: f32 = 4.0;
 const STEP_HZ: f32 = 60.0;
 
 /// Figures of a world.
@@ -46,9 +46,9 @@ pub struct WorldFigures {
     /// Figures of moving a unit of every kind that is placed, in the order of the bundle's.
     pub edits: Vec<EditFigures>,
     /// Paths between places drawn at random.
-    pub paths: PathFigures,
+    pub paths: PlannedPathFigures,
     /// Figures of the same paths, planned for a quick answer.
-    pub paths_soon: PathFigures,
+    pub paths_soon: PlannedPathFigures,
     /// Number of inhabitants: as many as there was room for, up to a thousand.
     pub characters: usize,
     /// Steps of all of them a second on one thread: control and poses.
@@ -80,26 +80,26 @@ pub struct EditFigures {
 /// - `path`: of the world file, for messages.
 ///
 /// # Errors
-/// As [`Kit::new`], [`Editor::new`] and [`Inhabitants::new`].
+/// As [`StitchKit::new`], [`Editor::new`] and [`Inhabitants::new`].
 pub fn world(tables: &Bundle, source: &WorldSource, path: &Path) -> Result<WorldFigures, BuildError> {
-    let kit = Kit::new(tables, &source.bundle)?;
+    let kit = StitchKit::new(tables, &source.bundle)?;
     let environment = source.environment(&kit.units, path)?;
     let begin = Instant::now();
     let mut editor = Editor::new(tables.patches(), kit.library(tables), environment, &source.stitch, &Silent)?;
     let stitch_seconds = begin.elapsed().as_secs_f64();
     let report = editor.report().clone();
     let kinds = 0..kit.units.units.len();
-    let edits = kinds.filter_map(|kind| edit(&mut editor, &kit, kind, stitch_seconds).transpose());
+    let edits = kinds.filter_map(|kind| measure_edit(&mut editor, &kit, kind, stitch_seconds).transpose());
     let edits = edits.collect::<Result<_, _>>()?;
     let (data, _) = editor.into_world();
     let begin = Instant::now();
-    let file = baked(&data, tables).map_err(|e| fail(e.to_string()))?;
+    let file = bake_world(&data, tables).map_err(|e| fail(e.to_string()))?;
     let bake_seconds = begin.elapsed().as_secs_f64();
     let begin = Instant::now();
     let world = World::from_bytes(file, tables).map_err(|e| fail(e.to_string()))?;
     let open_seconds = begin.elapsed().as_secs_f64();
     let (paths, paths_soon) = paths::measure(world.graph(), tables.meta().rate_hz, open_seconds);
-    let (characters, steps_per_second) = life(&world)?;
+    let (characters, steps_per_second) = measure_inhabitants(&world)?;
     Ok(WorldFigures {
         world: source.name.clone(),
         instances: report.instances,
@@ -117,8 +117,8 @@ pub fn world(tables: &Bundle, source: &WorldSource, path: &Path) -> Result<World
 }
 
 /// The bytes of the world's file.
-fn baked(data: &WorldData, tables: &Bundle) -> Result<AlignedBytes, Box<dyn std::error::Error>> {
-    let costs = PathCosts::bake(&WorldGraph::new(tables.patches(), &data.view())?)?;
+fn bake_world(data: &WorldData, tables: &Bundle) -> Result<AlignedBytes, Box<dyn std::error::Error>> {
+    let costs = PathCosts::bake(&WorldGraph::new(tables.patches(), &data.tables())?)?;
     let mut bytes = Vec::new();
     data.write(&costs, &mut bytes)?;
     Ok(AlignedBytes::from_slice(&bytes))
@@ -129,9 +129,9 @@ fn fail(message: String) -> BuildError {
 }
 
 /// Moves one unit of a kind, and back again; none without units of that kind.
-fn edit(
+fn measure_edit(
     editor: &mut Editor<'_>,
-    kit: &Kit,
+    kit: &StitchKit,
     kind: usize,
     stitch_seconds: f64,
 ) -> Result<Option<EditFigures>, BuildError> {
@@ -140,7 +140,7 @@ fn edit(
     let Some(&middle) = places.get(places.len() / 2) else { return Ok(None) };
     let home = units[middle].placement;
     let nudges = (1..=EDITS).map(|k| home.compose(Placement::new(k as f32 * EDIT_M, 0.0, 0.0, 0.0)));
-    let mut moved = (middle, EDIT_M, timed(editor, middle, nudges)?);
+    let mut moved = (middle, EDIT_M, time_moves(editor, middle, nudges)?);
     if moved.2.is_empty() {
         let extent = kit.geometries[kind].bounds.max - kit.geometries[kind].bounds.min;
         let length = extent.x.max(extent.z);
@@ -148,7 +148,7 @@ fn edit(
         // Removing a unit from the middle cuts its neighbours off; units on the rim are first or last in the list.
         for &place in places.iter().step_by(places.len().div_ceil(UNITS)) {
             if moved.2.is_empty() {
-                moved = (place, length, timed(editor, place, free.iter().copied())?);
+                moved = (place, length, time_moves(editor, place, free.iter().copied())?);
             }
         }
     }
@@ -167,7 +167,11 @@ fn edit(
 }
 
 /// Times of accepted moves, at most [`EDITS`]; the unit ends where it began (s).
-fn timed(editor: &mut Editor<'_>, place: usize, ways: impl Iterator<Item = Placement>) -> Result<Vec<f64>, BuildError> {
+fn time_moves(
+    editor: &mut Editor<'_>,
+    place: usize,
+    ways: impl Iterator<Item = Placement>,
+) -> Result<Vec<f64>, BuildError> {
     let home = editor.environment().units[place].placement;
     let mut seconds = Vec::new();
     for to in ways {
@@ -202,12 +206,12 @@ fn free_places(editor: &Editor<'_>, places: &[usize], length: f32) -> Vec<Placem
 }
 
 /// Number of inhabitants, and their steps a second.
-fn life(world: &World) -> Result<(usize, f64), BuildError> {
-    let starts = scatter(world.graph(), CHARACTERS, 1);
+fn measure_inhabitants(world: &World) -> Result<(usize, f64), BuildError> {
+    let starts = scatter_rest_nodes(world.graph(), CHARACTERS, 1);
     let wrong = |e: Error| fail(e.to_string());
     let mut people = Inhabitants::new(world, starts.len(), InhabitantsConfig::default()).map_err(wrong)?;
     starts.iter().try_for_each(|&start| people.spawn(start).map(|_| ())).map_err(wrong)?;
-    let steps = (LIFE_S * STEP_HZ) as usize;
+    let steps = (INHABITED_S * STEP_HZ) as usize;
     let begin = Instant::now();
     for _ in 0..steps {
         people.step(1.0 / STEP_HZ, &Inline).map_err(wrong)?;

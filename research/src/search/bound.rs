@@ -1,9 +1,9 @@
 //! Upper bounds of the gain of a few actions, which let a search skip hopeless branches.
 
-use super::squares::{Candidates, Squares, distances};
+use super::squares::{GroundSquares, PeakCandidates, distances};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
-use throng_bake::policy::Situation;
+use throng_bake::policy::PolicySituation;
 use throng_core::policy::{COMBINE_SUM, PolicyTable, Reward, SegmentRecord};
 
 /// Tolerance of bounds against rounding: relative and absolute.
@@ -19,8 +19,8 @@ const SIDES: (usize, usize) = (128, 16);
 /// plus the discounted bound of level k - 1 over all squares that the action may lead to. Every step takes the greatest
 /// possible, so that no sequence of k actions from anywhere in the square can be worth more.
 #[derive(Clone, Debug)]
-pub struct Bounds {
-    squares: Squares,
+pub struct ValueBounds {
+    squares: GroundSquares,
     /// Centre of the grid (m).
     centre: Vec2,
     num_states: usize,
@@ -28,7 +28,7 @@ pub struct Bounds {
     levels: Vec<Vec<f32>>,
 }
 
-impl Bounds {
+impl ValueBounds {
     /// Bounds for searches of a depth from targets within the grid.
     ///
     /// - `heights`: lowest and highest of the targets; unused in a polar grid (m).
@@ -39,11 +39,11 @@ impl Bounds {
         let side = ((MAX_SQUARES / num_states.max(1)) as f64).sqrt() as usize;
         let reach = 1.01 * (table.grid().radius() + depth as f32 * longest) + 0.1;
         let centre = Vec2::new(table.centre().x, table.centre().z);
-        let squares = Squares { side: side.clamp(SIDES.1, SIDES.0), reach };
+        let squares = GroundSquares { side: side.clamp(SIDES.1, SIDES.0), reach };
         let mut bounds = Self { squares, centre, num_states, levels: Vec::new() };
-        let mut before = bounds.of_values(table, heights);
+        let mut before = bounds.bounds_of_values(table, heights);
         for _ in 1..depth {
-            let level = bounds.of_actions(table, heights, &bounds.widened(&before));
+            let level = bounds.bounds_of_actions(table, heights, &bounds.max_of_neighbours(&before));
             bounds.levels.push(level.clone());
             before = level;
         }
@@ -52,8 +52,8 @@ impl Bounds {
 
     /// Upper bound of the worth of `left` actions; infinite if unknown (state exists, left > 0).
     #[inline]
-    pub fn most(&self, left: usize, at: Situation) -> f32 {
-        match (self.levels.get(left - 1), self.squares.find(Vec2::new(at.target.x, at.target.z) - self.centre)) {
+    pub fn upper_bound(&self, left: usize, at: PolicySituation) -> f32 {
+        match (self.levels.get(left - 1), self.squares.square_at(Vec2::new(at.target.x, at.target.z) - self.centre)) {
             (Some(level), Some([column, row])) => level[self.index(row, at.state as usize) + column],
             _ => f32::INFINITY,
         }
@@ -71,14 +71,14 @@ impl Bounds {
     }
 
     /// Computes level 0.
-    fn of_values(&self, table: &PolicyTable, heights: [f32; 2]) -> Vec<f32> {
+    fn bounds_of_values(&self, table: &PolicyTable, heights: [f32; 2]) -> Vec<f32> {
         let s = &self.squares;
         let mut out = vec![0.0; s.side * s.side * self.num_states];
         out.par_chunks_mut(self.num_states * s.side).enumerate().for_each(|(row, out)| {
             for column in 0..s.side {
-                let candidates = Candidates::new(table, s.centre(column, row), s.radius(), heights);
+                let candidates = PeakCandidates::new(table, s.centre(column, row), s.radius(), heights);
                 for state in 0..self.num_states {
-                    out[state * s.side + column] = candidates.most(table, state as u32);
+                    out[state * s.side + column] = candidates.greatest_value(table, state as u32);
                 }
             }
         });
@@ -86,7 +86,7 @@ impl Bounds {
     }
 
     /// Maximum of every square and its eight neighbours, so that one access covers a displaced square.
-    fn widened(&self, level: &[f32]) -> Vec<f32> {
+    fn max_of_neighbours(&self, level: &[f32]) -> Vec<f32> {
         let (side, width) = (self.squares.side, self.num_states * self.squares.side);
         let mut out = vec![0.0; level.len()];
         out.par_chunks_mut(width).enumerate().for_each(|(row, out)| {
@@ -105,14 +105,14 @@ impl Bounds {
     /// Computes the next level.
     ///
     /// - `then`: the previous level, widened.
-    fn of_actions(&self, table: &PolicyTable, heights: [f32; 2], then: &[f32]) -> Vec<f32> {
+    fn bounds_of_actions(&self, table: &PolicyTable, heights: [f32; 2], then: &[f32]) -> Vec<f32> {
         let (side, width) = (self.squares.side, self.num_states * self.squares.side);
         let heights = (!table.grid().is_polar()).then_some(heights);
         let mut out = vec![f32::NEG_INFINITY; then.len()];
         out.par_chunks_mut(width).enumerate().for_each(|(row, out)| {
             let mut of_segments = vec![0.0; table.segments().len() * side];
             for (segment, most) in table.segments().iter().zip(of_segments.chunks_exact_mut(side)) {
-                self.of_segment(table.reward(), segment, row, heights, then, most);
+                self.bounds_of_segment(table.reward(), segment, row, heights, then, most);
             }
             for (state, most) in out.chunks_exact_mut(side).enumerate() {
                 let actions = table.actions();
@@ -128,7 +128,7 @@ impl Bounds {
     }
 
     /// Upper bound of the worth of a segment for the squares of a row.
-    fn of_segment(
+    fn bounds_of_segment(
         &self,
         reward: &Reward,
         segment: &SegmentRecord,
@@ -140,7 +140,7 @@ impl Bounds {
         for (column, out) in out.iter_mut().enumerate() {
             let centre = self.squares.centre(column, row);
             let [x, z, _] = segment.target_after(Vec3::new(centre.x, 0.0, centre.y));
-            let value = match self.squares.find(Vec2::new(x, z)) {
+            let value = match self.squares.square_at(Vec2::new(x, z)) {
                 Some([column, row]) => then[self.index(row, segment.end as usize) + column],
                 // Targets do not get there within the searched number of actions.
                 None => f32::INFINITY,

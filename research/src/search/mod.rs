@@ -9,9 +9,9 @@ mod squares;
 #[cfg(test)]
 mod tests;
 
-pub use bound::Bounds;
+pub use bound::ValueBounds;
 
-use throng_bake::policy::{Situation, play};
+use throng_bake::policy::{PolicySituation, play};
 use throng_core::policy::{MAX_ACTIONS, PolicyTable};
 
 /// Most actions in a sequence.
@@ -19,7 +19,7 @@ pub const MAX_DEPTH: usize = 8;
 
 /// The best sequence of actions from a situation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
+pub struct BestSequence {
     /// Rewards and the value at the end, discounted.
     pub score: f32,
     /// Index of each action within its state's (the search's depth, then zeros).
@@ -33,29 +33,29 @@ pub struct Found {
 /// The last action of all sequences through a state is one look-ahead of the runtime. With bounds, actions that
 /// cannot lead to more than is found already are left out: the score found is the same.
 #[derive(Clone, Copy, Debug)]
-pub struct Search<'a> {
+pub struct PolicySearch<'a> {
     table: &'a PolicyTable,
     depth: usize,
-    bounds: Option<&'a Bounds>,
+    bounds: Option<&'a ValueBounds>,
 }
 
-impl<'a> Search<'a> {
+impl<'a> PolicySearch<'a> {
     /// - `depth`: actions in a sequence (1 to 8; clamped).
     /// - `bounds`: of the same table for at least this depth, or none to try every sequence.
-    pub fn new(table: &'a PolicyTable, depth: usize, bounds: Option<&'a Bounds>) -> Self {
+    pub fn new(table: &'a PolicyTable, depth: usize, bounds: Option<&'a ValueBounds>) -> Self {
         Self { table, depth: depth.clamp(1, MAX_DEPTH), bounds }
     }
 
     /// The best sequence (the state exists, the target is finite and, with bounds, covered by them).
-    pub fn best(&self, from: Situation) -> Found {
-        let mut found = Found { score: f32::NEG_INFINITY, actions: [0; MAX_DEPTH], look_aheads: 0 };
+    pub fn best(&self, from: PolicySituation) -> BestSequence {
+        let mut found = BestSequence { score: f32::NEG_INFINITY, actions: [0; MAX_DEPTH], look_aheads: 0 };
         let (score, actions) = self.descend(from, self.depth, f32::NEG_INFINITY, &mut found.look_aheads);
         (found.score, found.actions) = (score, actions);
         found
     }
 
     /// The best score with `left` actions to go, and the actions; no more than `enough` where there is none above it.
-    fn descend(&self, at: Situation, left: usize, enough: f32, look_aheads: &mut u64) -> (f32, [u8; MAX_DEPTH]) {
+    fn descend(&self, at: PolicySituation, left: usize, enough: f32, look_aheads: &mut u64) -> (f32, [u8; MAX_DEPTH]) {
         if at.is_over(self.table) {
             return (0.0, [0; MAX_DEPTH]);
         }
@@ -74,7 +74,7 @@ impl<'a> Search<'a> {
             let played = play(self.table, at, action);
             let floor = best.0.max(enough);
             if let Some(bounds) = self.bounds {
-                let most = bounds.most(left - 1, played.then);
+                let most = bounds.upper_bound(left - 1, played.then);
                 if bounds.is_hopeless(played.reward + played.discount * most, floor) {
                     continue;
                 }

@@ -6,14 +6,14 @@ use throng_core::policy::{PolicyTable, Stencil};
 
 /// A grid of squares centred on the middle of a policy's grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Squares {
+pub(super) struct GroundSquares {
     /// Squares along a side.
     pub side: usize,
     /// Extent from the centre to each side (m).
     pub reach: f32,
 }
 
-impl Squares {
+impl GroundSquares {
     /// Length of a square's side (m).
     pub fn size(&self) -> f32 {
         2.0 * self.reach / self.side as f32
@@ -25,7 +25,7 @@ impl Squares {
     }
 
     /// Column and row of the square with a place, if any.
-    pub fn find(&self, place: Vec2) -> Option<[usize; 2]> {
+    pub fn square_at(&self, place: Vec2) -> Option<[usize; 2]> {
         let at = (place + self.reach) / self.size();
         let limit = self.side as f32;
         let within = at.x >= 0.0 && at.y >= 0.0 && at.x < limit && at.y < limit;
@@ -42,7 +42,7 @@ impl Squares {
 ///
 /// Values are linear along every axis of a cell, so that the greatest one in a range of distances, angles and heights
 /// is at the ends of the ranges or at the centres of cells between them.
-pub(super) struct Candidates {
+pub(super) struct PeakCandidates {
     stencils: Vec<Stencil>,
     /// Index of the lower height, and ratio to the next one.
     heights: Vec<(usize, f32)>,
@@ -50,7 +50,7 @@ pub(super) struct Candidates {
     scale: f32,
 }
 
-impl Candidates {
+impl PeakCandidates {
     /// - `heights`: of the target, lowest and highest (m).
     pub fn new(table: &PolicyTable, centre: Vec2, radius: f32, heights: [f32; 2]) -> Self {
         let grid = table.grid();
@@ -85,7 +85,7 @@ impl Candidates {
     }
 
     /// Greatest value of a state (state exists).
-    pub fn most(&self, table: &PolicyTable, state: u32) -> f32 {
+    pub fn greatest_value(&self, table: &PolicyTable, state: u32) -> f32 {
         let (plane, angles) = (table.grid().num_plane_cells(), table.grid().record().num_angles);
         let values = table.values_of(state);
         let mut most = f32::NEG_INFINITY;

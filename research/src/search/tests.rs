@@ -4,10 +4,10 @@ use glam::Vec3;
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
-use throng_bake::policy::made_up::MadeUp;
+use throng_bake::policy::made_up::SyntheticProblem;
 use throng_bake::policy::{
-    ActionModel, Approach, Behaviour, BehaviourConfig, Follow, GridConfig, PolicyConfig, PolicyTables, SegmentMotion,
-    Spec, collect, segment_records, solve_behaviours,
+    ActionModel, ActionSelection, Approach, BehaviourSpec, GridConfig, PolicyBehaviour, PolicyBehaviourConfig,
+    PolicyConfig, PolicyTables, SegmentMotion, collect_rewards, segment_records, solve_behaviours,
 };
 use throng_core::Planar;
 use throng_core::policy::{COMBINE_SUM, KERNEL_WITHIN, Reward, RewardRecord, SegmentRecord, TargetGrid};
@@ -16,11 +16,11 @@ use throng_motion::progress::Silent;
 /// Two blows an action, at made-up places of different heights.
 struct Blows;
 
-impl Behaviour for Blows {
-    fn spec(&self) -> Spec<'_> {
+impl PolicyBehaviour for Blows {
+    fn spec(&self) -> BehaviourSpec<'_> {
         let grid = TargetGrid::cylinder([6, 5, 3], Vec3::new(-1.0, 0.3, 1.2), Vec3::new(1.2, 1.4, 1.7), 0.3);
         let record = RewardRecord { offset: 0.1, ..RewardRecord::new(COMBINE_SUM, KERNEL_WITHIN, 0.3) };
-        Spec::new("blows", grid.expect("a valid grid"), Reward::new(record).expect("a valid reward"), 0.97)
+        BehaviourSpec::new("blows", grid.expect("a valid grid"), Reward::new(record).expect("a valid reward"), 0.97)
     }
 
     fn sample(&self, segment: usize, motion: &SegmentMotion, record: &mut SegmentRecord) {
@@ -31,17 +31,17 @@ impl Behaviour for Blows {
     }
 }
 
-fn solved(model: ActionModel, behaviour: &dyn Behaviour) -> PolicyTables {
+fn solved(model: ActionModel, behaviour: &dyn PolicyBehaviour) -> PolicyTables {
     let mut rng = Pcg64::seed_from_u64(1);
     let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
     solve_behaviours(model, &[behaviour], &cfg, &mut rng, &Silent).expect("it converges")
 }
 
 fn made_up(seed: u64) -> (PolicyTables, PolicyTables) {
-    let small = MadeUp { states: 5, actions: 4, rings: 7, angles: 9, seed };
+    let small = SyntheticProblem { states: 5, actions: 4, rings: 7, angles: 9, seed };
     let grid = GridConfig::polar(small.rings, small.angles, 3.0, 0.25, 1.0);
     let approach = Approach::new(
-        &BehaviourConfig { grid, transition_cost_s: Some(3.0), ..BehaviourConfig::default() },
+        &PolicyBehaviourConfig { grid, transition_cost_s: Some(3.0), ..PolicyBehaviourConfig::default() },
         30.0,
         None,
     )
@@ -67,7 +67,7 @@ fn line() -> ActionModel {
 }
 
 /// Every sequence one by one, in double precision, from the definitions.
-fn every_sequence(table: &PolicyTable, at: Situation, left: usize) -> f64 {
+fn every_sequence(table: &PolicyTable, at: PolicySituation, left: usize) -> f64 {
     if left == 0 {
         let grid = table.grid();
         let (height, ratio) = grid.height_interval(at.target.y);
@@ -105,12 +105,12 @@ proptest! {
         let (approach, blows) = made_up(seed);
         for tables in [&approach, &blows] {
             let table = tables.table(0).expect("sound tables");
-            let from = Situation { state, target: place(table.grid(), at) };
-            let whole = Search::new(&table, depth, None).best(from);
+            let from = PolicySituation { state, target: place(table.grid(), at) };
+            let whole = PolicySearch::new(&table, depth, None).best(from);
             let expected = every_sequence(&table, from, depth);
             prop_assert!((f64::from(whole.score) - expected).abs() < 2e-6, "{} {}", whole.score, expected);
-            let bounds = Bounds::new(&table, depth, [from.target.y - 0.05, from.target.y + 0.05]);
-            let pruned = Search::new(&table, depth, Some(&bounds)).best(from);
+            let bounds = ValueBounds::new(&table, depth, [from.target.y - 0.05, from.target.y + 0.05]);
+            let pruned = PolicySearch::new(&table, depth, Some(&bounds)).best(from);
             prop_assert_eq!(pruned.score, whole.score);
             prop_assert!(pruned.look_aheads <= whole.look_aheads);
         }
@@ -125,10 +125,10 @@ proptest! {
             let table = tables.table(0).expect("sound tables");
             let r = table.grid().record();
             let top = r.height_start + r.height_spacing * (r.num_heights - 1) as f32;
-            let bounds = Bounds::new(&table, 4, [r.height_start, top]);
-            let from = Situation { state, target: place(table.grid(), at) };
-            let best = Search::new(&table, left, None).best(from).score;
-            prop_assert!(best <= bounds.most(left, from) + 1e-5, "{} {}", best, bounds.most(left, from));
+            let bounds = ValueBounds::new(&table, 4, [r.height_start, top]);
+            let from = PolicySituation { state, target: place(table.grid(), at) };
+            let best = PolicySearch::new(&table, left, None).best(from).score;
+            prop_assert!(best <= bounds.upper_bound(left, from) + 1e-5, "{} {}", best, bounds.upper_bound(left, from));
         }
     }
 }
@@ -137,20 +137,20 @@ proptest! {
 fn bounds_leave_out_most_of_what_there_is_to_try() {
     let (approach, _) = made_up(3);
     let table = approach.table(0).expect("sound tables");
-    let bounds = Bounds::new(&table, 4, [0.0, 0.0]);
-    let from = Situation { state: 2, target: Vec3::new(0.4, 0.0, 1.5) };
-    let whole = Search::new(&table, 4, None).best(from);
-    let pruned = Search::new(&table, 4, Some(&bounds)).best(from);
+    let bounds = ValueBounds::new(&table, 4, [0.0, 0.0]);
+    let from = PolicySituation { state: 2, target: Vec3::new(0.4, 0.0, 1.5) };
+    let whole = PolicySearch::new(&table, 4, None).best(from);
+    let pruned = PolicySearch::new(&table, 4, Some(&bounds)).best(from);
     assert_eq!(whole.look_aheads, 1 + 4 + 16 + 64);
     assert!(pruned.look_aheads < whole.look_aheads * 2 / 3, "{} of {}", pruned.look_aheads, whole.look_aheads);
 }
 
 #[test]
 fn walks_to_the_target_and_stands_there() {
-    let config = BehaviourConfig::default();
+    let config = PolicyBehaviourConfig::default();
     let tables = solved(line(), &Approach::new(&config, 30.0, None).expect("a valid behaviour"));
     let table = tables.table(0).expect("sound tables");
-    let found = Search::new(&table, 4, None).best(Situation { state: 0, target: Vec3::new(0.0, 0.0, 1.0) });
+    let found = PolicySearch::new(&table, 4, None).best(PolicySituation { state: 0, target: Vec3::new(0.0, 0.0, 1.0) });
     assert_eq!(found.actions[..4], [0, 0, 1, 1]);
     // Two steps, then standing on the target for ever, which is worth 1.
     let records = segment_records(&Approach::new(&config, 30.0, None).expect("a valid behaviour"), &line().segments);
@@ -166,11 +166,15 @@ fn walks_to_the_target_and_stands_there() {
 
 #[test]
 fn following_the_policy_collects_what_was_worked_out_by_hand() {
-    let tables = solved(line(), &Approach::new(&BehaviourConfig::default(), 30.0, None).expect("a valid behaviour"));
+    let tables =
+        solved(line(), &Approach::new(&PolicyBehaviourConfig::default(), 30.0, None).expect("a valid behaviour"));
     let table = tables.table(0).expect("sound tables");
-    let from = [Situation { state: 0, target: Vec3::ZERO }, Situation { state: 0, target: Vec3::new(0.0, 0.0, -2.0) }];
+    let from = [
+        PolicySituation { state: 0, target: Vec3::ZERO },
+        PolicySituation { state: 0, target: Vec3::new(0.0, 0.0, -2.0) },
+    ];
     let mut rng = Pcg64::seed_from_u64(1);
-    let sums = collect(&table, &from, Follow::LookAhead { temperature: 0.0 }, 1e-6, &mut rng);
+    let sums = collect_rewards(&table, &from, ActionSelection::LookAhead { temperature: 0.0 }, 1e-6, &mut rng);
     // Standing on the target is worth 1; with the target behind, all there is to do is to stand two metres away.
     assert!((sums[0] - 1.0).abs() < 1e-5, "{}", sums[0]);
     assert!((sums[1] - f64::from(-2.0f32 / 1.5).exp()).abs() < 1e-5, "{}", sums[1]);
@@ -179,7 +183,7 @@ fn following_the_policy_collects_what_was_worked_out_by_hand() {
 #[test]
 fn a_policy_on_a_fine_grid_collects_nearly_all_there_is() {
     let fine = GridConfig::polar(65, 64, 4.0, 0.0625, 2.5);
-    let config = BehaviourConfig { grid: fine, ..BehaviourConfig::default() };
+    let config = PolicyBehaviourConfig { grid: fine, ..PolicyBehaviourConfig::default() };
     let tables = solved(line(), &Approach::new(&config, 30.0, None).expect("a valid behaviour"));
     let asked = QualityConfig { pairs: 200, ..QualityConfig::default() };
     let q = measure_policy(&tables.table(0).expect("sound tables"), "approach", &asked);

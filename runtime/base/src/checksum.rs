@@ -29,16 +29,16 @@ const fn tables() -> [[u32; 256]; 8] {
 
 /// CRC-32 (IEEE 802.3) of `bytes`; detects every change within 32 neighbouring bits.
 pub fn crc32(bytes: &[u8]) -> u32 {
-    crc32_of([bytes])
+    crc32_of_pieces([bytes])
 }
 
 /// CRC-32 of bytes in several pieces, equal to [`crc32`] of the joined bytes.
-pub fn crc32_of<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> u32 {
-    !pieces.into_iter().fold(!0, followed_by)
+pub fn crc32_of_pieces<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> u32 {
+    !pieces.into_iter().fold(!0, extend_register)
 }
 
 /// CRC register after `bytes` are added to register `c`.
-fn followed_by(mut c: u32, bytes: &[u8]) -> u32 {
+fn extend_register(mut c: u32, bytes: &[u8]) -> u32 {
     let mut chunks = bytes.chunks_exact(8);
     for b in &mut chunks {
         let x = c ^ u32::from_le_bytes([b[0], b[1], b[2], b[3]]);
@@ -65,6 +65,6 @@ mod tests {
     fn gives_the_published_check_value() {
         assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
         assert_eq!(crc32(b""), 0);
-        assert_eq!(crc32_of([&b"123"[..], b"", b"456789"]), 0xCBF4_3926);
+        assert_eq!(crc32_of_pieces([&b"123"[..], b"", b"456789"]), 0xCBF4_3926);
     }
 }

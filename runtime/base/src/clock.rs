@@ -3,20 +3,20 @@
 use std::fs::{read_dir, read_to_string};
 
 /// CPU time of this thread so far (s).
-pub fn thread_ran_s() -> Option<f64> {
-    ran_s(&read_to_string("/proc/thread-self/schedstat").ok()?)
+pub fn thread_cpu_s() -> Option<f64> {
+    parse_cpu_s(&read_to_string("/proc/thread-self/schedstat").ok()?)
 }
 
 /// CPU time so far of all threads of this process that have not ended (s).
-pub fn process_ran_s() -> Option<f64> {
+pub fn process_cpu_s() -> Option<f64> {
     let threads = read_dir("/proc/self/task").ok()?.flatten();
     // A thread may end meanwhile.
-    let ran = threads.filter_map(|t| ran_s(&read_to_string(t.path().join("schedstat")).ok()?));
+    let ran = threads.filter_map(|t| parse_cpu_s(&read_to_string(t.path().join("schedstat")).ok()?));
     Some(ran.sum())
 }
 
 /// CPU time of a `schedstat` file, whose first number is in nanoseconds (s).
-fn ran_s(schedstat: &str) -> Option<f64> {
+fn parse_cpu_s(schedstat: &str) -> Option<f64> {
     Some(schedstat.split(' ').next()?.parse::<f64>().ok()? * 1e-9)
 }
 
@@ -26,12 +26,12 @@ mod tests {
 
     #[test]
     fn work_takes_time_of_the_thread_and_of_its_process() {
-        let (Some(thread), Some(process)) = (thread_ran_s(), process_ran_s()) else { return };
+        let (Some(thread), Some(process)) = (thread_cpu_s(), process_cpu_s()) else { return };
         let mut n = 1u64;
-        while thread_ran_s().unwrap() < thread + 0.02 {
+        while thread_cpu_s().unwrap() < thread + 0.02 {
             n = std::hint::black_box(n.wrapping_mul(3));
         }
-        assert!(process_ran_s().unwrap() >= process + 0.02);
-        assert!(std::thread::spawn(|| thread_ran_s().unwrap()).join().unwrap() < 0.02, "another thread's is its own");
+        assert!(process_cpu_s().unwrap() >= process + 0.02);
+        assert!(std::thread::spawn(|| thread_cpu_s().unwrap()).join().unwrap() < 0.02, "another thread's is its own");
     }
 }

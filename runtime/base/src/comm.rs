@@ -1,6 +1,6 @@
 //! Communication between several processes, or between threads in their place, that work on one task.
 
-use crate::clock::process_ran_s;
+use crate::clock::process_cpu_s;
 use crate::{Error, Result};
 use std::cell::Cell;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -37,7 +37,7 @@ pub trait Comm {
 
     /// CPU time of this rank so far, without waiting for others (s); `None` where it cannot be separated from that of other ranks,
     /// or where the system does not report it.
-    fn ran_s(&self) -> Option<f64> {
+    fn cpu_s(&self) -> Option<f64> {
         None
     }
 
@@ -49,7 +49,7 @@ pub trait Comm {
         let all = self.all_gather(&number.to_le_bytes())?;
         let number = |(rank, bytes): (usize, &Vec<u8>)| match <[u8; 8]>::try_from(&bytes[..]) {
             Ok(bytes) => Ok(f64::from_le_bytes(bytes)),
-            Err(_) => Err(out_of_step(rank)),
+            Err(_) => Err(unexpected_message(rank)),
         };
         all.iter().enumerate().map(number).collect()
     }
@@ -87,8 +87,8 @@ pub trait Comm {
     }
 
     /// Range of this rank among `count` items: ranges of all ranks follow each other, and their lengths differ by at most one.
-    fn share(&self, count: usize) -> std::ops::Range<usize> {
-        share(count, self.rank(), self.num_ranks())
+    fn own_range(&self, count: usize) -> std::ops::Range<usize> {
+        rank_range(count, self.rank(), self.num_ranks())
     }
 }
 
@@ -102,13 +102,13 @@ pub struct Traffic {
 }
 
 /// Range of one rank among `count` items, see [`Comm::share`].
-pub fn share(count: usize, rank: usize, num_ranks: usize) -> std::ops::Range<usize> {
+pub fn rank_range(count: usize, rank: usize, num_ranks: usize) -> std::ops::Range<usize> {
     let begin = |rank: usize| (count as u128 * rank as u128 / num_ranks as u128) as usize;
     begin(rank)..begin(rank + 1)
 }
 
 /// Error for a message of another kind than this rank expected.
-pub fn out_of_step(rank: usize) -> Error {
+pub fn unexpected_message(rank: usize) -> Error {
     Error::Rank {
         rank,
         why: "sent another message than was expected; start all ranks with the same program and words".into(),
@@ -126,7 +126,7 @@ pub struct LocalComm {
 
 impl LocalComm {
     /// Connected ends of `num_ranks` ranks (> 0), in their order.
-    pub fn all(num_ranks: usize) -> Vec<Self> {
+    pub fn connect_all(num_ranks: usize) -> Vec<Self> {
         let mut ends: Vec<Self> = (0..num_ranks)
             .map(|rank| Self { rank, to: Vec::new(), from: Vec::new(), traffic: Cell::default() })
             .collect();
@@ -148,7 +148,8 @@ impl LocalComm {
         std::thread::scope(|scope| {
             let work = &work;
             // An end is dropped with its thread, so that no rank waits for one that has ended.
-            let threads: Vec<_> = Self::all(num_ranks).into_iter().map(|end| scope.spawn(move || work(&end))).collect();
+            let threads: Vec<_> =
+                Self::connect_all(num_ranks).into_iter().map(|end| scope.spawn(move || work(&end))).collect();
             let joined = |thread: std::thread::ScopedJoinHandle<'_, T>| {
                 thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
             };
@@ -188,9 +189,9 @@ impl Comm for LocalComm {
 
 /// Single rank of a run without others: nothing is sent.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Alone;
+pub struct SingleRank;
 
-impl Comm for Alone {
+impl Comm for SingleRank {
     fn rank(&self) -> usize {
         0
     }
@@ -207,8 +208,8 @@ impl Comm for Alone {
         Traffic::default()
     }
 
-    fn ran_s(&self) -> Option<f64> {
-        process_ran_s()
+    fn cpu_s(&self) -> Option<f64> {
+        process_cpu_s()
     }
 }
 
@@ -253,7 +254,7 @@ mod tests {
         for (count, num_ranks) in [(0, 1), (1, 3), (10, 3), (7, 8), (usize::MAX, 5)] {
             let mut next = 0;
             for rank in 0..num_ranks {
-                let part = share(count, rank, num_ranks);
+                let part = rank_range(count, rank, num_ranks);
                 assert_eq!(part.start, next);
                 assert!(part.len() >= count / num_ranks && part.len() <= count / num_ranks + 1);
                 next = part.end;

@@ -37,7 +37,7 @@ pub enum Error {
         why: String,
     },
     /// A number out of its range.
-    #[error("{}{what} is {got}, expected {expected}", of(.who))]
+    #[error("{}{what} is {got}, expected {expected}", id_prefix(.who))]
     Value {
         /// Name of the number.
         what: &'static str,
@@ -49,7 +49,7 @@ pub enum Error {
         expected: &'static str,
     },
     /// A number of something that does not exist.
-    #[error("{}{what} {got} does not exist, there are {limit}", of(.who))]
+    #[error("{}{what} {got} does not exist, there are {limit}", id_prefix(.who))]
     Index {
         /// Kind of the item that was named.
         what: &'static str,
@@ -71,7 +71,7 @@ pub enum Error {
         expected: String,
     },
     /// A name of something that does not exist.
-    #[error("there is no {what} \"{name}\"; {}", there_is(.known))]
+    #[error("there is no {what} \"{name}\"; {}", list_known(.known))]
     Unknown {
         /// Kind of the item that was named.
         what: &'static str,
@@ -90,8 +90,8 @@ pub enum Error {
         capacity: usize,
     },
     /// No path leads to a place.
-    #[error("{}no way leads from {from} to {to}; name a place that can be reached", of(.who))]
-    NoWay {
+    #[error("{}no way leads from {from} to {to}; name a place that can be reached", id_prefix(.who))]
+    NoPath {
         /// Agent or character that should go there.
         who: Option<Id>,
         /// Start of the path (m).
@@ -136,12 +136,12 @@ pub enum Error {
 }
 
 /// "3: " before a message about agent or character 3.
-fn of(who: &Option<Id>) -> String {
+fn id_prefix(who: &Option<Id>) -> String {
     who.map_or(String::new(), |id| format!("{id}: "))
 }
 
 /// Sentence that lists the names that may be given.
-fn there_is(known: &[String]) -> String {
+fn list_known(known: &[String]) -> String {
     if known.is_empty() { "there is none".into() } else { format!("there is {}", known.join(", ")) }
 }
 
@@ -152,7 +152,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 ///
 /// # Errors
 /// As said.
-pub fn check(
+pub fn check_value(
     what: &'static str,
     who: Option<Id>,
     got: impl Into<f64>,

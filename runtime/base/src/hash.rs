@@ -16,21 +16,21 @@ impl Default for Hash128 {
 
 impl Hash128 {
     /// Adds a word.
-    pub fn word(&mut self, word: u64) {
+    pub fn add_word(&mut self, word: u64) {
         self.0[0] = mix(self.0[0] ^ word);
         self.0[1] = mix(self.0[1].rotate_left(29) ^ word.wrapping_mul(0xd6e8_feb8_6659_fd93));
     }
 
     /// Adds bytes and their number.
-    pub fn bytes(&mut self, bytes: &[u8]) {
+    pub fn add_bytes(&mut self, bytes: &[u8]) {
         let mut chunks = bytes.chunks_exact(8);
         for c in &mut chunks {
-            self.word(u64::from_le_bytes([c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]]));
+            self.add_word(u64::from_le_bytes([c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]]));
         }
         let mut rest = [0; 8];
         rest[..chunks.remainder().len()].copy_from_slice(chunks.remainder());
-        self.word(u64::from_le_bytes(rest));
-        self.word(bytes.len() as u64);
+        self.add_word(u64::from_le_bytes(rest));
+        self.add_word(bytes.len() as u64);
     }
 
     /// The hash of all that was added.
@@ -39,9 +39,9 @@ impl Hash128 {
     }
 
     /// The hash of some bytes.
-    pub fn of(bytes: &[u8]) -> u128 {
+    pub fn hash_bytes(bytes: &[u8]) -> u128 {
         let mut hash = Self::default();
-        hash.bytes(bytes);
+        hash.add_bytes(bytes);
         hash.finish()
     }
 }
@@ -57,7 +57,7 @@ impl StateHash {
     }
 
     /// Adds a word.
-    pub fn add(&mut self, word: u64) {
+    pub fn add_word(&mut self, word: u64) {
         self.0 = mix(self.0 ^ word);
     }
 
@@ -73,15 +73,15 @@ impl Hasher for StateHash {
     }
 
     fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|&b| self.add(u64::from(b)));
+        bytes.iter().for_each(|&b| self.add_word(u64::from(b)));
     }
 
     fn write_u32(&mut self, i: u32) {
-        self.add(u64::from(i));
+        self.add_word(u64::from(i));
     }
 
     fn write_u64(&mut self, i: u64) {
-        self.add(i);
+        self.add_word(i);
     }
 }
 
@@ -98,13 +98,13 @@ mod tests {
     #[test]
     fn content_that_differs_in_a_bit_or_a_length_has_another_hash() {
         let bytes: Vec<u8> = (0..40).collect();
-        let whole = Hash128::of(&bytes);
+        let whole = Hash128::hash_bytes(&bytes);
         for i in 0..bytes.len() {
             let mut other = bytes.clone();
             other[i] ^= 1;
-            assert_ne!(Hash128::of(&other), whole);
-            assert_ne!(Hash128::of(&bytes[..i]), whole);
+            assert_ne!(Hash128::hash_bytes(&other), whole);
+            assert_ne!(Hash128::hash_bytes(&bytes[..i]), whole);
         }
-        assert_ne!(Hash128::of(&[0; 8]), Hash128::of(&[0; 9]));
+        assert_ne!(Hash128::hash_bytes(&[0; 8]), Hash128::hash_bytes(&[0; 9]));
     }
 }

@@ -17,14 +17,14 @@ mod snapshot;
 #[cfg(feature = "text")]
 pub mod text;
 
-pub use checksum::{crc32, crc32_of};
-pub use comm::{Alone, Comm, LocalComm, Traffic, out_of_step, share};
+pub use checksum::{crc32, crc32_of_pieces};
+pub use comm::{Comm, LocalComm, SingleRank, Traffic, rank_range, unexpected_message};
 pub use error::{Error, Result};
 pub use glam;
 pub use hash::{Hash128, StateHash};
 pub use id::Id;
 pub use prefetch::prefetch;
-pub use run::{Inline, Run, run_each};
+pub use run::{Executor, Inline, run_each};
 #[cfg(feature = "rayon")]
 pub use run::{Rayon, limit_threads};
 pub use snapshot::{Bytes, SnapshotKind};

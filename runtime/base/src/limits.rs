@@ -1,6 +1,6 @@
 //! The range of every number that applications and command lines give, each in one place.
 
-use crate::error::check;
+use crate::error::check_value;
 use crate::{Id, Result};
 use std::str::FromStr;
 
@@ -19,7 +19,7 @@ pub struct Limit {
 
 impl Limit {
     /// True for a value in the range; false for NaN.
-    pub fn holds(&self, value: f64) -> bool {
+    pub fn contains(&self, value: f64) -> bool {
         (self.least..=self.most).contains(&value)
     }
 
@@ -31,7 +31,7 @@ impl Limit {
     /// As said.
     pub fn check(&self, what: &'static str, who: Option<Id>, value: impl Into<f64>) -> Result<()> {
         let value = value.into();
-        check(what, who, value, self.holds(value), self.range)
+        check_value(what, who, value, self.contains(value), self.range)
     }
 
     /// Fails as [`Limit::check`] unless a count is in the range.
@@ -109,9 +109,11 @@ macro_rules! numbers {
 numbers!(usize, u32, u64, f32, f64);
 
 /// Parser of a number within its limit; other texts are refused with a message that names the range.
-pub fn number<T: Number>(limit: &'static Limit) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static {
+pub fn number_parser<T: Number>(
+    limit: &'static Limit,
+) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static {
     move |text| {
-        let number = text.trim().parse::<T>().ok().filter(|n| limit.holds(n.value()));
+        let number = text.trim().parse::<T>().ok().filter(|n| limit.contains(n.value()));
         number.ok_or_else(|| format!("expected {} ({})", limit.range, limit.quantity))
     }
 }
@@ -123,9 +125,9 @@ mod tests {
     #[test]
     fn what_is_not_in_a_range_is_refused_with_the_range() {
         for limit in ALL {
-            assert!(limit.holds(limit.least) && limit.holds(limit.most), "{limit:?}");
+            assert!(limit.contains(limit.least) && limit.contains(limit.most), "{limit:?}");
             for out in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e308, limit.least - 1.0] {
-                assert!(!limit.holds(out), "{limit:?}: {out}");
+                assert!(!limit.contains(out), "{limit:?}: {out}");
                 let e = limit.check("x", None, out).unwrap_err().to_string();
                 assert!(e.contains(limit.range), "{e}");
             }

@@ -140,7 +140,7 @@ pub fn hypot<R: Real>(x: R, y: R) -> R {
 
 /// The unit vector at an angle from +X (rad).
 #[inline]
-pub fn at_angle(angle: f32) -> Vec2 {
+pub fn direction_at_angle(angle: f32) -> Vec2 {
     let (sin, cos) = sin_cos(angle);
     Vec2::new(cos, sin)
 }
@@ -189,7 +189,7 @@ pub fn compose(a: Quat, b: Quat) -> Quat {
 
 /// Rotation scaled to unit length; the identity where all components are 0.
 #[inline]
-pub fn unit(q: Quat) -> Quat {
+pub fn normalize_or_identity(q: Quat) -> Quat {
     let length = (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w).sqrt();
     if length > 0.0 { Quat::from_xyzw(q.x / length, q.y / length, q.z / length, q.w / length) } else { Quat::IDENTITY }
 }
@@ -198,10 +198,10 @@ pub fn unit(q: Quat) -> Quat {
 ///
 /// - `share`: weight of `b` (0 to 1).
 #[inline]
-pub fn between(a: Quat, b: Quat, share: f32) -> Quat {
+pub fn nlerp(a: Quat, b: Quat, share: f32) -> Quat {
     let dot = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
     let (s, t) = (1.0 - share, if dot < 0.0 { -share } else { share });
-    unit(Quat::from_xyzw(a.x * s + b.x * t, a.y * s + b.y * t, a.z * s + b.z * t, a.w * s + b.w * t))
+    normalize_or_identity(Quat::from_xyzw(a.x * s + b.x * t, a.y * s + b.y * t, a.z * s + b.z * t, a.w * s + b.w * t))
 }
 
 /// Spherical linear interpolation of two rotations along the shorter arc; unit length.
@@ -237,9 +237,9 @@ mod tests {
         assert!(rotate(a, v).distance(a * v) < 1e-6 && compose(a, b).abs_diff_eq(a * b, 1e-6));
         assert_eq!(compose(a.conjugate(), a).xyz(), Vec3::ZERO);
         assert_eq!(compose(a, b.conjugate()).xyz(), -compose(b, a.conjugate()).xyz());
-        assert!(between(a, -b, 0.25).abs_diff_eq((a * 0.75 + b * (0.25 * a.dot(b).signum())).normalize(), 1e-6));
+        assert!(nlerp(a, -b, 0.25).abs_diff_eq((a * 0.75 + b * (0.25 * a.dot(b).signum())).normalize(), 1e-6));
         assert!(slerp_f32(a, -b, 0.25).abs_diff_eq(a.slerp(-b, 0.25), 1e-6));
-        assert_eq!(unit(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)), Quat::IDENTITY);
+        assert_eq!(normalize_or_identity(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)), Quat::IDENTITY);
     }
 
     #[test]
@@ -288,7 +288,7 @@ mod tests {
                 (rotation_z(a), Quat::from_rotation_z(a)),
             ];
             assert!(all.iter().all(|(found, exact)| found.abs_diff_eq(*exact, 2e-7)), "{a}: {all:?}");
-            assert!(at_angle(a).abs_diff_eq(Vec2::from_angle(a), 2e-7));
+            assert!(direction_at_angle(a).abs_diff_eq(Vec2::from_angle(a), 2e-7));
         }
     }
 
@@ -300,11 +300,11 @@ mod tests {
             let x = i as f32 * 3.7e-3;
             let y = 1.0 - x;
             for v in [sin(x), cos(x), atan2(x, y), exp(x), exp2(x), pow(1.7, x), cbrt(x), hypot(x, y)] {
-                hash.word(u64::from(v.to_bits()));
+                hash.add_word(u64::from(v.to_bits()));
             }
             let (x, y) = (f64::from(x), f64::from(y));
             for v in [sin(x), cos(x), atan2(x, y), exp(x), exp2(x), pow(1.7, x), cbrt(x), hypot(x, y)] {
-                hash.word(v.to_bits());
+                hash.add_word(v.to_bits());
             }
         }
         assert_eq!(hash.finish(), 126_578_984_256_741_891_817_928_826_187_781_028_977);

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 /// Runs independent parts of a step, on one or several threads.
 ///
 /// Results depend neither on the thread that runs a part nor on the order of parts.
-pub trait Run: Sync {
+pub trait Executor: Sync {
     /// Calls `part` once with every number below `num_parts`, and returns when all calls have.
     fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync));
 
@@ -15,11 +15,11 @@ pub trait Run: Sync {
     }
 }
 
-/// Most parts of one call of [`Run::run`].
+/// Most parts of one call of [`Executor::run`].
 const MAX_PARTS: usize = 64;
 
 /// Calls `work` once with each of some parts, on the threads of `run`. Allocates nothing.
-pub fn run_each<T: Send>(run: &dyn Run, mut parts: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
+pub fn run_each<T: Send>(run: &dyn Executor, mut parts: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
     loop {
         let some: [Mutex<Option<T>>; MAX_PARTS] = std::array::from_fn(|_| Mutex::new(parts.next()));
         let is_part = |part: &Mutex<Option<T>>| part.lock().unwrap_or_else(PoisonError::into_inner).is_some();
@@ -38,7 +38,7 @@ pub fn run_each<T: Send>(run: &dyn Run, mut parts: impl Iterator<Item = T>, work
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Inline;
 
-impl Run for Inline {
+impl Executor for Inline {
     fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
         (0..num_parts).for_each(part);
     }
@@ -54,7 +54,7 @@ impl Run for Inline {
 pub struct Rayon;
 
 #[cfg(feature = "rayon")]
-impl Run for Rayon {
+impl Executor for Rayon {
     fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
         use rayon::prelude::*;
         (0..num_parts).into_par_iter().for_each(part);
@@ -76,7 +76,7 @@ const MOST_A_CORE: usize = 32;
 pub fn limit_threads() {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let asked = std::env::var("RAYON_NUM_THREADS").ok();
-    if let Some(num) = too_many(asked.as_deref(), cores) {
+    if let Some(num) = reduced_thread_count(asked.as_deref(), cores) {
         // An existing pool was made by the caller, and stays.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(num).build_global();
     }
@@ -84,7 +84,7 @@ pub fn limit_threads() {
 
 /// Number of threads in place of one that is too large; `None` where the one asked for is fine.
 #[cfg(feature = "rayon")]
-fn too_many(asked: Option<&str>, cores: usize) -> Option<usize> {
+fn reduced_thread_count(asked: Option<&str>, cores: usize) -> Option<usize> {
     let most = MOST_A_CORE * cores;
     asked?.parse::<usize>().ok().filter(|&num| num > most).map(|_| most)
 }
@@ -107,7 +107,7 @@ mod tests {
             (Some("1000"), 48, None),
             (Some("18446744073709551615"), 1, Some(32)),
         ] {
-            assert_eq!(too_many(asked, cores), expected, "{asked:?} on {cores}");
+            assert_eq!(reduced_thread_count(asked, cores), expected, "{asked:?} on {cores}");
         }
     }
 

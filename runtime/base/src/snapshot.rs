@@ -29,7 +29,7 @@ impl SnapshotKind {
         let begin = out.len();
         out.resize(begin + HEADER, 0);
         // Writing a valid state to memory cannot fail.
-        let _ = bincode::serde::encode_into_std_write(state, out, config());
+        let _ = bincode::serde::encode_into_std_write(state, out, bincode_config());
         let body = &out[begin + HEADER..];
         let (length, sum) = (body.len() as u64, crc32(body));
         let mut header = Vec::with_capacity(HEADER);
@@ -68,9 +68,9 @@ impl SnapshotKind {
         if crc32(body) != word(40) {
             return refuse("its checksum is wrong; it is damaged".into());
         }
-        match bincode::serde::borrow_decode_from_slice(body, config().with_limit::<LARGEST>()) {
+        match bincode::serde::borrow_decode_from_slice(body, bincode_config().with_limit::<LARGEST>()) {
             Ok((state, used)) if used == body.len() => Ok((state, rest)),
-            Ok((_, used)) => refuse(follow(body.len() - used)),
+            Ok((_, used)) => refuse(trailing_bytes_message(body.len() - used)),
             Err(_) => refuse("its content is that of another state; take a new one".into()),
         }
     }
@@ -82,13 +82,13 @@ impl SnapshotKind {
     pub fn read_all<T: DeserializeOwned>(&self, bytes: &[u8]) -> Result<T> {
         match self.read(bytes)? {
             (state, []) => Ok(state),
-            (_, rest) => Err(Error::Snapshot { what: self.what, why: follow(rest.len()) }),
+            (_, rest) => Err(Error::Snapshot { what: self.what, why: trailing_bytes_message(rest.len()) }),
         }
     }
 }
 
 /// Message about bytes after the end of a state.
-fn follow(num_bytes: usize) -> String {
+fn trailing_bytes_message(num_bytes: usize) -> String {
     format!("{num_bytes} bytes follow its end, expected none; take a new one")
 }
 
@@ -104,8 +104,8 @@ impl Serialize for Bytes {
 
 impl<'de> Deserialize<'de> for Bytes {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        struct Kept;
-        impl Visitor<'_> for Kept {
+        struct BytesVisitor;
+        impl Visitor<'_> for BytesVisitor {
             type Value = Bytes;
 
             fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -117,11 +117,11 @@ impl<'de> Deserialize<'de> for Bytes {
             }
         }
         // Borrowed: a length is compared with what is left before memory is taken for it.
-        from.deserialize_bytes(Kept)
+        from.deserialize_bytes(BytesVisitor)
     }
 }
 
-fn config() -> bincode::config::Configuration<bincode::config::LittleEndian, bincode::config::Fixint> {
+fn bincode_config() -> bincode::config::Configuration<bincode::config::LittleEndian, bincode::config::Fixint> {
     bincode::config::standard().with_fixed_int_encoding()
 }
 

@@ -1,11 +1,11 @@
 //! Opens bundles, answers policy queries, poses characters.
 //!
 //! A bundle (`*.throng`) is opened as [`Bundle`]; [`characters::PolicyCharacters`] and [`walkers::Walkers`] are
-//! [`Cast`]s that move and pose people. [`policy`] answers single queries without characters.
+//! [`CharacterGroup`]s that move and pose people. [`policy`] answers single queries without characters.
 
 pub mod blend;
 pub mod bundle;
-pub mod cast;
+pub mod character_group;
 pub mod characters;
 pub mod contacts;
 pub mod format;
@@ -24,7 +24,7 @@ pub mod stops;
 pub mod walkers;
 
 pub use bundle::Bundle;
-pub use cast::{Adopted, Bodies, Body, Cast, Status};
+pub use character_group::{AdoptReport, CharacterGroup, OrderStatus, PosedBodies, PosedBody};
 pub use contacts::Contacts;
 pub use format::FormatError;
 pub use hits::HitRecord;
@@ -35,4 +35,4 @@ pub use roster::Roster;
 pub use skeleton::{Joint, NUM_JOINTS, Skeleton};
 #[cfg(feature = "rayon")]
 pub use throng_base::Rayon;
-pub use throng_base::{self as base, Error, Id, Inline, Result, Run, glam, simd};
+pub use throng_base::{self as base, Error, Executor, Id, Inline, Result, glam, simd};

@@ -30,7 +30,7 @@ impl Placement {
     }
 
     /// A planar transform at a height.
-    pub fn at(planar: Planar, y: f32) -> Self {
+    pub fn from_planar(planar: Planar, y: f32) -> Self {
         Self { x: planar.x, y, z: planar.z, heading: planar.heading }
     }
 
@@ -46,12 +46,12 @@ impl Placement {
 
     /// `self` after `inner`: first `inner`, then `self`. Headings add and are not wrapped.
     pub fn compose(self, inner: Self) -> Self {
-        Self::at(self.planar().compose(inner.planar()), self.y + inner.y)
+        Self::from_planar(self.planar().compose(inner.planar()), self.y + inner.y)
     }
 
     /// The transform that undoes this one.
     pub fn inverse(self) -> Self {
-        Self::at(self.planar().inverse(), -self.y)
+        Self::from_planar(self.planar().inverse(), -self.y)
     }
 
     /// `other` as seen from `self`: `self.inverse().compose(other)`.
@@ -72,7 +72,7 @@ impl Placement {
     }
 
     /// Placement with the heading in (-pi, pi].
-    pub fn wrapped(self) -> Self {
+    pub fn with_wrapped_heading(self) -> Self {
         Self { heading: wrap_angle(self.heading), ..self }
     }
 

@@ -29,7 +29,7 @@ struct Roundness {
 
 impl PlainBody {
     /// Body of a skeleton in its rest pose: 1664 triangles.
-    pub fn of(skeleton: &Skeleton) -> Self {
+    pub fn fine(skeleton: &Skeleton) -> Self {
         Self::round(skeleton, Roundness { sides: 8, rings: 2 })
     }
 
@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn bodies_are_closed_and_face_outwards() {
         for (body, triangles) in
-            [(PlainBody::of(&Skeleton::default()), 1664), (PlainBody::coarse(&Skeleton::default()), 416)]
+            [(PlainBody::fine(&Skeleton::default()), 1664), (PlainBody::coarse(&Skeleton::default()), 416)]
         {
             assert_eq!(body.triangles.len(), triangles);
             check(&body);

@@ -52,7 +52,7 @@ impl Roster {
     ///
     /// # Errors
     /// [`Error::Full`].
-    pub fn next(&self) -> Result<Id> {
+    pub fn next_id(&self) -> Result<Id> {
         let index = *self.free.last().ok_or(Error::Full { capacity: self.slots.len() })?;
         Ok(Id { index, generation: self.slots[index as usize].0 })
     }
@@ -61,7 +61,7 @@ impl Roster {
     ///
     /// # Errors
     /// [`Error::Full`].
-    pub fn enter(&mut self) -> Result<Id> {
+    pub fn add_id(&mut self) -> Result<Id> {
         let index = self.free.pop().ok_or(Error::Full { capacity: self.slots.len() })?;
         let slot = &mut self.slots[index as usize];
         slot.1 = self.ids.len() as u32;
@@ -76,7 +76,7 @@ impl Roster {
     ///
     /// # Errors
     /// [`Error::Gone`].
-    pub fn leave(&mut self, id: Id) -> Result<(usize, usize)> {
+    pub fn remove_id(&mut self, id: Id) -> Result<(usize, usize)> {
         let row = self.row(id)?;
         self.ids.swap_remove(row);
         if let Some(moved) = self.ids.get(row) {
@@ -120,32 +120,32 @@ mod tests {
     #[test]
     fn rows_have_no_gaps_and_ids_are_never_used_twice() {
         let mut roster = Roster::with_capacity(3);
-        let [a, b, c] = [(); 3].map(|()| roster.enter().unwrap());
-        assert!(matches!(roster.enter(), Err(Error::Full { capacity: 3 })));
-        assert_eq!(roster.leave(a).unwrap(), (0, 2));
+        let [a, b, c] = [(); 3].map(|()| roster.add_id().unwrap());
+        assert!(matches!(roster.add_id(), Err(Error::Full { capacity: 3 })));
+        assert_eq!(roster.remove_id(a).unwrap(), (0, 2));
         assert_eq!((roster.ids(), roster.row(c).unwrap(), roster.row(b).unwrap()), (&[c, b][..], 0, 1));
-        let d = roster.enter().unwrap();
+        let d = roster.add_id().unwrap();
         assert_eq!((d.index, d.generation), (a.index, 1));
         assert!(matches!(roster.row(a), Err(Error::Gone(id)) if id == a));
-        assert!(roster.leave(a).is_err() && roster.row(Id::first(7)).is_err());
+        assert!(roster.remove_id(a).is_err() && roster.row(Id::first(7)).is_err());
     }
 
     #[test]
     fn restoring_brings_back_rows_and_the_next_id() {
         let mut roster = Roster::with_capacity(3);
-        let [a, _] = [(); 2].map(|()| roster.enter().unwrap());
-        roster.leave(a).unwrap();
+        let [a, _] = [(); 2].map(|()| roster.add_id().unwrap());
+        roster.remove_id(a).unwrap();
         let kept = roster.clone();
-        let next = roster.enter().unwrap();
-        roster.enter().unwrap();
+        let next = roster.add_id().unwrap();
+        roster.add_id().unwrap();
         assert!(roster.restore(&kept) && roster == kept);
-        assert_eq!(roster.enter().unwrap(), next);
+        assert_eq!(roster.add_id().unwrap(), next);
     }
 
     #[test]
     fn refuses_what_is_not_sound() {
         let mut roster = Roster::with_capacity(2);
-        let a = roster.enter().unwrap();
+        let a = roster.add_id().unwrap();
         let (good, mut other) = (roster.clone(), Roster::with_capacity(2));
         let spoils: [fn(&mut Roster); 5] = [
             |r| r.ids[0].index = 9,

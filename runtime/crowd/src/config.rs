@@ -5,7 +5,7 @@ use crate::{Agent, Field, Interest, Obstacle, Route, Senses, SteeringConfig};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
-use throng_base::error::check;
+use throng_base::error::check_value;
 use throng_base::limits::CAPACITY;
 
 /// Scheme by which the crowd schedules its agents' events.
@@ -106,7 +106,7 @@ impl CrowdConfig {
     /// Every setting within its limits.
     pub(crate) fn check(&self) -> Result<()> {
         let within = |what, got: f32, least: f32, most: f32, expected| {
-            check(what, None, got, (least..=most).contains(&got), expected)
+            check_value(what, None, got, (least..=most).contains(&got), expected)
         };
         within("config.smallest_interval_s", self.smallest_interval_s, 0.001, 1.0, "between 0.001 and 1")?;
         #[cfg(feature = "baselines")]

@@ -9,8 +9,8 @@ use crate::space::Space;
 use crate::space::plan::Plan;
 use crate::{Agent, AtEnd, Forces, Id, PersonalInterest, Route, Sense, Setup};
 use glam::{Vec2, Vec3};
-use throng_base::Run;
-use throng_base::ground::{Held, Outsider, Rod};
+use throng_base::Executor;
+use throng_base::ground::{Capsule2d, ExternalObstacle, ReservedRegion};
 
 /// Agents that act at their own events and never overlap.
 ///
@@ -97,7 +97,7 @@ impl Crowd {
     /// # Errors
     /// As [`Crowd::advance`]. Some agents that act a little after those of a [`CrowdError::Stalled`] may have acted
     /// before it was detected.
-    pub fn par_advance(&mut self, until_s: f64, run: &dyn Run, on_event: &mut impl FnMut(&Event)) -> Result<()> {
+    pub fn par_advance(&mut self, until_s: f64, run: &dyn Executor, on_event: &mut impl FnMut(&Event)) -> Result<()> {
         self.advance_with(on_event, |crowd| crowd.run_parallel(until_s, run))
     }
 
@@ -234,7 +234,7 @@ impl Crowd {
 
     /// Runs the engine in parallel parts, see [`Crowd::run`].
     #[inline(never)]
-    fn run_parallel(&mut self, until_s: f64, run: &dyn Run) -> Result<bool> {
+    fn run_parallel(&mut self, until_s: f64, run: &dyn Executor) -> Result<bool> {
         each!(&mut self.engine, e => e.run_parallel(until_s, run))
     }
 
@@ -395,20 +395,20 @@ impl Crowd {
 
     /// Sets the external obstacles: agents steer around their bodies, and keep out of the regions that they reserve. A
     /// crowd in the air ignores them.
-    pub fn mind<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
+    pub fn mind<'a>(&mut self, others: impl Iterator<Item = &'a ReservedRegion>) {
         if let Either::Ground(engine) = &mut self.engine {
-            engine.outsiders.set(others);
+            engine.outsiders.replace_all(others);
         }
     }
 
     /// The body of an agent, and the ground that it holds: all that it takes until its plan ends, and for braking then.
-    pub fn held(&self, id: Id) -> Option<(Outsider, Rod)> {
+    pub fn held(&self, id: Id) -> Option<(ExternalObstacle, Capsule2d)> {
         each!(&self.engine, e => {
             let plan = e.plan(id)?;
             let (position, velocity) = plan.at(e.now);
             let end = plan.end.max(e.now);
             let now = Plan { start: e.now, end, position, velocity, moving: (plan.moving - (e.now - plan.start) as f32).max(0.0), ..plan };
-            let body = Outsider { place: position.on_ground(), velocity: velocity.on_ground(), radius_m: plan.radius };
+            let body = ExternalObstacle { place: position.on_ground(), velocity: velocity.on_ground(), radius_m: plan.radius };
             Some((body, Candidate::new(now).held()))
         })
     }

@@ -96,7 +96,7 @@ impl From<CrowdError> for Error {
 
 /// [`Error::Value`] about the setting of something, unless `good`.
 pub(crate) fn check(what: &'static str, number: usize, got: f32, good: bool, expected: &'static str) -> Result<()> {
-    throng_base::error::check(what, Some(Id::first(number)), got, good, expected)
+    throng_base::error::check_value(what, Some(Id::first(number)), got, good, expected)
 }
 
 #[cfg(test)]

@@ -215,7 +215,7 @@ impl<V: Space> Scenery<V> {
             return Ok(need.max(6.5 * self.radius));
         }
         let expected = "twice the radius, distance to stop and length of a shortest plan, or more; or 0";
-        throng_base::error::check("config.cell_side_m", None, got, got >= need && got < 1e5, expected)?;
+        throng_base::error::check_value("config.cell_side_m", None, got, got >= need && got < 1e5, expected)?;
         Ok(got)
     }
 

@@ -1,33 +1,33 @@
 //! Characters with policies: each with a target of its own, or in pairs that strike at each other.
 
 use crate::compile::CompiledScene;
-use crate::kind::{Kind, Tick, load_same, refused};
-use crate::scene::{DragPoint, GroupConfig, Motion, PlaceConfig, Scene};
+use crate::motion_kind::{GroupStep, MotionKind, load_same, refused_snapshot};
+use crate::scene::{DragPoint, GroupConfig, GroupMotion, PlaceConfig, Scene};
 use crate::sparring::{PracticeConfig, Sparring, SparringConfig, TargetPractice};
-use crate::{Event, Happened};
+use crate::{CharacterEvent, SimulationEvent};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f32::consts::TAU;
 use std::sync::Arc;
 use throng_base::error::check_index;
-use throng_base::ground::Held;
+use throng_base::ground::ReservedRegion;
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind};
-use throng_core::characters::{AvoidConfig, CharactersConfig, Choice, Order, Spawn};
+use throng_core::characters::{ActionChoice, AvoidConfig, CharactersConfig, PolicyOrder, Spawn};
 use throng_core::policy::{KIND_CYLINDER, KIND_SPACE_TIME, RegionRecord};
-use throng_core::{Bundle, Cast, Contacts, Mat3x4, NUM_JOINTS, Planar};
+use throng_core::{Bundle, CharacterGroup, Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// Group of sparring pairs.
 #[derive(Clone, Debug)]
 pub struct Bouts {
-    setup: Setup,
+    setup: BoxingSetup,
     sparring: Sparring,
 }
 
 /// Group of characters that strike at targets of their own.
 #[derive(Clone, Debug)]
 pub struct Practice {
-    setup: Setup,
+    setup: BoxingSetup,
     practice: TargetPractice,
     /// Positions at which targets hang while no hand drags them (m).
     homes: Vec<Vec3>,
@@ -37,7 +37,7 @@ pub struct Practice {
 
 /// Scene and group of characters of either kind.
 #[derive(Clone, Debug)]
-struct Setup {
+struct BoxingSetup {
     scene: Arc<Scene>,
     /// Number of the group in the scene.
     group: usize,
@@ -45,9 +45,9 @@ struct Setup {
     key: String,
 }
 
-impl Setup {
+impl BoxingSetup {
     fn new(compiled: &CompiledScene, group: usize) -> Self {
-        Self { scene: Arc::clone(compiled.shared()), group, key: format!("groups[{group}]") }
+        Self { scene: Arc::clone(compiled.shared_scene()), group, key: format!("groups[{group}]") }
     }
 
     fn config(&self) -> &GroupConfig {
@@ -69,19 +69,19 @@ impl Setup {
 }
 
 /// Order with the weighted behaviours of a group, and the numbers of their policies.
-fn behaviours(compiled: &CompiledScene, group: usize) -> Result<(Order, Vec<usize>)> {
+fn weighted_order(compiled: &CompiledScene, group: usize) -> Result<(PolicyOrder, Vec<usize>)> {
     let (bundle, behaviours) = (compiled.bundle(group)?, &compiled.scene().groups[group].behaviours);
     let numbers: Vec<usize> = behaviours.iter().map(|b| bundle.find_policy(&b.name)).collect::<Result<_>>()?;
-    let weighed = |order: Order, (&policy, weight)| order.and(policy, weight);
+    let weighed = |order: PolicyOrder, (&policy, weight)| order.with_policy(policy, weight);
     let weights = behaviours.iter().map(|b| b.weight as f32);
-    Ok((numbers.iter().zip(weights).fold(Order::IDLE, weighed), numbers))
+    Ok((numbers.iter().zip(weights).fold(PolicyOrder::IDLE, weighed), numbers))
 }
 
-fn characters(compiled: &CompiledScene, group: usize) -> CharactersConfig {
-    let choice = Choice::LookAhead { temperature: compiled.scene().groups[group].temperature as f32 };
+fn characters_config(compiled: &CompiledScene, group: usize) -> CharactersConfig {
+    let choice = ActionChoice::LookAhead { temperature: compiled.scene().groups[group].temperature as f32 };
     let (seed, first_number) = (compiled.scene().seed, compiled.first_number(group) as u64);
     // Opponents are meant to come near each other, until they touch.
-    let pairs_m = (compiled.scene().groups[group].motion == Motion::Sparring).then_some(PAIR_DEPTH_M);
+    let pairs_m = (compiled.scene().groups[group].motion == GroupMotion::Sparring).then_some(PAIR_DEPTH_M);
     let avoid = Some(AvoidConfig { pairs_m, ..AvoidConfig::default() });
     CharactersConfig { seed, first_number, choice, avoid, ..CharactersConfig::default() }
 }
@@ -96,13 +96,13 @@ impl Bouts {
     /// # Errors
     /// [`Error::Text`] for heads that no blow can reach.
     pub(crate) fn new(compiled: &CompiledScene, group: usize) -> Result<Self> {
-        let (setup, bundle) = (Setup::new(compiled, group), compiled.bundle(group)?);
-        let (order, numbers) = behaviours(compiled, group)?;
-        let (starts, _) = places(compiled, group)?;
-        let mut config = SparringConfig { characters: characters(compiled, group), ..SparringConfig::default() };
+        let (setup, bundle) = (BoxingSetup::new(compiled, group), compiled.bundle(group)?);
+        let (order, numbers) = weighted_order(compiled, group)?;
+        let (starts, _) = start_placements(compiled, group)?;
+        let mut config = SparringConfig { characters: characters_config(compiled, group), ..SparringConfig::default() };
         config.stagger.force = setup.config().stagger_force.map_or(config.stagger.force, |force| force as f32);
         let mut sparring = Sparring::with_capacity(bundle, starts.len() / 2, config).map_err(|e| setup.fault(e))?;
-        sparring.boxers_mut().gather();
+        sparring.boxers_mut().hold_entrants();
         sparring.boxers_mut().set_walls(&compiled.scene().environment.walls());
         for pair in starts.as_chunks().0 {
             let first = sparring.spawn(*pair).map_err(|e| setup.fault(e))?;
@@ -110,12 +110,12 @@ impl Bouts {
                 sparring.order(id, order).map_err(|e| setup.fault(e))?;
             }
         }
-        sparring.boxers_mut().settle();
+        sparring.boxers_mut().release_entrants();
         let regions = hit_regions(bundle, &numbers);
         match sparring.heads().first() {
             Some(first) if !sparring.heads().iter().any(|h| is_reached(&regions, h.y, HALF_HEAD_M)) => {
                 let help = "build the bundle from motion with blows at heads, with `grid.bounds` that hold them";
-                Err(setup.scene.fault(&setup.key, out_of_reach(&regions, "head", first.y, help)))
+                Err(setup.scene.fault(&setup.key, unreachable_message(&regions, "head", first.y, help)))
             }
             _ => Ok(Self { setup, sparring }),
         }
@@ -133,9 +133,9 @@ impl Practice {
     /// # Errors
     /// [`Error::Text`] for a behaviour that needs an opponent, or a target that no blow can reach.
     pub(crate) fn new(compiled: &CompiledScene, group: usize) -> Result<Self> {
-        let (setup, bundle) = (Setup::new(compiled, group), compiled.bundle(group)?);
+        let (setup, bundle) = (BoxingSetup::new(compiled, group), compiled.bundle(group)?);
         let own = setup.config();
-        let (order, numbers) = behaviours(compiled, group)?;
+        let (order, numbers) = weighted_order(compiled, group)?;
         if let Some(i) = numbers.iter().position(|&p| bundle.policy_records()[p].grid.kind == KIND_SPACE_TIME) {
             let why = "it answers an opponent's blows, and targets do not strike; leave it out, or set `motion = \"sparring\"`";
             return Err(setup.scene.fault(&format!("{}.behaviours[{i}]", setup.key), why));
@@ -145,19 +145,19 @@ impl Practice {
         if let Some(h) = drags.map(|y| (own.target.height_m + y) as f32).find(|&h| !is_reached(&regions, h, 0.0)) {
             let help = "change `target.height_m` or the `y_m` of `target.drag`";
             let key = format!("{}.target", setup.key);
-            return Err(setup.scene.fault(&key, out_of_reach(&regions, "target", h, help)));
+            return Err(setup.scene.fault(&key, unreachable_message(&regions, "target", h, help)));
         }
-        let (starts, homes) = places(compiled, group)?;
-        let mut config = PracticeConfig { characters: characters(compiled, group), ..PracticeConfig::default() };
+        let (starts, homes) = start_placements(compiled, group)?;
+        let mut config = PracticeConfig { characters: characters_config(compiled, group), ..PracticeConfig::default() };
         config.target.radius_m = own.target.radius_m as f32;
         let made = TargetPractice::with_capacity(bundle, starts.len(), config).and_then(|mut practice| {
-            practice.boxers_mut().gather();
+            practice.boxers_mut().hold_entrants();
             practice.boxers_mut().set_walls(&compiled.scene().environment.walls());
             for (start, home) in starts.into_iter().zip(&homes) {
                 let id = practice.spawn(start)?;
-                practice.order(id, order.around(*home))?;
+                practice.order(id, order.with_target(*home))?;
             }
-            practice.boxers_mut().settle();
+            practice.boxers_mut().release_entrants();
             Ok(practice)
         });
         let (practice, is_dragged) = (made.map_err(|e| setup.fault(e))?, !own.target.drag.is_empty());
@@ -174,7 +174,7 @@ impl Practice {
     /// # Errors
     /// [`Error::Text`] for a character that does not exist, or a place that is not finite; nothing has changed then.
     pub fn set_home(&mut self, character: usize, home: Vec3) -> Result<()> {
-        self.hang(character, home)?;
+        self.hang_target(character, home)?;
         if std::mem::take(&mut self.is_dragged) {
             // All targets stay where they have been dragged to.
             self.homes = self.practice.targets().iter().map(|t| t.home).collect();
@@ -183,9 +183,9 @@ impl Practice {
         Ok(())
     }
 
-    fn hang(&mut self, character: usize, home: Vec3) -> Result<()> {
+    fn hang_target(&mut self, character: usize, home: Vec3) -> Result<()> {
         let id = id_of(&self.practice, character);
-        let told = id.and_then(|id| self.practice.order(id, self.practice.order_of(id)?.around(home)));
+        let told = id.and_then(|id| self.practice.order(id, self.practice.order_of(id)?.with_target(home)));
         told.map_err(|e| self.setup.fault(e))
     }
 }
@@ -194,7 +194,7 @@ impl Practice {
 ///
 /// # Errors
 /// [`Error::Index`].
-fn id_of(cast: &impl Cast, character: usize) -> Result<Id> {
+fn id_of(cast: &impl CharacterGroup, character: usize) -> Result<Id> {
     let ids = cast.bodies().ids;
     check_index("character", None, character, ids.len())?;
     Ok(ids[character])
@@ -204,14 +204,14 @@ fn id_of(cast: &impl Cast, character: usize) -> Result<Id> {
 /// heading.
 ///
 /// Starts of earlier groups of the same kind are drawn first, so that headings are as in one group of all.
-fn places(compiled: &CompiledScene, number: usize) -> Result<(Vec<Spawn>, Vec<Vec3>)> {
+fn start_placements(compiled: &CompiledScene, number: usize) -> Result<(Vec<Spawn>, Vec<Vec3>)> {
     let (scene, group) = (compiled.scene(), &compiled.scene().groups[number]);
     let (about, spacing, distance) = match group.place {
         Some(PlaceConfig::Grid { centre, spacing_m, distance_m }) => (centre, spacing_m as f32, distance_m as f32),
         _ => ([0.0; 2], 4.0, 1.5),
     };
     let mut rng = Pcg64Mcg::seed_from_u64(scene.seed);
-    let per_place = if group.motion == Motion::Sparring { 2 } else { 1 };
+    let per_place = if group.motion == GroupMotion::Sparring { 2 } else { 1 };
     let num_places = group.count / per_place;
     let side = (num_places as f32).sqrt().ceil() as usize;
     let middle = 0.5 * (side as f32 - 1.0);
@@ -236,7 +236,7 @@ fn places(compiled: &CompiledScene, number: usize) -> Result<(Vec<Spawn>, Vec<Ve
     Ok((starts.split_off(before), homes.split_off(before)))
 }
 
-fn out_of_reach(regions: &[RegionRecord], what: &str, height: f32, help: &str) -> String {
+fn unreachable_message(regions: &[RegionRecord], what: &str, height: f32, help: &str) -> String {
     let low = regions.iter().map(|r| r.height[0]).fold(f32::INFINITY, f32::min);
     let high = regions.iter().map(|r| r.height[1]).fold(f32::NEG_INFINITY, f32::max);
     format!("nobody can reach a {what} {height:.2} m high: blows land {low:.2} to {high:.2} m high; {help}")
@@ -275,7 +275,7 @@ macro_rules! told {
             /// nothing has changed then.
             pub fn set_weights(&mut self, weights: &[f32]) -> Result<()> {
                 for id in self.$cast.bodies().ids.to_vec() {
-                    let order = self.$cast.order_of(id).and_then(|order| order.weighed(weights));
+                    let order = self.$cast.order_of(id).and_then(|order| order.with_weights(weights));
                     order.and_then(|order| self.$cast.order(id, order)).map_err(|e| self.setup.fault(e))?;
                 }
                 Ok(())
@@ -296,19 +296,19 @@ macro_rules! told {
 told!(Bouts, sparring);
 told!(Practice, practice);
 
-/// Methods of [`Kind`] that are alike for both kinds of groups.
+/// Methods of [`MotionKind`] that are alike for both kinds of groups.
 macro_rules! of_cast {
     ($cast:ident) => {
-        fn hold(&mut self, out: &mut Held) {
-            self.$cast.boxers_mut().hold_ground(out);
+        fn add_reserved_regions(&mut self, out: &mut ReservedRegion) {
+            self.$cast.boxers_mut().add_reserved_regions(out);
         }
 
-        fn mind<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
-            self.$cast.boxers_mut().mind(others);
+        fn set_external_obstacles<'a>(&mut self, others: impl Iterator<Item = &'a ReservedRegion>) {
+            self.$cast.boxers_mut().set_external_obstacles(others);
         }
 
-        fn settle(&mut self) {
-            self.$cast.boxers_mut().settle();
+        fn restart_on_free_ground(&mut self) {
+            self.$cast.boxers_mut().release_entrants();
         }
 
         fn num_characters(&self) -> usize {
@@ -329,15 +329,15 @@ macro_rules! of_cast {
     };
 }
 
-impl Kind for Bouts {
+impl MotionKind for Bouts {
     of_cast!(sparring);
 
-    fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()> {
+    fn step(&mut self, tick: &GroupStep<'_>, events: &mut Vec<SimulationEvent>) -> Result<()> {
         self.sparring.step(tick.dt_s, tick.run).map_err(|e| self.setup.fault(e))?;
-        events.extend(self.sparring.events().iter().map(|(id, l)| Event {
+        events.extend(self.sparring.events().iter().map(|(id, l)| SimulationEvent {
             time_s: tick.until_s,
             who: tick.first + id.index(),
-            happened: Happened::Struck { opponent: tick.first + l.opponent.index(), part: l.part, at: l.blow.point },
+            kind: CharacterEvent::Struck { opponent: tick.first + l.opponent.index(), part: l.part, at: l.blow.point },
         }));
         Ok(())
     }
@@ -354,19 +354,19 @@ impl Kind for Bouts {
 /// Snapshot of dragged targets, around one of [`TargetPractice`].
 const DRAGGED: SnapshotKind = SnapshotKind { what: "practice", tag: *b"DRAG", version: 2, setup: 0 };
 
-impl Kind for Practice {
+impl MotionKind for Practice {
     of_cast!(practice);
 
-    fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()> {
-        let by = dragged(&self.setup.config().target.drag, tick.until_s);
+    fn step(&mut self, tick: &GroupStep<'_>, events: &mut Vec<SimulationEvent>) -> Result<()> {
+        let by = drag_offset(&self.setup.config().target.drag, tick.until_s);
         if self.is_dragged {
-            (0..self.homes.len()).try_for_each(|c| self.hang(c, self.homes[c] + by))?;
+            (0..self.homes.len()).try_for_each(|c| self.hang_target(c, self.homes[c] + by))?;
         }
         self.practice.step(tick.dt_s, tick.run).map_err(|e| self.setup.fault(e))?;
-        events.extend(self.practice.events().iter().map(|(id, h)| Event {
+        events.extend(self.practice.events().iter().map(|(id, h)| SimulationEvent {
             time_s: tick.until_s,
             who: tick.first + id.index(),
-            happened: Happened::Hit { at: h.blow.point },
+            kind: CharacterEvent::Hit { at: h.blow.point },
         }));
         Ok(())
     }
@@ -383,7 +383,7 @@ impl Kind for Practice {
         let may_be_dragged = !self.setup.config().target.drag.is_empty();
         let good = homes.len() == self.homes.len() && homes.iter().all(near);
         if !good || is_dragged && !may_be_dragged {
-            return Err(refused(DRAGGED.what, "its targets hang nowhere"));
+            return Err(refused_snapshot(DRAGGED.what, "its targets hang nowhere"));
         }
         load_same(&mut self.practice, &practice.0)?;
         (self.homes, self.is_dragged) = (homes, is_dragged);
@@ -392,7 +392,7 @@ impl Kind for Practice {
 }
 
 /// Displacement of a dragged target at a time, on a path that begins anew after its last point (m).
-fn dragged(drag: &[DragPoint], time_s: f64) -> Vec3 {
+fn drag_offset(drag: &[DragPoint], time_s: f64) -> Vec3 {
     let Some(last) = drag.last() else { return Vec3::ZERO };
     let place = |p: &DragPoint| Vec3::new(p.x_m as f32, p.y_m as f32, p.z_m as f32);
     let t = time_s % last.time_s;
@@ -422,8 +422,8 @@ mod tests {
         let point = |time_s, x_m| DragPoint { time_s, x_m, y_m: 0.0, z_m: 0.0 };
         let drag = [point(2.0, 1.0), point(4.0, 1.0), point(6.0, 0.0)];
         for (time, x) in [(0.0, 0.0), (1.0, 0.5), (2.0, 1.0), (3.0, 1.0), (5.0, 0.5), (6.0, 0.0), (7.0, 0.5)] {
-            assert!((dragged(&drag, time).x - x).abs() < 1e-6, "{time}");
+            assert!((drag_offset(&drag, time).x - x).abs() < 1e-6, "{time}");
         }
-        assert_eq!(dragged(&[], 3.0), Vec3::ZERO);
+        assert_eq!(drag_offset(&[], 3.0), Vec3::ZERO);
     }
 }

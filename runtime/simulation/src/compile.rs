@@ -1,7 +1,7 @@
 //! Compiled scenes: all that a scene file names is opened and checked.
 
-use crate::scenario::{Primitives, Scenario};
-use crate::scene::{ANY_PARTNER, GroupConfig, Motion, Scene, WishConfig};
+use crate::scenario::{ActionRegistry, Scenario};
+use crate::scene::{ANY_PARTNER, GroupConfig, GroupMotion, InhabitantGoalConfig, Scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use throng_base::{Hash128, Result};
@@ -40,14 +40,14 @@ impl Scene {
     /// As [`Scene::check`], and [`throng_base::Error::Text`] for files that cannot be opened and for names that a bundle does not have, with those that
     /// it has.
     pub fn open(&self) -> Result<CompiledScene> {
-        self.compile_with(None, &Primitives::default())
+        self.compile_with(None, &ActionRegistry::default())
     }
 
     /// Opens the scene as [`Scene::open`] does, with primitive behaviours of the application.
     ///
     /// # Errors
     /// As [`Scene::open`].
-    pub fn open_with(&self, primitives: &Primitives) -> Result<CompiledScene> {
+    pub fn open_with(&self, primitives: &ActionRegistry) -> Result<CompiledScene> {
         self.compile_with(None, primitives)
     }
 
@@ -56,7 +56,7 @@ impl Scene {
     /// # Errors
     /// As [`Scene::open`].
     pub fn compile(&self, bundle: &Bundle) -> Result<CompiledScene> {
-        self.compile_with(Some(bundle), &Primitives::default())
+        self.compile_with(Some(bundle), &ActionRegistry::default())
     }
 
     /// Compiles rules, graphs, events and places without keeping them: to check them, or to measure the time that this takes.
@@ -64,10 +64,10 @@ impl Scene {
     /// # Errors
     /// As [`Scene::open`], of rules, graphs, events and places.
     pub fn compile_story(&self) -> Result<()> {
-        Scenario::new(self, &Primitives::default()).map(|_| ())
+        Scenario::new(self, &ActionRegistry::default()).map(|_| ())
     }
 
-    fn compile_with(&self, own: Option<&Bundle>, primitives: &Primitives) -> Result<CompiledScene> {
+    fn compile_with(&self, own: Option<&Bundle>, primitives: &ActionRegistry) -> Result<CompiledScene> {
         // The application may have changed the scene since it was read and checked.
         self.check()?;
         let mut opened: Vec<(PathBuf, Bundle)> = Vec::new();
@@ -81,14 +81,14 @@ impl Scene {
         for (g, group) in self.groups.iter().enumerate() {
             let own = own.filter(|_| group.bundle.is_none());
             let bundle = match (self.bundle_of(g).0, own) {
-                _ if group.motion == Motion::None => None,
+                _ if group.motion == GroupMotion::None => None,
                 (_, Some(bundle)) => Some(bundle.clone()),
                 (None, None) => None,
-                (Some(path), None) => Some(open(self, g, path, &mut opened)?),
+                (Some(path), None) => Some(open_bundle(self, g, path, &mut opened)?),
             };
             out.bundles.push(bundle);
             let world = match self.world_of(g).0 {
-                Some(path) if group.motion == Motion::Patches => Some(out.open_world(g, path)?),
+                Some(path) if group.motion == GroupMotion::Patches => Some(out.open_world(g, path)?),
                 _ => None,
             };
             out.world_of.push(world);
@@ -106,7 +106,7 @@ impl Scene {
 }
 
 /// Opens a bundle, or returns it where it is open already.
-fn open(scene: &Scene, g: usize, path: &Path, opened: &mut Vec<(PathBuf, Bundle)>) -> Result<Bundle> {
+fn open_bundle(scene: &Scene, g: usize, path: &Path, opened: &mut Vec<(PathBuf, Bundle)>) -> Result<Bundle> {
     if let Some((_, bundle)) = opened.iter().find(|o| o.0 == path) {
         return Ok(bundle.clone());
     }
@@ -130,7 +130,7 @@ impl CompiledScene {
 
     /// Motion tags of actions that some bundle of agents with bodies lacks, in words.
     pub fn missing_motion(&self) -> Vec<String> {
-        let motions = self.scenario.as_ref().map_or(&[] as &[String], |s| s.motions());
+        let motions = self.scenario.as_ref().map_or(&[] as &[String], |s| s.motion_tags());
         let groups = self.scene.groups.iter().enumerate().filter(|(_, g)| g.is_of_agents());
         let bundles: Vec<&Bundle> = groups.filter_map(|(g, _)| self.bundles[g].as_ref()).collect();
         let has = |bundle: &Bundle, tag: &str| bundle.meta().activities.iter().any(|a| a.tag == tag);
@@ -139,17 +139,17 @@ impl CompiledScene {
     }
 
     /// Scene, to be shared.
-    pub(crate) fn shared(&self) -> &Arc<Scene> {
+    pub(crate) fn shared_scene(&self) -> &Arc<Scene> {
         &self.scene
     }
 
     /// Content hash of the scene, its bundles and its worlds; their paths do not count.
     pub fn hash(&self) -> u128 {
         let mut hash = Hash128::default();
-        hash.bytes(self.scene.content().as_bytes());
+        hash.add_bytes(self.scene.content().as_bytes());
         let bundles = self.bundles.iter().map(|b| b.as_ref().map_or(0, Bundle::hash));
         let worlds = self.world_of.iter().map(|w| w.map_or(0, |w| self.worlds[w].world.hash()));
-        bundles.chain(worlds).for_each(|of| hash.bytes(&of.to_le_bytes()));
+        bundles.chain(worlds).for_each(|of| hash.add_bytes(&of.to_le_bytes()));
         hash.finish()
     }
 
@@ -190,7 +190,7 @@ impl CompiledScene {
     ///
     /// # Errors
     /// [`throng_base::Error::Text`] with the names that there are.
-    pub(crate) fn space(&self, group: usize, number: usize) -> Result<BlendSpace> {
+    pub(crate) fn blend_space(&self, group: usize, number: usize) -> Result<BlendSpace> {
         let name = &self.scene.groups[group].spaces[number];
         let space = self.bundle(group)?.blend(name);
         space.map_err(|e| self.scene.fault(&format!("groups[{group}].spaces[{number}]"), e))
@@ -221,12 +221,12 @@ impl CompiledScene {
             found.map_err(|e| self.scene.fault(&format!("groups[{g}].behaviours[{i}].name"), e))?;
         }
         for t in 0..group.spaces.len() {
-            self.space(g, t)?;
+            self.blend_space(g, t)?;
         }
         for (i, w) in group.wishes.iter().enumerate() {
-            let WishConfig::Perform { tag, with, .. } = &w.wish else { continue };
+            let InhabitantGoalConfig::Perform { tag, with, .. } = &w.wish else { continue };
             let key = |name: &str| format!("groups[{g}].wishes[{i}].wish.perform.{name}");
-            let [alone, together] = self.performed(g)?;
+            let [alone, together] = self.performable_tags(g)?;
             let (tags, others, hint) = match with {
                 Some(_) => (&together, &alone, "; one person does that alone: leave out `with`"),
                 None => (&alone, &together, "; two do that together: add `with = \"partner\"`"),
@@ -237,7 +237,8 @@ impl CompiledScene {
                 return Err(self.scene.fault(&key("tag"), why));
             }
             if let Some(with) = with.as_deref().filter(|w| *w != ANY_PARTNER) {
-                let groups = self.scene.groups.iter().filter(|o| o.motion == Motion::Patches && !o.name.is_empty());
+                let groups =
+                    self.scene.groups.iter().filter(|o| o.motion == GroupMotion::Patches && !o.name.is_empty());
                 let names: Vec<&str> = groups.map(|o| o.name.as_str()).collect();
                 if !names.contains(&with) {
                     let why = format!(
@@ -252,7 +253,7 @@ impl CompiledScene {
     }
 
     /// Tags of a group's motion: those for one character alone, and those for two together.
-    fn performed(&self, g: usize) -> Result<[Vec<&str>; 2]> {
+    fn performable_tags(&self, g: usize) -> Result<[Vec<&str>; 2]> {
         let bundle = self.bundle(g)?;
         let mut are_shown = [vec![false; bundle.meta().link_tags.len()], vec![false; bundle.meta().link_tags.len()]];
         for link in bundle.patches().links.iter().filter(|l| l.tag != 0) {

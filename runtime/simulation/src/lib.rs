@@ -6,10 +6,10 @@
 
 pub mod agents;
 pub mod boxing;
-mod casts;
+mod character_groups;
 mod compile;
-pub mod inhabited;
-mod kind;
+pub mod inhabitant_group;
+mod motion_kind;
 mod paths;
 mod pedestrians;
 pub mod scenario;
@@ -18,9 +18,9 @@ mod simulation;
 pub mod sparring;
 pub mod wander;
 
-pub use casts::GroupCast;
+pub use character_groups::AnyCharacterGroup;
 pub use compile::{CompiledScene, OpenWorld};
-pub use kind::{Kind, Tick};
+pub use motion_kind::{GroupStep, MotionKind};
 pub use pedestrians::Pedestrians;
-pub use scene::{Motion, Scene};
-pub use simulation::{Event, Group, Happened, Simulation, Thing};
+pub use scene::{GroupMotion, Scene};
+pub use simulation::{CharacterEvent, SceneGroup, SceneThing, Simulation, SimulationEvent};

@@ -15,7 +15,7 @@ const TURNING_ACCELERATION: f32 = 4.0;
 
 /// A random path: speed and turning rate are drawn anew from time to time and approached at bounded rates.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Wander {
+pub(crate) struct RandomPath {
     rng: Pcg64Mcg,
     /// Position relative to the centre of the square (m).
     position: Vec2,
@@ -28,7 +28,7 @@ pub(crate) struct Wander {
     left_s: f32,
 }
 
-impl Wander {
+impl RandomPath {
     /// Path that begins with a stand at a random place of the square.
     pub fn new(config: &PathsConfig, seed: u64, who: u64) -> Self {
         let mut rng = Pcg64Mcg::seed_from_u64(seed ^ who.wrapping_mul(0x9E37_79B9_7F4A_7C15));
@@ -42,7 +42,7 @@ impl Wander {
     pub fn step(&mut self, config: &PathsConfig, dt_s: f32) -> Control {
         self.left_s -= dt_s;
         if self.left_s <= 0.0 {
-            self.draw(config);
+            self.draw_aim(config);
         }
         let home =
             self.position + Vec2::new(maths::sin(self.heading), maths::cos(self.heading)) * (1.0 + 2.0 * self.speed);
@@ -69,7 +69,7 @@ impl Wander {
     }
 
     /// False for a state that no path can have.
-    pub fn may_be(&self) -> bool {
+    pub fn is_valid(&self) -> bool {
         let Self { rng: _, position, heading, speed, gyration, aim, left_s } = self;
         let all = [position.x, position.y, *heading, *speed, *gyration, aim[0], aim[1], *left_s];
         all.iter().all(|v| v.abs() < 1e5)
@@ -80,7 +80,7 @@ impl Wander {
         self.speed
     }
 
-    fn draw(&mut self, config: &PathsConfig) {
+    fn draw_aim(&mut self, config: &PathsConfig) {
         let draw = |rng: &mut Pcg64Mcg, [low, high]: [f32; 2]| low + (high - low) * rng.random_range(0.0..1.0f32);
         self.left_s = draw(&mut self.rng, config.seconds);
         let stands = self.rng.random_range(0.0..1.0f32) < config.standing;
@@ -106,7 +106,7 @@ mod tests {
         let dt = 1.0 / 60.0;
         let (mut fastest, mut stood) = (0.0f32, false);
         for who in 0..20 {
-            let mut w = Wander::new(&config, 7, who);
+            let mut w = RandomPath::new(&config, 7, who);
             let mut last = w.step(&config, dt);
             for _ in 0..6000 {
                 let now = w.step(&config, dt);

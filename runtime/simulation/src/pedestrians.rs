@@ -1,17 +1,17 @@
 //! Agents with bodies as a character group: they enter and leave, find their paths, avoid each other, are saved and loaded.
 
-use crate::Happened;
+use crate::CharacterEvent;
 use crate::agents::troop::{SavedTroop, Troop};
-use crate::agents::{advance, happened};
-use crate::kind::refused;
+use crate::agents::{advance_crowd, character_event};
+use crate::motion_kind::refused_snapshot;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
-use throng_base::error::check;
+use throng_base::error::check_value;
 use throng_base::limits::STEP_S;
-use throng_base::{Bytes, Error, Result, Run, SnapshotKind};
+use throng_base::{Bytes, Error, Executor, Result, SnapshotKind};
 use throng_core::blend::BlendSpace;
 use throng_core::walkers::{Walkers, WalkersConfig};
-use throng_core::{Adopted, Bodies, Bundle, Cast, Planar, Skeleton, Status};
+use throng_core::{AdoptReport, Bundle, CharacterGroup, OrderStatus, Planar, PosedBodies, Skeleton};
 use throng_crowd::{Agent, Crowd, CrowdError, Go, Id};
 
 /// Events of each agent in a step for which memory is allocated at the start.
@@ -22,7 +22,7 @@ const KIND: SnapshotKind = SnapshotKind { what: "pedestrians", tag: *b"PEDS", ve
 
 /// State that changes with time.
 #[derive(Serialize, Deserialize)]
-struct Saved {
+struct SavedPedestrians {
     crowd: Bytes,
     /// Agent of each body, row by row.
     agents: Vec<Id>,
@@ -56,7 +56,7 @@ pub struct Pedestrians {
     troop: Troop,
     /// Number of different bodies, which agents take in turn.
     num_bodies: usize,
-    events: Vec<(Id, Happened)>,
+    events: Vec<(Id, CharacterEvent)>,
 }
 
 impl Pedestrians {
@@ -70,7 +70,7 @@ impl Pedestrians {
     pub fn new(crowd: Crowd, space: BlendSpace, bodies: &[Skeleton], config: WalkersConfig) -> Result<Self> {
         let dimensions = if crowd.is_on_ground() { 2.0 } else { 3.0 };
         let expected = "2: bodies walk on the ground; make the crowd with `Crowd::on_ground`";
-        check("number of dimensions of the crowd", None, dimensions, crowd.is_on_ground(), expected)?;
+        check_value("number of dimensions of the crowd", None, dimensions, crowd.is_on_ground(), expected)?;
         let walkers = Walkers::with_capacity(space, bodies, config, crowd.capacity())?;
         let mut people = Self {
             troop: Troop::new(walkers),
@@ -87,7 +87,7 @@ impl Pedestrians {
         &self.crowd
     }
 
-    /// The bodies as walkers, row by row as in [`Cast::bodies`]: feet, phases and weights.
+    /// The bodies as walkers, row by row as in [`CharacterGroup::bodies`]: feet, phases and weights.
     pub fn walkers(&self) -> &Walkers {
         self.troop.walkers()
     }
@@ -95,7 +95,7 @@ impl Pedestrians {
     /// Gives an agent a body that faces the direction in which the agent moves or is to go.
     fn give_body(&mut self, id: Id) -> Result<()> {
         let ahead = self.crowd.desired_direction(id).map_or(Vec2::ZERO, |ahead| ahead.xz());
-        self.troop.enter(&self.crowd, id, ahead, self.num_bodies)
+        self.troop.add_body(&self.crowd, id, ahead, self.num_bodies)
     }
 
     fn row(&self, id: Id) -> Result<usize> {
@@ -103,12 +103,12 @@ impl Pedestrians {
     }
 
     /// Restores a saved state; a part may have been loaded where it is refused.
-    fn read(&mut self, saved: &Saved) -> Result<()> {
+    fn load_parts(&mut self, saved: &SavedPedestrians) -> Result<()> {
         self.crowd.load(&saved.crowd.0)?;
         let mut agents = saved.agents.clone();
         agents.sort_unstable();
         if !self.crowd.ids().eq(agents) {
-            return Err(refused(KIND.what, "bodies are of others than those who are there"));
+            return Err(refused_snapshot(KIND.what, "bodies are of others than those who are there"));
         }
         self.troop.agents.clone_from(&saved.agents);
         self.troop.load(&saved.troop)?;
@@ -117,11 +117,11 @@ impl Pedestrians {
     }
 }
 
-impl Cast for Pedestrians {
+impl CharacterGroup for Pedestrians {
     type Start = Agent;
     type Order = Go;
-    /// [`Happened::Arrived`], [`Happened::Left`], [`Happened::Stuck`] or [`Happened::RunInto`].
-    type Event = Happened;
+    /// [`CharacterEvent::Arrived`], [`CharacterEvent::Left`], [`CharacterEvent::Stuck`] or [`CharacterEvent::RunInto`].
+    type Event = CharacterEvent;
 
     /// # Errors
     /// [`Error::Full`], [`Error::Occupied`] for a place that another agent or an obstacle takes, [`Error::Value`] or
@@ -135,11 +135,11 @@ impl Cast for Pedestrians {
         Ok(id)
     }
 
-    /// Removes an agent. The last one takes its row in [`Cast::bodies`].
+    /// Removes an agent. The last one takes its row in [`CharacterGroup::bodies`].
     fn despawn(&mut self, id: Id) -> Result<()> {
         let row = self.row(id)?;
         self.crowd.despawn(id)?;
-        self.troop.leave(row)
+        self.troop.remove_body(row)
     }
 
     /// Moves an agent, at rest. It goes on with its order from there; an agent without an order, or at its goal, stays there.
@@ -149,9 +149,9 @@ impl Cast for Pedestrians {
     /// order cannot be followed from there, [`Error::Value`].
     fn place(&mut self, id: Id, root: Planar) -> Result<()> {
         let row = self.row(id)?;
-        check("heading", Some(id), root.heading, root.heading.abs() < 1e6, "a finite number below 1e6 (rad)")?;
+        check_value("heading", Some(id), root.heading, root.heading.abs() < 1e6, "a finite number below 1e6 (rad)")?;
         self.crowd.place(id, Vec3::new(root.x, 0.0, root.z))?;
-        self.troop.place(row, root)
+        self.troop.move_body(row, root)
     }
 
     /// Gives an order, which counts from the agent's next event on.
@@ -171,58 +171,58 @@ impl Cast for Pedestrians {
     /// # Errors
     /// [`Error::Value`] for a time out of range (0 to 1 s); nothing has changed then. The same error names an agent that
     /// acts too often for time to pass ([`CrowdError::Stalled`]).
-    fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
+    fn step(&mut self, dt_s: f32, run: &dyn Executor) -> Result<()> {
         STEP_S.check("dt_s", None, dt_s)?;
         self.events.clear();
         let events = &mut self.events;
         let until_s = self.crowd.now() + f64::from(dt_s);
-        let done = advance(&mut self.crowd, until_s, run, &mut |e| {
-            events.extend(happened(e.kind).map(|happened| (e.agent, happened)));
+        let done = advance_crowd(&mut self.crowd, until_s, run, &mut |e| {
+            events.extend(character_event(e.kind).map(|happened| (e.agent, happened)));
         });
         // Bodies of agents that have left are removed, even where the step failed.
         for &(id, happened) in &self.events {
-            if let (Happened::Left, Some(row)) = (happened, self.troop.bodies().row(id)) {
-                self.troop.leave(row)?;
+            if let (CharacterEvent::Left, Some(row)) = (happened, self.troop.bodies().row(id)) {
+                self.troop.remove_body(row)?;
             }
         }
         done?;
         self.troop.step(&self.crowd, dt_s, run)
     }
 
-    /// Status of an agent, never [`Status::Idle`] nor [`Status::NoWay`]: an agent without an order is where it should be, and
+    /// Status of an agent, never [`OrderStatus::Idle`] nor [`OrderStatus::NoWay`]: an agent without an order is where it should be, and
     /// an order without a path is refused.
-    fn status(&self, id: Id) -> Result<Status> {
+    fn status(&self, id: Id) -> Result<OrderStatus> {
         Ok(match self.crowd.status(id)? {
-            throng_crowd::Status::Going { left_m } => Status::Going { left_m },
-            throng_crowd::Status::There => Status::There,
-            throng_crowd::Status::Blocked { by } => Status::Blocked { by },
+            throng_crowd::Status::Going { left_m } => OrderStatus::Going { left_m },
+            throng_crowd::Status::There => OrderStatus::Arrived,
+            throng_crowd::Status::Blocked { by } => OrderStatus::Blocked { by },
         })
     }
 
     /// Events of the last step, in the order of their times.
-    fn events(&self) -> &[(Id, Happened)] {
+    fn events(&self) -> &[(Id, CharacterEvent)] {
         &self.events
     }
 
-    fn bodies(&self) -> Bodies<'_> {
+    fn bodies(&self) -> PosedBodies<'_> {
         self.troop.bodies()
     }
 
     fn save(&self, out: &mut Vec<u8>) {
         let mut crowd = Bytes::default();
         self.crowd.save(&mut crowd.0);
-        KIND.write(&Saved { crowd, agents: self.troop.agents.clone(), troop: self.troop.saved() }, out);
+        KIND.write(&SavedPedestrians { crowd, agents: self.troop.agents.clone(), troop: self.troop.to_saved() }, out);
     }
 
     fn load(&mut self, bytes: &[u8]) -> Result<()> {
-        let saved: Saved = KIND.read_all(bytes)?;
+        let saved: SavedPedestrians = KIND.read_all(bytes)?;
         // Tried on a clone, so that nothing changes where a part is refused.
-        self.clone().read(&saved)?;
-        self.read(&saved)
+        self.clone().load_parts(&saved)?;
+        self.load_parts(&saved)
     }
 
     /// Takes the blend space of the same name, see [`Walkers`]; paths and positions stay.
-    fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
+    fn adopt(&mut self, new: &Bundle) -> Result<AdoptReport> {
         self.troop.walkers_mut().adopt(new)
     }
 }

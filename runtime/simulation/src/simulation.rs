@@ -1,22 +1,22 @@
 //! The simulation: one clock, one order of events, one snapshot.
 
-use crate::agents::{Agents, Disc, Handled};
+use crate::agents::{Disc, HandlingCounts, SceneAgents};
 use crate::boxing::{Bouts, Practice};
-use crate::casts::GroupCast;
+use crate::character_groups::AnyCharacterGroup;
 use crate::compile::CompiledScene;
-use crate::inhabited::Inhabited;
-use crate::kind::{Kind, Tick, refused};
-use crate::scenario::Minds;
-use crate::scene::{Motion, Scene, SpaceConfig};
-use crate::sparring::Part;
+use crate::inhabitant_group::InhabitantGroup;
+use crate::motion_kind::{GroupStep, MotionKind, refused_snapshot};
+use crate::scenario::AgentBrains;
+use crate::scene::{GroupMotion, Scene, SpaceConfig};
+use crate::sparring::StruckPart;
 use crate::wander::Wanderers;
 use glam::{Quat, Vec2, Vec3};
 use std::ops::Range;
 use std::time::Instant;
-use throng_base::ground::{Held, Outsiders};
+use throng_base::ground::{ExternalObstacles, ReservedRegion};
 use throng_base::limits::STEP_S;
 use throng_base::maths;
-use throng_base::{Bytes, Inline, Result, Run, SnapshotKind, StateHash};
+use throng_base::{Bytes, Executor, Inline, Result, SnapshotKind, StateHash};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// Events of one character in one step for which there is memory from the start.
@@ -28,15 +28,15 @@ const EVENTS_EACH: usize = 4;
 #[derive(Clone, Debug)]
 pub struct Simulation {
     scene: CompiledScene,
-    casts: Vec<GroupCast>,
+    character_groups: Vec<AnyCharacterGroup>,
     /// Number of the first character of each cast, and at the end the number of all characters.
     firsts: Vec<usize>,
-    groups: Vec<Group>,
-    events: Vec<Event>,
+    groups: Vec<SceneGroup>,
+    events: Vec<SimulationEvent>,
     /// Bodies and reserved regions of each cast, and at the end those of moving obstacles; empty where no cast has to avoid others.
-    held: Vec<Held>,
+    reserved: Vec<ReservedRegion>,
     /// Cast that was last informed of the current reserved regions; nothing has changed since.
-    reminded: Option<usize>,
+    informed_group: Option<usize>,
     time_s: f64,
     /// Computing time of each cast so far, where it is measured (s).
     busy_s: Option<Vec<f64>>,
@@ -44,33 +44,33 @@ pub struct Simulation {
 
 /// Group of a simulation.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Group {
+pub struct SceneGroup {
     /// Name; "group" and its number where the file gives none.
     pub name: String,
     /// Source of the group's motion.
-    pub motion: Motion,
+    pub motion: GroupMotion,
     /// Number in the scene file.
     pub number: usize,
     /// Numbers of its characters.
     pub characters: Range<usize>,
     /// Number of the cast that it belongs to.
-    pub cast: usize,
+    pub character_group: usize,
 }
 
 /// Event of a simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Event {
+pub struct SimulationEvent {
     /// Time (s).
     pub time_s: f64,
     /// Number of the character that it concerns.
     pub who: usize,
     /// Kind of the event.
-    pub happened: Happened,
+    pub kind: CharacterEvent,
 }
 
 /// Thing of a scene, which hands take and put down.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Thing<'a> {
+pub struct SceneThing<'a> {
     /// Name of the thing.
     pub name: &'a str,
     /// Size along x, y and z (m).
@@ -85,7 +85,7 @@ pub struct Thing<'a> {
 
 /// Kind of an event of a character.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Happened {
+pub enum CharacterEvent {
     /// Its blow hit its target.
     Hit {
         /// Position (m).
@@ -96,7 +96,7 @@ pub enum Happened {
         /// Number of the opponent.
         opponent: usize,
         /// Struck part of the opponent; an arm has blocked the blow.
-        part: Part,
+        part: StruckPart,
         /// Position (m).
         at: Vec3,
     },
@@ -115,7 +115,7 @@ pub enum Happened {
     },
 }
 
-impl Happened {
+impl CharacterEvent {
     /// Rank of events of one character at one time.
     fn rank(&self) -> u8 {
         match self {
@@ -137,12 +137,12 @@ impl Simulation {
     pub fn new(scene: &CompiledScene) -> Result<Self> {
         let mut sim = Self {
             scene: scene.clone(),
-            casts: Vec::new(),
+            character_groups: Vec::new(),
             firsts: vec![0],
             groups: Vec::new(),
             events: Vec::new(),
-            held: Vec::new(),
-            reminded: None,
+            reserved: Vec::new(),
+            informed_group: None,
             time_s: 0.0,
             busy_s: None,
         };
@@ -159,23 +159,30 @@ impl Simulation {
             };
             let together: Vec<usize> = (g..groups.len()).filter(is_with).collect();
             together.iter().for_each(|&o| is_in[o] = true);
-            sim.casts.push(cast(scene, &together)?);
+            sim.character_groups.push(make_character_group(scene, &together)?);
             for o in together {
                 let first = sim.groups.last().map_or(0, |last| last.characters.end);
                 let characters = first..first + groups[o].count;
                 let (name, motion) = (groups[o].title(o), groups[o].motion);
-                sim.groups.push(Group { name, motion, number: o, characters, cast: sim.casts.len() - 1 });
+                sim.groups.push(SceneGroup {
+                    name,
+                    motion,
+                    number: o,
+                    characters,
+                    character_group: sim.character_groups.len() - 1,
+                });
             }
             sim.firsts.push(sim.groups.last().map_or(0, |last| last.characters.end));
         }
         sim.events.reserve(EVENTS_EACH * sim.num_characters());
-        let mut moves_itself = Held::default();
-        scene.scene().environment.movers(0.0, &mut moves_itself);
-        let minds_own = matches!(sim.casts.as_slice(), [GroupCast::Ground(_) | GroupCast::Air(_)]);
-        if sim.casts.len() > 1 || !minds_own && !moves_itself.bodies.is_empty() {
-            sim.held = vec![Held::default(); sim.casts.len() + 1];
+        let mut moves_itself = ReservedRegion::default();
+        scene.scene().environment.reserve_movers(0.0, &mut moves_itself);
+        let minds_own =
+            matches!(sim.character_groups.as_slice(), [AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_)]);
+        if sim.character_groups.len() > 1 || !minds_own && !moves_itself.bodies.is_empty() {
+            sim.reserved = vec![ReservedRegion::default(); sim.character_groups.len() + 1];
         }
-        sim.settle()?;
+        sim.resolve_start_conflicts()?;
         sim.step_to(0.0, &Inline)?;
         Ok(sim)
     }
@@ -193,7 +200,7 @@ impl Simulation {
     ///
     /// # Errors
     /// As [`Simulation::step`].
-    pub fn step_on(&mut self, dt_s: f64, run: &dyn Run) -> Result<()> {
+    pub fn step_on(&mut self, dt_s: f64, run: &dyn Executor) -> Result<()> {
         self.step_to(self.time_s + dt_s, run)
     }
 
@@ -201,72 +208,72 @@ impl Simulation {
     ///
     /// # Errors
     /// As [`Simulation::step`]. Except for a time out of range, some characters have moved then: go on from a snapshot.
-    pub fn step_to(&mut self, until_s: f64, run: &dyn Run) -> Result<()> {
+    pub fn step_to(&mut self, until_s: f64, run: &dyn Executor) -> Result<()> {
         let dt_s = until_s - self.time_s;
         STEP_S.check("dt_s", None, dt_s)?;
         self.events.clear();
-        self.hold_all();
-        self.reminded = None;
-        for (c, cast) in self.casts.iter_mut().enumerate() {
-            let tick = Tick { dt_s: dt_s as f32, until_s, first: self.firsts[c], run };
+        self.collect_reserved();
+        self.informed_group = None;
+        for (c, cast) in self.character_groups.iter_mut().enumerate() {
+            let tick = GroupStep { dt_s: dt_s as f32, until_s, first: self.firsts[c], run };
             let begin = self.busy_s.is_some().then(Instant::now);
-            remind(c, cast, &self.held);
+            inform_of_obstacles(c, cast, &self.reserved);
             cast.step(&tick, &mut self.events)?;
-            if let Some(held) = self.held.get_mut(c) {
+            if let Some(held) = self.reserved.get_mut(c) {
                 // The regions from before the step stay, since other casts may still rely on them.
                 held.bodies.clear();
-                cast.hold(held);
+                cast.add_reserved_regions(held);
             }
             if let (Some(busy), Some(begin)) = (&mut self.busy_s, begin) {
                 busy[c] += begin.elapsed().as_secs_f64();
             }
         }
         // Events of one character at one time are ordered by their rank.
-        let key = |e: &Event| (e.who, e.happened.rank());
+        let key = |e: &SimulationEvent| (e.who, e.kind.rank());
         self.events.sort_unstable_by(|a, b| a.time_s.total_cmp(&b.time_s).then(key(a).cmp(&key(b))));
         self.time_s = until_s;
         Ok(())
     }
 
     /// Collects the current bodies and reserved regions of all casts and moving obstacles.
-    fn hold_all(&mut self) {
-        let Some((itself, held)) = self.held.split_last_mut() else { return };
-        for (held, cast) in held.iter_mut().zip(&mut self.casts) {
+    fn collect_reserved(&mut self) {
+        let Some((itself, held)) = self.reserved.split_last_mut() else { return };
+        for (held, cast) in held.iter_mut().zip(&mut self.character_groups) {
             held.bodies.clear();
             held.ground.clear();
-            cast.hold(held);
+            cast.add_reserved_regions(held);
         }
         itself.bodies.clear();
         itself.ground.clear();
-        self.scene.scene().environment.movers(self.time_s, itself);
+        self.scene.scene().environment.reserve_movers(self.time_s, itself);
     }
 
     /// Restarts casts one after the other on ground that no cast before has reserved, without those that give way to nobody.
-    fn settle(&mut self) -> Result<()> {
-        if self.held.is_empty() {
+    fn resolve_start_conflicts(&mut self) -> Result<()> {
+        if self.reserved.is_empty() {
             return Ok(());
         }
         let mut before = Vec::new();
         // Policies can wait for room in any pose, so that they come last.
         for waits in [false, true] {
-            for (c, cast) in self.casts.iter_mut().enumerate() {
-                let may_wait = matches!(cast, GroupCast::Policy(_) | GroupCast::Sparring(_));
-                if may_wait != waits || matches!(cast, GroupCast::Paths(_) | GroupCast::Air(_)) {
+            for (c, cast) in self.character_groups.iter_mut().enumerate() {
+                let may_wait = matches!(cast, AnyCharacterGroup::Policy(_) | AnyCharacterGroup::Sparring(_));
+                if may_wait != waits || matches!(cast, AnyCharacterGroup::Paths(_) | AnyCharacterGroup::Air(_)) {
                     continue;
                 }
-                cast.mind(before.iter());
-                cast.settle();
-                let (mut held, mut others) = (Held::default(), Outsiders::default());
-                cast.hold(&mut held);
-                others.set(before.iter());
+                cast.set_external_obstacles(before.iter());
+                cast.restart_on_free_ground();
+                let (mut held, mut others) = (ReservedRegion::default(), ExternalObstacles::default());
+                cast.add_reserved_regions(&mut held);
+                others.replace_all(before.iter());
                 for ground in &held.ground {
                     let mut taken = false;
-                    others.held_near(&ground.bounds(), |other| {
-                        taken = other.meets(ground);
+                    others.visit_reserved_near(&ground.bounds(), |other| {
+                        taken = other.intersects(ground);
                         !taken
                     });
                     if taken {
-                        let number = self.groups.iter().find(|g| g.cast == c).map_or(0, |g| g.number);
+                        let number = self.groups.iter().find(|g| g.character_group == c).map_or(0, |g| g.number);
                         let Vec2 { x, y: z } = ground.from;
                         let why = format!(
                             "somebody starts at {x:.2}, {z:.2}, on ground that one of another group needs; move its \
@@ -284,13 +291,14 @@ impl Simulation {
     /// Snapshot of all that the next steps depend on: all characters with their bodies, happenings and the time, with version,
     /// checksum, and content hash of the scene, its bundles and its worlds.
     pub fn snapshot(&self) -> Vec<u8> {
-        let saved = |cast: &GroupCast| {
+        let saved = |cast: &AnyCharacterGroup| {
             let mut bytes = Bytes::default();
             cast.save(&mut bytes.0);
             bytes
         };
         let mut out = Vec::new();
-        self.snapshot_kind().write(&(self.time_s, self.casts.iter().map(saved).collect::<Vec<_>>()), &mut out);
+        self.snapshot_kind()
+            .write(&(self.time_s, self.character_groups.iter().map(saved).collect::<Vec<_>>()), &mut out);
         out
     }
 
@@ -303,25 +311,25 @@ impl Simulation {
     pub fn restore(&mut self, bytes: &[u8]) -> Result<()> {
         let kind = self.snapshot_kind();
         let (time_s, saved): (f64, Vec<Bytes>) = kind.read_all(bytes)?;
-        if saved.len() != self.casts.len() || !(0.0..1e9).contains(&time_s) {
-            return Err(refused(kind.what, "it has another time or other groups"));
+        if saved.len() != self.character_groups.len() || !(0.0..1e9).contains(&time_s) {
+            return Err(refused_snapshot(kind.what, "it has another time or other groups"));
         }
-        let before = self.casts.clone();
-        let mut both = self.casts.iter_mut().zip(&saved);
+        let before = self.character_groups.clone();
+        let mut both = self.character_groups.iter_mut().zip(&saved);
         if let Err(e) = both.try_for_each(|(cast, bytes)| cast.load(&bytes.0, time_s)) {
-            self.casts = before;
+            self.character_groups = before;
             return Err(e);
         }
         self.time_s = time_s;
         self.events.clear();
-        self.reminded = None;
+        self.informed_group = None;
         Ok(())
     }
 
     /// Hash of the state: differs, but for one chance in 2^64, where the motion of any character differs.
     pub fn hash(&self) -> u64 {
         let mut hash = StateHash::new(self.time_s.to_bits());
-        self.casts.iter().for_each(|cast| hash.add(cast.hash()));
+        self.character_groups.iter().for_each(|cast| hash.add_word(cast.hash()));
         hash.get()
     }
 
@@ -345,7 +353,7 @@ impl Simulation {
     }
 
     /// Groups, in the order of their characters' numbers.
-    pub fn groups(&self) -> &[Group] {
+    pub fn groups(&self) -> &[SceneGroup] {
         &self.groups
     }
 
@@ -366,7 +374,7 @@ impl Simulation {
     }
 
     /// Events of the last step, in the order of time and of characters.
-    pub fn events(&self) -> &[Event] {
+    pub fn events(&self) -> &[SimulationEvent] {
         &self.events
     }
 
@@ -404,8 +412,8 @@ impl Simulation {
     /// Disc or ball of an agent; `None` for other characters and agents that have left (who < num_characters).
     pub fn disc(&self, who: usize) -> Option<Disc> {
         match self.locate(who) {
-            (GroupCast::Ground(agents), number) => agents.disc(number),
-            (GroupCast::Air(agents), number) => agents.disc(number),
+            (AnyCharacterGroup::Ground(agents), number) => agents.disc(number),
+            (AnyCharacterGroup::Air(agents), number) => agents.disc(number),
             _ => None,
         }
     }
@@ -413,50 +421,50 @@ impl Simulation {
     /// Target of a character, or the expected place of its opponent's head when a blow lands (m, who < num_characters).
     pub fn target(&self, who: usize) -> Option<Vec3> {
         match self.locate(who) {
-            (GroupCast::Policy(p), number) => Some(p.practice().targets()[number].position()),
-            (GroupCast::Sparring(s), number) => Some(s.sparring().aims()[number]),
+            (AnyCharacterGroup::Policy(p), number) => Some(p.practice().targets()[number].position()),
+            (AnyCharacterGroup::Sparring(s), number) => Some(s.sparring().aims()[number]),
             _ => None,
         }
     }
 
     /// All casts: groups of agents share one, and so do groups in the same world.
-    pub fn casts(&self) -> &[GroupCast] {
-        &self.casts
+    pub fn character_groups(&self) -> &[AnyCharacterGroup] {
+        &self.character_groups
     }
 
     /// Mutable cast, to give orders to its characters (number < number of casts). It is informed of all current reserved
     /// regions, which actions that begin at once avoid.
-    pub fn cast_mut(&mut self, number: usize) -> &mut GroupCast {
-        if self.reminded.replace(number) != Some(number) {
-            self.hold_all();
-            remind(number, &mut self.casts[number], &self.held);
+    pub fn character_group_mut(&mut self, number: usize) -> &mut AnyCharacterGroup {
+        if self.informed_group.replace(number) != Some(number) {
+            self.collect_reserved();
+            inform_of_obstacles(number, &mut self.character_groups[number], &self.reserved);
         }
-        &mut self.casts[number]
+        &mut self.character_groups[number]
     }
 
     /// Cast of a character, and its number in the cast (who < num_characters).
-    pub fn locate(&self, who: usize) -> (&GroupCast, usize) {
+    pub fn locate(&self, who: usize) -> (&AnyCharacterGroup, usize) {
         let cast = self.firsts.partition_point(|&f| f <= who) - 1;
-        (&self.casts[cast], who - self.firsts[cast])
+        (&self.character_groups[cast], who - self.firsts[cast])
     }
 
     /// Brains of the scene's agents; `None` in a scene that has only goals.
-    pub fn minds(&self) -> Option<&Minds> {
-        self.casts.iter().find_map(|cast| match cast {
-            GroupCast::Ground(agents) => agents.minds(),
-            GroupCast::Air(agents) => agents.minds(),
+    pub fn brains(&self) -> Option<&AgentBrains> {
+        self.character_groups.iter().find_map(|cast| match cast {
+            AnyCharacterGroup::Ground(agents) => agents.brains(),
+            AnyCharacterGroup::Air(agents) => agents.brains(),
             _ => None,
         })
     }
 
     /// Things of the scene, in its order, with their current positions.
-    pub fn things(&self) -> impl Iterator<Item = Thing<'_>> + '_ {
-        let agents = self.casts.iter().zip(&self.firsts).find_map(|(cast, first)| match cast {
-            GroupCast::Ground(agents) => Some((agents, *first)),
+    pub fn things(&self) -> impl Iterator<Item = SceneThing<'_>> + '_ {
+        let agents = self.character_groups.iter().zip(&self.firsts).find_map(|(cast, first)| match cast {
+            AnyCharacterGroup::Ground(agents) => Some((agents, *first)),
             _ => None,
         });
         let now = agents.into_iter().flat_map(|(agents, first)| agents.things().map(move |t| (t, first)));
-        now.zip(&self.scene().things).map(|((thing, first), config)| Thing {
+        now.zip(&self.scene().things).map(|((thing, first), config)| SceneThing {
             name: &config.name,
             size: Vec3::from_array(config.size_m),
             at: thing.0,
@@ -466,20 +474,22 @@ impl Simulation {
     }
 
     /// Counts of what hands have done with things so far.
-    pub fn handled(&self) -> Handled {
-        let of = |cast: &GroupCast| if let GroupCast::Ground(agents) = cast { Some(agents.handled()) } else { None };
-        self.casts.iter().find_map(of).unwrap_or_default()
+    pub fn handling_counts(&self) -> HandlingCounts {
+        let of = |cast: &AnyCharacterGroup| {
+            if let AnyCharacterGroup::Ground(agents) = cast { Some(agents.handling_counts()) } else { None }
+        };
+        self.character_groups.iter().find_map(of).unwrap_or_default()
     }
 
     /// Raises an event of the scene now.
     ///
     /// # Errors
     /// [`throng_base::Error::Unknown`] with the names of all events.
-    pub fn raise(&mut self, event: &str) -> Result<()> {
-        for cast in &mut self.casts {
+    pub fn raise_event(&mut self, event: &str) -> Result<()> {
+        for cast in &mut self.character_groups {
             match cast {
-                GroupCast::Ground(agents) => return agents.raise(event),
-                GroupCast::Air(agents) => return agents.raise(event),
+                AnyCharacterGroup::Ground(agents) => return agents.raise_event(event),
+                AnyCharacterGroup::Air(agents) => return agents.raise_event(event),
                 _ => {}
             }
         }
@@ -488,16 +498,16 @@ impl Simulation {
 
     /// True once the scene has ended.
     pub fn has_ended(&self) -> bool {
-        self.minds().is_some_and(Minds::has_ended)
+        self.brains().is_some_and(AgentBrains::has_ended)
     }
 
     /// Starts to measure the computing times of casts.
     pub fn set_timed(&mut self) {
-        self.busy_s = Some(vec![0.0; self.casts.len()]);
-        for cast in &mut self.casts {
+        self.busy_s = Some(vec![0.0; self.character_groups.len()]);
+        for cast in &mut self.character_groups {
             match cast {
-                GroupCast::Ground(agents) => agents.set_timed(),
-                GroupCast::Air(agents) => agents.set_timed(),
+                AnyCharacterGroup::Ground(agents) => agents.set_timed(),
+                AnyCharacterGroup::Air(agents) => agents.set_timed(),
                 _ => {}
             }
         }
@@ -510,26 +520,26 @@ impl Simulation {
 }
 
 /// Informs a cast of the bodies and reserved regions of all others, where there are any.
-fn remind(number: usize, cast: &mut GroupCast, held: &[Held]) {
+fn inform_of_obstacles(number: usize, cast: &mut AnyCharacterGroup, held: &[ReservedRegion]) {
     // Agents know moving obstacles, the last element, from their crowd.
-    let knows = matches!(cast, GroupCast::Ground(_) | GroupCast::Air(_));
+    let knows = matches!(cast, AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_));
     let others = &held[..held.len().saturating_sub(usize::from(knows))];
     if !held.is_empty() {
-        cast.mind(others.iter().enumerate().filter(|(o, _)| *o != number).map(|(_, held)| held));
+        cast.set_external_obstacles(others.iter().enumerate().filter(|(o, _)| *o != number).map(|(_, held)| held));
     }
 }
 
 /// Creates the cast of groups that are moved together.
-fn cast(scene: &CompiledScene, groups: &[usize]) -> Result<GroupCast> {
+fn make_character_group(scene: &CompiledScene, groups: &[usize]) -> Result<AnyCharacterGroup> {
     let group = &scene.scene().groups[groups[0]];
     Ok(match group.motion {
-        Motion::Policy => GroupCast::Policy(Practice::new(scene, groups[0])?),
-        Motion::Sparring => GroupCast::Sparring(Bouts::new(scene, groups[0])?),
-        Motion::Patches => GroupCast::Patches(Inhabited::new(scene, groups)?),
-        Motion::Blend if group.paths.is_some() => GroupCast::Paths(Wanderers::new(scene, groups[0])?),
-        Motion::Blend | Motion::None => match scene.scene().environment.space {
-            SpaceConfig::Ground => GroupCast::Ground(Agents::new(scene)?),
-            SpaceConfig::Air => GroupCast::Air(Agents::new(scene)?),
+        GroupMotion::Policy => AnyCharacterGroup::Policy(Practice::new(scene, groups[0])?),
+        GroupMotion::Sparring => AnyCharacterGroup::Sparring(Bouts::new(scene, groups[0])?),
+        GroupMotion::Patches => AnyCharacterGroup::Patches(InhabitantGroup::new(scene, groups)?),
+        GroupMotion::Blend if group.paths.is_some() => AnyCharacterGroup::Paths(Wanderers::new(scene, groups[0])?),
+        GroupMotion::Blend | GroupMotion::None => match scene.scene().environment.space {
+            SpaceConfig::Ground => AnyCharacterGroup::Ground(SceneAgents::new(scene)?),
+            SpaceConfig::Air => AnyCharacterGroup::Air(SceneAgents::new(scene)?),
         },
     })
 }

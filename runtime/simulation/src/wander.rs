@@ -1,21 +1,21 @@
 //! Blended bodies of many sizes on random paths.
 
-use crate::Event;
+use crate::SimulationEvent;
 use crate::compile::CompiledScene;
-use crate::kind::{Kind, PART, Tick, joints, load_same, refused};
-use crate::paths::Wander;
+use crate::motion_kind::{GroupStep, MotionKind, PART, load_same, refused_snapshot, single_pose};
+use crate::paths::RandomPath;
 use crate::scene::{BodiesConfig, Scene};
 use glam::{Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::sync::Arc;
-use throng_base::ground::{Held, Outsider};
+use throng_base::ground::{ExternalObstacle, ReservedRegion};
 use throng_base::maths;
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind, run_each};
 use throng_core::blend::HeightField;
 use throng_core::stops::BODY_RADIUS_M;
 use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_core::{Cast, Contacts, Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
+use throng_core::{CharacterGroup, Contacts, Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 
 /// Length of a hill (m).
 const HILL_M: f32 = 24.0;
@@ -25,7 +25,7 @@ const HILL_M: f32 = 24.0;
 struct PathWalkers {
     walkers: Walkers,
     ids: Vec<Id>,
-    paths: Vec<Wander>,
+    paths: Vec<RandomPath>,
     /// Speed of each body relative to that of the database skeleton in the same motion (1).
     paces: Vec<f32>,
     /// Controls at the end of the step, from the paths.
@@ -53,24 +53,24 @@ impl Wanderers {
     /// # Errors
     /// [`throng_base::Error::Text`] for a blend space that the bundle does not have.
     pub(crate) fn new(compiled: &CompiledScene, group: usize) -> Result<Self> {
-        let (scene, bundle) = (compiled.shared(), compiled.bundle(group)?);
+        let (scene, bundle) = (compiled.shared_scene(), compiled.bundle(group)?);
         let (config, seed) = (&scene.groups[group], scene.seed);
         let first = compiled.first_number(group);
         let paths = config.paths.clone().unwrap_or_default();
         let fault = |e: Error| scene.fault(&format!("groups[{group}]"), e);
-        let bodies = skeletons(&config.bodies(), bundle.skeleton(), seed);
+        let bodies = random_skeletons(&config.bodies(), bundle.skeleton(), seed);
         let leg = bundle.skeleton().leg_length();
         let ground = ground(scene.environment.hills_m, &paths).map_err(fault)?;
         let mut troops = Vec::with_capacity(config.spaces.len());
         for t in 0..config.spaces.len() {
-            let space = compiled.space(group, t)?;
+            let space = compiled.blend_space(group, t)?;
             let numbers: Vec<u64> =
                 (first..first + config.count).filter(|c| c % config.spaces.len() == t).map(|c| c as u64).collect();
-            let mut wanders: Vec<Wander> = numbers.iter().map(|&c| Wander::new(&paths, seed, c)).collect();
+            let mut wanders: Vec<RandomPath> = numbers.iter().map(|&c| RandomPath::new(&paths, seed, c)).collect();
             let controls: Vec<Control> = wanders.iter_mut().map(|p| p.step(&paths, 0.0)).collect();
             let start = |(&c, control): (&u64, &Control)| WalkerStart {
                 body: c as usize % bodies.len(),
-                root: root_of(control),
+                root: control_root(control),
                 phase: (c as f32 * 0.381_966).fract(),
             };
             let starts = numbers.iter().zip(&controls).map(start);
@@ -111,12 +111,12 @@ impl Wanderers {
     }
 }
 
-impl Kind for Wanderers {
+impl MotionKind for Wanderers {
     fn num_characters(&self) -> usize {
         self.troops.iter().map(|t| t.walkers.len()).sum()
     }
 
-    fn step(&mut self, tick: &Tick<'_>, _: &mut Vec<Event>) -> Result<()> {
+    fn step(&mut self, tick: &GroupStep<'_>, _: &mut Vec<SimulationEvent>) -> Result<()> {
         let config = &self.scene.groups[self.group];
         let Some(paths) = &config.paths else { return Ok(()) };
         for t in &mut self.troops {
@@ -125,7 +125,7 @@ impl Kind for Wanderers {
             run_each(tick.run, parts, |((own, paces), controls)| {
                 for ((path, pace), control) in own.iter_mut().zip(paces).zip(controls) {
                     *control = path.step(paths, tick.dt_s);
-                    control.style[0] = config.style(path.speed() / pace);
+                    control.style[0] = config.style_at(path.speed() / pace);
                 }
             });
             let mut orders = t.ids.iter().zip(&t.controls);
@@ -136,11 +136,11 @@ impl Kind for Wanderers {
     }
 
     /// Reserves the ground that they may reach within a second, since they stop for nobody.
-    fn hold(&mut self, out: &mut Held) {
+    fn add_reserved_regions(&mut self, out: &mut ReservedRegion) {
         for number in 0..self.num_characters() {
             let Some(root) = self.root(number) else { continue };
-            let velocity = maths::at_angle(std::f32::consts::FRAC_PI_2 - root.heading) * self.speed(number);
-            out.ahead(Outsider { place: Vec2::new(root.x, root.z), velocity, radius_m: BODY_RADIUS_M });
+            let velocity = maths::direction_at_angle(std::f32::consts::FRAC_PI_2 - root.heading) * self.speed(number);
+            out.reserve_ahead(ExternalObstacle { place: Vec2::new(root.x, root.z), velocity, radius_m: BODY_RADIUS_M });
         }
     }
 
@@ -154,13 +154,13 @@ impl Kind for Wanderers {
     }
 
     fn load(&mut self, bytes: &[u8], _: f64) -> Result<()> {
-        let troops: Vec<(Vec<Wander>, Bytes)> = PATHS.read_all(bytes)?;
+        let troops: Vec<(Vec<RandomPath>, Bytes)> = PATHS.read_all(bytes)?;
         if troops.len() != self.troops.len() {
-            return Err(refused(PATHS.what, "it has other blend spaces"));
+            return Err(refused_snapshot(PATHS.what, "it has other blend spaces"));
         }
         for (own, (paths, walkers)) in self.troops.iter_mut().zip(troops) {
-            if paths.len() != own.paths.len() || !paths.iter().all(Wander::may_be) {
-                return Err(refused(PATHS.what, "its paths lead nowhere"));
+            if paths.len() != own.paths.len() || !paths.iter().all(RandomPath::is_valid) {
+                return Err(refused_snapshot(PATHS.what, "its paths lead nowhere"));
             }
             load_same(&mut own.walkers, &walkers.0)?;
             own.paths = paths;
@@ -175,7 +175,7 @@ impl Kind for Wanderers {
 
     fn pose(&self, number: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
         let (walkers, w) = self.walkers_of(number);
-        Some(joints(walkers.pose(w)))
+        Some(single_pose(walkers.pose(w)))
     }
 
     fn contacts(&self, number: usize) -> Contacts {
@@ -190,7 +190,7 @@ impl Kind for Wanderers {
 }
 
 /// Root of a control.
-fn root_of(control: &Control) -> Planar {
+fn control_root(control: &Control) -> Planar {
     let at = control.position.unwrap_or_default();
     Planar { x: at.x, z: at.y, heading: control.heading.unwrap_or(0.0) }
 }
@@ -200,7 +200,7 @@ fn ground(hills_m: f32, paths: &crate::scene::PathsConfig) -> Result<HeightField
     if hills_m == 0.0 {
         return Ok(HeightField::flat());
     }
-    let (half, spacing, n) = paths.ground();
+    let (half, spacing, n) = paths.ground_grid();
     let wave = |v: f32| maths::sin(v * std::f32::consts::TAU / HILL_M);
     let at = |i: usize| i as f32 * spacing - half;
     let height = |k: usize| 0.25 * hills_m * (2.0 + wave(at(k % n)) + wave(0.7 * at(k / n) + 1.0));
@@ -209,17 +209,17 @@ fn ground(hills_m: f32, paths: &crate::scene::PathsConfig) -> Result<HeightField
 }
 
 /// Skeletons of many sizes and proportions.
-pub fn skeletons(bodies: &BodiesConfig, database: &Skeleton, seed: u64) -> Vec<Skeleton> {
+pub fn random_skeletons(bodies: &BodiesConfig, database: &Skeleton, seed: u64) -> Vec<Skeleton> {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let mut draw = |[low, high]: [f32; 2]| low + (high - low) * rng.random_range(0.0..1.0f32);
-    (0..bodies.kinds).map(|_| body_of(database, draw(bodies.sizes), draw(bodies.legs))).collect()
+    (0..bodies.kinds).map(|_| scaled_skeleton(database, draw(bodies.sizes), draw(bodies.legs))).collect()
 }
 
 /// Skeleton of another size and with other proportions of legs.
 ///
 /// - `size`: factor of all lengths (1).
 /// - `legs`: further factor of the lengths of thighs and shins (1).
-pub fn body_of(database: &Skeleton, size: f32, legs: f32) -> Skeleton {
+pub fn scaled_skeleton(database: &Skeleton, size: f32, legs: f32) -> Skeleton {
     let mut out = database.clone();
     let is_leg = |j: Joint| matches!(j, Joint::LeftShin | Joint::LeftFoot | Joint::RightShin | Joint::RightFoot);
     for j in Joint::ALL {

@@ -4,9 +4,9 @@
 use glam::{Vec2, Vec3};
 use std::path::Path;
 use throng_core::walkers::WalkersConfig;
-use throng_core::{Bundle, Cast, Error, Id, Inline, Joint, Planar, Run, Skeleton, Status};
+use throng_core::{Bundle, CharacterGroup, Error, Executor, Id, Inline, Joint, OrderStatus, Planar, Skeleton};
 use throng_crowd::{Agent, AtEnd, Crowd, Go, Obstacle, Setup, Streets};
-use throng_simulation::{Happened, Pedestrians};
+use throng_simulation::{CharacterEvent, Pedestrians};
 
 const DT: f32 = 1.0 / 60.0;
 const CAPACITY: usize = 14;
@@ -28,7 +28,7 @@ fn empty(capacity: usize) -> Pedestrians {
     let wall = |i: usize| Obstacle::Wall { from: corners[i], to: corners[(i + 1) % 4], radius: 0.2 };
     let solids = [house, wall(0), wall(1), wall(2), wall(3)];
     let crowd = Crowd::on_ground(Setup::in_streets(&Streets::new(&solids, 0.4).unwrap(), capacity)).unwrap();
-    let small = throng_simulation::wander::body_of(&Skeleton::default(), 0.8, 1.0);
+    let small = throng_simulation::wander::scaled_skeleton(&Skeleton::default(), 0.8, 1.0);
     Pedestrians::new(crowd, golden().blend("walks").unwrap(), &[Skeleton::default(), small], WalkersConfig::default())
         .unwrap()
 }
@@ -51,9 +51,9 @@ fn step(people: &mut Pedestrians, steps: usize) {
 }
 
 /// Hash, roots and events after each of some steps.
-type Seen = (u64, Vec<Planar>, Vec<(Id, Happened)>);
+type Seen = (u64, Vec<Planar>, Vec<(Id, CharacterEvent)>);
 
-fn watch(people: &mut Pedestrians, steps: usize, run: &dyn Run) -> Vec<Seen> {
+fn watch(people: &mut Pedestrians, steps: usize, run: &dyn Executor) -> Vec<Seen> {
     let step = |_| {
         people.step(DT, run).unwrap();
         let bodies = people.bodies();
@@ -81,7 +81,10 @@ fn farthest_hips(people: &Pedestrians) -> f32 {
 #[test]
 fn bodies_stay_with_their_agents_and_leave_with_them() {
     let (mut people, ids) = street();
-    assert!(matches!(people.status(ids[3]).unwrap(), Status::Going { left_m } if left_m > 13.0), "round the house");
+    assert!(
+        matches!(people.status(ids[3]).unwrap(), OrderStatus::Going { left_m } if left_m > 13.0),
+        "round the house"
+    );
     let mut left = Vec::new();
     for _ in 0..2400 {
         step(&mut people, 1);
@@ -90,11 +93,11 @@ fn bodies_stay_with_their_agents_and_leave_with_them() {
         bodies.sort_unstable();
         assert_eq!(bodies, there);
         assert!(farthest_hips(&people) < 0.3, "{} m", farthest_hips(&people));
-        left.extend(people.events().iter().filter(|e| e.1 == Happened::Left).map(|e| e.0));
+        left.extend(people.events().iter().filter(|e| e.1 == CharacterEvent::Left).map(|e| e.0));
     }
     left.sort_unstable();
     assert_eq!((left, people.bodies().ids), (ids[1..].to_vec(), &ids[..1]));
-    assert_eq!(people.status(ids[0]).unwrap(), Status::There);
+    assert_eq!(people.status(ids[0]).unwrap(), OrderStatus::Arrived);
     assert!(matches!(people.status(ids[5]), Err(Error::Gone(who)) if who == ids[5]));
 }
 
@@ -129,7 +132,7 @@ fn they_are_put_elsewhere_where_there_is_room() {
     assert_eq!(people.bodies().get(ids[0]).unwrap().root, root);
     step(&mut people, 300);
     assert!(farthest_hips(&people) < 0.3);
-    assert!(matches!(people.status(ids[0]).unwrap(), Status::Going { .. } | Status::There));
+    assert!(matches!(people.status(ids[0]).unwrap(), OrderStatus::Going { .. } | OrderStatus::Arrived));
 }
 
 #[test]
@@ -140,7 +143,7 @@ fn impossible_orders_and_starts_are_told_with_the_id() {
     assert_eq!((new.index, new.generation), (ids[3].index, 1));
     let hash = people.hash();
     let no_way = people.order(new, Go::to(ground(25.0, 25.0))).unwrap_err();
-    assert!(matches!(no_way, Error::NoWay { who: Some(who), .. } if who == new), "into a closed yard: {no_way}");
+    assert!(matches!(no_way, Error::NoPath { who: Some(who), .. } if who == new), "into a closed yard: {no_way}");
     let through = people.order(new, Go::along(vec![ground(0.0, 0.0)])).unwrap_err();
     assert!(matches!(through, Error::Occupied { who, .. } if who == new), "{through}");
     let fast = people.order(new, Go::to(ground(5.0, 0.0)).at_speed(9.0)).unwrap_err();
@@ -193,7 +196,7 @@ fn what_was_saved_is_replayed_bit_by_bit() {
 fn threads_change_nothing() {
     /// Each part on a thread of its own, the last one first.
     struct Threads;
-    impl Run for Threads {
+    impl Executor for Threads {
         fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
             std::thread::scope(|scope| (0..num_parts).rev().for_each(|k| drop(scope.spawn(move || part(k)))));
         }

@@ -1,16 +1,16 @@
 //! Every stored index of a world against its table, every number for being finite.
 
 use super::tags;
-use super::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, WorldView};
-use throng_core::format::{FormatError, Tag};
-use throng_core::patch::{KIND_BLOCK, KIND_TILE, NONE, Patches};
+use super::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, WorldTables};
+use throng_core::format::{FormatError, SectionTag};
+use throng_core::patch::{KIND_BLOCK, KIND_TILE, NONE, PatchTables};
 
 /// Coordinates stay below this (m).
 const FAR: f32 = 1e5;
 /// Places of joints that tables are looked up by, 4 bytes each.
 const MOST_PLACES: u64 = 1 << 30;
 
-pub(super) fn world(w: &WorldView, patches: &Patches) -> Result<(), FormatError> {
+pub(super) fn world(w: &WorldTables, patches: &PatchTables) -> Result<(), FormatError> {
     units(w)?;
     joint_tables(w, patches)?;
     instances(w, patches)?;
@@ -20,17 +20,17 @@ pub(super) fn world(w: &WorldView, patches: &Patches) -> Result<(), FormatError>
 
 /// A counter of what records of a table use up, in order.
 struct Tiling {
-    tag: Tag,
+    tag: SectionTag,
     next: u64,
 }
 
 impl Tiling {
-    fn new(tag: Tag) -> Self {
+    fn new(tag: SectionTag) -> Self {
         Self { tag, next: 0 }
     }
 
     /// The next record's part must follow the last one's.
-    fn part(&mut self, owner: Tag, index: usize, first: u32, count: u64) -> Result<(), FormatError> {
+    fn part(&mut self, owner: SectionTag, index: usize, first: u32, count: u64) -> Result<(), FormatError> {
         if u64::from(first) != self.next {
             let message = format!("its part of {} begins at {first}, expected {}", self.tag, self.next);
             return Err(FormatError::value(owner, index, message));
@@ -50,7 +50,7 @@ impl Tiling {
     }
 }
 
-fn units(w: &WorldView) -> Result<(), FormatError> {
+fn units(w: &WorldTables) -> Result<(), FormatError> {
     match w.units.iter().position(|u| !u.placement.is_moderate(FAR)) {
         Some(i) => {
             let message = format!("it stands nowhere, expected numbers below {FAR}: {:?}", w.units[i].placement);
@@ -62,7 +62,7 @@ fn units(w: &WorldView) -> Result<(), FormatError> {
 
 /// Tables name patches that exist, are named by an adjacency, and have joints, which tile the section, ascend, and are
 /// listed once each by side b.
-fn joint_tables(w: &WorldView, patches: &Patches) -> Result<(), FormatError> {
+fn joint_tables(w: &WorldTables, patches: &PatchTables) -> Result<(), FormatError> {
     let (mut joints, mut num_places) = (Tiling::new(tags::JOINTS), 0);
     let mut is_named = vec![false; w.tables.len()];
     for a in &w.adjacencies {
@@ -106,7 +106,7 @@ fn joint_tables(w: &WorldView, patches: &Patches) -> Result<(), FormatError> {
     joints.end(w.joints_by_b.len())
 }
 
-fn joints_of(t: &JointTableRecord, list: &[JointRecord], patches: &Patches) -> Result<(), FormatError> {
+fn joints_of(t: &JointTableRecord, list: &[JointRecord], patches: &PatchTables) -> Result<(), FormatError> {
     let first = t.first_joint as usize;
     let (cells_a, cells_b) = (patches.cells_of(t.patch_a as usize), patches.cells_of(t.patch_b as usize));
     let links_a = patches.links_of(t.patch_a as usize);
@@ -128,7 +128,7 @@ fn joints_of(t: &JointTableRecord, list: &[JointRecord], patches: &Patches) -> R
 }
 
 /// Instances name patches that exist; their bits, adjacencies, neighbours and resources tile their sections.
-fn instances(w: &WorldView, patches: &Patches) -> Result<(), FormatError> {
+fn instances(w: &WorldTables, patches: &PatchTables) -> Result<(), FormatError> {
     let mut parts = [
         Tiling::new(tags::NEIGHBOURS),
         Tiling::new(tags::CELLS),
@@ -165,7 +165,7 @@ fn instances(w: &WorldView, patches: &Patches) -> Result<(), FormatError> {
 }
 
 /// Units of an instance exist and ascend.
-fn resources(w: &WorldView) -> Result<(), FormatError> {
+fn resources(w: &WorldTables) -> Result<(), FormatError> {
     for r in &w.instances {
         let first = r.first_resource as usize;
         let list = &w.resources[first..first + r.num_resources as usize];
@@ -180,7 +180,7 @@ fn resources(w: &WorldView) -> Result<(), FormatError> {
 }
 
 /// The instance across an edge is of the same patch, and its neighbour across the opposite edge is the tile.
-fn neighbours(w: &WorldView, patches: &Patches) -> Result<(), FormatError> {
+fn neighbours(w: &WorldTables, patches: &PatchTables) -> Result<(), FormatError> {
     for (i, r) in w.instances.iter().enumerate() {
         for (e, edge) in patches.edges_of(r.patch as usize).iter().enumerate() {
             let at = r.first_neighbour as usize + e;
@@ -201,7 +201,7 @@ fn neighbours(w: &WorldView, patches: &Patches) -> Result<(), FormatError> {
 }
 
 /// Adjacencies come in pairs that share a table's bits, and two instances have a table in common once.
-fn adjacencies(w: &WorldView) -> Result<(), FormatError> {
+fn adjacencies(w: &WorldTables) -> Result<(), FormatError> {
     let of = |r: &InstanceRecord| r.first_adjacency as usize..r.first_adjacency as usize + r.num_adjacencies as usize;
     let key = |a: &AdjacencyRecord| [a.other, a.table, a.side, a.first_word];
     let mut sorted: Vec<[u32; 4]> = w.adjacencies.iter().map(key).collect();

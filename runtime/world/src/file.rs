@@ -6,9 +6,9 @@
 //! - 2: path costs, which planners worked out at every start before; content hashes of the bundle and of the source.
 //! - 3: the file that it was stitched from.
 
-use super::graph::{Baked, PathCosts};
-use super::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, Node, UnitRecord};
-use super::{WorldData, WorldError, WorldGraph, WorldMeta, WorldView, check, tags};
+use super::graph::{BakedCosts, PathCosts};
+use super::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, UnitRecord, WorldNode};
+use super::{WorldData, WorldError, WorldGraph, WorldMeta, WorldTables, check, tags};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
@@ -16,7 +16,9 @@ use std::{io, path::Path};
 use throng_base::{Error, Hash128, Result, error};
 use throng_core::Bundle;
 use throng_core::characters::MotionSet;
-use throng_core::format::{AlignedBytes, BundleWriter, FormatError, Kind, Layout, Storage, Table, decode, encode};
+use throng_core::format::{
+    AlignedBytes, BundleWriter, FileKind, FileStorage, FormatError, SectionLayout, Table, decode, encode,
+};
 
 /// First bytes of every world file.
 pub const WORLD_MAGIC: [u8; 8] = *b"\x89THWRLD\n";
@@ -26,7 +28,7 @@ pub const WORLD_VERSION: u32 = 3;
 /// Description of the files' content, for messages.
 const WHAT: &str = "a world";
 
-const KIND: Kind = Kind { what: "world", magic: WORLD_MAGIC, version: WORLD_VERSION };
+const KIND: FileKind = FileKind { what: "world", magic: WORLD_MAGIC, version: WORLD_VERSION };
 
 /// A world with the bundle it was stitched with, ready to plan in and to live in. Clones are cheap and share all of it.
 ///
@@ -54,7 +56,7 @@ impl World {
     /// # Errors
     /// [`Error::Io`], [`Error::Format`] with what is wrong with the file and what to do, or [`Error::OtherBundle`].
     pub fn open(path: impl AsRef<Path>, bundle: &Bundle) -> Result<Self> {
-        Self::of_file(Storage::read(path.as_ref(), WHAT), path.as_ref(), bundle)
+        Self::of_file(FileStorage::read(path.as_ref(), WHAT), path.as_ref(), bundle)
     }
 
     /// Maps and checks a file, see [`World::open`]: several processes share its pages.
@@ -67,10 +69,10 @@ impl World {
     #[allow(unsafe_code)]
     pub unsafe fn map(path: impl AsRef<Path>, bundle: &Bundle) -> Result<Self> {
         // SAFETY: the caller promises what is asked for.
-        Self::of_file(unsafe { Storage::map(path.as_ref(), WHAT) }, path.as_ref(), bundle)
+        Self::of_file(unsafe { FileStorage::map(path.as_ref(), WHAT) }, path.as_ref(), bundle)
     }
 
-    fn of_file(storage: Result<Storage, FormatError>, path: &Path, bundle: &Bundle) -> Result<Self> {
+    fn of_file(storage: Result<FileStorage, FormatError>, path: &Path, bundle: &Bundle) -> Result<Self> {
         let open = || Self::new(storage?, bundle);
         open().map_err(|e| match e {
             WorldError::Format(FormatError::Io { path, source }) => Error::Io { path, source },
@@ -84,7 +86,7 @@ impl World {
     /// # Errors
     /// [`WorldError`] says what is wrong, or that the world belongs to another bundle, and what to do.
     pub fn from_bytes(bytes: AlignedBytes, bundle: &Bundle) -> Result<Self, WorldError> {
-        Self::new(Storage::Memory(bytes), bundle)
+        Self::new(FileStorage::Memory(bytes), bundle)
     }
 
     /// Reads the metadata of a file, for any bundle that it was stitched with.
@@ -92,15 +94,15 @@ impl World {
     /// # Errors
     /// [`WorldError`] for a file that is no world of this version.
     pub fn read_meta(path: &Path) -> Result<WorldMeta, WorldError> {
-        let storage = Storage::read(path, WHAT)?;
-        let layout = Layout::read_kind(storage.bytes(), true, KIND)?;
+        let storage = FileStorage::read(path, WHAT)?;
+        let layout = SectionLayout::read_kind(storage.bytes(), true, KIND)?;
         Ok(decode("WMET", &storage.bytes()[layout.section::<u8>(tags::META)?])?)
     }
 
-    fn new(storage: Storage, bundle: &Bundle) -> Result<Self, WorldError> {
-        let layout = Layout::read_kind(storage.bytes(), true, KIND)?;
+    fn new(storage: FileStorage, bundle: &Bundle) -> Result<Self, WorldError> {
+        let layout = SectionLayout::read_kind(storage.bytes(), true, KIND)?;
         let storage = Arc::new(storage);
-        let view = WorldView {
+        let view = WorldTables {
             units: Table::of_file(&storage, &layout.section::<UnitRecord>(tags::UNITS)?),
             instances: Table::of_file(&storage, &layout.section::<InstanceRecord>(tags::INSTANCES)?),
             neighbours: Table::of_file(&storage, &layout.section::<u32>(tags::NEIGHBOURS)?),
@@ -121,7 +123,7 @@ impl World {
         }
         check::world(&view, bundle.patches())?;
         let paths: Table<u8> = Table::of_file(&storage, &layout.section::<u8>(tags::PATHS)?);
-        let graph = WorldGraph::from_baked(bundle.patches(), &view, Baked::decode(&paths)?)?;
+        let graph = WorldGraph::from_baked(bundle.patches(), &view, BakedCosts::decode(&paths)?)?;
         Ok(Self::opened(meta, graph, Some(paths), bundle, storage.bytes().len()))
     }
 
@@ -135,7 +137,7 @@ impl World {
     /// # Errors
     /// As [`WorldGraph::new`].
     pub fn from_data(data: &WorldData, bundle: &Bundle) -> Result<Self, FormatError> {
-        Ok(Self::opened(data.meta.clone(), WorldGraph::new(bundle.patches(), &data.view())?, None, bundle, 0))
+        Ok(Self::opened(data.meta.clone(), WorldGraph::new(bundle.patches(), &data.tables())?, None, bundle, 0))
     }
 
     /// Metadata of the world.
@@ -154,7 +156,7 @@ impl World {
     }
 
     /// The records.
-    pub fn view(&self) -> &WorldView {
+    pub fn view(&self) -> &WorldTables {
         self.0.graph.world()
     }
 
@@ -172,22 +174,22 @@ impl World {
     pub fn hash(&self) -> u128 {
         *self.0.hash.get_or_init(|| {
             let (mut hash, view) = (Hash128::default(), self.view());
-            hash.bytes(&self.bundle_hash().to_le_bytes());
-            hash.bytes(bytemuck::cast_slice(&view.units));
-            hash.bytes(bytemuck::cast_slice(&view.instances));
-            hash.bytes(bytemuck::cast_slice(&view.neighbours));
-            hash.bytes(bytemuck::cast_slice(&view.cell_words));
-            hash.bytes(bytemuck::cast_slice(&view.link_words));
-            hash.bytes(bytemuck::cast_slice(&view.adjacencies));
-            hash.bytes(bytemuck::cast_slice(&view.tables));
-            hash.bytes(bytemuck::cast_slice(&view.joints));
-            hash.bytes(bytemuck::cast_slice(&view.joints_by_b));
-            hash.bytes(bytemuck::cast_slice(&view.joint_words));
-            hash.bytes(bytemuck::cast_slice(&view.resources));
+            hash.add_bytes(&self.bundle_hash().to_le_bytes());
+            hash.add_bytes(bytemuck::cast_slice(&view.units));
+            hash.add_bytes(bytemuck::cast_slice(&view.instances));
+            hash.add_bytes(bytemuck::cast_slice(&view.neighbours));
+            hash.add_bytes(bytemuck::cast_slice(&view.cell_words));
+            hash.add_bytes(bytemuck::cast_slice(&view.link_words));
+            hash.add_bytes(bytemuck::cast_slice(&view.adjacencies));
+            hash.add_bytes(bytemuck::cast_slice(&view.tables));
+            hash.add_bytes(bytemuck::cast_slice(&view.joints));
+            hash.add_bytes(bytemuck::cast_slice(&view.joints_by_b));
+            hash.add_bytes(bytemuck::cast_slice(&view.joint_words));
+            hash.add_bytes(bytemuck::cast_slice(&view.resources));
             match &self.0.paths {
-                Some(paths) => hash.bytes(paths),
+                Some(paths) => hash.add_bytes(paths),
                 // Writing to memory what can be written cannot fail.
-                None => hash.bytes(&PathCosts::bake(self.graph()).unwrap_or_default().0),
+                None => hash.add_bytes(&PathCosts::bake(self.graph()).unwrap_or_default().0),
             }
             hash.finish()
         })
@@ -199,22 +201,22 @@ impl World {
     ///
     /// # Errors
     /// [`Error::Value`] for a point that is not finite, or where the nearest place is farther away: `got` says how far.
-    pub fn near(&self, at: Vec3, within_m: f32) -> Result<Place> {
-        error::check("point", None, at.length(), at.is_finite(), "finite")?;
+    pub fn nearest_place(&self, at: Vec3, within_m: f32) -> Result<RestPlace> {
+        error::check_value("point", None, at.length(), at.is_finite(), "finite")?;
         let place =
-            self.graph().nearest_rest(at).map(|node| Place { node, at: self.graph().place(node).translation() });
+            self.graph().nearest_rest(at).map(|node| RestPlace { node, at: self.graph().place(node).translation() });
         let away = place.map_or(f32::INFINITY, |p| p.at.distance(at));
         let expected = "no more than was asked for; name a point nearer to where one can stay";
-        error::check("distance to the nearest place to stay (m)", None, away, away <= within_m, expected)?;
+        error::check_value("distance to the nearest place to stay (m)", None, away, away <= within_m, expected)?;
         place.ok_or(Error::Value { what: "places to stay", who: None, got: 0.0, expected: "at least one" })
     }
 }
 
 /// A place in a world where a character may stay.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Place {
+pub struct RestPlace {
     /// The node of the world's graph.
-    pub node: Node,
+    pub node: WorldNode,
     /// Position of the hips at the node (m).
     pub at: Vec3,
 }
@@ -250,9 +252,9 @@ impl WorldData {
     /// Checks the world as a file of it would be: every index against its table, every number for being finite.
     ///
     /// # Errors
-    /// [`FormatError::Value`] or [`FormatError::Layout`].
-    pub fn check(&self, patches: &throng_core::patch::Patches) -> Result<(), FormatError> {
-        check::world(&self.view(), patches)
+    /// [`FormatError::Value`] or [`FormatError::SectionLayout`].
+    pub fn check(&self, patches: &throng_core::patch::PatchTables) -> Result<(), FormatError> {
+        check::world(&self.tables(), patches)
     }
 }
 

@@ -17,8 +17,8 @@ mod records;
 pub mod tags;
 
 pub use error::WorldError;
-pub use file::{Place, WORLD_MAGIC, WORLD_VERSION, World};
-pub use graph::{Node, PathCosts, Step, WorldGraph};
+pub use file::{RestPlace, WORLD_MAGIC, WORLD_VERSION, World};
+pub use graph::{PathCosts, WorldGraph, WorldNode, WorldStep};
 pub use records::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, UnitRecord};
 
 use serde::{Deserialize, Serialize};
@@ -53,7 +53,7 @@ pub struct WorldMeta {
 
 /// The rows of a world, of a file or in memory. Clones share them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct WorldView {
+pub struct WorldTables {
     /// Placed units; a unit's number is a resource that characters hold.
     pub units: Table<UnitRecord>,
     /// The patches.
@@ -81,7 +81,7 @@ pub struct WorldView {
 /// A world in memory, as the stitcher makes it and the editor changes it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WorldData {
-    /// See [`WorldView`] for these.
+    /// See [`WorldTables`] for these.
     pub units: Vec<UnitRecord>,
     /// The patches.
     pub instances: Vec<InstanceRecord>,
@@ -109,8 +109,8 @@ pub struct WorldData {
 
 impl WorldData {
     /// A copy of the rows, to read the world through.
-    pub fn view(&self) -> WorldView {
-        WorldView {
+    pub fn tables(&self) -> WorldTables {
+        WorldTables {
             units: (&self.units).into(),
             instances: (&self.instances).into(),
             neighbours: (&self.neighbours).into(),

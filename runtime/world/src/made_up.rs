@@ -1,9 +1,9 @@
 //! Made-up tiles, and floors of them, for tests.
 
-use super::{InstanceRecord, Node, UnitRecord, WorldData, WorldGraph};
+use super::{InstanceRecord, UnitRecord, WorldData, WorldGraph, WorldNode};
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
-use throng_core::patch::{CellRecord, EdgeRecord, KIND_TILE, LinkRecord, NONE, PatchRecord, Patches, Placement};
+use throng_core::patch::{CellRecord, EdgeRecord, KIND_TILE, LinkRecord, NONE, PatchRecord, PatchTables, Placement};
 
 /// A tile with an entry and an exit an edge (cells 0 to 3 and 4 to 7) and some cells inside, and its links.
 #[derive(Debug)]
@@ -57,8 +57,8 @@ impl Tile {
     }
 
     /// The bundle's view that consists of it.
-    pub fn patches(&self) -> Patches {
-        Patches {
+    pub fn patches(&self) -> PatchTables {
+        PatchTables {
             patches: (&[self.patch]).into(),
             edges: (&self.edges).into(),
             cells: (&self.cells).into(),
@@ -151,8 +151,8 @@ pub(crate) fn places(depths: [i32; 3]) -> BTreeSet<[i32; 2]> {
 }
 
 /// Least frames to a node from all others from which a path leads there.
-pub(crate) fn costs_to(graph: &WorldGraph, target: Node) -> BTreeMap<Node, u32> {
-    let mut back: BTreeMap<Node, Vec<(Node, u32)>> = BTreeMap::new();
+pub(crate) fn costs_to(graph: &WorldGraph, target: WorldNode) -> BTreeMap<WorldNode, u32> {
+    let mut back: BTreeMap<WorldNode, Vec<(WorldNode, u32)>> = BTreeMap::new();
     for from in nodes(graph) {
         graph.for_each_step(from, |step| back.entry(step.to).or_default().push((from, step.num_frames())));
     }
@@ -168,7 +168,7 @@ pub(crate) fn costs_to(graph: &WorldGraph, target: Node) -> BTreeMap<Node, u32> 
 }
 
 /// All nodes of a world.
-pub(crate) fn nodes(graph: &WorldGraph) -> Vec<Node> {
-    let all = |instance| (0..graph.num_cells(instance)).map(move |cell| Node { instance, cell });
+pub(crate) fn nodes(graph: &WorldGraph) -> Vec<WorldNode> {
+    let all = |instance| (0..graph.num_cells(instance)).map(move |cell| WorldNode { instance, cell });
     (0..graph.num_instances() as u32).flat_map(all).filter(|n| graph.is_node(*n)).collect()
 }

@@ -44,7 +44,7 @@ const AT_BENCH: u32 = 25;
 const GIVING: [usize; 2] = [9, 10];
 
 /// Kind of motion: from `begin` to `end` relative to it, over a number of frames.
-struct Kind {
+struct FloorMotion {
     name: &'static str,
     begin: Planar,
     /// Amplitude of a sway forward and back on the way (m).
@@ -54,14 +54,14 @@ struct Kind {
     walking: bool,
 }
 
-fn kinds() -> Vec<Kind> {
+fn kinds() -> Vec<FloorMotion> {
     let quarter = std::f32::consts::FRAC_PI_2;
     let kind = |name, x, z, heading, frames, walking| {
         let (begin, end) = (Planar::IDENTITY, Planar::new(x, z, heading));
-        Kind { name, begin, sway: 0.0, end, frames, walking }
+        FloorMotion { name, begin, sway: 0.0, end, frames, walking }
     };
     // Two in one room: the second one faces the first.
-    let give = |name, z, heading, sway| Kind {
+    let give = |name, z, heading, sway| FloorMotion {
         begin: Planar::new(0.0, z, heading),
         sway,
         ..kind(name, 0.0, 0.0, 0.0, 60, false)
@@ -83,7 +83,7 @@ fn kinds() -> Vec<Kind> {
 }
 
 /// Poses of one kind, with limbs that swing.
-fn poses(kind: &Kind, number: usize) -> Vec<[Quat; NUM_JOINTS]> {
+fn poses(kind: &FloorMotion, number: usize) -> Vec<[Quat; NUM_JOINTS]> {
     let swing = if kind.walking { 0.35 } else { 0.05 };
     (0..=kind.frames)
         .map(|f| {
@@ -106,7 +106,7 @@ fn poses(kind: &Kind, number: usize) -> Vec<[Quat; NUM_JOINTS]> {
 }
 
 /// Rows of one kind: an ease from start to end.
-fn rows(kind: &Kind, poses: &[[Quat; NUM_JOINTS]], code: &RotationCode) -> Vec<FrameRow> {
+fn rows(kind: &FloorMotion, poses: &[[Quat; NUM_JOINTS]], code: &RotationCode) -> Vec<FrameRow> {
     let row = |(f, pose): (usize, &[Quat; NUM_JOINTS])| {
         let s = f as f32 / kind.frames as f32;
         let there = maths::sin(std::f32::consts::PI * s);
@@ -134,10 +134,10 @@ pub fn bundle(name: &str) -> Vec<u8> {
     of_patches(name, &[floor(), bench()])
 }
 
-fn of_patches(name: &str, patches: &[Patch; 2]) -> Vec<u8> {
+fn of_patches(name: &str, patches: &[FloorPatch; 2]) -> Vec<u8> {
     let kinds = kinds();
     let unit = |name: &str| vec![(name.to_owned(), Placement::IDENTITY)];
-    let clip = |k: &Kind| ClipMeta { name: k.name.into(), ..ClipMeta::default() };
+    let clip = |k: &FloorMotion| ClipMeta { name: k.name.into(), ..ClipMeta::default() };
     let meta = Meta {
         name: name.into(),
         rate_hz: 30.0,
@@ -157,13 +157,14 @@ fn of_patches(name: &str, patches: &[Patch; 2]) -> Vec<u8> {
     out.section(tags::CLIPS, &records);
     let poses: Vec<_> = kinds.iter().enumerate().map(|(i, k)| poses(k, i)).collect();
     let all = poses.concat();
-    let code = RotationCode::fit(&Skeleton::default(), all.len(), |f, j| all[f][j]);
+    let code = RotationCode::fit_frames(&Skeleton::default(), all.len(), |f, j| all[f][j]);
     let rows: Vec<FrameRow> = kinds.iter().zip(&poses).flat_map(|(k, p)| rows(k, p, &code)).collect();
     out.section(tags::FRAMES, &rows);
     out.section(tags::ROTATION_CODE, &[code]);
     let feet = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
-    let contacts =
-        |k: &Kind| vec![if k.sway > 0.0 || k.name == "idle" { feet } else { Contacts::NONE }; k.frames as usize + 1];
+    let contacts = |k: &FloorMotion| {
+        vec![if k.sway > 0.0 || k.name == "idle" { feet } else { Contacts::NONE }; k.frames as usize + 1]
+    };
     out.section(tags::CONTACTS, &kinds.iter().flat_map(contacts).collect::<Vec<_>>());
     out.section::<HitRecord>(tags::HITS, &[]);
     out.section::<StateRecord>(tags::STATES, &[]);
@@ -215,12 +216,12 @@ fn of_patches(name: &str, patches: &[Patch; 2]) -> Vec<u8> {
     bytes
 }
 
-fn record(kinds: &[Kind], k: usize) -> ClipRecord {
+fn record(kinds: &[FloorMotion], k: usize) -> ClipRecord {
     let first_frame = kinds[..k].iter().map(|k| k.frames + 1).sum();
     ClipRecord { first_frame, num_frames: kinds[k].frames + 1, mirrored: 0, reserved: 0 }
 }
 
-struct Patch {
+struct FloorPatch {
     kind: u32,
     edges: Vec<EdgeRecord>,
     cells: Vec<CellRecord>,
@@ -228,17 +229,17 @@ struct Patch {
 }
 
 /// Sorts links by their first cell, and assigns each cell its links.
-fn patch(kind: u32, edges: Vec<EdgeRecord>, mut cells: Vec<CellRecord>, mut links: Vec<LinkRecord>) -> Patch {
+fn patch(kind: u32, edges: Vec<EdgeRecord>, mut cells: Vec<CellRecord>, mut links: Vec<LinkRecord>) -> FloorPatch {
     links.sort_by_key(|l| l.from);
     for (i, c) in cells.iter_mut().enumerate() {
         c.first_link = links.partition_point(|l| l.from < i as u32) as u32;
         c.num_links = links.iter().filter(|l| l.from == i as u32).count() as u32;
     }
-    Patch { kind, edges, cells, links }
+    FloorPatch { kind, edges, cells, links }
 }
 
 fn cell(at: Planar, group: u32, flags: u32) -> CellRecord {
-    let placement = Placement::at(at, 0.93);
+    let placement = Placement::from_planar(at, 0.93);
     CellRecord { placement, group, edge: NONE, twin: NONE, flags, first_link: 0, num_links: 0, reserved: [0; 2] }
 }
 
@@ -253,7 +254,7 @@ fn link(cells: &[CellRecord], from: u32, to: u32, kind: usize, tag: u16) -> Link
 }
 
 /// Cells 0..4 are entries by edge, 4..8 exits by edge, 8..12 rest cells by heading.
-fn floor() -> Patch {
+fn floor() -> FloorPatch {
     let step = |e: usize| {
         let h = HEADINGS[e];
         EdgeRecord { step: [SIDE * maths::sin(h).round(), 0.0, SIDE * maths::cos(h).round()], opposite: OPPOSITE[e] }
@@ -303,7 +304,7 @@ fn floor() -> Patch {
 }
 
 /// Action of two across each edge: the first person in the tile, the second one beyond the edge, facing back.
-fn pairs(floor: &Patch) -> Vec<PairRecord> {
+fn pairs(floor: &FloorPatch) -> Vec<PairRecord> {
     let kinds = kinds();
     let plays = |l: &LinkRecord, cell: u32, kind: usize| l.from == cell && l.frame == record(&kinds, kind).first_frame;
     let number = |cell: u32, kind: usize| floor.links.iter().position(|l| plays(l, cell, kind)).expect("a link") as u32;
@@ -317,7 +318,7 @@ fn pairs(floor: &Patch) -> Vec<PairRecord> {
 }
 
 /// Cell 0 is walked into, 1 sat on, 2 walked out of. The bench is turned to where a straight crossing in +z passes.
-fn bench() -> Patch {
+fn bench() -> FloorPatch {
     let cells = vec![
         cell(Planar::new(-RIGHT, 0.0, 0.0), WALK, 0),
         cell(Planar::new(0.4, 0.3, 0.0), SEATED, CellRecord::IS_REST),
@@ -451,7 +452,7 @@ mod tests {
     use super::*;
 
     /// Error message of a bundle whose floor has been changed.
-    fn refused(change: impl FnOnce(&mut Patch)) -> String {
+    fn refused(change: impl FnOnce(&mut FloorPatch)) -> String {
         let mut patches = [floor(), bench()];
         change(&mut patches[0]);
         let bytes = AlignedBytes::from_slice(&of_patches("changed", &patches));

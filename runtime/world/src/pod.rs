@@ -13,12 +13,12 @@ pub(crate) fn serialize<T: Pod, S: Serializer>(rows: &[T], to: S) -> Result<S::O
 
 /// For `#[serde(with)]`.
 pub(crate) fn deserialize<'de, T: Pod, D: Deserializer<'de>>(from: D) -> Result<Vec<T>, D::Error> {
-    from.deserialize_bytes(Rows(PhantomData))
+    from.deserialize_bytes(PodRows(PhantomData))
 }
 
-struct Rows<T>(PhantomData<T>);
+struct PodRows<T>(PhantomData<T>);
 
-impl<T: Pod> Visitor<'_> for Rows<T> {
+impl<T: Pod> Visitor<'_> for PodRows<T> {
     type Value = Vec<T>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

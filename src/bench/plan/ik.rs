@@ -3,35 +3,35 @@
 use glam::DVec3;
 use std::time::Instant;
 use throng_planner::ik::LimbIk;
-use throng_planner::limits::{BodyLimits, Sampler, Style};
+use throng_planner::limits::{BodyLimits, PoseSampler, Style};
 use throng_planner::linkage::{Chain, Limb, LimbPose, Linkage};
 use throng_planner::rotation::{Rigid, exp};
 use throng_runtime::Skeleton;
 
 /// Figures of inverse kinematics.
-pub struct Figures {
+pub struct IkFigures {
     pub ns: f64,
     pub error_max_m: f64,
     pub solved_fraction: f64,
 }
 
 /// Solves for hand targets taken from random poses within limits, beginning at other poses.
-pub fn measure(poses: u32) -> Figures {
+pub fn measure(poses: u32) -> IkFigures {
     let (skeleton, linkage) = (Skeleton::default(), Linkage::limb(Limb::LeftArm));
     let chain = Chain::new(linkage, &skeleton);
-    let Some(limits) = BodyLimits::built_in(&skeleton).of_linkage(linkage) else {
-        return Figures { ns: 0.0, error_max_m: 0.0, solved_fraction: 0.0 };
+    let Some(limits) = BodyLimits::built_in(&skeleton).linkage_limits(linkage) else {
+        return IkFigures { ns: 0.0, error_max_m: 0.0, solved_fraction: 0.0 };
     };
     let ik = LimbIk::new(&chain, &limits);
-    let sampler = Sampler::new(linkage, limits, &LimbPose::REST, Style::default(), 1);
-    let mut rng = throng_planner::planner::seeded(1);
+    let sampler = PoseSampler::new(linkage, limits, &LimbPose::REST, Style::default(), 1);
+    let mut rng = throng_planner::planner::seeded_rng(1);
     // Prepared before timing begins.
     let cases: Vec<(Rigid, Rigid, LimbPose)> = (0..poses.min(10_000))
         .map(|i| {
             let v = DVec3::new(0.7, 1.3, -0.4) * f64::from(i % 97) * 0.02;
             let base = Rigid { position: v, rotation: exp(v) };
-            let wanted = sampler.draw(&mut rng, 1);
-            (base, chain.place(&base, &wanted)[2], sampler.draw(&mut rng, 1))
+            let wanted = sampler.draw_pose(&mut rng, 1);
+            (base, chain.place_joints(&base, &wanted)[2], sampler.draw_pose(&mut rng, 1))
         })
         .collect();
     let (mut solved, mut error_max_m) = (0u32, 0.0f64);
@@ -40,9 +40,9 @@ pub fn measure(poses: u32) -> Figures {
         let (base, goal, present) = &cases[i % cases.len()];
         if let Ok(pose) = ik.solve_free(base, goal, present) {
             solved += 1;
-            error_max_m = error_max_m.max(chain.place(base, &pose)[2].position.distance(goal.position));
+            error_max_m = error_max_m.max(chain.place_joints(base, &pose)[2].position.distance(goal.position));
         }
     }
     let ns = began.elapsed().as_secs_f64() * 1e9 / f64::from(poses);
-    Figures { ns, error_max_m, solved_fraction: f64::from(solved) / f64::from(poses) }
+    IkFigures { ns, error_max_m, solved_fraction: f64::from(solved) / f64::from(poses) }
 }

@@ -3,7 +3,7 @@
 use super::made_up::{MadeUp, PHASES};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
-use throng_runtime::blend::{PADDED_JOINTS, Posture, channel};
+use throng_runtime::blend::{BlendedPosture, PADDED_JOINTS, channel};
 use throng_runtime::{Joint, NUM_JOINTS};
 
 /// A space with references that differ from row to row, some of them antipodal to their neighbours.
@@ -53,8 +53,8 @@ proptest! {
         let space = made_up.space();
         let mut row = weights.clone();
         row.resize(space.stride(), 0.0);
-        let mut out = [Posture::default()];
-        space.pose(&row, &[phase + turns as f32], &mut out).expect("a posture");
+        let mut out = [BlendedPosture::default()];
+        space.blend_postures(&row, &[phase + turns as f32], &mut out).expect("a posture");
         for joint in Joint::ALL {
             let got = out[0].rotation(joint);
             prop_assert!(got.is_normalized());
@@ -78,8 +78,8 @@ fn an_example_alone_is_itself_at_every_row() {
     for (k, e) in [(0, 0), (5, 3), (31, 19), (16, 7)] {
         let mut weights = vec![0.0; space.stride()];
         weights[e] = 1.0;
-        let mut out = [Posture::default()];
-        space.pose(&weights, &[k as f32 / PHASES as f32], &mut out).expect("a posture");
+        let mut out = [BlendedPosture::default()];
+        space.blend_postures(&weights, &[k as f32 / PHASES as f32], &mut out).expect("a posture");
         let values = &made_up.channels[k * n + e].values;
         for j in 0..NUM_JOINTS {
             let q = Quat::from_scaled_axis(2.0 * Vec3::from_array(channel::LOG.map(|c| values[c + j])));
@@ -95,8 +95,8 @@ fn a_cycle_closes() {
     let space = made_up.space();
     let mut weights = vec![0.0; 2 * space.stride()];
     (weights[4], weights[space.stride() + 4]) = (1.0, 1.0);
-    let mut out = [Posture::default(); 2];
-    space.pose(&weights, &[0.999_999, 0.0], &mut out).expect("postures");
+    let mut out = [BlendedPosture::default(); 2];
+    space.blend_postures(&weights, &[0.999_999, 0.0], &mut out).expect("postures");
     for joint in Joint::ALL {
         assert!(out[0].rotation(joint).dot(out[1].rotation(joint)).abs() > 1.0 - 1e-5);
     }
@@ -106,8 +106,8 @@ fn a_cycle_closes() {
 fn slices_that_do_not_fit_are_refused() {
     let made_up = MadeUp::locomotion();
     let space = made_up.space();
-    let mut out = [Posture::default(); 2];
-    assert!(space.pose(&[0.0; 24], &[0.0; 2], &mut out).is_err());
-    assert!(space.pose(&[0.0; 48], &[0.0; 1], &mut out).is_err());
-    space.pose(&[0.0; 48], &[f32::NAN, f32::INFINITY], &mut out).expect("any phase is taken");
+    let mut out = [BlendedPosture::default(); 2];
+    assert!(space.blend_postures(&[0.0; 24], &[0.0; 2], &mut out).is_err());
+    assert!(space.blend_postures(&[0.0; 48], &[0.0; 1], &mut out).is_err());
+    space.blend_postures(&[0.0; 48], &[f32::NAN, f32::INFINITY], &mut out).expect("any phase is taken");
 }

@@ -3,10 +3,10 @@
 mod parse;
 mod scene;
 
-pub use parse::{Adapter, BodyChoice, Character, PanelChoice, Size, StageName, ThemeName, View};
+pub use parse::{AdapterChoice, BodyChoice, CameraArg, CharacterArg, PanelChoice, PictureSize, StageName, ThemeName};
 
 use std::path::PathBuf;
-use throng_runtime::base::limits::{self, number};
+use throng_runtime::base::limits::{self, number_parser};
 use throng_runtime::crowd::Scheme;
 
 /// Frames that run before a picture, unless given (1/60 s).
@@ -54,7 +54,7 @@ pub struct Args {
         value_name = "N,...",
         value_delimiter = ',',
         allow_negative_numbers = true,
-        value_parser = number::<usize>(&limits::SHOWN_CHARACTERS),
+        value_parser = number_parser::<usize>(&limits::SHOWN_CHARACTERS),
         requires = "file",
         help_heading = "Without a screen"
     )]
@@ -71,17 +71,17 @@ pub struct Args {
         requires = "screenless",
         help_heading = "Without a screen"
     )]
-    pub adapter: Adapter,
+    pub adapter: AdapterChoice,
 
     /// Size of the picture or the window. [default: 1280x720]
     #[arg(long, value_name = "WxH", value_parser = parse::size)]
-    pub size: Option<Size>,
+    pub size: Option<PictureSize>,
     /// Scale of text and everything else, 0.5 to 3.
-    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = number::<f32>(&limits::SCALE))]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = number_parser::<f32>(&limits::SCALE))]
     pub scale: Option<f32>,
     /// Frames of 1/60 s that run before the picture [default: 150] or are measured [default: 60]; a window closes
     /// after so many, not counting those in which something is built.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::<u32>(&limits::FRAMES))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number_parser::<u32>(&limits::FRAMES))]
     pub frames: Option<u32>,
     /// Dark or light.
     #[arg(long, value_enum)]
@@ -90,7 +90,7 @@ pub struct Args {
     /// `yaw=30,pitch=20,distance=6,target=0:1:0,fov=35` (angles in degrees), or both. Without distance and target,
     /// all is in the picture.
     #[arg(long, value_name = "SPEC")]
-    pub camera: Option<View>,
+    pub camera: Option<CameraArg>,
     /// Panels that are open, with commas; `none` for none, and in a picture for the 3-D view alone.
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = parse::panel)]
     pub panel: Vec<PanelChoice>,
@@ -110,17 +110,17 @@ pub struct Args {
         value_name = "N",
         requires = "file",
         allow_negative_numbers = true,
-        value_parser = number::<u32>(&limits::SHOWN_FRAME)
+        value_parser = number_parser::<u32>(&limits::SHOWN_FRAME)
     )]
     pub frame: Option<u32>,
     /// Select a character, counted from 0, or `none`.
     #[arg(long, value_name = "N", requires = "file", allow_negative_numbers = true)]
-    pub character: Option<Character>,
+    pub character: Option<CharacterArg>,
     /// Number of characters of the crowd, scene or world.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::<usize>(&limits::SHOWN_CHARACTERS))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number_parser::<usize>(&limits::SHOWN_CHARACTERS))]
     pub characters: Option<usize>,
     /// Seed of places, targets and choices.
-    #[arg(long, allow_negative_numbers = true, value_parser = number::<u64>(&limits::SEED))]
+    #[arg(long, allow_negative_numbers = true, value_parser = number_parser::<u64>(&limits::SEED))]
     pub seed: Option<u64>,
     /// Show how a message of a scene spreads: the name of one of its events.
     #[arg(long, value_name = "NAME", requires = "file")]
@@ -133,7 +133,7 @@ pub struct Args {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::Body;
+    use crate::render::BodyStyle;
     use clap::Parser;
     use clap::error::ErrorKind;
 
@@ -154,11 +154,11 @@ mod tests {
              --characters 7 --seed 9 --body capsules --character 2 --json --adapter any --scale 1.5",
         )
         .expect("a right line");
-        assert_eq!(args.size, Some(Size { width: 640, height: 400 }));
+        assert_eq!(args.size, Some(PictureSize { width: 640, height: 400 }));
         assert_eq!((args.frames, args.characters, args.seed), (Some(3), Some(7), Some(9)));
-        assert_eq!((args.panel.len(), args.character), (2, Some(Character(Some(2)))));
-        assert_eq!((args.adapter, args.scale), (Adapter::Any, Some(1.5)));
-        assert_eq!(args.body, Some(BodyChoice::Made(Body::Capsules)));
+        assert_eq!((args.panel.len(), args.character), (2, Some(CharacterArg(Some(2)))));
+        assert_eq!((args.adapter, args.scale), (AdapterChoice::Any, Some(1.5)));
+        assert_eq!(args.body, Some(BodyChoice::Made(BodyStyle::Capsules)));
         assert_eq!(parse("--body me.GLB").expect("a right line").body, Some(BodyChoice::File("me.GLB".into())));
         assert_eq!(parse("a.toml --engine fixed").expect("a right line").engine, Some(Scheme::Fixed));
         assert_eq!(parse("a.throng --bench 10,20").expect("a right line").bench, [10, 20]);

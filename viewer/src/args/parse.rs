@@ -1,25 +1,25 @@
 //! Values of arguments.
 
-use crate::panels::{PANELS, Panel};
-use crate::render::{Body, Camera, CameraParseError};
+use crate::panels::{PANELS, PanelEntry};
+use crate::render::{BodyStyle, CameraParseError, OrbitCamera};
 use crate::settings::{BODIES, PanelKind};
 use eframe::egui::ThemePreference;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use throng_runtime::base::limits::{self, number};
+use throng_runtime::base::limits::{self, number_parser};
 use throng_runtime::crowd::Scheme;
 use throng_runtime::simulation::scene::engine as engines;
 
 /// Size of a picture or a window (pixels).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Size {
+pub struct PictureSize {
     /// From left to right (16 to 8192).
     pub width: u32,
     /// From top to bottom (16 to 8192).
     pub height: u32,
 }
 
-impl Default for Size {
+impl Default for PictureSize {
     fn default() -> Self {
         Self { width: 1280, height: 720 }
     }
@@ -27,7 +27,7 @@ impl Default for Size {
 
 /// Which graphics adapter draws pictures.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Adapter {
+pub enum AdapterChoice {
     /// One that draws on the processor, where there is one: its pictures do not depend on the machine.
     #[default]
     Software,
@@ -64,7 +64,7 @@ pub enum StageName {
     Blend,
 }
 
-impl From<StageName> for crate::command::Stage {
+impl From<StageName> for crate::command::ViewStage {
     fn from(name: StageName) -> Self {
         match name {
             StageName::Crowd => Self::Crowd,
@@ -87,36 +87,38 @@ pub enum PanelChoice {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum BodyChoice {
     /// One that the viewer makes.
-    Made(Body),
+    Made(BodyStyle),
     /// A file with a mesh that all characters wear.
     File(PathBuf),
 }
 
 /// A character on the command line, or `none`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Character(pub Option<usize>);
+pub struct CharacterArg(pub Option<usize>);
 
-impl FromStr for Character {
+impl FromStr for CharacterArg {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
         match text {
             "none" => Ok(Self(None)),
-            _ => number::<usize>(&limits::FOLLOWED)(text).map(|n| Self(Some(n))).map_err(|e| format!("{e}, or `none`")),
+            _ => number_parser::<usize>(&limits::FOLLOWED)(text)
+                .map(|n| Self(Some(n)))
+                .map_err(|e| format!("{e}, or `none`")),
         }
     }
 }
 
 /// A camera on the command line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
+pub struct CameraArg {
     /// The camera.
-    pub camera: Camera,
+    pub camera: OrbitCamera,
     /// Its target or its distance was given; otherwise both are such that all can be seen.
     pub is_placed: bool,
 }
 
-impl FromStr for View {
+impl FromStr for CameraArg {
     type Err = CameraParseError;
 
     fn from_str(text: &str) -> Result<Self, CameraParseError> {
@@ -126,7 +128,7 @@ impl FromStr for View {
 }
 
 /// Name of a panel on the command line: its title in lower case, with dashes.
-pub(super) fn panel_name(panel: &Panel) -> String {
+pub(super) fn panel_name(panel: &PanelEntry) -> String {
     panel.title.to_lowercase().replace(' ', "-")
 }
 
@@ -142,16 +144,16 @@ pub(super) fn panel(text: &str) -> Result<PanelChoice, String> {
     })
 }
 
-pub(super) fn size(text: &str) -> Result<Size, String> {
-    let side = number::<u32>(&limits::PICTURE_SIDE);
+pub(super) fn size(text: &str) -> Result<PictureSize, String> {
+    let side = number_parser::<u32>(&limits::PICTURE_SIDE);
     let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some((side(w).ok()?, side(h).ok()?)));
     let (width, height) = sides
         .ok_or_else(|| format!("expected width x height, as in 640x400; each is {}", limits::PICTURE_SIDE.range))?;
-    Ok(Size { width, height })
+    Ok(PictureSize { width, height })
 }
 
 pub(super) fn engine(text: &str) -> Result<Scheme, String> {
-    engines::named(text).ok_or_else(|| format!("there is no such engine; expected one of {}", engines::names()))
+    engines::scheme_named(text).ok_or_else(|| format!("there is no such engine; expected one of {}", engines::names()))
 }
 
 pub(super) fn body(text: &str) -> Result<BodyChoice, String> {
@@ -178,7 +180,7 @@ mod tests {
 
     #[test]
     fn sizes_need_two_sides_within_limits() {
-        assert_eq!(size("640x400"), Ok(Size { width: 640, height: 400 }));
+        assert_eq!(size("640x400"), Ok(PictureSize { width: 640, height: 400 }));
         for wrong in ["", "x", "640", "640x", "-640x400", "640x400x3", "15x400", "640x8193", "1e3x400"] {
             assert!(size(wrong).is_err(), "{wrong}");
         }
@@ -186,7 +188,7 @@ mod tests {
 
     #[test]
     fn a_camera_is_placed_where_target_or_distance_is_given() {
-        let placed = |text: &str| text.parse::<View>().map(|v| v.is_placed);
+        let placed = |text: &str| text.parse::<CameraArg>().map(|v| v.is_placed);
         assert_eq!(placed("side"), Ok(false));
         assert_eq!(placed("yaw=3,pitch=10"), Ok(false));
         assert_eq!(placed("front, distance=4"), Ok(true));

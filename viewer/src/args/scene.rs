@@ -1,21 +1,21 @@
 //! Applies command-line arguments to settings and model.
 
 use super::{Args, BodyChoice, PanelChoice};
-use crate::command::{Command, SceneCommand, SceneLook, Stage, WorldCommand};
-use crate::document::{Document, Outfit, SceneChoice};
+use crate::command::{SceneCommand, SceneViewOptions, ViewStage, ViewerCommand, WorldCommand};
+use crate::document::{OpenDocument, SceneChoice, UserOutfit};
 use crate::model::Model;
-use crate::settings::Settings;
+use crate::settings::ViewerSettings;
 use eframe::egui;
 use throng_precompute::cache::Cache;
 use throng_precompute::progress::Progress;
-use throng_precompute::run::{Cached, News};
-use throng_runtime::base::text::plain;
+use throng_precompute::run::{BuildContext, News};
+use throng_runtime::base::text::escape_for_terminal;
 use throng_runtime::simulation::scene::engine;
 
 /// Prints the stages of a build, on standard error.
-struct StageNames;
+struct StageNamePrinter;
 
-impl Progress for StageNames {
+impl Progress for StageNamePrinter {
     fn begin(&self, stage: &'static str, _total: u64, _unit: &'static str) {
         eprintln!("building a bundle: {stage}");
     }
@@ -30,7 +30,7 @@ const MAX_NAMES: usize = 8;
 
 impl Args {
     /// Settings with the values of the arguments in place of the stored ones.
-    pub fn settings(&self, base: Settings) -> Settings {
+    pub fn settings(&self, base: ViewerSettings) -> ViewerSettings {
         let mut s = base;
         if let Some(theme) = self.theme {
             s.theme = theme.into();
@@ -63,7 +63,7 @@ impl Args {
     /// A message that names the file, what is wrong with it and the way out.
     pub fn dress(&self, model: &mut Model) -> Result<(), String> {
         if let Some(BodyChoice::File(path)) = &self.body {
-            model.wear(Outfit::open(path).map_err(|e| format!("--body: {e}"))?);
+            model.wear(UserOutfit::open(path).map_err(|e| format!("--body: {e}"))?);
         }
         Ok(())
     }
@@ -76,8 +76,8 @@ impl Args {
     pub fn open(&self, ctx: &egui::Context, model: &mut Model) -> Result<(), String> {
         let Some(file) = &self.file else { return Ok(()) };
         let cache = Cache::in_folder(Cache::FOLDER);
-        let tell = |news: News| eprintln!("{}", plain(&news.to_string()));
-        model.open_now(file, &Cached { cache: &cache, progress: &StageNames, tell: &tell })?;
+        let tell = |news: News| eprintln!("{}", escape_for_terminal(&news.to_string()));
+        model.open_now(file, &BuildContext { cache: &cache, progress: &StageNamePrinter, report_news: &tell })?;
         self.show(ctx, model)
     }
 
@@ -89,11 +89,11 @@ impl Args {
         self.change_scene(ctx, model)?;
         if let Some(stage) = self.stage {
             self.check_stage(stage.into(), model)?;
-            model.apply(ctx, Command::Stage(stage.into()));
+            model.apply(ctx, ViewerCommand::Stage(stage.into()));
         }
         if let Some(name) = &self.clip {
             let clip = find_clip(model, name)?;
-            model.apply(ctx, Command::ShowClip { clip, frame: 0 });
+            model.apply(ctx, ViewerCommand::ShowClip { clip, frame: 0 });
         }
         if let Some(frame) = self.frame {
             show_frame(ctx, model, frame)?;
@@ -102,24 +102,24 @@ impl Args {
             if let Some(wanted) = character.0 {
                 check_character(model, wanted)?;
             }
-            model.apply(ctx, Command::SelectCharacter(character.0));
+            model.apply(ctx, ViewerCommand::SelectCharacter(character.0));
         }
         if let Some(name) = &self.message {
             let message = Some(find_message(model, name)?);
-            let look = SceneLook { message, ..model.selection.scene };
-            model.apply(ctx, Command::Scene(SceneCommand::Look(look)));
+            let look = SceneViewOptions { message, ..model.selection.scene };
+            model.apply(ctx, ViewerCommand::Scene(SceneCommand::SetOptions(look)));
         }
         if !self.panel.is_empty() {
-            model.settings.side_panel = self.settings(Settings::default()).side_panel;
+            model.settings.side_panel = self.settings(ViewerSettings::default()).side_panel;
         }
         match self.camera {
             Some(view) => {
-                model.apply(ctx, Command::Camera(view.camera));
+                model.apply(ctx, ViewerCommand::Camera(view.camera));
                 if !view.is_placed {
-                    model.apply(ctx, Command::FrameAll);
+                    model.apply(ctx, ViewerCommand::FrameAll);
                 }
             }
-            None => model.apply(ctx, Command::FrameAll),
+            None => model.apply(ctx, ViewerCommand::FrameAll),
         }
         Ok(())
     }
@@ -148,21 +148,21 @@ impl Args {
             let (old, more) = (world.roamers(), self.characters.is_some() || self.seed.is_some());
             let (characters, seed) = (self.characters.unwrap_or(old.characters), self.seed.unwrap_or(old.seed));
             if more {
-                model.apply(ctx, Command::World(WorldCommand::Populate { characters, seed }));
+                model.apply(ctx, ViewerCommand::World(WorldCommand::Populate { characters, seed }));
             }
         }
         Ok(())
     }
 
-    fn check_stage(&self, stage: Stage, model: &Model) -> Result<(), String> {
+    fn check_stage(&self, stage: ViewStage, model: &Model) -> Result<(), String> {
         match (&model.document, stage) {
-            (Document::Bundle(b), Stage::Crowd) => {
+            (OpenDocument::Bundle(b), ViewStage::Crowd) => {
                 b.run.as_ref().map(|_| ()).map_err(|e| format!("--stage crowd: {e}"))
             }
-            (document, Stage::Blend) if document.blend().is_none() => {
+            (document, ViewStage::Blend) if document.blend().is_none() => {
                 Err("--stage blend: there is no blend space; open a bundle that was built with `blend`".into())
             }
-            (Document::Clip(_), Stage::Crowd) => {
+            (OpenDocument::Clip(_), ViewStage::Crowd) => {
                 Err("--stage crowd: a motion file holds no crowd; open a bundle, or leave out --stage".into())
             }
             _ => Ok(()),
@@ -172,11 +172,11 @@ impl Args {
 
 /// Number of the message of this name.
 fn find_message(model: &Model, wanted: &str) -> Result<usize, String> {
-    let minds = model.document.scene().and_then(|s| s.run().simulation().minds());
+    let minds = model.document.scene().and_then(|s| s.run().simulation().brains());
     let Some(minds) = minds.filter(|m| m.has_events()) else {
         return Err(format!("--message {wanted}: nothing happens here that is told; open a scene with `[[events]]`"));
     };
-    let names: Vec<&str> = minds.events().iter().map(String::as_str).collect();
+    let names: Vec<&str> = minds.event_names().iter().map(String::as_str).collect();
     let found = names.iter().position(|n| *n == wanted);
     found.ok_or_else(|| format!("--message {wanted}: no event has that name; there are {}", some_of(&names)))
 }
@@ -214,14 +214,14 @@ fn some_of(names: &[&str]) -> String {
 
 fn show_frame(ctx: &egui::Context, model: &mut Model, frame: u32) -> Result<(), String> {
     if !model.shows_clip() {
-        model.apply(ctx, Command::Stage(Stage::Clip));
+        model.apply(ctx, ViewerCommand::Stage(ViewStage::Clip));
     }
     let num_frames = model.shown_clip().map_or(0, |c| c.0);
     if frame >= num_frames {
         return Err(format!("--frame {frame}: the clip has {num_frames} frames, counted from 0"));
     }
-    model.apply(ctx, Command::Play(false));
-    model.apply(ctx, Command::Seek(frame));
+    model.apply(ctx, ViewerCommand::Play(false));
+    model.apply(ctx, ViewerCommand::Seek(frame));
     Ok(())
 }
 
@@ -239,23 +239,23 @@ fn check_character(model: &Model, wanted: usize) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::args::{Character, StageName};
+    use crate::args::{CharacterArg, StageName};
     use crate::fixtures::golden_path as golden;
     use crate::settings::PanelKind;
     use throng_precompute::synth::{SynthConfig, SynthSet};
     use throng_runtime::crowd::Scheme;
 
     fn opened(args: &Args) -> Result<Model, String> {
-        let mut model = Model::new(args.settings(Settings::default()));
+        let mut model = Model::new(args.settings(ViewerSettings::default()));
         args.open(&egui::Context::default(), &mut model).map(|()| model)
     }
 
     #[test]
     fn arguments_go_over_settings() {
         let args = Args { seed: Some(5), panel: vec![PanelChoice::Open(PanelKind::Statistics)], ..Args::default() };
-        let s = args.settings(Settings::default());
+        let s = args.settings(ViewerSettings::default());
         assert_eq!((s.run.seed, s.side_panel), (5, Some(PanelKind::Statistics)));
-        assert_eq!(s.theme, Settings::default().theme);
+        assert_eq!(s.theme, ViewerSettings::default().theme);
         let alone = Args { panel: vec![PanelChoice::None], ..Args::default() }.settings(s);
         assert_eq!((alone.side_panel, alone.bottom_panel, alone.run.seed), (None, None, 5));
     }
@@ -268,7 +268,7 @@ mod tests {
         let model = opened(&args).expect("a clip of it");
         assert!(model.shows_clip() && !model.player.playing);
         assert_eq!((model.selection.clip, model.player.frame), (0, 7.0));
-        let args = Args { file: Some(golden()), character: Some(Character(Some(3))), ..Args::default() };
+        let args = Args { file: Some(golden()), character: Some(CharacterArg(Some(3))), ..Args::default() };
         assert_eq!(opened(&args).expect("a crowd").selection.character, Some(3));
     }
 
@@ -281,7 +281,7 @@ mod tests {
             (Args { file: file.clone(), frame: Some(1_000_000), ..Args::default() }, "frames, counted from 0"),
             (Args { file: file.clone(), engine: Some(Scheme::Fixed), ..Args::default() }, "scenes with agents"),
             (Args { file: file.clone(), message: Some("sale".into()), ..Args::default() }, "[[events]]"),
-            (Args { file, character: Some(Character(Some(100))), ..Args::default() }, "has 100 characters"),
+            (Args { file, character: Some(CharacterArg(Some(100))), ..Args::default() }, "has 100 characters"),
         ] {
             let e = opened(&args).expect_err(say);
             assert!(e.contains(say), "{e}");
@@ -292,13 +292,13 @@ mod tests {
     fn a_motion_file_has_no_crowd_and_no_clips_to_choose_from() {
         let folder = tempfile::tempdir().expect("a folder");
         let short = SynthConfig { minutes: 0.1, clip_seconds: 10.0, ..SynthConfig::default() };
-        let made = throng_precompute::synth::make(SynthSet::Walk, &short).expect("a walk");
+        let made = throng_precompute::synth::make_set(SynthSet::Walk, &short).expect("a walk");
         let files = throng_precompute::synth::save(&made, folder.path()).expect("files");
         let file = files[0].clone();
         for (args, say) in [
             (Args { file: Some(file.clone()), stage: Some(StageName::Crowd), ..Args::default() }, "no crowd"),
             (Args { file: Some(file.clone()), clip: Some("a".into()), ..Args::default() }, "one clip"),
-            (Args { file: Some(file.clone()), character: Some(Character(Some(0))), ..Args::default() }, "no crowd"),
+            (Args { file: Some(file.clone()), character: Some(CharacterArg(Some(0))), ..Args::default() }, "no crowd"),
         ] {
             let e = opened(&args).expect_err(say);
             assert!(e.contains(say), "{e}");

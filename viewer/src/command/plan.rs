@@ -6,7 +6,7 @@ use throng_planner::task::Handle;
 
 /// View options of a task, and how it is planned.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlanLook {
+pub struct PlanViewOptions {
     /// Selected thing or place, which can be moved.
     pub handle: Option<Handle>,
     /// Inspected step of the task; none inspects all steps.
@@ -18,14 +18,14 @@ pub struct PlanLook {
     /// Plans again as soon as something was dragged.
     pub replans: bool,
     /// Number of motions that are planned.
-    pub number: u64,
+    pub num_motions: u64,
     /// Seed in place of the task's.
     pub seed: Option<u64>,
 }
 
-impl Default for PlanLook {
+impl Default for PlanViewOptions {
     fn default() -> Self {
-        Self { handle: None, step: None, trees: true, ghosts: true, replans: true, number: 1, seed: None }
+        Self { handle: None, step: None, trees: true, ghosts: true, replans: true, num_motions: 1, seed: None }
     }
 }
 
@@ -33,7 +33,7 @@ impl Default for PlanLook {
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlanCommand {
     /// Change view options, or how motions are planned.
-    Look(PlanLook),
+    SetOptions(PlanViewOptions),
     /// Plan motions.
     Plan,
     /// Stop planning; the motions stay unchanged.
@@ -43,7 +43,7 @@ pub enum PlanCommand {
     /// Move a thing or place by an offset (m).
     Move(Handle, Vec3),
     /// End of a move: the thing or place was released.
-    Settle,
+    EndMove,
     /// Write the motion that is shown.
     Save(PathBuf),
     /// Write the task with things and places where they are.

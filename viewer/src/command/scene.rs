@@ -1,15 +1,15 @@
 //! View options of a scene, and the commands that panels may give about it.
 
 use crate::document::SceneChoice;
-use crate::run::agents::What;
+use crate::run::agents::AgentEventKind;
 use std::path::PathBuf;
-use throng_runtime::simulation::scenario::Cell;
+use throng_runtime::simulation::scenario::BlackboardArea;
 
 /// For which agents something is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Whose {
+pub enum OverlayScope {
     /// For none.
-    Nobody,
+    None,
     /// For the selected agent.
     #[default]
     Selected,
@@ -17,15 +17,14 @@ pub enum Whose {
     All,
 }
 
-impl Whose {
+impl OverlayScope {
     /// All scopes with their names.
-    pub const ALL: [(Self, &'static str); 3] =
-        [(Self::Nobody, "none"), (Self::Selected, "selected"), (Self::All, "all")];
+    pub const ALL: [(Self, &'static str); 3] = [(Self::None, "none"), (Self::Selected, "selected"), (Self::All, "all")];
 }
 
 /// Which billboards of cells are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Boards {
+pub enum BlackboardFilter {
     /// None.
     Nothing,
     /// Cells of all levels.
@@ -37,27 +36,27 @@ pub enum Boards {
 
 /// A cell with a billboard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BoardCell {
+pub struct BlackboardCell {
     /// Level, 0 for the smallest cells.
     pub level: u32,
     /// Number along x and z.
     pub at: [i32; 2],
 }
 
-impl BoardCell {
+impl BlackboardCell {
     /// The key of a cell.
-    pub fn of(cell: &Cell) -> Self {
+    pub fn from_cell(cell: &BlackboardArea) -> Self {
         Self { level: cell.level, at: cell.middle.map(|m| (m / cell.side_m).floor() as i32) }
     }
 }
 
 /// View options for the agents of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SceneLook {
+pub struct SceneViewOptions {
     /// Time-varying bounds.
-    pub bounds: Whose,
+    pub bounds: OverlayScope,
     /// Routes to goals.
-    pub paths: Whose,
+    pub paths: OverlayScope,
     /// Cell, region and neighbour cells of the selected agent.
     pub cells: bool,
     /// Forces of the selected agent.
@@ -67,27 +66,27 @@ pub struct SceneLook {
     /// Bodies, where the scene has some.
     pub bodies: bool,
     /// Kinds of events that are listed and marked.
-    pub kinds: [bool; What::COUNT],
+    pub kinds: [bool; AgentEventKind::COUNT],
     /// Number of the message that is shown spreading.
     pub message: Option<usize>,
     /// Billboards of cells.
-    pub boards: Boards,
+    pub blackboards: BlackboardFilter,
     /// Cell with the blackboard that is read.
-    pub cell: Option<BoardCell>,
+    pub cell: Option<BlackboardCell>,
 }
 
-impl Default for SceneLook {
+impl Default for SceneViewOptions {
     fn default() -> Self {
         Self {
-            bounds: Whose::default(),
-            paths: Whose::default(),
+            bounds: OverlayScope::default(),
+            paths: OverlayScope::default(),
             cells: true,
             forces: true,
             marks: true,
             bodies: true,
-            kinds: [true; What::COUNT],
+            kinds: [true; AgentEventKind::COUNT],
             message: None,
-            boards: Boards::All,
+            blackboards: BlackboardFilter::All,
             cell: None,
         }
     }
@@ -97,7 +96,7 @@ impl Default for SceneLook {
 #[derive(Clone, Debug, PartialEq)]
 pub enum SceneCommand {
     /// Draw more or less.
-    Look(SceneLook),
+    SetOptions(SceneViewOptions),
     /// Restart, with other numbers if they differ.
     Restart(SceneChoice),
     /// Write the state.

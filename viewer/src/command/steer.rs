@@ -2,7 +2,7 @@
 
 /// Steering input held down: each axis from -1 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Held {
+pub struct SteerInput {
     /// Away from the camera.
     pub ahead: f32,
     /// To the right of the picture.
@@ -11,7 +11,7 @@ pub struct Held {
     pub runs: bool,
 }
 
-impl Held {
+impl SteerInput {
     /// True if a direction is held down.
     pub fn moves(&self) -> bool {
         self.ahead != 0.0 || self.aside != 0.0
@@ -24,7 +24,7 @@ pub enum SteerCommand {
     /// Take over the selected character, or release it.
     Toggle,
     /// Change the input that is held down.
-    Hold(Held),
+    Hold(SteerInput),
     /// Strike.
     Strike,
 }

@@ -1,16 +1,16 @@
 //! Selection in a world, tools of the mouse, and the commands that panels may give about a world.
 
-use crate::document::world::Change;
+use crate::document::world::UnitChange;
 use std::path::PathBuf;
 use throng_runtime::patch::Placement;
-use throng_runtime::world::inhabitants::Wish;
+use throng_runtime::world::inhabitants::InhabitantGoal;
 
 /// Tool: the effect of a click in a world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tool {
     /// Selects a character or a unit.
     #[default]
-    Look,
+    Select,
     /// Sends the selected character to the place that was clicked.
     Send,
     /// Units are dragged over the ground.
@@ -21,7 +21,7 @@ pub enum Tool {
 
 /// A unit that is about to be placed or moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Draft {
+pub struct UnitDraft {
     /// Number of the unit in the bundle's set.
     pub unit: usize,
     /// Placement that the unit would have.
@@ -30,7 +30,7 @@ pub struct Draft {
 
 /// Selection and tool in a world.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct WorldLook {
+pub struct WorldSelection {
     /// Effect of a click.
     pub tool: Tool,
     /// Placed unit that is selected.
@@ -40,7 +40,7 @@ pub struct WorldLook {
     /// Link of the instance that is selected.
     pub link: Option<u32>,
     /// A unit that is about to be placed or moved.
-    pub draft: Option<Draft>,
+    pub draft: Option<UnitDraft>,
     /// Links of the instance are not drawn.
     pub hides_links: bool,
 }
@@ -59,9 +59,9 @@ pub enum WorldCommand {
     /// Draw the links of the instance, or hide them.
     ShowLinks(bool),
     /// Show a unit where it would stand.
-    Draft(Option<Draft>),
+    Draft(Option<UnitDraft>),
     /// Add, remove or move a unit.
-    Edit(Change),
+    Edit(UnitChange),
     /// Undo the last change.
     Undo,
     /// Redo the last undone change.
@@ -69,11 +69,11 @@ pub enum WorldCommand {
     /// Forget that an edit was refused.
     ForgetRefused,
     /// Give a character an order; none lets it decide for itself.
-    Tell {
+    Order {
         /// Which character.
         character: usize,
         /// Goal of the order.
-        wish: Option<Wish>,
+        goal: Option<InhabitantGoal>,
     },
     /// Restart with this number of characters, as far as there is room.
     Populate {

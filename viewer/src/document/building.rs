@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use throng_precompute::cache::Cache;
-use throng_precompute::progress::{Progress, Status};
-use throng_precompute::run::{Cached, News};
+use throng_precompute::progress::{BuildStatus, Progress};
+use throng_precompute::run::{BuildContext, News};
 use throng_precompute::verdict::Verdict;
 
 /// Log of a build.
 #[derive(Clone, Debug, Default)]
-pub struct Told {
+pub struct BuildLog {
     /// Present stage and progress; the last ones after the end.
-    pub status: Status,
+    pub status: BuildStatus,
     /// Reports: what was built, what could not be, and warnings.
     pub news: Vec<News>,
     /// Trial of the built bundle by some characters; none if no behaviour has a target.
@@ -21,7 +21,7 @@ pub struct Told {
 
 /// End of a build.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum BuildEnd {
     /// The requested document is open.
     Done,
     /// The user stopped the build: a message that says what is kept, and how to continue.
@@ -32,43 +32,43 @@ pub enum End {
 
 /// A build that has ended.
 #[derive(Clone, Debug)]
-pub struct Built {
+pub struct FinishedBuild {
     /// Files that were requested.
     pub paths: Vec<PathBuf>,
     /// Log of the build.
-    pub told: Told,
+    pub log: BuildLog,
     /// End of the build.
-    pub end: End,
+    pub end: BuildEnd,
 }
 
 /// A build that is shown.
 #[derive(Clone, Debug)]
-pub enum Build {
+pub enum ShownBuild {
     /// The build is under way; there may be nothing to build at all.
     UnderWay {
         /// Files that were requested.
         paths: Vec<PathBuf>,
         /// The build with its log.
-        building: Building,
+        building: OngoingBuild,
     },
     /// The build has ended.
-    Ended(Box<Built>),
+    Ended(Box<FinishedBuild>),
 }
 
 /// A build under way. Clones share one state.
 #[derive(Clone, Debug, Default)]
-pub struct Building(Arc<Shared>);
+pub struct OngoingBuild(Arc<BuildShared>);
 
 #[derive(Debug, Default)]
-struct Shared {
-    told: Mutex<Told>,
+struct BuildShared {
+    log: Mutex<BuildLog>,
     is_stopped: AtomicBool,
 }
 
-impl Building {
+impl OngoingBuild {
     /// Log so far.
-    pub fn told(&self) -> MutexGuard<'_, Told> {
-        self.0.told.lock().unwrap_or_else(PoisonError::into_inner)
+    pub fn log(&self) -> MutexGuard<'_, BuildLog> {
+        self.0.log.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Lets the build end before its next piece of work.
@@ -78,54 +78,54 @@ impl Building {
 
     /// True where something is made; false where files are only read.
     pub fn has_begun(&self) -> bool {
-        let told = self.told();
+        let told = self.log();
         !told.status.stage().is_empty() || !told.news.is_empty()
     }
 
     /// Runs work with the cache in the current folder, and reports to this build.
-    pub fn with<T>(&self, work: impl FnOnce(&Cached<'_>) -> T) -> T {
+    pub fn run_with_cache<T>(&self, work: impl FnOnce(&BuildContext<'_>) -> T) -> T {
         let cache = Cache::in_folder(Cache::FOLDER);
-        work(&Cached { cache: &cache, progress: self, tell: &|news| self.told().news.push(news) })
+        work(&BuildContext { cache: &cache, progress: self, report_news: &|news| self.log().news.push(news) })
     }
 
     /// The record of a build that has ended; none where nothing had to be made.
     ///
     /// - `fault`: why it could not be made.
-    pub fn ended(&self, paths: &[PathBuf], fault: Option<&str>) -> Option<Built> {
+    pub fn finished(&self, paths: &[PathBuf], fault: Option<&str>) -> Option<FinishedBuild> {
         if !self.has_begun() {
             return None;
         }
-        let told = self.told().clone();
+        let told = self.log().clone();
         let end = match fault {
-            None => End::Done,
+            None => BuildEnd::Done,
             Some(_) if self.is_stopped() => {
-                End::Stopped(told.status.farewell(Some(Path::new(Cache::FOLDER)), "opening it again"))
+                BuildEnd::Stopped(told.status.interruption_text(Some(Path::new(Cache::FOLDER)), "opening it again"))
             }
-            Some(why) => End::Failed(why.to_owned()),
+            Some(why) => BuildEnd::Failed(why.to_owned()),
         };
-        Some(Built { paths: paths.to_vec(), told, end })
+        Some(FinishedBuild { paths: paths.to_vec(), log: told, end })
     }
 }
 
-impl Progress for Building {
+impl Progress for OngoingBuild {
     fn begin(&self, stage: &'static str, total: u64, unit: &'static str) {
-        self.told().status.begin(stage, total, unit);
+        self.log().status.begin(stage, total, unit);
     }
 
     fn advance(&self, done: u64) {
-        self.told().status.advance(done);
+        self.log().status.advance(done);
     }
 
     fn end(&self) {
-        self.told().status.end();
+        self.log().status.end();
     }
 
-    fn comes_to(&self, stage: &'static str) {
-        self.told().status.comes_to(stage);
+    fn enter_stage(&self, stage: &'static str) {
+        self.log().status.enter_stage(stage);
     }
 
-    fn kept(&self, stage: &'static str) {
-        self.told().status.keep(stage);
+    fn stage_kept(&self, stage: &'static str) {
+        self.log().status.keep(stage);
     }
 
     fn is_stopped(&self) -> bool {
@@ -139,24 +139,24 @@ mod tests {
 
     #[test]
     fn a_build_that_is_stopped_says_what_is_kept_and_one_that_only_read_says_nothing() {
-        let (building, paths) = (Building::default(), [PathBuf::from("clips")]);
-        assert!(building.check().is_ok() && building.ended(&paths, None).is_none());
-        building.with(|with| {
-            with.progress.comes_to("motion");
-            with.progress.kept("motion");
+        let (building, paths) = (OngoingBuild::default(), [PathBuf::from("clips")]);
+        assert!(building.check().is_ok() && building.finished(&paths, None).is_none());
+        building.run_with_cache(|with| {
+            with.progress.enter_stage("motion");
+            with.progress.stage_kept("motion");
             with.progress.begin("graph", 10, "frames");
-            (with.tell)(News::Making("building clips".into()));
+            (with.report_news)(News::Making("building clips".into()));
         });
-        assert_eq!(building.ended(&paths, None).unwrap().end, End::Done);
-        assert_eq!(building.ended(&paths, Some("torn")).unwrap().end, End::Failed("torn".into()));
+        assert_eq!(building.finished(&paths, None).unwrap().end, BuildEnd::Done);
+        assert_eq!(building.finished(&paths, Some("torn")).unwrap().end, BuildEnd::Failed("torn".into()));
         building.clone().stop();
         assert!(building.check().is_err());
-        let built = building.ended(&paths, Some("torn")).unwrap();
-        let End::Stopped(told) = built.end else { panic!("{built:?}") };
+        let built = building.finished(&paths, Some("torn")).unwrap();
+        let BuildEnd::Stopped(told) = built.end else { panic!("{built:?}") };
         assert!(
             told.contains("in stage graph") && told.contains("(motion)") && told.contains("opening it again"),
             "{told}"
         );
-        assert_eq!((built.told.news.len(), built.paths), (1, paths.to_vec()));
+        assert_eq!((built.log.news.len(), built.paths), (1, paths.to_vec()));
     }
 }

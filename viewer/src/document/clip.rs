@@ -4,15 +4,15 @@ use glam::Vec3;
 use std::path::{Path, PathBuf};
 use throng_precompute::ClipSet;
 use throng_precompute::config::BuildConfig;
-use throng_precompute::import::Imported;
-use throng_precompute::inspect::{self, ClipReport, Inspected};
+use throng_precompute::import::ImportedClip;
+use throng_precompute::inspect::{self, ClipReport, InspectedClip};
 
 /// A motion file.
 #[derive(Debug)]
 pub struct RawMotion {
     path: PathBuf,
     /// The source's own joints.
-    pub imported: Imported,
+    pub imported: ImportedClip,
     /// The clip on the database skeleton, as a build would use it.
     pub clips: ClipSet,
     /// Report of the import.
@@ -26,7 +26,7 @@ impl RawMotion {
     /// A message that names the file and line or joint, and the way out.
     pub fn open(path: &Path) -> Result<Self, String> {
         let read = inspect::inspect_clip(path, &BuildConfig::default()).map_err(|e| e.to_string())?;
-        let Inspected { imported, clips, report } = read;
+        let InspectedClip { imported, clips, report } = read;
         Ok(Self { path: path.to_path_buf(), imported, clips, report })
     }
 

@@ -1,12 +1,15 @@
 //! Opens files on another thread, and builds missing bundles first.
 
-use super::{Building, BundleDocument, Document, RawMotion, SceneDocument, Shown, Stamp, TaskDocument, WorldDocument};
+use super::{
+    BundleDocument, FileStamp, OngoingBuild, OpenDocument, RawMotion, SceneDocument, SceneResumePoint, TaskDocument,
+    WorldDocument,
+};
 use crate::bundle::OpenBundle;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use throng_precompute::import;
 use throng_precompute::progress::Progress;
-use throng_precompute::run::{Cached, News, ensure_motion, is_motion};
+use throng_precompute::run::{BuildContext, News, ensure_motion, is_motion};
 use throng_precompute::verdict;
 
 /// Extension of a file, in lower case.
@@ -19,7 +22,7 @@ pub fn may_be_made(path: &Path) -> bool {
     is_motion(path) || extension(path) == "toml"
 }
 
-impl Document {
+impl OpenDocument {
     /// Reads a file: motion by its extension (`.bvh` and others), `.toml` as a scene, a world or a task, anything else
     /// as a bundle. For a folder, an archive or several files of motion, first builds the bundle in the cache, as
     /// `throng build` does.
@@ -28,7 +31,7 @@ impl Document {
     ///
     /// # Errors
     /// A message that names the file, what is wrong with it and the way out.
-    pub fn read(paths: &[PathBuf], with: &Cached<'_>) -> Result<Self, String> {
+    pub fn read(paths: &[PathBuf], with: &BuildContext<'_>) -> Result<Self, String> {
         let path = match paths {
             [path] if !is_motion(path) => path,
             several if several.iter().any(|p| ["toml", "throng"].contains(&&*extension(p))) => {
@@ -39,44 +42,44 @@ impl Document {
             }
             motion => {
                 let bundle = ensure_motion(motion, Path::new("motion.throng"), with).map_err(|e| e.to_string())?;
-                return Ok(Self::Bundle(Box::new(BundleDocument::at_rest(OpenBundle::open(&bundle)?))));
+                return Ok(Self::Bundle(Box::new(BundleDocument::without_run(OpenBundle::open(&bundle)?))));
             }
         };
         Ok(match &*extension(path) {
             _ if import::is_motion(path) => Self::Clip(Box::new(RawMotion::open(path)?)),
-            "toml" if WorldDocument::is_one(path) => Self::World(Box::new(WorldDocument::open(path, with)?)),
-            "toml" if TaskDocument::is_one(path) => Self::Task(Box::new(TaskDocument::open(path, with)?)),
+            "toml" if WorldDocument::is_world_file(path) => Self::World(Box::new(WorldDocument::open(path, with)?)),
+            "toml" if TaskDocument::is_task_file(path) => Self::Task(Box::new(TaskDocument::open(path, with)?)),
             "toml" => Self::Scene(Box::new(SceneDocument::open(path, with)?)),
-            _ => Self::Bundle(Box::new(BundleDocument::at_rest(OpenBundle::open(path)?))),
+            _ => Self::Bundle(Box::new(BundleDocument::without_run(OpenBundle::open(path)?))),
         })
     }
 }
 
 /// Result of reading: a document, or why it could not be read.
 #[derive(Debug)]
-pub struct Loaded {
+pub struct LoadedDocument {
     /// Files that were requested.
     pub paths: Vec<PathBuf>,
     /// The version that was read.
-    pub stamp: Option<Stamp>,
+    pub stamp: Option<FileStamp>,
     /// The document, or a message.
-    pub result: Result<Document, String>,
+    pub result: Result<OpenDocument, String>,
     /// The build of missing bundles.
-    pub building: Building,
+    pub building: OngoingBuild,
 }
 
 /// Reading under way.
 #[derive(Debug)]
-struct Running {
+struct RunningLoad {
     paths: Vec<PathBuf>,
-    loaded: Receiver<Loaded>,
-    building: Building,
+    loaded: Receiver<LoadedDocument>,
+    building: OngoingBuild,
 }
 
 /// Reads requested files on its own thread; a new request stops and replaces the old one.
 #[derive(Debug, Default)]
 pub struct Loader {
-    running: Option<Running>,
+    running: Option<RunningLoad>,
 }
 
 impl Loader {
@@ -84,18 +87,23 @@ impl Loader {
     ///
     /// - `from`: state of the scene to resume, if the same scene is read again.
     /// - returns the build, with its log.
-    pub fn start(&mut self, paths: &[PathBuf], from: Option<Shown>, wake: impl FnOnce() + Send + 'static) -> Building {
+    pub fn start(
+        &mut self,
+        paths: &[PathBuf],
+        from: Option<SceneResumePoint>,
+        wake: impl FnOnce() + Send + 'static,
+    ) -> OngoingBuild {
         self.stop();
         let (send, loaded) = channel();
-        let building = Building::default();
+        let building = OngoingBuild::default();
         let told = building.clone();
-        self.running = Some(Running { paths: paths.to_vec(), loaded, building: building.clone() });
+        self.running = Some(RunningLoad { paths: paths.to_vec(), loaded, building: building.clone() });
         let paths = paths.to_vec();
         std::thread::spawn(move || {
-            let before = if let [path] = &*paths { Stamp::of(path) } else { None };
-            let mut result = building.with(|with| Document::read(&paths, with));
-            if let (Ok(Document::Scene(scene)), Some(from)) = (&mut result, from)
-                && let Err(why) = scene.go_on(&from, || building.is_stopped())
+            let before = if let [path] = &*paths { FileStamp::read(path) } else { None };
+            let mut result = building.run_with_cache(|with| OpenDocument::read(&paths, with));
+            if let (Ok(OpenDocument::Scene(scene)), Some(from)) = (&mut result, from)
+                && let Err(why) = scene.resume(&from, || building.is_stopped())
             {
                 result = Err(why);
             }
@@ -107,11 +115,11 @@ impl Loader {
             let stamp = result.as_ref().ok().and_then(|opened| {
                 // A bundle built from motion is newer than its sources: its stamp is read now.
                 let path = opened.path()?;
-                let own = if paths[..] == [path] { before } else { Stamp::of(path) };
-                Stamp::with(own, &opened.more_files())
+                let own = if paths[..] == [path] { before } else { FileStamp::read(path) };
+                FileStamp::combined(own, &opened.more_files())
             });
             // The receiver is gone if another file was asked for meanwhile.
-            if send.send(Loaded { paths, stamp, result, building }).is_ok() {
+            if send.send(LoadedDocument { paths, stamp, result, building }).is_ok() {
                 wake();
             }
         });
@@ -129,7 +137,7 @@ impl Loader {
     }
 
     /// Document read since the last call.
-    pub fn poll(&mut self) -> Option<Loaded> {
+    pub fn poll(&mut self) -> Option<LoadedDocument> {
         let running = self.running.as_ref()?;
         let loaded = match running.loaded.try_recv() {
             Ok(loaded) => loaded,
@@ -138,7 +146,7 @@ impl Loader {
                 let (paths, building) = (running.paths.clone(), running.building.clone());
                 let all: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
                 let result = Err(format!("{}: reading failed unexpectedly", all.join(", ")));
-                Loaded { paths, stamp: None, result, building }
+                LoadedDocument { paths, stamp: None, result, building }
             }
         };
         self.running = None;
@@ -147,12 +155,12 @@ impl Loader {
 }
 
 /// Tries the built bundle with some characters, as `throng build` does.
-fn judge(opened: &Document, building: &Building) {
+fn judge(opened: &OpenDocument, building: &OngoingBuild) {
     let Some(bundle) = opened.bundle() else { return };
-    building.comes_to("trial");
+    building.enter_stage("trial");
     let tried = verdict::try_out(bundle.tables(), &[]);
     building.end();
-    let mut told = building.told();
+    let mut told = building.log();
     match tried {
         Ok(tried) => told.verdict = tried.map(|(_, verdict)| verdict),
         Err(e) => told.news.push(News::Warning(e.to_string())),

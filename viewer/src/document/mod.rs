@@ -10,22 +10,24 @@ mod task;
 mod watch;
 pub mod world;
 
-pub use building::{Build, Building, Built, End, Told};
+pub use building::{BuildEnd, BuildLog, FinishedBuild, OngoingBuild, ShownBuild};
 pub use clip::RawMotion;
 pub use load::{Loader, may_be_made};
-pub use outfit::{Dressing, Outfit};
-pub use scene::{MAX_SCENE_CHARACTERS, SceneChoice, SceneDocument, Shown, Standing, StandingDoor, StandingUnit};
+pub use outfit::{OutfitLoader, UserOutfit};
+pub use scene::{
+    MAX_SCENE_CHARACTERS, SceneChoice, SceneDocument, SceneDoor, SceneResumePoint, SceneSurroundings, SceneUnit,
+};
 pub use task::{PlannedMotion, Planning, TaskDocument};
-pub use watch::{Stamp, Watch};
+pub use watch::{FileStamp, FileWatch};
 pub use world::WorldDocument;
 
 use crate::bundle::OpenBundle;
-use crate::run::{BlendRun, Chooser, Head, Run};
+use crate::run::{BlendRun, CrowdRun, PlayHead, PolicyChooser};
 use std::path::{Path, PathBuf};
 
 /// The open document.
 #[derive(Debug, Default)]
-pub enum Document {
+pub enum OpenDocument {
     /// Nothing yet.
     #[default]
     Nothing,
@@ -47,19 +49,19 @@ pub struct BundleDocument {
     /// The tables.
     pub bundle: OpenBundle,
     /// The recorded run; none if the bundle has no behaviour, with the reason.
-    pub run: Result<Run, String>,
+    pub run: Result<CrowdRun, String>,
     /// A character walking in one of its blend spaces; none if it has no such space.
     pub blend: Option<BlendRun>,
 }
 
 impl BundleDocument {
     /// A document without a run: no character moves yet.
-    pub fn at_rest(bundle: OpenBundle) -> Self {
+    pub fn without_run(bundle: OpenBundle) -> Self {
         Self { bundle, run: Err(String::new()), blend: None }
     }
 }
 
-impl Document {
+impl OpenDocument {
     /// The file, where one is open.
     pub fn path(&self) -> Option<&Path> {
         match self {
@@ -73,7 +75,7 @@ impl Document {
     }
 
     /// Play head of the run, if there is one; that of a blend belongs to [`BlendRun`].
-    pub fn head(&self) -> Option<&Head> {
+    pub fn head(&self) -> Option<&PlayHead> {
         match self {
             Self::Nothing | Self::Clip(_) | Self::Task(_) => None,
             Self::Bundle(b) => Some(&b.run.as_ref().ok()?.head),
@@ -83,7 +85,7 @@ impl Document {
     }
 
     /// Play head of the run, mutable.
-    pub fn head_mut(&mut self) -> Option<&mut Head> {
+    pub fn head_mut(&mut self) -> Option<&mut PlayHead> {
         match self {
             Self::Nothing | Self::Clip(_) | Self::Task(_) => None,
             Self::Bundle(b) => Some(&mut b.run.as_mut().ok()?.head),
@@ -113,7 +115,7 @@ impl Document {
     }
 
     /// The bundle and its run, if there is one.
-    pub fn crowd(&self) -> Option<(&OpenBundle, &Run)> {
+    pub fn crowd(&self) -> Option<(&OpenBundle, &CrowdRun)> {
         match self {
             Self::Bundle(b) => Some((&b.bundle, b.run.as_ref().ok()?)),
             _ => None,
@@ -121,7 +123,7 @@ impl Document {
     }
 
     /// The bundle and its run, mutable.
-    pub fn crowd_mut(&mut self) -> Option<(&OpenBundle, &mut Run)> {
+    pub fn crowd_mut(&mut self) -> Option<(&OpenBundle, &mut CrowdRun)> {
         match self {
             Self::Bundle(b) => Some((&b.bundle, b.run.as_mut().ok()?)),
             _ => None,
@@ -129,7 +131,7 @@ impl Document {
     }
 
     /// A character of a crowd or a scene that chooses by policies, and all that bears on its choices.
-    pub fn chooser(&self, character: usize) -> Option<Chooser<'_>> {
+    pub fn chooser(&self, character: usize) -> Option<PolicyChooser<'_>> {
         match self {
             Self::Bundle(b) => b.run.as_ref().ok()?.chooser(&b.bundle, character),
             Self::Scene(s) => s.chooser(character),

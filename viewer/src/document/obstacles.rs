@@ -61,13 +61,13 @@ fn prism(mesh: &mut SolidMesh, corners: &[Vec3], height: f32) {
         mesh.add_triangle([a, b + up, a + up]);
     }
     let flat: Vec<Vec2> = corners.iter().map(|c| Vec2::new(c.x, c.z)).collect();
-    for [a, b, c] in ears(&flat) {
+    for [a, b, c] in triangulate(&flat) {
         mesh.add_triangle([a, b, c].map(|i| corners[i] + up));
     }
 }
 
 /// Triangles of a simple polygon, ear by ear.
-fn ears(corners: &[Vec2]) -> Vec<[usize; 3]> {
+fn triangulate(corners: &[Vec2]) -> Vec<[usize; 3]> {
     let area: f32 = (0..corners.len()).map(|i| corners[i].perp_dot(corners[(i + 1) % corners.len()])).sum();
     let mut left: Vec<usize> = (0..corners.len()).collect();
     if area < 0.0 {
@@ -101,7 +101,7 @@ mod tests {
     fn ears_fill_a_polygon_with_a_notch_whichever_way_it_turns() {
         let mut corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 1.0], [0.0, 4.0]].map(Vec2::from_array);
         for _ in 0..2 {
-            let all = ears(&corners);
+            let all = triangulate(&corners);
             let area = |[a, b, c]: [usize; 3]| 0.5 * (corners[b] - corners[a]).perp_dot(corners[c] - corners[a]);
             assert_eq!(all.len(), 3);
             assert!(all.iter().all(|&t| area(t) > 0.0), "{all:?}");

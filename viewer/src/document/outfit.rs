@@ -5,31 +5,31 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use throng_precompute::import::ImportConfig;
-use throng_precompute::onto::Figure;
+use throng_precompute::wearer::SkinnedFigure;
 
 /// A character of the user's own.
-pub struct Outfit {
+pub struct UserOutfit {
     /// File of the character.
     pub path: PathBuf,
     /// Figure that converts poses to matrices of the mesh.
-    pub figure: Figure,
+    pub figure: SkinnedFigure,
     /// Triangles and textures that are drawn.
     pub mesh: Arc<WornMesh>,
 }
 
-impl std::fmt::Debug for Outfit {
+impl std::fmt::Debug for UserOutfit {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Outfit").field("path", &self.path).field("mesh", &self.mesh).finish_non_exhaustive()
     }
 }
 
-impl Outfit {
+impl UserOutfit {
     /// Reads a character with a skin: a `.glb` file, or a `.gltf` file with one buffer.
     ///
     /// # Errors
     /// A message that names the file, what is wrong with it and the way out.
     pub fn open(path: &Path) -> Result<Self, String> {
-        let figure = Figure::open(path, &ImportConfig::default()).map_err(|e| e.to_string())?;
+        let figure = SkinnedFigure::open(path, &ImportConfig::default()).map_err(|e| e.to_string())?;
         let mesh = WornMesh::new(&figure).map_err(|e| format!("{}: {e}", path.display()))?;
         Ok(Self { path: path.to_path_buf(), figure, mesh: Arc::new(mesh) })
     }
@@ -42,18 +42,18 @@ impl Outfit {
 
 /// Reads a character on its own thread.
 #[derive(Debug)]
-pub struct Dressing {
+pub struct OutfitLoader {
     path: PathBuf,
-    read: Receiver<Result<Outfit, String>>,
+    read: Receiver<Result<UserOutfit, String>>,
 }
 
-impl Dressing {
+impl OutfitLoader {
     /// Starts to read. `wake` is called when it is done.
     pub fn start(path: &Path, wake: impl FnOnce() + Send + 'static) -> Self {
         let (send, read) = channel();
         let own = path.to_path_buf();
         std::thread::spawn(move || {
-            if send.send(Outfit::open(&own)).is_ok() {
+            if send.send(UserOutfit::open(&own)).is_ok() {
                 wake();
             }
         });
@@ -61,7 +61,7 @@ impl Dressing {
     }
 
     /// The character, once it was read.
-    pub fn poll(&self) -> Option<Result<Outfit, String>> {
+    pub fn poll(&self) -> Option<Result<UserOutfit, String>> {
         match self.read.try_recv() {
             Ok(read) => Some(read),
             Err(TryRecvError::Empty) => None,

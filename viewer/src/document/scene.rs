@@ -4,7 +4,7 @@ use super::obstacles::{DOOR_M, mesh_of};
 use super::world::unit_mesh;
 use crate::bundle::OpenBundle;
 use crate::render::{Ray, SolidMesh, upright};
-use crate::run::{Chooser, SceneRun};
+use crate::run::{PolicyChooser, SceneRun};
 use glam::{Quat, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -12,14 +12,14 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::files::write_atomically;
-use throng_precompute::run::{Cached, ensure, seen_obstacle};
-use throng_precompute::stitch::Kit;
+use throng_precompute::run::{BuildContext, ensure_scene, obstacle_in_world};
+use throng_precompute::stitch::StitchKit;
 use throng_runtime::base::file::{MAX_SNAPSHOT_BYTES, read_file};
 use throng_runtime::blend::HeightField;
 use throng_runtime::crowd::{Obstacle, Scheme};
 use throng_runtime::patch::Placement;
 use throng_runtime::simulation::scene::engine;
-use throng_runtime::simulation::{CompiledScene, GroupCast, Motion, Scene};
+use throng_runtime::simulation::{AnyCharacterGroup, CompiledScene, GroupMotion, Scene};
 
 /// Most characters that a scene may be restarted with from the viewer.
 pub const MAX_SCENE_CHARACTERS: usize = 100_000;
@@ -45,7 +45,7 @@ pub struct SceneChoice {
 
 /// Resume point of a scene whose file is read again.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shown {
+pub struct SceneResumePoint {
     /// Settings in the file.
     said: SceneChoice,
     /// Settings of the run.
@@ -54,9 +54,9 @@ pub struct Shown {
     step: u32,
 }
 
-impl Shown {
+impl SceneResumePoint {
     /// Settings for a new version of the file: those chosen in the viewer, unless the file has changed them.
-    fn chosen(&self, says: SceneChoice) -> SceneChoice {
+    fn merge_choice(&self, says: SceneChoice) -> SceneChoice {
         let (said, choice) = (self.said, self.choice);
         SceneChoice {
             characters: if says.characters == said.characters { choice.characters } else { says.characters },
@@ -68,26 +68,26 @@ impl Shown {
 
 /// Surroundings of the characters: obstacles, hills, units, doors and things.
 #[derive(Clone, Debug, Default)]
-pub struct Standing {
+pub struct SceneSurroundings {
     /// A mesh of all obstacles that stand, the light and the dark fields of hills, then every unit of each world.
     pub meshes: Arc<[SolidMesh]>,
     /// The ground is not level.
     pub has_hills: bool,
     /// Units of worlds: number of the mesh, and the unit.
-    pub units: Vec<StandingUnit>,
+    pub units: Vec<SceneUnit>,
     /// Obstacles, including moving ones.
     pub obstacles: Vec<Obstacle>,
     /// Agents move in the air.
     pub in_the_air: bool,
     /// Doors, in the order of the scene file.
-    pub doors: Vec<StandingDoor>,
+    pub doors: Vec<SceneDoor>,
     /// Numbers of the meshes of things, in the order of the scene file.
     pub things: Vec<u32>,
 }
 
 /// A door, which is an obstacle while closed.
 #[derive(Clone, Debug)]
-pub struct StandingDoor {
+pub struct SceneDoor {
     /// Number of the mesh.
     pub mesh: u32,
     /// Ends of the door (m).
@@ -96,7 +96,7 @@ pub struct StandingDoor {
 
 /// A unit of a world where it stands.
 #[derive(Clone, Debug)]
-pub struct StandingUnit {
+pub struct SceneUnit {
     /// Number of the mesh.
     pub mesh: u32,
     /// Name of the unit.
@@ -109,9 +109,9 @@ pub struct StandingUnit {
 
 /// A new run that is prepared on its own thread.
 #[derive(Debug)]
-struct Restart {
+struct SceneRestart {
     choice: SceneChoice,
-    made: Receiver<Result<(SceneRun, Standing), String>>,
+    made: Receiver<Result<(SceneRun, SceneSurroundings), String>>,
 }
 
 /// A scene of groups that is open.
@@ -121,19 +121,20 @@ pub struct SceneDocument {
     scene: Scene,
     choice: SceneChoice,
     run: SceneRun,
-    standing: Standing,
+    surroundings: SceneSurroundings,
     /// Bundle of the first group that has one.
     bundle: Option<OpenBundle>,
-    restart: Option<Restart>,
+    restart: Option<SceneRestart>,
     /// Number of restarts.
     num_runs: u32,
 }
 
-impl Standing {
+impl SceneSurroundings {
     /// Nearest point at which a ray hits a unit of a world (m).
-    pub fn meets(&self, ray: &Ray) -> Option<Vec3> {
-        let met = self.units.iter().filter_map(|u| self.meshes.get(u.mesh as usize)?.meets(ray, upright(u.placement)));
-        met.min_by(f32::total_cmp).map(|distance| ray.at(distance))
+    pub fn intersect_units(&self, ray: &Ray) -> Option<Vec3> {
+        let met =
+            self.units.iter().filter_map(|u| self.meshes.get(u.mesh as usize)?.intersect(ray, upright(u.placement)));
+        met.min_by(f32::total_cmp).map(|distance| ray.point_at(distance))
     }
 }
 
@@ -142,7 +143,7 @@ impl SceneDocument {
     ///
     /// # Errors
     /// A message that names the file, the line or key, or what could not be made, and the way out.
-    pub fn open(path: &Path, with: &Cached<'_>) -> Result<Self, String> {
+    pub fn open(path: &Path, with: &BuildContext<'_>) -> Result<Self, String> {
         let scene = Scene::load(path).map_err(|e| match BuildConfig::load(path) {
             Ok(_) => format!(
                 "{}: this is the config of a build, not a scene; open the bundle that `throng build` makes of it",
@@ -151,18 +152,31 @@ impl SceneDocument {
             Err(_) => e.to_string(),
         })?;
         let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
-        ensure(&scene, with).map_err(|e| fail(&e))?;
+        ensure_scene(&scene, with).map_err(|e| fail(&e))?;
         let compiled = scene.open().map_err(|e| e.to_string())?;
-        let (run, standing) = begin(&compiled, None)?;
+        let (run, standing) = start_run(&compiled, None)?;
         let with_bundle = (0..scene.groups.len()).find(|&g| compiled.find_bundle(g).is_some());
         let bundle = with_bundle.and_then(|g| scene.bundle_of(g).0).map(OpenBundle::open).transpose()?;
-        let choice = SceneChoice::of(&scene);
-        Ok(Self { path: path.to_path_buf(), scene, choice, run, standing, bundle, restart: None, num_runs: 0 })
+        let choice = SceneChoice::from_scene(&scene);
+        Ok(Self {
+            path: path.to_path_buf(),
+            scene,
+            choice,
+            run,
+            surroundings: standing,
+            bundle,
+            restart: None,
+            num_runs: 0,
+        })
     }
 
     /// Present point of the run, to resume it with a later version of the file.
-    pub fn shown(&self) -> Shown {
-        Shown { said: SceneChoice::of(&self.scene), choice: self.choice, step: self.run.head.now() }
+    pub fn resume_point(&self) -> SceneResumePoint {
+        SceneResumePoint {
+            said: SceneChoice::from_scene(&self.scene),
+            choice: self.choice,
+            step: self.run.head.shown_step(),
+        }
     }
 
     /// Resumes at the point of an older version of the same file: with its settings, at its time.
@@ -171,14 +185,14 @@ impl SceneDocument {
     ///
     /// # Errors
     /// A message that names the file and why it cannot come so far.
-    pub fn go_on(&mut self, from: &Shown, is_stopped: impl Fn() -> bool) -> Result<(), String> {
-        let choice = from.chosen(self.choice);
+    pub fn resume(&mut self, from: &SceneResumePoint, is_stopped: impl Fn() -> bool) -> Result<(), String> {
+        let choice = from.merge_choice(self.choice);
         if choice != self.choice {
-            let compiled = chosen(&self.scene, choice)?.open().map_err(|e| e.to_string())?;
-            (self.run, self.standing) = begin(&compiled, None)?;
+            let compiled = scene_with_choice(&self.scene, choice)?.open().map_err(|e| e.to_string())?;
+            (self.run, self.surroundings) = start_run(&compiled, None)?;
             self.choice = choice;
         }
-        while self.run.head.now() < from.step {
+        while self.run.head.shown_step() < from.step {
             let at_s = self.run.simulation().time_s();
             if is_stopped() {
                 return Err(format!("{}: reading it again was stopped at {at_s:.1} s", self.path.display()));
@@ -216,9 +230,9 @@ impl SceneDocument {
     /// Bundles, worlds and world files of the scene that exist, each once.
     pub fn more_files(&self) -> Vec<PathBuf> {
         let mut files = Vec::new();
-        for (g, group) in self.scene.groups.iter().enumerate().filter(|(_, g)| g.motion != Motion::None) {
+        for (g, group) in self.scene.groups.iter().enumerate().filter(|(_, g)| g.motion != GroupMotion::None) {
             let (world, source) = self.scene.world_of(g);
-            let of_world = [world, source].into_iter().filter(|_| group.motion == Motion::Patches);
+            let of_world = [world, source].into_iter().filter(|_| group.motion == GroupMotion::Patches);
             files.extend(of_world.chain([self.scene.bundle_of(g).0]).flatten().map(Path::to_path_buf));
         }
         files.retain(|f| f.exists());
@@ -238,8 +252,8 @@ impl SceneDocument {
     }
 
     /// Surroundings of the characters.
-    pub fn standing(&self) -> &Standing {
-        &self.standing
+    pub fn surroundings(&self) -> &SceneSurroundings {
+        &self.surroundings
     }
 
     /// Number of restarts.
@@ -248,20 +262,20 @@ impl SceneDocument {
     }
 
     /// A character that chooses by policies of the bundle, with all data of its choices; none for any other.
-    pub fn chooser(&self, who: usize) -> Option<Chooser<'_>> {
+    pub fn chooser(&self, who: usize) -> Option<PolicyChooser<'_>> {
         let simulation = self.run.simulation();
         let group = simulation.groups().iter().find(|g| g.characters.contains(&who))?;
         let bundle = self.bundle.as_ref()?;
         if simulation.compiled().find_bundle(group.number)?.hash() != bundle.tables().hash() {
             return None;
         }
-        let (goals, _, choice, number) = self.run.choosing(who)?;
+        let (goals, _, choice, number) = self.run.recorded_choice(who)?;
         let (characters, threat) = match simulation.locate(who).0 {
-            GroupCast::Policy(p) => (p.practice().characters(), None),
-            GroupCast::Sparring(s) => (s.sparring().characters(), s.sparring().threats().get(number).copied()),
+            AnyCharacterGroup::Policy(p) => (p.practice().characters(), None),
+            AnyCharacterGroup::Sparring(s) => (s.sparring().characters(), s.sparring().threats().get(number).copied()),
             _ => return None,
         };
-        Some(Chooser {
+        Some(PolicyChooser {
             bundle,
             characters,
             number,
@@ -271,19 +285,19 @@ impl SceneDocument {
             threat,
             single_load: false,
             temperature: simulation.scene().groups[group.number].temperature as f32,
-            now: self.run.head.now(),
+            now: self.run.head.shown_step(),
         })
     }
 
     /// Names and weights of the behaviours of a character's group; none for a character that does not choose.
     pub fn weights(&self, who: usize) -> Option<(Vec<&str>, &[f32])> {
-        let (_, weights, _, _) = self.run.choosing(who)?;
+        let (_, weights, _, _) = self.run.recorded_choice(who)?;
         let group = self.run.simulation().groups().iter().find(|g| g.characters.contains(&who))?;
         let behaviours = &self.scene.groups[group.number].behaviours;
         Some((behaviours.iter().map(|b| b.name.as_str()).collect(), weights))
     }
 
-    /// Restarts on its own thread; [`SceneDocument::take_in`] adopts the finished run. A new request replaces the old
+    /// Restarts on its own thread; [`SceneDocument::adopt_restart`] adopts the finished run. A new request replaces the old
     /// one.
     ///
     /// - `kept`: the state to begin with, which [`SceneRun::snapshot`] gave.
@@ -297,11 +311,12 @@ impl SceneDocument {
         kept: Option<Vec<u8>>,
         wake: impl FnOnce() + Send + 'static,
     ) -> Result<(), String> {
-        let scene = chosen(&self.scene, choice)?;
+        let scene = scene_with_choice(&self.scene, choice)?;
         let (send, made) = channel();
-        self.restart = Some(Restart { choice, made });
+        self.restart = Some(SceneRestart { choice, made });
         std::thread::spawn(move || {
-            let run = scene.open().map_err(|e| e.to_string()).and_then(|compiled| begin(&compiled, kept.as_deref()));
+            let run =
+                scene.open().map_err(|e| e.to_string()).and_then(|compiled| start_run(&compiled, kept.as_deref()));
             // The receiver is gone if another restart was asked for meanwhile.
             if send.send(run).is_ok() {
                 wake();
@@ -316,7 +331,7 @@ impl SceneDocument {
     ///
     /// # Errors
     /// A message where it could not be made; the old one continues.
-    pub fn take_in(&mut self, waits: bool) -> Result<bool, String> {
+    pub fn adopt_restart(&mut self, waits: bool) -> Result<bool, String> {
         let Some(restart) = &self.restart else { return Ok(false) };
         let made = match waits {
             true => restart.made.recv().map_err(|_| TryRecvError::Disconnected),
@@ -332,7 +347,7 @@ impl SceneDocument {
         let (run, standing) = made?;
         let old = std::mem::replace(&mut self.run, run);
         self.run.head.play_like(&old.head);
-        (self.choice, self.standing) = (choice, standing);
+        (self.choice, self.surroundings) = (choice, standing);
         self.num_runs += 1;
         Ok(true)
     }
@@ -371,13 +386,13 @@ impl SceneDocument {
 
 impl SceneChoice {
     /// Settings in the file of a scene.
-    fn of(scene: &Scene) -> Self {
+    fn from_scene(scene: &Scene) -> Self {
         Self { characters: scene.num_characters(), seed: scene.seed, engine: scene.agents.engine }
     }
 }
 
 /// A scene with other settings.
-fn chosen(scene: &Scene, choice: SceneChoice) -> Result<Scene, String> {
+fn scene_with_choice(scene: &Scene, choice: SceneChoice) -> Result<Scene, String> {
     if !(1..=MAX_SCENE_CHARACTERS).contains(&choice.characters) {
         return Err(format!("expected 1 to {MAX_SCENE_CHARACTERS} characters, found {}", choice.characters));
     }
@@ -390,26 +405,26 @@ fn chosen(scene: &Scene, choice: SceneChoice) -> Result<Scene, String> {
     Ok(scene)
 }
 
-fn begin(compiled: &CompiledScene, kept: Option<&[u8]>) -> Result<(SceneRun, Standing), String> {
+fn start_run(compiled: &CompiledScene, kept: Option<&[u8]>) -> Result<(SceneRun, SceneSurroundings), String> {
     let run = SceneRun::new(compiled, kept).map_err(|e| e.to_string())?;
-    let standing = standing(compiled, &run)?;
+    let standing = build_surroundings(compiled, &run)?;
     Ok((run, standing))
 }
 
 /// Obstacles of the agents, and the units of all worlds.
-fn standing(compiled: &CompiledScene, run: &SceneRun) -> Result<Standing, String> {
-    let mut out = Standing::default();
+fn build_surroundings(compiled: &CompiledScene, run: &SceneRun) -> Result<SceneSurroundings, String> {
+    let mut out = SceneSurroundings::default();
     let mut hills: [SolidMesh; 2] = Default::default();
     let mut doors = Vec::new();
-    for cast in run.simulation().casts() {
+    for cast in run.simulation().character_groups() {
         match cast {
-            GroupCast::Ground(agents) => {
+            AnyCharacterGroup::Ground(agents) => {
                 let (walls, all) = agents.layout().walls_and_doors();
-                out.obstacles = walls.iter().map(seen_obstacle).collect();
-                doors = all.iter().map(seen_obstacle).collect();
+                out.obstacles = walls.iter().map(obstacle_in_world).collect();
+                doors = all.iter().map(obstacle_in_world).collect();
             }
-            GroupCast::Air(agents) => {
-                out.obstacles = agents.layout().setup.obstacles.iter().map(seen_obstacle).collect();
+            AnyCharacterGroup::Air(agents) => {
+                out.obstacles = agents.layout().setup.obstacles.iter().map(obstacle_in_world).collect();
                 out.in_the_air = true;
             }
             _ => {}
@@ -417,7 +432,8 @@ fn standing(compiled: &CompiledScene, run: &SceneRun) -> Result<Standing, String
     }
     for group in run.simulation().groups() {
         let paths = compiled.scene().groups[group.number].paths.as_ref();
-        if let (Some(paths), GroupCast::Paths(wanderers)) = (paths, &run.simulation().casts()[group.cast])
+        if let (Some(paths), AnyCharacterGroup::Paths(wanderers)) =
+            (paths, &run.simulation().character_groups()[group.character_group])
             && !wanderers.ground().is_flat()
         {
             out.has_hills = true;
@@ -438,7 +454,7 @@ fn standing(compiled: &CompiledScene, run: &SceneRun) -> Result<Standing, String
         }
         seen.push(&world.path);
         let bundle = compiled.bundle(g).map_err(|e| e.to_string())?;
-        let kit = Kit::new(bundle, bundle_path).map_err(|e| e.to_string())?;
+        let kit = StitchKit::new(bundle, bundle_path).map_err(|e| e.to_string())?;
         let first = meshes.len() as u32;
         meshes.extend(kit.geometries.iter().map(|g| unit_mesh(g)));
         for u in world.world.view().units.iter() {
@@ -450,12 +466,12 @@ fn standing(compiled: &CompiledScene, run: &SceneRun) -> Result<Standing, String
                 ));
             };
             let (mesh, name) = (first + u.unit, unit.name.clone());
-            out.units.push(StandingUnit { mesh, name, is_floor: unit.floor, placement: u.placement });
+            out.units.push(SceneUnit { mesh, name, is_floor: unit.floor, placement: u.placement });
         }
     }
     for door in doors {
         if let Obstacle::Wall { from, to, .. } = door {
-            out.doors.push(StandingDoor { mesh: meshes.len() as u32, ends: [from, to] });
+            out.doors.push(SceneDoor { mesh: meshes.len() as u32, ends: [from, to] });
             meshes.push(mesh_of([(&door, DOOR_M)], false));
         }
     }
@@ -476,7 +492,7 @@ fn add_fields(fields: &mut [SolidMesh; 2], ground: &HeightField, centre: Vec2, h
     let n = (2.0 * half / HILL_STEP_M).ceil() as usize;
     let corner = |i: usize, k: usize| {
         let at = centre + Vec2::new(i as f32, k as f32) * (2.0 * half / n as f32) - half;
-        Vec3::new(at.x, ground.at(at).height, at.y)
+        Vec3::new(at.x, ground.ground_at(at).height, at.y)
     };
     for (i, k) in (0..n).flat_map(|i| (0..n).map(move |k| (i, k))) {
         let [a, b, c, d] = [corner(i, k), corner(i, k + 1), corner(i + 1, k + 1), corner(i + 1, k)];

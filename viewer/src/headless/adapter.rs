@@ -1,14 +1,14 @@
 //! Finds a graphics adapter.
 
 use super::HeadlessError;
-use crate::args::Adapter;
+use crate::args::AdapterChoice;
 use crate::render::device_descriptor;
 use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew, wgpu};
 use std::sync::Arc;
 use wgpu::{Backend, DeviceType};
 
 /// Opens a graphics adapter without a window.
-pub(super) fn open(choice: Adapter) -> Result<RenderState, HeadlessError> {
+pub(super) fn open(choice: AdapterChoice) -> Result<RenderState, HeadlessError> {
     let mut setup = WgpuSetupCreateNew::without_display_handle();
     setup.native_adapter_selector = Some(Arc::new(move |adapters, _| {
         let best = adapters.iter().min_by_key(|a| rank(choice, &a.get_info()));
@@ -23,7 +23,7 @@ pub(super) fn open(choice: Adapter) -> Result<RenderState, HeadlessError> {
 }
 
 /// The lower, the better: first the kind of adapter, then the interface to it.
-fn rank(choice: Adapter, info: &wgpu::AdapterInfo) -> (u8, u8) {
+fn rank(choice: AdapterChoice, info: &wgpu::AdapterInfo) -> (u8, u8) {
     let by_speed = match info.device_type {
         DeviceType::DiscreteGpu => 1,
         DeviceType::IntegratedGpu => 2,
@@ -31,7 +31,7 @@ fn rank(choice: Adapter, info: &wgpu::AdapterInfo) -> (u8, u8) {
         DeviceType::Cpu => 4,
     };
     let kind = match (choice, info.device_type) {
-        (Adapter::Software, DeviceType::Cpu) => 0,
+        (AdapterChoice::Software, DeviceType::Cpu) => 0,
         _ => by_speed,
     };
     let backend = match info.backend {
@@ -63,7 +63,7 @@ mod tests {
             ranks.sort();
             given == ranks
         };
-        assert!(order(Adapter::Software, [&lavapipe, &llvmpipe, &card, &none]));
-        assert!(order(Adapter::Any, [&card, &lavapipe, &llvmpipe, &none]));
+        assert!(order(AdapterChoice::Software, [&lavapipe, &llvmpipe, &card, &none]));
+        assert!(order(AdapterChoice::Any, [&card, &lavapipe, &llvmpipe, &none]));
     }
 }

@@ -1,11 +1,11 @@
 //! Frame times of crowds of several sizes.
 
 use super::{FrameFigures, Headless, HeadlessError};
-use crate::args::{Args, BENCH_FRAMES, Size};
-use crate::command::{Command, SceneCommand, WorldCommand};
+use crate::args::{Args, BENCH_FRAMES, PictureSize};
+use crate::command::{SceneCommand, ViewerCommand, WorldCommand};
 use crate::document::SceneChoice;
 use crate::model::Model;
-use crate::run::RunConfig;
+use crate::run::CrowdRunConfig;
 use serde::Serialize;
 use std::fmt;
 
@@ -55,13 +55,13 @@ impl fmt::Display for BenchReport {
 }
 
 /// Another number of characters, rounded up to pairs if the scene has pairs.
-fn with_characters(model: &Model, characters: usize) -> Command {
+fn with_characters(model: &Model, characters: usize) -> ViewerCommand {
     if let Some(world) = model.document.world() {
-        return Command::World(WorldCommand::Populate { characters, seed: world.roamers().seed });
+        return ViewerCommand::World(WorldCommand::Populate { characters, seed: world.roamers().seed });
     }
     match model.document.scene() {
-        Some(scene) => Command::Scene(SceneCommand::Restart(SceneChoice { characters, ..scene.choice() })),
-        None => Command::Configure(RunConfig { characters, ..model.settings.run }),
+        Some(scene) => ViewerCommand::Scene(SceneCommand::Restart(SceneChoice { characters, ..scene.choice() })),
+        None => ViewerCommand::Configure(CrowdRunConfig { characters, ..model.settings.run }),
     }
 }
 
@@ -78,14 +78,14 @@ pub fn bench(args: &Args) -> Result<BenchReport, HeadlessError> {
     let mut crowds = Vec::new();
     for &characters in &args.bench {
         headless.apply(with_characters(&headless.viewer().model, characters));
-        headless.apply(Command::Play(true));
+        headless.apply(ViewerCommand::Play(true));
         if !args.camera.is_some_and(|view| view.is_placed) {
-            headless.apply(Command::FrameAll);
+            headless.apply(ViewerCommand::FrameAll);
         }
         let frames = args.frames.unwrap_or(BENCH_FRAMES);
         let spans = (0..frames).map(|_| headless.advance(true)).collect::<Result<Vec<_>, _>>()?;
-        crowds.push(FrameFigures::of(super::figures::num_characters(headless.viewer()), &spans));
+        crowds.push(FrameFigures::from_frames(super::figures::num_characters(headless.viewer()), &spans));
     }
-    let Size { width, height } = args.size.unwrap_or_default();
+    let PictureSize { width, height } = args.size.unwrap_or_default();
     Ok(BenchReport { adapter: headless.adapter(), width, height, crowds })
 }

@@ -39,7 +39,7 @@ pub struct FrameFigures {
 
 impl FrameFigures {
     /// Figures of frames; the first ones, up to ten, warm up and do not count.
-    pub fn of(characters: usize, all: &[FrameTimes]) -> Self {
+    pub fn from_frames(characters: usize, all: &[FrameTimes]) -> Self {
         let counted = &all[(all.len() / 4).min(10)..];
         let figures = |part: fn(&FrameTimes) -> f64| {
             let mut ms: Vec<f64> = counted.iter().map(|s| 1000.0 * part(s)).collect();
@@ -92,11 +92,11 @@ mod tests {
         let frame = |ms: f64| FrameTimes { simulation_s: 0.001, frame_s: ms / 1000.0, ..FrameTimes::default() };
         let mut frames = vec![frame(1000.0); 10];
         frames.extend((1..=100).map(|ms| frame(f64::from(ms))));
-        let f = FrameFigures::of(7, &frames);
+        let f = FrameFigures::from_frames(7, &frames);
         assert_eq!((f.characters, f.frames), (7, 100));
         assert!((f.frame_ms - 50.0).abs() < 1e-9 && (f.frame_p95_ms - 95.0).abs() < 1e-9, "{f:?}");
         assert!((f.interface_ms - 49.0).abs() < 1e-9 && f.drawing_ms == 0.0, "{f:?}");
-        assert_eq!(FrameFigures::of(1, &[]), FrameFigures { characters: 1, ..FrameFigures::default() });
-        assert_eq!(FrameFigures::of(1, &frames[..1]).frames, 1);
+        assert_eq!(FrameFigures::from_frames(1, &[]), FrameFigures { characters: 1, ..FrameFigures::default() });
+        assert_eq!(FrameFigures::from_frames(1, &frames[..1]).frames, 1);
     }
 }

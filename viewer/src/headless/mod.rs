@@ -15,7 +15,7 @@ pub use image::Image;
 pub use screen::Screen;
 
 use crate::app::Viewer;
-use crate::args::{Args, PICTURE_FRAMES, PanelChoice, Size};
+use crate::args::{Args, PICTURE_FRAMES, PanelChoice, PictureSize};
 use crate::model::FrameTimes;
 use crate::run::STEP_HZ;
 use eframe::egui;
@@ -43,7 +43,7 @@ pub enum HeadlessError {
     #[error("--size {}x{}: {adapter} draws pictures of at most {limit} pixels a side", size.width, size.height)]
     Size {
         /// Requested size.
-        size: Size,
+        size: PictureSize,
         /// Name of the adapter.
         adapter: String,
         /// Largest side that the adapter can draw (pixels).
@@ -97,7 +97,7 @@ impl Headless {
     pub fn new(args: &Args) -> Result<Self, HeadlessError> {
         let screen = Screen::new(args.adapter, args.size.unwrap_or_default(), args.scale.unwrap_or(1.0))?;
         let ctx = egui::Context::default();
-        let settings = args.settings(crate::settings::Settings::default());
+        let settings = args.settings(crate::settings::ViewerSettings::default());
         let mut viewer = Viewer::new(settings, Some(screen.render_state()));
         viewer.model.is_unhurried = true;
         viewer.states.bare = args.panel.contains(&PanelChoice::None);
@@ -117,7 +117,7 @@ impl Headless {
     }
 
     /// Carries out a command as a panel's would be.
-    pub fn apply(&mut self, command: crate::command::Command) {
+    pub fn apply(&mut self, command: crate::command::ViewerCommand) {
         self.viewer.model.apply(&self.ctx, command);
     }
 
@@ -152,7 +152,7 @@ impl Headless {
             }
             viewer.ui(ui);
         });
-        let drawing_s = self.screen.take(&self.ctx, output, draws)?;
+        let drawing_s = self.screen.draw_output(&self.ctx, output, draws)?;
         Ok(FrameTimes { drawing_s, frame_s: begin.elapsed().as_secs_f64(), ..self.viewer.model.times })
     }
 }
@@ -171,7 +171,7 @@ pub fn draw_picture(args: &Args, out: &Path) -> Result<PictureReport, HeadlessEr
     }
     let image = headless.picture()?;
     image.save_png(out)?;
-    let Size { width, height } = image.size();
-    let figures = FrameFigures::of(figures::num_characters(headless.viewer()), &spans);
+    let PictureSize { width, height } = image.size();
+    let figures = FrameFigures::from_frames(figures::num_characters(headless.viewer()), &spans);
     Ok(PictureReport { file: out.to_path_buf(), adapter: headless.adapter(), width, height, figures })
 }

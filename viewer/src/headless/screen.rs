@@ -1,7 +1,7 @@
 //! The texture that stands for a screen.
 
 use super::{HeadlessError, Image, adapter};
-use crate::args::{Adapter, Size};
+use crate::args::{AdapterChoice, PictureSize};
 use crate::render::{read_back, wait};
 use eframe::egui;
 use eframe::egui_wgpu::{RenderState, ScreenDescriptor, wgpu};
@@ -12,7 +12,7 @@ use std::time::Instant;
 pub struct Screen {
     state: RenderState,
     texture: wgpu::Texture,
-    size: Size,
+    size: PictureSize,
     scale: f32,
     /// The first thing that the graphics library complained about.
     complaint: Arc<Mutex<Option<String>>>,
@@ -23,7 +23,7 @@ impl Screen {
     ///
     /// # Errors
     /// [`HeadlessError`] where there is no adapter or it does not draw so large a picture.
-    pub fn new(choice: Adapter, size: Size, scale: f32) -> Result<Self, HeadlessError> {
+    pub fn new(choice: AdapterChoice, size: PictureSize, scale: f32) -> Result<Self, HeadlessError> {
         let state = adapter::open(choice)?;
         let limit = state.device.limits().max_texture_dimension_2d;
         if size.width.max(size.height) > limit {
@@ -72,7 +72,7 @@ impl Screen {
 
     /// Applies the output of egui, and draws it if `draws` is set; returns the time from encoding until drawing has
     /// ended (s).
-    pub(super) fn take(
+    pub(super) fn draw_output(
         &self,
         ctx: &egui::Context,
         mut output: egui::FullOutput,

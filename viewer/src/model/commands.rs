@@ -1,53 +1,55 @@
 //! Carries out commands.
 
 use super::Model;
-use crate::command::{Command, SceneCommand, Stage, WorldCommand};
-use crate::document::{Document, Dressing, SceneChoice};
-use crate::run::{Blending, Head, Run};
+use crate::command::{SceneCommand, ViewStage, ViewerCommand, WorldCommand};
+use crate::document::{OpenDocument, OutfitLoader, SceneChoice};
+use crate::run::{Blending, CrowdRun, PlayHead};
 use crate::settings::PanelKind;
 use eframe::egui;
 
 impl Model {
     /// Carries out a command.
-    pub fn apply(&mut self, ctx: &egui::Context, command: Command) {
+    pub fn apply(&mut self, ctx: &egui::Context, command: ViewerCommand) {
         match command {
-            Command::Open(paths) => self.start_reading(ctx, &paths),
-            Command::Reload => {
-                if !matches!(self.document, Document::Nothing) {
+            ViewerCommand::Open(paths) => self.start_reading(ctx, &paths),
+            ViewerCommand::Reload => {
+                if !matches!(self.document, OpenDocument::Nothing) {
                     self.start_reading(ctx, &self.asked.clone());
                 }
             }
-            Command::Close => self.close(),
-            Command::Stop => self.loader.stop(),
-            Command::DismissBuild => self.build = None,
-            Command::Forget(paths) => self.settings.forget(&paths),
-            Command::Dismiss(id) => self.messages.retain(|m| m.id != id),
-            Command::Play(_) | Command::Step(_) | Command::Seek(_) | Command::Speed(_) => self.move_time(&command),
-            Command::Restart => self.restart(ctx),
-            Command::Configure(config) => {
+            ViewerCommand::Close => self.close(),
+            ViewerCommand::Stop => self.loader.stop(),
+            ViewerCommand::DismissBuild => self.build = None,
+            ViewerCommand::Forget(paths) => self.settings.forget(&paths),
+            ViewerCommand::Dismiss(id) => self.messages.retain(|m| m.id != id),
+            ViewerCommand::Play(_) | ViewerCommand::Step(_) | ViewerCommand::Seek(_) | ViewerCommand::Speed(_) => {
+                self.move_time(&command)
+            }
+            ViewerCommand::Restart => self.restart(ctx),
+            ViewerCommand::Configure(config) => {
                 self.settings.run = config.limited();
                 self.restart(ctx);
             }
-            Command::Input(input) => {
+            ViewerCommand::Input(input) => {
                 if let Some((_, run)) = self.document.crowd_mut() {
                     run.input(input);
                     self.weights = run.weights().to_vec();
-                } else if let Document::Scene(scene) = &mut self.document
+                } else if let OpenDocument::Scene(scene) = &mut self.document
                     && let Err(why) = scene.run_mut().input(input)
                 {
                     self.complain(why.to_string());
                 }
             }
-            Command::Wear(path) => {
+            ViewerCommand::Wear(path) => {
                 let ctx = ctx.clone();
-                self.dressing = Some(Dressing::start(&path, move || ctx.request_repaint()));
+                self.dressing = Some(OutfitLoader::start(&path, move || ctx.request_repaint()));
             }
-            Command::Blend(wanted) => self.blend(wanted),
-            Command::Steer(command) => self.apply_to_steering(command),
-            Command::World(command) => self.apply_to_world(command),
-            Command::Plan(command) => self.apply_to_task(command),
-            Command::Scene(command) => self.apply_to_scene(ctx, command),
-            Command::SelectCharacter(c) => {
+            ViewerCommand::Blend(wanted) => self.blend(wanted),
+            ViewerCommand::Steer(command) => self.apply_to_steering(command),
+            ViewerCommand::World(command) => self.apply_to_world(command),
+            ViewerCommand::Plan(command) => self.apply_to_task(command),
+            ViewerCommand::Scene(command) => self.apply_to_scene(ctx, command),
+            ViewerCommand::SelectCharacter(c) => {
                 let n = self.num_characters();
                 self.apply_to_world(WorldCommand::ForgetRefused);
                 self.selection.world.place = None;
@@ -56,15 +58,15 @@ impl Model {
                 self.selection.state = None;
                 self.watch_selected();
             }
-            Command::ShowClip { clip, frame } => self.show_clip(clip, frame),
-            Command::SelectState(state) => self.selection.state = state,
-            Command::SelectPolicy(policy) => self.selection.policy = policy,
-            Command::SelectSlice(slice) => self.selection.slice = slice,
-            Command::Stage(stage) => self.set_stage(stage),
-            Command::TogglePanel(kind) => self.toggle_panel(kind),
-            Command::Camera(camera) => self.settings.camera = camera,
-            Command::FrameAll => self.frame_all(),
-            Command::Settings(settings) => self.settings = *settings,
+            ViewerCommand::ShowClip { clip, frame } => self.show_clip(clip, frame),
+            ViewerCommand::SelectState(state) => self.selection.state = state,
+            ViewerCommand::SelectPolicy(policy) => self.selection.policy = policy,
+            ViewerCommand::SelectSlice(slice) => self.selection.slice = slice,
+            ViewerCommand::Stage(stage) => self.set_stage(stage),
+            ViewerCommand::TogglePanel(kind) => self.toggle_panel(kind),
+            ViewerCommand::Camera(camera) => self.settings.camera = camera,
+            ViewerCommand::FrameAll => self.frame_all(),
+            ViewerCommand::Settings(settings) => self.settings = *settings,
         }
     }
 
@@ -85,9 +87,9 @@ impl Model {
             }
             return;
         }
-        let Document::Bundle(b) = &mut self.document else { return };
-        let old = b.run.as_ref().map_or(Head::default(), |r| r.head);
-        b.run = Run::new(&b.bundle, self.settings.run, &self.weights);
+        let OpenDocument::Bundle(b) = &mut self.document else { return };
+        let old = b.run.as_ref().map_or(PlayHead::default(), |r| r.head);
+        b.run = CrowdRun::new(&b.bundle, self.settings.run, &self.weights);
         b.run.iter_mut().for_each(|run| run.head.play_like(&old));
         let n = b.run.as_ref().map_or(0, |r| r.config().characters);
         self.selection.character = self.selection.character.filter(|&c| c < n);
@@ -96,9 +98,9 @@ impl Model {
     fn apply_to_scene(&mut self, ctx: &egui::Context, command: SceneCommand) {
         let (waits, ctx) = (self.is_unhurried, ctx.clone());
         let wake = move || ctx.request_repaint();
-        let Document::Scene(scene) = &mut self.document else { return };
+        let OpenDocument::Scene(scene) = &mut self.document else { return };
         let done = match command {
-            SceneCommand::Look(look) => {
+            SceneCommand::SetOptions(look) => {
                 self.selection.scene = look;
                 return;
             }
@@ -112,7 +114,7 @@ impl Model {
             SceneCommand::Restore(path) => scene.restore(&path, wake),
         };
         match done {
-            Ok(()) => self.take_in_scene(waits),
+            Ok(()) => self.adopt_scene(waits),
             Err(why) => self.complain(format!("The scene is unchanged: {why}")),
         }
     }
@@ -122,9 +124,9 @@ impl Model {
     /// # Errors
     /// A message where that cannot be; the scene is unchanged then.
     pub fn restart_scene_now(&mut self, choice: SceneChoice) -> Result<(), String> {
-        let Document::Scene(scene) = &mut self.document else { return Ok(()) };
+        let OpenDocument::Scene(scene) = &mut self.document else { return Ok(()) };
         scene.restart(choice, None, || {})?;
-        scene.take_in(true)?;
+        scene.adopt_restart(true)?;
         self.limit_selected();
         Ok(())
     }
@@ -139,15 +141,15 @@ impl Model {
     /// Keeps the events of the selected agent.
     pub(super) fn watch_selected(&mut self) {
         let selected = self.selection.character;
-        if let Document::Scene(scene) = &mut self.document {
+        if let OpenDocument::Scene(scene) = &mut self.document {
             scene.run_mut().watch(selected);
         }
     }
 
     /// Takes in a run of a scene that has been made meanwhile.
-    pub(super) fn take_in_scene(&mut self, waits: bool) {
-        let Document::Scene(scene) = &mut self.document else { return };
-        match scene.take_in(waits) {
+    pub(super) fn adopt_scene(&mut self, waits: bool) {
+        let OpenDocument::Scene(scene) = &mut self.document else { return };
+        match scene.adopt_restart(waits) {
             Ok(false) => {}
             Ok(true) => {
                 self.limit_selected();
@@ -162,12 +164,12 @@ impl Model {
         if let Err(e) = run.blend(bundle, wanted) {
             return self.complain(e.to_string());
         }
-        self.set_stage(Stage::Blend);
+        self.set_stage(ViewStage::Blend);
     }
 
     fn show_clip(&mut self, clip: usize, frame: u32) {
         let is_other = self.selection.clip != clip;
-        self.set_stage(Stage::Clip);
+        self.set_stage(ViewStage::Clip);
         self.selection.clip = clip;
         self.player.frame = frame as f32;
         self.advance_clip(0.0);
@@ -177,7 +179,7 @@ impl Model {
     }
 
     /// Every stage keeps its own camera, and the character it followed.
-    pub(super) fn set_stage(&mut self, stage: Stage) {
+    pub(super) fn set_stage(&mut self, stage: ViewStage) {
         let left = self.shown_stage();
         let old = std::mem::replace(&mut self.stage, stage);
         if self.shown_stage() != stage {
@@ -199,7 +201,7 @@ impl Model {
         let open = self.settings.panel_mut(kind.dock());
         *open = if *open == Some(kind) { None } else { Some(kind) };
         if *open == Some(PanelKind::Blend) {
-            self.set_stage(Stage::Blend);
+            self.set_stage(ViewStage::Blend);
         }
     }
 
@@ -208,6 +210,6 @@ impl Model {
         let (low, high) = self.bounds();
         let aspect = if self.aspect > 0.0 { self.aspect } else { 1.5 };
         self.settings.camera.frame_box(low, high, aspect);
-        self.followed = self.place_followed().map(|at| (self.who_is_followed(), at));
+        self.followed = self.place_followed().map(|at| (self.followed_key(), at));
     }
 }

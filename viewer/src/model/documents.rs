@@ -2,14 +2,14 @@
 
 use super::{ClipPlayer, Model, Selection};
 use crate::bundle::OpenBundle;
-use crate::command::{Stage, WorldLook};
-use crate::document::{Build, BundleDocument, Document, SceneDocument, Stamp, Watch};
-use crate::run::{BlendRun, Run};
+use crate::command::{ViewStage, WorldSelection};
+use crate::document::{BundleDocument, FileStamp, FileWatch, OpenDocument, SceneDocument, ShownBuild};
+use crate::run::{BlendRun, CrowdRun};
 use crate::settings::PanelKind;
 use eframe::egui;
 use std::f32::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
-use throng_precompute::run::{Cached, is_motion, motion_name};
+use throng_precompute::run::{BuildContext, is_motion, motion_name};
 
 /// End of a message about a file that could not be read, while the old one stays open.
 const STAYS_OPEN: &str = "The open file stays open.";
@@ -24,15 +24,15 @@ pub fn name_of(paths: &[PathBuf]) -> String {
 
 impl Model {
     /// Shows a file that has been read; one that could not be leaves the old one in place.
-    pub(super) fn take_in(&mut self) {
+    pub(super) fn adopt_loaded(&mut self) {
         let Some(loaded) = self.loader.poll() else { return };
-        let is_reload = !matches!(self.document, Document::Nothing) && self.asked == loaded.paths;
-        let built = loaded.building.ended(&loaded.paths, loaded.result.as_ref().err().map(String::as_str));
+        let is_reload = !matches!(self.document, OpenDocument::Nothing) && self.asked == loaded.paths;
+        let built = loaded.building.finished(&loaded.paths, loaded.result.as_ref().err().map(String::as_str));
         let is_told = built.is_some();
-        self.build = built.map(|b| Build::Ended(Box::new(b)));
+        self.build = built.map(|b| ShownBuild::Ended(Box::new(b)));
         match loaded.result {
             Ok(opened) => {
-                self.watch = Some(Watch::from(loaded.stamp));
+                self.watch = Some(FileWatch::starting_at(loaded.stamp));
                 let name = name_of(&loaded.paths);
                 self.adopt(loaded.paths, opened, is_reload);
                 match (is_reload, is_told) {
@@ -48,13 +48,13 @@ impl Model {
             }
             // The report of the build has the message.
             Err(_) if is_told => {}
-            Err(why) if matches!(self.document, Document::Nothing) => self.complain(why),
+            Err(why) if matches!(self.document, OpenDocument::Nothing) => self.complain(why),
             Err(why) => self.complain(format!("{why}\n{STAYS_OPEN}")),
         }
     }
 
     /// Shows the document that was read for a request.
-    fn adopt(&mut self, paths: Vec<PathBuf>, opened: Document, is_reload: bool) {
+    fn adopt(&mut self, paths: Vec<PathBuf>, opened: OpenDocument, is_reload: bool) {
         self.settings.remember(&paths);
         self.asked = paths;
         self.show(opened, is_reload);
@@ -63,15 +63,15 @@ impl Model {
     /// Closes the open document.
     pub(super) fn close(&mut self) {
         self.generation += 1;
-        (self.document, self.watch, self.selection) = (Document::Nothing, None, Selection::default());
+        (self.document, self.watch, self.selection) = (OpenDocument::Nothing, None, Selection::default());
         self.asked.clear();
     }
 
-    fn show(&mut self, opened: Document, is_reload: bool) {
+    fn show(&mut self, opened: OpenDocument, is_reload: bool) {
         self.generation += 1;
         let old = self.document.head().copied().filter(|_| is_reload);
         self.document = match opened {
-            Document::Bundle(b) => self.with_run(b.bundle, is_reload),
+            OpenDocument::Bundle(b) => self.with_run(b.bundle, is_reload),
             other => other,
         };
         if let Some(head) = self.document.head_mut() {
@@ -83,13 +83,13 @@ impl Model {
         if !is_reload {
             self.selection = Selection::default();
             self.player = ClipPlayer {
-                playing: matches!(self.document, Document::Clip(_) | Document::Task(_)),
+                playing: matches!(self.document, OpenDocument::Clip(_) | OpenDocument::Task(_)),
                 ..ClipPlayer::default()
             };
-            self.stage = Stage::Crowd;
+            self.stage = ViewStage::Crowd;
             self.views.clear();
             self.change_side_panel();
-            let are_discs = |s: &SceneDocument| !s.standing().in_the_air && s.bundle().is_none();
+            let are_discs = |s: &SceneDocument| !s.surroundings().in_the_air && s.bundle().is_none();
             if self.document.scene().is_some_and(are_discs) {
                 // From straight above, +X at the right.
                 (self.settings.camera.yaw, self.settings.camera.pitch) = (0.0, FRAC_PI_2);
@@ -100,24 +100,24 @@ impl Model {
         self.selection.clip = self.selection.clip.min(clips.saturating_sub(1));
         self.selection.policy = self.selection.policy.min(policies.saturating_sub(1));
         self.selection.state = None;
-        self.selection.world = WorldLook { tool: self.selection.world.tool, ..Default::default() };
+        self.selection.world = WorldSelection { tool: self.selection.world.tool, ..Default::default() };
         let n = self.num_characters();
         self.selection.character = self.selection.character.filter(|&c| c < n);
         self.watch_selected();
         // A newly opened task is planned at once; a task that is read again with its former options.
         self.plan(false);
-        self.take_in_task(self.is_unhurried);
+        self.adopt_plan(self.is_unhurried);
     }
 
     /// A bundle with a crowd.
-    fn with_run(&mut self, bundle: OpenBundle, is_reload: bool) -> Document {
+    fn with_run(&mut self, bundle: OpenBundle, is_reload: bool) -> OpenDocument {
         if !is_reload {
             // The weights belong to another bundle's behaviours.
             self.weights.clear();
         }
-        let run = Run::new(&bundle, self.settings.run, &self.weights);
+        let run = CrowdRun::new(&bundle, self.settings.run, &self.weights);
         let blend = self.walk_in(&bundle, is_reload);
-        Document::Bundle(Box::new(BundleDocument { bundle, run, blend }))
+        OpenDocument::Bundle(Box::new(BundleDocument { bundle, run, blend }))
     }
 
     /// A character walking in a blend space of a bundle; after a reload, as before.
@@ -146,7 +146,7 @@ impl Model {
     /// Panels about crowds are empty for a motion file: the import report is shown instead, until a bundle is opened.
     fn change_side_panel(&mut self) {
         let side = &mut self.settings.side_panel;
-        let is_clip = matches!(self.document, Document::Clip(_));
+        let is_clip = matches!(self.document, OpenDocument::Clip(_));
         if is_clip && side.is_some_and(|p| p != PanelKind::Report) {
             self.panel_of_bundles = side.replace(PanelKind::Report);
         } else if !is_clip && *side == Some(PanelKind::Report) {
@@ -154,10 +154,10 @@ impl Model {
         }
         // Crowds, worlds and blends each have a panel of their own.
         let here = match &self.document {
-            Document::World(_) => PanelKind::Patches,
-            Document::Task(_) => PanelKind::Plan,
-            Document::Scene(s) if s.scene().groups.iter().all(|g| g.is_of_agents()) => PanelKind::Crowd,
-            Document::Bundle(b) if b.blend.is_some() && b.run.is_err() => PanelKind::Blend,
+            OpenDocument::World(_) => PanelKind::Patches,
+            OpenDocument::Task(_) => PanelKind::Plan,
+            OpenDocument::Scene(s) if s.scene().groups.iter().all(|g| g.is_of_agents()) => PanelKind::Crowd,
+            OpenDocument::Bundle(b) if b.blend.is_some() && b.run.is_err() => PanelKind::Blend,
             _ => PanelKind::Control,
         };
         let own = [PanelKind::Control, PanelKind::Patches, PanelKind::Blend, PanelKind::Crowd, PanelKind::Plan];
@@ -169,7 +169,8 @@ impl Model {
     /// Takes the present files of the shown document as known, so that only later changes count.
     pub(super) fn watch_anew(&mut self) {
         if let Some(path) = self.document.path() {
-            self.watch = Some(Watch::from(Stamp::with(Stamp::of(path), &self.document.more_files())));
+            self.watch =
+                Some(FileWatch::starting_at(FileStamp::combined(FileStamp::read(path), &self.document.more_files())));
         }
     }
 
@@ -184,9 +185,9 @@ impl Model {
     /// Starts to read the requested files, and to build missing bundles; [`Model::advance`] adopts the result.
     pub fn start_reading(&mut self, ctx: &egui::Context, paths: &[PathBuf]) {
         let ctx = ctx.clone();
-        let from = self.document.scene().filter(|_| self.asked == paths).map(SceneDocument::shown);
+        let from = self.document.scene().filter(|_| self.asked == paths).map(SceneDocument::resume_point);
         let building = self.loader.start(paths, from, move || ctx.request_repaint());
-        self.build = Some(Build::UnderWay { paths: paths.to_vec(), building });
+        self.build = Some(ShownBuild::UnderWay { paths: paths.to_vec(), building });
     }
 
     /// Shows a file at once.
@@ -195,11 +196,11 @@ impl Model {
     ///
     /// # Errors
     /// A message that names the file, what is wrong with it and the way out.
-    pub fn open_now(&mut self, path: &Path, with: &Cached<'_>) -> Result<(), String> {
-        let (paths, before) = (vec![path.to_path_buf()], Stamp::of(path));
-        let opened = Document::read(&paths, with)?;
-        let own = opened.path().and_then(|own| if own == path { before } else { Stamp::of(own) });
-        self.watch = Some(Watch::from(Stamp::with(own, &opened.more_files())));
+    pub fn open_now(&mut self, path: &Path, with: &BuildContext<'_>) -> Result<(), String> {
+        let (paths, before) = (vec![path.to_path_buf()], FileStamp::read(path));
+        let opened = OpenDocument::read(&paths, with)?;
+        let own = opened.path().and_then(|own| if own == path { before } else { FileStamp::read(own) });
+        self.watch = Some(FileWatch::starting_at(FileStamp::combined(own, &opened.more_files())));
         self.adopt(paths, opened, false);
         Ok(())
     }

@@ -1,8 +1,8 @@
 //! Positions of what the 3-D view shows: for framing and following by the camera.
 
 use super::Model;
-use crate::document::{Document, SceneDocument, TaskDocument, WorldDocument};
-use crate::run::agents::way;
+use crate::document::{OpenDocument, SceneDocument, TaskDocument, WorldDocument};
+use crate::run::agents::agent_route;
 use glam::Vec3;
 use throng_runtime::crowd::Obstacle;
 
@@ -10,13 +10,13 @@ impl Model {
     /// A box around all that is shown (m).
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let points: Vec<Vec3> = match &self.document {
-            Document::Nothing => Vec::new(),
-            Document::Task(t) => of_task(t).collect(),
-            _ if self.shows_clip() || self.shows_blend() => self.around().collect(),
-            Document::Clip(_) => self.around().collect(),
-            Document::World(w) => of_world(w).collect(),
-            Document::Scene(s) => of_scene(s).collect(),
-            Document::Bundle(b) => b.run.as_ref().map_or(Vec::new(), |run| {
+            OpenDocument::Nothing => Vec::new(),
+            OpenDocument::Task(t) => task_points(t).collect(),
+            _ if self.shows_clip() || self.shows_blend() => self.corners_around().collect(),
+            OpenDocument::Clip(_) => self.corners_around().collect(),
+            OpenDocument::World(w) => world_points(w).collect(),
+            OpenDocument::Scene(s) => scene_points(s).collect(),
+            OpenDocument::Bundle(b) => b.run.as_ref().map_or(Vec::new(), |run| {
                 let roots = (0..run.characters().num_characters()).map(|c| run.characters().root(c).translation());
                 roots.chain(run.targets().iter().copied()).collect()
             }),
@@ -29,7 +29,7 @@ impl Model {
     }
 
     /// The corners of a place for a clip's character and its next steps, which the camera follows (m).
-    fn around(&self) -> impl Iterator<Item = Vec3> {
+    fn corners_around(&self) -> impl Iterator<Item = Vec3> {
         // Room for characters walking beside it.
         let is_wide = self.document.blend().is_some_and(|b| self.shows_blend() && b.1.bodies().len() > 1);
         let half = if is_wide { 1.7 } else { 0.9 };
@@ -41,23 +41,25 @@ impl Model {
     pub fn place_followed(&self) -> Option<Vec3> {
         let selected = self.selection.character;
         match &self.document {
-            Document::Clip(motion) => motion.place(self.player.frame),
-            Document::Task(t) => t.clip(0).root_positions.get(self.player.frame as usize).map(|p| p.with_y(0.0)),
+            OpenDocument::Clip(motion) => motion.place(self.player.frame),
+            OpenDocument::Task(t) => t.clip(0).root_positions.get(self.player.frame as usize).map(|p| p.with_y(0.0)),
             document if self.shows_clip() => Some(document.bundle()?.planar(self.shown_row()?).translation()),
-            Document::Nothing => None,
-            Document::World(w) => {
+            OpenDocument::Nothing => None,
+            OpenDocument::World(w) => {
                 let c = selected.filter(|&c| c < w.run().num_characters())?;
                 Some(w.run().hips(c).with_y(0.0))
             }
-            Document::Scene(s) => s.run().place(selected.filter(|&c| c < self.num_characters())?),
-            Document::Bundle(b) if self.shows_blend() => Some(b.blend.as_ref()?.moment().roots.first()?.translation()),
-            Document::Bundle(b) => Some(b.run.as_ref().ok()?.characters().root(selected?).translation()),
+            OpenDocument::Scene(s) => s.run().place(selected.filter(|&c| c < self.num_characters())?),
+            OpenDocument::Bundle(b) if self.shows_blend() => {
+                Some(b.blend.as_ref()?.moment().roots.first()?.translation())
+            }
+            OpenDocument::Bundle(b) => Some(b.run.as_ref().ok()?.characters().root(selected?).translation()),
         }
     }
 }
 
 /// Positions of all characters during the steps of a task, and of movable things and places (m).
-fn of_task(task: &TaskDocument) -> impl Iterator<Item = Vec3> {
+fn task_points(task: &TaskDocument) -> impl Iterator<Item = Vec3> {
     let windows: Vec<[f64; 3]> = task.task().windows_s().into_iter().flatten().collect();
     let is_during = move |t: f64| windows.is_empty() || windows.iter().any(|w| w[0] <= t && t <= w[2]);
     let roots = task.clips_before().iter().flat_map(move |clip| {
@@ -70,9 +72,9 @@ fn of_task(task: &TaskDocument) -> impl Iterator<Item = Vec3> {
 }
 
 /// Corners of boxes around the units of a world, and its characters (m).
-fn of_world(world: &WorldDocument) -> impl Iterator<Item = Vec3> {
+fn world_points(world: &WorldDocument) -> impl Iterator<Item = Vec3> {
     let of_units = world.placed().iter().flat_map(|p| {
-        let b = world.kit().geometries[p.unit].bounds.placed(p.placement);
+        let b = world.kit().geometries[p.unit].bounds.transformed(p.placement);
         [b.min, b.max]
     });
     of_units.filter(|p| p.is_finite()).chain((0..world.run().num_characters()).map(|c| world.run().hips(c)))
@@ -80,13 +82,13 @@ fn of_world(world: &WorldDocument) -> impl Iterator<Item = Vec3> {
 
 /// Positions of the characters of a scene, their targets, and both ends of the agents' routes; for agents with rules,
 /// also places, doors and surroundings, since they may be sent there (m).
-fn of_scene(scene: &SceneDocument) -> impl Iterator<Item = Vec3> {
+fn scene_points(scene: &SceneDocument) -> impl Iterator<Item = Vec3> {
     let (run, all) = (scene.run(), 0..scene.run().simulation().num_characters());
     let points = all.flat_map(|who| {
-        let route = way(run.simulation(), who);
+        let route = agent_route(run.simulation(), who);
         [run.place(who), run.simulation().target(who), route.first().copied(), route.last().copied()]
     });
-    let standing = Some(scene.standing()).filter(|s| run.simulation().minds().is_some() && !s.in_the_air);
+    let standing = Some(scene.surroundings()).filter(|s| run.simulation().brains().is_some() && !s.in_the_air);
     let ends = standing.into_iter().flat_map(|s| {
         let obstacles = s.obstacles.iter().flat_map(|o| match o {
             Obstacle::Wall { from, to, .. } => vec![*from, *to],

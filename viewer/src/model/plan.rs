@@ -2,7 +2,7 @@
 
 use super::Model;
 use crate::command::PlanCommand;
-use crate::document::{Document, TaskDocument};
+use crate::document::{OpenDocument, TaskDocument};
 
 impl Model {
     /// The task, where one is open.
@@ -18,16 +18,16 @@ impl Model {
 
     pub(super) fn apply_to_task(&mut self, command: PlanCommand) {
         let waits = self.is_unhurried;
-        let Document::Task(task) = &mut self.document else { return };
+        let OpenDocument::Task(task) = &mut self.document else { return };
         let look = &mut self.selection.plan;
         match command {
-            PlanCommand::Look(wanted) => *look = wanted,
+            PlanCommand::SetOptions(wanted) => *look = wanted,
             PlanCommand::Plan => self.plan(false),
             PlanCommand::Cancel => task.cancel(),
             PlanCommand::Show(motion) => task.show(motion),
             PlanCommand::Move(handle, by) => task.move_by(handle, by.as_dvec3()),
-            PlanCommand::Settle if look.replans => self.plan(true),
-            PlanCommand::Settle => {}
+            PlanCommand::EndMove if look.replans => self.plan(true),
+            PlanCommand::EndMove => {}
             PlanCommand::Save(path) => match task.save(&path) {
                 Ok(files) => {
                     let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
@@ -46,7 +46,7 @@ impl Model {
                 Err(why) => self.complain(why),
             },
         }
-        self.take_in_task(waits);
+        self.adopt_plan(waits);
     }
 
     /// Plans with the present options, in the background.
@@ -54,15 +54,15 @@ impl Model {
     /// - `goes_on`: from where the last plans ended.
     pub(super) fn plan(&mut self, goes_on: bool) {
         let look = self.selection.plan;
-        if let Document::Task(task) = &mut self.document {
-            task.plan(look.number, look.seed, goes_on);
+        if let OpenDocument::Task(task) = &mut self.document {
+            task.plan(look.num_motions, look.seed, goes_on);
         }
     }
 
     /// Takes in motions that were planned meanwhile.
-    pub(super) fn take_in_task(&mut self, waits: bool) {
-        let Document::Task(task) = &mut self.document else { return };
-        if task.take_in(waits)
+    pub(super) fn adopt_plan(&mut self, waits: bool) {
+        let OpenDocument::Task(task) = &mut self.document else { return };
+        if task.adopt_plan(waits)
             && let Some(why) = task.refused()
         {
             let why = format!("Nothing was planned: {why}");

@@ -3,16 +3,16 @@
 mod lag;
 
 use super::Model;
-use crate::command::{Held, SteerCommand};
-use crate::document::Document;
-use crate::run::{Blending, Input, TargetMode};
+use crate::command::{SteerCommand, SteerInput};
+use crate::document::OpenDocument;
+use crate::run::{Blending, RunInput, TargetMode};
 use glam::Vec3;
 pub use lag::Lags;
 use lag::Twin;
 use std::f32::consts::PI;
 use throng_runtime::blend::axis;
 use throng_runtime::planar::wrap_angle;
-use throng_runtime::world::inhabitants::Wish;
+use throng_runtime::world::inhabitants::InhabitantGoal;
 use throng_runtime::{Mat3x4, NUM_JOINTS, Planar};
 
 /// Distance of a policy's target ahead of the steered character, when walking and when running (m).
@@ -36,9 +36,9 @@ const PITCH: f32 = 0.24;
 
 /// State of steering by the user.
 #[derive(Clone, Debug, Default)]
-pub struct Steering {
+pub struct UserSteering {
     /// Input that is held down.
-    pub held: Held,
+    pub input: SteerInput,
     /// Delays from key presses to visible changes (frames).
     pub lags: Lags,
     twin: Option<Twin>,
@@ -48,7 +48,7 @@ pub struct Steering {
 
 impl Model {
     /// State of steering, while a character is steered.
-    pub fn steering(&self) -> Option<&Steering> {
+    pub fn steering(&self) -> Option<&UserSteering> {
         self.steering.as_ref()
     }
 
@@ -56,9 +56,11 @@ impl Model {
     pub fn why_not_steered(&self) -> Option<&'static str> {
         match &self.document {
             _ if self.shows_clip() => Some("A clip is played as it is; show the crowd to steer somebody."),
-            Document::World(_) => None,
-            Document::Bundle(_) if self.shows_blend() || self.document.crowd().is_some() => None,
-            Document::Scene(_) => Some("In scenes groups are moved by the scene; open its bundle or a world to steer."),
+            OpenDocument::World(_) => None,
+            OpenDocument::Bundle(_) if self.shows_blend() || self.document.crowd().is_some() => None,
+            OpenDocument::Scene(_) => {
+                Some("In scenes groups are moved by the scene; open its bundle or a world to steer.")
+            }
             _ => Some("Open a bundle with behaviours or a blend space, or a world, to steer somebody."),
         }
     }
@@ -84,9 +86,9 @@ impl Model {
         if !self.shows_blend() && self.selection.character.is_none() {
             self.selection.character = Some(0);
         }
-        self.steering = Some(Steering::default());
+        self.steering = Some(UserSteering::default());
         self.settings.follow = true;
-        let heading = self.steered().map_or(0.0, |s| s.1);
+        let heading = self.steered_place().map_or(0.0, |s| s.1);
         let camera = &mut self.settings.camera;
         (camera.distance, camera.pitch, camera.target.y) = (BEHIND_M, PITCH, LOOK_AT_M);
         camera.yaw = wrap_angle(heading + PI);
@@ -96,10 +98,10 @@ impl Model {
     }
 
     /// Position and heading of the steered character (m, rad).
-    fn steered(&self) -> Option<(Vec3, f32)> {
+    fn steered_place(&self) -> Option<(Vec3, f32)> {
         let root = match &self.document {
-            Document::World(w) => *w.run().moment().roots.get(self.selection.character?)?,
-            Document::Bundle(b) if self.shows_blend() => *b.blend.as_ref()?.moment().roots.first()?,
+            OpenDocument::World(w) => *w.run().moment().roots.get(self.selection.character?)?,
+            OpenDocument::Bundle(b) if self.shows_blend() => *b.blend.as_ref()?.moment().roots.first()?,
             document => {
                 let characters = document.crowd()?.1.characters();
                 characters.root(self.selection.character.filter(|&c| c < characters.num_characters())?)
@@ -108,17 +110,17 @@ impl Model {
         Some((root.translation(), root.heading))
     }
 
-    fn hold(&mut self, held: Held) {
-        let Some(before) = self.steering.as_ref().map(|s| s.held).filter(|h| *h != held) else { return };
+    fn hold(&mut self, held: SteerInput) {
+        let Some(before) = self.steering.as_ref().map(|s| s.input).filter(|h| *h != held) else { return };
         let twin = match (&self.document, self.selection.character) {
-            (Document::Bundle(b), _) if self.shows_blend() => b.blend.as_ref().and_then(Twin::of_blend),
-            (Document::Bundle(b), Some(c)) => b.run.as_ref().ok().and_then(|run| Twin::of_crowd(run, c, before)),
+            (OpenDocument::Bundle(b), _) if self.shows_blend() => b.blend.as_ref().and_then(Twin::copy_blend),
+            (OpenDocument::Bundle(b), Some(c)) => b.run.as_ref().ok().and_then(|run| Twin::fork_crowd(run, c, before)),
             _ => None,
         };
         if let Some(s) = &mut self.steering {
             // A measurement under way is finished before a new one starts.
             s.twin = s.twin.take().or(twin);
-            (s.held, s.waited) = (held, PATCH_EVERY);
+            (s.input, s.waited) = (held, PATCH_EVERY);
         }
         if self.shows_blend() {
             self.blend_as(held);
@@ -129,8 +131,8 @@ impl Model {
 
     /// Sends the steered character on its way, before the steps of a frame.
     pub(super) fn steer(&mut self) {
-        let Some(held) = self.steering.as_ref().map(|s| s.held) else { return };
-        if self.steered().is_none() || self.why_not_steered().is_some() {
+        let Some(held) = self.steering.as_ref().map(|s| s.input) else { return };
+        if self.steered_place().is_none() || self.why_not_steered().is_some() {
             self.steering = None;
         } else if held.moves() {
             self.send(held);
@@ -138,37 +140,39 @@ impl Model {
     }
 
     /// Sends the steered character in the direction of the keys, or lets it stay if no direction is held down.
-    fn send(&mut self, held: Held) {
-        let Some((at, _)) = self.steered().filter(|_| !self.shows_blend()) else { return };
-        let (way, Some(character)) = (self.way(held).unwrap_or_default(), self.selection.character) else { return };
-        if let Document::World(world) = &mut self.document {
+    fn send(&mut self, held: SteerInput) {
+        let Some((at, _)) = self.steered_place().filter(|_| !self.shows_blend()) else { return };
+        let (way, Some(character)) = (self.steer_direction(held).unwrap_or_default(), self.selection.character) else {
+            return;
+        };
+        if let OpenDocument::World(world) = &mut self.document {
             let Some(s) = &mut self.steering else { return };
             s.waited += 1;
             if s.waited >= PATCH_EVERY {
                 s.waited = 0;
-                let place = at + way * ahead(PATCH_AHEAD_M, held);
-                let wish = Some(Wish::GoNear { place, within_m: PATCH_WITHIN_M });
+                let place = at + way * distance_ahead(PATCH_AHEAD_M, held);
+                let wish = Some(InhabitantGoal::GoNear { place, within_m: PATCH_WITHIN_M });
                 // Where no place is near, at an edge of the world, it goes on as it did.
-                _ = world.tell(character, wish);
+                _ = world.give_order(character, wish);
             }
         } else if let Some((_, run)) = self.document.crowd_mut() {
-            let to = at + way * ahead(AHEAD_M, held);
+            let to = at + way * distance_ahead(AHEAD_M, held);
             let character = (run.config().targets != TargetMode::Shared).then_some(character);
             if run.targets()[character.unwrap_or(0)].distance(to) > SAME_M {
-                run.input(Input::Target { character, to });
+                run.input(RunInput::Target { character, to });
             }
         }
     }
 
     /// Direction that is held down, in the world. Unit.
-    fn way(&self, held: Held) -> Option<Vec3> {
+    fn steer_direction(&self, held: SteerInput) -> Option<Vec3> {
         let [right, _, back] = self.settings.camera.axes();
         let ahead = -back.with_y(0.0).normalize_or_zero();
         (ahead * held.ahead + right * held.aside).try_normalize()
     }
 
     /// Blends the walk that is held down: straight ahead and back by speed, aside by turning.
-    fn blend_as(&mut self, held: Held) {
+    fn blend_as(&mut self, held: SteerInput) {
         let Some((bundle, run)) = self.document.blend() else { return };
         let Ok(space) = bundle.blend(run.blending().space) else { return };
         let mut wanted: Blending = *run.blending();
@@ -202,25 +206,27 @@ impl Model {
         let all = 0..bundle.tables().graph().segments.len() as u32;
         let blows = all.filter(|&s| !bundle.motion_set().hits_of(s).is_empty());
         let segment = blows.min_by(|&a, &b| apart(a).total_cmp(&apart(b))).ok_or(none)?;
-        run.input(Input::Play { character, segment });
+        run.input(RunInput::Play { character, segment });
         Ok(())
     }
 
     /// Measures, after the steps of a frame, and brings the camera behind.
-    pub(super) fn see_steered(&mut self, steps: u32, wall_s: f32) {
+    pub(super) fn update_steered(&mut self, steps: u32, wall_s: f32) {
         let Some(mut s) = self.steering.take() else { return };
         if let Some(mut twin) = s.twin.take_if(|_| steps > 0)
-            && let Document::Bundle(b) = &self.document
+            && let OpenDocument::Bundle(b) = &self.document
             && let Some(seen) = self.steered_pose()
         {
-            let to = |held: Held, at: Vec3| self.way(held).map(|way| at + way * ahead(AHEAD_M, held));
+            let to = |held: SteerInput, at: Vec3| {
+                self.steer_direction(held).map(|way| at + way * distance_ahead(AHEAD_M, held))
+            };
             if twin.compare(&b.bundle, steps, seen, to, &mut s.lags) {
                 s.twin = Some(twin);
             }
         }
-        if s.held.ahead >= 0.0
-            && s.held.moves()
-            && let Some((_, heading)) = self.steered()
+        if s.input.ahead >= 0.0
+            && s.input.moves()
+            && let Some((_, heading)) = self.steered_place()
         {
             let share = 1.0 - (-wall_s / BEHIND_HALF_LIFE_S).exp2();
             let yaw = &mut self.settings.camera.yaw;
@@ -240,6 +246,6 @@ impl Model {
     }
 }
 
-fn ahead([walks, runs]: [f32; 2], held: Held) -> f32 {
+fn distance_ahead([walks, runs]: [f32; 2], held: SteerInput) -> f32 {
     if held.runs { runs } else { walks }
 }

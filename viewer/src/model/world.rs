@@ -2,9 +2,9 @@
 
 use super::Model;
 use crate::command::WorldCommand;
-use crate::document::world::{Order, Taken};
-use crate::document::{Document, WorldDocument};
-use throng_precompute::environment::Unit;
+use crate::document::world::{EditStatus, EditorOrder};
+use crate::document::{OpenDocument, WorldDocument};
+use throng_precompute::environment::UnitObject;
 use throng_runtime::patch::Placement;
 
 impl Model {
@@ -14,7 +14,7 @@ impl Model {
     }
 
     /// Instance inspected by panels: the selected one, that of the selected unit, or that of the selected character.
-    pub fn looked_at_instance(&self) -> Option<u32> {
+    pub fn inspected_instance(&self) -> Option<u32> {
         let world = self.document.world()?;
         let look = &self.selection.world;
         let of_unit = || look.place.map(|p| world.instances_of(p).first().copied());
@@ -27,7 +27,7 @@ impl Model {
     }
 
     pub(super) fn apply_to_world(&mut self, command: WorldCommand) {
-        let Document::World(world) = &mut self.document else { return };
+        let OpenDocument::World(world) = &mut self.document else { return };
         let look = &mut self.selection.world;
         match command {
             WorldCommand::Tool(tool) => (look.tool, look.draft) = (tool, None),
@@ -39,12 +39,12 @@ impl Model {
             WorldCommand::SelectLink(link) => look.link = link,
             WorldCommand::ShowLinks(on) => look.hides_links = !on,
             WorldCommand::Draft(draft) => look.draft = draft,
-            WorldCommand::Edit(change) => self.edit(Order::Change(change)),
-            WorldCommand::Undo => self.edit(Order::Undo),
-            WorldCommand::Redo => self.edit(Order::Redo),
+            WorldCommand::Edit(change) => self.edit(EditorOrder::Change(change)),
+            WorldCommand::Undo => self.edit(EditorOrder::Undo),
+            WorldCommand::Redo => self.edit(EditorOrder::Redo),
             WorldCommand::ForgetRefused => world.forget_refused(),
-            WorldCommand::Tell { character, wish } => {
-                if let Err(why) = world.tell(character, wish) {
+            WorldCommand::Order { character, goal: wish } => {
+                if let Err(why) = world.give_order(character, wish) {
                     self.complain(format!("Character {character}: {why}"));
                 }
             }
@@ -56,21 +56,21 @@ impl Model {
         }
     }
 
-    fn edit(&mut self, order: Order) {
+    fn edit(&mut self, order: EditorOrder) {
         let waits = self.is_unhurried;
-        let Document::World(world) = &mut self.document else { return };
+        let OpenDocument::World(world) = &mut self.document else { return };
         self.selection.world.draft = None;
         if let Err(why) = world.order(order) {
             return self.say(format!("No change: {why}"));
         }
-        self.take_in_world(waits);
+        self.adopt_edit(waits);
     }
 
     /// Takes in a world that has been stitched meanwhile.
-    pub(super) fn take_in_world(&mut self, waits: bool) {
-        let Document::World(world) = &mut self.document else { return };
-        let taken = world.take_in(waits);
-        if let Some(Taken::Changed(place)) = taken {
+    pub(super) fn adopt_edit(&mut self, waits: bool) {
+        let OpenDocument::World(world) = &mut self.document else { return };
+        let taken = world.adopt_edit(waits);
+        if let Some(EditStatus::Changed(place)) = taken {
             let look = &mut self.selection.world;
             (look.place, look.instance, look.link) = (place, None, None);
         }
@@ -83,18 +83,18 @@ impl Model {
     /// Restarts a world.
     pub(super) fn populate(&mut self, characters: usize, seed: u64) {
         let waits = self.is_unhurried;
-        let Document::World(world) = &mut self.document else { return };
+        let OpenDocument::World(world) = &mut self.document else { return };
         if let Err(why) = world.populate(characters, seed) {
             return self.complain(why);
         }
-        self.take_in_world(waits);
+        self.adopt_edit(waits);
     }
 }
 
 /// A placement near `to` that is aligned with units of its kind: panels side by side, anything else on a fine grid.
 ///
 /// - `others`: placements of other units of the kind.
-pub fn snapped(unit: &Unit, others: impl Iterator<Item = Placement>, to: Placement) -> Placement {
+pub fn snapped(unit: &UnitObject, others: impl Iterator<Item = Placement>, to: Placement) -> Placement {
     let far = |p: &Placement| p.translation().distance_squared(to.translation());
     let steps = unit.tile.as_ref().map_or(&[][..], |t| &t.steps);
     if let Some(near) = others.min_by(|a, b| far(a).total_cmp(&far(b)))
@@ -132,10 +132,10 @@ mod tests {
     use super::*;
     use throng_precompute::environment::TileEdges;
 
-    fn unit(steps: Vec<[f32; 3]>) -> Unit {
+    fn unit(steps: Vec<[f32; 3]>) -> UnitObject {
         let tile = TileEdges { widths: vec![2.0; steps.len()], steps, centre: [0.0; 3] };
         let tile = Some(tile).filter(|t| !t.steps.is_empty());
-        Unit { name: "u".into(), shapes: Vec::new(), region: None, symmetry: 1, tile, floor: true }
+        UnitObject { name: "u".into(), shapes: Vec::new(), region: None, symmetry: 1, tile, floor: true }
     }
 
     #[test]

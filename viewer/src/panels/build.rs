@@ -1,9 +1,9 @@
 //! A build: its progress, its results and failures, how it ended, and the trial of what was built.
 
-use crate::command::Command;
-use crate::document::{Build, Built, End, Told};
+use crate::command::ViewerCommand;
+use crate::document::{BuildEnd, BuildLog, FinishedBuild, ShownBuild};
 use crate::model::{Model, name_of};
-use crate::theme::Palette;
+use crate::theme::ThemePalette;
 use eframe::egui::{
     Align, Align2, Area, Button, Frame, Id, Label, Layout, Margin, ProgressBar, Rect, RichText, ScrollArea, Ui, vec2,
 };
@@ -39,40 +39,40 @@ const STAGES: [(&str, &str); 15] = [
 ];
 
 /// True for a build with something to show: reading files alone has nothing.
-pub fn is_shown(build: &Build) -> bool {
+pub fn is_shown(build: &ShownBuild) -> bool {
     match build {
-        Build::UnderWay { building, .. } => building.has_begun(),
-        Build::Ended(_) => true,
+        ShownBuild::UnderWay { building, .. } => building.has_begun(),
+        ShownBuild::Ended(_) => true,
     }
 }
 
 /// Shows the build under way, or the last one, in its own frame; shows nothing if there is none.
-pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
     let Some(build) = model.build.as_ref().filter(|b| is_shown(b)) else { return };
-    let palette = Palette::of(ui.visuals());
+    let palette = ThemePalette::for_visuals(ui.visuals());
     let edge = match build {
-        Build::UnderWay { .. } => palette.right,
-        Build::Ended(built) => match built.end {
-            End::Done => palette.good,
-            End::Stopped(_) => palette.warning,
-            End::Failed(_) => ui.visuals().error_fg_color,
+        ShownBuild::UnderWay { .. } => palette.right,
+        ShownBuild::Ended(built) => match built.end {
+            BuildEnd::Done => palette.good,
+            BuildEnd::Stopped(_) => palette.warning,
+            BuildEnd::Failed(_) => ui.visuals().error_fg_color,
         },
     };
     let frame = Frame::group(ui.style()).fill(ui.visuals().extreme_bg_color).stroke((1.0, edge));
     frame.inner_margin(Margin::same(12)).corner_radius(8).show(ui, |ui| {
         ui.set_width(ui.available_width());
         match build {
-            Build::UnderWay { paths, building } => {
-                let told = building.told().clone();
+            ShownBuild::UnderWay { paths, building } => {
+                let told = building.log().clone();
                 running(ui, &name_of(paths), &told, commands);
             }
-            Build::Ended(built) => ended(ui, built, commands),
+            ShownBuild::Ended(built) => ended(ui, built, commands),
         }
     });
 }
 
 /// Shows the build as [`show`] does, in the lower left corner of a part of the window.
-pub fn over(ui: &Ui, within: Rect, model: &Model, commands: &mut Vec<Command>) {
+pub fn show_over(ui: &Ui, within: Rect, model: &Model, commands: &mut Vec<ViewerCommand>) {
     let at = within.left_bottom() + vec2(10.0, -10.0);
     let area = Area::new(Id::unique("build")).fixed_pos(at).pivot(Align2::LEFT_BOTTOM).constrain_to(within);
     area.show(ui.ctx(), |ui| {
@@ -81,18 +81,18 @@ pub fn over(ui: &Ui, within: Rect, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-fn running(ui: &mut Ui, name: &str, told: &Told, commands: &mut Vec<Command>) {
+fn running(ui: &mut Ui, name: &str, told: &BuildLog, commands: &mut Vec<ViewerCommand>) {
     heading(ui, &format!("Building {name}"), |ui| {
         let tip = "Stop it; what is finished is kept, and opening it again goes on there";
         if ui.add(Button::new("Cancel")).on_hover_text(tip).clicked() {
-            commands.push(Command::Stop);
+            commands.push(ViewerCommand::Stop);
         }
     });
     let (status, stage) = (&told.status, told.status.stage());
     let what = STAGES.iter().find(|s| s.0 == stage).map_or(stage, |s| s.1);
     ui.horizontal_wrapped(|ui| {
         ui.label(what);
-        ui.label(RichText::new(status.far().unwrap_or_default()).weak());
+        ui.label(RichText::new(status.progress_text().unwrap_or_default()).weak());
     });
     let bar = ProgressBar::new(status.share().unwrap_or(0.0) as f32).desired_height(8.0).corner_radius(4);
     ui.add(bar.animate(status.share().is_none()));
@@ -103,32 +103,32 @@ fn running(ui: &mut Ui, name: &str, told: &Told, commands: &mut Vec<Command>) {
     lines(ui, &told.news);
 }
 
-fn ended(ui: &mut Ui, built: &Built, commands: &mut Vec<Command>) {
+fn ended(ui: &mut Ui, built: &FinishedBuild, commands: &mut Vec<ViewerCommand>) {
     let name = name_of(&built.paths);
     let title = match built.end {
-        End::Done => format!("Built {name}"),
-        End::Stopped(_) => format!("Stopped building {name}"),
-        End::Failed(_) => format!("{name} could not be built"),
+        BuildEnd::Done => format!("Built {name}"),
+        BuildEnd::Stopped(_) => format!("Stopped building {name}"),
+        BuildEnd::Failed(_) => format!("{name} could not be built"),
     };
     heading(ui, &title, |ui| {
         if ui.button("✖").on_hover_text("Close").clicked() {
-            commands.push(Command::DismissBuild);
+            commands.push(ViewerCommand::DismissBuild);
         }
-        if built.end != End::Done && ui.button("Try again").clicked() {
-            commands.push(Command::Open(built.paths.clone()));
+        if built.end != BuildEnd::Done && ui.button("Try again").clicked() {
+            commands.push(ViewerCommand::Open(built.paths.clone()));
         }
     });
     match &built.end {
-        End::Done => {}
-        End::Stopped(what) => text(ui, RichText::new(what)),
-        End::Failed(why) => {
+        BuildEnd::Done => {}
+        BuildEnd::Stopped(what) => text(ui, RichText::new(what)),
+        BuildEnd::Failed(why) => {
             let colour = ui.visuals().error_fg_color;
             let area = ScrollArea::vertical().id_salt("fault").max_height(LINES).min_scrolled_height(LINES);
             area.show(ui, |ui| text(ui, RichText::new(why).color(colour)));
         }
     }
-    built.told.verdict.iter().for_each(|v| verdict(ui, v));
-    lines(ui, &built.told.news);
+    built.log.verdict.iter().for_each(|v| verdict(ui, v));
+    lines(ui, &built.log.news);
 }
 
 /// A title, and buttons at the right of it.
@@ -157,7 +157,7 @@ fn marked(ui: &mut Ui, mark: RichText, words: RichText) {
 }
 
 fn verdict(ui: &mut Ui, verdict: &Verdict) {
-    let palette = Palette::of(ui.visuals());
+    let palette = ThemePalette::for_visuals(ui.visuals());
     let (mark, colour) = if verdict.word == "good" { ("✔", palette.good) } else { ("⚠", palette.warning) };
     let sentences = verdict.sentences.join("; ");
     marked(ui, RichText::new(mark).color(colour), RichText::new(format!("{sentences}.")));
@@ -171,7 +171,7 @@ fn lines(ui: &mut Ui, news: &[News]) {
         return;
     }
     ui.separator();
-    let palette = Palette::of(ui.visuals());
+    let palette = ThemePalette::for_visuals(ui.visuals());
     // An area that grows upwards offers no more room than it had.
     let area = ScrollArea::vertical().id_salt("news").max_height(LINES).min_scrolled_height(LINES);
     area.show(ui, |ui| {

@@ -1,13 +1,13 @@
 //! Docks of panels: tabs, and the open panel.
 
 use super::{PANELS, PanelStates};
-use crate::command::Command;
+use crate::command::ViewerCommand;
 use crate::model::Model;
 use crate::settings::Dock;
 use eframe::egui::{self, Ui};
 
 /// Shows the tabs of a dock, and the panel that is open.
-pub fn show(ui: &mut Ui, dock: Dock, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, dock: Dock, model: &Model, states: &mut PanelStates, commands: &mut Vec<ViewerCommand>) {
     let open = model.settings.panel(dock);
     ui.add_space(3.0);
     ui.horizontal_wrapped(|ui| {
@@ -16,14 +16,14 @@ pub fn show(ui: &mut Ui, dock: Dock, model: &Model, states: &mut PanelStates, co
             if ui.selectable_label(open == Some(panel.kind), panel.title).on_hover_text(tip).clicked()
                 && open != Some(panel.kind)
             {
-                commands.push(Command::TogglePanel(panel.kind));
+                commands.push(ViewerCommand::TogglePanel(panel.kind));
             }
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if let Some(kind) = open
                 && ui.small_button("✖").on_hover_text("Close the panel").clicked()
             {
-                commands.push(Command::TogglePanel(kind));
+                commands.push(ViewerCommand::TogglePanel(kind));
             }
         });
     });

@@ -5,7 +5,7 @@ use eframe::egui::{self, Grid, Key, Modal, Modifiers, RichText, Ui};
 
 /// Action of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Action {
+pub enum KeyAction {
     /// Start or stop time.
     PlayPause,
     /// One step back.
@@ -62,16 +62,16 @@ pub struct Shortcut {
     /// The key.
     pub key: Key,
     /// Action of the key.
-    pub action: Action,
+    pub action: KeyAction,
     /// Description of the action.
     pub text: &'static str,
 }
 
-const fn plain(key: Key, action: Action, text: &'static str) -> Shortcut {
+const fn plain(key: Key, action: KeyAction, text: &'static str) -> Shortcut {
     Shortcut { modifiers: Modifiers::NONE, key, action, text }
 }
 
-const fn with(modifiers: Modifiers, key: Key, action: Action, text: &'static str) -> Shortcut {
+const fn with_modifiers(modifiers: Modifiers, key: Key, action: KeyAction, text: &'static str) -> Shortcut {
     Shortcut { modifiers, key, action, text }
 }
 
@@ -80,30 +80,30 @@ const COMMAND_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::COMMAND }
 /// All keys but those of the panels, which are in [`PANELS`]. Keys with modifiers come before the same keys without,
 /// since the first match counts.
 pub const SHORTCUTS: &[Shortcut] = &[
-    plain(Key::Space, Action::PlayPause, "play or pause"),
-    with(Modifiers::SHIFT, Key::ArrowLeft, Action::BackSecond, "a second back"),
-    with(Modifiers::SHIFT, Key::ArrowRight, Action::OnSecond, "a second forward"),
-    plain(Key::ArrowLeft, Action::Back, "one step back"),
-    plain(Key::ArrowRight, Action::On, "one step forward"),
-    plain(Key::Home, Action::First, "start of the recording"),
-    plain(Key::End, Action::Last, "end of the recording"),
-    plain(Key::OpenBracket, Action::Slower, "half as fast"),
-    plain(Key::CloseBracket, Action::Faster, "twice as fast"),
-    with(Modifiers::COMMAND, Key::R, Action::Reload, "reload the file"),
-    plain(Key::R, Action::Restart, "restart the run"),
-    plain(Key::C, Action::Stage, "crowd, blend or clip"),
-    plain(Key::F, Action::Follow, "camera follows the selected character"),
-    plain(Key::G, Action::Steer, "steer the selected one: W A S D, Shift, X"),
-    plain(Key::A, Action::FrameAll, "show everything"),
-    plain(Key::B, Action::Body, "next body"),
-    plain(Key::J, Action::JointAxes, "joint axes"),
-    plain(Key::Escape, Action::SelectNone, "select nothing"),
-    plain(Key::T, Action::Theme, "dark or light"),
-    with(Modifiers::COMMAND, Key::O, Action::Open, "open a file"),
-    with(COMMAND_SHIFT, Key::Z, Action::Redo, "redo"),
-    with(Modifiers::COMMAND, Key::Y, Action::Redo, "redo"),
-    with(Modifiers::COMMAND, Key::Z, Action::Undo, "undo the last edit of a world"),
-    plain(Key::H, Action::Help, "this list"),
+    plain(Key::Space, KeyAction::PlayPause, "play or pause"),
+    with_modifiers(Modifiers::SHIFT, Key::ArrowLeft, KeyAction::BackSecond, "a second back"),
+    with_modifiers(Modifiers::SHIFT, Key::ArrowRight, KeyAction::OnSecond, "a second forward"),
+    plain(Key::ArrowLeft, KeyAction::Back, "one step back"),
+    plain(Key::ArrowRight, KeyAction::On, "one step forward"),
+    plain(Key::Home, KeyAction::First, "start of the recording"),
+    plain(Key::End, KeyAction::Last, "end of the recording"),
+    plain(Key::OpenBracket, KeyAction::Slower, "half as fast"),
+    plain(Key::CloseBracket, KeyAction::Faster, "twice as fast"),
+    with_modifiers(Modifiers::COMMAND, Key::R, KeyAction::Reload, "reload the file"),
+    plain(Key::R, KeyAction::Restart, "restart the run"),
+    plain(Key::C, KeyAction::Stage, "crowd, blend or clip"),
+    plain(Key::F, KeyAction::Follow, "camera follows the selected character"),
+    plain(Key::G, KeyAction::Steer, "steer the selected one: W A S D, Shift, X"),
+    plain(Key::A, KeyAction::FrameAll, "show everything"),
+    plain(Key::B, KeyAction::Body, "next body"),
+    plain(Key::J, KeyAction::JointAxes, "joint axes"),
+    plain(Key::Escape, KeyAction::SelectNone, "select nothing"),
+    plain(Key::T, KeyAction::Theme, "dark or light"),
+    with_modifiers(Modifiers::COMMAND, Key::O, KeyAction::Open, "open a file"),
+    with_modifiers(COMMAND_SHIFT, Key::Z, KeyAction::Redo, "redo"),
+    with_modifiers(Modifiers::COMMAND, Key::Y, KeyAction::Redo, "redo"),
+    with_modifiers(Modifiers::COMMAND, Key::Z, KeyAction::Undo, "undo the last edit of a world"),
+    plain(Key::H, KeyAction::Help, "this list"),
 ];
 
 /// Width of the list, where the window has room for it (points).
@@ -127,7 +127,7 @@ const MOUSE: [(&str, &str); 11] = [
 /// The actions of the keys pressed since the last frame; removes these keys from the input.
 ///
 /// - `leaves_arrows`: something that has the focus is moved by the arrow keys.
-pub fn pressed(ctx: &egui::Context, leaves_arrows: bool) -> Vec<Action> {
+pub fn take_pressed(ctx: &egui::Context, leaves_arrows: bool) -> Vec<KeyAction> {
     if ctx.text_edit_focused() {
         return Vec::new();
     }

@@ -1,11 +1,11 @@
 //! Messages to the user, over the 3-D view.
 
-use crate::command::Command;
+use crate::command::ViewerCommand;
 use crate::model::Model;
 use eframe::egui::{self, Align2, Area, Color32, Frame, Id, Rect, RichText, Ui, vec2};
 
 /// Shows the messages in the upper left corner of a part of the window, the latest at the top.
-pub fn show(ui: &Ui, within: Rect, model: &Model, commands: &mut Vec<Command>) {
+pub fn show(ui: &Ui, within: Rect, model: &Model, commands: &mut Vec<ViewerCommand>) {
     if model.messages.is_empty() {
         return;
     }
@@ -21,7 +21,7 @@ pub fn show(ui: &Ui, within: Rect, model: &Model, commands: &mut Vec<Command>) {
                     ui.label(RichText::new(mark).color(readable(ui, stripe)).strong());
                     let close = ui.button("✖").on_hover_text("Close this message");
                     if close.clicked() {
-                        commands.push(Command::Dismiss(m.id));
+                        commands.push(ViewerCommand::Dismiss(m.id));
                     }
                     ui.add(egui::Label::new(&m.text).wrap().selectable(true));
                 });

@@ -26,14 +26,14 @@ pub mod transport;
 pub mod viewport;
 pub mod words;
 
-use crate::command::Command;
+use crate::command::ViewerCommand;
 use crate::model::Model;
 use crate::settings::PanelKind;
 use eframe::egui::{Key, Ui};
 
 /// A panel.
 #[derive(Clone, Copy, Debug)]
-pub struct Panel {
+pub struct PanelEntry {
     /// Which one.
     pub kind: PanelKind,
     /// Title of the panel.
@@ -43,82 +43,82 @@ pub struct Panel {
     /// Key that opens and closes it.
     pub key: Key,
     /// Shows it.
-    pub show: fn(&mut Ui, &Model, &mut PanelStates, &mut Vec<Command>),
+    pub show: fn(&mut Ui, &Model, &mut PanelStates, &mut Vec<ViewerCommand>),
 }
 
 /// All panels, in the order of their tabs.
-pub const PANELS: &[Panel] = &[
-    Panel {
+pub const PANELS: &[PanelEntry] = &[
+    PanelEntry {
         kind: PanelKind::Control,
         title: "Control",
         purpose: "targets, behaviours, number of characters, seed",
         key: Key::F1,
         show: |ui, model, states, commands| control::show(ui, model, &mut states.control, commands),
     },
-    Panel {
+    PanelEntry {
         kind: PanelKind::Policy,
         title: "Policy",
         purpose: "what a state is worth for every place of the target, and why an action was taken",
         key: Key::F2,
         show: |ui, model, states, commands| policy::show(ui, model, &mut states.policy, commands),
     },
-    Panel {
+    PanelEntry {
         kind: PanelKind::Statistics,
         title: "Statistics",
         purpose: "time of a step and a frame, memory, foot slip, arrivals, blows",
         key: Key::F3,
         show: |ui, model, _, _| statistics::show(ui, model),
     },
-    Panel {
+    PanelEntry {
         kind: PanelKind::Graph,
         title: "Motion graph",
         purpose: "states, actions and where they lead; a click plays an action",
         key: Key::F4,
         show: |ui, model, states, commands| graph::show(ui, model, &mut states.graph, commands),
     },
-    Panel {
+    PanelEntry {
         kind: PanelKind::Database,
         title: "Database",
         purpose: "clips, their contacts, tags, poses, and the actions from a frame",
         key: Key::F5,
         show: |ui, model, states, commands| database::show(ui, model, &mut states.database, commands),
     },
-    Panel {
+    PanelEntry {
         kind: PanelKind::Report,
         title: "Import report",
         purpose: "what import found in a motion file; what a bundle was made of",
         key: Key::F6,
         show: |ui, model, states, commands| report::show(ui, model, &mut states.report, commands),
     },
-    Panel {
+    PanelEntry {
         kind: PanelKind::Hits,
         title: "Hits",
         purpose: "where blows land, from three sides; a click shows the clip",
         key: Key::F7,
         show: |ui, model, states, commands| hits::show(ui, model, &mut states.hits, commands),
     },
-    Panel {
+    PanelEntry {
         kind: PanelKind::Patches,
         title: "Patches",
         purpose: "worlds of motion patches: links of a patch, paths, orders, and units to move",
         key: Key::F8,
         show: |ui, model, states, commands| patches::show(ui, model, &mut states.patches, commands),
     },
-    Panel {
+    PanelEntry {
         kind: PanelKind::Blend,
         title: "Blend",
         purpose: "blend spaces: examples, weights and keytimes; drag the point, and a character walks there",
         key: Key::F9,
         show: |ui, model, states, commands| blend::show(ui, model, &mut states.blend, commands),
     },
-    Panel {
+    PanelEntry {
         kind: PanelKind::Crowd,
         title: "Crowd",
         purpose: "agents of a scene: bounds, events, forces, event rates",
         key: Key::F10,
         show: |ui, model, states, commands| crowd::show(ui, model, &mut states.crowd, commands),
     },
-    Panel {
+    PanelEntry {
         kind: PanelKind::Plan,
         title: "Plan",
         purpose: "tasks of limbs: drag targets and obstacles, plan, compare motions, see the trees",
@@ -129,7 +129,7 @@ pub const PANELS: &[Panel] = &[
 
 /// A dialog of the system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dialog {
+pub enum SystemDialog {
     /// That chooses one or several files.
     Files,
     /// That chooses a folder.
@@ -142,40 +142,40 @@ pub enum Dialog {
 #[derive(Clone, Debug, Default)]
 pub struct PanelStates {
     /// The 3-D view.
-    pub viewport: viewport::State,
+    pub viewport: viewport::ViewportState,
     /// The motion graph.
-    pub graph: graph::State,
+    pub graph: graph::GraphPanelState,
     /// Policies.
-    pub policy: policy::State,
+    pub policy: policy::PolicyPanelState,
     /// Control.
-    pub control: control::State,
+    pub control: control::ControlPanelState,
     /// The list of keys is shown.
     pub help: bool,
     /// The 3-D view is shown alone, without bars.
     pub bare: bool,
     /// A dialog of the system is wanted.
-    pub dialog: Option<Dialog>,
+    pub dialog: Option<SystemDialog>,
     /// The start page.
-    pub start: start::State,
+    pub start: start::StartPageState,
     /// The database browser.
-    pub database: database::State,
+    pub database: database::DatabasePanelState,
     /// The import report.
-    pub report: report::State,
+    pub report: report::ReportPanelState,
     /// Effective hits.
-    pub hits: hits::State,
+    pub hits: hits::HitsPanelState,
     /// Worlds of motion patches.
-    pub patches: patches::State,
+    pub patches: patches::PatchesPanelState,
     /// Blend spaces.
-    pub blend: blend::State,
+    pub blend: blend::BlendPanelState,
     /// Scenes of crowds.
-    pub crowd: crowd::State,
+    pub crowd: crowd::CrowdPanelState,
     /// Tasks of limbs.
-    pub plan: plan::State,
+    pub plan: plan::PlanPanelState,
 }
 
 impl PanelKind {
     /// Entry of the panel in [`PANELS`].
-    pub fn panel(self) -> Option<&'static Panel> {
+    pub fn panel(self) -> Option<&'static PanelEntry> {
         PANELS.iter().find(|p| p.kind == self)
     }
 }

@@ -1,9 +1,9 @@
 //! What tests of panels share.
 
-use crate::command::Command;
+use crate::command::ViewerCommand;
 use crate::fixtures::quietly;
 use crate::model::Model;
-use crate::settings::Settings;
+use crate::settings::ViewerSettings;
 use eframe::egui::{Modifiers, PointerButton, Pos2, Ui, Vec2};
 use egui_kittest::Harness;
 use std::path::Path;
@@ -12,16 +12,16 @@ use std::path::Path;
 pub(crate) struct Trial<S> {
     pub(crate) model: Model,
     pub(crate) state: S,
-    pub(crate) commands: Vec<Command>,
+    pub(crate) commands: Vec<ViewerCommand>,
 }
 
 /// A panel alone in a window; what it asks for is kept and carried out.
 pub(crate) fn trial<S: Default + 'static>(
     path: Option<&Path>,
     size: Vec2,
-    show: impl Fn(&mut Ui, &Model, &mut S, &mut Vec<Command>) + 'static,
+    show: impl Fn(&mut Ui, &Model, &mut S, &mut Vec<ViewerCommand>) + 'static,
 ) -> Harness<'static, Trial<S>> {
-    let mut model = Model::new(Settings::default());
+    let mut model = Model::new(ViewerSettings::default());
     if let Some(path) = path {
         quietly(|with| model.open_now(path, with)).unwrap();
     }

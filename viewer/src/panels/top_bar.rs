@@ -1,18 +1,18 @@
 //! The bar at the top: file, view, panels, help.
 
-use super::words::all;
-use super::{Dialog, PANELS, PanelStates};
-use crate::command::{Command, Stage};
-use crate::document::Document;
+use super::words::path_list;
+use super::{PANELS, PanelStates, SystemDialog};
+use crate::command::{ViewStage, ViewerCommand};
+use crate::document::OpenDocument;
 use crate::model::{Model, name_of};
-use crate::render::Preset;
-use crate::settings::{Colouring, RawView, Settings};
+use crate::render::CameraPreset;
+use crate::settings::{Colouring, RawView, ViewerSettings};
 use eframe::egui::{self, MenuBar, ThemePreference, Ui};
 use throng_runtime::crowd::Scheme;
 use throng_runtime::simulation::scene::engine;
 
 /// Shows the bar.
-pub fn show(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<ViewerCommand>) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| file(ui, model, states, commands));
         ui.menu_button("View", |ui| view(ui, model, states, commands));
@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut
 
 fn title(model: &Model) -> String {
     if let Some(paths) = model.loading() {
-        let line = model.building().and_then(|b| b.told().status.line());
+        let line = model.building().and_then(|b| b.log().status.status_line());
         return match line {
             Some(line) => format!("Building {}: {line}", name_of(paths)),
             None => format!("Reading {} …", name_of(paths)),
@@ -39,8 +39,8 @@ fn title(model: &Model) -> String {
     }
     let name = name_of(model.asked());
     match &model.document {
-        Document::Nothing => "Nothing open".into(),
-        Document::Bundle(b) => {
+        OpenDocument::Nothing => "Nothing open".into(),
+        OpenDocument::Bundle(b) => {
             let t = b.bundle.tables();
             let (clips, states, spaces) = (t.clips().len(), t.graph().states.len(), b.bundle.blends().len());
             let mut parts = vec![name, format!("{clips} clips")];
@@ -52,12 +52,12 @@ fn title(model: &Model) -> String {
             }
             parts.join(" · ")
         }
-        Document::World(w) => {
+        OpenDocument::World(w) => {
             let (units, instances) = (w.placed().len(), w.graph().num_instances());
             let edits = if w.revision() > 0 { " · edited" } else { "" };
             format!("{name} · {units} units · {instances} patches · {} characters{edits}", w.run().num_characters())
         }
-        Document::Scene(s) => {
+        OpenDocument::Scene(s) => {
             let (groups, choice) = (s.run().simulation().groups().len(), s.choice());
             let engine = match choice.engine == Scheme::default() {
                 true => String::new(),
@@ -66,44 +66,44 @@ fn title(model: &Model) -> String {
             let s = if groups == 1 { "" } else { "s" };
             format!("{name} · {groups} group{s} · {} characters · seed {}{engine}", choice.characters, choice.seed)
         }
-        Document::Task(t) => {
+        OpenDocument::Task(t) => {
             let (things, edits) = (t.task().things.len(), if t.is_changed() { " · changed" } else { "" });
             let motions = t.motions().len();
             let [t1, t2] = [things, motions].map(|n| if n == 1 { "" } else { "s" });
             format!("{name} · {} to do · {things} thing{t1} · {motions} motion{t2}{edits}", t.task().num_steps())
         }
-        Document::Clip(c) => {
+        OpenDocument::Clip(c) => {
             format!("{name} · {} joints · {:.1} s at {} Hz", c.report.joints, c.duration_s(), c.report.rate_hz)
         }
     }
 }
 
-fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
+fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<ViewerCommand>) {
     if ui
         .button("Open…")
         .on_hover_text("A bundle, a scene, a world, a task, or files of motion; or drop them on the window (Ctrl+O)")
         .clicked()
     {
-        states.dialog = Some(Dialog::Files);
+        states.dialog = Some(SystemDialog::Files);
     }
     if ui.button("Open folder…").on_hover_text("A folder of motion, which is built first").clicked() {
-        states.dialog = Some(Dialog::Folder);
+        states.dialog = Some(SystemDialog::Folder);
     }
     ui.menu_button("Open recent", |ui| {
         if model.settings.opened.is_empty() {
             ui.weak("Nothing yet");
         }
         for paths in &model.settings.opened {
-            if ui.button(all(paths)).clicked() {
-                commands.push(Command::Open(paths.clone()));
+            if ui.button(path_list(paths)).clicked() {
+                commands.push(ViewerCommand::Open(paths.clone()));
             }
         }
     });
     if ui.add_enabled(model.document.path().is_some(), egui::Button::new("Reload")).clicked() {
-        commands.push(Command::Reload);
+        commands.push(ViewerCommand::Reload);
     }
     if ui.add_enabled(model.document.path().is_some(), egui::Button::new("Start page")).clicked() {
-        commands.push(Command::Close);
+        commands.push(ViewerCommand::Close);
     }
     ui.separator();
     if ui.button("Quit").clicked() {
@@ -111,17 +111,17 @@ fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec
     }
 }
 
-fn view(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
+fn view(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<ViewerCommand>) {
     let mut s = model.settings.clone();
     if ui.button("Show everything").on_hover_text("A").clicked() {
-        commands.push(Command::FrameAll);
+        commands.push(ViewerCommand::FrameAll);
     }
     ui.menu_button("Camera", |ui| {
-        for preset in Preset::ALL {
+        for preset in CameraPreset::ALL {
             if ui.button(preset.name()).clicked() {
                 let mut camera = s.camera;
                 preset.turn(&mut camera);
-                commands.push(Command::Camera(camera));
+                commands.push(ViewerCommand::Camera(camera));
             }
         }
     });
@@ -136,7 +136,7 @@ fn view(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec
             .on_hover_text("In proportions and clothes; feet stand where they are");
         let own = ui.button("Your own…").on_hover_text("A character with a skin, as .glb; everybody wears it");
         if own.clicked() {
-            states.dialog = Some(Dialog::Body);
+            states.dialog = Some(SystemDialog::Body);
         }
     });
     ui.menu_button("Colours", |ui| {
@@ -154,11 +154,11 @@ fn view(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec
     ui.separator();
     appearance(ui, &mut s);
     if s != model.settings {
-        commands.push(Command::Settings(Box::new(s)));
+        commands.push(ViewerCommand::Settings(Box::new(s)));
     }
 }
 
-fn overlays(ui: &mut Ui, s: &mut Settings) {
+fn overlays(ui: &mut Ui, s: &mut ViewerSettings) {
     let o = &mut s.overlays;
     ui.checkbox(&mut o.contacts, "Contacts");
     ui.checkbox(&mut o.trails, "Trails of the roots");
@@ -170,7 +170,7 @@ fn overlays(ui: &mut Ui, s: &mut Settings) {
     ui.checkbox(&mut o.onion_skin, "Onion skin of clips");
 }
 
-fn appearance(ui: &mut Ui, s: &mut Settings) {
+fn appearance(ui: &mut Ui, s: &mut ViewerSettings) {
     ui.menu_button("Theme", |ui| {
         let all = [
             (ThemePreference::Dark, "Dark"),
@@ -188,28 +188,31 @@ fn appearance(ui: &mut Ui, s: &mut Settings) {
     });
 }
 
-fn panels(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+fn panels(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
     for panel in PANELS {
         let open = [model.settings.side_panel, model.settings.bottom_panel].contains(&Some(panel.kind));
         let text = format!("{} ({})", panel.title, panel.key.name());
         if ui.selectable_label(open, text).on_hover_text(panel.purpose).clicked() {
-            commands.push(Command::TogglePanel(panel.kind));
+            commands.push(ViewerCommand::TogglePanel(panel.kind));
         }
     }
 }
 
-fn stages(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+fn stages(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
     let run = match () {
-        () if model.document.world().is_some() => (Stage::Crowd, "World", "The characters of the world"),
-        () if model.document.scene().is_some() => (Stage::Crowd, "Scene", "The groups of the scene"),
-        () => (Stage::Crowd, "Crowd", "The run of a crowd"),
+        () if model.document.world().is_some() => (ViewStage::Crowd, "World", "The characters of the world"),
+        () if model.document.scene().is_some() => (ViewStage::Crowd, "Scene", "The groups of the scene"),
+        () => (ViewStage::Crowd, "Crowd", "The run of a crowd"),
     };
-    let all =
-        [run, (Stage::Blend, "Blend", "A character walking in a blend space"), (Stage::Clip, "Clip", "A clip alone")];
+    let all = [
+        run,
+        (ViewStage::Blend, "Blend", "A character walking in a blend space"),
+        (ViewStage::Clip, "Clip", "A clip alone"),
+    ];
     let there = model.stages();
     for (stage, name, tip) in all.into_iter().filter(|s| there.contains(&s.0)) {
         if ui.selectable_label(model.shown_stage() == stage, name).on_hover_text(format!("{tip} (C)")).clicked() {
-            commands.push(Command::Stage(stage));
+            commands.push(ViewerCommand::Stage(stage));
         }
     }
 }

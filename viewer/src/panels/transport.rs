@@ -1,14 +1,14 @@
 //! Time: play, pause, step, speed, and the last minute to be scrubbed through.
 
-use super::glitches::{self, Mark};
-use crate::command::Command;
+use super::glitches::{self, GlitchMark};
+use crate::command::ViewerCommand;
 use crate::model::Model;
 use crate::run::STEP_HZ;
-use crate::theme::Palette;
+use crate::theme::ThemePalette;
 use eframe::egui::{self, Button, Label, Rangef, Rect, Response, Slider, Ui, remap, vec2};
 
 /// Input of the bar: from the run or from the clip.
-struct Time {
+struct TransportTime {
     playing: bool,
     speed: f32,
     now: u32,
@@ -18,19 +18,19 @@ struct Time {
     live: bool,
 }
 
-fn time_of(model: &Model) -> Option<Time> {
+fn time_of(model: &Model) -> Option<TransportTime> {
     if model.shows_clip() {
         let (num_frames, rate_hz) = model.shown_clip()?;
         let p = &model.player;
         let (now, last) = (p.frame as u32, num_frames.saturating_sub(1));
-        return Some(Time { playing: p.playing, speed: p.speed, now, first: 0, last, rate_hz, live: false });
+        return Some(TransportTime { playing: p.playing, speed: p.speed, now, first: 0, last, rate_hz, live: false });
     }
     let head = model.head()?;
     let recorded = head.recorded();
-    Some(Time {
+    Some(TransportTime {
         playing: head.is_playing(),
         speed: head.speed(),
-        now: head.now(),
+        now: head.shown_step(),
         first: *recorded.start(),
         last: *recorded.end(),
         rate_hz: STEP_HZ,
@@ -39,12 +39,12 @@ fn time_of(model: &Model) -> Option<Time> {
 }
 
 /// Shows the bar.
-pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
     let Some(t) = time_of(model) else {
         ui.weak("Open a file to play it.");
         return;
     };
-    let marks = if model.shows_clip() { glitches::shown(model) } else { Vec::new() };
+    let marks = if model.shows_clip() { glitches::shown_glitches(model) } else { Vec::new() };
     scrubber(ui, &t, &marks, commands);
     ui.horizontal_wrapped(|ui| {
         buttons(ui, &t, model.shows_clip(), commands);
@@ -70,7 +70,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 /// The time line over the whole width.
 ///
 /// - `marks`: glitches of the clip, below the line.
-fn scrubber(ui: &mut Ui, t: &Time, marks: &[Mark], commands: &mut Vec<Command>) {
+fn scrubber(ui: &mut Ui, t: &TransportTime, marks: &[GlitchMark], commands: &mut Vec<ViewerCommand>) {
     ui.spacing_mut().slider_width = ui.available_width().max(60.0);
     let mut now = t.now;
     let slider = Slider::new(&mut now, t.first..=t.last.max(t.first + 1)).show_value(false).trailing_fill(true);
@@ -79,17 +79,17 @@ fn scrubber(ui: &mut Ui, t: &Time, marks: &[Mark], commands: &mut Vec<Command>) 
     let scrubber = scrubber.on_hover_text(hint);
     scrubber.widget_info(|| egui::WidgetInfo::slider(true, f64::from(now), "Time"));
     if scrubber.drag_started() || scrubber.clicked() {
-        commands.push(Command::Play(false));
+        commands.push(ViewerCommand::Play(false));
     }
     if now != t.now {
-        commands.push(Command::Seek(now));
+        commands.push(ViewerCommand::Seek(now));
     }
 }
 
 /// Paints the marks below the line; returns a tooltip about the mark under the pointer, or about the line.
-fn pointed(ui: &Ui, scrubber: &Response, t: &Time, marks: &[Mark]) -> String {
+fn pointed(ui: &Ui, scrubber: &Response, t: &TransportTime, marks: &[GlitchMark]) -> String {
     // The handle of the slider stays within these ends.
-    let (rect, palette) = (scrubber.rect, Palette::of(ui.visuals()));
+    let (rect, palette) = (scrubber.rect, ThemePalette::for_visuals(ui.visuals()));
     let line = rect.x_range().shrink(rect.height() / 2.5);
     let x = |frame: u32| remap(frame as f32, t.first as f32..=t.last as f32, line.min..=line.max);
     let mut told = Vec::new();
@@ -108,33 +108,33 @@ fn pointed(ui: &Ui, scrubber: &Response, t: &Time, marks: &[Mark]) -> String {
     }
 }
 
-fn buttons(ui: &mut Ui, t: &Time, is_clip: bool, commands: &mut Vec<Command>) {
-    let mut button = |text: &str, name: &str, tip: &str, command: Command| {
+fn buttons(ui: &mut Ui, t: &TransportTime, is_clip: bool, commands: &mut Vec<ViewerCommand>) {
+    let mut button = |text: &str, name: &str, tip: &str, command: ViewerCommand| {
         let r = ui.add(Button::new(text).min_size(vec2(26.0, 22.0))).on_hover_text(tip);
         r.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
         if r.clicked() {
             commands.push(command);
         }
     };
-    button("⏮", "First", "Start of the recording (Home)", Command::Seek(t.first));
-    button("⏪", "Step back", "One step back (Left; Shift+Left a second)", Command::Step(-1));
+    button("⏮", "First", "Start of the recording (Home)", ViewerCommand::Seek(t.first));
+    button("⏪", "Step back", "One step back (Left; Shift+Left a second)", ViewerCommand::Step(-1));
     match t.playing {
-        true => button("⏸", "Pause", "Pause (Space)", Command::Play(false)),
-        false => button("▶", "Play", "Play (Space)", Command::Play(true)),
+        true => button("⏸", "Pause", "Pause (Space)", ViewerCommand::Play(false)),
+        false => button("▶", "Play", "Play (Space)", ViewerCommand::Play(true)),
     }
-    button("⏩", "Step", "One step forward (Right; Shift+Right a second)", Command::Step(1));
-    button("⏭", "Last", "End of the recording (End)", Command::Seek(t.last));
+    button("⏩", "Step", "One step forward (Right; Shift+Right a second)", ViewerCommand::Step(1));
+    button("⏭", "Last", "End of the recording (End)", ViewerCommand::Seek(t.last));
     if !is_clip {
-        button("⟲", "Restart", "Restart with the same seed (R)", Command::Restart);
+        button("⟲", "Restart", "Restart with the same seed (R)", ViewerCommand::Restart);
     }
 }
 
-fn speed(ui: &mut Ui, t: &Time, commands: &mut Vec<Command>) {
+fn speed(ui: &mut Ui, t: &TransportTime, commands: &mut Vec<ViewerCommand>) {
     let name = |s: f32| format!("{s} ×");
     let combo = egui::ComboBox::from_id_salt("speed").width(64.0).selected_text(name(t.speed)).show_ui(ui, |ui| {
         for s in [0.1, 0.25, 0.5, 1.0, 2.0, 4.0] {
             if ui.selectable_label(t.speed == s, name(s)).clicked() {
-                commands.push(Command::Speed(s));
+                commands.push(ViewerCommand::Speed(s));
             }
         }
     });

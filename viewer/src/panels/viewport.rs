@@ -1,6 +1,6 @@
 //! The 3-D view: camera, selection, and targets that are dragged.
 
-mod boards;
+mod blackboards;
 mod edits;
 mod label;
 pub mod pad;
@@ -9,16 +9,16 @@ pub mod task;
 pub mod world;
 
 use super::{build, messages, words};
-use crate::command::Command;
+use crate::command::ViewerCommand;
 use crate::model::Model;
-use crate::render::{self, Camera, Ray};
-use crate::run::{Input, TargetMode};
-use crate::stage::{self, Layout, ValueCell};
+use crate::render::{self, OrbitCamera, Ray};
+use crate::run::{RunInput, TargetMode};
+use crate::stage::{self, StageLayout, ValueCell};
 use eframe::egui::text::{LayoutJob, TextFormat};
 use eframe::egui::{self, Align, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
-use throng_runtime::simulation::GroupCast;
-use throng_runtime::world::inhabitants::Wish;
+use throng_runtime::simulation::AnyCharacterGroup;
+use throng_runtime::world::inhabitants::InhabitantGoal;
 
 /// Distance from the pointer within which a target can be grabbed (points).
 const GRAB: f32 = 16.0;
@@ -33,13 +33,13 @@ const NEAR_CELL: f32 = 7.0;
 
 /// State of the view.
 #[derive(Clone, Debug, Default)]
-pub struct State {
+pub struct ViewportState {
     /// Character whose target is dragged; the inner none stands for all targets.
     dragged: Option<Option<usize>>,
     /// A unit of a world that is dragged.
-    dragged_unit: Option<world::Dragged>,
+    dragged_unit: Option<world::DraggedUnit>,
     /// A thing of a task that is dragged.
-    held: Option<task::Held>,
+    dragged_thing: Option<task::DraggedThing>,
     /// Heading of the unit that a click would place (rad).
     heading: f32,
     /// Width over height.
@@ -48,28 +48,28 @@ pub struct State {
 
 /// Area of the view that the caller draws in 3-D.
 #[derive(Clone, Copy, Debug)]
-pub struct Drawn {
+pub struct ViewportArea {
     /// Part of the screen.
     pub rect: Rect,
     /// From where.
-    pub camera: Camera,
+    pub camera: OrbitCamera,
 }
 
 /// Shows the view in all that is left of the window. `paint` adds the 3-D picture.
 pub fn show(
     ui: &mut Ui,
     model: &Model,
-    layout: &Layout,
-    state: &mut State,
-    commands: &mut Vec<Command>,
-    paint: impl FnOnce(&Ui, Drawn) -> Result<(), String>,
+    layout: &StageLayout,
+    state: &mut ViewportState,
+    commands: &mut Vec<ViewerCommand>,
+    paint: impl FnOnce(&Ui, ViewportArea) -> Result<(), String>,
 ) {
     let response = ui.allocate_rect(ui.available_rect_before_wrap(), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3-D view"));
     let rect = response.rect;
     state.aspect = rect.width() / rect.height().max(1.0);
     let camera = model.settings.camera;
-    match paint(ui, Drawn { rect, camera }) {
+    match paint(ui, ViewportArea { rect, camera }) {
         Ok(()) => {}
         Err(why) => note(ui, rect, &why, ui.visuals().error_fg_color),
     }
@@ -78,12 +78,12 @@ pub fn show(
     label::show(ui, rect, model);
     steer::show(ui, rect, model);
     let pointed = response.hover_pos();
-    let ray = || Some(model.settings.camera.ray(within(rect, pointed?), size(rect)));
-    boards::tell(response.clone(), model, ray);
-    tell_value(response, model, layout);
+    let ray = || Some(model.settings.camera.ray(position_in_view(rect, pointed?), size(rect)));
+    blackboards::show_tooltip(response.clone(), model, ray);
+    show_value_tooltip(response, model, layout);
     edits::show(ui, rect, model, commands);
     messages::show(ui, rect, model, commands);
-    build::over(ui, rect, model, commands);
+    build::show_over(ui, rect, model, commands);
 }
 
 /// Text in the middle of the view, in as many rows as it needs.
@@ -101,20 +101,20 @@ fn size(rect: Rect) -> Vec2 {
 }
 
 /// Place of the pointer within the view.
-fn within(rect: Rect, at: Pos2) -> Vec2 {
+fn position_in_view(rect: Rect, at: Pos2) -> Vec2 {
     Vec2::new(at.x - rect.left(), at.y - rect.top())
 }
 
 /// Camera and targets.
-fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut ViewportState, commands: &mut Vec<ViewerCommand>) {
     let rect = response.rect;
     let shift = ui.input(|i| i.modifiers.shift);
-    let ray = |at: Pos2| model.settings.camera.ray(within(rect, at), size(rect));
+    let ray = |at: Pos2| model.settings.camera.ray(position_in_view(rect, at), size(rect));
     let was_dragged = state.dragged_unit.is_some();
     let drags_unit = world::drag(ui, response, model, ray, &mut state.dragged_unit, commands);
     world::keys(ui, model, was_dragged, commands);
     world::hover(ui, model, response.hover_pos().map(ray), &mut state.heading, commands);
-    if drags_unit || task::drag(ui, response, model, &mut state.held, commands) {
+    if drags_unit || task::drag(ui, response, model, &mut state.dragged_thing, commands) {
         return;
     }
     let targets = targets(model);
@@ -130,16 +130,16 @@ fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut State, commands
     if let (Some(character), Some(at)) = (state.dragged, response.interact_pointer_pos())
         && let Some(targets) = &targets
     {
-        let ray = model.settings.camera.ray(within(rect, at), size(rect));
+        let ray = model.settings.camera.ray(position_in_view(rect, at), size(rect));
         let held = targets.all.iter().find(|t| character.is_none_or(|c| c == t.0));
         let to = match held.and_then(|t| t.2) {
             // A target in the air goes up and down while the Alt key is held, else it keeps its height.
             Some(home) if ui.input(|i| i.modifiers.alt) => upright(&ray, model.settings.camera, home),
-            Some(home) => ray.meets_height(home.y),
-            None => ray.meets_ground(),
+            Some(home) => ray.intersect_height(home.y),
+            None => ray.intersect_ground(),
         };
         if let Some(to) = to {
-            commands.push(Command::Input(Input::Target { character, to }));
+            commands.push(ViewerCommand::Input(RunInput::Target { character, to }));
         }
         ui.set_cursor_icon(CursorIcon::Grabbing);
         return;
@@ -152,7 +152,7 @@ fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut State, commands
     move_camera(ui, response, model, shift, commands);
 }
 
-fn move_camera(ui: &Ui, response: &Response, model: &Model, shift: bool, commands: &mut Vec<Command>) {
+fn move_camera(ui: &Ui, response: &Response, model: &Model, shift: bool, commands: &mut Vec<ViewerCommand>) {
     let mut camera = model.settings.camera;
     let by = response.drag_delta();
     if response.dragged_by(PointerButton::Middle) || (response.dragged_by(PointerButton::Primary) && shift) {
@@ -167,20 +167,20 @@ fn move_camera(ui: &Ui, response: &Response, model: &Model, shift: bool, command
         camera.zoom((-0.0025 * scroll).exp() / pinch);
     }
     if camera != model.settings.camera {
-        commands.push(Command::Camera(camera));
+        commands.push(ViewerCommand::Camera(camera));
     }
 }
 
 /// Point on the vertical line through a place that is nearest to a ray, found on the upright plane there that faces
 /// the camera; above the ground (m).
-fn upright(ray: &Ray, camera: Camera, place: Vec3) -> Option<Vec3> {
+fn upright(ray: &Ray, camera: OrbitCamera, place: Vec3) -> Option<Vec3> {
     let facing = camera.axes()[2].with_y(0.0).try_normalize()?;
     let distance = (place - ray.origin).dot(facing) / ray.direction.dot(facing);
-    (distance.is_finite() && distance > 0.0).then(|| place.with_y(ray.at(distance).y.max(0.05)))
+    (distance.is_finite() && distance > 0.0).then(|| place.with_y(ray.point_at(distance).y.max(0.05)))
 }
 
 /// Targets that can be moved.
-struct Targets {
+struct MovableTargets {
     /// One for all characters.
     is_shared: bool,
     /// Character, its target, and where that hangs; none where it lies on the ground (m).
@@ -188,28 +188,28 @@ struct Targets {
 }
 
 /// Movable targets of the crowd or the scene that is shown; none without any.
-fn targets(model: &Model) -> Option<Targets> {
+fn targets(model: &Model) -> Option<MovableTargets> {
     if let Some((_, run)) = model.shown_crowd() {
         let all = run.targets().iter().enumerate().map(|(c, &t)| (c, t, None)).collect();
-        return Some(Targets { is_shared: run.config().targets == TargetMode::Shared, all });
+        return Some(MovableTargets { is_shared: run.config().targets == TargetMode::Shared, all });
     }
     let simulation = model.shown_scene()?.run().simulation();
     let mut all = Vec::new();
     for group in simulation.groups() {
-        if let GroupCast::Policy(p) = &simulation.casts()[group.cast] {
+        if let AnyCharacterGroup::Policy(p) = &simulation.character_groups()[group.character_group] {
             let targets = group.characters.clone().zip(p.practice().targets());
             all.extend(targets.map(|(who, t)| (who, t.position(), Some(t.home))));
         }
     }
-    (!all.is_empty()).then_some(Targets { is_shared: false, all })
+    (!all.is_empty()).then_some(MovableTargets { is_shared: false, all })
 }
 
 /// Character whose target is under the pointer.
-fn grabbed(model: &Model, targets: &Targets, rect: Rect, at: Pos2) -> Option<Option<usize>> {
+fn grabbed(model: &Model, targets: &MovableTargets, rect: Rect, at: Pos2) -> Option<Option<usize>> {
     let camera = model.settings.camera;
     let near = |target: Vec3| {
         let place = camera.project(target, size(rect))?;
-        let distance = (place - within(rect, at)).length();
+        let distance = (place - position_in_view(rect, at)).length();
         (distance < GRAB).then_some(distance)
     };
     if targets.is_shared {
@@ -229,15 +229,15 @@ fn grabbed(model: &Model, targets: &Targets, rect: Rect, at: Pos2) -> Option<Opt
     found.map(|(c, _)| Some(c))
 }
 
-fn click(ui: &Ui, response: &Response, model: &Model, layout: &Layout, commands: &mut Vec<Command>) {
+fn click(ui: &Ui, response: &Response, model: &Model, layout: &StageLayout, commands: &mut Vec<ViewerCommand>) {
     let rect = response.rect;
     let Some(at) = response.interact_pointer_pos() else { return };
-    let ray = model.settings.camera.ray(within(rect, at), size(rect));
+    let ray = model.settings.camera.ray(position_in_view(rect, at), size(rect));
     if response.double_clicked() {
-        if let Some(place) = ray.meets_ground() {
+        if let Some(place) = ray.intersect_ground() {
             let mut camera = model.settings.camera;
             camera.target = place.with_y(camera.target.y);
-            commands.push(Command::Camera(camera));
+            commands.push(ViewerCommand::Camera(camera));
         }
         return;
     }
@@ -252,54 +252,58 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &Layout, commands:
     }
     let is_order = ui.input(|i| i.modifiers.command);
     if is_order && let Some(input) = order(model, &ray) {
-        return commands.push(Command::Input(input));
+        return commands.push(ViewerCommand::Input(input));
     }
     if let Some(scene) = model.shown_scene() {
         let body = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);
         let body = body.and_then(|hit| layout.drawn.get(hit.character).copied());
         let hit = body.or_else(|| stage::scene::pick(scene, &model.settings.camera, &ray, size(rect)));
-        let board = boards::read(model, &ray).filter(|_| hit.is_none());
-        return commands.push(board.unwrap_or(Command::SelectCharacter(hit)));
+        let board = blackboards::select_cell(model, &ray).filter(|_| hit.is_none());
+        return commands.push(board.unwrap_or(ViewerCommand::SelectCharacter(hit)));
     }
     if model.shown_crowd().is_some() && !is_order {
         let hit = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);
         let who = hit.map(|h| layout.drawn.get(h.character).copied().unwrap_or(h.character));
-        commands.push(Command::SelectCharacter(who));
+        commands.push(ViewerCommand::SelectCharacter(who));
     }
 }
 
 /// Input of a click with the command key: moves a target there, or sends an inhabitant of a world there.
-fn order(model: &Model, ray: &Ray) -> Option<Input> {
+fn order(model: &Model, ray: &Ray) -> Option<RunInput> {
     let selected = model.selection.character;
     let targets = targets(model);
     let character = selected.filter(|_| targets.as_ref().is_none_or(|t| !t.is_shared));
     let is_own = |t: &&(usize, Vec3, Option<Vec3>)| character.is_none_or(|c| c == t.0);
     let shared_or_selected = targets.as_ref().filter(|t| t.is_shared || character.is_some());
     if let Some(held) = shared_or_selected.and_then(|t| t.all.iter().find(is_own)) {
-        return Some(Input::Target { character, to: ray.meets_height(held.2.map_or(0.0, |home| home.y))? });
+        return Some(RunInput::Target { character, to: ray.intersect_height(held.2.map_or(0.0, |home| home.y))? });
     }
     let scene = model.shown_scene()?;
     let character = selected.filter(|&who| who < model.num_characters())?;
     match scene.run().simulation().locate(character).0 {
-        GroupCast::Patches(_) => {
-            let place = scene.standing().meets(ray).or(ray.meets_ground())?;
-            Some(Input::Wish { character, wish: Some(Wish::GoNear { place, within_m: world::SENT_WITHIN_M }) })
+        AnyCharacterGroup::Patches(_) => {
+            let place = scene.surroundings().intersect_units(ray).or(ray.intersect_ground())?;
+            Some(RunInput::Goal {
+                character,
+                goal: Some(InhabitantGoal::GoNear { place, within_m: world::SENT_WITHIN_M }),
+            })
         }
         _ => None,
     }
 }
 
 /// Shows a tooltip with the value of the policy's cell under the pointer, and the best action there.
-fn tell_value(response: Response, model: &Model, layout: &Layout) {
+fn show_value_tooltip(response: Response, model: &Model, layout: &StageLayout) {
     let (Some(at), Some(bundle), Some(state)) =
-        (response.hover_pos(), model.document.bundle(), model.looked_at_state())
+        (response.hover_pos(), model.document.bundle(), model.inspected_state())
     else {
         return;
     };
     let (rect, camera) = (response.rect, model.settings.camera);
     let eye = camera.eye();
-    let is_near =
-        |c: &&ValueCell| camera.project(c.place, size(rect)).is_some_and(|p| p.distance(within(rect, at)) < NEAR_CELL);
+    let is_near = |c: &&ValueCell| {
+        camera.project(c.place, size(rect)).is_some_and(|p| p.distance(position_in_view(rect, at)) < NEAR_CELL)
+    };
     // Of cells behind each other, the nearest one.
     let depth = |c: &ValueCell| c.place.distance(eye);
     let Some(found) = layout.cells.iter().filter(is_near).min_by(|a, b| depth(a).total_cmp(&depth(b))) else { return };

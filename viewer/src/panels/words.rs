@@ -3,8 +3,8 @@
 use glam::{Vec2, Vec3};
 use std::path::PathBuf;
 use throng_runtime::Planar;
-use throng_runtime::simulation::{GroupCast, Simulation};
-use throng_runtime::world::inhabitants::{Doing, InhabitantState, Wish};
+use throng_runtime::simulation::{AnyCharacterGroup, Simulation};
+use throng_runtime::world::inhabitants::{InhabitantActivity, InhabitantGoal, InhabitantState};
 
 /// Turns smaller than this are not worth a word (degrees).
 const STRAIGHT_DEG: f32 = 3.0;
@@ -30,7 +30,7 @@ pub fn place(p: Vec2) -> String {
 }
 
 /// Displacement of an action as a short text: distance, direction, turn.
-pub fn way(d: Planar) -> String {
+pub fn displacement(d: Planar) -> String {
     let p = Vec2::new(d.x, d.z);
     let turn = d.heading.to_degrees();
     let turns = match turn {
@@ -50,7 +50,7 @@ pub fn way(d: Planar) -> String {
 }
 
 /// Paths in a row.
-pub fn all(paths: &[PathBuf]) -> String {
+pub fn path_list(paths: &[PathBuf]) -> String {
     paths.iter().map(|p| p.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
@@ -80,18 +80,18 @@ fn side(degrees: f32) -> &'static str {
 }
 
 /// Activity of an inhabitant of a world, and how long it has waited.
-pub fn doing(state: &InhabitantState) -> String {
-    let word = match state.doing {
-        Doing::Roaming => "roams",
-        Doing::Planning => "plans a path",
-        Doing::Walking => "on its way",
-        Doing::Waiting => return format!("has waited {:.1} s for others", state.waited_s),
-        Doing::Detour => "makes way for others",
-        Doing::Meeting => "waits for a partner",
-        Doing::Performing => "does it",
-        Doing::Arrived => "is there",
-        Doing::Unreachable => "finds no path",
-        Doing::Blocked => "waits: its place is taken",
+pub fn inhabitant_activity(state: &InhabitantState) -> String {
+    let word = match state.activity {
+        InhabitantActivity::Roaming => "roams",
+        InhabitantActivity::Planning => "plans a path",
+        InhabitantActivity::Walking => "on its way",
+        InhabitantActivity::Waiting => return format!("has waited {:.1} s for others", state.waited_s),
+        InhabitantActivity::Detour => "makes way for others",
+        InhabitantActivity::Meeting => "waits for a partner",
+        InhabitantActivity::Performing => "does it",
+        InhabitantActivity::Arrived => "is there",
+        InhabitantActivity::Unreachable => "finds no path",
+        InhabitantActivity::Blocked => "waits: its place is taken",
     };
     word.to_owned()
 }
@@ -109,11 +109,13 @@ pub fn character(simulation: &Simulation, who: usize) -> Option<String> {
         Some(format!("{:.1}\u{a0}m\u{a0}away", (root - target).with_y(0.0).length()))
     };
     let what = match cast {
-        GroupCast::Policy(_) => format!("target {}", simulation.target(who).and_then(away)?),
-        GroupCast::Sparring(_) => format!("opponent {}", simulation.target(who).and_then(away)?),
-        GroupCast::Patches(inhabited) => doing(&inhabited.state(member)),
-        GroupCast::Paths(wanderers) => format!("{:.1} m/s", wanderers.speed(member)),
-        GroupCast::Ground(_) | GroupCast::Air(_) => format!("{:.2} m/s", simulation.disc(who)?.velocity.length()),
+        AnyCharacterGroup::Policy(_) => format!("target {}", simulation.target(who).and_then(away)?),
+        AnyCharacterGroup::Sparring(_) => format!("opponent {}", simulation.target(who).and_then(away)?),
+        AnyCharacterGroup::Patches(inhabited) => inhabitant_activity(&inhabited.state(member)),
+        AnyCharacterGroup::Paths(wanderers) => format!("{:.1} m/s", wanderers.speed(member)),
+        AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_) => {
+            format!("{:.2} m/s", simulation.disc(who)?.velocity.length())
+        }
     };
     Some(format!("{who} · {name} · {what}"))
 }
@@ -121,17 +123,19 @@ pub fn character(simulation: &Simulation, who: usize) -> Option<String> {
 /// Goal of an inhabitant, as text.
 ///
 /// - `tags`: names of the link tags of the bundle.
-pub fn wish(wish: Wish, tags: &[String]) -> String {
+pub fn goal(wish: InhabitantGoal, tags: &[String]) -> String {
     match wish {
-        Wish::Roam => "roam".to_owned(),
-        Wish::GoTo { instance } => format!("go to patch {instance}"),
-        Wish::GoToPlace { place } => format!("go to {:.1}, {:.1}, {:.1} m", place.at.x, place.at.y, place.at.z),
-        Wish::GoNear { place, .. } => format!("go near {:.1}, {:.1}, {:.1} m", place.x, place.y, place.z),
-        Wish::Perform { tag, seconds } => {
+        InhabitantGoal::Roam => "roam".to_owned(),
+        InhabitantGoal::GoTo { instance } => format!("go to patch {instance}"),
+        InhabitantGoal::GoToPlace { place } => {
+            format!("go to {:.1}, {:.1}, {:.1} m", place.at.x, place.at.y, place.at.z)
+        }
+        InhabitantGoal::GoNear { place, .. } => format!("go near {:.1}, {:.1}, {:.1} m", place.x, place.y, place.z),
+        InhabitantGoal::Perform { tag, seconds } => {
             let name = tags.get(usize::from(tag).wrapping_sub(1)).map_or("something", String::as_str);
             format!("{name} for {seconds:.0} s")
         }
-        Wish::Meet { tag, seconds } => {
+        InhabitantGoal::Meet { tag, seconds } => {
             let name = tags.get(usize::from(tag).wrapping_sub(1)).map_or("something", String::as_str);
             format!("{name} with a partner for {seconds:.0} s")
         }
@@ -152,10 +156,10 @@ mod tests {
 
     #[test]
     fn a_displacement_names_distance_direction_and_turn() {
-        assert_eq!(way(Planar::new(0.0, 0.61, 0.0)), "0.61 m ahead");
-        assert_eq!(way(Planar::new(0.5, 0.5, -0.35)), "0.71 m 45° left, turns 20° right");
-        assert_eq!(way(Planar::new(0.01, 0.0, 1.0)), "stays, turns 57° left");
-        assert_eq!(way(Planar::IDENTITY), "stays");
+        assert_eq!(displacement(Planar::new(0.0, 0.61, 0.0)), "0.61 m ahead");
+        assert_eq!(displacement(Planar::new(0.5, 0.5, -0.35)), "0.71 m 45° left, turns 20° right");
+        assert_eq!(displacement(Planar::new(0.01, 0.0, 1.0)), "stays, turns 57° left");
+        assert_eq!(displacement(Planar::IDENTITY), "stays");
     }
 
     #[test]

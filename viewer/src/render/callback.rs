@@ -1,6 +1,6 @@
 //! The view inside an egui window.
 
-use super::{Camera, SceneColours, SceneRenderer};
+use super::{OrbitCamera, SceneColours, SceneRenderer};
 use eframe::egui;
 use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, ScreenDescriptor};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -15,7 +15,7 @@ pub struct SceneCallback {
     /// The renderer, shared with the upload.
     pub renderer: Arc<Mutex<SceneRenderer>>,
     /// From where.
-    pub camera: Camera,
+    pub camera: OrbitCamera,
     /// Size of the picture (pixels).
     pub size: [u32; 2],
     /// Colours of the surroundings.
@@ -84,7 +84,7 @@ mod tests {
         let colours = SceneColours { sky: colours.horizon, ..colours };
         let callback = SceneCallback {
             renderer: Arc::new(Mutex::new(renderer)),
-            camera: Camera::default(),
+            camera: OrbitCamera::default(),
             size: [1, 1],
             colours,
             time: Arc::default(),

@@ -2,15 +2,15 @@
 
 use super::buffer::GrowingBuffer;
 use super::cull::{self, Frustum};
-use super::mesh::{self, Body, LEVELS};
-use super::pipelines::{self, Input, Layer, Recipe};
+use super::mesh::{self, BodyStyle, LEVELS};
+use super::pipelines::{self, Layer, PipelineInput, PipelineRecipe};
 use super::worn_draws::WornDraws;
-use super::{Camera, RenderError, Rgba, SceneFrame};
+use super::{OrbitCamera, RenderError, Rgba, SceneFrame};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 use std::sync::Arc;
-use throng_runtime::characters::Instance;
+use throng_runtime::characters::PoseInstance;
 use throng_runtime::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
 use wgpu::Face;
 
@@ -38,16 +38,16 @@ pub struct CharacterInstance {
 
 /// One character to draw from frame rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Record {
+pub struct RecordInstance {
     /// Which rows, and where.
-    pub instance: Instance,
+    pub instance: PoseInstance,
     /// Main colour, see [`CharacterInstance`].
     pub colour: Rgba,
     /// Bits that choose colours, see [`CharacterInstance`].
     pub look: u32,
 }
 
-/// The struct `Instance` of `shaders/instance.wgsl`.
+/// The struct `PoseInstance` of `shaders/instance.wgsl`.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct GpuInstance {
@@ -69,7 +69,7 @@ const FROM_PALETTE: u32 = u32::MAX;
 
 /// Position and kind of a character, for choosing how it is drawn.
 #[derive(Clone, Copy)]
-struct Place {
+struct CharacterPlace {
     hips: Vec3,
     ghost: bool,
     /// Drawn with a mesh of the user's own.
@@ -78,16 +78,16 @@ struct Place {
 
 /// Draws of one frame: for each level of detail, a range of the list of character numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Lists {
+pub(super) struct LevelLists {
     pub solid: [Range<u32>; LEVELS],
     pub ghosts: [Range<u32>; LEVELS],
     /// Characters whose shadow can be in view, by the level of the shadow.
     pub shadows: [Range<u32>; LEVELS],
 }
 
-impl Lists {
+impl LevelLists {
     /// Ranges of a layer. Far away, contact is too small to be visible.
-    pub fn of(&self, layer: Layer) -> &[Range<u32>] {
+    pub fn layer_ranges(&self, layer: Layer) -> &[Range<u32>] {
         match layer {
             Layer::Solid => &self.solid,
             Layer::Ghosts => &self.ghosts,
@@ -100,14 +100,14 @@ impl Lists {
 /// Draws of one frame, with the bodies that the viewer makes and with the user's own.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct DrawLists {
-    pub made: Lists,
-    pub worn: Lists,
+    pub made: LevelLists,
+    pub worn: LevelLists,
 }
 
 impl DrawLists {
     /// Characters in view, by level of detail.
     pub fn per_level(&self) -> [usize; LEVELS] {
-        let of = |l: &Lists, i: usize| l.solid[i].len() + l.ghosts[i].len();
+        let of = |l: &LevelLists, i: usize| l.solid[i].len() + l.ghosts[i].len();
         std::array::from_fn(|i| of(&self.made, i) + of(&self.worn, i))
     }
 }
@@ -143,7 +143,7 @@ impl GpuMesh {
 }
 
 /// Everything about characters that lives on the GPU.
-pub(super) struct Characters {
+pub(super) struct CharacterDraws {
     layout: wgpu::BindGroupLayout,
     group: Option<wgpu::BindGroup>,
     palette: GrowingBuffer,
@@ -153,8 +153,8 @@ pub(super) struct Characters {
     uploaded_rows: Option<Arc<[Mat3x4]>>,
     lists: GrowingBuffer,
     meshes: [GpuMesh; LEVELS],
-    built: Option<(Body, Skeleton)>,
-    places: Vec<Place>,
+    built: Option<(BodyStyle, Skeleton)>,
+    places: Vec<CharacterPlace>,
     staging: Vec<GpuInstance>,
     numbers: Vec<u32>,
     reach: f32,
@@ -164,7 +164,7 @@ pub(super) struct Characters {
     was_worn: bool,
 }
 
-impl Characters {
+impl CharacterDraws {
     pub fn new(device: &wgpu::Device, scene_layout: &wgpu::BindGroupLayout) -> Self {
         use wgpu::BufferUsages as Usage;
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
@@ -181,9 +181,10 @@ impl Characters {
             // The faces away from the light are the lower ones, where shadows are darkest.
             let (shader, hidden) = if layer.is_shadow() { (&shadow, Face::Front) } else { (&body, Face::Back) };
             let (stages, groups, input, output) =
-                (layer.stages(), &[scene_layout, &layout], Input::Body, layer.output());
+                (layer.stages(), &[scene_layout, &layout], PipelineInput::Body, layer.output());
             let hidden = Some(hidden);
-            Recipe { label: "bodies", shader, stages, groups, input, output, strip: false, hidden }.build(device)
+            PipelineRecipe { label: "bodies", shader, stages, groups, input, output, strip: false, hidden }
+                .build(device)
         });
         Self {
             pipelines,
@@ -210,7 +211,7 @@ impl Characters {
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        body: Body,
+        body: BodyStyle,
         skeleton: &Skeleton,
     ) -> Result<(), RenderError> {
         if self.built.as_ref().is_some_and(|(b, s)| *b == body && s == skeleton) {
@@ -253,17 +254,17 @@ impl Characters {
             let hips = pose[0].translation();
             let p = root.transform_point(Vec2::new(hips.x, hips.z));
             let (hips, ghost) = (Vec3::new(p.x, hips.y, p.y), instance.colour.0[3] < 255);
-            self.places.push(Place { hips, ghost, worn: frame.worn.is_some() });
+            self.places.push(CharacterPlace { hips, ghost, worn: frame.worn.is_some() });
             let (worn, look) = ((i * num_frames) as u32, instance.look);
             let is_selected = u32::from(instance.is_selected);
             let posed = GpuInstance { row_a: FROM_PALETTE, is_selected, worn, look, ..Zeroable::zeroed() };
             self.staging.push(GpuInstance { root: gpu_root(root), colour: instance.colour, ..posed });
         }
-        for Record { instance: i, colour, look } in records {
+        for RecordInstance { instance: i, colour, look } in records {
             let hips = Vec3::new(i.x, i.y + frame.skeleton.rest_positions()[0].y, i.z);
-            self.places.push(Place { hips, ghost: colour.0[3] < 255, worn: false });
+            self.places.push(CharacterPlace { hips, ghost: colour.0[3] < 255, worn: false });
             let root = gpu_root(Planar::new(i.x, i.z, i.heading));
-            let Instance { row_a, row_b, frac_blend, y, .. } = *i;
+            let PoseInstance { row_a, row_b, frac_blend, y, .. } = *i;
             let recorded = GpuInstance { row_a, row_b, frac_blend, y, look: *look, ..Zeroable::zeroed() };
             self.staging.push(GpuInstance { root, colour: *colour, ..recorded });
         }
@@ -301,21 +302,21 @@ impl Characters {
     }
 
     /// Chooses which characters are drawn, at which level of detail, and uploads the lists.
-    pub fn choose(&mut self, queue: &wgpu::Queue, camera: &Camera, size: [u32; 2]) -> DrawLists {
+    pub fn choose(&mut self, queue: &wgpu::Queue, camera: &OrbitCamera, size: [u32; 2]) -> DrawLists {
         let [width, height] = size.map(|s| s.max(1) as f32);
         let frustum = Frustum::new(camera.view_proj(width / height));
         let (eye, per_metre) = (camera.eye(), camera.pixels_per_metre(1.0, height));
-        let level = |p: &Place| {
+        let level = |p: &CharacterPlace| {
             let pixels = 1.8 * per_metre / p.hips.distance(eye).max(1e-3);
             LEVEL_PIXELS.iter().filter(|&&least| pixels < least).count()
         };
         let mut bins: [Vec<u32>; 6 * LEVELS] = std::array::from_fn(|_| Vec::new());
         for (i, place) in self.places.iter().enumerate() {
-            if !frustum.sees(place.hips, self.reach + SHADOW_REACH) {
+            if !frustum.intersects_sphere(place.hips, self.reach + SHADOW_REACH) {
                 continue;
             }
             let (level, first) = (level(place), if place.worn { 3 * LEVELS } else { 0 });
-            if frustum.sees(place.hips, self.reach) {
+            if frustum.intersects_sphere(place.hips, self.reach) {
                 bins[first + level + if place.ghost { LEVELS } else { 0 }].push(i as u32);
             }
             bins[first + 2 * LEVELS + SHADOW_LEVEL[level]].push(i as u32);
@@ -327,7 +328,7 @@ impl Characters {
             start..self.numbers.len() as u32
         });
         let mut by_level = || std::array::from_fn(|_| ranges.next().unwrap_or_default());
-        let mut lists = || Lists { solid: by_level(), ghosts: by_level(), shadows: by_level() };
+        let mut lists = || LevelLists { solid: by_level(), ghosts: by_level(), shadows: by_level() };
         let lists = DrawLists { made: lists(), worn: lists() };
         if !self.numbers.is_empty() {
             queue.write_buffer(self.lists.get(), 0, bytemuck::cast_slice(&self.numbers));
@@ -340,9 +341,9 @@ impl Characters {
         if let Some(group) = &self.group {
             pass.set_pipeline(&self.pipelines[layer as usize]);
             pass.set_bind_group(1, group, &[]);
-            draw_levels(pass, &self.meshes, self.lists.get(), lists.made.of(layer));
+            draw_levels(pass, &self.meshes, self.lists.get(), lists.made.layer_ranges(layer));
         }
-        self.worn.draw(pass, self.lists.get(), lists.worn.of(layer), layer);
+        self.worn.draw(pass, self.lists.get(), lists.worn.layer_ranges(layer), layer);
     }
 }
 

@@ -18,7 +18,7 @@ impl Frustum {
     }
 
     /// False only where no point of the sphere is in view.
-    pub fn sees(&self, centre: Vec3, radius: f32) -> bool {
+    pub fn intersects_sphere(&self, centre: Vec3, radius: f32) -> bool {
         self.planes.iter().all(|p| p.dot(centre.extend(1.0)) >= -radius)
     }
 }
@@ -40,7 +40,7 @@ pub(super) fn reach(skeleton: &Skeleton) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::{Body, Camera, mesh};
+    use crate::render::{BodyStyle, OrbitCamera, mesh};
     use glam::{Quat, Vec2};
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg32;
@@ -51,7 +51,7 @@ mod tests {
         let size = Vec2::new(1600.0, 900.0);
         let (mut seen, mut culled) = (0, 0);
         for _ in 0..4000 {
-            let mut camera = Camera {
+            let mut camera = OrbitCamera {
                 target: Vec3::new(0.0, 1.0, 0.0),
                 distance: rng.random_range(0.5..20.0),
                 yaw: rng.random_range(-3.0..3.0),
@@ -67,9 +67,9 @@ mod tests {
                 camera.project(centre + offset, size).is_some_and(|p| p.cmpge(Vec2::ZERO).all() && p.cmple(size).all());
             if visible {
                 seen += 1;
-                assert!(frustum.sees(centre, 1.0), "{camera:?} {centre}");
+                assert!(frustum.intersects_sphere(centre, 1.0), "{camera:?} {centre}");
             }
-            culled += usize::from(!frustum.sees(centre, 1.0));
+            culled += usize::from(!frustum.intersects_sphere(centre, 1.0));
         }
         assert!(seen > 200 && culled > 1000, "{seen} {culled}");
     }
@@ -78,7 +78,7 @@ mod tests {
     fn no_pose_reaches_out_of_its_sphere() {
         let skeleton = Skeleton::default();
         let rest = skeleton.rest_positions();
-        let (bodies, reach) = ([Body::Capsules, Body::Mannequin], reach(&skeleton));
+        let (bodies, reach) = ([BodyStyle::Capsules, BodyStyle::Mannequin], reach(&skeleton));
         let mut rng = Pcg32::seed_from_u64(6);
         for mesh in bodies.into_iter().flat_map(|b| mesh::build(b, &skeleton)) {
             for _ in 0..20 {

@@ -1,6 +1,6 @@
 //! The 3-D view: plain data in, pixels out.
 //!
-//! The caller hands over matrices, roots and shapes ([`SceneFrame`]), then asks for a picture from a [`Camera`].
+//! The caller hands over matrices, roots and shapes ([`SceneFrame`]), then asks for a picture from a [`OrbitCamera`].
 //! Nothing in here knows where characters come from.
 
 mod buffer;
@@ -25,16 +25,16 @@ mod worn_draws;
 mod worn_mesh;
 
 pub use callback::SceneCallback;
-pub use camera::{Camera, CameraParseError, Preset, Ray};
-pub use characters::{CharacterInstance, Record};
+pub use camera::{CameraParseError, CameraPreset, OrbitCamera, Ray};
+pub use characters::{CharacterInstance, RecordInstance};
 pub use colours::{Rgba, SceneColours};
 pub use device::{device_descriptor, wait};
 pub use error::RenderError;
-pub use mesh::Body;
+pub use mesh::BodyStyle;
 pub use offscreen::read_back;
-pub use picking::{Hit, pick};
+pub use picking::{PickedCharacter, pick};
 pub use renderer::{SceneFrame, SceneRenderer};
-pub use shapes::Shapes;
+pub use shapes::ShapeList;
 pub use solids::{SolidInstance, SolidMesh, Solids, upright};
-pub use worn_draws::Worn;
+pub use worn_draws::WornFrame;
 pub use worn_mesh::WornMesh;

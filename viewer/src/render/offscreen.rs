@@ -2,10 +2,10 @@
 
 use super::RenderError;
 use super::device::wait;
-use super::pipelines::{self, COLOUR, DEPTH, Input, MASK, Output, Recipe, SAMPLES};
+use super::pipelines::{self, COLOUR, DEPTH, MASK, PipelineInput, PipelineOutput, PipelineRecipe, SAMPLES};
 
 /// Textures of one size.
-pub(super) struct Targets {
+pub(super) struct RenderTargets {
     /// Width and height (pixels).
     pub size: [u32; 2],
     /// Colour with several samples a pixel.
@@ -28,7 +28,7 @@ pub(super) struct Offscreen {
     sampler: wgpu::Sampler,
     picture_layout: wgpu::BindGroupLayout,
     blit: wgpu::RenderPipeline,
-    targets: Option<Targets>,
+    targets: Option<RenderTargets>,
 }
 
 impl Offscreen {
@@ -37,13 +37,13 @@ impl Offscreen {
         let picture_layout = pipelines::texture_layout(device, "picture", wgpu::TextureViewDimension::D2);
         let shader = pipelines::shader(device, "blit", &[include_str!("shaders/blit.wgsl")]);
         let fragment = if window.is_srgb() { "linear_fragment" } else { "encoded_fragment" };
-        let blit = Recipe {
+        let blit = PipelineRecipe {
             label: "blit",
             shader: &shader,
             stages: ["vertex", fragment],
             groups: &[&picture_layout],
-            input: Input::Nothing,
-            output: Output::Window(window),
+            input: PipelineInput::Nothing,
+            output: PipelineOutput::Window(window),
             strip: false,
             hidden: None,
         };
@@ -59,7 +59,7 @@ impl Offscreen {
     }
 
     /// The targets of a size, rebuilt if it has changed; sizes are limited to what the device supports.
-    pub fn resize(&mut self, device: &wgpu::Device, size: [u32; 2]) -> &Targets {
+    pub fn resize(&mut self, device: &wgpu::Device, size: [u32; 2]) -> &RenderTargets {
         let most = device.limits().max_texture_dimension_2d;
         let size = size.map(|s| s.clamp(1, most));
         let kept = self.targets.take().filter(|t| t.size == size);
@@ -67,7 +67,7 @@ impl Offscreen {
         self.targets.insert(targets)
     }
 
-    fn allocate(&self, device: &wgpu::Device, size: [u32; 2]) -> Targets {
+    fn allocate(&self, device: &wgpu::Device, size: [u32; 2]) -> RenderTargets {
         use wgpu::TextureUsages as Usage;
         let [width, height] = size;
         let texture = |label, format, sample_count, usage| {
@@ -86,7 +86,7 @@ impl Offscreen {
         let picture = texture("picture", COLOUR, 1, Usage::TEXTURE_BINDING | Usage::COPY_SRC);
         let resolved = view(&picture);
         let mask = view(&texture("shadow mask", MASK, 1, Usage::TEXTURE_BINDING));
-        Targets {
+        RenderTargets {
             size,
             colour: view(&texture("samples", COLOUR, SAMPLES, Usage::empty())),
             depth: view(&texture("depth", DEPTH, SAMPLES, Usage::empty())),

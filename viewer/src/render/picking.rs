@@ -6,7 +6,7 @@ use throng_runtime::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
 
 /// Nearest intersection of a ray with a character.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
+pub struct PickedCharacter {
     /// Index of the character.
     pub character: usize,
     /// The joint that is nearer to the place that was met, of the two at the ends of a limb.
@@ -21,27 +21,32 @@ pub struct Hit {
 /// Characters with fewer than `num_joints` matrices in the palette are skipped.
 ///
 /// - `palette`: joints in model space (num_characters * num_joints).
-pub fn pick(ray: &Ray, skeleton: &Skeleton, palette: &[Mat3x4], instances: &[CharacterInstance]) -> Option<Hit> {
+pub fn pick(
+    ray: &Ray,
+    skeleton: &Skeleton,
+    palette: &[Mat3x4],
+    instances: &[CharacterInstance],
+) -> Option<PickedCharacter> {
     let reach = cull::reach(skeleton);
-    let mut nearest: Option<Hit> = None;
+    let mut nearest: Option<PickedCharacter> = None;
     for (character, (instance, pose)) in instances.iter().zip(palette.chunks_exact(NUM_JOINTS)).enumerate() {
         let limit = nearest.map_or(f32::INFINITY, |h| h.distance);
-        if !may_meet(ray, world(instance, pose[0].translation()), reach, limit) {
+        if !may_hit_sphere(ray, world_position(instance, pose[0].translation()), reach, limit) {
             continue;
         }
         let found = pick_one(ray, skeleton, pose, instance).filter(|(_, d)| *d < limit);
-        nearest = found.map(|(joint, distance)| Hit { character, joint, distance }).or(nearest);
+        nearest = found.map(|(joint, distance)| PickedCharacter { character, joint, distance }).or(nearest);
     }
     nearest
 }
 
-fn world(instance: &CharacterInstance, p: Vec3) -> Vec3 {
+fn world_position(instance: &CharacterInstance, p: Vec3) -> Vec3 {
     let q = instance.root.transform_point(Vec2::new(p.x, p.z));
     Vec3::new(q.x, p.y, q.y)
 }
 
 /// False only where the ray passes the sphere by, or enters it beyond `limit`.
-fn may_meet(ray: &Ray, centre: Vec3, radius: f32, limit: f32) -> bool {
+fn may_hit_sphere(ray: &Ray, centre: Vec3, radius: f32, limit: f32) -> bool {
     let to = centre - ray.origin;
     let along = to.dot(ray.direction);
     along > -radius && along - radius < limit && (to - ray.direction * along).length_squared() <= radius * radius
@@ -51,12 +56,12 @@ fn may_meet(ray: &Ray, centre: Vec3, radius: f32, limit: f32) -> bool {
 fn pick_one(ray: &Ray, skeleton: &Skeleton, pose: &[Mat3x4], instance: &CharacterInstance) -> Option<(Joint, f32)> {
     let scale = skeleton.leg_length() / Skeleton::default().leg_length();
     let mut joints = [Vec3::ZERO; NUM_JOINTS];
-    joints.iter_mut().zip(pose).for_each(|(p, m)| *p = world(instance, m.translation()));
+    joints.iter_mut().zip(pose).for_each(|(p, m)| *p = world_position(instance, m.translation()));
     let mut nearest: Option<(Joint, f32)> = None;
     let mut consider = |ends: [(Joint, Vec3); 2], radius: f32| {
         let [(_, a), (_, b)] = ends;
-        if let Some(t) = meets_capsule(ray, a, b, radius * scale).filter(|t| nearest.is_none_or(|n| *t < n.1)) {
-            let p = ray.at(t);
+        if let Some(t) = intersect_capsule(ray, a, b, radius * scale).filter(|t| nearest.is_none_or(|n| *t < n.1)) {
+            let p = ray.point_at(t);
             let near = usize::from(p.distance_squared(b) < p.distance_squared(a));
             nearest = Some((ends[near].0, t));
         }
@@ -68,7 +73,7 @@ fn pick_one(ray: &Ray, skeleton: &Skeleton, pose: &[Mat3x4], instance: &Characte
     }
     for (i, joint) in [Joint::Head, Joint::LeftToe, Joint::RightToe].into_iter().enumerate() {
         let m = &pose[joint.index()];
-        let tip = world(instance, m.to_mat4().transform_point3(skeleton.tips[i]));
+        let tip = world_position(instance, m.to_mat4().transform_point3(skeleton.tips[i]));
         consider([(joint, joints[joint.index()]), (joint, tip)], if i == 0 { 0.08 } else { 0.03 });
     }
     nearest
@@ -89,7 +94,7 @@ fn radius(joint: Joint) -> f32 {
 }
 
 /// Distance along a ray to a capsule; 0 where it starts inside.
-fn meets_capsule(ray: &Ray, a: Vec3, b: Vec3, radius: f32) -> Option<f32> {
+fn intersect_capsule(ray: &Ray, a: Vec3, b: Vec3, radius: f32) -> Option<f32> {
     let axis = b - a;
     let closest = |p: Vec3| {
         let t = if axis.length_squared() > 1e-12 { (p - a).dot(axis) / axis.length_squared() } else { 0.0 };
@@ -98,11 +103,11 @@ fn meets_capsule(ray: &Ray, a: Vec3, b: Vec3, radius: f32) -> Option<f32> {
     if closest(ray.origin).length_squared() <= radius * radius {
         return Some(0.0);
     }
-    let spheres = [a, b].into_iter().filter_map(|c| meets_sphere(ray, c, radius));
-    spheres.chain(meets_cylinder(ray, a, axis, radius)).reduce(f32::min)
+    let spheres = [a, b].into_iter().filter_map(|c| intersect_sphere(ray, c, radius));
+    spheres.chain(intersect_cylinder(ray, a, axis, radius)).reduce(f32::min)
 }
 
-fn meets_sphere(ray: &Ray, centre: Vec3, radius: f32) -> Option<f32> {
+fn intersect_sphere(ray: &Ray, centre: Vec3, radius: f32) -> Option<f32> {
     let from = ray.origin - centre;
     let m = from.dot(ray.direction);
     let h = m * m - from.length_squared() + radius * radius;
@@ -110,7 +115,7 @@ fn meets_sphere(ray: &Ray, centre: Vec3, radius: f32) -> Option<f32> {
 }
 
 /// The mantle of a cylinder between its two ends.
-fn meets_cylinder(ray: &Ray, a: Vec3, axis: Vec3, radius: f32) -> Option<f32> {
+fn intersect_cylinder(ray: &Ray, a: Vec3, axis: Vec3, radius: f32) -> Option<f32> {
     let length2 = axis.length_squared();
     if length2 < 1e-12 {
         return None;
@@ -123,7 +128,7 @@ fn meets_cylinder(ray: &Ray, a: Vec3, axis: Vec3, radius: f32) -> Option<f32> {
         return None;
     }
     let t = (-q1 - h.sqrt()) / q2;
-    let along = (ray.at(t) - a).dot(axis) / length2;
+    let along = (ray.point_at(t) - a).dot(axis) / length2;
     (t >= 0.0 && (0.0..=1.0).contains(&along)).then_some(t)
 }
 
@@ -163,7 +168,7 @@ mod tests {
             let poses = palette.chunks_exact(NUM_JOINTS);
             let all = poses.zip(&instances).enumerate().filter_map(|(character, (pose, instance))| {
                 let (joint, distance) = pick_one(&ray, &skeleton, pose, instance)?;
-                Some(Hit { character, joint, distance })
+                Some(PickedCharacter { character, joint, distance })
             });
             let expected = all.min_by(|a, b| a.distance.total_cmp(&b.distance));
             hits += usize::from(expected.is_some());
@@ -188,9 +193,9 @@ mod tests {
             // Sphere tracing: every step is as long as the way is surely free.
             let mut t = 0.0_f32;
             for _ in 0..500 {
-                t += distance(ray.at(t)).max(0.0);
+                t += distance(ray.point_at(t)).max(0.0);
             }
-            match meets_capsule(&ray, a, b, 0.2) {
+            match intersect_capsule(&ray, a, b, 0.2) {
                 Some(found) => {
                     met += 1;
                     assert!((found - t).abs() < 2e-2, "{found} {t}");

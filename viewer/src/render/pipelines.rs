@@ -40,7 +40,7 @@ const _: () = assert!(size_of::<super::solid_draws::GpuSolid>() == 32);
 
 /// The vertex buffers a pipeline reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Input {
+pub(super) enum PipelineInput {
     /// No buffer: corners come from their number.
     Nothing,
     /// A body, and one character number an instance.
@@ -57,7 +57,7 @@ pub(super) enum Input {
     Solids,
 }
 
-impl Input {
+impl PipelineInput {
     fn buffers(self) -> Vec<Option<wgpu::VertexBufferLayout<'static>>> {
         let layout = |attributes: &'static [wgpu::VertexAttribute], step_mode| {
             let array_stride = attributes.iter().map(|a| a.format.size()).sum();
@@ -78,7 +78,7 @@ impl Input {
 
 /// Target of a pipeline.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Output {
+pub(super) enum PipelineOutput {
     /// The picture: with blending and depth.
     Picture {
         /// Blending; `None` replaces.
@@ -94,7 +94,7 @@ pub(super) enum Output {
     Window(wgpu::TextureFormat),
 }
 
-impl Output {
+impl PipelineOutput {
     /// Opaque things.
     pub const SOLID: Self = Self::Picture { blend: None, hides: true, compare: wgpu::CompareFunction::Greater };
     /// Bodies one can see through: of each only the nearest surface.
@@ -175,31 +175,31 @@ impl Layer {
     }
 
     /// Target of the layer.
-    pub fn output(self) -> Output {
+    pub fn output(self) -> PipelineOutput {
         match self {
-            Self::Solid => Output::SOLID,
-            Self::Ghosts => Output::GHOST,
-            Self::Sun | Self::Contact => Output::Mask,
+            Self::Solid => PipelineOutput::SOLID,
+            Self::Ghosts => PipelineOutput::GHOST,
+            Self::Sun | Self::Contact => PipelineOutput::Mask,
         }
     }
 }
 
 /// Description of a pipeline.
-pub(super) struct Recipe<'a> {
+pub(super) struct PipelineRecipe<'a> {
     pub label: &'a str,
     pub shader: &'a wgpu::ShaderModule,
     /// Entry points of the vertex and the fragment stage.
     pub stages: [&'a str; 2],
     pub groups: &'a [&'a wgpu::BindGroupLayout],
-    pub input: Input,
-    pub output: Output,
+    pub input: PipelineInput,
+    pub output: PipelineOutput,
     /// Triangles of four corners in a strip instead of three each.
     pub strip: bool,
     /// Faces that are culled: front or back.
     pub hidden: Option<wgpu::Face>,
 }
 
-impl Recipe<'_> {
+impl PipelineRecipe<'_> {
     /// The pipeline.
     pub fn build(&self, device: &wgpu::Device) -> wgpu::RenderPipeline {
         let groups: Vec<Option<&wgpu::BindGroupLayout>> = self.groups.iter().copied().map(Some).collect();

@@ -1,13 +1,13 @@
 //! The whole view: upload a scene, then draw it from a camera.
 
-use super::characters::{CharacterInstance, Characters, Record};
-use super::mesh::{Body, LEVELS};
-use super::offscreen::{Offscreen, Targets};
-use super::pipelines::{self, Input, Layer, Output, Recipe};
+use super::characters::{CharacterDraws, CharacterInstance, RecordInstance};
+use super::mesh::{BodyStyle, LEVELS};
+use super::offscreen::{Offscreen, RenderTargets};
+use super::pipelines::{self, Layer, PipelineInput, PipelineOutput, PipelineRecipe};
 use super::scene_uniform::SceneUniform;
 use super::shape_draws::ShapeDraws;
 use super::solid_draws::SolidDraws;
-use super::{Camera, RenderError, SceneColours, Shapes, Solids, Worn};
+use super::{OrbitCamera, RenderError, SceneColours, ShapeList, Solids, WornFrame};
 use std::sync::Arc;
 use throng_runtime::{Mat3x4, Skeleton};
 
@@ -20,19 +20,19 @@ pub struct SceneFrame<'a> {
     /// Proportions of all characters.
     pub skeleton: &'a Skeleton,
     /// Appearance of the characters.
-    pub body: Body,
+    pub body: BodyStyle,
     /// A mesh of the user's own that all instances wear; records have the appearance `body`.
-    pub worn: Option<Worn<'a>>,
+    pub worn: Option<WornFrame<'a>>,
     /// Joints in model space (num_characters * num_joints).
     pub palette: &'a [Mat3x4],
     /// Positions and colours of the characters (num_characters).
     pub instances: &'a [CharacterInstance],
     /// Characters that are drawn from frame rows.
-    pub records: &'a [Record],
+    pub records: &'a [RecordInstance],
     /// The poses of all rows, joints in model space (rows * num_joints); required with records.
     pub rows: Option<&'a Arc<[Mat3x4]>>,
     /// Further shapes.
-    pub shapes: &'a Shapes,
+    pub shapes: &'a ShapeList,
     /// Things that stand in the world.
     pub solids: &'a Solids,
 }
@@ -45,7 +45,7 @@ pub struct SceneRenderer {
     scene_group: wgpu::BindGroup,
     ground: wgpu::RenderPipeline,
     sky: wgpu::RenderPipeline,
-    characters: Characters,
+    characters: CharacterDraws,
     shapes: ShapeDraws,
     solids: SolidDraws,
     offscreen: Offscreen,
@@ -83,12 +83,13 @@ impl SceneRenderer {
         let shader = &pipelines::shader(device, "ground", &pieces);
         let surface = |label, stages, output, strip| {
             let groups = &[&scene_layout, &offscreen.mask_layout];
-            Recipe { label, shader, stages, groups, input: Input::Nothing, output, strip, hidden: None }.build(device)
+            PipelineRecipe { label, shader, stages, groups, input: PipelineInput::Nothing, output, strip, hidden: None }
+                .build(device)
         };
         Ok(Self {
-            ground: surface("ground", ["ground_vertex", "ground_fragment"], Output::SOLID, true),
-            sky: surface("sky", ["sky_vertex", "sky_fragment"], Output::BACKDROP, false),
-            characters: Characters::new(device, &scene_layout),
+            ground: surface("ground", ["ground_vertex", "ground_fragment"], PipelineOutput::SOLID, true),
+            sky: surface("sky", ["sky_vertex", "sky_fragment"], PipelineOutput::BACKDROP, false),
+            characters: CharacterDraws::new(device, &scene_layout),
             shapes: ShapeDraws::new(device, queue, &scene_layout)?,
             solids: SolidDraws::new(device, &scene_layout, &offscreen.mask_layout),
             offscreen,
@@ -130,7 +131,7 @@ impl SceneRenderer {
     /// device (pixels).
     ///
     /// - returns the number of characters in view by level of detail, finest first.
-    pub fn draw(&mut self, size_px: [u32; 2], camera: &Camera, colours: &SceneColours) -> [usize; LEVELS] {
+    pub fn draw(&mut self, size_px: [u32; 2], camera: &OrbitCamera, colours: &SceneColours) -> [usize; LEVELS] {
         let targets = self.offscreen.resize(&self.device, size_px);
         let uniform = SceneUniform::new(camera, targets.size, colours, &self.skeleton);
         self.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
@@ -175,7 +176,7 @@ impl SceneRenderer {
     }
 }
 
-fn mask_pass<'e>(encoder: &'e mut wgpu::CommandEncoder, targets: &Targets) -> wgpu::RenderPass<'e> {
+fn mask_pass<'e>(encoder: &'e mut wgpu::CommandEncoder, targets: &RenderTargets) -> wgpu::RenderPass<'e> {
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("shadow mask"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -188,7 +189,7 @@ fn mask_pass<'e>(encoder: &'e mut wgpu::CommandEncoder, targets: &Targets) -> wg
     })
 }
 
-fn picture_pass<'e>(encoder: &'e mut wgpu::CommandEncoder, targets: &Targets) -> wgpu::RenderPass<'e> {
+fn picture_pass<'e>(encoder: &'e mut wgpu::CommandEncoder, targets: &RenderTargets) -> wgpu::RenderPass<'e> {
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("picture"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {

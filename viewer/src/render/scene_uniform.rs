@@ -1,6 +1,6 @@
 //! Data shared by all shaders: camera, light, colours, rest positions.
 
-use super::{Camera, SceneColours};
+use super::{OrbitCamera, SceneColours};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 use throng_runtime::{NUM_JOINTS, Skeleton};
@@ -29,7 +29,7 @@ pub(super) struct SceneUniform {
 }
 
 impl SceneUniform {
-    pub fn new(camera: &Camera, size: [u32; 2], colours: &SceneColours, skeleton: &Skeleton) -> Self {
+    pub fn new(camera: &OrbitCamera, size: [u32; 2], colours: &SceneColours, skeleton: &Skeleton) -> Self {
         let [width, height] = size.map(|s| s.max(1) as f32);
         let aspect = width / height;
         let tan = (0.5 * camera.fov_y).tan();

@@ -1,8 +1,8 @@
 //! Draws a list of shapes: one instanced draw for each kind.
 
 use super::buffer::GrowingBuffer;
-use super::pipelines::{self, Input, Output, Recipe};
-use super::{RenderError, Shapes};
+use super::pipelines::{self, PipelineInput, PipelineOutput, PipelineRecipe};
+use super::{RenderError, ShapeList};
 use bytemuck::{Pod, Zeroable};
 use std::f32::consts::{PI, TAU};
 
@@ -37,10 +37,10 @@ impl ShapeDraws {
         let pieces = [include_str!("shaders/scene.wgsl"), include_str!("shaders/shapes.wgsl")];
         let shader = &pipelines::shader(device, "shapes", &pieces);
         let kind = |label, stages, input, output| {
-            let strip = input != Input::Rounds;
+            let strip = input != PipelineInput::Rounds;
             let hidden = (!strip).then_some(wgpu::Face::Back);
             let groups = &[scene_layout];
-            let pipeline = Recipe { label, shader, stages, groups, input, output, strip, hidden }.build(device);
+            let pipeline = PipelineRecipe { label, shader, stages, groups, input, output, strip, hidden }.build(device);
             (pipeline, GrowingBuffer::new(device, label, wgpu::BufferUsages::VERTEX), 0)
         };
         let mut corners = GrowingBuffer::new(device, "corners", wgpu::BufferUsages::VERTEX);
@@ -49,9 +49,9 @@ impl ShapeDraws {
         corners.write(device, queue, &points)?;
         indices.write(device, queue, &triangles)?;
         Ok(Self {
-            lines: kind("lines", ["line_vertex", "line_fragment"], Input::Lines, Output::OVERLAY),
-            rounds: kind("solids", ["round_vertex", "round_fragment"], Input::Rounds, Output::GHOST),
-            rings: kind("rings", ["ring_vertex", "ring_fragment"], Input::Rings, Output::OVERLAY),
+            lines: kind("lines", ["line_vertex", "line_fragment"], PipelineInput::Lines, PipelineOutput::OVERLAY),
+            rounds: kind("solids", ["round_vertex", "round_fragment"], PipelineInput::Rounds, PipelineOutput::GHOST),
+            rings: kind("rings", ["ring_vertex", "ring_fragment"], PipelineInput::Rings, PipelineOutput::OVERLAY),
             corners,
             indices,
             num_indices: triangles.len() as u32,
@@ -59,7 +59,12 @@ impl ShapeDraws {
     }
 
     /// Hands the shapes over.
-    pub fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, shapes: &Shapes) -> Result<(), RenderError> {
+    pub fn upload(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        shapes: &ShapeList,
+    ) -> Result<(), RenderError> {
         self.lines.1.write(device, queue, &shapes.lines)?;
         self.rounds.1.write(device, queue, &shapes.rounds)?;
         self.rings.1.write(device, queue, &shapes.rings)?;

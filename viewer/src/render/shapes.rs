@@ -41,16 +41,16 @@ pub(super) struct RingInstance {
 
 /// Shapes to draw, in world space.
 ///
-/// Shapes added after [`Shapes::on_top`]`(true)` are drawn over everything else, among themselves by depth.
+/// Shapes added after [`ShapeList::on_top`]`(true)` are drawn over everything else, among themselves by depth.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Shapes {
+pub struct ShapeList {
     pub(super) lines: Vec<LineInstance>,
     pub(super) rounds: Vec<RoundInstance>,
     pub(super) rings: Vec<RingInstance>,
     on_top: u32,
 }
 
-impl Shapes {
+impl ShapeList {
     /// An empty list.
     pub fn new() -> Self {
         Self::default()
@@ -159,7 +159,7 @@ mod tests {
 
     #[test]
     fn shapes_keep_what_they_were_given() {
-        let mut shapes = Shapes::new();
+        let mut shapes = ShapeList::new();
         shapes.polyline(&[Vec3::ZERO, Vec3::X, Vec3::Y], 2.0, Rgba::WHITE);
         shapes.on_top(true).axes(Vec3::ONE, Quat::IDENTITY, 0.5, 1.0);
         shapes.arrow(Vec3::ZERO, Vec3::Z, 0.02, Rgba::WHITE);

@@ -1,7 +1,7 @@
 //! Draws things that stand in the world: one instanced draw for each mesh.
 
 use super::buffer::GrowingBuffer;
-use super::pipelines::{self, Input, Output, Recipe};
+use super::pipelines::{self, PipelineInput, PipelineOutput, PipelineRecipe};
 use super::solids::{SolidInstance, SolidMesh};
 use super::{RenderError, Rgba, Solids};
 use bytemuck::{Pod, Zeroable};
@@ -19,7 +19,7 @@ pub(super) struct GpuSolid {
 }
 
 /// Copies of one mesh that are drawn at once.
-struct Batch {
+struct SolidBatch {
     indices: Range<u32>,
     base_vertex: i32,
     instances: Range<u32>,
@@ -38,7 +38,7 @@ pub(super) struct SolidDraws {
     /// First index and first vertex of each mesh.
     starts: Vec<(u32, i32)>,
     shown: Vec<SolidInstance>,
-    batches: Vec<Batch>,
+    batches: Vec<SolidBatch>,
 }
 
 impl SolidDraws {
@@ -53,12 +53,13 @@ impl SolidDraws {
         let groups = &[scene_layout, mask_layout];
         let pipeline = |output| {
             let (stages, hidden) = (["solid_vertex", "solid_fragment"], Some(wgpu::Face::Back));
-            let input = Input::Solids;
-            Recipe { label: "things", shader, stages, groups, input, output, strip: false, hidden }.build(device)
+            let input = PipelineInput::Solids;
+            PipelineRecipe { label: "things", shader, stages, groups, input, output, strip: false, hidden }
+                .build(device)
         };
         Self {
-            solid: pipeline(Output::SOLID),
-            ghost: pipeline(Output::GHOST),
+            solid: pipeline(PipelineOutput::SOLID),
+            ghost: pipeline(PipelineOutput::GHOST),
             vertices: GrowingBuffer::new(device, "corners of things", wgpu::BufferUsages::VERTEX),
             indices: GrowingBuffer::new(device, "triangles of things", wgpu::BufferUsages::INDEX),
             instances: GrowingBuffer::new(device, "things", wgpu::BufferUsages::VERTEX),
@@ -118,7 +119,7 @@ impl SolidDraws {
             let mesh = group[0].mesh as usize;
             let (start, base_vertex) = self.starts[mesh];
             let next = first + group.len() as u32;
-            self.batches.push(Batch {
+            self.batches.push(SolidBatch {
                 indices: start..start + self.meshes[mesh].indices.len() as u32,
                 base_vertex,
                 instances: first..next,

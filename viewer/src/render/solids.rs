@@ -125,17 +125,18 @@ impl SolidMesh {
     }
 
     /// Nearest intersection of a ray with the mesh at a position and rotation: the distance along the ray (m).
-    pub fn meets(&self, ray: &Ray, (at, turn): (Vec3, Quat)) -> Option<f32> {
+    pub fn intersect(&self, ray: &Ray, (at, turn): (Vec3, Quat)) -> Option<f32> {
         let back = turn.conjugate();
         let local = Ray { origin: back * (ray.origin - at), direction: back * ray.direction };
         let corner = |i: u32| Vec3::from(self.vertices[i as usize].position);
-        let met = self.indices.chunks_exact(3).filter_map(|t| meets_triangle(&local, [0, 1, 2].map(|k| corner(t[k]))));
+        let met =
+            self.indices.chunks_exact(3).filter_map(|t| intersect_triangle(&local, [0, 1, 2].map(|k| corner(t[k]))));
         met.min_by(f32::total_cmp)
     }
 }
 
 /// Distance along a ray to a triangle, hit from outside.
-fn meets_triangle(ray: &Ray, [a, b, c]: [Vec3; 3]) -> Option<f32> {
+fn intersect_triangle(ray: &Ray, [a, b, c]: [Vec3; 3]) -> Option<f32> {
     let (ab, ac) = (b - a, c - a);
     let across = ray.direction.cross(ac);
     let size = ab.dot(across);
@@ -189,14 +190,14 @@ mod tests {
         let ray = Ray { origin: Vec3::new(5.0, 0.5, -7.0), direction: Vec3::Z };
         let at = Vec3::new(5.0, 0.0, 3.0);
         let turned = Quat::from_rotation_y;
-        assert!(mesh.meets(&ray, (at, Quat::IDENTITY)).is_some_and(|d| (d - 9.9).abs() < 1e-4));
-        assert!(mesh.meets(&ray, (at, turned(0.5 * PI))).is_some_and(|d| (d - 9.0).abs() < 1e-4));
+        assert!(mesh.intersect(&ray, (at, Quat::IDENTITY)).is_some_and(|d| (d - 9.9).abs() < 1e-4));
+        assert!(mesh.intersect(&ray, (at, turned(0.5 * PI))).is_some_and(|d| (d - 9.0).abs() < 1e-4));
         let beside = Ray { origin: ray.origin + Vec3::X * 0.5, ..ray };
         assert!(
-            mesh.meets(&beside, (at, Quat::IDENTITY)).is_some()
-                && mesh.meets(&beside, (at, turned(0.5 * PI))).is_none()
+            mesh.intersect(&beside, (at, Quat::IDENTITY)).is_some()
+                && mesh.intersect(&beside, (at, turned(0.5 * PI))).is_none()
         );
-        assert!(mesh.meets(&Ray { direction: -Vec3::Z, ..ray }, (at, Quat::IDENTITY)).is_none());
+        assert!(mesh.intersect(&Ray { direction: -Vec3::Z, ..ray }, (at, Quat::IDENTITY)).is_none());
     }
 
     #[test]
@@ -205,7 +206,7 @@ mod tests {
         mesh.add_triangle([Vec3::ZERO, Vec3::X, Vec3::Y]);
         for side in [-1.0, 1.0] {
             let ray = Ray { origin: Vec3::new(0.2, 0.2, 2.0 * side), direction: Vec3::Z * -side };
-            assert!(mesh.meets(&ray, (Vec3::ZERO, Quat::IDENTITY)).is_some_and(|d| (d - 2.0).abs() < 1e-5));
+            assert!(mesh.intersect(&ray, (Vec3::ZERO, Quat::IDENTITY)).is_some_and(|d| (d - 2.0).abs() < 1e-5));
         }
     }
 }

@@ -4,7 +4,7 @@ use super::RenderError;
 use super::buffer::GrowingBuffer;
 use super::characters::{GpuMesh, draw_levels};
 use super::mesh::LEVELS;
-use super::pipelines::{self, Input, Layer, Recipe};
+use super::pipelines::{self, Layer, PipelineInput, PipelineRecipe};
 use super::worn_mesh::{TEXTURE_PX, WornMesh};
 use std::ops::Range;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use throng_runtime::Mat3x4;
 
 /// Characters that wear a mesh of the user's own, for one frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Worn<'a> {
+pub struct WornFrame<'a> {
     /// The triangles.
     pub mesh: &'a Arc<WornMesh>,
     /// Matrices of all instances, in model space (instances * frames of the mesh).
@@ -48,10 +48,11 @@ impl WornDraws {
         let pipelines = Layer::ALL.map(|layer| {
             let both: &[&wgpu::BindGroupLayout] = &[scene_layout, &layout, &texture_layout];
             let (shader, groups) = if layer.is_shadow() { (&shadow, &both[..2]) } else { (&body, both) };
-            let (stages, input, output) = (layer.stages(), Input::Worn, layer.output());
+            let (stages, input, output) = (layer.stages(), PipelineInput::Worn, layer.output());
             // Clothes and hair are often made of single sheets.
             let hidden = None;
-            Recipe { label: "worn bodies", shader, stages, groups, input, output, strip: false, hidden }.build(device)
+            PipelineRecipe { label: "worn bodies", shader, stages, groups, input, output, strip: false, hidden }
+                .build(device)
         });
         Self {
             pipelines,
@@ -72,7 +73,7 @@ impl WornDraws {
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        worn: &Worn<'_>,
+        worn: &WornFrame<'_>,
         instances: &wgpu::Buffer,
         are_new: bool,
     ) -> Result<(), RenderError> {

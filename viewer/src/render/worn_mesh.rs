@@ -7,7 +7,7 @@ use image::imageops::FilterType;
 use image::{ImageFormat, ImageReader, Limits, RgbaImage};
 use std::collections::HashMap;
 use std::io::Cursor;
-use throng_precompute::onto::{Corner, Figure, Material};
+use throng_precompute::wearer::{Material, SkinnedFigure, SurfaceCorner};
 
 /// Distance below which corners are merged, by level of detail, for a character of height [`HEIGHT_M`] (m).
 const CELLS_M: [f32; LEVELS] = [0.0, 0.015, 0.035, 0.08];
@@ -64,13 +64,13 @@ impl WornMesh {
     ///
     /// # Errors
     /// A texture that cannot be read, and the way out.
-    pub fn new(figure: &Figure) -> Result<Self, String> {
+    pub fn new(figure: &SkinnedFigure) -> Result<Self, String> {
         let surface = figure.surface();
         let (layers, layer_of) = textures(&surface.images, &surface.materials)?;
-        let rest = figure.rest();
+        let rest = figure.rest_corners();
         let (low, high) = rest.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |b, &p| (b.0.min(p), b.1.max(p)));
         let height = (high.y - low.y).max(1e-3);
-        let vertex = |c: &Corner| {
+        let vertex = |c: &SurfaceCorner| {
             let m = &surface.materials[usize::from(c.material)];
             WornVertex {
                 position: c.position.to_array(),
@@ -99,7 +99,7 @@ impl WornMesh {
 }
 
 /// Merges corners in one cell of a grid that go with one joint; triangles that lose their area are left out.
-fn coarser(all: &WornLevel, corners: &[Corner], rest: &[Vec3], cell_m: f32) -> WornLevel {
+fn coarser(all: &WornLevel, corners: &[SurfaceCorner], rest: &[Vec3], cell_m: f32) -> WornLevel {
     let mut out = WornLevel::default();
     let mut known: HashMap<([i32; 3], u16, u16), u32> = HashMap::new();
     let mut normals: Vec<Vec3> = Vec::new();

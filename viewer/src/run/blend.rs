@@ -6,9 +6,9 @@ use super::reel::Reel;
 use crate::bundle::OpenBundle;
 use glam::Vec2;
 use throng_runtime::blend::{BlendSpace, MAX_AXES, axis};
-use throng_runtime::simulation::wander::body_of;
+use throng_runtime::simulation::wander::scaled_skeleton;
 use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Cast, Contacts, Error, Id, Inline, Mat3x4, NUM_JOINTS, Planar, Skeleton};
+use throng_runtime::{CharacterGroup, Contacts, Error, Id, Inline, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 
 /// Time in which the difference between the requested and the blended point halves (s).
 const HALF_LIFE_S: f32 = 0.12;
@@ -35,7 +35,7 @@ pub struct BlendMoment {
 
 /// One walking character.
 #[derive(Clone, Debug)]
-struct Person {
+struct BlendWalker {
     walkers: Walkers,
     id: Id,
     body: Skeleton,
@@ -47,7 +47,7 @@ struct Person {
 #[derive(Clone, Debug)]
 pub struct BlendRun {
     blending: Blending,
-    people: Vec<Person>,
+    people: Vec<BlendWalker>,
     /// All of them at the recorded steps.
     pub reel: Reel<BlendMoment>,
     /// Present position and direction of the path.
@@ -63,15 +63,18 @@ impl BlendRun {
     /// A message where the tables do not fit together.
     pub fn new(bundle: &OpenBundle) -> Option<Result<Self, String>> {
         let first = bundle.blends().first()?;
-        Some(Self::with(bundle, Blending::of(0, first), Planar::IDENTITY, 0.0).map_err(|e| e.to_string()))
+        Some(
+            Self::starting_at(bundle, Blending::straight_walk(0, first), Planar::IDENTITY, 0.0)
+                .map_err(|e| e.to_string()),
+        )
     }
 
-    fn with(bundle: &OpenBundle, blending: Blending, place: Planar, phase: f32) -> Result<Self, Error> {
+    fn starting_at(bundle: &OpenBundle, blending: Blending, place: Planar, phase: f32) -> Result<Self, Error> {
         let space = bundle.blend(blending.space)?;
         let blending = blending.limited(space);
         let database = bundle.tables().skeleton();
         let person = |(i, (size, legs, retarget)): (usize, (f32, f32, bool))| {
-            let body = body_of(database, size, legs);
+            let body = scaled_skeleton(database, size, legs);
             // The point itself is eased; its parameters take effect at once.
             let config = WalkersConfig { retarget, parameter_half_life_s: 0.0, ..WalkersConfig::default() };
             let side = if i % 2 == 1 { 1.0 } else { -1.0 };
@@ -80,14 +83,14 @@ impl BlendRun {
             let start = WalkerStart { body: 0, root, phase };
             let mut walkers = Walkers::with_capacity(space.clone(), std::slice::from_ref(&body), config, 1)?;
             let id = walkers.spawn(start)?;
-            Ok(Person { walkers, id, body, aside })
+            Ok(BlendWalker { walkers, id, body, aside })
         };
         let people = blending.people().into_iter().enumerate().map(person).collect::<Result<Vec<_>, Error>>()?;
         let bytes = people.len() * NUM_JOINTS * size_of::<Mat3x4>() + size_of::<BlendMoment>();
         let reel = Reel::new(bytes, BlendMoment::default());
         let mut run = Self { blending, people, reel, place, point: blending.point };
         run.walk(space, database, 0.0)?;
-        run.reel.replace(run.seen());
+        run.reel.replace(run.current_moment());
         Ok(run)
     }
 
@@ -117,7 +120,7 @@ impl BlendRun {
         let wanted = wanted.limited(space);
         if !wanted.has_same_people(&self.blending) {
             let (head, phase) = (self.reel.head, self.people.first().map_or(0.0, |p| p.walkers.phase(0)));
-            *self = Self::with(bundle, wanted, self.place, phase)?;
+            *self = Self::starting_at(bundle, wanted, self.place, phase)?;
             self.reel.head.play_like(&head);
             return Ok(());
         }
@@ -126,7 +129,7 @@ impl BlendRun {
         if has_moved && !self.reel.head.is_playing() {
             self.point = wanted.point;
             self.walk(space, bundle.tables().skeleton(), 0.0)?;
-            self.reel.replace(self.seen());
+            self.reel.replace(self.current_moment());
         }
         Ok(())
     }
@@ -137,7 +140,7 @@ impl BlendRun {
     /// As [`BlendRun::blend`].
     pub fn restart(&mut self, bundle: &OpenBundle) -> Result<(), Error> {
         let head = self.reel.head;
-        *self = Self::with(bundle, self.blending, Planar::IDENTITY, 0.0)?;
+        *self = Self::starting_at(bundle, self.blending, Planar::IDENTITY, 0.0)?;
         self.reel.head.play_like(&head);
         Ok(())
     }
@@ -147,7 +150,7 @@ impl BlendRun {
     /// # Errors
     /// [`Error`] where the bundle is another one.
     pub fn step(&mut self, bundle: &OpenBundle) -> Result<(), Error> {
-        if self.reel.head.on() {
+        if self.reel.head.advance_recorded() {
             return Ok(());
         }
         let space = bundle.blend(self.blending.space)?;
@@ -160,7 +163,7 @@ impl BlendRun {
             *p = wanted + (*p - wanted) * left;
         }
         self.walk(space, bundle.tables().skeleton(), dt_s)?;
-        self.reel.push(self.seen());
+        self.reel.push(self.current_moment());
         Ok(())
     }
 
@@ -200,7 +203,7 @@ impl BlendRun {
     }
 
     /// All of them now.
-    fn seen(&self) -> BlendMoment {
+    fn current_moment(&self) -> BlendMoment {
         let all = || self.people.iter().map(|p| &p.walkers);
         let first = all().next();
         BlendMoment {
@@ -233,7 +236,7 @@ fn movement(space: &BlendSpace, point: &[f32; MAX_AXES], weights: &[f32]) -> ([f
 mod tests {
     use super::*;
     use crate::fixtures::paces::Paces;
-    use crate::run::Beside;
+    use crate::run::BlendCompanions;
 
     fn open() -> (Paces, OpenBundle, BlendRun) {
         let paces = Paces::new();
@@ -285,13 +288,13 @@ mod tests {
     fn a_point_moved_while_time_stands_is_shown_at_the_same_generic_time() {
         let (_paces, bundle, mut run) = open();
         walk(&mut run, &bundle, 1.5);
-        let (steps, before) = (run.reel.head.now(), run.moment().clone());
+        let (steps, before) = (run.reel.head.shown_step(), run.moment().clone());
         run.reel.head.seek(3);
         let mut wanted = *run.blending();
         wanted.point[0] = bundle.blends()[0].axes()[0].high + 5.0;
         run.blend(&bundle, wanted).unwrap();
         let now = run.moment();
-        assert_eq!((run.reel.head.now(), now.phase), (steps, before.phase));
+        assert_eq!((run.reel.head.shown_step(), now.phase), (steps, before.phase));
         assert_eq!(now.point[0], bundle.blends()[0].axes()[0].high, "clamped to the box");
         assert!(now.poses != before.poses && now.weights != before.weights);
     }
@@ -299,14 +302,14 @@ mod tests {
     #[test]
     fn companions_walk_the_same_path() {
         let (_paces, bundle, mut run) = open();
-        run.blend(&bundle, Blending { beside: Beside::Sizes, ..*run.blending() }).unwrap();
+        run.blend(&bundle, Blending { companions: BlendCompanions::Sizes, ..*run.blending() }).unwrap();
         walk(&mut run, &bundle, 2.0);
         let m = run.moment();
         assert_eq!((m.roots.len(), m.poses.len(), run.bodies().len()), (3, 3 * NUM_JOINTS, 3));
         let hips = [0, 1, 2].map(|i| m.poses[i * NUM_JOINTS].translation().y);
         assert!(hips[1] < hips[0] && hips[0] < hips[2], "{hips:?}");
         assert!((m.roots[1].z - m.roots[0].z).abs() < 1e-4 && (m.roots[1].x - m.roots[0].x - BESIDE_M).abs() < 1e-4);
-        run.blend(&bundle, Blending { beside: Beside::Retargeting, ..*run.blending() }).unwrap();
+        run.blend(&bundle, Blending { companions: BlendCompanions::Retargeting, ..*run.blending() }).unwrap();
         walk(&mut run, &bundle, 0.5);
         let m = run.moment();
         assert_eq!(m.roots.len(), 2);
@@ -320,7 +323,7 @@ mod tests {
         walk(&mut run, &bundle, 1.0);
         run.reel.head.play(true);
         run.restart(&bundle).unwrap();
-        assert!(run.reel.head.is_playing() && run.reel.head.now() == 0);
+        assert!(run.reel.head.is_playing() && run.reel.head.shown_step() == 0);
         assert!(run.moment().poses == first.poses && run.moment().roots == first.roots);
         assert!(run.blend(&bundle, Blending { space: 99, ..*run.blending() }).is_err());
     }

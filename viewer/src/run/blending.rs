@@ -12,10 +12,10 @@ const BEGIN_MPS: f32 = 1.3;
 
 /// Characters walking beside it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Beside {
+pub enum BlendCompanions {
     /// No companion.
     #[default]
-    Nobody,
+    None,
     /// One companion: the same body with the other choice of retargeting.
     Retargeting,
     /// The smallest and the largest body.
@@ -36,18 +36,18 @@ pub struct Blending {
     /// Feet are planted and limbs reach; otherwise the blended joint angles are used.
     pub retarget: bool,
     /// Characters walking beside it.
-    pub beside: Beside,
+    pub companions: BlendCompanions,
 }
 
 impl Blending {
     /// A walk straight ahead in a space, on the database skeleton.
-    pub fn of(space: usize, blend: &BlendSpace) -> Self {
+    pub fn straight_walk(space: usize, blend: &BlendSpace) -> Self {
         let mut point = [0.0; MAX_AXES];
         for (p, axis) in point.iter_mut().zip(blend.axes()) {
             let wanted = if axis.kind == axis::SPEED { BEGIN_MPS } else { 0.0 };
             *p = wanted.clamp(axis.low, axis.high);
         }
-        Self { space, point, size: 1.0, legs: 1.0, retarget: true, beside: Beside::Nobody }
+        Self { space, point, size: 1.0, legs: 1.0, retarget: true, companions: BlendCompanions::None }
     }
 
     /// The nearest one that can be shown (space < number of spaces).
@@ -63,10 +63,10 @@ impl Blending {
     /// All that walk: size, legs, retargeted; the selected one first.
     pub(super) fn people(&self) -> Vec<(f32, f32, bool)> {
         let own = (self.size, self.legs, self.retarget);
-        match self.beside {
-            Beside::Nobody => vec![own],
-            Beside::Retargeting => vec![own, (self.size, self.legs, !self.retarget)],
-            Beside::Sizes => {
+        match self.companions {
+            BlendCompanions::None => vec![own],
+            BlendCompanions::Retargeting => vec![own, (self.size, self.legs, !self.retarget)],
+            BlendCompanions::Sizes => {
                 vec![own, (SIZES[0], self.legs, self.retarget), (SIZES[1], self.legs, self.retarget)]
             }
         }
@@ -89,7 +89,7 @@ mod tests {
         let bundle = OpenBundle::open(&paces.bundle()).unwrap();
         let space = &bundle.blends()[0];
         let [speed, turning] = [0, 1].map(|a| space.axes()[a]);
-        let good = Blending::of(0, space);
+        let good = Blending::straight_walk(0, space);
         assert_eq!(good.limited(space), good);
         let mut wild = Blending { size: f32::NAN, legs: 9.0, ..good };
         (wild.point[0], wild.point[1]) = (f32::INFINITY, f32::NAN);

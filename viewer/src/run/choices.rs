@@ -7,7 +7,7 @@ use throng_runtime::characters::Characters;
 
 /// Subject of a behaviour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum About {
+pub enum GoalSubject {
     /// The character's target: a place, something to be struck, or the opponent's head.
     Target,
     /// Place and time of the opponent's next blow: x, seconds, z.
@@ -20,12 +20,12 @@ pub struct RunGoal {
     /// Number of the policy.
     pub policy: usize,
     /// Subject of the behaviour.
-    pub about: About,
+    pub subject: GoalSubject,
 }
 
 /// Data of a choice.
 #[derive(Clone, Debug)]
-pub struct LastChoice {
+pub struct RecordedChoice {
     /// Step of the choice.
     pub step: u32,
     /// Target of the character: a place, something to be struck, or the opponent's head (m).
@@ -38,16 +38,16 @@ pub struct LastChoice {
 
 /// The last choice of every character.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Choices {
+pub(super) struct ChoiceRecord {
     /// Choices that each had made by the last step.
     num: Vec<u32>,
-    last: Vec<LastChoice>,
+    last: Vec<RecordedChoice>,
 }
 
-impl Choices {
+impl ChoiceRecord {
     /// Before any choice.
     pub fn new(characters: usize) -> Self {
-        let none = LastChoice { step: 0, target: Vec3::ZERO, threat: Vec3::ZERO, weights: Arc::from([]) };
+        let none = RecordedChoice { step: 0, target: Vec3::ZERO, threat: Vec3::ZERO, weights: Arc::from([]) };
         Self { num: vec![0; characters], last: vec![none; characters] }
     }
 
@@ -66,7 +66,7 @@ impl Choices {
             let made = characters.num_choices(c);
             if made != std::mem::replace(num, made) {
                 let threat = threats.get(c).copied().unwrap_or_default();
-                *last = LastChoice { step, target: targets[c], threat, weights: Arc::clone(weights) };
+                *last = RecordedChoice { step, target: targets[c], threat, weights: Arc::clone(weights) };
             }
         }
     }
@@ -77,7 +77,7 @@ impl Choices {
     }
 
     /// The last choice of a character (< number of characters).
-    pub fn last(&self, character: usize) -> &LastChoice {
+    pub fn last(&self, character: usize) -> &RecordedChoice {
         &self.last[character]
     }
 
@@ -89,7 +89,7 @@ impl Choices {
 
 /// A character that chooses by policies, and all that bears on its choices.
 #[derive(Clone, Copy, Debug)]
-pub struct Chooser<'a> {
+pub struct PolicyChooser<'a> {
     /// The tables.
     pub bundle: &'a OpenBundle,
     /// All characters of its group.
@@ -99,7 +99,7 @@ pub struct Chooser<'a> {
     /// Goals that are weighed.
     pub goals: &'a [RunGoal],
     /// Data of its last choice.
-    pub choice: &'a LastChoice,
+    pub choice: &'a RecordedChoice,
     /// Present target (m).
     pub target: Vec3,
     /// The coming blow now; none without an opponent: x, seconds, z.
@@ -112,20 +112,20 @@ pub struct Chooser<'a> {
     pub now: u32,
 }
 
-impl Chooser<'_> {
+impl PolicyChooser<'_> {
     /// Present position of a subject; none if no behaviour has that subject.
-    pub fn about(&self, about: About) -> Option<Vec3> {
+    pub fn subject_position(&self, about: GoalSubject) -> Option<Vec3> {
         match about {
-            About::Target => Some(self.target),
-            About::Threat => self.threat,
+            GoalSubject::Target => Some(self.target),
+            GoalSubject::Threat => self.threat,
         }
     }
 
     /// Position of a subject at the last choice.
-    pub fn was_about(&self, about: About) -> Vec3 {
+    pub fn chosen_subject_position(&self, about: GoalSubject) -> Vec3 {
         match about {
-            About::Target => self.choice.target,
-            About::Threat => self.choice.threat,
+            GoalSubject::Target => self.choice.target,
+            GoalSubject::Threat => self.choice.threat,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use throng_runtime::base::limits;
-use throng_runtime::characters::{AvoidConfig, CharactersConfig, Choice, FootLockConfig};
+use throng_runtime::characters::{ActionChoice, AvoidConfig, CharactersConfig, FootLockConfig};
 
 /// Steps a second of simulated time (Hz).
 pub const STEP_HZ: f32 = 60.0;
@@ -37,7 +37,7 @@ impl TargetMode {
 /// Config of a run. The same config on the same bundle gives the same run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct RunConfig {
+pub struct CrowdRunConfig {
     /// Number of characters (1 to MAX_CHARACTERS).
     pub characters: usize,
     /// Seed of places, targets and choices.
@@ -62,7 +62,7 @@ pub struct RunConfig {
     pub avoid: bool,
 }
 
-impl Default for RunConfig {
+impl Default for CrowdRunConfig {
     fn default() -> Self {
         Self {
             characters: 100,
@@ -80,7 +80,7 @@ impl Default for RunConfig {
     }
 }
 
-impl RunConfig {
+impl CrowdRunConfig {
     /// The nearest config that can be run.
     pub fn limited(self) -> Self {
         let finite = |v: f32, low: f32, high: f32, or: f32| if v.is_finite() { v.clamp(low, high) } else { or };
@@ -99,8 +99,11 @@ impl RunConfig {
 
     /// Config of the simulated characters.
     pub fn characters(&self) -> CharactersConfig {
-        let choice =
-            if self.single_load { Choice::BestAction } else { Choice::LookAhead { temperature: self.temperature } };
+        let choice = if self.single_load {
+            ActionChoice::BestAction
+        } else {
+            ActionChoice::LookAhead { temperature: self.temperature }
+        };
         CharactersConfig {
             seed: self.seed,
             choice,
@@ -120,19 +123,19 @@ mod tests {
 
     #[test]
     fn any_config_can_be_limited_to_one_that_runs() {
-        let wild = RunConfig {
+        let wild = CrowdRunConfig {
             characters: usize::MAX,
             distances: [f32::NAN, f32::INFINITY],
             spacing_m: -1.0,
             reach_m: f32::NEG_INFINITY,
             temperature: f32::NAN,
             bend_rad_per_m: 1e30,
-            ..RunConfig::default()
+            ..CrowdRunConfig::default()
         };
         let l = wild.limited();
         assert_eq!(l.characters, MAX_CHARACTERS);
         assert!(l.distances[0] <= l.distances[1] && l.spacing_m >= 1.0 && l.reach_m > 0.0);
         assert!(l.temperature == 0.0 && l.bend_rad_per_m == 2.0);
-        assert_eq!(RunConfig::default().limited(), RunConfig::default());
+        assert_eq!(CrowdRunConfig::default().limited(), CrowdRunConfig::default());
     }
 }

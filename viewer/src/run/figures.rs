@@ -1,10 +1,10 @@
 //! Figures of every step.
 
-use throng_precompute::run::AgentsNow;
+use throng_precompute::run::AgentsSummary;
 use throng_precompute::slip::SlipMeter;
 use throng_runtime::characters::StepTimes;
-use throng_runtime::simulation::{GroupCast, Simulation};
-use throng_runtime::sparring::Tally;
+use throng_runtime::simulation::{AnyCharacterGroup, Simulation};
+use throng_runtime::sparring::BlowTally;
 
 /// Speed of planted heels and toes over all characters at one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,7 +25,7 @@ impl From<&SlipMeter> for Slip {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BoutFigures {
     /// Blows of all characters.
-    pub blows: Tally,
+    pub blows: BlowTally,
     /// Simulated time (s).
     pub seconds: f64,
     /// Deepest overlap of two opponents at the step; none without opponents (m).
@@ -45,16 +45,16 @@ impl BoutFigures {
 
 impl BoutFigures {
     /// Figures of all groups that strike; none in a scene without any.
-    pub fn of(simulation: &Simulation) -> Option<Self> {
+    pub fn collect_from(simulation: &Simulation) -> Option<Self> {
         let mut all: Option<Self> = None;
-        for cast in simulation.casts() {
+        for cast in simulation.character_groups() {
             let own = match cast {
-                GroupCast::Sparring(s) => {
+                AnyCharacterGroup::Sparring(s) => {
                     let f = s.sparring().figures();
                     let penetration_m = Some(f.penetration_m);
                     Self { blows: f.blows, seconds: f.seconds, penetration_m, max_penetration_m: f.max_penetration_m }
                 }
-                GroupCast::Policy(p) => {
+                AnyCharacterGroup::Policy(p) => {
                     let f = p.practice().figures();
                     Self { blows: f.blows, seconds: f.seconds, ..Self::default() }
                 }
@@ -84,5 +84,5 @@ pub struct StepFigures {
     /// Figures of blows, for characters that strike.
     pub bout: Option<BoutFigures>,
     /// Figures of all agents, if there are any.
-    pub agents: Option<AgentsNow>,
+    pub agents: Option<AgentsSummary>,
 }

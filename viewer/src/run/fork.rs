@@ -1,7 +1,7 @@
 //! A copy of a crowd that goes on by itself, beside the run that is shown.
 
-use super::Run;
-use super::simulation::{Input, Simulation};
+use super::CrowdRun;
+use super::simulation::{CrowdSimulation, RunInput};
 use crate::bundle::OpenBundle;
 use glam::Vec3;
 use throng_runtime::Result;
@@ -9,16 +9,16 @@ use throng_runtime::characters::Characters;
 
 /// The characters at one step, which continue without later inputs to the run.
 #[derive(Clone, Debug)]
-pub struct Fork(Simulation);
+pub struct CrowdFork(CrowdSimulation);
 
-impl Run {
+impl CrowdRun {
     /// A copy of the characters at the step shown.
-    pub fn fork(&self) -> Fork {
-        Fork(self.simulation.clone())
+    pub fn fork(&self) -> CrowdFork {
+        CrowdFork(self.simulation.clone())
     }
 }
 
-impl Fork {
+impl CrowdFork {
     /// The characters as they would be.
     pub fn characters(&self) -> &Characters {
         &self.0.characters
@@ -26,7 +26,7 @@ impl Fork {
 
     /// Moves the target of a character, or all targets (m).
     pub fn send(&mut self, character: Option<usize>, to: Vec3) {
-        if let Some(Input::Target { character, to }) = (Input::Target { character, to }).limited() {
+        if let Some(RunInput::Target { character, to }) = (RunInput::Target { character, to }).limited() {
             self.0.move_target(character, to);
         }
     }

@@ -6,55 +6,55 @@
 pub mod agents;
 mod blend;
 mod blending;
+mod blow_marks;
+mod choice_reason;
 mod choices;
 mod config;
 mod figures;
 mod fork;
-mod marks;
 mod recording;
 mod reel;
 mod scene;
 mod simulation;
-mod why;
 mod world;
 
 pub use blend::{BlendMoment, BlendRun};
-pub use blending::{Beside, Blending, LEGS, SIZES};
-pub use choices::{About, Chooser, LastChoice, RunGoal};
-pub use config::{MAX_CHARACTERS, MAX_TARGET_M, RunConfig, STEP_HZ, TargetMode};
+pub use blending::{BlendCompanions, Blending, LEGS, SIZES};
+pub use blow_marks::{BlowMark, BlowResult};
+pub use choice_reason::{ActionCandidate, BehaviourScore, ChoiceReason, explain_choice};
+pub use choices::{GoalSubject, PolicyChooser, RecordedChoice, RunGoal};
+pub use config::{CrowdRunConfig, MAX_CHARACTERS, MAX_TARGET_M, STEP_HZ, TargetMode};
 pub use figures::{BoutFigures, Slip, StepFigures};
-pub use fork::Fork;
-pub use marks::{Mark, Met};
+pub use fork::CrowdFork;
 pub use recording::{RECORDED_STEPS, TRAIL_EVERY};
-pub use reel::{Head, Reel};
+pub use reel::{PlayHead, Reel};
 pub use scene::SceneRun;
-pub use simulation::Input;
-pub use why::{BehaviourScore, Candidate, Why, explain};
-pub use world::{Moment, WorldRun};
+pub use simulation::RunInput;
+pub use world::{InhabitantsMoment, WorldRun};
 
 use crate::bundle::OpenBundle;
 use glam::{Vec2, Vec3};
-use recording::Recording;
-use simulation::Simulation;
+use recording::CrowdRecording;
+use simulation::CrowdSimulation;
 use throng_runtime::Result;
 use throng_runtime::characters::Characters;
 
 /// A run of a crowd, with the record of its last minute.
 #[derive(Clone, Debug)]
-pub struct Run {
-    simulation: Simulation,
-    recording: Recording,
+pub struct CrowdRun {
+    simulation: CrowdSimulation,
+    recording: CrowdRecording,
     /// Which of the recorded steps is shown.
-    pub head: Head,
+    pub head: PlayHead,
     last: StepFigures,
 }
 
-impl Run {
+impl CrowdRun {
     /// Puts the characters at their starts and takes the first choices.
     ///
     /// # Errors
     /// A message where the bundle has no behaviour or its tables do not fit together.
-    pub fn new(bundle: &OpenBundle, config: RunConfig, weights: &[f32]) -> Result<Self, String> {
+    pub fn new(bundle: &OpenBundle, config: CrowdRunConfig, weights: &[f32]) -> Result<Self, String> {
         let behaviours = bundle.tables().policies().len();
         if behaviours == 0 {
             return Err("This bundle has no behaviour to run: build it from a config with `behaviours`.".into());
@@ -62,15 +62,15 @@ impl Run {
         // Only the first behaviour counts, until others are requested.
         let mut weights = if weights.is_empty() { vec![1.0] } else { weights.to_vec() };
         weights.resize(behaviours.min(throng_runtime::characters::MAX_GOALS), 0.0);
-        let simulation = Simulation::new(bundle, config.limited(), weights).map_err(|e| e.to_string())?;
-        let (recording, last) = (Recording::new(simulation.keyframe()), StepFigures::default());
-        let mut run = Self { simulation, recording, head: Head::default(), last };
+        let simulation = CrowdSimulation::new(bundle, config.limited(), weights).map_err(|e| e.to_string())?;
+        let (recording, last) = (CrowdRecording::new(simulation.keyframe()), StepFigures::default());
+        let mut run = Self { simulation, recording, head: PlayHead::default(), last };
         run.step(bundle).map_err(|e| e.to_string())?;
         Ok(run)
     }
 
     /// Config of the run.
-    pub fn config(&self) -> &RunConfig {
+    pub fn config(&self) -> &CrowdRunConfig {
         &self.simulation.config
     }
 
@@ -95,24 +95,24 @@ impl Run {
     }
 
     /// Number of the step shown, from 0.
-    pub fn now(&self) -> u32 {
+    pub fn shown_step(&self) -> u32 {
         self.simulation.around.step - 1
     }
 
     /// Figures of the shown step, as far as they are recorded.
     pub fn figures(&self) -> StepFigures {
-        self.recording.figures(self.now()).unwrap_or(self.last)
+        self.recording.figures(self.shown_step()).unwrap_or(self.last)
     }
 
     /// Steps and figures of the recording up to the shown step.
     pub fn history(&self) -> impl Iterator<Item = (u32, &StepFigures)> {
-        let now = self.now();
+        let now = self.shown_step();
         self.recording.history().take_while(move |h| h.0 <= now)
     }
 
     /// Past positions of a character during the last `seconds`, every [`TRAIL_EVERY`] steps, and the present one (m).
     pub fn trail(&self, character: usize, seconds: f32) -> impl Iterator<Item = Vec2> {
-        let now = self.now();
+        let now = self.shown_step();
         let from = now.saturating_sub((seconds * STEP_HZ) as u32);
         let root = self.characters().root(character);
         self.recording.trail(character, from, now).chain([Vec2::new(root.x, root.z)])
@@ -124,7 +124,7 @@ impl Run {
     }
 
     /// Sets the eye for the next steps, x and z (m). Only the number of fully posed characters depends on it.
-    pub fn look_from(&mut self, eye: Vec2) {
+    pub fn set_eye(&mut self, eye: Vec2) {
         self.simulation.eye = eye;
     }
 
@@ -134,12 +134,12 @@ impl Run {
     /// [`throng_runtime::Error`] where a step cannot be taken.
     pub fn step(&mut self, bundle: &OpenBundle) -> Result<()> {
         let s = &mut self.simulation;
-        self.recording.before(s);
+        self.recording.keep_keyframe(s);
         for input in self.recording.inputs(s.around.step) {
-            s.take(bundle, input)?;
+            s.apply_input(bundle, input)?;
         }
         let figures = s.step(bundle)?;
-        self.recording.after(s, figures);
+        self.recording.keep_figures(s, figures);
         self.last = figures;
         self.show_now();
         Ok(())
@@ -151,7 +151,7 @@ impl Run {
     /// [`throng_runtime::Error`] where a step cannot be repeated.
     pub fn seek(&mut self, bundle: &OpenBundle, step: u32) -> Result<()> {
         self.head.seek(step);
-        let step = self.head.now();
+        let step = self.head.shown_step();
         let keyframe = self.recording.keyframe_before(step);
         if step < self.simulation.around.step.saturating_sub(1) || keyframe.step() > self.simulation.around.step {
             self.simulation.restore(bundle, keyframe)?;
@@ -163,28 +163,28 @@ impl Run {
     }
 
     fn show_now(&mut self) {
-        self.head.record(self.recording.range(), self.now());
+        self.head.record(self.recording.range(), self.shown_step());
     }
 
     /// Applies an input before the next step. The recording after the shown step is dropped, since it did not have the
     /// input. A target is kept within [`MAX_TARGET_M`]; a target that is not a number is ignored.
-    pub fn input(&mut self, input: Input) {
+    pub fn input(&mut self, input: RunInput) {
         let Some(input) = input.limited() else { return };
         let next = self.simulation.around.step;
         // The target follows a drag at once, even while time stands still.
         match &input {
-            Input::Target { character, to } => self.simulation.move_target(*character, *to),
-            Input::Weights { weights, .. } => self.simulation.around.weights = weights.as_slice().into(),
-            Input::Play { .. } | Input::Wish { .. } | Input::Event(_) => {}
+            RunInput::Target { character, to } => self.simulation.move_target(*character, *to),
+            RunInput::Weights { weights, .. } => self.simulation.around.weights = weights.as_slice().into(),
+            RunInput::Play { .. } | RunInput::Goal { .. } | RunInput::Event(_) => {}
         }
         self.recording.branch(next, input);
         self.show_now();
     }
 
     /// A character, and all that bears on its choices; none where it does not exist.
-    pub fn chooser<'a>(&'a self, bundle: &'a OpenBundle, character: usize) -> Option<Chooser<'a>> {
+    pub fn chooser<'a>(&'a self, bundle: &'a OpenBundle, character: usize) -> Option<PolicyChooser<'a>> {
         let (s, config) = (&self.simulation, &self.simulation.config);
-        Some(Chooser {
+        Some(PolicyChooser {
             bundle,
             characters: &s.characters,
             number: character,
@@ -194,7 +194,7 @@ impl Run {
             threat: None,
             single_load: config.single_load,
             temperature: config.temperature,
-            now: self.now(),
+            now: self.shown_step(),
         })
     }
 }

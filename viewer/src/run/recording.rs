@@ -1,7 +1,7 @@
 //! The record of a run: keyframes, inputs, figures and trails of the last minute.
 
 use super::figures::StepFigures;
-use super::simulation::{Input, Keyframe, Simulation};
+use super::simulation::{CrowdKeyframe, CrowdSimulation, RunInput};
 use glam::Vec2;
 use std::collections::VecDeque;
 use std::ops::RangeInclusive;
@@ -15,11 +15,11 @@ const KEYFRAME_EVERY: u32 = 60;
 
 /// The record.
 #[derive(Clone, Debug)]
-pub(super) struct Recording {
+pub(super) struct CrowdRecording {
     /// Ascending by step; the first one is at or before the first step that can be shown.
-    keyframes: VecDeque<Keyframe>,
+    keyframes: VecDeque<CrowdKeyframe>,
     /// Inputs with the step that they precede, in order.
-    inputs: VecDeque<(u32, Input)>,
+    inputs: VecDeque<(u32, RunInput)>,
     /// Figures of the steps from `first` on.
     figures: VecDeque<StepFigures>,
     first: u32,
@@ -27,9 +27,9 @@ pub(super) struct Recording {
     trails: VecDeque<(u32, Vec<Vec2>)>,
 }
 
-impl Recording {
+impl CrowdRecording {
     /// Recording of a run before its first step.
-    pub fn new(start: Keyframe) -> Self {
+    pub fn new(start: CrowdKeyframe) -> Self {
         Self {
             keyframes: VecDeque::from([start]),
             inputs: VecDeque::new(),
@@ -45,20 +45,20 @@ impl Recording {
     }
 
     /// Inputs that take effect before a step.
-    pub fn inputs(&self, step: u32) -> impl Iterator<Item = &Input> {
+    pub fn inputs(&self, step: u32) -> impl Iterator<Item = &RunInput> {
         let from = self.inputs.partition_point(|i| i.0 < step);
         self.inputs.range(from..).take_while(move |i| i.0 == step).map(|i| &i.1)
     }
 
     /// The last keyframe from which a step can be reached by taking at least one.
-    pub fn keyframe_before(&self, step: u32) -> &Keyframe {
+    pub fn keyframe_before(&self, step: u32) -> &CrowdKeyframe {
         let after = self.keyframes.partition_point(|k| k.step() <= step);
         &self.keyframes[after.saturating_sub(1)]
     }
 
     /// Keeps a keyframe where one is due. Call it before the inputs of the step take effect: going back to the
     /// keyframe repeats them.
-    pub fn before(&mut self, s: &Simulation) {
+    pub fn keep_keyframe(&mut self, s: &CrowdSimulation) {
         let step = s.around.step;
         let is_new = self.keyframes.back().is_none_or(|k| k.step() < step);
         if step.is_multiple_of(KEYFRAME_EVERY) && is_new {
@@ -67,7 +67,7 @@ impl Recording {
     }
 
     /// Keeps the figures of a new step, and drops steps older than a minute.
-    pub fn after(&mut self, s: &Simulation, figures: StepFigures) {
+    pub fn keep_figures(&mut self, s: &CrowdSimulation, figures: StepFigures) {
         let step = s.around.step - 1;
         if step != self.first + self.figures.len() as u32 {
             return;
@@ -84,7 +84,7 @@ impl Recording {
 
     /// Drops everything before the second keyframe.
     fn drop_oldest(&mut self) {
-        let Some(first) = self.keyframes.get(1).map(Keyframe::step) else { return };
+        let Some(first) = self.keyframes.get(1).map(CrowdKeyframe::step) else { return };
         self.keyframes.pop_front();
         self.figures.drain(..(first - self.first) as usize);
         while self.inputs.pop_front_if(|i| i.0 < first).is_some() {}
@@ -93,7 +93,7 @@ impl Recording {
     }
 
     /// Drops everything from a step on, and puts an input before it.
-    pub fn branch(&mut self, step: u32, input: Input) {
+    pub fn branch(&mut self, step: u32, input: RunInput) {
         self.keyframes.truncate(self.keyframes.partition_point(|k| k.step() <= step).max(1));
         self.figures.truncate(step.saturating_sub(self.first) as usize);
         self.trails.truncate(self.trails.partition_point(|t| t.0 < step));
@@ -122,7 +122,7 @@ impl Recording {
 
     /// Memory that it takes (bytes).
     pub fn num_bytes(&self) -> usize {
-        let keyframes: usize = self.keyframes.iter().map(Keyframe::num_bytes).sum();
+        let keyframes: usize = self.keyframes.iter().map(CrowdKeyframe::num_bytes).sum();
         let trails: usize = self.trails.iter().map(|t| size_of_val(t.1.as_slice())).sum();
         keyframes + trails + self.figures.len() * size_of::<StepFigures>()
     }

@@ -14,7 +14,7 @@ const MAX_BYTES: usize = 192 << 20;
 
 /// The play head: which of the recorded steps is shown, and how time moves on.
 #[derive(Clone, Copy, Debug)]
-pub struct Head {
+pub struct PlayHead {
     first: u32,
     last: u32,
     now: u32,
@@ -24,20 +24,20 @@ pub struct Head {
     owed_s: f32,
 }
 
-impl Default for Head {
+impl Default for PlayHead {
     fn default() -> Self {
         Self { first: 0, last: 0, now: 0, playing: false, speed: 1.0, owed_s: 0.0 }
     }
 }
 
-impl Head {
+impl PlayHead {
     /// Steps that can be shown.
     pub fn recorded(&self) -> RangeInclusive<u32> {
         self.first..=self.last
     }
 
     /// The step that is shown.
-    pub fn now(&self) -> u32 {
+    pub fn shown_step(&self) -> u32 {
         self.now
     }
 
@@ -85,14 +85,14 @@ impl Head {
     }
 
     /// Shows the next step that is recorded; false where it has not been lived yet.
-    pub fn on(&mut self) -> bool {
+    pub fn advance_recorded(&mut self) -> bool {
         let is_kept = !self.is_live();
         self.now += u32::from(is_kept);
         is_kept
     }
 
     /// Takes wall time that has passed while time moves on, a quarter of a second at most.
-    pub fn owe(&mut self, wall_s: f32) {
+    pub fn add_wall_time(&mut self, wall_s: f32) {
         if self.playing {
             self.owed_s += wall_s.clamp(0.0, 0.25) * self.speed;
         }
@@ -120,7 +120,7 @@ impl Head {
 #[derive(Clone, Debug)]
 pub struct Reel<M> {
     /// Which of them is shown.
-    pub head: Head,
+    pub head: PlayHead,
     moments: VecDeque<M>,
     most: usize,
 }
@@ -131,7 +131,7 @@ impl<M> Reel<M> {
     /// - `moment_bytes`: approximate size of a moment (bytes).
     pub fn new(moment_bytes: usize, first: M) -> Self {
         let most = (MAX_BYTES / moment_bytes.max(1)).clamp(2, MAX_STEPS);
-        Self { head: Head::default(), moments: VecDeque::from([first]), most }
+        Self { head: PlayHead::default(), moments: VecDeque::from([first]), most }
     }
 
     /// Adds a moment and shows it.
@@ -155,17 +155,17 @@ impl<M> Reel<M> {
 
     /// The moment that is shown.
     pub fn moment(&self) -> &M {
-        self.at(self.head.now)
+        self.moment_at(self.head.now)
     }
 
     /// The shown moment and those before it, every `every`-th, over at most so many seconds.
-    pub fn before(&self, seconds: f32, every: u32) -> impl Iterator<Item = &M> {
+    pub fn moments_before(&self, seconds: f32, every: u32) -> impl Iterator<Item = &M> {
         let from = self.head.now.saturating_sub((seconds * STEP_HZ) as u32).max(self.head.first);
         let steps = (from.next_multiple_of(every)..self.head.now).step_by(every as usize);
-        steps.chain([self.head.now]).map(|step| self.at(step))
+        steps.chain([self.head.now]).map(|step| self.moment_at(step))
     }
 
-    fn at(&self, step: u32) -> &M {
+    fn moment_at(&self, step: u32) -> &M {
         &self.moments[((step - self.head.first) as usize).min(self.moments.len() - 1)]
     }
 }
@@ -185,20 +185,20 @@ mod tests {
         (1..=5).for_each(|i| reel.push(i));
         assert_eq!((reel.head.recorded(), *reel.moment(), reel.head.is_live()), (3..=5, 5, true));
         reel.head.seek(0);
-        assert_eq!((reel.head.now(), *reel.moment(), reel.head.is_live()), (3, 3, false));
-        assert!(reel.head.on() && reel.head.on() && !reel.head.on());
+        assert_eq!((reel.head.shown_step(), *reel.moment(), reel.head.is_live()), (3, 3, false));
+        assert!(reel.head.advance_recorded() && reel.head.advance_recorded() && !reel.head.advance_recorded());
         assert_eq!(*reel.moment(), 5);
         reel.head.seek(4);
         reel.replace(50);
-        assert_eq!((*reel.moment(), reel.head.now()), (50, 5));
-        assert_eq!(reel.before(1.0, 2).copied().collect::<Vec<_>>(), [4, 50]);
+        assert_eq!((*reel.moment(), reel.head.shown_step()), (50, 5));
+        assert_eq!(reel.moments_before(1.0, 2).copied().collect::<Vec<_>>(), [4, 50]);
     }
 
     #[test]
     fn as_many_steps_are_due_as_time_has_passed() {
-        let mut head = Head::default();
-        let due = |head: &mut Head, wall_s: f32| {
-            head.owe(wall_s);
+        let mut head = PlayHead::default();
+        let due = |head: &mut PlayHead, wall_s: f32| {
+            head.add_wall_time(wall_s);
             let (begin, mut taken) = (Instant::now(), 0);
             while head.is_due(taken, begin) {
                 taken += 1;

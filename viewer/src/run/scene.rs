@@ -5,21 +5,21 @@
 
 mod state;
 
-use super::agents::{Entry, EventLog, Happened, SpreadLog, What, With, first_agent};
+use super::agents::{AgentEvent, AgentEventKind, EventLog, OtherParty, SpreadLog, StateEntry, first_agent};
+use super::blow_marks::{self, BlowMark};
 use super::choices::RunGoal;
 use super::figures::StepFigures;
-use super::marks::{self, Mark};
-use super::reel::Head;
-use super::{Input, STEP_HZ};
+use super::reel::PlayHead;
+use super::{RunInput, STEP_HZ};
 use glam::Vec3;
-use state::State;
+use state::SceneRunState;
 use std::collections::VecDeque;
 use std::fmt;
 use std::time::Instant;
 use throng_runtime::Result;
 use throng_runtime::crowd::Event as CrowdEvent;
-use throng_runtime::simulation::agents::{Agents, in_world};
-use throng_runtime::simulation::{CompiledScene, Event, GroupCast, Simulation};
+use throng_runtime::simulation::agents::{SceneAgents, world_vector};
+use throng_runtime::simulation::{AnyCharacterGroup, CompiledScene, Simulation, SimulationEvent};
 
 /// Steps between two states.
 const STATE_EVERY: u32 = 60;
@@ -39,32 +39,32 @@ const TRAIL_EVERY: u32 = 6;
 
 /// State of a scene at a step, before the inputs that were given there.
 #[derive(Clone)]
-struct Keyframe {
+struct SceneKeyframe {
     step: u32,
-    state: State,
+    state: SceneRunState,
 }
 
 /// A scene that runs, with the record of its last minute.
 pub struct SceneRun {
-    state: State,
+    state: SceneRunState,
     /// Number of the first agent; none without agents.
     first_agent: Option<usize>,
     /// Approximate size of a state (bytes).
     state_bytes: usize,
     /// Which of the recorded steps is shown.
-    pub head: Head,
+    pub head: PlayHead,
     /// Ascending; the first is the state of the first recorded step.
-    keyframes: VecDeque<Keyframe>,
+    keyframes: VecDeque<SceneKeyframe>,
     /// Inputs that took effect after the steps that they were given at, in order.
-    inputs: VecDeque<(u32, Input)>,
+    inputs: VecDeque<(u32, RunInput)>,
     /// Events of the recorded steps, with their steps.
-    events: VecDeque<(u32, Event)>,
+    events: VecDeque<(u32, SimulationEvent)>,
     /// All events of agents.
     log: EventLog,
     /// When agents came to know of messages.
     spread: SpreadLog,
     /// Blows, ascending by step.
-    marks: VecDeque<Mark>,
+    marks: VecDeque<BlowMark>,
     /// Figures of the recorded steps, without times of phases.
     figures: VecDeque<(u32, StepFigures)>,
     /// Places of all characters at every [`TRAIL_EVERY`]th step; `None` for one that has left (m).
@@ -80,8 +80,8 @@ impl fmt::Debug for SceneRun {
 /// Approximate size of a state of a simulation (bytes).
 fn state_bytes(simulation: &Simulation) -> usize {
     let bodies = simulation.poses().flatten().count();
-    let worlds = simulation.casts().iter().map(|cast| match cast {
-        GroupCast::Patches(people) => people.graph().num_nodes() * NODE_BYTES,
+    let worlds = simulation.character_groups().iter().map(|cast| match cast {
+        AnyCharacterGroup::Patches(people) => people.graph().num_nodes() * NODE_BYTES,
         _ => 0,
     });
     bodies * BODY_BYTES + simulation.num_characters() * AGENT_BYTES + worlds.sum::<usize>()
@@ -99,21 +99,21 @@ impl SceneRun {
         if let Some(bytes) = kept {
             simulation.restore(bytes)?;
         }
-        for cast in 0..simulation.casts().len() {
-            match simulation.cast_mut(cast) {
-                GroupCast::Ground(agents) => agents.record_events(),
-                GroupCast::Air(agents) => agents.record_events(),
+        for cast in 0..simulation.character_groups().len() {
+            match simulation.character_group_mut(cast) {
+                AnyCharacterGroup::Ground(agents) => agents.record_events(),
+                AnyCharacterGroup::Air(agents) => agents.record_events(),
                 _ => {}
             }
         }
         let step = (simulation.time_s() * f64::from(STEP_HZ) + 1e-6) as u32;
-        let state = State::new(simulation);
-        let mut head = Head::default();
+        let state = SceneRunState::new(simulation);
+        let mut head = PlayHead::default();
         head.record(step..=step, step);
         let mut run = Self {
             first_agent: first_agent(&state.simulation),
             state_bytes: state_bytes(&state.simulation),
-            keyframes: VecDeque::from([Keyframe { step, state: state.clone() }]),
+            keyframes: VecDeque::from([SceneKeyframe { step, state: state.clone() }]),
             state,
             head,
             inputs: VecDeque::new(),
@@ -125,8 +125,8 @@ impl SceneRun {
             trails: VecDeque::new(),
         };
         run.figures.push_back((step, run.state.figures));
-        run.spread = SpreadLog::of(run.simulation().minds());
-        run.mark_log();
+        run.spread = SpreadLog::from_agent_brains(run.simulation().brains());
+        run.log_totals();
         run.keep_trail(step);
         Ok(run)
     }
@@ -143,14 +143,14 @@ impl SceneRun {
 
     /// Figures of the shown step.
     pub fn figures(&self) -> StepFigures {
-        let now = self.head.now();
+        let now = self.head.shown_step();
         let kept = self.figures.partition_point(|f| f.0 < now);
         self.figures.get(kept).map_or(self.state.figures, |f| f.1)
     }
 
     /// Steps and figures of the recording up to the shown step.
     pub fn history(&self) -> impl Iterator<Item = (u32, &StepFigures)> {
-        let now = self.head.now();
+        let now = self.head.shown_step();
         self.figures.iter().take_while(move |f| f.0 <= now).map(|(step, f)| (*step, f))
     }
 
@@ -165,8 +165,8 @@ impl SceneRun {
     }
 
     /// How an agent came to its state at a level, 0 for the highest; none for an agent without a brain (level < 3).
-    pub fn entry(&self, who: usize, level: usize) -> Option<Entry> {
-        Some(self.state.traces.get(who.checked_sub(self.first_agent?)?)?.at(level))
+    pub fn entry(&self, who: usize, level: usize) -> Option<StateEntry> {
+        Some(self.state.traces.get(who.checked_sub(self.first_agent?)?)?.entry_at(level))
     }
 
     /// Keeps the events of another agent apart from now on.
@@ -184,10 +184,10 @@ impl SceneRun {
     /// # Errors
     /// [`throng_runtime::Error`] where the step cannot be taken.
     pub fn step(&mut self) -> Result<()> {
-        let step = self.head.now() + 1;
+        let step = self.head.shown_step() + 1;
         let begin = Instant::now();
         self.state.advance_to(step)?;
-        if self.head.on() {
+        if self.head.advance_recorded() {
             self.take_inputs(step)
         } else {
             self.state.figures.wall_s = begin.elapsed().as_secs_f64();
@@ -201,9 +201,9 @@ impl SceneRun {
     /// # Errors
     /// [`throng_runtime::Error`] where a step cannot be repeated.
     pub fn seek(&mut self, step: u32) -> Result<()> {
-        let shown = self.head.now();
+        let shown = self.head.shown_step();
         self.head.seek(step);
-        let step = self.head.now();
+        let step = self.head.shown_step();
         let after = self.keyframes.partition_point(|k| k.step <= step);
         let before = &self.keyframes[after.saturating_sub(1)];
         let mut at = shown;
@@ -227,7 +227,7 @@ impl SceneRun {
     fn take_inputs(&mut self, step: u32) -> Result<()> {
         let from = self.inputs.partition_point(|i| i.0 < step);
         let here = self.inputs.iter().skip(from).take_while(|i| i.0 == step);
-        here.map(|i| &i.1).try_for_each(|input| self.state.take(input))
+        here.map(|i| &i.1).try_for_each(|input| self.state.apply_input(input))
     }
 
     /// Applies an input now. The recording after the shown step is dropped, since it did not have the input. A target
@@ -235,10 +235,10 @@ impl SceneRun {
     ///
     /// # Errors
     /// [`throng_runtime::Error`] for what cannot be done; nothing has changed then.
-    pub fn input(&mut self, input: Input) -> Result<()> {
+    pub fn input(&mut self, input: RunInput) -> Result<()> {
         let Some(input) = input.limited() else { return Ok(()) };
-        self.state.take(&input)?;
-        let now = self.head.now();
+        self.state.apply_input(&input)?;
+        let now = self.head.shown_step();
         self.keyframes.truncate(self.keyframes.partition_point(|k| k.step <= now).max(1));
         self.events.truncate(self.events.partition_point(|e| e.0 <= now));
         self.marks.truncate(self.marks.partition_point(|m| m.step <= now));
@@ -248,8 +248,8 @@ impl SceneRun {
         let now_s = self.state.simulation.time_s();
         self.log.forget_after(now_s);
         self.spread.forget_after(now_s);
-        if matches!(input, Input::Event(_)) {
-            self.log_turns();
+        if matches!(input, RunInput::Event(_)) {
+            self.log_brain_events();
         }
         // Of many drags of one target at a step only the last one counts.
         self.inputs.pop_back_if(|last| last.0 == now && input.replaces(&last.1));
@@ -260,21 +260,21 @@ impl SceneRun {
     }
 
     /// Events of the recorded steps up to the one shown, the latest first.
-    pub fn events(&self) -> impl Iterator<Item = &Event> {
-        let now = self.head.now();
+    pub fn events(&self) -> impl Iterator<Item = &SimulationEvent> {
+        let now = self.head.shown_step();
         self.events.iter().rev().skip_while(move |e| e.0 > now).map(|e| &e.1)
     }
 
     /// Blows of the last `seconds`, the latest first.
-    pub fn marks(&self, seconds: f32) -> impl Iterator<Item = &Mark> {
-        let now = self.head.now();
+    pub fn blow_marks(&self, seconds: f32) -> impl Iterator<Item = &BlowMark> {
+        let now = self.head.shown_step();
         let from = (now + 1).saturating_sub((seconds * STEP_HZ) as u32);
         self.marks.iter().rev().skip_while(move |m| m.step > now).take_while(move |m| m.step >= from)
     }
 
     /// Past positions of a character during the last `seconds`, at intervals, and the present one (m).
     pub fn trail(&self, who: usize, seconds: f32) -> impl Iterator<Item = Vec3> {
-        let now = self.head.now();
+        let now = self.head.shown_step();
         let from = now.saturating_sub((seconds * STEP_HZ) as u32);
         let recorded = self.trails.iter().filter(move |t| (from..now).contains(&t.0));
         recorded.filter_map(move |t| *t.1.get(who)?).chain(self.place(who))
@@ -295,7 +295,7 @@ impl SceneRun {
 
     /// Recorded choice of a character: goals, weights, its last choice, and its number in the group; none for a
     /// character that does not choose.
-    pub(crate) fn choosing(&self, who: usize) -> Option<(&[RunGoal], &[f32], &super::LastChoice, usize)> {
+    pub(crate) fn recorded_choice(&self, who: usize) -> Option<(&[RunGoal], &[f32], &super::RecordedChoice, usize)> {
         let c = self.state.choosing.iter().rev().find(|c| c.first <= who)?;
         let number = who - c.first;
         (number < c.choices.len()).then(|| (&*c.goals, &*c.weights, c.choices.last(number), number))
@@ -305,14 +305,14 @@ impl SceneRun {
     fn record(&mut self, step: u32) {
         let simulation = &self.state.simulation;
         self.events.extend(simulation.events().iter().map(|&e| (step, e)));
-        marks::of_step(simulation, step, &mut self.marks);
+        blow_marks::record_blows(simulation, step, &mut self.marks);
         self.figures.push_back((step, self.state.figures));
         self.log_events();
-        self.log_turns();
-        self.mark_log();
+        self.log_brain_events();
+        self.log_totals();
         self.keep_trail(step);
         if step.is_multiple_of(STATE_EVERY) {
-            self.keyframes.push_back(Keyframe { step, state: self.state.clone() });
+            self.keyframes.push_back(SceneKeyframe { step, state: self.state.clone() });
         }
         let mut first = *self.head.recorded().start();
         let is_large = self.keyframes.len() * self.state_bytes > MAX_BYTES && self.keyframes.len() > LEAST_STATES;
@@ -331,43 +331,47 @@ impl SceneRun {
 
     /// Writes the events of agents into the log, with where they happened.
     fn log_events(&mut self) {
-        for cast in self.state.simulation.casts() {
+        for cast in self.state.simulation.character_groups() {
             match cast {
-                GroupCast::Ground(agents) => log(&mut self.log, self.first_agent, agents, &self.trails),
-                GroupCast::Air(agents) => log(&mut self.log, self.first_agent, agents, &self.trails),
+                AnyCharacterGroup::Ground(agents) => {
+                    log_engine_events(&mut self.log, self.first_agent, agents, &self.trails)
+                }
+                AnyCharacterGroup::Air(agents) => {
+                    log_engine_events(&mut self.log, self.first_agent, agents, &self.trails)
+                }
                 _ => {}
             }
         }
     }
 
     /// Writes the events of agent brains into the log.
-    fn log_turns(&mut self) {
+    fn log_brain_events(&mut self) {
         let (simulation, Some(first)) = (&self.state.simulation, self.first_agent) else { return };
         let place = |who: usize| {
             let last = || *self.trails.back()?.1.get(who)?;
             simulation.disc(who).map(|d| d.centre).or_else(last)
         };
-        for turn in simulation.minds().map_or(&[][..], |m| m.turns()) {
-            self.spread.take(turn);
-            let Some((what, with)) = What::of_turn(turn, first) else { continue };
+        for turn in simulation.brains().map_or(&[][..], |m| m.turns()) {
+            self.spread.record_turn(turn);
+            let Some((what, with)) = AgentEventKind::from_brain_event(turn, first) else { continue };
             let agent = first + turn.agent;
-            self.log.add(Happened {
+            self.log.add(AgentEvent {
                 time_s: turn.time_s,
                 agent,
-                what,
-                with,
+                kind: what,
+                other_party: with,
                 place: turn.place,
                 message: turn.event,
                 at: place(agent).unwrap_or_default(),
-                other_at: with.other().and_then(place).filter(|_| what == What::Learnt),
+                other_at: with.other().and_then(place).filter(|_| what == AgentEventKind::Learnt),
             });
         }
     }
 
     /// Notes in the log how many events there were until now.
-    fn mark_log(&mut self) {
+    fn log_totals(&mut self) {
         if let Some(agents) = self.state.figures.agents {
-            self.log.mark(self.state.simulation.time_s(), agents.present);
+            self.log.record_totals(self.state.simulation.time_s(), agents.present);
         }
     }
 
@@ -380,28 +384,30 @@ impl SceneRun {
 }
 
 /// Writes the events of the last step into a log.
-fn log<V: throng_runtime::crowd::Space>(
+fn log_engine_events<V: throng_runtime::crowd::Space>(
     log: &mut EventLog,
     first: Option<usize>,
-    agents: &Agents<V>,
+    agents: &SceneAgents<V>,
     trails: &VecDeque<(u32, Vec<Option<Vec3>>)>,
 ) {
     let Some(first) = first else { return };
     let place = |agent: usize, event: &CrowdEvent| {
         let last = || *trails.back()?.1.get(first + agent)?;
-        agents.position(agent, event.time).map(in_world).or_else(last)
+        agents.position(agent, event.time).map(world_vector).or_else(last)
     };
     for event in agents.engine_events() {
-        let Some((what, with)) = What::of(&event.kind, |id| agents.agent_of(id)) else { continue };
+        let Some((what, with)) = AgentEventKind::from_engine_event(&event.kind, |id| agents.agent_of(id)) else {
+            continue;
+        };
         let Some(agent) = agents.agent_of(event.agent) else { continue };
-        let other_at = if let With::Agent(other) = with { place(other, event) } else { None };
-        let with = if let With::Agent(other) = with { With::Agent(first + other) } else { with };
+        let other_at = if let OtherParty::Agent(other) = with { place(other, event) } else { None };
+        let with = if let OtherParty::Agent(other) = with { OtherParty::Agent(first + other) } else { with };
         let at = place(agent, event).unwrap_or_default();
-        log.add(Happened {
+        log.add(AgentEvent {
             time_s: event.time,
             agent: first + agent,
-            what,
-            with,
+            kind: what,
+            other_party: with,
             place: None,
             message: None,
             at,

@@ -1,7 +1,7 @@
 //! The characters at one instant, and one step of them.
 
-use super::choices::{About, Choices, RunGoal};
-use super::config::{MOST_POSED, RunConfig, STEP_HZ, TargetMode};
+use super::choices::{ChoiceRecord, GoalSubject, RunGoal};
+use super::config::{CrowdRunConfig, MOST_POSED, STEP_HZ, TargetMode};
 use super::figures::{Slip, StepFigures};
 use crate::bundle::OpenBundle;
 use glam::{Vec2, Vec3};
@@ -12,9 +12,9 @@ use std::sync::Arc;
 use std::time::Instant;
 use throng_precompute::slip::SlipMeter;
 use throng_precompute::trial;
-use throng_runtime::characters::{Characters, CharactersSnapshot, Detail, Order, Start};
-use throng_runtime::world::inhabitants::Wish;
-use throng_runtime::{Inline, Planar, Rayon, Result, Run};
+use throng_runtime::characters::{CharacterStart, Characters, CharactersSnapshot, Detail, PolicyOrder};
+use throng_runtime::world::inhabitants::InhabitantGoal;
+use throng_runtime::{Executor, Inline, Planar, Rayon, Result};
 
 /// Characters from which on a step is split over threads.
 const PARALLEL_FROM: usize = 1000;
@@ -26,7 +26,7 @@ const POSED_M: f32 = 40.0;
 
 /// Something done to a run from outside. Inputs are recorded and repeated when the run is.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Input {
+pub enum RunInput {
     /// A target is moved; all targets if no character is named (m).
     Target {
         /// Character with the target.
@@ -37,7 +37,7 @@ pub enum Input {
     /// Weights of the behaviours of a group.
     Weights {
         /// Any character of the group.
-        of: usize,
+        member: usize,
         /// Weight of each (number of behaviours).
         weights: Vec<f32>,
     },
@@ -51,15 +51,15 @@ pub enum Input {
     /// An event of the scene happens.
     Event(String),
     /// A character of a world gets an order.
-    Wish {
+    Goal {
         /// Which character.
         character: usize,
         /// Goal of the order; none lets it decide for itself.
-        wish: Option<Wish>,
+        goal: Option<InhabitantGoal>,
     },
 }
 
-impl Input {
+impl RunInput {
     /// The input within valid bounds; none for a target that is not a number.
     pub(super) fn limited(self) -> Option<Self> {
         let most = Vec3::splat(super::MAX_TARGET_M);
@@ -74,8 +74,8 @@ impl Input {
     pub(super) fn replaces(&self, old: &Self) -> bool {
         match (old, self) {
             (Self::Target { character: a, .. }, Self::Target { character: b, .. }) => a == b,
-            (Self::Weights { of: a, .. }, Self::Weights { of: b, .. }) => a == b,
-            (Self::Wish { character: a, .. }, Self::Wish { character: b, .. }) => a == b,
+            (Self::Weights { member: a, .. }, Self::Weights { member: b, .. }) => a == b,
+            (Self::Goal { character: a, .. }, Self::Goal { character: b, .. }) => a == b,
             _ => false,
         }
     }
@@ -83,7 +83,7 @@ impl Input {
 
 /// State of the run beside the characters: targets, weights, and last choices.
 #[derive(Clone, Debug)]
-pub(super) struct Surroundings {
+pub(super) struct RunSurroundings {
     /// Target of each character's next choice.
     pub targets: Vec<Vec3>,
     /// Number of targets that each character has reached so far.
@@ -91,19 +91,19 @@ pub(super) struct Surroundings {
     /// Weight of every goal.
     pub weights: Arc<[f32]>,
     /// Data of the last choices.
-    pub choices: Choices,
+    pub choices: ChoiceRecord,
     /// The step that comes next.
     pub step: u32,
 }
 
 /// All that later steps depend on.
 #[derive(Clone, Debug)]
-pub(super) struct Keyframe {
+pub(super) struct CrowdKeyframe {
     characters: CharactersSnapshot,
-    around: Surroundings,
+    around: RunSurroundings,
 }
 
-impl Keyframe {
+impl CrowdKeyframe {
     /// The step that comes next after it.
     pub fn step(&self) -> u32 {
         self.around.step
@@ -121,36 +121,36 @@ impl Keyframe {
 
 /// The characters at one instant.
 #[derive(Clone, Debug)]
-pub(super) struct Simulation {
-    pub config: RunConfig,
+pub(super) struct CrowdSimulation {
+    pub config: CrowdRunConfig,
     pub characters: Characters,
     /// Goals that are weighed (number of weights).
     pub goals: Vec<RunGoal>,
-    pub around: Surroundings,
+    pub around: RunSurroundings,
     /// Position of the eye (m).
     pub eye: Vec2,
     slip: SlipMeter,
 }
 
-impl Simulation {
+impl CrowdSimulation {
     /// Characters on a loose grid, each with a target in some direction. No step has been taken.
     ///
     /// - `weights`: of the first behaviours, which are weighed.
-    pub fn new(bundle: &OpenBundle, config: RunConfig, weights: Vec<f32>) -> Result<Self> {
-        let (starts, targets) = scatter(&config, &trial::starts(bundle.tables(), &config.characters()));
+    pub fn new(bundle: &OpenBundle, config: CrowdRunConfig, weights: Vec<f32>) -> Result<Self> {
+        let (starts, targets) = scatter(&config, &trial::start_states(bundle.tables(), &config.characters()));
         let characters = Characters::new(bundle.motion_set(), config.characters(), &starts)?;
-        let goals = (0..weights.len()).map(|policy| RunGoal { policy, about: About::Target }).collect();
+        let goals = (0..weights.len()).map(|policy| RunGoal { policy, subject: GoalSubject::Target }).collect();
         let n = config.characters;
-        let (reached, choices) = (vec![0; n], Choices::new(n));
-        let around = Surroundings { targets, reached, weights: weights.into(), choices, step: 0 };
+        let (reached, choices) = (vec![0; n], ChoiceRecord::new(n));
+        let around = RunSurroundings { targets, reached, weights: weights.into(), choices, step: 0 };
         Ok(Self { config, characters, goals, around, eye: Vec2::ZERO, slip: SlipMeter::new(n) })
     }
 
-    pub fn keyframe(&self) -> Keyframe {
-        Keyframe { characters: self.characters.snapshot(), around: self.around.clone() }
+    pub fn keyframe(&self) -> CrowdKeyframe {
+        CrowdKeyframe { characters: self.characters.snapshot(), around: self.around.clone() }
     }
 
-    pub fn restore(&mut self, bundle: &OpenBundle, keyframe: &Keyframe) -> Result<()> {
+    pub fn restore(&mut self, bundle: &OpenBundle, keyframe: &CrowdKeyframe) -> Result<()> {
         self.characters.restore(bundle.motion_set(), &keyframe.characters)?;
         self.around.clone_from(&keyframe.around);
         self.slip.forget_step();
@@ -158,12 +158,12 @@ impl Simulation {
     }
 
     /// Applies an input.
-    pub fn take(&mut self, bundle: &OpenBundle, input: &Input) -> Result<()> {
+    pub fn apply_input(&mut self, bundle: &OpenBundle, input: &RunInput) -> Result<()> {
         match input {
-            Input::Target { character, to } => self.move_target(*character, *to),
-            Input::Weights { weights, .. } => self.around.weights = weights.as_slice().into(),
-            Input::Play { character, segment } => self.characters.play(bundle.motion_set(), *character, *segment)?,
-            Input::Wish { .. } | Input::Event(_) => {}
+            RunInput::Target { character, to } => self.move_target(*character, *to),
+            RunInput::Weights { weights, .. } => self.around.weights = weights.as_slice().into(),
+            RunInput::Play { character, segment } => self.characters.play(bundle.motion_set(), *character, *segment)?,
+            RunInput::Goal { .. } | RunInput::Event(_) => {}
         }
         Ok(())
     }
@@ -201,9 +201,9 @@ impl Simulation {
         // One behaviour alone can be loaded without look-ahead; those of weight 0 do not count.
         let none_counts = a.weights.iter().all(|&w| w == 0.0);
         let weighed = self.goals.iter().zip(a.weights.iter()).filter(|(_, weight)| **weight != 0.0 || none_counts);
-        let order = weighed.fold(Order::IDLE, |order, (g, &weight)| order.and(g.policy, weight));
-        let orders: Vec<Order> = a.targets.iter().map(|&target| order.around(target)).collect();
-        let run: &dyn Run = if orders.len() >= PARALLEL_FROM { &Rayon } else { &Inline };
+        let order = weighed.fold(PolicyOrder::IDLE, |order, (g, &weight)| order.with_policy(g.policy, weight));
+        let orders: Vec<PolicyOrder> = a.targets.iter().map(|&target| order.with_target(target)).collect();
+        let run: &dyn Executor = if orders.len() >= PARALLEL_FROM { &Rayon } else { &Inline };
         self.characters.step_on(motion_set, dt, &orders, run)
     }
 
@@ -226,7 +226,7 @@ impl Simulation {
                 self.around.reached[c] += 1;
                 let draw = u64::from(self.around.reached[c]) << 32 | c as u64;
                 let mut rng = Pcg64Mcg::seed_from_u64(self.config.seed ^ draw.wrapping_mul(0x9E37_79B9_7F4A_7C15));
-                self.around.targets[c] += somewhere(&mut rng, self.config.distances);
+                self.around.targets[c] += random_offset(&mut rng, self.config.distances);
             }
         }
     }
@@ -236,14 +236,14 @@ impl Simulation {
 const APART_M: f32 = 0.4;
 
 /// A place in some direction, within the distances.
-fn somewhere(rng: &mut Pcg64Mcg, [near, far]: [f32; 2]) -> Vec3 {
+fn random_offset(rng: &mut Pcg64Mcg, [near, far]: [f32; 2]) -> Vec3 {
     let (angle, ratio) = (rng.random_range(0.0..TAU), rng.random_range(0.0..1.0f32));
     let distance = near + (far - near) * ratio;
     Vec3::new(distance * angle.sin(), 0.0, distance * angle.cos())
 }
 
 /// Random start states and targets; starts are far enough apart for two bodies.
-fn scatter(config: &RunConfig, states: &[u32]) -> (Vec<Start>, Vec<Vec3>) {
+fn scatter(config: &CrowdRunConfig, states: &[u32]) -> (Vec<CharacterStart>, Vec<Vec3>) {
     let mut rng = Pcg64Mcg::seed_from_u64(config.seed);
     let side = (config.characters as f32).sqrt().ceil() as usize;
     let middle = (side as f32 - 1.0) * 0.5;
@@ -254,9 +254,9 @@ fn scatter(config: &RunConfig, states: &[u32]) -> (Vec<Start>, Vec<Vec3>) {
             let mut jitter = || rng.random_range(-most..most);
             let (x, z) = (place(i % side) + jitter(), place(i / side) + jitter());
             let root = Planar::new(x, z, rng.random_range(0.0..TAU));
-            let own = Vec3::new(x, 0.0, z) + somewhere(&mut rng, config.distances);
+            let own = Vec3::new(x, 0.0, z) + random_offset(&mut rng, config.distances);
             let target = if config.targets == TargetMode::Shared { Vec3::ZERO } else { own };
-            (Start { root, state: states[rng.random_range(0..states.len())] }, target)
+            (CharacterStart { root, state: states[rng.random_range(0..states.len())] }, target)
         })
         .unzip()
 }

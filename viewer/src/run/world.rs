@@ -8,16 +8,16 @@ use super::reel::Reel;
 use glam::{Vec2, Vec3};
 use std::time::Instant;
 use throng_runtime::characters::CharactersConfig;
-use throng_runtime::world::inhabitants::{InhabitantState, Inhabitants, InhabitantsConfig, Wish};
-use throng_runtime::world::{Node, World};
-use throng_runtime::{Cast, Id, Inline, Mat3x4, NUM_JOINTS, Planar, Result};
+use throng_runtime::world::inhabitants::{InhabitantGoal, InhabitantState, Inhabitants, InhabitantsConfig};
+use throng_runtime::world::{World, WorldNode};
+use throng_runtime::{CharacterGroup, Id, Inline, Mat3x4, NUM_JOINTS, Planar, Result};
 
 /// Steps between two points of a trail.
 const TRAIL_EVERY: u32 = 6;
 
 /// All of them at one step.
 #[derive(Clone, Debug, Default)]
-pub struct Moment {
+pub struct InhabitantsMoment {
     /// Planar roots (number of characters).
     pub roots: Vec<Planar>,
     /// Joints in model space (number of characters * num_joints).
@@ -31,9 +31,9 @@ pub struct Moment {
 pub struct WorldRun {
     inhabitants: Inhabitants,
     /// Order of each character; all others roam.
-    told: Vec<Option<Wish>>,
+    orders: Vec<Option<InhabitantGoal>>,
     /// All of them at the recorded steps.
-    pub reel: Reel<Moment>,
+    pub reel: Reel<InhabitantsMoment>,
     /// Wall time of the last step (s).
     step_s: f64,
 }
@@ -43,7 +43,7 @@ impl WorldRun {
     ///
     /// # Errors
     /// [`throng_runtime::Error`] for a start without a rest cell, or where two would share a unit.
-    pub fn new(world: &World, seed: u64, starts: &[Node]) -> Result<Self> {
+    pub fn new(world: &World, seed: u64, starts: &[WorldNode]) -> Result<Self> {
         let characters = CharactersConfig { seed, ..CharactersConfig::default() };
         let config = InhabitantsConfig { characters, ..InhabitantsConfig::default() };
         let mut inhabitants = Inhabitants::new(world, starts.len(), config)?;
@@ -52,16 +52,16 @@ impl WorldRun {
         inhabitants.step(0.0, &Inline)?;
         let step_s = begin.elapsed().as_secs_f64();
         let each = NUM_JOINTS * size_of::<Mat3x4>() + size_of::<(Planar, InhabitantState)>();
-        let reel = Reel::new(starts.len() * each, Moment::of(&inhabitants));
-        Ok(Self { inhabitants, told: vec![None; starts.len()], reel, step_s })
+        let reel = Reel::new(starts.len() * each, InhabitantsMoment::capture(&inhabitants));
+        Ok(Self { inhabitants, orders: vec![None; starts.len()], reel, step_s })
     }
 
     /// Takes a new step and shows it.
-    fn live(&mut self) -> Result<()> {
+    fn take_step(&mut self) -> Result<()> {
         let begin = Instant::now();
         self.inhabitants.step(1.0 / STEP_HZ, &Inline)?;
         self.step_s = begin.elapsed().as_secs_f64();
-        self.reel.push(Moment::of(&self.inhabitants));
+        self.reel.push(InhabitantsMoment::capture(&self.inhabitants));
         Ok(())
     }
 
@@ -70,16 +70,16 @@ impl WorldRun {
     /// # Errors
     /// [`throng_runtime::Error`] where a step cannot be taken.
     pub fn step(&mut self) -> Result<()> {
-        if self.reel.head.on() { Ok(()) } else { self.live() }
+        if self.reel.head.advance_recorded() { Ok(()) } else { self.take_step() }
     }
 
     /// Gives a character an order, at the last step; none lets it decide for itself.
     ///
     /// # Errors
     /// [`throng_runtime::Error`] for a place or a tag that is not there (character < num_characters).
-    pub fn tell(&mut self, character: usize, wish: Option<Wish>) -> Result<()> {
+    pub fn give_order(&mut self, character: usize, wish: Option<InhabitantGoal>) -> Result<()> {
         self.inhabitants.order(self.id(character), wish.unwrap_or_default())?;
-        self.told[character] = wish;
+        self.orders[character] = wish;
         self.reel.head.seek(u32::MAX);
         let mut last = self.reel.moment().clone();
         last.states[character] = self.inhabitants.state(self.id(character))?;
@@ -88,12 +88,12 @@ impl WorldRun {
     }
 
     /// The order of a character (character < num_characters).
-    pub fn told(&self, character: usize) -> Option<Wish> {
-        self.told[character]
+    pub fn order_of(&self, character: usize) -> Option<InhabitantGoal> {
+        self.orders[character]
     }
 
     /// All of them at the step shown.
-    pub fn moment(&self) -> &Moment {
+    pub fn moment(&self) -> &InhabitantsMoment {
         self.reel.moment()
     }
 
@@ -122,7 +122,7 @@ impl WorldRun {
 
     /// Past positions of the hips during the last `seconds`, at intervals (m).
     pub fn trail(&self, character: usize, seconds: f32) -> impl Iterator<Item = Vec3> {
-        self.reel.before(seconds, TRAIL_EVERY).map(move |m| m.place(character))
+        self.reel.moments_before(seconds, TRAIL_EVERY).map(move |m| m.place(character))
     }
 
     /// Wall time of the last step (s).
@@ -131,14 +131,14 @@ impl WorldRun {
     }
 }
 
-impl Moment {
+impl InhabitantsMoment {
     /// Position of a character's hips above its ground (m).
     fn place(&self, character: usize) -> Vec3 {
         let hips = self.poses[character * NUM_JOINTS].translation();
         self.roots[character].translation().with_y(hips.y)
     }
 
-    fn of(inhabitants: &Inhabitants) -> Self {
+    fn capture(inhabitants: &Inhabitants) -> Self {
         let characters = inhabitants.characters();
         Self {
             roots: (0..inhabitants.ids().len()).map(|c| characters.root(c)).collect(),

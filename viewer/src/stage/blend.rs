@@ -1,10 +1,10 @@
 //! A character walking in a blend space: the body, the path so far, and the arc of the blended point.
 
-use super::{Layout, Palette, body, cues};
+use super::{StageLayout, StagePalette, body, cues};
 use crate::bundle::OpenBundle;
 use crate::model::Model;
 use crate::render::{CharacterInstance, Rgba};
-use crate::run::{Beside, BlendMoment, BlendRun};
+use crate::run::{BlendCompanions, BlendMoment, BlendRun};
 use glam::Vec3;
 use throng_runtime::{NUM_JOINTS, Planar};
 
@@ -15,13 +15,19 @@ const TRAIL_EVERY: u32 = 4;
 /// Height of lines above the ground (m).
 const ABOVE_M: f32 = 0.012;
 
-pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run: &BlendRun, palette: &Palette) {
+pub(super) fn lay_out(
+    out: &mut StageLayout,
+    model: &Model,
+    bundle: &OpenBundle,
+    run: &BlendRun,
+    palette: &StagePalette,
+) {
     let moment = run.moment();
     let database = bundle.tables().skeleton();
     for (i, (body, &root)) in run.bodies().zip(&moment.roots).enumerate() {
         let stretch = body::stretch(database, body);
-        body::put(&mut out.poses, &moment.poses[i * NUM_JOINTS..][..NUM_JOINTS], &stretch);
-        let colour = colour(run.blending().beside, i, palette);
+        body::push_stretched(&mut out.poses, &moment.poses[i * NUM_JOINTS..][..NUM_JOINTS], &stretch);
+        let colour = colour(run.blending().companions, i, palette);
         out.instances.push(CharacterInstance { root, colour, is_selected: false, look: 0 });
     }
     let o = model.settings.overlays;
@@ -35,18 +41,18 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run:
 }
 
 /// Characters beside differ in colour from the selected one.
-fn colour(beside: Beside, person: usize, palette: &Palette) -> Rgba {
+fn colour(beside: BlendCompanions, person: usize, palette: &StagePalette) -> Rgba {
     match (person, beside) {
         (0, _) => palette.on_the_way,
-        (_, Beside::Retargeting) => palette.plain,
+        (_, BlendCompanions::Retargeting) => palette.plain,
         (1, _) => palette.slow,
         _ => palette.reached,
     }
 }
 
-fn trail(out: &mut Layout, run: &BlendRun, person: usize, palette: &Palette) {
+fn trail(out: &mut StageLayout, run: &BlendRun, person: usize, palette: &StagePalette) {
     let at = |m: &BlendMoment| m.roots.get(person).map(|r| r.translation().with_y(ABOVE_M));
-    let points: Vec<Vec3> = run.reel.before(TRAIL_S, TRAIL_EVERY).filter_map(at).collect();
+    let points: Vec<Vec3> = run.reel.moments_before(TRAIL_S, TRAIL_EVERY).filter_map(at).collect();
     cues::trail(&mut out.shapes, &points, 2.0, palette.middle.alpha(0.7));
     let root = run.moment().roots.get(person).copied().unwrap_or(Planar::IDENTITY);
     let foot = root.translation().with_y(ABOVE_M);

@@ -57,7 +57,7 @@ pub(super) fn axis_of_limb(database: &Skeleton, joint: usize) -> Option<usize> {
 }
 
 /// Adds the poses of a body, so that they skin the database skeleton's triangles to it.
-pub(super) fn put(poses: &mut Vec<Mat3x4>, pose: &[Mat3x4], stretch: &Stretch) {
+pub(super) fn push_stretched(poses: &mut Vec<Mat3x4>, pose: &[Mat3x4], stretch: &Stretch) {
     poses.extend(
         pose.iter()
             .zip(stretch)
@@ -69,17 +69,17 @@ pub(super) fn put(poses: &mut Vec<Mat3x4>, pose: &[Mat3x4], stretch: &Stretch) {
 mod tests {
     use super::*;
     use glam::Quat;
-    use throng_runtime::simulation::wander::body_of;
+    use throng_runtime::simulation::wander::scaled_skeleton;
 
     #[test]
     fn the_ends_of_limbs_come_to_lie_on_the_next_joints() {
         let database = Skeleton::default();
-        let body = body_of(&database, 0.8, 1.1);
+        let body = scaled_skeleton(&database, 0.8, 1.1);
         let stretch = stretch(&database, &body);
         let (from, to) = (database.rest_positions(), body.rest_positions());
         let rest: Vec<Mat3x4> = to.map(|p| Mat3x4::from_rotation_translation(Quat::IDENTITY, p)).to_vec();
         let mut poses = Vec::new();
-        put(&mut poses, &rest, &stretch);
+        push_stretched(&mut poses, &rest, &stretch);
         for joint in Joint::ALL {
             let Some(parent) = joint.parent() else { continue };
             let skinned = poses[parent.index()].to_mat4().transform_point3(from[joint.index()] - from[parent.index()]);

@@ -1,11 +1,11 @@
 //! Targets of blows in a scene: balls that hang in the air, and marks of blows that landed, were blocked or missed.
 
-use super::{Layout, Palette};
-use crate::render::{Rgba, Shapes};
-use crate::run::{Mark, Met, STEP_HZ, SceneRun};
+use super::{StageLayout, StagePalette};
+use crate::render::{Rgba, ShapeList};
+use crate::run::{BlowMark, BlowResult, STEP_HZ, SceneRun};
 use glam::Vec3;
-use throng_runtime::simulation::GroupCast;
-use throng_runtime::sparring::{Part, StruckTarget};
+use throng_runtime::simulation::AnyCharacterGroup;
+use throng_runtime::sparring::{StruckPart, StruckTarget};
 
 /// Time that a mark stays (s).
 const MARK_S: f32 = 0.6;
@@ -15,36 +15,36 @@ const MAX_MARKS: usize = 400;
 const STRING_M: f32 = 0.7;
 
 /// Results of blows, for the key to the marks.
-pub const KINDS: [(Met, &str); 5] = [
-    (Met::Body(Part::Head), "head or target"),
-    (Met::Body(Part::Trunk), "trunk"),
-    (Met::Body(Part::Leg), "leg"),
-    (Met::Body(Part::Arm), "arm: blocked"),
-    (Met::Nothing, "missed: a streak"),
+pub const KINDS: [(BlowResult, &str); 5] = [
+    (BlowResult::Body(StruckPart::Head), "head or target"),
+    (BlowResult::Body(StruckPart::Trunk), "trunk"),
+    (BlowResult::Body(StruckPart::Leg), "leg"),
+    (BlowResult::Body(StruckPart::Arm), "arm: blocked"),
+    (BlowResult::Nothing, "missed: a streak"),
 ];
 
 /// Colour of a result; none for a miss.
-pub fn colour_of(met: Met) -> Option<Rgba> {
+pub fn colour_of(met: BlowResult) -> Option<Rgba> {
     match met {
-        Met::Body(Part::Head | Part::Neck) => Some(Rgba::hex(0xff4b3e)),
-        Met::Body(Part::Trunk | Part::Pelvis) => Some(Rgba::hex(0xffa42e)),
-        Met::Body(Part::Leg) => Some(Rgba::hex(0xc77dff)),
-        Met::Body(Part::Arm) => Some(Rgba::hex(0x4aa8ff)),
-        Met::Target => Some(Rgba::hex(0xff4b3e)),
-        Met::Nothing => None,
+        BlowResult::Body(StruckPart::Head | StruckPart::Neck) => Some(Rgba::hex(0xff4b3e)),
+        BlowResult::Body(StruckPart::Trunk | StruckPart::Pelvis) => Some(Rgba::hex(0xffa42e)),
+        BlowResult::Body(StruckPart::Leg) => Some(Rgba::hex(0xc77dff)),
+        BlowResult::Body(StruckPart::Arm) => Some(Rgba::hex(0x4aa8ff)),
+        BlowResult::Target => Some(Rgba::hex(0xff4b3e)),
+        BlowResult::Nothing => None,
     }
 }
 
 /// Colour of a character of a pair: opponents differ.
-pub(super) fn corner(member: usize, palette: &Palette) -> Rgba {
+pub(super) fn corner_colour(member: usize, palette: &StagePalette) -> Rgba {
     [palette.left, palette.right][member % 2].mix(palette.plain, 0.25)
 }
 
 /// Targets that hang in the air, the selected one's opponent, and marks of blows.
-pub(super) fn lay_out(out: &mut Layout, run: &SceneRun, selected: Option<usize>, palette: &Palette) {
+pub(super) fn lay_out(out: &mut StageLayout, run: &SceneRun, selected: Option<usize>, palette: &StagePalette) {
     let simulation = run.simulation();
     for group in simulation.groups() {
-        if let GroupCast::Policy(p) = &simulation.casts()[group.cast] {
+        if let AnyCharacterGroup::Policy(p) = &simulation.character_groups()[group.character_group] {
             let radius = p.practice().config().target.radius_m;
             for (who, target) in group.characters.clone().zip(p.practice().targets()) {
                 hanging(&mut out.shapes, target, radius, selected == Some(who), palette);
@@ -52,20 +52,20 @@ pub(super) fn lay_out(out: &mut Layout, run: &SceneRun, selected: Option<usize>,
         }
     }
     if let Some(who) = selected.filter(|&who| who < simulation.num_characters())
-        && let (GroupCast::Sparring(_), member) = simulation.locate(who)
+        && let (AnyCharacterGroup::Sparring(_), member) = simulation.locate(who)
         && let (Some(own), Some(other)) = (simulation.root(who), simulation.root(who - member + (member ^ 1)))
     {
         let (from, to) = (own.translation(), other.translation());
         out.shapes.line(from.with_y(0.012), to.with_y(0.012), 1.5, palette.target.alpha(0.7));
     }
-    for m in run.marks(MARK_S).take(MAX_MARKS) {
-        let age = (run.head.now() - m.step) as f32 / STEP_HZ / MARK_S;
-        mark(&mut out.shapes, m, age.min(1.0), palette);
+    for m in run.blow_marks(MARK_S).take(MAX_MARKS) {
+        let age = (run.head.shown_step() - m.step) as f32 / STEP_HZ / MARK_S;
+        draw_blow_mark(&mut out.shapes, m, age.min(1.0), palette);
     }
 }
 
 /// A ball on a string, its shadow on the ground, and where it hangs while it swings.
-fn hanging(shapes: &mut Shapes, target: &StruckTarget, radius: f32, is_selected: bool, palette: &Palette) {
+fn hanging(shapes: &mut ShapeList, target: &StruckTarget, radius: f32, is_selected: bool, palette: &StagePalette) {
     let (home, at) = (target.home, target.position());
     shapes.line(
         home + Vec3::Y * STRING_M,
@@ -85,10 +85,10 @@ fn hanging(shapes: &mut Shapes, target: &StruckTarget, radius: f32, is_selected:
 /// A flash where a blow came to its end, with rays that grow; a blow that met nothing leaves a faint streak.
 ///
 /// - `age`: 0 at the blow, 1 when the mark goes away.
-fn mark(shapes: &mut Shapes, m: &Mark, age: f32, palette: &Palette) {
+fn draw_blow_mark(shapes: &mut ShapeList, m: &BlowMark, age: f32, palette: &StagePalette) {
     let fade = (1.0 - age).powf(1.5);
     let size = 0.06 + 0.06 * m.force;
-    let Some(colour) = colour_of(m.met) else {
+    let Some(colour) = colour_of(m.result) else {
         let from = m.point - m.direction * 0.16;
         shapes.line(from, m.point, 2.0, palette.middle.alpha(0.45 * fade));
         return;

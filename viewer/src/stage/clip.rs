@@ -1,6 +1,6 @@
 //! A clip of the database: the pose at the play head, and poses before and after it.
 
-use super::{Layout, Palette, cues};
+use super::{StageLayout, StagePalette, cues};
 use crate::bundle::OpenBundle;
 use crate::model::Model;
 use crate::render::CharacterInstance;
@@ -13,7 +13,7 @@ const SKIN_EVERY_S: f32 = 0.4;
 /// Poses of the onion skin on either side.
 const SKINS: i32 = 4;
 
-pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, palette: &Palette) {
+pub(super) fn lay_out(out: &mut StageLayout, model: &Model, bundle: &OpenBundle, palette: &StagePalette) {
     let Some(row) = model.shown_row() else { return };
     let record = bundle.tables().clips()[model.selection.clip];
     let ratio = model.player.frame.fract();
@@ -48,7 +48,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, pale
     draw_cues(out, model, bundle, row, palette);
 }
 
-fn draw_cues(out: &mut Layout, model: &Model, bundle: &OpenBundle, row: u32, palette: &Palette) {
+fn draw_cues(out: &mut StageLayout, model: &Model, bundle: &OpenBundle, row: u32, palette: &StagePalette) {
     let o = model.settings.overlays;
     if o.trails {
         let points: Vec<Vec3> = path(model, bundle).map(|p| p.with_y(0.012)).collect();

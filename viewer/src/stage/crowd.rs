@@ -1,14 +1,14 @@
 //! A crowd: place and colour of all characters, and the cues of the selected character.
 
-use super::{Layout, Palette, cues, values, variety};
+use super::{StageLayout, StagePalette, cues, values, variety};
 use crate::bundle::OpenBundle;
 use crate::model::Model;
-use crate::render::{CharacterInstance, Record, Rgba};
-use crate::run::{Chooser, Run, TargetMode};
+use crate::render::{CharacterInstance, RecordInstance, Rgba};
+use crate::run::{CrowdRun, PolicyChooser, TargetMode};
 use crate::settings::Colouring;
 use glam::Vec3;
 use std::sync::Arc;
-use throng_runtime::characters::Level;
+use throng_runtime::characters::DetailLevel;
 
 /// Speed at which the colour of speed is that of a fast character (m/s).
 const FAST_MPS: f32 = 2.5;
@@ -17,16 +17,22 @@ const MAX_CUES: usize = 2000;
 /// Length of trails (s).
 const TRAIL_S: f32 = 6.0;
 
-pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run: &Run, palette: &Palette) {
+pub(super) fn lay_out(
+    out: &mut StageLayout,
+    model: &Model,
+    bundle: &OpenBundle,
+    run: &CrowdRun,
+    palette: &StagePalette,
+) {
     let n = run.characters().num_characters();
     let selected = model.selection.character;
     let (characters, has_records) = (run.characters(), !run.characters().instances().is_empty());
     let is_varied = variety::is_wanted(model);
     for c in 0..n {
-        let colour = variety::plain(model, c, colour(model, bundle, run, c, palette));
-        let look = if is_varied { variety::look(c) } else { 0 };
-        if characters.level(c) == Level::Record {
-            out.records.push(Record { instance: characters.instances()[c], colour, look });
+        let colour = variety::shirt_or_plain(model, c, colour(model, bundle, run, c, palette));
+        let look = if is_varied { variety::look_bits(c) } else { 0 };
+        if characters.level(c) == DetailLevel::Record {
+            out.records.push(RecordInstance { instance: characters.instances()[c], colour, look });
             continue;
         }
         let (root, is_selected) = (characters.root(c), selected == Some(c));
@@ -50,7 +56,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run:
         if let Some(chooser) = run.chooser(bundle, c).filter(|_| o.trajectory) {
             trajectory(out, &chooser, palette);
         }
-        if characters.level(c) == Level::Record {
+        if characters.level(c) == DetailLevel::Record {
             continue;
         }
         let body = (characters.root(c), characters.pose(c));
@@ -61,7 +67,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run:
     }
 }
 
-fn colour(model: &Model, bundle: &OpenBundle, run: &Run, c: usize, palette: &Palette) -> Rgba {
+fn colour(model: &Model, bundle: &OpenBundle, run: &CrowdRun, c: usize, palette: &StagePalette) -> Rgba {
     match model.settings.colouring {
         Colouring::Plain => palette.plain,
         Colouring::Target => {
@@ -77,7 +83,7 @@ fn colour(model: &Model, bundle: &OpenBundle, run: &Run, c: usize, palette: &Pal
 }
 
 /// By the speed or the clip of the segment that is played.
-pub(super) fn colour_of_segment(chooser: &Chooser<'_>, colouring: Colouring, palette: &Palette) -> Rgba {
+pub(super) fn colour_of_segment(chooser: &PolicyChooser<'_>, colouring: Colouring, palette: &StagePalette) -> Rgba {
     let segment = chooser.characters.segment(chooser.number).0;
     let s = &chooser.bundle.tables().graph().segments[segment as usize];
     if colouring == Colouring::Clip {
@@ -88,14 +94,14 @@ pub(super) fn colour_of_segment(chooser: &Chooser<'_>, colouring: Colouring, pal
     palette.slow.mix(palette.fast, (speed / FAST_MPS).min(1.0))
 }
 
-fn trail(out: &mut Layout, run: &Run, c: usize, is_selected: bool, palette: &Palette) {
+fn trail(out: &mut StageLayout, run: &CrowdRun, c: usize, is_selected: bool, palette: &StagePalette) {
     let points: Vec<Vec3> = run.trail(c, TRAIL_S).map(|p| Vec3::new(p.x, 0.012, p.y)).collect();
     let (width, colour) = if is_selected { (3.0, palette.selected) } else { (1.5, palette.middle.alpha(0.45)) };
     cues::trail(&mut out.shapes, &points, width, colour);
 }
 
 /// Draws the ground path of the rest of the segment, and the final heading.
-pub(super) fn trajectory(out: &mut Layout, chooser: &Chooser<'_>, palette: &Palette) {
+pub(super) fn trajectory(out: &mut StageLayout, chooser: &PolicyChooser<'_>, palette: &StagePalette) {
     let (bundle, characters) = (chooser.bundle, chooser.characters);
     let (segment, time) = characters.segment(chooser.number);
     let s = bundle.tables().graph().segments[segment as usize];
@@ -116,7 +122,7 @@ pub(super) fn trajectory(out: &mut Layout, chooser: &Chooser<'_>, palette: &Pale
     out.shapes.arrow(foot, foot + ahead, 0.014, palette.slow);
 }
 
-fn targets(out: &mut Layout, run: &Run, selected: Option<usize>, palette: &Palette) {
+fn targets(out: &mut StageLayout, run: &CrowdRun, selected: Option<usize>, palette: &StagePalette) {
     let mut put = |target: Vec3, is_selected: bool| {
         let (colour, at) = (palette.target, target.with_y(0.008));
         out.shapes.disc(at, 0.09, colour);

@@ -1,23 +1,23 @@
 //! Cues on bodies: contacts, joint axes, colours of categories.
 
-use super::Palette;
+use super::StagePalette;
 use crate::bundle::OpenBundle;
 use crate::model::Model;
-use crate::render::{Rgba, Shapes};
+use crate::render::{Rgba, ShapeList};
 use crate::settings::Overlays;
 use glam::Vec3;
-use throng_precompute::annotate::contacts::PARTS;
+use throng_precompute::annotate::contacts::FOOT_PARTS;
 use throng_runtime::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// Draws contacts and joint axes of a body, as far as they are enabled.
 ///
 /// - `pose`: joints in model space.
 pub(super) fn body(
-    shapes: &mut Shapes,
+    shapes: &mut ShapeList,
     o: Overlays,
     (root, pose): (Planar, &[Mat3x4]),
     planted: Contacts,
-    palette: &Palette,
+    palette: &StagePalette,
 ) {
     if o.contacts {
         let joints = std::array::from_fn(|j| root.translation() + root.rotation() * pose[j].translation());
@@ -29,7 +29,7 @@ pub(super) fn body(
 }
 
 /// A line through past places that fades towards the oldest.
-pub(super) fn trail(shapes: &mut Shapes, points: &[Vec3], width: f32, colour: Rgba) {
+pub(super) fn trail(shapes: &mut ShapeList, points: &[Vec3], width: f32, colour: Rgba) {
     let (last, strength) = (points.len().max(2) as f32 - 1.0, f32::from(colour.0[3]) / 255.0);
     for (i, pair) in points.windows(2).enumerate() {
         let share = 0.15 + 0.85 * (i as f32 + 1.0) / last;
@@ -38,8 +38,13 @@ pub(super) fn trail(shapes: &mut Shapes, points: &[Vec3], width: f32, colour: Rg
 }
 
 /// A mark on the ground below every heel and toe, strong while it is planted.
-pub(super) fn contacts(shapes: &mut Shapes, joints: &[Vec3; NUM_JOINTS], contacts: Contacts, palette: &Palette) {
-    for (joint, part) in PARTS {
+pub(super) fn contacts(
+    shapes: &mut ShapeList,
+    joints: &[Vec3; NUM_JOINTS],
+    contacts: Contacts,
+    palette: &StagePalette,
+) {
+    for (joint, part) in FOOT_PARTS {
         let at = joints[joint.index()].with_y(0.01);
         if contacts.any(part) {
             shapes.disc(at, 0.055, palette.planted.alpha(0.85));
@@ -55,7 +60,7 @@ const HIT_S: f32 = 0.25;
 const HIT_ARROW_M: f32 = 0.35;
 
 /// Effective hits near the play head: positions and directions.
-pub(super) fn hits(shapes: &mut Shapes, model: &Model, bundle: &OpenBundle, row: u32, palette: &Palette) {
+pub(super) fn hits(shapes: &mut ShapeList, model: &Model, bundle: &OpenBundle, row: u32, palette: &StagePalette) {
     let Some(clip) = bundle.tables().clips().get(model.selection.clip) else { return };
     let near = (HIT_S * bundle.rate_hz()).ceil();
     let all = bundle.tables().hits();
@@ -74,7 +79,7 @@ pub(super) fn hits(shapes: &mut Shapes, model: &Model, bundle: &OpenBundle, row:
 }
 
 /// Axes of every joint, in front of the body.
-pub(super) fn joint_axes(shapes: &mut Shapes, root: Planar, pose: &[Mat3x4]) {
+pub(super) fn joint_axes(shapes: &mut ShapeList, root: Planar, pose: &[Mat3x4]) {
     let (turn, move_by) = (root.rotation(), root.translation());
     shapes.on_top(true);
     for m in pose {

@@ -15,16 +15,16 @@ mod variety;
 pub mod world;
 mod worn;
 
-use crate::document::Document;
+use crate::document::OpenDocument;
 use crate::model::Model;
-use crate::render::{CharacterInstance, Record, Rgba, SceneColours, Shapes, Solids};
+use crate::render::{CharacterInstance, RecordInstance, Rgba, SceneColours, ShapeList, Solids};
 use std::sync::Arc;
 use throng_runtime::{Mat3x4, Skeleton};
 pub use values::ValueCell;
 
 /// Content of one frame of the 3-D view.
 #[derive(Debug, Default)]
-pub struct Layout {
+pub struct StageLayout {
     /// Skeleton of all characters.
     pub skeleton: Skeleton,
     /// Poses of a clip, a blend or a scene; a crowd keeps its own.
@@ -32,13 +32,13 @@ pub struct Layout {
     /// Place and colour of every character.
     pub instances: Vec<CharacterInstance>,
     /// Far characters, drawn from frame rows.
-    pub records: Vec<Record>,
+    pub records: Vec<RecordInstance>,
     /// The poses of these rows (rows * NUM_JOINTS).
     pub rows: Option<Arc<[Mat3x4]>>,
     /// Matrices of a mesh of the user's own, where one is worn (instances * its frames).
     pub worn: Vec<Mat3x4>,
     /// Everything that is not a body.
-    pub shapes: Shapes,
+    pub shapes: ShapeList,
     /// Things that stand in a world.
     pub solids: Solids,
     /// Numbers of the characters of the instances, if these are not all characters (number of instances); else empty.
@@ -48,13 +48,13 @@ pub struct Layout {
     /// Poses of bodies that differ from one another, where they do (instances * NUM_JOINTS); else empty.
     varied: Vec<Mat3x4>,
     /// Joints of the characters with varied bodies.
-    dressed: Vec<Option<variety::Dressed>>,
-    variety: variety::Variety,
+    dressed: Vec<Option<variety::DressedBody>>,
+    variety: variety::BodyVariants,
 }
 
 /// Colours of the content; those of the view itself are [`SceneColours`].
 #[derive(Clone, Copy, Debug)]
-struct Palette {
+struct StagePalette {
     plain: Rgba,
     reached: Rgba,
     on_the_way: Rgba,
@@ -69,8 +69,8 @@ struct Palette {
     middle: Rgba,
 }
 
-impl Palette {
-    fn of(dark: bool) -> Self {
+impl StagePalette {
+    fn for_theme(dark: bool) -> Self {
         let ink = if dark { Rgba::hex(0xe8eaee) } else { Rgba::hex(0x2b3038) };
         Self {
             plain: Rgba::hex(0xb9c0c9),
@@ -94,10 +94,10 @@ pub fn scene_colours(dark: bool) -> SceneColours {
     if dark { SceneColours::DARK } else { SceneColours::LIGHT }
 }
 
-impl Layout {
+impl StageLayout {
     /// Lays out the model.
     pub fn lay_out(&mut self, model: &Model, dark: bool) {
-        let palette = Palette::of(dark);
+        let palette = StagePalette::for_theme(dark);
         self.instances.clear();
         self.records.clear();
         self.rows = None;
@@ -107,10 +107,10 @@ impl Layout {
         self.drawn.clear();
         self.solids.instances.clear();
         match &model.document {
-            Document::Nothing => {}
-            Document::Clip(motion) => raw::lay_out(self, model, motion, &palette),
-            Document::Task(t) => task::lay_out(self, model, t, &palette, dark),
-            Document::World(w) => {
+            OpenDocument::Nothing => {}
+            OpenDocument::Clip(motion) => raw::lay_out(self, model, motion, &palette),
+            OpenDocument::Task(t) => task::lay_out(self, model, t, &palette, dark),
+            OpenDocument::World(w) => {
                 self.skeleton.clone_from(w.bundle().tables().skeleton());
                 self.solids.meshes = Arc::clone(w.meshes());
                 match model.shows_clip() {
@@ -118,7 +118,7 @@ impl Layout {
                     false => world::lay_out(self, model, w, &palette, dark),
                 }
             }
-            Document::Scene(s) => {
+            OpenDocument::Scene(s) => {
                 if let Some(bundle) = s.bundle() {
                     self.skeleton.clone_from(bundle.tables().skeleton());
                 }
@@ -127,7 +127,7 @@ impl Layout {
                     None => scene::lay_out(self, model, s, &palette, dark),
                 }
             }
-            Document::Bundle(b) => {
+            OpenDocument::Bundle(b) => {
                 self.skeleton.clone_from(b.bundle.tables().skeleton());
                 match (model.shown_crowd(), b.blend.as_ref().filter(|_| model.shows_blend())) {
                     (Some((bundle, run)), _) => crowd::lay_out(self, model, bundle, run, &palette),
@@ -158,29 +158,29 @@ impl Layout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::command::{Command, Stage};
-    use crate::document::Document;
+    use crate::command::{ViewStage, ViewerCommand};
+    use crate::document::OpenDocument;
     use crate::fixtures::golden_path;
     use crate::fixtures::quietly;
-    use crate::run::RunConfig;
-    use crate::settings::Settings;
+    use crate::run::CrowdRunConfig;
+    use crate::settings::ViewerSettings;
     use eframe::egui;
     use throng_runtime::NUM_JOINTS;
 
     fn open() -> Model {
-        let run = RunConfig { characters: 12, ..RunConfig::default() };
-        let mut model = Model::new(Settings { run, ..Settings::default() });
+        let run = CrowdRunConfig { characters: 12, ..CrowdRunConfig::default() };
+        let mut model = Model::new(ViewerSettings { run, ..ViewerSettings::default() });
         quietly(|with| model.open_now(&golden_path(), with)).unwrap();
         model
     }
 
     #[test]
     fn every_character_has_a_place_and_a_pose() {
-        let (mut model, mut layout) = (open(), Layout::default());
+        let (mut model, mut layout) = (open(), StageLayout::default());
         layout.lay_out(&model, true);
         assert_eq!(layout.instances.len(), 12);
         assert_eq!(layout.poses(&model).len(), 12 * NUM_JOINTS);
-        model.apply(&egui::Context::default(), Command::ShowClip { clip: 0, frame: 40 });
+        model.apply(&egui::Context::default(), ViewerCommand::ShowClip { clip: 0, frame: 40 });
         layout.lay_out(&model, false);
         // One at the play head, and some before and after it.
         assert!(layout.instances.len() > 3, "{}", layout.instances.len());
@@ -189,7 +189,7 @@ mod tests {
 
     #[test]
     fn cells_of_the_policy_lie_around_where_the_character_chose() {
-        let (mut model, mut layout) = (open(), Layout::default());
+        let (mut model, mut layout) = (open(), StageLayout::default());
         layout.lay_out(&model, true);
         assert!(layout.cells.is_empty());
         model.settings.overlays.values = true;
@@ -208,8 +208,8 @@ mod tests {
 
     #[test]
     fn the_pose_of_a_clip_is_the_one_at_the_play_head() {
-        let (mut model, mut layout) = (open(), Layout::default());
-        model.apply(&egui::Context::default(), Command::ShowClip { clip: 0, frame: 7 });
+        let (mut model, mut layout) = (open(), StageLayout::default());
+        model.apply(&egui::Context::default(), ViewerCommand::ShowClip { clip: 0, frame: 7 });
         model.player.frame = 7.25;
         layout.lay_out(&model, true);
         let bundle = model.document.bundle().unwrap();
@@ -226,7 +226,7 @@ mod tests {
     fn the_bounds_contain_all_characters() {
         let model = open();
         let (low, high) = model.bounds();
-        let Document::Bundle(b) = &model.document else { panic!("no bundle") };
+        let OpenDocument::Bundle(b) = &model.document else { panic!("no bundle") };
         let characters = b.run.as_ref().unwrap().characters();
         for c in 0..12 {
             for p in characters.joint_positions(c) {
@@ -240,9 +240,9 @@ mod tests {
         let mut model = open();
         let ctx = egui::Context::default();
         let crowd = model.settings.camera;
-        model.apply(&ctx, Command::Stage(Stage::Clip));
+        model.apply(&ctx, ViewerCommand::Stage(ViewStage::Clip));
         assert_ne!(model.settings.camera, crowd);
-        model.apply(&ctx, Command::Stage(Stage::Crowd));
+        model.apply(&ctx, ViewerCommand::Stage(ViewStage::Crowd));
         assert_eq!(model.settings.camera, crowd);
     }
 }

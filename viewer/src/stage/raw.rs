@@ -1,6 +1,6 @@
 //! A motion file: the source's own joints, and the body that a build would make of them.
 
-use super::{Layout, Palette, cues};
+use super::{StageLayout, StagePalette, cues};
 use crate::document::RawMotion;
 use crate::model::Model;
 use crate::render::CharacterInstance;
@@ -13,13 +13,13 @@ const BESIDE: Vec3 = Vec3::new(1.1, 0.0, 0.0);
 
 /// Side of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Side {
+enum JointSide {
     Left,
     Right,
     Middle,
 }
 
-pub(super) fn lay_out(out: &mut Layout, model: &Model, motion: &RawMotion, palette: &Palette) {
+pub(super) fn lay_out(out: &mut StageLayout, model: &Model, motion: &RawMotion, palette: &StagePalette) {
     let view = model.settings.raw_view;
     if view != RawView::Retargeted {
         let shift = if view == RawView::Both { BESIDE } else { Vec3::ZERO };
@@ -56,7 +56,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, motion: &RawMotion, palet
 }
 
 /// The source's joints as limbs and balls, left and right in their colours.
-fn source(out: &mut Layout, model: &Model, motion: &RawMotion, shift: Vec3, palette: &Palette) {
+fn source(out: &mut StageLayout, model: &Model, motion: &RawMotion, shift: Vec3, palette: &StagePalette) {
     let raw = &motion.imported.clip;
     if raw.num_frames == 0 {
         return;
@@ -68,9 +68,9 @@ fn source(out: &mut Layout, model: &Model, motion: &RawMotion, shift: Vec3, pale
     let hips = motion.imported.roles.get(Joint::Hips);
     for (j, ((joint, &(at, rotation)), side)) in raw.joints.iter().zip(&world).zip(sides(motion)).enumerate() {
         let colour = match side {
-            Side::Left => palette.left,
-            Side::Right => palette.right,
-            Side::Middle => palette.middle,
+            JointSide::Left => palette.left,
+            JointSide::Right => palette.right,
+            JointSide::Middle => palette.middle,
         };
         // The connection from the origin to the hips is not a limb.
         if let Some(parent) = joint.parent.filter(|_| hips != Some(j)) {
@@ -86,15 +86,15 @@ fn source(out: &mut Layout, model: &Model, motion: &RawMotion, shift: Vec3, pale
 }
 
 /// Side of each of the source's joints: from its role, or else from its parent (number of joints).
-fn sides(motion: &RawMotion) -> Vec<Side> {
+fn sides(motion: &RawMotion) -> Vec<JointSide> {
     let joints = &motion.imported.clip.joints;
-    let mut sides: Vec<Side> = Vec::with_capacity(joints.len());
+    let mut sides: Vec<JointSide> = Vec::with_capacity(joints.len());
     for (j, joint) in joints.iter().enumerate() {
         let role = Joint::ALL.into_iter().find(|&role| motion.imported.roles.get(role) == Some(j));
         sides.push(match (role, joint.parent) {
-            (Some(role), _) if role.name().starts_with("left") => Side::Left,
-            (Some(role), _) if role.name().starts_with("right") => Side::Right,
-            (Some(_), _) | (None, None) => Side::Middle,
+            (Some(role), _) if role.name().starts_with("left") => JointSide::Left,
+            (Some(role), _) if role.name().starts_with("right") => JointSide::Right,
+            (Some(_), _) | (None, None) => JointSide::Middle,
             (None, Some(parent)) => sides[parent],
         });
     }

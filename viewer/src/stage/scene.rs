@@ -1,17 +1,17 @@
 //! A scene: bodies, discs and balls, their surroundings, targets and blows.
 
 use super::agents::{self, Brush, obstacles};
-use super::{Layout, Palette, body, bout, crowd, cues, values, variety, world};
-use crate::document::{SceneDocument, Standing};
+use super::{StageLayout, StagePalette, body, bout, crowd, cues, values, variety, world};
+use crate::document::{SceneDocument, SceneSurroundings};
 use crate::model::Model;
-use crate::render::{Camera, CharacterInstance, Ray, Rgba, SolidInstance};
+use crate::render::{CharacterInstance, OrbitCamera, Ray, Rgba, SolidInstance};
 use crate::run::agents::first_agent;
 use crate::settings::Colouring;
 use glam::{Vec2, Vec3};
 use throng_runtime::patch::Placement;
 use throng_runtime::simulation::agents::Disc;
-use throng_runtime::simulation::scenario::Minds;
-use throng_runtime::simulation::{GroupCast, Simulation};
+use throng_runtime::simulation::scenario::AgentBrains;
+use throng_runtime::simulation::{AnyCharacterGroup, Simulation};
 
 /// Most characters for which cues of all are drawn.
 const MAX_CUES: usize = 1500;
@@ -28,20 +28,20 @@ const BODY_M: f32 = 0.3;
 /// Distance within which a click still selects a character (pixels).
 const MISSED_PX: f32 = 8.0;
 
-pub(super) fn lay_out(out: &mut Layout, model: &Model, scene: &SceneDocument, palette: &Palette, dark: bool) {
+pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocument, palette: &StagePalette, dark: bool) {
     let (run, selected) = (scene.run(), model.selection.character);
     let simulation = run.simulation();
     let brush = Brush::new(model, scene, palette, dark);
-    standing(out, scene.standing(), &brush);
-    doors(out, scene.standing(), simulation, &brush);
-    things(out, scene.standing(), simulation, &brush);
-    obstacles::lay_out(&mut out.shapes, scene.standing(), simulation.time_s(), &brush);
+    draw_surroundings(out, scene.surroundings(), &brush);
+    doors(out, scene.surroundings(), simulation, &brush);
+    things(out, scene.surroundings(), simulation, &brush);
+    obstacles::lay_out(&mut out.shapes, scene.surroundings(), simulation.time_s(), &brush);
     agents::boards(&mut out.shapes, simulation, &model.selection.scene, &brush);
     for (g, group) in simulation.groups().iter().enumerate() {
         for who in group.characters.clone() {
             let colour = match by_message(model, simulation, who) {
                 Some((minds, agent, event)) => agents::colour_by_message(minds, agent, event, &brush),
-                None => variety::plain(model, who, colour(model.settings.colouring, scene, (g, who), palette)),
+                None => variety::shirt_or_plain(model, who, colour(model.settings.colouring, scene, (g, who), palette)),
             };
             character(out, model, simulation, (who, colour), &brush);
         }
@@ -50,7 +50,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, scene: &SceneDocument, pa
     agents::lay_out(out, model, scene, &brush);
     let mut o = model.settings.overlays;
     // On hills, marks on level ground would be hidden.
-    o.contacts &= !scene.standing().has_hills;
+    o.contacts &= !scene.surroundings().has_hills;
     if let Some(chooser) = selected.and_then(|who| scene.chooser(who)).filter(|_| o.values) {
         values::lay_out(out, model, &chooser, palette);
     }
@@ -58,7 +58,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, scene: &SceneDocument, pa
     let count = if o.of_all { n.min(MAX_CUES) } else { 0 };
     for who in (0..count).chain(selected.filter(|&c| c >= count && c < n)) {
         if o.trails {
-            let lift = if scene.standing().in_the_air { 0.0 } else { ABOVE_M };
+            let lift = if scene.surroundings().in_the_air { 0.0 } else { ABOVE_M };
             let points: Vec<Vec3> = run.trail(who, TRAIL_S).map(|p| p + Vec3::Y * lift).collect();
             let colour = if selected == Some(who) { palette.selected } else { palette.middle.alpha(0.5) };
             cues::trail(&mut out.shapes, &points, 2.0, colour);
@@ -74,16 +74,16 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, scene: &SceneDocument, pa
 
 /// Agent brains, number of an agent, and number of the message, if the agent is coloured by its knowledge of a
 /// message.
-fn by_message<'a>(model: &Model, simulation: &'a Simulation, who: usize) -> Option<(&'a Minds, usize, usize)> {
+fn by_message<'a>(model: &Model, simulation: &'a Simulation, who: usize) -> Option<(&'a AgentBrains, usize, usize)> {
     let event = model.selection.scene.message?;
-    let minds = simulation.minds().filter(|m| event < m.events().len())?;
+    let minds = simulation.brains().filter(|m| event < m.event_names().len())?;
     let agent = who.checked_sub(first_agent(simulation)?).filter(|a| *a < minds.len())?;
     Some((minds, agent, event))
 }
 
 /// A body, a disc on the ground, or a ball in the air.
 fn character(
-    out: &mut Layout,
+    out: &mut StageLayout,
     model: &Model,
     simulation: &Simulation,
     (who, colour): (usize, Rgba),
@@ -100,35 +100,35 @@ fn character(
         agents::disc(&mut out.shapes, brush, &disc, colour, is_selected);
     }
     if let Some(pose) = pose {
-        body::put(&mut out.poses, pose, &body::stretch_of_pose(&out.skeleton, pose));
+        body::push_stretched(&mut out.poses, pose, &body::stretch_of_pose(&out.skeleton, pose));
         out.instances.push(CharacterInstance { root, colour, is_selected, look: 0 });
         out.drawn.push(who);
     }
 }
 
 /// Colour by the group, the clip or the speed; opponents differ, and inhabitants of worlds show their activity.
-fn colour(colouring: Colouring, scene: &SceneDocument, (group, who): (usize, usize), palette: &Palette) -> Rgba {
+fn colour(colouring: Colouring, scene: &SceneDocument, (group, who): (usize, usize), palette: &StagePalette) -> Rgba {
     let simulation = scene.run().simulation();
     let by_speed = |share: f32| palette.slow.mix(palette.fast, share.min(1.0));
     match (colouring, simulation.locate(who)) {
         (Colouring::Plain, _) => palette.plain,
-        (Colouring::Speed, (GroupCast::Paths(w), m)) => by_speed(w.speed(m) / FAST_MPS),
-        (Colouring::Speed, (GroupCast::Ground(a), m)) => by_speed(
+        (Colouring::Speed, (AnyCharacterGroup::Paths(w), m)) => by_speed(w.speed(m) / FAST_MPS),
+        (Colouring::Speed, (AnyCharacterGroup::Ground(a), m)) => by_speed(
             simulation.disc(who).map_or(0.0, |d| d.velocity.length()) / desired(a.layout().setup.agents[m].speed),
         ),
-        (Colouring::Speed, (GroupCast::Air(a), m)) => by_speed(
+        (Colouring::Speed, (AnyCharacterGroup::Air(a), m)) => by_speed(
             simulation.disc(who).map_or(0.0, |d| d.velocity.length()) / desired(a.layout().setup.agents[m].speed),
         ),
-        (Colouring::Speed | Colouring::Clip, (GroupCast::Policy(_) | GroupCast::Sparring(_), _)) => {
+        (Colouring::Speed | Colouring::Clip, (AnyCharacterGroup::Policy(_) | AnyCharacterGroup::Sparring(_), _)) => {
             match scene.chooser(who) {
                 Some(chooser) => crowd::colour_of_segment(&chooser, colouring, palette),
                 None => palette.plain,
             }
         }
         (Colouring::Speed, _) => palette.plain,
-        (Colouring::Target, (GroupCast::Patches(i), m)) => world::colour_of(i.state(m).doing),
-        (Colouring::Target, (GroupCast::Sparring(_), m)) => bout::corner(m, palette),
-        (Colouring::Target, (GroupCast::Policy(_), _)) => palette.on_the_way,
+        (Colouring::Target, (AnyCharacterGroup::Patches(i), m)) => world::colour_of(i.state(m).activity),
+        (Colouring::Target, (AnyCharacterGroup::Sparring(_), m)) => bout::corner_colour(m, palette),
+        (Colouring::Target, (AnyCharacterGroup::Policy(_), _)) => palette.on_the_way,
         (Colouring::Target | Colouring::Clip, _) => cues::category(group),
     }
 }
@@ -139,7 +139,7 @@ fn desired(speed: f32) -> f32 {
 }
 
 /// Obstacles, hills, and the units of worlds.
-fn standing(out: &mut Layout, standing: &Standing, brush: &Brush<'_>) {
+fn draw_surroundings(out: &mut StageLayout, standing: &SceneSurroundings, brush: &Brush<'_>) {
     out.solids.meshes = std::sync::Arc::clone(&standing.meshes);
     let hills = if brush.dark { [0x4a4f57, 0x434850] } else { [0xd2d4d5, 0xc4c6c8] };
     let colours = [obstacles::grey(brush.dark), Rgba::hex(hills[0]), Rgba::hex(hills[1])];
@@ -152,9 +152,12 @@ fn standing(out: &mut Layout, standing: &Standing, brush: &Brush<'_>) {
 }
 
 /// Doors: closed ones stand, of open ones only the sill is seen.
-fn doors(out: &mut Layout, standing: &Standing, simulation: &Simulation, brush: &Brush<'_>) {
+fn doors(out: &mut StageLayout, standing: &SceneSurroundings, simulation: &Simulation, brush: &Brush<'_>) {
     let colour = Rgba::hex(if brush.dark { 0xb5793f } else { 0xa0622a });
-    let ground = simulation.casts().iter().find_map(|c| if let GroupCast::Ground(a) = c { Some(a) } else { None });
+    let ground = simulation
+        .character_groups()
+        .iter()
+        .find_map(|c| if let AnyCharacterGroup::Ground(a) = c { Some(a) } else { None });
     let Some(agents) = ground else { return };
     for (d, door) in standing.doors.iter().enumerate() {
         if agents.is_open(d) {
@@ -167,14 +170,14 @@ fn doors(out: &mut Layout, standing: &Standing, simulation: &Simulation, brush: 
 }
 
 /// Things, where they lie or are held.
-fn things(out: &mut Layout, standing: &Standing, simulation: &Simulation, brush: &Brush<'_>) {
+fn things(out: &mut StageLayout, standing: &SceneSurroundings, simulation: &Simulation, brush: &Brush<'_>) {
     let colour = Rgba::hex(if brush.dark { 0x6fb3e0 } else { 0x1f6fa8 });
     let all = simulation.things().zip(&standing.things);
     out.solids.instances.extend(all.map(|(t, &mesh)| SolidInstance { mesh, at: t.at, turn: t.turn, colour }));
 }
 
 /// The character whose disc or body a ray hits, or nearly hits.
-pub fn pick(scene: &SceneDocument, camera: &Camera, ray: &Ray, view: Vec2) -> Option<usize> {
+pub fn pick(scene: &SceneDocument, camera: &OrbitCamera, ray: &Ray, view: Vec2) -> Option<usize> {
     let simulation = scene.run().simulation();
     let missed = |who: usize| {
         let (at, radius) = match simulation.disc(who) {
@@ -183,8 +186,8 @@ pub fn pick(scene: &SceneDocument, camera: &Camera, ray: &Ray, view: Vec2) -> Op
         };
         let along = (at - ray.origin).dot(ray.direction);
         let from = match at.y > radius {
-            true => ray.at(along).distance(at),
-            false => ray.meets_ground()?.distance(at.with_y(0.0)),
+            true => ray.point_at(along).distance(at),
+            false => ray.intersect_ground()?.distance(at.with_y(0.0)),
         };
         let slack = MISSED_PX / camera.pixels_per_metre(along, view.y);
         (along > 0.0 && from < radius + slack).then_some((who, (from - radius).max(0.0) / slack, along))

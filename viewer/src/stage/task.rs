@@ -1,6 +1,6 @@
 //! A task of limbs: characters and things at the play head, other motions, paths of hands, and the trees of searches.
 
-use super::{Layout, Palette, cues};
+use super::{StageLayout, StagePalette, cues};
 use crate::document::TaskDocument;
 use crate::model::Model;
 use crate::render::{CharacterInstance, Rgba, SolidInstance};
@@ -8,8 +8,8 @@ use glam::DVec3;
 use std::sync::Arc;
 use throng_planner::linkage::{Chain, Linkage};
 use throng_planner::rotation::Rigid;
-use throng_planner::search::Grown;
-use throng_planner::task::{Done, Handle};
+use throng_planner::search::LoggedTrees;
+use throng_planner::task::{Handle, StepOutcome};
 use throng_precompute::Clip;
 use throng_runtime::{Mat3x4, Planar, Skeleton};
 
@@ -30,7 +30,7 @@ pub const TREES: [Rgba; 2] = [Rgba::hex(0x4f86e0), Rgba::hex(0xe0457b)];
 /// Colour of a node: darkest at the beginning of the search's time, lightest at its end.
 ///
 /// - `tree`: 0 for that at the start, 1 for that at the goal.
-pub fn colour_of_node(tree: usize, grown: &Grown, time_s: f64) -> Rgba {
+pub fn colour_of_node(tree: usize, grown: &LoggedTrees, time_s: f64) -> Rgba {
     let [from, to] = grown.window_s;
     let share = ((time_s - from) / (to - from).max(1e-9)).clamp(0.0, 1.0) as f32;
     let hue = TREES[tree];
@@ -42,21 +42,21 @@ pub fn colour_of_node(tree: usize, grown: &Grown, time_s: f64) -> Rgba {
 }
 
 /// Results of the inspected steps.
-pub fn looked_at<'a>(model: &Model, task: &'a TaskDocument) -> impl Iterator<Item = &'a Done> {
+pub fn inspected_steps<'a>(model: &Model, task: &'a TaskDocument) -> impl Iterator<Item = &'a StepOutcome> {
     let step = model.selection.plan.step;
     let all = task.shown_motion().into_iter().flat_map(|m| m.outcome.done.iter().enumerate());
     all.filter(move |(i, _)| step.is_none_or(|s| s == *i)).map(|(_, d)| d)
 }
 
 /// Position of the end of the limb of a step, in a clip of its character at a frame; the trees show it, too (m).
-pub fn end_of_limb(task: &TaskDocument, done: &Done, clip: &Clip, frame: usize) -> DVec3 {
+pub fn end_of_limb(task: &TaskDocument, done: &StepOutcome, clip: &Clip, frame: usize) -> DVec3 {
     let skeleton = &task.actors()[done.character].skeleton;
     let tip = Chain::new(Linkage::limb(done.limb), skeleton).tip;
     let (at, turn) = clip.joint_transforms(skeleton, frame)[done.limb.joints()[2].index()];
     at.as_dvec3() + turn.as_dquat() * tip
 }
 
-pub(super) fn lay_out(out: &mut Layout, model: &Model, task: &TaskDocument, palette: &Palette, dark: bool) {
+pub(super) fn lay_out(out: &mut StageLayout, model: &Model, task: &TaskDocument, palette: &StagePalette, dark: bool) {
     out.solids.meshes = Arc::clone(task.meshes());
     if let Some(first) = task.actors().first() {
         out.skeleton.clone_from(&first.skeleton);
@@ -64,15 +64,15 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, task: &TaskDocument, pale
     let time_s = model.task_time_s();
     bodies(out, model, task, time_s, palette);
     things(out, model, task, time_s, palette, dark);
-    ways(out, model, task, palette);
+    draw_limb_paths(out, model, task, palette);
     if model.selection.plan.trees {
         out.shapes.on_top(true);
-        looked_at(model, task).flat_map(|d| &d.trees).for_each(|grown| trees(out, grown));
+        inspected_steps(model, task).flat_map(|d| &d.trees).for_each(|grown| trees(out, grown));
         out.shapes.on_top(false);
     }
 }
 
-fn bodies(out: &mut Layout, model: &Model, task: &TaskDocument, time_s: f64, palette: &Palette) {
+fn bodies(out: &mut StageLayout, model: &Model, task: &TaskDocument, time_s: f64, palette: &StagePalette) {
     let mut add = |clip: &Clip, skeleton: &Skeleton, colour: Rgba| {
         let joints = clip.joint_transforms(skeleton, frame(clip, time_s));
         out.poses.extend(joints.map(|(p, r)| Mat3x4::from_rotation_translation(r, p)));
@@ -113,7 +113,7 @@ fn frame(clip: &Clip, time_s: f64) -> usize {
     ((time_s * clip.rate_hz).round().max(0.0) as usize).min(clip.num_frames().saturating_sub(1))
 }
 
-fn things(out: &mut Layout, model: &Model, task: &TaskDocument, time_s: f64, palette: &Palette, dark: bool) {
+fn things(out: &mut StageLayout, model: &Model, task: &TaskDocument, time_s: f64, palette: &StagePalette, dark: bool) {
     let selected = model.selection.plan.handle;
     let instance = |i: usize, at: Rigid, colour: Rgba| SolidInstance {
         mesh: i as u32,
@@ -146,8 +146,8 @@ fn things(out: &mut Layout, model: &Model, task: &TaskDocument, time_s: f64, pal
 }
 
 /// Paths of planned hands and feet, and their paths before planning.
-fn ways(out: &mut Layout, model: &Model, task: &TaskDocument, palette: &Palette) {
-    for done in looked_at(model, task) {
+fn draw_limb_paths(out: &mut StageLayout, model: &Model, task: &TaskDocument, palette: &StagePalette) {
+    for done in inspected_steps(model, task) {
         let (before, after) = (&task.clips_before()[done.character], task.clip(done.character));
         let differs = |f: &usize| before.frame_rotations(*f) != after.frame_rotations(*f);
         let frames: Vec<usize> = (0..before.num_frames()).filter(differs).collect();
@@ -168,14 +168,14 @@ fn ways(out: &mut Layout, model: &Model, task: &TaskDocument, palette: &Palette)
     }
 }
 
-fn trees(out: &mut Layout, grown: &Grown) {
+fn trees(out: &mut StageLayout, grown: &LoggedTrees) {
     for (k, tree) in grown.trees.iter().enumerate() {
         let stride = tree.len() / MAX_NODES + 1;
         for node in tree.iter().skip(1).step_by(stride) {
-            let parent = tree[node.parent].at.as_vec3();
-            out.shapes.line(parent, node.at.as_vec3(), 1.2, colour_of_node(k, grown, node.time_s));
+            let parent = tree[node.parent].tip.as_vec3();
+            out.shapes.line(parent, node.tip.as_vec3(), 1.2, colour_of_node(k, grown, node.time_s));
         }
-        let root = tree.first().map(|n| n.at.as_vec3());
+        let root = tree.first().map(|n| n.tip.as_vec3());
         root.iter().for_each(|at| out.shapes.sphere(*at, 0.012, TREES[k]));
     }
 }

@@ -1,9 +1,9 @@
 //! Values of a policy's cells, drawn around the selected character.
 
-use super::{Layout, Palette};
+use super::{StageLayout, StagePalette};
 use crate::model::Model;
-use crate::render::{Rgba, Shapes};
-use crate::run::Chooser;
+use crate::render::{Rgba, ShapeList};
+use crate::run::PolicyChooser;
 use crate::theme::viridis;
 use crate::volume::Volume;
 use glam::Vec3;
@@ -26,9 +26,9 @@ pub struct ValueCell {
 
 /// Draws the cells of the selected policy, for the selected state, where the character stood when it
 /// chose in that state, else where it stands.
-pub(super) fn lay_out(out: &mut Layout, model: &Model, chooser: &Chooser<'_>, palette: &Palette) {
+pub(super) fn lay_out(out: &mut StageLayout, model: &Model, chooser: &PolicyChooser<'_>, palette: &StagePalette) {
     let (characters, c) = (chooser.characters, chooser.number);
-    let Some(state) = model.looked_at_state() else { return };
+    let Some(state) = model.inspected_state() else { return };
     let Some(policy) = chooser.bundle.motion_set().policy(model.selection.policy) else { return };
     if state as usize >= policy.actions().num_states() {
         return;
@@ -91,7 +91,7 @@ fn radius(policy: &PolicyTable, state: u32) -> f32 {
 }
 
 /// Edges of the volume in which the behaviour is active.
-fn outline(shapes: &mut Shapes, policy: &PolicyTable, root: Planar, volume: &Volume, colour: Rgba) {
+fn outline(shapes: &mut ShapeList, policy: &PolicyTable, root: Planar, volume: &Volume, colour: Rgba) {
     let over_ground = volume.over_ground();
     let at = |i: usize, height: f32| {
         let p = over_ground[i % over_ground.len()];

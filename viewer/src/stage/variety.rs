@@ -4,17 +4,17 @@
 //! the hips, which are raised or lowered, so that feet do not slide. Trunk, arms and shoulders keep their rotations,
 //! with the lengths of the varied body.
 
-use super::Layout;
+use super::StageLayout;
 use super::body::{self, Stretch, body_of_pose};
 use crate::model::Model;
-use crate::render::{Body, Rgba};
+use crate::render::{BodyStyle, Rgba};
 use crate::settings::Colouring;
 use glam::{Quat, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use rayon::prelude::*;
 use std::ops::Range;
-use throng_precompute::retarget::Fit;
+use throng_precompute::retarget::BodyFit;
 use throng_runtime::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
 
 /// Number of different bodies.
@@ -37,21 +37,21 @@ const SHIRTS: [u32; 12] = [
 
 /// Bodies of one database skeleton.
 #[derive(Default)]
-pub struct Variety {
+pub struct BodyVariants {
     database: Skeleton,
-    bodies: Vec<Varied>,
+    bodies: Vec<BodyVariant>,
 }
 
-impl std::fmt::Debug for Variety {
+impl std::fmt::Debug for BodyVariants {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Variety").field("bodies", &self.bodies.len()).finish()
     }
 }
 
 /// A body.
-struct Varied {
+struct BodyVariant {
     skeleton: Skeleton,
-    fit: Fit,
+    fit: BodyFit,
     stretch: Stretch,
     /// Difference in height of the hips (m).
     rise: f32,
@@ -66,7 +66,7 @@ fn bits(character: usize) -> u64 {
 }
 
 /// By which a shader chooses colours of skin, trousers and shoes; never 0.
-pub(super) fn look(character: usize) -> u32 {
+pub(super) fn look_bits(character: usize) -> u32 {
     (bits(character) >> 32) as u32 | 1 << 31
 }
 
@@ -77,28 +77,28 @@ pub(super) fn shirt(character: usize) -> Rgba {
 
 /// True where bodies differ: capsules show poses as they are.
 pub(super) fn is_wanted(model: &Model) -> bool {
-    model.settings.varied && model.settings.body != Body::Capsules && !model.shows_clip() && !model.shows_blend()
+    model.settings.varied && model.settings.body != BodyStyle::Capsules && !model.shows_clip() && !model.shows_blend()
 }
 
 /// Colour of a character: its shirt colour if colours have no meaning.
-pub(super) fn plain(model: &Model, character: usize, plain: Rgba) -> Rgba {
+pub(super) fn shirt_or_plain(model: &Model, character: usize, plain: Rgba) -> Rgba {
     let is_shirt = is_wanted(model) && model.settings.colouring == Colouring::Plain;
     if is_shirt { shirt(character) } else { plain }
 }
 
-impl Variety {
-    fn of(database: &Skeleton) -> Self {
+impl BodyVariants {
+    fn for_skeleton(database: &Skeleton) -> Self {
         let mut rng = Pcg32::seed_from_u64(SEED);
-        let bodies = (0..NUM_BODIES).map(|_| Varied::draw(database, &mut rng)).collect();
+        let bodies = (0..NUM_BODIES).map(|_| BodyVariant::draw(database, &mut rng)).collect();
         Self { database: database.clone(), bodies }
     }
 
-    fn body(&self, character: usize) -> Option<&Varied> {
+    fn body(&self, character: usize) -> Option<&BodyVariant> {
         self.bodies.get(bits(character) as usize % NUM_BODIES)
     }
 }
 
-impl Varied {
+impl BodyVariant {
     fn draw(database: &Skeleton, rng: &mut Pcg32) -> Self {
         let [legs, trunk, arms, shoulders, girth] =
             [LEGS, TRUNK, ARMS, SHOULDERS, GIRTH].map(|range| rng.random_range(range));
@@ -126,7 +126,7 @@ impl Varied {
                 [Head, LeftHand, RightHand, LeftFoot, RightFoot, LeftToe, RightToe].contains(&Joint::ALL[joint]);
             *along = if is_end { Vec3::ONE } else { Vec3::new(along.x * by(0), along.y * by(1), along.z * by(2)) };
         }
-        Self { fit: Fit::of(skeleton.clone()), skeleton, stretch, rise }
+        Self { fit: BodyFit::from_skeleton(skeleton.clone()), skeleton, stretch, rise }
     }
 
     /// Joints of this body in a pose of the database skeleton.
@@ -136,7 +136,7 @@ impl Varied {
         for thigh in [Joint::LeftThigh, Joint::RightThigh] {
             own[thigh.index()].0.y += self.rise;
         }
-        let worn = self.fit.wear(database, &own);
+        let worn = self.fit.wear_pose(database, &own);
         let mut out = [(worn.hips, worn.model[0]); NUM_JOINTS];
         for joint in &Joint::ALL[1..] {
             let (at, turn) = out[joint.parent().map_or(0, Joint::index)];
@@ -148,12 +148,12 @@ impl Varied {
 
 /// A character as drawn: its joints and skeleton.
 #[derive(Debug)]
-pub(super) struct Dressed {
+pub(super) struct DressedBody {
     pub joints: [(Vec3, Quat); NUM_JOINTS],
     pub skeleton: Skeleton,
 }
 
-impl Layout {
+impl StageLayout {
     /// Gives every character its own body.
     pub(super) fn vary(&mut self, model: &Model) {
         self.varied.clear();
@@ -162,7 +162,7 @@ impl Layout {
             return;
         }
         if self.variety.bodies.is_empty() || self.variety.database != self.skeleton {
-            self.variety = Variety::of(&self.skeleton);
+            self.variety = BodyVariants::for_skeleton(&self.skeleton);
         }
         let mut varied = std::mem::take(&mut self.varied);
         let (poses, drawn, variety) = (self.poses(model), &self.drawn, &self.variety);
@@ -171,25 +171,25 @@ impl Layout {
             (legs / self.skeleton.leg_length() - 1.0).abs() > OWN_LEGS
         };
         let number = |i: usize| drawn.get(i).copied().unwrap_or(i);
-        let dressed: Vec<Option<Dressed>> = poses
+        let dressed: Vec<Option<DressedBody>> = poses
             .par_chunks_exact(NUM_JOINTS)
             .enumerate()
             .map(|(i, pose)| {
                 let body = variety.body(number(i)).filter(|_| !is_own(pose))?;
-                Some(Dressed { joints: body.pose(&self.skeleton, pose), skeleton: body.skeleton.clone() })
+                Some(DressedBody { joints: body.pose(&self.skeleton, pose), skeleton: body.skeleton.clone() })
             })
             .collect();
         for (i, (pose, dressed)) in poses.chunks_exact(NUM_JOINTS).zip(&dressed).enumerate() {
             match (dressed, variety.body(number(i))) {
                 (Some(dressed), Some(body)) => {
                     let joints = dressed.joints.map(|(at, turn)| Mat3x4::from_rotation_translation(turn, at));
-                    body::put(&mut varied, &joints, &body.stretch);
+                    body::push_stretched(&mut varied, &joints, &body.stretch);
                 }
                 _ => varied.extend(pose),
             }
         }
         for (i, instance) in self.instances.iter_mut().enumerate() {
-            instance.look = look(self.drawn.get(i).copied().unwrap_or(i));
+            instance.look = look_bits(self.drawn.get(i).copied().unwrap_or(i));
         }
         (self.varied, self.dressed) = (varied, dressed);
     }
@@ -199,20 +199,21 @@ impl Layout {
 mod tests {
     use super::*;
     use crate::fixtures::{golden_path, quietly};
-    use crate::run::RunConfig;
-    use crate::settings::Settings;
+    use crate::run::CrowdRunConfig;
+    use crate::settings::ViewerSettings;
 
     const N: usize = 24;
 
     fn open(varied: bool) -> Model {
-        let run = RunConfig { characters: N, ..RunConfig::default() };
-        let mut model = Model::new(Settings { run, varied, body: Body::Mannequin, ..Settings::default() });
+        let run = CrowdRunConfig { characters: N, ..CrowdRunConfig::default() };
+        let mut model =
+            Model::new(ViewerSettings { run, varied, body: BodyStyle::Mannequin, ..ViewerSettings::default() });
         quietly(|with| model.open_now(&golden_path(), with)).unwrap();
         model
     }
 
     /// Ankles and toes in the world, as laid out.
-    fn feet(layout: &Layout, model: &Model) -> Vec<Vec3> {
+    fn feet(layout: &StageLayout, model: &Model) -> Vec<Vec3> {
         use Joint::*;
         let of = |(pose, instance): (&[Mat3x4], &crate::render::CharacterInstance)| {
             let root = instance.root;
@@ -225,7 +226,7 @@ mod tests {
     #[test]
     fn feet_stay_where_the_simulation_has_them() {
         let (mut plain, mut varied) = (open(false), open(true));
-        let (mut a, mut b) = (Layout::default(), Layout::default());
+        let (mut a, mut b) = (StageLayout::default(), StageLayout::default());
         let mut off = Vec::new();
         let mut before: Option<[Vec<Vec3>; 2]> = None;
         let (mut slips, mut own_slips) = (Vec::new(), Vec::new());
@@ -262,7 +263,7 @@ mod tests {
     #[test]
     fn people_differ_and_stay_who_they_are() {
         let model = open(true);
-        let (mut a, mut b) = (Layout::default(), Layout::default());
+        let (mut a, mut b) = (StageLayout::default(), StageLayout::default());
         a.lay_out(&model, true);
         b.lay_out(&model, false);
         assert_eq!(a.poses(&model), b.poses(&model));

@@ -1,16 +1,16 @@
 //! A world: its units, its inhabitants, and the selected patch.
 
-use super::{Layout, Palette, cues};
+use super::{StageLayout, StagePalette, cues};
 use crate::command::Tool;
 use crate::document::WorldDocument;
 use crate::model::Model;
 use crate::render::{CharacterInstance, Rgba, SolidInstance};
 use crate::settings::Colouring;
 use glam::Vec3;
-use throng_precompute::environment::{Bounds, PlacedUnit};
+use throng_precompute::environment::{BoundingBox, PlacedUnit};
 use throng_runtime::patch::{CellRecord, KIND_TILE, Placement};
-use throng_runtime::world::inhabitants::Doing;
-use throng_runtime::world::{Node, Step};
+use throng_runtime::world::inhabitants::InhabitantActivity;
+use throng_runtime::world::{WorldNode, WorldStep};
 
 /// Length of trails (s).
 const TRAIL_S: f32 = 6.0;
@@ -27,45 +27,45 @@ pub const DISABLED: Rgba = Rgba::hex(0xe0564f);
 pub const PLANNED: Rgba = Rgba::hex(0xf2b134);
 
 /// Activities of characters with their names, for the key to the colours.
-pub const KINDS: [(Doing, &str); 9] = [
-    (Doing::Roaming, "roams"),
-    (Doing::Walking, "on its way"),
-    (Doing::Waiting, "waits"),
-    (Doing::Detour, "detour"),
-    (Doing::Meeting, "waits for a partner"),
-    (Doing::Performing, "performs"),
-    (Doing::Arrived, "there"),
-    (Doing::Unreachable, "finds no path"),
-    (Doing::Blocked, "its place is taken"),
+pub const KINDS: [(InhabitantActivity, &str); 9] = [
+    (InhabitantActivity::Roaming, "roams"),
+    (InhabitantActivity::Walking, "on its way"),
+    (InhabitantActivity::Waiting, "waits"),
+    (InhabitantActivity::Detour, "detour"),
+    (InhabitantActivity::Meeting, "waits for a partner"),
+    (InhabitantActivity::Performing, "performs"),
+    (InhabitantActivity::Arrived, "there"),
+    (InhabitantActivity::Unreachable, "finds no path"),
+    (InhabitantActivity::Blocked, "its place is taken"),
 ];
 
 /// Colour of an activity.
-pub fn colour_of(doing: Doing) -> Rgba {
+pub fn colour_of(doing: InhabitantActivity) -> Rgba {
     match doing {
-        Doing::Roaming => Rgba::hex(0xb9c0c9),
-        Doing::Planning | Doing::Walking => Rgba::hex(0xe8743b),
-        Doing::Waiting => Rgba::hex(0xe0457b),
-        Doing::Detour => Rgba::hex(0xf2b134),
-        Doing::Meeting => Rgba::hex(0x4f9fd6),
-        Doing::Performing => Rgba::hex(0x8f6fd6),
-        Doing::Arrived => Rgba::hex(0x2fb39b),
-        Doing::Unreachable => Rgba::hex(0x9c2f2f),
-        Doing::Blocked => Rgba::hex(0xd98f8f),
+        InhabitantActivity::Roaming => Rgba::hex(0xb9c0c9),
+        InhabitantActivity::Planning | InhabitantActivity::Walking => Rgba::hex(0xe8743b),
+        InhabitantActivity::Waiting => Rgba::hex(0xe0457b),
+        InhabitantActivity::Detour => Rgba::hex(0xf2b134),
+        InhabitantActivity::Meeting => Rgba::hex(0x4f9fd6),
+        InhabitantActivity::Performing => Rgba::hex(0x8f6fd6),
+        InhabitantActivity::Arrived => Rgba::hex(0x2fb39b),
+        InhabitantActivity::Unreachable => Rgba::hex(0x9c2f2f),
+        InhabitantActivity::Blocked => Rgba::hex(0xd98f8f),
     }
 }
 
-pub(super) fn lay_out(out: &mut Layout, model: &Model, world: &WorldDocument, palette: &Palette, dark: bool) {
+pub(super) fn lay_out(out: &mut StageLayout, model: &Model, world: &WorldDocument, palette: &StagePalette, dark: bool) {
     units(out, model, world, palette, dark);
     inhabitants(out, model, world, palette);
     if let Some(c) = model.selection.character.filter(|&c| c < world.run().num_characters()) {
         cues_of(out, model, world, c, palette);
     }
-    if let Some(instance) = model.looked_at_instance() {
+    if let Some(instance) = model.inspected_instance() {
         patch(out, model, world, instance, palette);
     }
 }
 
-fn units(out: &mut Layout, model: &Model, world: &WorldDocument, palette: &Palette, dark: bool) {
+fn units(out: &mut StageLayout, model: &Model, world: &WorldDocument, palette: &StagePalette, dark: bool) {
     let look = &model.selection.world;
     let dragged = look.place.filter(|_| look.draft.is_some() && look.tool == Tool::Move);
     let moved = dragged.or(world.working().and_then(|w| w.place()));
@@ -88,7 +88,7 @@ fn units(out: &mut Layout, model: &Model, world: &WorldDocument, palette: &Palet
 }
 
 /// A unit that is not placed yet, with its heading.
-fn ghost(out: &mut Layout, world: &WorldDocument, unit: &PlacedUnit, colour: Rgba) {
+fn ghost(out: &mut StageLayout, world: &WorldDocument, unit: &PlacedUnit, colour: Rgba) {
     let Some(geometry) = world.kit().geometries.get(unit.unit) else { return };
     let at = unit.placement;
     out.solids.instances.push(SolidInstance::upright(unit.unit as u32, at, colour.alpha(0.6)));
@@ -115,7 +115,7 @@ pub(super) fn colour_of_unit(name: &str, floor: bool, at: Placement, dark: bool)
 }
 
 /// The edges of a box, seen through everything.
-fn outline(out: &mut Layout, bounds: Bounds, at: Placement, colour: Rgba) {
+fn outline(out: &mut StageLayout, bounds: BoundingBox, at: Placement, colour: Rgba) {
     if bounds.is_empty() {
         return;
     }
@@ -134,11 +134,11 @@ fn outline(out: &mut Layout, bounds: Bounds, at: Placement, colour: Rgba) {
     out.shapes.on_top(false);
 }
 
-fn inhabitants(out: &mut Layout, model: &Model, world: &WorldDocument, palette: &Palette) {
+fn inhabitants(out: &mut StageLayout, model: &Model, world: &WorldDocument, palette: &StagePalette) {
     let moment = world.run().moment();
     let selected = model.selection.character;
     let colour = |c: usize| match model.settings.colouring {
-        Colouring::Target => colour_of(moment.states[c].doing),
+        Colouring::Target => colour_of(moment.states[c].activity),
         Colouring::Clip => cues::category(moment.states[c].node.instance as usize),
         Colouring::Speed | Colouring::Plain => palette.plain,
     };
@@ -151,7 +151,7 @@ fn inhabitants(out: &mut Layout, model: &Model, world: &WorldDocument, palette: 
 }
 
 /// Cues of the selected character: past positions, path, and reservations.
-fn cues_of(out: &mut Layout, model: &Model, world: &WorldDocument, c: usize, palette: &Palette) {
+fn cues_of(out: &mut StageLayout, model: &Model, world: &WorldDocument, c: usize, palette: &StagePalette) {
     let run = world.run();
     let o = model.settings.overlays;
     if o.trails {
@@ -167,15 +167,15 @@ fn cues_of(out: &mut Layout, model: &Model, world: &WorldDocument, c: usize, pal
     }
     let inhabitants = run.inhabitants();
     let id = run.id(c);
-    for unit in inhabitants.held(id).into_iter().flatten() {
+    for unit in inhabitants.units_of(id).into_iter().flatten() {
         if let Some(p) = world.placed().get(unit as usize) {
             let bounds = world.kit().geometries[p.unit].bounds;
             outline(out, bounds, p.placement, palette.selected.alpha(0.35));
         }
     }
-    let path = inhabitants.path(id).unwrap_or_default();
-    way(out, world, inhabitants.reserved(id).unwrap_or_default(), palette.slow);
-    way(out, world, path, PLANNED);
+    let path = inhabitants.path_steps(id).unwrap_or_default();
+    draw_path(out, world, inhabitants.reserved_steps(id).unwrap_or_default(), palette.slow);
+    draw_path(out, world, path, PLANNED);
     if let Some(last) = path.last() {
         let at = world.graph().place(last.to).translation();
         out.shapes.sphere(at, 0.08, PLANNED);
@@ -183,7 +183,7 @@ fn cues_of(out: &mut Layout, model: &Model, world: &WorldDocument, c: usize, pal
 }
 
 /// Steps of a path as a line over the ground they are walked on.
-fn way(out: &mut Layout, world: &WorldDocument, steps: &[Step], colour: Rgba) {
+fn draw_path(out: &mut StageLayout, world: &WorldDocument, steps: &[WorldStep], colour: Rgba) {
     let mut points: Vec<Vec3> = Vec::new();
     for step in steps {
         if let Some(link) = world.graph().link(step) {
@@ -195,7 +195,7 @@ fn way(out: &mut Layout, world: &WorldDocument, steps: &[Step], colour: Rgba) {
 }
 
 /// The selected patch: links, entries and exits.
-fn patch(out: &mut Layout, model: &Model, world: &WorldDocument, instance: u32, palette: &Palette) {
+fn patch(out: &mut StageLayout, model: &Model, world: &WorldDocument, instance: u32, palette: &StagePalette) {
     let (graph, look) = (world.graph(), &model.selection.world);
     if !look.hides_links {
         let links = graph.links(instance);
@@ -212,16 +212,16 @@ fn patch(out: &mut Layout, model: &Model, world: &WorldDocument, instance: u32, 
     }
     let is_tile = graph.patches().patches[graph.instance(instance).patch as usize].kind == KIND_TILE;
     for (c, cell) in graph.cells(instance).iter().enumerate() {
-        let node = Node { instance, cell: c as u32 };
+        let node = WorldNode { instance, cell: c as u32 };
         let place = graph.place(node);
         let is_left = graph.is_enabled(node);
         let ground = place.translation().with_y(ground_of(world, instance, c as u32));
         let ahead = place.planar().rotation() * Vec3::Z * 0.18;
         if is_tile && cell.edge != throng_runtime::patch::NONE {
-            let colour = if cell.is(CellRecord::IS_EXIT) { palette.fast } else { palette.slow };
+            let colour = if cell.has_flags(CellRecord::IS_EXIT) { palette.fast } else { palette.slow };
             let colour = if is_left { colour } else { colour.alpha(0.25) };
             out.shapes.arrow(ground - ahead * 0.5, ground + ahead * 0.5, 0.008, colour);
-        } else if cell.is(CellRecord::IS_REST) && is_left {
+        } else if cell.has_flags(CellRecord::IS_REST) && is_left {
             out.shapes.disc(ground, 0.04, ENABLED);
         }
     }
@@ -244,7 +244,7 @@ fn ground_of(world: &WorldDocument, instance: u32, cell: u32) -> f32 {
     let here = &cells[cell as usize];
     let across = || {
         // No link begins at an exit, but one does at the entry of the neighbour, which may stand higher.
-        let entry = cells.get(here.twin as usize).filter(|_| here.is(CellRecord::IS_EXIT))?;
+        let entry = cells.get(here.twin as usize).filter(|_| here.has_flags(CellRecord::IS_EXIT))?;
         let edge = graph.patches().edges_of(record.patch as usize).get(here.edge as usize)?;
         Some(begin(entry)? + edge.step[1])
     };

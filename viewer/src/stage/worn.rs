@@ -1,8 +1,8 @@
 //! Matrices of the characters that wear a mesh of the user's own.
 
-use super::Layout;
+use super::StageLayout;
 use super::body::body_of_pose;
-use crate::document::Outfit;
+use crate::document::UserOutfit;
 use crate::model::Model;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
@@ -12,7 +12,7 @@ use throng_runtime::{Mat3x4, NUM_JOINTS, Skeleton};
 /// little.
 const SAME_LEGS: f32 = 0.03;
 
-impl Layout {
+impl StageLayout {
     /// Computes the matrices of the user's mesh for all instances, if there is one.
     pub(super) fn wear(&mut self, model: &Model) {
         let mut worn = std::mem::take(&mut self.worn);
@@ -22,7 +22,7 @@ impl Layout {
             worn.resize(self.instances.len() * num_frames, Mat3x4::default());
             let (poses, instances) = (self.poses(model), worn.par_chunks_exact_mut(num_frames).enumerate());
             instances.for_each(|(i, out)| match self.dressed.get(i) {
-                Some(Some(d)) => outfit.figure.wear(&d.skeleton, &d.joints, out),
+                Some(Some(d)) => outfit.figure.pose_matrices(&d.skeleton, &d.joints, out),
                 _ => put_on(outfit, &self.skeleton, &poses[i * NUM_JOINTS..][..NUM_JOINTS], out),
             });
         }
@@ -30,11 +30,11 @@ impl Layout {
     }
 }
 
-fn put_on(outfit: &Outfit, database: &Skeleton, pose: &[Mat3x4], out: &mut [Mat3x4]) {
+fn put_on(outfit: &UserOutfit, database: &Skeleton, pose: &[Mat3x4], out: &mut [Mat3x4]) {
     let own = body_of_pose(database, pose);
     let is_same = (own.leg_length() / database.leg_length() - 1.0).abs() < SAME_LEGS;
     let turned: [(Vec3, Quat); NUM_JOINTS] = std::array::from_fn(|j| (pose[j].translation(), rotation(&pose[j])));
-    outfit.figure.wear(if is_same { database } else { &own }, &turned, out);
+    outfit.figure.pose_matrices(if is_same { database } else { &own }, &turned, out);
 }
 
 /// Rotation of a joint; its axes may be scaled, as in bodies of other sizes.

@@ -4,7 +4,7 @@ use eframe::egui::{Color32, Visuals};
 
 /// Colours with a meaning. Left and right are the colours of the pictures: they differ in hue and in lightness.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Palette {
+pub struct ThemePalette {
     /// The left side of a body.
     pub left: Color32,
     /// The right side.
@@ -32,7 +32,7 @@ pub struct Palette {
     tags: [Color32; 6],
 }
 
-impl Palette {
+impl ThemePalette {
     const DARK: Self = Self {
         left: Color32::from_rgb(0xf0, 0xa6, 0x52),
         right: Color32::from_rgb(0x6a, 0xa3, 0xe8),
@@ -85,7 +85,7 @@ impl Palette {
     pub const POINTED_ON_MAP: Color32 = Color32::from_rgb(0xff, 0xeb, 0x78);
 
     /// The colours that go with a theme.
-    pub fn of(visuals: &Visuals) -> Self {
+    pub fn for_visuals(visuals: &Visuals) -> Self {
         if visuals.dark_mode { Self::DARK } else { Self::LIGHT }
     }
 

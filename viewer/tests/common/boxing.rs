@@ -43,7 +43,7 @@ impl Boxing {
         let (config, out) = (folder.path().join("boxing.toml"), folder.path().join("boxing.throng"));
         std::fs::write(&config, CONFIG).expect("a config");
         let config = BuildConfig::load(&config).expect("a sound config");
-        pipeline::build(&config, &out, &Cache::none(), &Silent).expect("a bundle");
+        pipeline::build(&config, &out, &Cache::disabled(), &Silent).expect("a bundle");
         Self { folder }
     }
 

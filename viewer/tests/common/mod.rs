@@ -15,14 +15,14 @@ use egui_kittest::kittest::Queryable;
 use glam::{Vec2, Vec3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use throng_precompute::synth::{SynthConfig, SynthSet, make, save};
+use throng_precompute::synth::{SynthConfig, SynthSet, make_set, save};
 use throng_runtime::format::VERSION;
 use throng_viewer::app::Viewer;
 use throng_viewer::args::Args;
-use throng_viewer::command::Command;
+use throng_viewer::command::ViewerCommand;
 use throng_viewer::headless::draw_picture;
 use throng_viewer::model::Model;
-use throng_viewer::settings::Settings;
+use throng_viewer::settings::ViewerSettings;
 
 /// The bundle of the current version that every checkout has.
 pub fn golden() -> PathBuf {
@@ -50,7 +50,7 @@ pub fn bvh(folder: &Path) -> PathBuf {
 /// Some minutes of synthetic walking as BVH files of ten seconds in a folder.
 pub fn walk(folder: &Path, minutes: f64) -> Vec<PathBuf> {
     let config = SynthConfig { minutes, clip_seconds: 10.0, ..SynthConfig::default() };
-    save(&make(SynthSet::Walk, &config).expect("a walk"), folder).expect("motion files")
+    save(&make_set(SynthSet::Walk, &config).expect("a walk"), folder).expect("motion files")
 }
 
 /// A synthetic walk as a BVH file with faults of a recording put in: a joint that is elsewhere for a frame, a body that is
@@ -101,8 +101,8 @@ pub fn drop_files(v: &mut Viewing, paths: &[&Path]) {
 
 /// Name of the adapter that pictures are drawn with; none, with the reason printed, where there is none.
 pub fn adapter() -> Option<String> {
-    use throng_viewer::args::{Adapter, Size};
-    match throng_viewer::headless::Screen::new(Adapter::Software, Size { width: 16, height: 16 }, 1.0) {
+    use throng_viewer::args::{AdapterChoice, PictureSize};
+    match throng_viewer::headless::Screen::new(AdapterChoice::Software, PictureSize { width: 16, height: 16 }, 1.0) {
         Ok(screen) => Some(screen.adapter_name()),
         Err(e) => {
             println!("skipped: {e}");
@@ -131,7 +131,7 @@ impl Viewing {
 
     /// With what arguments say.
     pub fn new(args: &Args, size: egui::Vec2) -> Self {
-        let settings = args.settings(Settings::default());
+        let settings = args.settings(ViewerSettings::default());
         let theme = if settings.theme == egui::ThemePreference::Light { egui::Theme::Light } else { egui::Theme::Dark };
         let builder = Harness::builder()
             .with_size(size)
@@ -155,7 +155,7 @@ impl Viewing {
     }
 
     /// Carries out a command as a panel's would be.
-    pub fn apply(&mut self, command: Command) {
+    pub fn apply(&mut self, command: ViewerCommand) {
         let ctx = self.harness.ctx.clone();
         self.harness.state_mut().model.apply(&ctx, command);
     }

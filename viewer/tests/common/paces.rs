@@ -35,7 +35,7 @@ impl Paces {
         let (config, out) = (folder.path().join("paces.toml"), folder.path().join("paces.throng"));
         std::fs::write(&config, CONFIG).expect("a config");
         let config = BuildConfig::load(&config).expect("a sound config");
-        pipeline::build(&config, &out, &Cache::none(), &Silent).expect("a bundle");
+        pipeline::build(&config, &out, &Cache::disabled(), &Silent).expect("a bundle");
         Self { folder }
     }
 

@@ -58,7 +58,7 @@ impl Square {
         std::fs::write(at("units.toml"), UNITS).expect("units");
         std::fs::write(at("tiles.toml"), CONFIG).expect("a config");
         let config = BuildConfig::load(&at("tiles.toml")).expect("a sound config");
-        pipeline::build(&config, &at("tiles.throng"), &Cache::none(), &Silent).expect("a bundle");
+        pipeline::build(&config, &at("tiles.throng"), &Cache::disabled(), &Silent).expect("a bundle");
         Self { folder }
     }
 

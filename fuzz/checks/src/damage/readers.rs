@@ -12,18 +12,18 @@ use throng_bake::config::BuildConfig;
 use throng_bake::environment::{EnvironmentFile, UnitSet, geometries};
 use throng_bake::stitch::WorldSource;
 use throng_motion::annotate::{AnnotateConfig, Sidecar, Sidecars, annotate};
-use throng_motion::export::{Pose, TakeWriter};
+use throng_motion::export::{ActorPose, TakeWriter};
 use throng_motion::import::profile::Profile;
 use throng_motion::import::{self, ImportConfig, SourceClip, amc, asf, bvh, gltf, npz};
-use throng_motion::onto::{Figure, Wearer};
 use throng_motion::progress::Silent;
 use throng_motion::resample::{ResampleConfig, resample};
 use throng_motion::retarget::{self, RetargetConfig};
+use throng_motion::wearer::{SkinnedFigure, Wearer};
 use throng_motion::{Clip, ImportError};
 use throng_planner::collide::EdgeCheck;
-use throng_planner::limits::{BodyLimits, Sampler, Style};
+use throng_planner::limits::{BodyLimits, PoseSampler, Style};
 use throng_planner::linkage::{Limb, LimbPose, Linkage};
-use throng_planner::shape::{Mesh, Segment};
+use throng_planner::shape::{Segment, TriangleMesh};
 use throng_planner::task::{ActorClip, Task, obj_triangles};
 use throng_runtime::format::AlignedBytes;
 use throng_runtime::simulation::{Scene, Simulation};
@@ -177,7 +177,7 @@ pub fn archive(data: &[u8]) -> bool {
     let path = in_folder("fuzz.zip", |path| {
         let _ = std::fs::write(path, data);
     });
-    let found = import::find(std::slice::from_ref(&path)).unwrap_or_default();
+    let found = import::find_motion_files(std::slice::from_ref(&path)).unwrap_or_default();
     for file in found.iter().take(FEW) {
         drop(import::read_clips(&file.path, &ImportConfig::default()));
     }
@@ -190,7 +190,7 @@ fn use_clip(source: SourceClip) -> bool {
     if clip.clip.num_frames > FEW || seconds > FEW as f64 {
         return true;
     }
-    let clips = retarget::onto(&[clip], &RetargetConfig::default(), &mut Default::default());
+    let clips = retarget::retarget_clips(&[clip], &RetargetConfig::default(), &mut Default::default());
     let clips = clips.and_then(|clips| resample(&clips, &ResampleConfig::default()));
     let clips = clips.and_then(|clips| annotate(&clips, &AnnotateConfig::default(), &Sidecars::default()));
     if let Ok(clips) = clips {
@@ -289,7 +289,7 @@ pub fn character(data: &[u8]) -> bool {
     for angle in [0.0, 0.7] {
         let mut turns = [Quat::IDENTITY; NUM_JOINTS];
         turns.iter_mut().for_each(|turn| *turn = Quat::from_rotation_x(angle));
-        writer.push(0, Some(Pose::of_rotations(&skeleton, skeleton.offsets[0], turns))).expect("room");
+        writer.push(0, Some(ActorPose::from_rotations(&skeleton, skeleton.offsets[0], turns))).expect("room");
     }
     let take = writer.into_take().expect("room");
     let outfit = wearer.dress(&take, &folder, &Silent).expect("room");
@@ -306,8 +306,8 @@ fn triangles(data: &[u8]) {
     let path = in_folder("fuzz.glb", |path| {
         let _ = std::fs::write(path, data);
     });
-    if let Ok(figure) = Figure::open(&path, &ImportConfig::default()) {
-        drop((figure.rest(), figure.carriers()));
+    if let Ok(figure) = SkinnedFigure::open(&path, &ImportConfig::default()) {
+        drop((figure.rest_corners(), figure.carriers()));
     }
 }
 
@@ -351,7 +351,7 @@ pub fn task(data: &[u8]) -> bool {
 /// A mesh as OBJ: asked for distances.
 pub fn obj(data: &[u8]) -> bool {
     let Ok(triangles) = obj_triangles(&String::from_utf8_lossy(data)) else { return false };
-    let Ok(mesh) = Mesh::new(triangles) else { return false };
+    let Ok(mesh) = TriangleMesh::new(triangles) else { return false };
     let line = Segment::new(DVec3::ZERO, DVec3::ONE);
     assert!(!mesh.distance(&line, 1e6).is_nan(), "a distance that is none");
     true
@@ -362,10 +362,10 @@ pub fn limits(data: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(data) else { return false };
     let Ok(limits) = BodyLimits::parse(text, Path::new("limits.toml"), &Skeleton::default()) else { return false };
     let linkage = Linkage::limb(Limb::LeftArm);
-    if let Some(of_arm) = limits.of_linkage(linkage) {
-        let sampler = Sampler::new(linkage, of_arm, &LimbPose::REST, Style::default(), 10);
-        let mut rng = throng_planner::planner::seeded(1);
-        let finite = (0..20).all(|i| sampler.draw(&mut rng, i).0.iter().all(|q| q.is_finite()));
+    if let Some(of_arm) = limits.linkage_limits(linkage) {
+        let sampler = PoseSampler::new(linkage, of_arm, &LimbPose::REST, Style::default(), 10);
+        let mut rng = throng_planner::planner::seeded_rng(1);
+        let finite = (0..20).all(|i| sampler.draw_pose(&mut rng, i).0.iter().all(|q| q.is_finite()));
         assert!(finite, "a pose that is not finite");
     }
     true

@@ -1,7 +1,7 @@
 //! Puts the checksums of damaged files right, so that what lies behind them is reached.
 
 use std::io::{Cursor, Write};
-use throng_runtime::format::{Header, MAGIC, Section, VERSION, crc32};
+use throng_runtime::format::{FileHeader, MAGIC, SectionEntry, VERSION, crc32};
 use throng_runtime::world::{WORLD_MAGIC, WORLD_VERSION};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
@@ -23,17 +23,17 @@ pub fn world(data: &[u8]) -> Vec<u8> {
 }
 
 fn file(data: &[u8], magic: [u8; 8], version: u32) -> Vec<u8> {
-    const HEAD: usize = size_of::<Header>();
-    const ROW: usize = size_of::<Section>();
+    const HEAD: usize = size_of::<FileHeader>();
+    const ROW: usize = size_of::<SectionEntry>();
     let mut data = data.to_vec();
     if data.len() < HEAD {
         return data;
     }
-    let mut header: Header = bytemuck::pod_read_unaligned(&data[..HEAD]);
+    let mut header: FileHeader = bytemuck::pod_read_unaligned(&data[..HEAD]);
     let table_end = HEAD.saturating_add((header.num_sections as usize).saturating_mul(ROW));
     if table_end <= data.len() {
         for at in (HEAD..table_end).step_by(ROW) {
-            let mut row: Section = bytemuck::pod_read_unaligned(&data[at..at + ROW]);
+            let mut row: SectionEntry = bytemuck::pod_read_unaligned(&data[at..at + ROW]);
             if let Some(content) = row.range(data.len() as u64).ok().and_then(|range| data.get(range)) {
                 row.crc32 = crc32(content);
                 data[at..at + ROW].copy_from_slice(bytemuck::bytes_of(&row));

@@ -35,7 +35,7 @@ pub fn bundle() -> Vec<Vec<u8>> {
 pub fn world() -> Vec<Vec<u8>> {
     let tables = made_up_floor::tables();
     let world = made_up_floor::world(&tables, &["#####", "#b##b", "###b#", "#####"]);
-    let graph = WorldGraph::new(tables.patches(), &world.view()).expect("a graph");
+    let graph = WorldGraph::new(tables.patches(), &world.tables()).expect("a graph");
     let mut bytes = Vec::new();
     world.write(&PathCosts::bake(&graph).expect("path costs"), &mut bytes).expect("memory takes all bytes");
     vec![bytes]

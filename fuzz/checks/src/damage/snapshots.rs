@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock};
 use throng_core::characters::made_up;
-use throng_lab::run::Recording;
+use throng_lab::run::RunRecording;
 use throng_runtime::format::AlignedBytes;
 use throng_runtime::simulation::{CompiledScene, Scene, Simulation};
 use throng_runtime::{Bundle, HitRecord, Inline, Joint};
@@ -124,7 +124,7 @@ pub(super) fn good(kind: &'static str) -> Vec<u8> {
 pub(super) fn recorded() -> Vec<u8> {
     let scene = compile("policy");
     let mut sim = Simulation::new(&scene).expect("a scene of this list");
-    let mut recording = Recording::new(&scene, 1.0 / DT).expect("a scene of this list");
+    let mut recording = RunRecording::new(&scene, 1.0 / DT).expect("a scene of this list");
     for step in 1..=30 {
         sim.step_to(f64::from(step) * DT, &Inline).expect("a step");
         recording.observe(&sim, step == 30);
@@ -137,7 +137,7 @@ pub(super) fn replay(data: &[u8]) -> bool {
     static GOOD: OnceLock<(CompiledScene, Vec<u8>)> = OnceLock::new();
     let (scene, good) = GOOD.get_or_init(|| (compile("policy"), recorded()));
     [data.to_vec(), repair::snapshot(data, good)].iter().any(|bytes| {
-        let Ok(recording) = Recording::parse(bytes) else { return false };
+        let Ok(recording) = RunRecording::parse(bytes) else { return false };
         let _ = recording.scene();
         let _ = recording.replay(scene, Some(recording.seconds.min(0.1)));
         true

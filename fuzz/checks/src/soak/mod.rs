@@ -161,12 +161,12 @@ fn remember(report: &mut SoakReport, round: u64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_lab::run::own_scene;
+    use throng_lab::run::built_in_scene;
 
     #[test]
     fn crowds_soak_without_a_fault_and_the_same_seed_runs_the_same() {
         let scenes: Vec<Scene> =
-            ["circle", "flock"].iter().filter_map(|n| own_scene(n).unwrap()).map(|s| s.resized(30)).collect();
+            ["circle", "flock"].iter().filter_map(|n| built_in_scene(n).unwrap()).map(|s| s.resized(30)).collect();
         let config = SoakConfig { seconds: 0.0, run_s: 3.0, ..SoakConfig::default() };
         let first = soak(&scenes, &config).unwrap();
         assert_eq!((first.runs, first.failed, &first.faults[..]), (2, 0, &[][..]));
@@ -182,7 +182,7 @@ mod tests {
         report.check(true, || unreachable!("nothing to tell"));
         (0..30).for_each(|k| report.check(false, || format!("fault {k}")));
         assert_eq!((report.checks, report.failed, report.faults.len()), (31, 30, TOLD));
-        let scene = own_scene("circle").unwrap().unwrap().resized(10);
+        let scene = built_in_scene("circle").unwrap().unwrap().resized(10);
         for config in [
             SoakConfig { run_s: 0.0, ..SoakConfig::default() },
             SoakConfig { step_hz: f64::NAN, ..SoakConfig::default() },

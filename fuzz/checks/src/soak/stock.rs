@@ -1,7 +1,7 @@
 //! Small scenes that need no file: their bundles are made from synthetic motion, and their world is stitched.
 
 use std::path::Path;
-use throng_lab::run::{Cached, OWN_SCENES, ensure, own_scene};
+use throng_lab::run::{BUILT_IN_SCENES, BuildContext, built_in_scene, ensure_scene};
 use throng_motion::error::BuildError;
 use throng_motion::files::write_atomically;
 use throng_runtime::simulation::Scene;
@@ -97,7 +97,7 @@ const AGENTS: usize = 200;
 ///
 /// # Errors
 /// What building and stitching say, and [`BuildError::Io`] where the folder cannot be written.
-pub fn scenes(folder: &Path, with: &Cached<'_>) -> Result<Vec<Scene>, BuildError> {
+pub fn scenes(folder: &Path, with: &BuildContext<'_>) -> Result<Vec<Scene>, BuildError> {
     std::fs::create_dir_all(folder).map_err(|source| BuildError::Io { path: folder.to_path_buf(), source })?;
     for (name, text) in FILES {
         write_atomically(&folder.join(name), |out| out.write_all(text.as_bytes()))?;
@@ -105,11 +105,11 @@ pub fn scenes(folder: &Path, with: &Cached<'_>) -> Result<Vec<Scene>, BuildError
     let mut out = Vec::new();
     for name in ["policy", "inhabited", "sparring"] {
         let scene = Scene::load(folder.join(format!("{name}.toml"))).map_err(super::fault)?;
-        ensure(&scene, with)?;
+        ensure_scene(&scene, with)?;
         out.push(scene);
     }
-    for (k, name) in OWN_SCENES.into_iter().enumerate() {
-        let scene = own_scene(name).map_err(super::fault)?.map(|s| s.resized(AGENTS));
+    for (k, name) in BUILT_IN_SCENES.into_iter().enumerate() {
+        let scene = built_in_scene(name).map_err(super::fault)?.map(|s| s.resized(AGENTS));
         // In turns with the others.
         out.splice((2 * k + 1).min(out.len())..(2 * k + 1).min(out.len()), scene);
     }

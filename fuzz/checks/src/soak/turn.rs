@@ -5,7 +5,7 @@ use super::{SoakConfig, SoakReport, Worst, fault};
 use rand::{Rng, RngExt};
 use rayon::ThreadPool;
 use std::time::Instant;
-use throng_lab::run::{Figures, Watch};
+use throng_lab::run::{SceneFigures, SceneWatch};
 use throng_motion::error::BuildError;
 use throng_runtime::simulation::{CompiledScene, Scene, Simulation};
 use throng_runtime::{Inline, Planar, Rayon};
@@ -84,7 +84,7 @@ fn watched(
 ) -> Result<Seen, BuildError> {
     let mut sim = Simulation::new(scene).map_err(fault)?;
     let groups: Vec<usize> = (0..sim.groups().len()).collect();
-    let mut watch = Watch::new(&sim, &groups)?;
+    let mut watch = SceneWatch::new(&sim, &groups)?;
     let mut look = Look { starts: sim.roots().collect(), last: sim.roots().collect() };
     let mut seen = Seen { hashes: vec![sim.hash()], kept: sim.snapshot(), then: sim.hash() };
     let steps = (config.run_s * config.step_hz).round().max(2.0) as usize;
@@ -180,7 +180,7 @@ impl Look {
 }
 
 /// Checks that agents did not overlap, and keeps what else was worst.
-fn overlaps(figures: &Figures, name: &str, report: &mut SoakReport) {
+fn overlaps(figures: &SceneFigures, name: &str, report: &mut SoakReport) {
     let worst: &mut Worst = &mut report.worst;
     worst.foot_slip_p95_mps = worst.foot_slip_p95_mps.max(figures.foot_slip_p95_mps.unwrap_or(0.0));
     if let Some(world) = &figures.world {
@@ -197,13 +197,13 @@ fn overlaps(figures: &Figures, name: &str, report: &mut SoakReport) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_lab::run::own_scene;
+    use throng_lab::run::built_in_scene;
 
     #[test]
     fn agents_that_overlap_are_a_fault() {
-        let scene = own_scene("circle").unwrap().unwrap().resized(10);
+        let scene = built_in_scene("circle").unwrap().unwrap().resized(10);
         let mut sim = Simulation::new(&scene.open().unwrap()).unwrap();
-        let mut watch = Watch::new(&sim, &[0]).unwrap();
+        let mut watch = SceneWatch::new(&sim, &[0]).unwrap();
         sim.step_to(0.1, &Inline).unwrap();
         watch.observe(&sim, 0.1, 1, 10.0);
         let (mut figures, mut report) = (watch.figures(&sim, 0.1, None), SoakReport::default());

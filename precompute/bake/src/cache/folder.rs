@@ -1,21 +1,21 @@
 //! Entries as files of a folder.
 
-use super::{LIMIT, Storage};
+use super::{CacheStorage, LIMIT};
 use std::fs::{DirEntry, File};
 use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 use throng_base::file::read_file;
 use throng_motion::error::BuildError;
-use throng_motion::files::{remove_left, write_quickly};
+use throng_motion::files::{remove_leftovers, write_quickly};
 
 /// A folder that holds entries, created when first needed.
 #[derive(Debug)]
-pub(super) struct Folder {
+pub(super) struct FolderStorage {
     at: PathBuf,
 }
 
-impl Folder {
+impl FolderStorage {
     pub(super) fn new(at: PathBuf) -> Self {
         Self { at }
     }
@@ -26,13 +26,13 @@ impl Folder {
     }
 }
 
-impl Storage for Folder {
+impl CacheStorage for FolderStorage {
     fn read(&self, name: &str) -> Result<Option<Vec<u8>>, BuildError> {
         // A fault in reading is reported when writing fails too.
         Ok(read_file(&self.at.join(name), "a cached output", LIMIT as u64).ok())
     }
 
-    fn has(&self, name: &str) -> Result<bool, BuildError> {
+    fn has_entry(&self, name: &str) -> Result<bool, BuildError> {
         Ok(self.at.join(name).is_file())
     }
 
@@ -70,7 +70,7 @@ impl Storage for Folder {
     }
 
     fn tidy(&self) -> bool {
-        remove_left(&self.at);
+        remove_leftovers(&self.at);
         true
     }
 

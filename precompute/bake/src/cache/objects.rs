@@ -21,7 +21,7 @@ const PATIENCE: Duration = Duration::from_secs(30);
 /// Endpoint, region and credentials come from the environment, by the names that `object_store` knows:
 /// `AWS_ENDPOINT_URL`, `AWS_REGION`, `AWS_ACCESS_KEY_ID`, `AWS_SECRET_ACCESS_KEY`, `AWS_ALLOW_HTTP` and others.
 #[derive(Debug)]
-pub(super) struct Objects {
+pub(super) struct ObjectStorage {
     /// Address as given, without a trailing slash.
     address: String,
     prefix: Path,
@@ -77,7 +77,7 @@ impl Objects {
     }
 
     /// Result of a request; not sent if the store has failed to answer an earlier one.
-    fn asked<T>(
+    fn request<T>(
         &self,
         what: &str,
         request: impl Future<Output = object_store::Result<T>>,
@@ -97,7 +97,7 @@ impl Objects {
     }
 
     /// Error message of a failed request, with a way out.
-    fn told(&self, what: &str, e: Error) -> BuildError {
+    fn describe_error(&self, what: &str, e: Error) -> BuildError {
         let way_out = match &e {
             Error::PermissionDenied { .. } | Error::Unauthenticated { .. } => {
                 "Check AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY, and that they may list, read and write in this bucket"
@@ -129,7 +129,7 @@ impl Objects {
 }
 
 /// Text of an error: the store's answer, or else the whole chain of causes, of which the last says most.
-fn plain(e: &Error) -> String {
+fn error_text(e: &Error) -> String {
     let mut causes = vec![e.to_string()];
     let mut cause = e.source();
     while let Some(inner) = cause {
@@ -155,7 +155,7 @@ impl Storage for Objects {
         Ok(self.asked(&format!("{name} cannot be read"), bytes)?.map(Into::into))
     }
 
-    fn has(&self, name: &str) -> Result<bool, BuildError> {
+    fn has_entry(&self, name: &str) -> Result<bool, BuildError> {
         let path = self.path(name);
         Ok(self.asked(&format!("{name} cannot be looked for"), self.store.head(&path))?.is_some())
     }

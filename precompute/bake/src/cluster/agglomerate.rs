@@ -1,9 +1,9 @@
 //! Complete linkage of any number of frames, in bounded memory.
 
 use super::linkage;
-use super::neighbours::{Below, Space};
-use super::tree::Item;
-use crate::features::projection::{DIMS, Point};
+use super::neighbours::{BoundedDistance, FrameSpace};
+use super::tree::ClusterItem;
+use crate::features::projection::{DIMS, ProjectedPoint};
 
 /// Near pairs a frame that may be held in memory, about 36 bytes each, within the limits below.
 const PAIRS_A_FRAME: usize = 128;
@@ -28,18 +28,18 @@ const ROUNDS: usize = 10;
 /// complete linkage merges by rising distance anyway, and fewer items remain. If even a small part of the limit has too
 /// many pairs, items are split in two by k-means, each half is merged, and then the remainders of both; only this can
 /// give other groups than complete linkage as a whole.
-pub(super) fn agglomerate(space: &Space, frames: &[u32], limit: f32, max_pairs: usize) -> Vec<Item> {
-    let items = frames.iter().map(|&f| Item::of(f)).collect();
+pub(super) fn agglomerate(space: &FrameSpace, frames: &[u32], limit: f32, max_pairs: usize) -> Vec<ClusterItem> {
+    let items = frames.iter().map(|&f| ClusterItem::single(f)).collect();
     Agglomeration { space, max_pairs }.run(items, limit, MAX_HALVINGS)
 }
 
 struct Agglomeration<'a> {
-    space: &'a Space<'a>,
+    space: &'a FrameSpace<'a>,
     max_pairs: usize,
 }
 
 impl Agglomeration<'_> {
-    fn run(&self, items: Vec<Item>, limit: f32, halvings: u32) -> Vec<Item> {
+    fn run(&self, items: Vec<ClusterItem>, limit: f32, halvings: u32) -> Vec<ClusterItem> {
         let mut items = match self.merge(items, limit) {
             Ok(merged) => return merged,
             Err(items) => items,
@@ -57,17 +57,17 @@ impl Agglomeration<'_> {
     }
 
     /// Complete linkage up to `limit`; returns the items unchanged if there are too many near pairs.
-    fn merge(&self, items: Vec<Item>, limit: f32) -> Result<Vec<Item>, Vec<Item>> {
-        match self.space.near(&items, limit, self.max_pairs) {
-            Some(near) => Ok(linkage::link(items, near, &Below { space: self.space, limit })),
+    fn merge(&self, items: Vec<ClusterItem>, limit: f32) -> Result<Vec<ClusterItem>, Vec<ClusterItem>> {
+        match self.space.near_pairs(&items, limit, self.max_pairs) {
+            Some(near) => Ok(linkage::merge_items(items, near, &BoundedDistance { space: self.space, limit })),
             None => Err(items),
         }
     }
 
     /// Splits items by two-means, started at the ends of the widest dimension. Neither half is empty.
-    fn split(&self, items: Vec<Item>) -> [Vec<Item>; 2] {
-        let point = |i: &Item| self.space.points[i.frames[0] as usize];
-        let mut points: Vec<(Point, Item)> = items.into_iter().map(|i| (point(&i), i)).collect();
+    fn split(&self, items: Vec<ClusterItem>) -> [Vec<ClusterItem>; 2] {
+        let point = |i: &ClusterItem| self.space.points[i.frames[0] as usize];
+        let mut points: Vec<(ProjectedPoint, ClusterItem)> = items.into_iter().map(|i| (point(&i), i)).collect();
         points.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]).then(a.1.frames[0].cmp(&b.1.frames[0])));
         let mut means = [points[0].0, points[points.len() - 1].0];
         for _ in 0..ROUNDS {
@@ -93,7 +93,7 @@ impl Agglomeration<'_> {
     }
 }
 
-fn is_second(p: &Point, means: &[Point; 2]) -> bool {
+fn is_second(p: &ProjectedPoint, means: &[ProjectedPoint; 2]) -> bool {
     let squared = means.map(|m| m.iter().zip(p).map(|(m, p)| (m - p) * (m - p)).sum::<f32>());
     squared[1] < squared[0]
 }

@@ -9,19 +9,19 @@ pub(super) type ContactStates = [u8; 3];
 /// Usable frames by contact states, ascending.
 ///
 /// At the ends of a run of usable frames, the frame itself stands in for the missing neighbour, as for velocities.
-pub(super) fn of_contacts(clips: &ClipSet) -> BTreeMap<ContactStates, Vec<u32>> {
+pub(super) fn classes_of_contacts(clips: &ClipSet) -> BTreeMap<ContactStates, Vec<u32>> {
     let mut classes = BTreeMap::<_, Vec<u32>>::new();
     for (clip, start) in clips.clips.iter().zip(clips.frame_starts()) {
         for run in clip.usable_ranges() {
             for f in run.clone() {
                 let neighbours = [f.max(run.start + 1) - 1, f, (f + 1).min(run.end - 1)];
-                classes.entry(states(clip, neighbours)).or_default().push(start + f as u32);
+                classes.entry(contact_states(clip, neighbours)).or_default().push(start + f as u32);
             }
         }
     }
     classes
 }
 
-fn states(clip: &Clip, frames: [usize; 3]) -> ContactStates {
+fn contact_states(clip: &Clip, frames: [usize; 3]) -> ContactStates {
     frames.map(|f| clip.contacts[f].0)
 }

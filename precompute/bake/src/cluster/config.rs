@@ -24,7 +24,7 @@ impl ClusterConfig {
     /// # Errors
     /// [`BuildError::Key`] for a threshold outside its limits.
     pub(crate) fn check(&self) -> Result<f32, BuildError> {
-        check_ranges([("threshold", self.threshold, 1e-6, 1e3)]).map_err(|e| e.within("cluster"))?;
+        check_ranges([("threshold", self.threshold, 1e-6, 1e3)]).map_err(|e| e.within_key("cluster"))?;
         Ok(self.threshold as f32)
     }
 }

@@ -32,9 +32,13 @@ pub(super) trait Distance {
 /// hierarchy below the height of the limit. The search follows nearest neighbours until two are each other's, which
 /// gives the merges of "nearest pair first" in another order, ties aside. Estimates decide which neighbour is nearest,
 /// and are made only if the outcome depends on them; exact distances of frames decide whether two items may merge.
-pub(super) fn link<D: Distance>(items: Vec<D::Item>, neighbours: Vec<Vec<Neighbour>>, distance: &D) -> Vec<D::Item> {
+pub(super) fn merge_items<D: Distance>(
+    items: Vec<D::Item>,
+    neighbours: Vec<Vec<Neighbour>>,
+    distance: &D,
+) -> Vec<D::Item> {
     let items = items.into_iter().map(Some).collect();
-    let mut links = Links { items, neighbours, distance };
+    let mut links = NeighbourLinks { items, neighbours, distance };
     let mut chain: Vec<u32> = Vec::new();
     let mut next = 0;
     while next < links.items.len() {
@@ -63,7 +67,7 @@ pub(super) fn link<D: Distance>(items: Vec<D::Item>, neighbours: Vec<Vec<Neighbo
     links.items.into_iter().flatten().collect()
 }
 
-struct Links<'a, D: Distance> {
+struct NeighbourLinks<'a, D: Distance> {
     /// Given items, then merged ones; `None` for an item that was merged into another.
     items: Vec<Option<D::Item>>,
     /// May still list items that were merged (items.len()).
@@ -71,7 +75,7 @@ struct Links<'a, D: Distance> {
     distance: &'a D,
 }
 
-impl<D: Distance> Links<'_, D> {
+impl<D: Distance> NeighbourLinks<'_, D> {
     /// Nearest neighbour, with an estimated linkage; of equally near ones `preferred`, else the first.
     fn nearest(&mut self, of: u32, preferred: Option<u32>) -> Option<Neighbour> {
         let mut near = std::mem::take(&mut self.neighbours[of as usize]);
@@ -96,14 +100,14 @@ impl<D: Distance> Links<'_, D> {
                     near.remove(k);
                 }
             }
-            self.tell(n.item, of, found);
+            self.set_linkage(n.item, of, found);
         };
         self.neighbours[of as usize] = near;
         nearest
     }
 
     /// Updates the linkage of an item to another one.
-    fn tell(&mut self, item: u32, of: u32, linkage: Option<f32>) {
+    fn set_linkage(&mut self, item: u32, of: u32, linkage: Option<f32>) {
         let near = &mut self.neighbours[item as usize];
         if let Ok(k) = near.binary_search_by_key(&of, |n| n.item) {
             match linkage {
@@ -129,14 +133,14 @@ impl<D: Distance> Links<'_, D> {
             Ok(all) => all,
             Err(pair) => {
                 [self.items[a as usize], self.items[b as usize]] = pair.map(Some);
-                self.tell(a, b, None);
-                self.tell(b, a, None);
+                self.set_linkage(a, b, None);
+                self.set_linkage(b, a, None);
                 return false;
             }
         };
         let merged = self.items.len() as u32;
         let [a, b] = [a, b].map(|i| std::mem::take(&mut self.neighbours[i as usize]));
-        let mut common = common(&a, &b);
+        let mut common = common_neighbours(&a, &b);
         common.retain(|n| self.items[n.item as usize].is_some());
         for n in &common {
             self.neighbours[n.item as usize].push(Neighbour { item: merged, ..*n });
@@ -148,7 +152,7 @@ impl<D: Distance> Links<'_, D> {
 }
 
 /// Common neighbours of two items, each with the larger of the two linkages.
-fn common(a: &[Neighbour], b: &[Neighbour]) -> Vec<Neighbour> {
+fn common_neighbours(a: &[Neighbour], b: &[Neighbour]) -> Vec<Neighbour> {
     let mut out = Vec::new();
     let mut rest = b.iter().peekable();
     for n in a {
@@ -198,7 +202,7 @@ mod tests {
             near.map(|j| Neighbour { item: j, linkage: 0.5 * roughly(i, j), estimated: false }).collect()
         };
         let items = (0..n).map(|f| (vec![f], 0.0)).collect();
-        let mut left = link(items, (0..n).map(row).collect(), known);
+        let mut left = merge_items(items, (0..n).map(row).collect(), known);
         left.iter_mut().for_each(|(frames, _)| frames.sort_unstable());
         left.sort_by(|a, b| a.0.cmp(&b.0));
         left

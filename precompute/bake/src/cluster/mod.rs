@@ -12,15 +12,15 @@ mod tree;
 pub use config::ClusterConfig;
 
 use crate::features::Features;
-use crate::share::dealt;
-use neighbours::Space;
+use crate::share::run_dealt;
+use neighbours::FrameSpace;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use throng_base::Comm;
 use throng_motion::clip::{ClipSet, FrameId};
 use throng_motion::error::BuildError;
 use throng_motion::progress::Progress;
-use tree::Item;
+use tree::ClusterItem;
 
 /// Assignment of frames to pose groups.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -46,7 +46,7 @@ impl PoseGroups {
     }
 
     /// Group of a frame; `None` for excluded frames (frame < groups.len()).
-    pub fn of(&self, frame: FrameId) -> Option<u32> {
+    pub fn group_of(&self, frame: FrameId) -> Option<u32> {
         Some(self.groups[frame.0 as usize]).filter(|&g| g != Self::NO_GROUP)
     }
 }
@@ -81,11 +81,11 @@ pub fn group(
 ) -> Result<PoseGroups, BuildError> {
     let limit = check(clips, features, config)?;
     // Large classes first, so that no thread starts one when the others are done.
-    let mut classes: Vec<Vec<u32>> = classes::of_contacts(clips).into_values().collect();
+    let mut classes: Vec<Vec<u32>> = classes::classes_of_contacts(clips).into_values().collect();
     classes.sort_by_key(|frames| std::cmp::Reverse(frames.len()));
     let own = classes.iter().skip(comm.rank()).step_by(comm.num_ranks());
     progress.begin("cluster", own.map(|frames| frames.len() as u64).sum(), "frames");
-    let space = Space::new(features);
+    let space = FrameSpace::new(features);
     let merge = |class: usize| {
         progress.check()?;
         let frames = &classes[class];
@@ -93,12 +93,12 @@ pub fn group(
         progress.advance(frames.len() as u64);
         Ok(items)
     };
-    let items: Vec<Vec<Item>> =
-        dealt(comm, classes.len(), |own| own.into_par_iter().with_max_len(1).map(merge).collect())?;
+    let items: Vec<Vec<ClusterItem>> =
+        run_dealt(comm, classes.len(), |own| own.into_par_iter().with_max_len(1).map(merge).collect())?;
     progress.end();
     let items = items.concat();
     let max_diameter = items.iter().fold(0.0, |largest, item| item.diameter(&space, largest));
-    Ok(PoseGroups { max_diameter, threshold: limit, ..numbered(items, features, comm)? })
+    Ok(PoseGroups { max_diameter, threshold: limit, ..number_groups(items, features, comm)? })
 }
 
 /// The threshold in single precision, once clips and features are found to match.
@@ -116,7 +116,7 @@ fn check(clips: &ClipSet, features: &Features, config: &ClusterConfig) -> Result
     Ok(limit)
 }
 
-fn numbered(items: Vec<Item>, features: &Features, comm: &dyn Comm) -> Result<PoseGroups, BuildError> {
+fn number_groups(items: Vec<ClusterItem>, features: &Features, comm: &dyn Comm) -> Result<PoseGroups, BuildError> {
     let mut items: Vec<Vec<u32>> = items.into_iter().map(|i| i.frames).collect();
     items.par_iter_mut().for_each(|frames| frames.sort_unstable());
     items.sort_unstable_by_key(|frames| frames[0]);
@@ -125,7 +125,7 @@ fn numbered(items: Vec<Item>, features: &Features, comm: &dyn Comm) -> Result<Po
         frames.iter().for_each(|&f| groups[f as usize] = g as u32);
     }
     let medoids =
-        dealt(comm, items.len(), |own| Ok(own.into_par_iter().map(|g| medoid(&items[g], features)).collect()))?;
+        run_dealt(comm, items.len(), |own| Ok(own.into_par_iter().map(|g| medoid(&items[g], features)).collect()))?;
     Ok(PoseGroups { groups, medoids, ..PoseGroups::default() })
 }
 

@@ -18,20 +18,22 @@ pub fn complete_linkage(
     config: &ClusterConfig,
 ) -> Result<Vec<Vec<FrameId>>, BuildError> {
     let limit = check(clips, features, config)?;
-    let mut groups: Vec<Vec<FrameId>> =
-        classes::of_contacts(clips).values().flat_map(|frames| Matrix::new(features, frames).groups(limit)).collect();
+    let mut groups: Vec<Vec<FrameId>> = classes::classes_of_contacts(clips)
+        .values()
+        .flat_map(|frames| LinkageMatrix::new(features, frames).merge_below(limit))
+        .collect();
     groups.sort();
     Ok(groups)
 }
 
 /// Distances of groups.
-struct Matrix {
+struct LinkageMatrix {
     groups: Vec<Vec<FrameId>>,
     /// Distances of group i to groups 0 to i - 1.
     rows: Vec<Vec<f32>>,
 }
 
-impl Matrix {
+impl LinkageMatrix {
     fn new(features: &Features, frames: &[u32]) -> Self {
         let distance = |a: u32, b: u32| features.distance(FrameId(a), FrameId(b));
         let row = |i: usize| frames[..i].iter().map(|&b| distance(frames[i], b)).collect();
@@ -41,12 +43,12 @@ impl Matrix {
         }
     }
 
-    fn at(&mut self, a: usize, b: usize) -> &mut f32 {
+    fn distance_mut(&mut self, a: usize, b: usize) -> &mut f32 {
         &mut self.rows[a.max(b)][a.min(b)]
     }
 
     /// Merges the two nearest groups while they are nearer than `limit`.
-    fn groups(mut self, limit: f32) -> Vec<Vec<FrameId>> {
+    fn merge_below(mut self, limit: f32) -> Vec<Vec<FrameId>> {
         let mut nearest: Vec<Option<(f32, usize)>> = (0..self.groups.len()).map(|i| self.nearest(i)).collect();
         loop {
             let best = (0..nearest.len()).filter_map(|i| nearest[i].map(|(d, j)| (d, i, j)));
@@ -72,7 +74,7 @@ impl Matrix {
             return None;
         }
         let others: Vec<usize> = (0..self.groups.len()).filter(|&j| j != i && !self.groups[j].is_empty()).collect();
-        others.into_iter().map(|j| (*self.at(i, j), j)).min_by(|x, y| x.0.total_cmp(&y.0))
+        others.into_iter().map(|j| (*self.distance_mut(i, j), j)).min_by(|x, y| x.0.total_cmp(&y.0))
     }
 
     /// Merges `b` into `a`.
@@ -80,8 +82,8 @@ impl Matrix {
         let moved = std::mem::take(&mut self.groups[b]);
         self.groups[a].extend(moved);
         for j in (0..self.groups.len()).filter(|&j| j != a && j != b) {
-            let farther = (*self.at(a, j)).max(*self.at(b, j));
-            *self.at(a, j) = farther;
+            let farther = (*self.distance_mut(a, j)).max(*self.distance_mut(b, j));
+            *self.distance_mut(a, j) = farther;
         }
     }
 }

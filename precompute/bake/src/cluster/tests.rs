@@ -6,15 +6,15 @@ use crate::features::{self, FeaturesConfig};
 use throng_synth::{self as synth, SynthConfig, SynthSet};
 
 fn walk(minutes: f64) -> (ClipSet, Features) {
-    let clips = synth::make(SynthSet::Walk, &SynthConfig { minutes, ..SynthConfig::default() }).unwrap();
+    let clips = synth::make_set(SynthSet::Walk, &SynthConfig { minutes, ..SynthConfig::default() }).unwrap();
     let features = features::extract(&clips, &FeaturesConfig::default()).unwrap();
     (clips, features)
 }
 
 /// Groups of all classes with a bound on the pairs known at a time.
 fn bounded(clips: &ClipSet, features: &Features, max_pairs: usize, limit: f32) -> Vec<Vec<FrameId>> {
-    let space = Space::new(features);
-    let classes = classes::of_contacts(clips);
+    let space = FrameSpace::new(features);
+    let classes = classes::classes_of_contacts(clips);
     let items = classes.values().flat_map(|frames| agglomerate(&space, frames, limit, max_pairs));
     let mut groups: Vec<Vec<FrameId>> = items.map(|i| i.frames.into_iter().map(FrameId).collect()).collect();
     groups.iter_mut().for_each(|g| g.sort());
@@ -66,12 +66,12 @@ fn frames_that_are_all_the_same_are_one_group() {
 
 #[test]
 fn several_ranks_find_the_groups_of_one() {
-    use throng_base::{Alone, LocalComm};
+    use throng_base::{LocalComm, SingleRank};
     use throng_motion::progress::Silent;
     let (clips, features) = walk(0.5);
     let group =
         |comm: &dyn Comm| super::group(&clips, &features, &ClusterConfig { threshold: 0.4 }, &Silent, comm).unwrap();
-    let alone = group(&Alone);
+    let alone = group(&SingleRank);
     assert!(alone.num_groups() > 10);
     for num_ranks in [2, 3, 8] {
         assert!(

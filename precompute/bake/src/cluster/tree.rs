@@ -1,22 +1,22 @@
 //! Groups of frames as trees of balls: decides whether two groups stay below a distance, and how wide one is, mostly
 //! without comparing pairs of frames.
 
-use super::neighbours::Space;
+use super::neighbours::FrameSpace;
 use crate::features::projection::{DIMS, squared_gap};
 use serde::{Deserialize, Serialize};
 
 /// A group of frames.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Item {
+pub(super) struct ClusterItem {
     /// Frames, at least one; those of every ball are contiguous.
     pub frames: Vec<u32>,
     /// Balls of merged groups, each before the balls of its first part, which come before those of its second; a single
     /// frame is a ball too (2 frames.len() - 1).
-    balls: Vec<Ball>,
+    balls: Vec<FrameBall>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Ball {
+struct FrameBall {
     num_frames: u32,
     /// Frame at the centre.
     centre: u32,
@@ -29,13 +29,13 @@ const SLACK: f32 = 1e-4;
 /// Ratio of both parts to the smaller one above which only the larger one's centre is considered.
 const LOPSIDED: usize = 4;
 
-impl Item {
-    pub fn of(frame: u32) -> Self {
-        Self { frames: vec![frame], balls: vec![Ball { num_frames: 1, centre: frame, radius: 0.0 }] }
+impl ClusterItem {
+    pub fn single(frame: u32) -> Self {
+        Self { frames: vec![frame], balls: vec![FrameBall { num_frames: 1, centre: frame, radius: 0.0 }] }
     }
 
     /// Merges two groups.
-    pub fn join(space: &Space, a: Self, b: Self) -> Self {
+    pub fn joined(space: &FrameSpace, a: Self, b: Self) -> Self {
         let mut frames = a.frames;
         let first = frames.len();
         frames.extend(b.frames);
@@ -43,10 +43,10 @@ impl Item {
             if first * 2 >= frames.len() { (a.balls[0], first..frames.len()) } else { (b.balls[0], 0..first) };
         let ball = if smaller.len() * LOPSIDED < frames.len() {
             let added = farthest(space, larger.centre, &frames[smaller]);
-            Ball { num_frames: frames.len() as u32, radius: larger.radius.max(added), ..larger }
+            FrameBall { num_frames: frames.len() as u32, radius: larger.radius.max(added), ..larger }
         } else {
-            let centre = middle(space, &frames);
-            Ball { num_frames: frames.len() as u32, centre, radius: farthest(space, centre, &frames) }
+            let centre = mean_point(space, &frames);
+            FrameBall { num_frames: frames.len() as u32, centre, radius: farthest(space, centre, &frames) }
         };
         let balls = [vec![ball], a.balls, b.balls].concat();
         Self { frames, balls }
@@ -63,7 +63,7 @@ impl Item {
     ///
     /// A distance between frames of two balls is at most the distance of the centres plus both radii: the distance of
     /// frames is a metric, being the root of a weighted sum of squares of metrics.
-    pub fn is_below(&self, space: &Space, other: &Self, limit: f32) -> bool {
+    pub fn is_below(&self, space: &FrameSpace, other: &Self, limit: f32) -> bool {
         let mut pairs = vec![(0, 0)];
         while let Some((i, j)) = pairs.pop() {
             let (a, b) = (&self.balls[i], &other.balls[j]);
@@ -83,7 +83,7 @@ impl Item {
     }
 
     /// Largest distance between two of the frames where it is above `least`, else `least` (rad).
-    pub fn diameter(&self, space: &Space, least: f32) -> f32 {
+    pub fn diameter(&self, space: &FrameSpace, least: f32) -> f32 {
         let mut largest = least;
         let mut pairs = vec![(0, 0)];
         while let Some((i, j)) = pairs.pop() {
@@ -111,12 +111,12 @@ impl Item {
 }
 
 /// Largest distance of a frame from `centre` (rad).
-fn farthest(space: &Space, centre: u32, frames: &[u32]) -> f32 {
+fn farthest(space: &FrameSpace, centre: u32, frames: &[u32]) -> f32 {
     frames.iter().map(|&f| space.distance(centre, f)).fold(0.0, f32::max)
 }
 
 /// Frame whose point is nearest to the mean of all points.
-fn middle(space: &Space, frames: &[u32]) -> u32 {
+fn mean_point(space: &FrameSpace, frames: &[u32]) -> u32 {
     let mut sums = [0.0f64; DIMS];
     for &f in frames {
         sums.iter_mut().zip(&space.points[f as usize]).for_each(|(sum, x)| *sum += f64::from(*x));
@@ -137,18 +137,18 @@ mod tests {
     use throng_synth::{self as synth, SynthConfig, SynthSet};
 
     static WALK: LazyLock<Features> = LazyLock::new(|| {
-        let clips = synth::make(SynthSet::Walk, &SynthConfig { minutes: 0.1, ..SynthConfig::default() }).unwrap();
+        let clips = synth::make_set(SynthSet::Walk, &SynthConfig { minutes: 0.1, ..SynthConfig::default() }).unwrap();
         features::extract(&clips, &FeaturesConfig::default()).unwrap()
     });
 
     /// Frames merged in an order that chance gives.
-    fn merged(space: &Space, frames: &[u32], mut order: u64) -> Item {
-        let mut items: Vec<Item> = frames.iter().map(|&f| Item::of(f)).collect();
+    fn merged(space: &FrameSpace, frames: &[u32], mut order: u64) -> ClusterItem {
+        let mut items: Vec<ClusterItem> = frames.iter().map(|&f| ClusterItem::single(f)).collect();
         while items.len() > 1 {
             order = order.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             let a = items.remove((order >> 33) as usize % items.len());
             let b = items.remove((order >> 13) as usize % items.len());
-            items.push(Item::join(space, a, b));
+            items.push(ClusterItem::joined(space, a, b));
         }
         items.remove(0)
     }
@@ -165,7 +165,7 @@ mod tests {
             order in any::<u64>(),
             share in 0.5f32..1.5,
         ) {
-            let space = Space::new(&WALK);
+            let space = FrameSpace::new(&WALK);
             let pairs = |a: &[u32], b: &[u32]| {
                 let all = a.iter().flat_map(|&f| b.iter().map(move |&g| (f, g)));
                 all.map(|(f, g)| WALK.distance(FrameId(f), FrameId(g))).fold(0.0, f32::max)

@@ -1,21 +1,21 @@
 //! Which units a pose belongs to (Lee, Choi and Lee 2006, section 4).
 
 use super::PlacedGeometry;
-use super::touch::{PARTS, Probes, TouchConfig};
+use super::touch::{GeometryTouchConfig, PARTS, SkinPoints};
 use glam::{Quat, Vec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 
 /// Finds the placed units that poses belong to.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Belonging {
-    probes: Probes,
-    touch: TouchConfig,
+pub struct UnitMembership {
+    probes: SkinPoints,
+    touch: GeometryTouchConfig,
 }
 
-impl Belonging {
+impl UnitMembership {
     /// For a skeleton's proportions.
-    pub fn new(skeleton: &Skeleton, touch: &TouchConfig) -> Self {
-        Self { probes: Probes::new(skeleton), touch: touch.clone() }
+    pub fn new(skeleton: &Skeleton, touch: &GeometryTouchConfig) -> Self {
+        Self { probes: SkinPoints::new(skeleton), touch: touch.clone() }
     }
 
     /// The placed units that a pose belongs to, ascending: a planted part touches the unit's geometry, or the hips are
@@ -50,9 +50,10 @@ impl Belonging {
         let planted = PARTS.into_iter().enumerate().filter(|(_, bit)| contacts.any(*bit));
         planted.into_iter().any(|(part, _)| {
             let [_, off] = self.probes.limits(part, &self.touch);
-            let near =
-                |p: &super::touch::Probe| environment.nearest_of(unit, p.at(transforms), off + p.radius).is_some();
-            self.probes.of(part).iter().any(near)
+            let near = |p: &super::touch::SkinPoint| {
+                environment.nearest_of_unit(unit, p.position(transforms), off + p.radius).is_some()
+            };
+            self.probes.points_of(part).iter().any(near)
         })
     }
 }
@@ -74,7 +75,7 @@ mod tests {
              { unit = \"step\", at = [0.0, 0.0, 0.3] }",
         );
         let s = Skeleton::default();
-        let belonging = Belonging::new(&s, &TouchConfig::default());
+        let belonging = UnitMembership::new(&s, &GeometryTouchConfig::default());
         let of = |at: Vec3, contacts: u8| {
             let t = joint_transforms(&s, s.offsets[0] + at, |_| Quat::IDENTITY);
             belonging.units_of(&t, Contacts(contacts), &e)

@@ -1,6 +1,6 @@
 //! Body as spheres along its limbs, to test whether a pose fits among units.
 
-use super::bounds::Bounds;
+use super::bounds::BoundingBox;
 use super::{PlacedGeometry, UnitGeometry};
 use glam::{Quat, Vec3};
 use throng_core::patch::Placement;
@@ -17,13 +17,13 @@ const FEET: Contacts = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
 
 /// A body as spheres, each fixed to a joint.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Body {
-    parts: [Part; NUM_SPHERES],
+pub struct BodySpheres {
+    parts: [JointSphere; NUM_SPHERES],
 }
 
 /// A sphere in the frame of its joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Part {
+struct JointSphere {
     joint: Joint,
     offset: Vec3,
     radius: f32,
@@ -45,11 +45,11 @@ pub struct Sphere {
 
 /// Spheres of a body in a pose.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BodyPose {
+pub struct PosedSpheres {
     /// The spheres, in the frame of the joints' transforms.
     pub spheres: [Sphere; NUM_SPHERES],
     /// Box around the spheres.
-    pub bounds: Bounds,
+    pub bounds: BoundingBox,
     /// Planted parts.
     pub contacts: Contacts,
 }
@@ -63,13 +63,13 @@ pub struct Penetration {
     pub depth: f32,
 }
 
-impl Body {
+impl BodySpheres {
     /// Spheres of a body with a skeleton's proportions.
     pub fn new(skeleton: &Skeleton) -> Self {
         let mut parts = Vec::with_capacity(NUM_SPHERES);
         let scale = skeleton.leg_length() / REFERENCE_LEG;
         let mut add = |joint: Joint, offset: Vec3, radius: f32, contact: Contacts| {
-            parts.push(Part { joint, offset, radius: radius * scale, contact });
+            parts.push(JointSphere { joint, offset, radius: radius * scale, contact });
         };
         trunk(skeleton, &mut add);
         let sides = [
@@ -95,10 +95,12 @@ impl Body {
     }
 
     /// Spheres, bounds and contacts of a pose.
-    pub fn pose(&self, transforms: &[(Vec3, Quat); NUM_JOINTS], contacts: Contacts) -> BodyPose {
+    pub fn pose(&self, transforms: &[(Vec3, Quat); NUM_JOINTS], contacts: Contacts) -> PosedSpheres {
         let spheres = self.spheres(transforms);
-        let bounds = spheres.iter().fold(Bounds::EMPTY, |b, s| b.union(Bounds::of([s.centre]).grown(s.radius)));
-        BodyPose { spheres, bounds, contacts }
+        let bounds = spheres
+            .iter()
+            .fold(BoundingBox::EMPTY, |b, s| b.union(BoundingBox::around_points([s.centre]).expanded(s.radius)));
+        PosedSpheres { spheres, bounds, contacts }
     }
 }
 
@@ -147,7 +149,7 @@ fn leg(
     add(toe, 0.4 * tip, 0.03, ball);
 }
 
-impl BodyPose {
+impl PosedSpheres {
     /// Deepest sphere in a unit, if deeper than `tolerance`.
     ///
     /// Parts in contact may be pressed in until their centre is `tolerance` below the surface; feet are ignored for
@@ -156,7 +158,7 @@ impl BodyPose {
     /// - `unit`: placement of the unit in the pose's frame.
     /// - `tolerance`: (m, >= 0)
     pub fn penetration(&self, unit: Placement, geometry: &UnitGeometry, tolerance: f32) -> Option<Penetration> {
-        if !geometry.bounds.placed(unit).overlaps(&self.bounds) {
+        if !geometry.bounds.transformed(unit).overlaps(&self.bounds) {
             return None;
         }
         let mut deepest: Option<Penetration> = None;
@@ -197,8 +199,8 @@ mod tests {
         joint_transforms(&s, s.offsets[0] + at, |_| Quat::IDENTITY)
     }
 
-    fn pose(at: Vec3, contacts: Contacts) -> BodyPose {
-        Body::new(&Skeleton::default()).pose(&standing(at), contacts)
+    fn pose(at: Vec3, contacts: Contacts) -> PosedSpheres {
+        BodySpheres::new(&Skeleton::default()).pose(&standing(at), contacts)
     }
 
     #[test]

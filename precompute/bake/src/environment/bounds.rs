@@ -5,19 +5,19 @@ use throng_core::patch::Placement;
 
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
+pub struct BoundingBox {
     /// Lowest corner (m).
     pub min: Vec3,
     /// Highest corner (m).
     pub max: Vec3,
 }
 
-impl Bounds {
+impl BoundingBox {
     /// Empty box.
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
     /// The smallest box around some points.
-    pub fn of(points: impl IntoIterator<Item = Vec3>) -> Self {
+    pub fn around_points(points: impl IntoIterator<Item = Vec3>) -> Self {
         points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
 
@@ -32,7 +32,7 @@ impl Bounds {
     }
 
     /// Box enlarged by `by` on every side (m).
-    pub fn grown(self, by: f32) -> Self {
+    pub fn expanded(self, by: f32) -> Self {
         Self { min: self.min - by, max: self.max + by }
     }
 
@@ -57,11 +57,11 @@ impl Bounds {
     }
 
     /// Box around this one, transformed by a placement.
-    pub fn placed(&self, at: Placement) -> Self {
+    pub fn transformed(&self, at: Placement) -> Self {
         if self.is_empty() {
             return Self::EMPTY;
         }
-        Self::of(self.corners().map(|c| at.transform_point(c)))
+        Self::around_points(self.corners().map(|c| at.transform_point(c)))
     }
 
     /// Corners: x varies fastest, then y, then z.
@@ -81,14 +81,14 @@ const LEAF: usize = 4;
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoundsTree {
     /// Nodes; the root is first.
-    nodes: Vec<Node>,
+    nodes: Vec<BoundsNode>,
     /// Items in the order of the leaves.
     items: Vec<u32>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-struct Node {
-    bounds: Bounds,
+struct BoundsNode {
+    bounds: BoundingBox,
     /// First item of a leaf, or the first of its two children.
     first: u32,
     /// Number of items of a leaf; 0 for an inner node.
@@ -97,26 +97,26 @@ struct Node {
 
 impl BoundsTree {
     /// Tree over items with these bounds; items with empty bounds are never found.
-    pub fn new(bounds: &[Bounds]) -> Self {
+    pub fn new(bounds: &[BoundingBox]) -> Self {
         let mut items: Vec<u32> = (0..bounds.len() as u32).filter(|&i| !bounds[i as usize].is_empty()).collect();
         let mut tree = Self { nodes: Vec::new(), items: Vec::new() };
         if !items.is_empty() {
-            tree.nodes.push(Node { bounds: Bounds::EMPTY, first: 0, count: 0 });
-            tree.grow(0, 0, &mut items, bounds);
+            tree.nodes.push(BoundsNode { bounds: BoundingBox::EMPTY, first: 0, count: 0 });
+            tree.fill_node(0, 0, &mut items, bounds);
         }
         tree.items = items;
         tree
     }
 
     /// Fills a node with `items`, which begin at index `first` of all.
-    fn grow(&mut self, node: usize, first: usize, items: &mut [u32], bounds: &[Bounds]) {
-        let all = items.iter().fold(Bounds::EMPTY, |b, &i| b.union(bounds[i as usize]));
+    fn fill_node(&mut self, node: usize, first: usize, items: &mut [u32], bounds: &[BoundingBox]) {
+        let all = items.iter().fold(BoundingBox::EMPTY, |b, &i| b.union(bounds[i as usize]));
         self.nodes[node].bounds = all;
         if items.len() <= LEAF {
             (self.nodes[node].first, self.nodes[node].count) = (first as u32, items.len() as u32);
             return;
         }
-        let centres = Bounds::of(items.iter().map(|&i| bounds[i as usize].centre()));
+        let centres = BoundingBox::around_points(items.iter().map(|&i| bounds[i as usize].centre()));
         let extent = centres.max - centres.min;
         let axis = (0..3).fold(0, |best, k| if extent[k] > extent[best] { k } else { best });
         let key = |i: u32| bounds[i as usize].centre()[axis];
@@ -124,10 +124,10 @@ impl BoundsTree {
         items.select_nth_unstable_by(middle, |&a, &b| key(a).total_cmp(&key(b)).then(a.cmp(&b)));
         let child = self.nodes.len();
         self.nodes[node].first = child as u32;
-        self.nodes.extend([(); 2].map(|()| Node { bounds: Bounds::EMPTY, first: 0, count: 0 }));
+        self.nodes.extend([(); 2].map(|()| BoundsNode { bounds: BoundingBox::EMPTY, first: 0, count: 0 }));
         let (low, high) = items.split_at_mut(middle);
-        self.grow(child, first, low, bounds);
-        self.grow(child + 1, first + middle, high, bounds);
+        self.fill_node(child, first, low, bounds);
+        self.fill_node(child + 1, first + middle, high, bounds);
     }
 
     /// Item with the least distance from `p`, if below `limit`, and that distance; on a tie the lower number.
@@ -141,7 +141,7 @@ impl BoundsTree {
         while depth > 0 {
             depth -= 1;
             let node = &self.nodes[stack[depth] as usize];
-            if out_of_reach(&node.bounds, p, best.map_or(limit, |b| b.1)) {
+            if is_out_of_reach(&node.bounds, p, best.map_or(limit, |b| b.1)) {
                 continue;
             }
             if node.count == 0 {
@@ -166,7 +166,7 @@ impl BoundsTree {
 
     /// Calls `visit` for every item of each leaf whose bounds overlap `bounds`, which may include near items that do
     /// not.
-    pub fn overlapping(&self, bounds: &Bounds, mut visit: impl FnMut(usize)) {
+    pub fn overlapping(&self, bounds: &BoundingBox, mut visit: impl FnMut(usize)) {
         let mut stack: Vec<u32> = if self.nodes.is_empty() { Vec::new() } else { vec![0] };
         while let Some(i) = stack.pop() {
             let node = &self.nodes[i as usize];
@@ -182,13 +182,13 @@ impl BoundsTree {
     }
 
     /// Bounds of all items.
-    pub fn bounds(&self) -> Bounds {
-        self.nodes.first().map_or(Bounds::EMPTY, |n| n.bounds)
+    pub fn bounds(&self) -> BoundingBox {
+        self.nodes.first().map_or(BoundingBox::EMPTY, |n| n.bounds)
     }
 }
 
 /// True if nothing in `bounds` can be nearer to `p` than `limit`. Inside, distances may be negative.
-fn out_of_reach(bounds: &Bounds, p: Vec3, limit: f32) -> bool {
+fn is_out_of_reach(bounds: &BoundingBox, p: Vec3, limit: f32) -> bool {
     let d = bounds.distance(p);
     d > 0.0 && d > limit
 }
@@ -207,8 +207,8 @@ mod tests {
         fn the_tree_finds_what_a_scan_finds(
             centres in prop::collection::vec((point(), 0.0f32..1.0), 0..60), p in point(), limit in 0.1f32..9.0
         ) {
-            let boxes: Vec<Bounds> =
-                centres.iter().map(|(c, r)| Bounds { min: *c - *r, max: *c + *r }).collect();
+            let boxes: Vec<BoundingBox> =
+                centres.iter().map(|(c, r)| BoundingBox { min: *c - *r, max: *c + *r }).collect();
             // Signed distances to balls: below 0 within.
             let distance = |i: usize| (p - centres[i].0).length() - centres[i].1;
             let tree = BoundsTree::new(&boxes);
@@ -217,7 +217,7 @@ mod tests {
             let scan = scan.min_by(|a, b| a.1.total_cmp(&b.1));
             prop_assert_eq!(found.map(|f| f.1), scan.map(|s| s.1));
             let mut seen = vec![false; boxes.len()];
-            let around = Bounds { min: p - limit, max: p + limit };
+            let around = BoundingBox { min: p - limit, max: p + limit };
             tree.overlapping(&around, |i| seen[i] = true);
             prop_assert!((0..boxes.len()).all(|i| seen[i] || !boxes[i].overlaps(&around)));
         }
@@ -226,18 +226,18 @@ mod tests {
         fn placed_bounds_hold_the_placed_box(
             a in point(), b in point(), at in point(), heading in -4.0f32..4.0, t in prop::array::uniform3(0.0f32..1.0)
         ) {
-            let bounds = Bounds::of([a, b]);
+            let bounds = BoundingBox::around_points([a, b]);
             let inside = bounds.min + (bounds.max - bounds.min) * Vec3::from(t);
             let at = Placement::new(at.x, at.y, at.z, heading);
-            prop_assert!(bounds.placed(at).grown(1e-4).contains(at.transform_point(inside)));
+            prop_assert!(bounds.transformed(at).expanded(1e-4).contains(at.transform_point(inside)));
         }
     }
 
     #[test]
     fn nothing_is_near_an_empty_tree() {
-        let tree = BoundsTree::new(&[Bounds::EMPTY]);
+        let tree = BoundsTree::new(&[BoundingBox::EMPTY]);
         assert_eq!(tree.nearest(Vec3::ZERO, f32::INFINITY, |_| 0.0), None);
         assert!(tree.bounds().is_empty());
-        tree.overlapping(&Bounds::of([Vec3::ZERO]), |_| panic!("nothing is there"));
+        tree.overlapping(&BoundingBox::around_points([Vec3::ZERO]), |_| panic!("nothing is there"));
     }
 }

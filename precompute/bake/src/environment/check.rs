@@ -1,9 +1,9 @@
 //! Reading and checking files of unit objects.
 
-use super::{Shape, Unit, UnitSet};
+use super::{UnitObject, UnitSet, UnitShape};
 use std::collections::BTreeSet;
 use std::path::Path;
-use throng_base::text::Source;
+use throng_base::text::TomlSource;
 use throng_motion::error::BuildError;
 
 /// Upper bound of sizes and positions within a unit (m).
@@ -17,7 +17,7 @@ impl UnitSet {
     /// # Errors
     /// [`BuildError::Io`], or [`BuildError::File`] with file, line, column and key.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
-        Self::of(&Source::read(path, "a unit file")?)
+        Self::from_source(&TomlSource::read(path, "a unit file")?)
     }
 
     /// Reads the text of a unit file; mesh files are taken from the folder of `path`.
@@ -25,19 +25,19 @@ impl UnitSet {
     /// # Errors
     /// As [`UnitSet::load`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, BuildError> {
-        Self::of(&Source::new(text, path))
+        Self::from_source(&TomlSource::new(text, path))
     }
 
-    fn of(source: &Source) -> Result<Self, BuildError> {
+    fn from_source(source: &TomlSource) -> Result<Self, BuildError> {
         let help = "A unit file has `[[units]]` with `name`, `shapes`, `region`, `symmetry`, `tile` and `floor`.";
         let mut set: Self = source.parse(help)?;
         let folder = source.path().parent().unwrap_or(Path::new(""));
         for shape in set.units.iter_mut().flat_map(|u| &mut u.shapes) {
-            if let Shape::Mesh { file } = shape {
+            if let UnitShape::Mesh { file } = shape {
                 *file = folder.join(&file);
             }
         }
-        set.check().map_err(|e| e.at(source))?;
+        set.check().map_err(|e| e.with_position(source))?;
         Ok(set)
     }
 
@@ -50,7 +50,7 @@ impl UnitSet {
     }
 
     /// Number of the unit of that name.
-    pub fn find(&self, name: &str) -> Option<usize> {
+    pub fn unit_named(&self, name: &str) -> Option<usize> {
         self.units.iter().position(|u| u.name == name)
     }
 
@@ -60,7 +60,7 @@ impl UnitSet {
         }
         let mut names = BTreeSet::new();
         for (i, unit) in self.units.iter().enumerate() {
-            let within = |e: BuildError| e.within(&format!("units[{i}]"));
+            let within = |e: BuildError| e.within_key(&format!("units[{i}]"));
             if !names.insert(&unit.name) {
                 let why = format!("another unit is called `{}`; rename one of them", unit.name);
                 return Err(within(BuildError::key("name", why)));
@@ -71,17 +71,17 @@ impl UnitSet {
     }
 }
 
-fn check_unit(unit: &Unit) -> Result<(), BuildError> {
+fn check_unit(unit: &UnitObject) -> Result<(), BuildError> {
     let fault = |key: &str, why: String| Err(BuildError::key(key, why));
     if unit.name.is_empty() || unit.name.contains('+') {
         return fault("name", "expected a name without `+`, which joins the names of blocks".into());
     }
     for (i, shape) in unit.shapes.iter().enumerate() {
-        check_shape(shape).map_err(|e| e.within(&format!("shapes[{i}]")))?;
+        check_shape(shape).map_err(|e| e.within_key(&format!("shapes[{i}]")))?;
     }
     if let Some(region) = unit.region {
-        moderate("region.min", &region.min)?;
-        moderate("region.max", &region.max)?;
+        check_magnitude("region.min", &region.min)?;
+        check_magnitude("region.max", &region.max)?;
         if (0..3).any(|k| region.min[k] >= region.max[k]) {
             return fault("region", format!("expected min below max, found {:?} and {:?}", region.min, region.max));
         }
@@ -95,41 +95,41 @@ fn check_unit(unit: &Unit) -> Result<(), BuildError> {
     if steps != widths || !(1..=2).contains(&steps) {
         return fault("tile", format!("expected 1 or 2 steps and as many widths, found {steps} and {widths}"));
     }
-    tile.steps.iter().try_for_each(|s| moderate("tile.steps", s))?;
-    positive("tile.widths", &tile.widths)?;
-    moderate("tile.centre", &tile.centre)?;
+    tile.steps.iter().try_for_each(|s| check_magnitude("tile.steps", s))?;
+    check_positive("tile.widths", &tile.widths)?;
+    check_magnitude("tile.centre", &tile.centre)?;
     if tile.steps.iter().any(|s| s[0].hypot(s[2]) < 0.1) {
         return fault("tile.steps", "expected steps of at least 0.1 m over the ground".into());
     }
     Ok(())
 }
 
-fn check_shape(shape: &Shape) -> Result<(), BuildError> {
+fn check_shape(shape: &UnitShape) -> Result<(), BuildError> {
     match shape {
-        Shape::Box { at, size, heading_deg, pitch_deg } => {
-            moderate("box.at", at)?;
-            moderate("box.heading_deg", &[*heading_deg])?;
-            moderate("box.pitch_deg", &[*pitch_deg])?;
-            positive("box.size", size)
+        UnitShape::Box { at, size, heading_deg, pitch_deg } => {
+            check_magnitude("box.at", at)?;
+            check_magnitude("box.heading_deg", &[*heading_deg])?;
+            check_magnitude("box.pitch_deg", &[*pitch_deg])?;
+            check_positive("box.size", size)
         }
-        Shape::Bar { from, to, radius } => {
-            moderate("bar.from", from)?;
-            moderate("bar.to", to)?;
-            positive("bar.radius", &[*radius])
+        UnitShape::Bar { from, to, radius } => {
+            check_magnitude("bar.from", from)?;
+            check_magnitude("bar.to", to)?;
+            check_positive("bar.radius", &[*radius])
         }
-        Shape::Mesh { file } if file.is_file() => Ok(()),
-        Shape::Mesh { file } => Err(BuildError::key("mesh.file", format!("there is no file {}", file.display()))),
+        UnitShape::Mesh { file } if file.is_file() => Ok(()),
+        UnitShape::Mesh { file } => Err(BuildError::key("mesh.file", format!("there is no file {}", file.display()))),
     }
 }
 
-fn moderate(key: &str, numbers: &[f32]) -> Result<(), BuildError> {
+fn check_magnitude(key: &str, numbers: &[f32]) -> Result<(), BuildError> {
     match numbers.iter().find(|v| v.is_nan() || v.abs() >= MAX_LENGTH) {
         Some(v) => Err(BuildError::key(key, format!("expected finite numbers below {MAX_LENGTH}, found {v}"))),
         None => Ok(()),
     }
 }
 
-fn positive(key: &str, numbers: &[f32]) -> Result<(), BuildError> {
+fn check_positive(key: &str, numbers: &[f32]) -> Result<(), BuildError> {
     match numbers.iter().find(|v| !(**v > 0.0 && **v < MAX_LENGTH)) {
         Some(v) => Err(BuildError::key(key, format!("expected numbers above 0 and below {MAX_LENGTH}, found {v}"))),
         None => Ok(()),
@@ -184,10 +184,10 @@ mod tests {
         let path = folder.path().join("u.toml");
         std::fs::write(&path, text).unwrap();
         let set = UnitSet::load(&path).unwrap();
-        assert_eq!(set.units[0].shapes[0], Shape::Mesh { file: folder.path().join("m.glb") });
+        assert_eq!(set.units[0].shapes[0], UnitShape::Mesh { file: folder.path().join("m.glb") });
         assert_eq!(set.units[0].symmetry, 1);
         let again = UnitSet::parse(&set.to_toml().unwrap(), Path::new("x.toml")).unwrap();
         assert_eq!(again, set);
-        assert_eq!((set.find("a"), set.find("b")), (Some(0), None));
+        assert_eq!((set.unit_named("a"), set.unit_named("b")), (Some(0), None));
     }
 }

@@ -1,8 +1,8 @@
 //! Contacts with the geometry of an environment, and height of the support (Lee, Choi and Lee 2006, section 3).
 
 use super::PlacedGeometry;
-use super::placed::Touched;
-use super::touch::{PARTS, Probes, TouchConfig};
+use super::placed::TouchedSurface;
+use super::touch::{GeometryTouchConfig, PARTS, SkinPoints};
 use glam::Vec3;
 use throng_core::{Contacts, Skeleton};
 use throng_motion::annotate::ContactConfig;
@@ -28,9 +28,9 @@ pub fn annotate_in(
     skeleton: &Skeleton,
     environment: &PlacedGeometry,
     contacts: &ContactConfig,
-    touch: &TouchConfig,
+    touch: &GeometryTouchConfig,
 ) {
-    let probes = Probes::new(skeleton);
+    let probes = SkinPoints::new(skeleton);
     let transforms: Vec<_> = (0..clip.num_frames()).map(|f| clip.joint_transforms(skeleton, f)).collect();
     let path: Vec<Vec3> = clip.root_positions.iter().map(|p| p.with_y(0.0)).collect();
     let pace = speeds(&path, clip.rate_hz);
@@ -39,7 +39,7 @@ pub fn annotate_in(
     let mut lowest = vec![f32::INFINITY; transforms.len()];
     for (part, bit) in PARTS.into_iter().enumerate() {
         let [on, off] = probes.limits(part, touch);
-        let track = Track::new(&probes, part, &transforms, clip.rate_hz, environment, off);
+        let track = PartTrack::new(&probes, part, &transforms, clip.rate_hz, environment, off);
         let below = |f: usize, distance: f32, speed: f32| {
             let limit = speed * probes.scale + if part == SEAT { 0.0 } else { contacts.speed_share * pace[f] };
             track.moments[f].is_some_and(|m| m.distance < distance && m.speed < limit)
@@ -56,11 +56,11 @@ pub fn annotate_in(
             }
         }
     }
-    clip.support = held(&lowest);
+    clip.support = hold_values(&lowest);
 }
 
 /// Finite values, each held until the next one, and the first also before it. Empty if all are the ground.
-fn held(lowest: &[f32]) -> Vec<f32> {
+fn hold_values(lowest: &[f32]) -> Vec<f32> {
     let mut now = lowest.iter().copied().find(|h| h.is_finite()).unwrap_or(0.0);
     let all: Vec<f32> = lowest
         .iter()
@@ -73,14 +73,14 @@ fn held(lowest: &[f32]) -> Vec<f32> {
 }
 
 /// Motion of one part relative to nearby surfaces.
-struct Track {
+struct PartTrack {
     /// Sample at each frame; `None` with no surface near (num_frames).
-    moments: Vec<Option<Moment>>,
+    moments: Vec<Option<PartSample>>,
 }
 
 /// Sample of a part near a surface.
 #[derive(Clone, Copy)]
-struct Moment {
+struct PartSample {
     /// Distance of the nearest point of the part's skin (m).
     distance: f32,
     /// Speed of that point; for the seat along the surface normal only (m/s).
@@ -91,9 +91,9 @@ struct Moment {
     height: f32,
 }
 
-impl Track {
+impl PartTrack {
     fn new(
-        probes: &Probes,
+        probes: &SkinPoints,
         part: usize,
         transforms: &[[(Vec3, glam::Quat); throng_core::NUM_JOINTS]],
         rate_hz: f64,
@@ -101,19 +101,19 @@ impl Track {
         limit: f32,
     ) -> Self {
         let tracks: Vec<Vec<Vec3>> =
-            probes.of(part).iter().map(|p| transforms.iter().map(|t| p.at(t)).collect()).collect();
+            probes.points_of(part).iter().map(|p| transforms.iter().map(|t| p.position(t)).collect()).collect();
         let velocities: Vec<Vec<Vec3>> = tracks.iter().map(|t| velocities(t, rate_hz)).collect();
         let at = |f: usize| {
-            let mut near: Option<(usize, Touched)> = None;
-            for (k, probe) in probes.of(part).iter().enumerate() {
+            let mut near: Option<(usize, TouchedSurface)> = None;
+            for (k, probe) in probes.points_of(part).iter().enumerate() {
                 let within = near.map_or(limit, |n| n.1.distance);
                 let Some(t) = environment.nearest(tracks[k][f], within + probe.radius) else { continue };
-                near = Some((k, Touched { distance: t.distance - probe.radius, ..t }));
+                near = Some((k, TouchedSurface { distance: t.distance - probe.radius, ..t }));
             }
             let (k, touched) = near?;
             let v = velocities[k][f];
             let speed = if part == SEAT { v.dot(touched.normal).abs() } else { v.length() };
-            Some(Moment { distance: touched.distance, speed, vertical_speed: v.y.abs(), height: touched.point.y })
+            Some(PartSample { distance: touched.distance, speed, vertical_speed: v.y.abs(), height: touched.point.y })
         };
         Self { moments: (0..transforms.len()).map(at).collect() }
     }

@@ -28,15 +28,15 @@ pub struct EnvironmentFile {
     /// File of unit objects, relative to this file's folder.
     pub units: PathBuf,
     /// Groups of units that are placed together, by name; may hold other groups.
-    pub prefabs: BTreeMap<String, Vec<Place>>,
+    pub prefabs: BTreeMap<String, Vec<PlacementPattern>>,
     /// Placed units and prefabs.
-    pub place: Vec<Place>,
+    pub place: Vec<PlacementPattern>,
 }
 
 /// A unit or prefab, placed once or in a regular pattern.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Place {
+pub struct PlacementPattern {
     /// Name of a unit or a prefab.
     pub unit: String,
     /// Position of the origin: x, y, z (m).
@@ -45,14 +45,14 @@ pub struct Place {
     #[serde(default)]
     pub heading_deg: f32,
     /// Number of copies along `step[0]`, `step[1]` and `step[2]`, in the frame of the file or prefab (>= 1 each).
-    #[serde(default = "once")]
+    #[serde(default = "single_count")]
     pub repeat: [u32; 3],
     /// Offset between copies, for each number of `repeat`: x, y, z (m).
     #[serde(default)]
     pub step: [[f32; 3]; 3],
 }
 
-fn once() -> [u32; 3] {
+fn single_count() -> [u32; 3] {
     [1; 3]
 }
 
@@ -62,13 +62,15 @@ impl EnvironmentFile {
     /// # Errors
     /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
-        let source = text::Source::read(path, "an environment")?;
+        let source = text::TomlSource::read(path, "an environment")?;
         let mut file: Self = source.parse("An environment has `units`, `place` and `prefabs`.")?;
         if file.name.is_empty() {
             file.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         }
         if file.units.as_os_str().is_empty() {
-            return Err(BuildError::key("units", "expected a file of unit objects, found nothing").at(&source));
+            return Err(
+                BuildError::key("units", "expected a file of unit objects, found nothing").with_position(&source)
+            );
         }
         file.units = path.parent().unwrap_or(Path::new("")).join(&file.units);
         Ok(file)
@@ -93,7 +95,7 @@ impl EnvironmentFile {
             return Err(BuildError::key(format!("prefabs.{name}"), why));
         }
         let (open, out, taken) = (Vec::new(), Vec::new(), BTreeSet::new());
-        let mut layout = Layout { file: self, units, numbers, open, out, taken };
+        let mut layout = EnvironmentLayout { file: self, units, numbers, open, out, taken };
         // Prefabs that are never placed must be valid too.
         for (name, places) in &self.prefabs {
             if places.is_empty() {
@@ -103,13 +105,13 @@ impl EnvironmentFile {
             places.iter().enumerate().try_for_each(|(i, place)| layout.check(place, i))?;
             layout.open.pop();
         }
-        layout.all(&self.place, Placement::IDENTITY)?;
+        layout.place_all(&self.place, Placement::IDENTITY)?;
         Ok(Environment { name: self.name.clone(), units: layout.out })
     }
 }
 
 /// State while units are laid out.
-struct Layout<'a> {
+struct EnvironmentLayout<'a> {
     file: &'a EnvironmentFile,
     units: &'a UnitSet,
     /// Number of each unit, by name.
@@ -121,17 +123,17 @@ struct Layout<'a> {
     taken: BTreeSet<(usize, [i64; 4])>,
 }
 
-impl<'a> Layout<'a> {
+impl<'a> EnvironmentLayout<'a> {
     fn fault<T>(&self, index: usize, key: &str, what: String) -> Result<T, BuildError> {
         let list = self.open.last().map_or("place".to_owned(), |name| format!("prefabs.{name}"));
         let list = format!("{list}[{index}]");
-        Err(BuildError::key(key, what).within(&list))
+        Err(BuildError::key(key, what).within_key(&list))
     }
 
-    fn check(&self, place: &Place, index: usize) -> Result<(), BuildError> {
-        self.moderate(index, "at", &place.at)?;
-        self.moderate(index, "heading_deg", &[place.heading_deg])?;
-        self.moderate(index, "step", place.step.as_flattened())?;
+    fn check(&self, place: &PlacementPattern, index: usize) -> Result<(), BuildError> {
+        self.check_magnitude(index, "at", &place.at)?;
+        self.check_magnitude(index, "heading_deg", &[place.heading_deg])?;
+        self.check_magnitude(index, "step", place.step.as_flattened())?;
         if place.repeat.contains(&0) {
             return self.fault(index, "repeat", format!("expected numbers of at least 1, found {:?}", place.repeat));
         }
@@ -146,14 +148,14 @@ impl<'a> Layout<'a> {
         Ok(())
     }
 
-    fn moderate(&self, index: usize, key: &str, numbers: &[f32]) -> Result<(), BuildError> {
+    fn check_magnitude(&self, index: usize, key: &str, numbers: &[f32]) -> Result<(), BuildError> {
         match numbers.iter().all(|v| v.abs() < MAX_NUMBER) {
             true => Ok(()),
             false => self.fault(index, key, format!("expected numbers below {MAX_NUMBER}, found {numbers:?}")),
         }
     }
 
-    fn all(&mut self, places: &'a [Place], frame: Placement) -> Result<(), BuildError> {
+    fn place_all(&mut self, places: &'a [PlacementPattern], frame: Placement) -> Result<(), BuildError> {
         for (index, place) in places.iter().enumerate() {
             self.check(place, index)?;
             let count = place.repeat.iter().fold(1usize, |n, &r| n.saturating_mul(r as usize));
@@ -168,7 +170,7 @@ impl<'a> Layout<'a> {
                     for k in 0..place.repeat[2] {
                         let p = at + steps[0] * i as f32 + steps[1] * j as f32 + steps[2] * k as f32;
                         let here = frame.compose(Placement::new(p.x, p.y, p.z, heading));
-                        self.one(place, index, here)?;
+                        self.place_one(place, index, here)?;
                     }
                 }
             }
@@ -176,11 +178,11 @@ impl<'a> Layout<'a> {
         Ok(())
     }
 
-    fn one(&mut self, place: &'a Place, index: usize, at: Placement) -> Result<(), BuildError> {
+    fn place_one(&mut self, place: &'a PlacementPattern, index: usize, at: Placement) -> Result<(), BuildError> {
         if let Some(&unit) = self.numbers.get(place.unit.as_str()) {
-            let placement = at.wrapped();
+            let placement = at.with_wrapped_heading();
             let Placement { x, y, z, .. } = placement;
-            self.moderate(index, if place.repeat == once() { "at" } else { "step" }, &[x, y, z])?;
+            self.check_magnitude(index, if place.repeat == single_count() { "at" } else { "step" }, &[x, y, z])?;
             if self.out.len() >= MAX_UNITS {
                 return self.fault(index, "", format!("an environment may hold {MAX_UNITS} units, found more"));
             }
@@ -209,7 +211,7 @@ impl<'a> Layout<'a> {
             return self.fault(index, "unit", why);
         }
         self.open.push(name);
-        self.all(places, at)?;
+        self.place_all(places, at)?;
         self.open.pop();
         Ok(())
     }

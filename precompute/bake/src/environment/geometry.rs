@@ -1,8 +1,8 @@
 //! Geometry of a unit object, computed once.
 
-use super::bounds::{Bounds, BoundsTree};
+use super::bounds::{BoundingBox, BoundsTree};
 use super::mesh::MAX_TRIANGLES;
-use super::{Solid, Unit, UnitSet};
+use super::{UnitObject, UnitSet, UnitSolid};
 use glam::Vec3;
 use std::sync::Arc;
 use throng_motion::error::BuildError;
@@ -17,11 +17,11 @@ pub(super) const ROUNDING: f32 = 1e-4;
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnitGeometry {
     /// Its pieces.
-    pub solids: Vec<Solid>,
+    pub solids: Vec<UnitSolid>,
     /// Box around the pieces; empty if there are none.
-    pub bounds: Bounds,
+    pub bounds: BoundingBox,
     /// Region of hips: a pose with hips in it belongs to the unit.
-    pub region: Bounds,
+    pub region: BoundingBox,
     /// True for floors, which are walked on.
     pub floor: bool,
     tree: BoundsTree,
@@ -29,7 +29,7 @@ pub struct UnitGeometry {
 
 /// Surface point of a unit that is nearest to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Nearest {
+pub struct NearestUnitPoint {
     /// Distance, negative inside boxes and bars (m).
     pub distance: f32,
     /// The nearest point of the surface (m).
@@ -45,16 +45,16 @@ impl UnitGeometry {
     ///
     /// # Errors
     /// [`BuildError::Key`] of the shape, with its file and what is wrong in it.
-    pub fn new(unit: &Unit) -> Result<Self, BuildError> {
+    pub fn new(unit: &UnitObject) -> Result<Self, BuildError> {
         let key = |i: usize| format!("shapes[{i}].mesh.file");
-        let solid = |(i, shape)| Solid::of(shape).map_err(|e| BuildError::key(key(i), e));
+        let solid = |(i, shape)| UnitSolid::from_shape(shape).map_err(|e| BuildError::key(key(i), e));
         let solids = unit.shapes.iter().enumerate().map(solid).collect::<Result<Vec<_>, _>>()?;
-        let each: Vec<Bounds> = solids.iter().map(Solid::bounds).collect();
-        let tree = BoundsTree::new(&each.iter().map(|b| b.grown(ROUNDING)).collect::<Vec<_>>());
-        let bounds = each.into_iter().fold(Bounds::EMPTY, Bounds::union);
+        let each: Vec<BoundingBox> = solids.iter().map(UnitSolid::bounds).collect();
+        let tree = BoundsTree::new(&each.iter().map(|b| b.expanded(ROUNDING)).collect::<Vec<_>>());
+        let bounds = each.into_iter().fold(BoundingBox::EMPTY, BoundingBox::union);
         let region = match unit.region {
-            Some(r) => Bounds { min: Vec3::from(r.min), max: Vec3::from(r.max) },
-            None => Bounds { max: bounds.max + Vec3::Y * REGION_ABOVE, ..bounds },
+            Some(r) => BoundingBox { min: Vec3::from(r.min), max: Vec3::from(r.max) },
+            None => BoundingBox { max: bounds.max + Vec3::Y * REGION_ABOVE, ..bounds },
         };
         Ok(Self { solids, bounds, region, floor: unit.floor, tree })
     }
@@ -63,10 +63,10 @@ impl UnitGeometry {
     ///
     /// - `p`: in the unit's frame (m).
     /// - `limit`: smaller is faster (m).
-    pub fn nearest(&self, p: Vec3, limit: f32) -> Option<Nearest> {
-        let (solid, _) = self.find(p, limit)?;
+    pub fn nearest(&self, p: Vec3, limit: f32) -> Option<NearestUnitPoint> {
+        let (solid, _) = self.find_below(p, limit)?;
         let s = self.solids[solid].nearest(p, limit)?;
-        Some(Nearest { distance: s.distance, point: s.point, normal: s.normal, solid })
+        Some(NearestUnitPoint { distance: s.distance, point: s.point, normal: s.normal, solid })
     }
 
     /// Distance of a point, as in [`Self::nearest`] but faster; `None` at `limit` or farther, or without geometry (m).
@@ -74,11 +74,11 @@ impl UnitGeometry {
     /// - `p`: in the unit's frame (m).
     /// - `limit`: smaller is faster (m).
     pub fn distance_below(&self, p: Vec3, limit: f32) -> Option<f32> {
-        self.find(p, limit).map(|(_, distance)| distance)
+        self.find_below(p, limit).map(|(_, distance)| distance)
     }
 
     /// Nearest solid and its distance; `None` at `limit` or farther.
-    fn find(&self, p: Vec3, limit: f32) -> Option<(usize, f32)> {
+    fn find_below(&self, p: Vec3, limit: f32) -> Option<(usize, f32)> {
         if self.bounds.distance(p) > limit.max(0.0) + ROUNDING {
             return None;
         }
@@ -103,9 +103,9 @@ pub fn geometries(units: &UnitSet) -> Result<Vec<Arc<UnitGeometry>>, BuildError>
 pub(super) fn with_triangles(units: &UnitSet, most: usize) -> Result<Vec<Arc<UnitGeometry>>, BuildError> {
     let mut triangles = 0;
     let one = |(i, unit)| {
-        let within = |e: BuildError| e.within(&format!("units[{i}]"));
+        let within = |e: BuildError| e.within_key(&format!("units[{i}]"));
         let geometry = UnitGeometry::new(unit).map_err(within)?;
-        let of_meshes = geometry.solids.iter().map(|s| if let Solid::Mesh(t) = s { t.corners().len() } else { 0 });
+        let of_meshes = geometry.solids.iter().map(|s| if let UnitSolid::Mesh(t) = s { t.corners().len() } else { 0 });
         triangles += of_meshes.sum::<usize>();
         if triangles > most {
             let why =
@@ -151,7 +151,7 @@ mod tests {
         assert!((g.region.max.y - 3.2).abs() < 1e-6 && g.region.min == g.bounds.min);
         let text = "[[units]]\nname = \"a\"\nregion = { min = [0.0, 0.0, 0.0], max = [1.0, 2.0, 3.0] }\n";
         let g = UnitGeometry::new(&UnitSet::parse(text, Path::new("u.toml")).unwrap().units[0]).unwrap();
-        assert_eq!(g.region, Bounds { min: Vec3::ZERO, max: Vec3::new(1.0, 2.0, 3.0) });
+        assert_eq!(g.region, BoundingBox { min: Vec3::ZERO, max: Vec3::new(1.0, 2.0, 3.0) });
         assert_eq!((g.distance(Vec3::ZERO), g.nearest(Vec3::ZERO, 1.0)), (f32::INFINITY, None));
     }
 }

@@ -11,11 +11,13 @@ mod plates;
 mod report;
 
 use super::placed::PlacedGeometry;
-use super::{Bounds, EnvironmentFile, Place, Shape, TouchConfig, Unit, UnitSet, geometries};
-use bars::Bar;
+use super::{
+    BoundingBox, EnvironmentFile, GeometryTouchConfig, PlacementPattern, UnitObject, UnitSet, UnitShape, geometries,
+};
+use bars::InferredBar;
 use glam::Vec3;
-use places::Kind;
-use plates::Plate;
+use places::TouchKind;
+use plates::InferredPlate;
 pub use report::InferReport;
 use std::path::Path;
 use throng_core::Skeleton;
@@ -28,7 +30,7 @@ const UNIT_GAP: f32 = 0.75;
 
 /// An environment inferred from motion.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Inferred {
+pub struct InferredEnvironment {
     /// Units, one for each group of pieces.
     pub units: UnitSet,
     /// Placement of the units.
@@ -44,13 +46,13 @@ pub struct Inferred {
 ///
 /// # Errors
 /// [`BuildError::Stage`] if nothing but the ground was touched.
-pub fn infer(clips: &[&Clip], skeleton: &Skeleton, name: &str) -> Result<Inferred, BuildError> {
+pub fn infer_environment(clips: &[&Clip], skeleton: &Skeleton, name: &str) -> Result<InferredEnvironment, BuildError> {
     let contacts = ContactConfig::default();
-    let places: Vec<_> = clips.iter().flat_map(|c| places::find(c, skeleton, &contacts)).collect();
-    let hands: Vec<_> = places.iter().filter(|p| p.kind == Kind::Hand).copied().collect();
-    let others: Vec<_> = places.iter().filter(|p| p.kind != Kind::Hand).copied().collect();
-    let mut plates = plates::under(&others);
-    let mut bars = bars::through(&hands);
+    let places: Vec<_> = clips.iter().flat_map(|c| places::find_touches(c, skeleton, &contacts)).collect();
+    let hands: Vec<_> = places.iter().filter(|p| p.kind == TouchKind::Hand).copied().collect();
+    let others: Vec<_> = places.iter().filter(|p| p.kind != TouchKind::Hand).copied().collect();
+    let mut plates = plates::find_plates(&others);
+    let mut bars = bars::find_bars(&hands);
     let dismissed = dismiss(&mut plates, &mut bars, clips, skeleton)?;
     if plates.is_empty() && bars.is_empty() {
         return Err(BuildError::Stage {
@@ -61,12 +63,12 @@ pub fn infer(clips: &[&Clip], skeleton: &Skeleton, name: &str) -> Result<Inferre
     }
     let (units, place) = assemble(&plates, &bars);
     let environment = EnvironmentFile { name: name.to_owned(), place, ..EnvironmentFile::default() };
-    let report = InferReport::of_places(&others, &hands, &plates, &bars);
-    let mut inferred = Inferred { units, environment, report };
+    let report = InferReport::from_places(&others, &hands, &plates, &bars);
+    let mut inferred = InferredEnvironment { units, environment, report };
     inferred.report.dismissed = dismissed;
     inferred.report.units = inferred.units.units.len();
     let geometry = inferred.geometry()?;
-    inferred.report.measure(clips, skeleton, &geometry, &contacts, &TouchConfig::default());
+    inferred.report.measure(clips, skeleton, &geometry, &contacts, &GeometryTouchConfig::default());
     Ok(inferred)
 }
 
@@ -75,21 +77,21 @@ pub fn infer(clips: &[&Clip], skeleton: &Skeleton, name: &str) -> Result<Inferre
 /// # Errors
 /// As [`clear::standing`].
 fn dismiss(
-    plates: &mut Vec<Plate>,
-    bars: &mut Vec<Bar>,
+    plates: &mut Vec<InferredPlate>,
+    bars: &mut Vec<InferredBar>,
     clips: &[&Clip],
     skeleton: &Skeleton,
 ) -> Result<usize, BuildError> {
     let flat = plates.iter().map(|p| (p.piece(), p.held_s));
-    let pieces: Vec<(Piece, f32)> = flat.chain(bars.iter().map(|b| (b.piece(), b.held_s))).collect();
-    let standing = clear::standing(&pieces, clips, skeleton)?;
+    let pieces: Vec<(InferredPiece, f32)> = flat.chain(bars.iter().map(|b| (b.piece(), b.held_s))).collect();
+    let standing = clear::keep_clear_pieces(&pieces, clips, skeleton)?;
     let mut stands = standing.iter().copied();
     plates.retain(|_| stands.next().unwrap_or(true));
     bars.retain(|_| stands.next().unwrap_or(true));
     Ok(standing.iter().filter(|s| !**s).count())
 }
 
-impl Inferred {
+impl InferredEnvironment {
     /// Geometry of the placed units, and the ground.
     ///
     /// # Errors
@@ -101,32 +103,33 @@ impl Inferred {
 }
 
 /// A shape in the world, and its bounds.
-type Piece = (Shape, Bounds);
+type InferredPiece = (UnitShape, BoundingBox);
 
 /// Groups nearby pieces into units, each with its origin on the ground below its centre.
-fn assemble(plates: &[Plate], bars: &[Bar]) -> (UnitSet, Vec<Place>) {
-    let pieces: Vec<Piece> = plates.iter().map(Plate::piece).chain(bars.iter().map(Bar::piece)).collect();
+fn assemble(plates: &[InferredPlate], bars: &[InferredBar]) -> (UnitSet, Vec<PlacementPattern>) {
+    let pieces: Vec<InferredPiece> =
+        plates.iter().map(InferredPlate::piece).chain(bars.iter().map(InferredBar::piece)).collect();
     let mut set = UnitSet::default();
     let mut place = Vec::new();
-    for group in groups(&pieces) {
-        let bounds = group.iter().fold(Bounds::EMPTY, |b, &i| b.union(pieces[i].1));
-        let origin = centimetres(bounds.centre().with_y(0.0));
+    for group in group_pieces(&pieces) {
+        let bounds = group.iter().fold(BoundingBox::EMPTY, |b, &i| b.union(pieces[i].1));
+        let origin = round_to_cm(bounds.centre().with_y(0.0));
         let name = format!("structure_{}", set.units.len() + 1);
         let at = origin.to_array();
-        place.push(Place { unit: name.clone(), at, heading_deg: 0.0, repeat: [1; 3], step: [[0.0; 3]; 3] });
-        let shapes = group.iter().map(|&i| moved(&pieces[i].0, -origin)).collect();
-        set.units.push(Unit { name, shapes, region: None, symmetry: 1, tile: None, floor: true });
+        place.push(PlacementPattern { unit: name.clone(), at, heading_deg: 0.0, repeat: [1; 3], step: [[0.0; 3]; 3] });
+        let shapes = group.iter().map(|&i| move_shape(&pieces[i].0, -origin)).collect();
+        set.units.push(UnitObject { name, shapes, region: None, symmetry: 1, tile: None, floor: true });
     }
     (set, place)
 }
 
 /// Indices of the pieces of each group, in the order of their first pieces.
-fn groups(pieces: &[Piece]) -> Vec<Vec<usize>> {
+fn group_pieces(pieces: &[InferredPiece]) -> Vec<Vec<usize>> {
     let mut group: Vec<usize> = (0..pieces.len()).collect();
     for i in 0..pieces.len() {
         for j in 0..i {
             let (a, b) = (group[i], group[j]);
-            if a != b && pieces[i].1.grown(UNIT_GAP).overlaps(&pieces[j].1) {
+            if a != b && pieces[i].1.expanded(UNIT_GAP).overlaps(&pieces[j].1) {
                 group.iter_mut().filter(|g| **g == a.max(b)).for_each(|g| *g = a.min(b));
             }
         }
@@ -135,23 +138,23 @@ fn groups(pieces: &[Piece]) -> Vec<Vec<usize>> {
     (0..pieces.len()).map(of_group).filter(|m| !m.is_empty()).collect()
 }
 
-fn moved(shape: &Shape, by: Vec3) -> Shape {
-    let add = |p: &[f32; 3]| millimetres(Vec3::from(*p) + by).to_array();
+fn move_shape(shape: &UnitShape, by: Vec3) -> UnitShape {
+    let add = |p: &[f32; 3]| round_to_mm(Vec3::from(*p) + by).to_array();
     match shape {
-        Shape::Box { at, size, heading_deg, pitch_deg } => {
-            Shape::Box { at: add(at), size: *size, heading_deg: *heading_deg, pitch_deg: *pitch_deg }
+        UnitShape::Box { at, size, heading_deg, pitch_deg } => {
+            UnitShape::Box { at: add(at), size: *size, heading_deg: *heading_deg, pitch_deg: *pitch_deg }
         }
-        Shape::Bar { from, to, radius } => Shape::Bar { from: add(from), to: add(to), radius: *radius },
-        Shape::Mesh { file } => Shape::Mesh { file: file.clone() },
+        UnitShape::Bar { from, to, radius } => UnitShape::Bar { from: add(from), to: add(to), radius: *radius },
+        UnitShape::Mesh { file } => UnitShape::Mesh { file: file.clone() },
     }
 }
 
 /// Files are read by people, so they hold no more digits than were measured.
-fn millimetres(p: Vec3) -> Vec3 {
+fn round_to_mm(p: Vec3) -> Vec3 {
     (p * 1000.0).round() / 1000.0
 }
 
-fn centimetres(p: Vec3) -> Vec3 {
+fn round_to_cm(p: Vec3) -> Vec3 {
     (p * 100.0).round() / 100.0
 }
 

@@ -2,7 +2,7 @@
 //! section 4).
 //!
 //! [`UnitSet::load`] and [`EnvironmentFile::load`] read files, [`EnvironmentFile::expand`] lays units out,
-//! [`UnitGeometry`] and [`PlacedGeometry`] measure distances of points, and [`Body`] tests whether a pose fits.
+//! [`UnitGeometry`] and [`PlacedGeometry`] measure distances of points, and [`BodySpheres`] tests whether a pose fits.
 
 mod belong;
 mod body;
@@ -19,19 +19,19 @@ mod touch;
 mod triangles;
 mod unit;
 
-pub use belong::Belonging;
-pub use body::{Body, BodyPose, NUM_SPHERES, Penetration, Sphere};
-pub use bounds::{Bounds, BoundsTree};
+pub use belong::UnitMembership;
+pub use body::{BodySpheres, NUM_SPHERES, Penetration, PosedSpheres, Sphere};
+pub use bounds::{BoundingBox, BoundsTree};
 pub use contacts::annotate_in;
-pub use file::{EnvironmentFile, Place};
-pub use geometry::{Nearest, UnitGeometry, geometries};
-pub use infer::{InferReport, Inferred, infer};
+pub use file::{EnvironmentFile, PlacementPattern};
+pub use geometry::{NearestUnitPoint, UnitGeometry, geometries};
+pub use infer::{InferReport, InferredEnvironment, infer_environment};
 pub(crate) use mesh::buffer_files;
-pub use placed::{PlacedGeometry, Touched};
-pub use solid::Solid;
-pub use touch::TouchConfig;
+pub use placed::{PlacedGeometry, TouchedSurface};
+pub use solid::UnitSolid;
+pub use touch::GeometryTouchConfig;
 pub use triangles::Triangles;
-pub use unit::{Region, Shape, TileEdges, Unit, UnitSet};
+pub use unit::{TileEdges, UnitObject, UnitRegion, UnitSet, UnitShape};
 
 use serde::{Deserialize, Serialize};
 use throng_core::patch::Placement;

@@ -1,6 +1,6 @@
 //! Geometry of placed units and the ground.
 
-use super::bounds::{Bounds, BoundsTree};
+use super::bounds::{BoundingBox, BoundsTree};
 use super::geometry::{ROUNDING, UnitGeometry};
 use super::{Environment, PlacedUnit};
 use glam::Vec3;
@@ -20,7 +20,7 @@ pub struct PlacedGeometry {
 
 /// Surface point of an environment that is nearest to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touched {
+pub struct TouchedSurface {
     /// Number of the placed unit; `None` for the ground.
     pub unit: Option<usize>,
     /// Distance, negative inside boxes, bars and the ground (m).
@@ -36,8 +36,8 @@ impl PlacedGeometry {
     ///
     /// - `geometries`: of every unit of the set that the environment's numbers index.
     pub fn new(environment: &Environment, geometries: &[Arc<UnitGeometry>]) -> Self {
-        let of = |u: &PlacedUnit| geometries[u.unit].bounds.placed(u.placement).grown(ROUNDING);
-        let bounds: Vec<Bounds> = environment.units.iter().map(of).collect();
+        let of = |u: &PlacedUnit| geometries[u.unit].bounds.transformed(u.placement).expanded(ROUNDING);
+        let bounds: Vec<BoundingBox> = environment.units.iter().map(of).collect();
         Self {
             name: environment.name.clone(),
             units: environment.units.clone(),
@@ -58,10 +58,10 @@ impl PlacedGeometry {
 
     /// Nearest surface point to a point of the world; `None` at `limit` or farther. On a tie, a unit precedes the
     /// ground.
-    pub fn nearest(&self, p: Vec3, limit: f32) -> Option<Touched> {
-        let distance = |i: usize| self.nearest_of(i, p, limit).map_or(f32::INFINITY, |t| t.distance);
-        let unit = self.tree.nearest(p, limit, distance).and_then(|(i, _)| self.nearest_of(i, p, limit));
-        let ground = Touched { unit: None, distance: p.y, point: p.with_y(0.0), normal: Vec3::Y };
+    pub fn nearest(&self, p: Vec3, limit: f32) -> Option<TouchedSurface> {
+        let distance = |i: usize| self.nearest_of_unit(i, p, limit).map_or(f32::INFINITY, |t| t.distance);
+        let unit = self.tree.nearest(p, limit, distance).and_then(|(i, _)| self.nearest_of_unit(i, p, limit));
+        let ground = TouchedSurface { unit: None, distance: p.y, point: p.with_y(0.0), normal: Vec3::Y };
         match unit {
             Some(u) if u.distance <= ground.distance => Some(u),
             _ => Some(ground).filter(|g| g.distance < limit).or(unit),
@@ -69,15 +69,15 @@ impl PlacedGeometry {
     }
 
     /// Nearest surface point of one placed unit to a point of the world; `None` at `limit` or farther.
-    pub fn nearest_of(&self, unit: usize, p: Vec3, limit: f32) -> Option<Touched> {
+    pub fn nearest_of_unit(&self, unit: usize, p: Vec3, limit: f32) -> Option<TouchedSurface> {
         let at = self.placement(unit);
         let n = self.geometry(unit).nearest(at.inverse_transform_point(p), limit)?;
         let normal = at.planar().rotation() * n.normal;
-        Some(Touched { unit: Some(unit), distance: n.distance, point: at.transform_point(n.point), normal })
+        Some(TouchedSurface { unit: Some(unit), distance: n.distance, point: at.transform_point(n.point), normal })
     }
 
     /// Calls `visit` for every placed unit whose shapes may lie in a box of the world.
-    pub fn overlapping(&self, bounds: &Bounds, visit: impl FnMut(usize)) {
+    pub fn overlapping(&self, bounds: &BoundingBox, visit: impl FnMut(usize)) {
         self.tree.overlapping(bounds, visit);
     }
 }
@@ -113,7 +113,7 @@ pub(super) mod tests {
         fn the_nearest_of_all_units_and_the_ground_is_found(p in prop::array::uniform3(-3.0f32..3.0)) {
             let (yard, p) = (yard(), Vec3::from(p));
             let found = yard.nearest(p, 50.0).unwrap();
-            let scan = (0..yard.units.len()).map(|u| yard.nearest_of(u, p, 99.0).unwrap().distance);
+            let scan = (0..yard.units.len()).map(|u| yard.nearest_of_unit(u, p, 99.0).unwrap().distance);
             prop_assert_eq!(found.distance, scan.fold(p.y, f32::min));
             prop_assert!((found.point.distance(p) - found.distance.abs()).abs() < 1e-3);
             let outside = yard.nearest(found.point + found.normal * 0.004, 9.0).unwrap().distance;

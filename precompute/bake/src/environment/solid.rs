@@ -1,8 +1,8 @@
 //! Pieces of geometry, with their distance from points.
 
-use super::bounds::Bounds;
+use super::bounds::BoundingBox;
 use super::triangles::Triangles;
-use super::{Shape, mesh};
+use super::{UnitShape, mesh};
 use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_motion::error::BuildError;
@@ -12,7 +12,7 @@ const AT_SURFACE: f32 = 1e-6;
 
 /// A piece of geometry in its unit's frame.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Solid {
+pub enum UnitSolid {
     /// A box.
     Box {
         /// Its middle (m).
@@ -46,14 +46,14 @@ pub struct SurfacePoint {
     pub normal: Vec3,
 }
 
-impl Solid {
+impl UnitSolid {
     /// Solid of a shape; triangles are read from their file.
     ///
     /// # Errors
     /// [`BuildError`] where a mesh cannot be read.
-    pub fn of(shape: &Shape) -> Result<Self, BuildError> {
+    pub fn from_shape(shape: &UnitShape) -> Result<Self, BuildError> {
         Ok(match shape {
-            Shape::Box { at, size, heading_deg, pitch_deg } => Self::Box {
+            UnitShape::Box { at, size, heading_deg, pitch_deg } => Self::Box {
                 centre: Vec3::from(*at),
                 rotation: maths::compose(
                     Quat::from_rotation_y(heading_deg.to_radians()),
@@ -61,21 +61,21 @@ impl Solid {
                 ),
                 half: 0.5 * Vec3::from(*size),
             },
-            Shape::Bar { from, to, radius } => {
+            UnitShape::Bar { from, to, radius } => {
                 Self::Bar { from: Vec3::from(*from), to: Vec3::from(*to), radius: *radius }
             }
-            Shape::Mesh { file } => Self::Mesh(Triangles::new(mesh::read(file)?)),
+            UnitShape::Mesh { file } => Self::Mesh(Triangles::new(mesh::read(file)?)),
         })
     }
 
     /// Bounds of the solid.
-    pub fn bounds(&self) -> Bounds {
+    pub fn bounds(&self) -> BoundingBox {
         match self {
             Self::Box { centre, rotation, half } => {
-                let corners = Bounds { min: -*half, max: *half }.corners();
-                Bounds::of(corners.map(|c| *centre + *rotation * c))
+                let corners = BoundingBox { min: -*half, max: *half }.corners();
+                BoundingBox::around_points(corners.map(|c| *centre + *rotation * c))
             }
-            Self::Bar { from, to, radius } => Bounds::of([*from, *to]).grown(*radius),
+            Self::Bar { from, to, radius } => BoundingBox::around_points([*from, *to]).expanded(*radius),
             Self::Mesh(triangles) => triangles.bounds(),
         }
     }
@@ -88,7 +88,7 @@ impl Solid {
                 let over = (local.abs() - *half).max_element();
                 if over > 0.0 { (local - local.clamp(-*half, *half)).length() } else { over }
             }
-            Self::Bar { from, to, radius } => (p - on_axis(p, *from, *to)).length() - radius,
+            Self::Bar { from, to, radius } => (p - nearest_on_axis(p, *from, *to)).length() - radius,
             Self::Mesh(triangles) => triangles.distance(p, limit),
         };
         if distance < limit { distance } else { f32::INFINITY }
@@ -100,11 +100,11 @@ impl Solid {
         let found = match self {
             Self::Box { centre, rotation, half } => {
                 let local = rotation.conjugate() * (p - *centre);
-                let s = of_box(local, *half);
+                let s = nearest_on_box(local, *half);
                 let (point, normal) = (*centre + *rotation * s.point, *rotation * s.normal);
                 SurfacePoint { distance: s.distance, point, normal }
             }
-            Self::Bar { from, to, radius } => of_bar(p, *from, *to, *radius),
+            Self::Bar { from, to, radius } => nearest_on_bar(p, *from, *to, *radius),
             Self::Mesh(triangles) => triangles.nearest(p, limit)?,
         };
         (found.distance < limit).then_some(found)
@@ -112,12 +112,12 @@ impl Solid {
 }
 
 /// Nearest surface point of a box around the origin along the axes.
-fn of_box(p: Vec3, half: Vec3) -> SurfacePoint {
+fn nearest_on_box(p: Vec3, half: Vec3) -> SurfacePoint {
     let over = p.abs() - half;
     let sign = |v: f32| if v < 0.0 { -1.0 } else { 1.0 };
     if over.max_element() > 0.0 {
         let away = std::array::from_fn(|k| if over[k] > 0.0 { sign(p[k]) } else { 0.0 });
-        return outside(p, p.clamp(-half, half), Vec3::from_array(away));
+        return distance_outside(p, p.clamp(-half, half), Vec3::from_array(away));
     }
     let axis = (0..3).fold(0, |best, k| if over[k] > over[best] { k } else { best });
     let mut normal = Vec3::ZERO;
@@ -126,7 +126,7 @@ fn of_box(p: Vec3, half: Vec3) -> SurfacePoint {
 }
 
 /// Surface point for a point outside; `otherwise` is the direction if both are too close to tell.
-pub(super) fn outside(p: Vec3, point: Vec3, otherwise: Vec3) -> SurfacePoint {
+pub(super) fn distance_outside(p: Vec3, point: Vec3, otherwise: Vec3) -> SurfacePoint {
     let d = p - point;
     let distance = d.length();
     let normal = if distance > AT_SURFACE { d / distance } else { otherwise.normalize_or(Vec3::Y) };
@@ -134,8 +134,8 @@ pub(super) fn outside(p: Vec3, point: Vec3, otherwise: Vec3) -> SurfacePoint {
 }
 
 /// Nearest surface point of a bar: all points within a radius of a segment.
-fn of_bar(p: Vec3, from: Vec3, to: Vec3, radius: f32) -> SurfacePoint {
-    let axis = on_axis(p, from, to);
+fn nearest_on_bar(p: Vec3, from: Vec3, to: Vec3, radius: f32) -> SurfacePoint {
+    let axis = nearest_on_axis(p, from, to);
     let away = p - axis;
     let d = away.length();
     let normal = if d > AT_SURFACE {
@@ -147,7 +147,7 @@ fn of_bar(p: Vec3, from: Vec3, to: Vec3, radius: f32) -> SurfacePoint {
 }
 
 /// Nearest point of a segment.
-fn on_axis(p: Vec3, from: Vec3, to: Vec3) -> Vec3 {
+fn nearest_on_axis(p: Vec3, from: Vec3, to: Vec3) -> Vec3 {
     let along = to - from;
     let length2 = along.length_squared();
     let t = if length2 > 0.0 { ((p - from).dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
@@ -164,8 +164,8 @@ mod tests {
     }
 
     /// Every point of a grid over the surface of a box, given by its faces.
-    fn box_surface(shape: &Shape) -> Vec<Vec3> {
-        let Shape::Box { at, size, heading_deg, pitch_deg } = shape else { panic!("a box") };
+    fn box_surface(shape: &UnitShape) -> Vec<Vec3> {
+        let UnitShape::Box { at, size, heading_deg, pitch_deg } = shape else { panic!("a box") };
         let (sh, ch) = heading_deg.to_radians().sin_cos();
         let (sp, cp) = pitch_deg.to_radians().sin_cos();
         let place = |q: Vec3| {
@@ -195,8 +195,8 @@ mod tests {
             at in vector(1.0), size in prop::array::uniform3(0.1f32..2.0), heading_deg in -180.0f32..180.0,
             pitch_deg in -80.0f32..80.0, p in vector(2.0)
         ) {
-            let shape = Shape::Box { at: at.into(), size, heading_deg, pitch_deg };
-            let solid = Solid::of(&shape).unwrap();
+            let shape = UnitShape::Box { at: at.into(), size, heading_deg, pitch_deg };
+            let solid = UnitSolid::from_shape(&shape).unwrap();
             let found = solid.nearest(p, f32::INFINITY).unwrap();
             let surface = box_surface(&shape);
             let sampled = surface.iter().map(|s| s.distance(p)).fold(f32::INFINITY, f32::min);
@@ -205,7 +205,7 @@ mod tests {
             prop_assert!(found.distance.abs() <= sampled + 1e-4 && sampled <= found.distance.abs() + cell);
             prop_assert!((found.point.distance(p) - found.distance.abs()).abs() < 1e-4);
             prop_assert!(solid.nearest(found.point + found.normal * 0.01, 9.0).unwrap().distance > 0.009);
-            prop_assert!(surface.iter().all(|s| solid.bounds().grown(1e-4).contains(*s)));
+            prop_assert!(surface.iter().all(|s| solid.bounds().expanded(1e-4).contains(*s)));
             let inside = (0..3).all(|k| {
                 let q = Quat::from_rotation_x(-pitch_deg.to_radians())
                     * Quat::from_rotation_y(-heading_deg.to_radians()) * (p - at);
@@ -218,28 +218,28 @@ mod tests {
         fn distance_to_a_bar_is_that_to_its_densely_sampled_axis(
             from in vector(1.0), to in vector(1.0), radius in 0.01f32..0.4, p in vector(2.0)
         ) {
-            let solid = Solid::Bar { from, to, radius };
+            let solid = UnitSolid::Bar { from, to, radius };
             let found = solid.nearest(p, f32::INFINITY).unwrap();
             let axis = (0..=4000).map(|i| from.lerp(to, i as f32 / 4000.0).distance(p)).fold(f32::INFINITY, f32::min);
             prop_assert!((found.distance - (axis - radius)).abs() < 2e-3);
             prop_assert!((found.point.distance(p) - found.distance.abs()).abs() < 1e-4);
-            prop_assert!(solid.bounds().grown(1e-4).contains(found.point));
+            prop_assert!(solid.bounds().expanded(1e-4).contains(found.point));
         }
     }
 
     #[test]
     fn a_tilted_box_falls_towards_its_far_end() {
-        let shape = Shape::Box { at: [0.0, 1.0, 0.0], size: [1.0, 0.2, 4.0], heading_deg: 90.0, pitch_deg: 30.0 };
+        let shape = UnitShape::Box { at: [0.0, 1.0, 0.0], size: [1.0, 0.2, 4.0], heading_deg: 90.0, pitch_deg: 30.0 };
         let top = |x: f32| {
             let p = Vec3::new(x, 1.8, 0.0);
-            Solid::of(&shape).unwrap().nearest(p, 99.0).unwrap().point
+            UnitSolid::from_shape(&shape).unwrap().nearest(p, 99.0).unwrap().point
         };
         assert!(top(-1.0).y > top(1.0).y, "+z of the box is +x of the unit and lies lower");
     }
 
     #[test]
     fn what_is_farther_than_the_limit_is_not_found() {
-        let solid = Solid::Bar { from: Vec3::ZERO, to: Vec3::ZERO, radius: 0.5 };
+        let solid = UnitSolid::Bar { from: Vec3::ZERO, to: Vec3::ZERO, radius: 0.5 };
         assert_eq!(solid.nearest(Vec3::X * 2.0, 1.4), None);
         let found = solid.nearest(Vec3::X * 2.0, 1.6).unwrap();
         assert!((found.distance - 1.5).abs() < 1e-6 && (found.point - Vec3::X * 0.5).length() < 1e-6);

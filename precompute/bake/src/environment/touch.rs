@@ -13,7 +13,7 @@ use throng_motion::error::{BuildError, check_ranges};
 /// with the skeleton's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct TouchConfig {
+pub struct GeometryTouchConfig {
     /// Distance of the sole at which a contact of heel or toe begins (m, <= foot_off).
     pub foot_on: f32,
     /// Distance of the sole at which it ends (m).
@@ -30,7 +30,7 @@ pub struct TouchConfig {
     pub penetration: f32,
 }
 
-impl Default for TouchConfig {
+impl Default for GeometryTouchConfig {
     fn default() -> Self {
         Self {
             foot_on: 0.025,
@@ -44,7 +44,7 @@ impl Default for TouchConfig {
     }
 }
 
-impl TouchConfig {
+impl GeometryTouchConfig {
     /// Checks that every number is within its limits.
     ///
     /// # Errors
@@ -82,31 +82,31 @@ pub(super) const PARTS: [Contacts; 7] = [
 
 /// Skin points that may touch something.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Probes {
+pub(super) struct SkinPoints {
     /// Points of every part, in the order of [`PARTS`].
-    parts: [Vec<Probe>; 7],
+    parts: [Vec<SkinPoint>; 7],
     /// Ratio of the skeleton's size to that of the default skeleton.
     pub scale: f32,
 }
 
 /// Skin point, fixed to a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Probe {
+pub(super) struct SkinPoint {
     joint: Joint,
     offset: Vec3,
     /// Distance of the skin from the point; negative for a hollow (m).
     pub radius: f32,
 }
 
-impl Probe {
+impl SkinPoint {
     /// Position in a pose (m).
-    pub fn at(&self, transforms: &[(Vec3, Quat); NUM_JOINTS]) -> Vec3 {
+    pub fn position(&self, transforms: &[(Vec3, Quat); NUM_JOINTS]) -> Vec3 {
         let (p, r) = transforms[self.joint.index()];
         p + r * self.offset
     }
 }
 
-impl Probes {
+impl SkinPoints {
     /// Skin points of a body with a skeleton's proportions.
     pub fn new(skeleton: &Skeleton) -> Self {
         let scale = skeleton.leg_length() / REFERENCE_LEG;
@@ -119,12 +119,12 @@ impl Probes {
     }
 
     /// The points of one part (part < 7).
-    pub fn of(&self, part: usize) -> &[Probe] {
+    pub fn points_of(&self, part: usize) -> &[SkinPoint] {
         &self.parts[part]
     }
 
     /// Distances that begin and end a contact of a part (m).
-    pub fn limits(&self, part: usize, cfg: &TouchConfig) -> [f32; 2] {
+    pub fn limits(&self, part: usize, cfg: &GeometryTouchConfig) -> [f32; 2] {
         let limits = match part {
             0..=3 => [cfg.foot_on, cfg.foot_off],
             4..=5 => [cfg.hand_on, cfg.hand_off],
@@ -135,11 +135,12 @@ impl Probes {
 }
 
 /// Sole of the heel, and of ball and toes; the arch between them belongs to the ball and is hollow.
-fn foot(skeleton: &Skeleton, foot: Joint, toe: Joint, tip: Vec3) -> [Vec<Probe>; 2] {
+fn foot(skeleton: &Skeleton, foot: Joint, toe: Joint, tip: Vec3) -> [Vec<SkinPoint>; 2] {
     let rest = skeleton.rest_positions();
     let (ankle, ball) = (rest[foot.index()].y, rest[toe.index()].y);
     let to_ball = skeleton.offsets[toe.index()];
-    let probe = |joint: Joint, x: f32, y: f32, z: f32, radius: f32| Probe { joint, offset: Vec3::new(x, y, z), radius };
+    let probe =
+        |joint: Joint, x: f32, y: f32, z: f32, radius: f32| SkinPoint { joint, offset: Vec3::new(x, y, z), radius };
     let heel = vec![probe(foot, 0.0, -ankle, -0.3 * to_ball.z, 0.0), probe(foot, 0.0, -ankle, 0.0, 0.0)];
     let arch = probe(foot, 0.5 * to_ball.x, -ankle, 0.5 * to_ball.z, -0.015);
     let toes = vec![probe(toe, 0.0, -ball, 0.0, 0.0), probe(toe, tip.x, -ball, tip.z, 0.0), arch];
@@ -147,18 +148,18 @@ fn foot(skeleton: &Skeleton, foot: Joint, toe: Joint, tip: Vec3) -> [Vec<Probe>;
 }
 
 /// Wrist, palm and fingers.
-fn hand(skeleton: &Skeleton, hand: Joint, scale: f32) -> Vec<Probe> {
+fn hand(skeleton: &Skeleton, hand: Joint, scale: f32) -> Vec<SkinPoint> {
     let along = skeleton.offsets[hand.index()].normalize_or_zero() * scale;
     let probes = [(0.0, 0.03), (0.06, 0.03), (0.12, 0.022)];
-    probes.map(|(at, radius)| Probe { joint: hand, offset: along * at, radius: radius * scale }).to_vec()
+    probes.map(|(at, radius)| SkinPoint { joint: hand, offset: along * at, radius: radius * scale }).to_vec()
 }
 
 /// Buttocks and the upper halves of the thighs.
-fn seat(skeleton: &Skeleton, scale: f32) -> Vec<Probe> {
+fn seat(skeleton: &Skeleton, scale: f32) -> Vec<SkinPoint> {
     let mut out = Vec::with_capacity(4);
     for (thigh, shin) in [(Joint::LeftThigh, Joint::LeftShin), (Joint::RightThigh, Joint::RightShin)] {
-        out.push(Probe { joint: thigh, offset: Vec3::ZERO, radius: 0.092 * scale });
-        out.push(Probe { joint: thigh, offset: skeleton.offsets[shin.index()] / 3.0, radius: 0.08 * scale });
+        out.push(SkinPoint { joint: thigh, offset: Vec3::ZERO, radius: 0.092 * scale });
+        out.push(SkinPoint { joint: thigh, offset: skeleton.offsets[shin.index()] / 3.0, radius: 0.08 * scale });
     }
     out
 }
@@ -169,22 +170,30 @@ mod tests {
 
     #[test]
     fn settings_outside_their_limits_are_named() {
-        let fault = |cfg: TouchConfig| cfg.check().unwrap_err().to_string();
-        TouchConfig::default().check().unwrap();
-        assert!(fault(TouchConfig { hand_on: 0.2, ..TouchConfig::default() }).starts_with("hand_on: expected above 0"));
-        assert!(fault(TouchConfig { seat_on: f32::NAN, ..TouchConfig::default() }).starts_with("seat_on"));
-        assert!(fault(TouchConfig { penetration: -0.1, ..TouchConfig::default() }).starts_with("penetration"));
+        let fault = |cfg: GeometryTouchConfig| cfg.check().unwrap_err().to_string();
+        GeometryTouchConfig::default().check().unwrap();
+        assert!(
+            fault(GeometryTouchConfig { hand_on: 0.2, ..GeometryTouchConfig::default() })
+                .starts_with("hand_on: expected above 0")
+        );
+        assert!(
+            fault(GeometryTouchConfig { seat_on: f32::NAN, ..GeometryTouchConfig::default() }).starts_with("seat_on")
+        );
+        assert!(
+            fault(GeometryTouchConfig { penetration: -0.1, ..GeometryTouchConfig::default() })
+                .starts_with("penetration")
+        );
     }
 
     #[test]
     fn soles_of_a_standing_body_are_on_the_ground_and_palms_beyond_the_wrists() {
         let s = Skeleton::default();
         let t = throng_motion::clip::joint_transforms(&s, s.offsets[0], |_| Quat::IDENTITY);
-        let probes = Probes::new(&s);
+        let probes = SkinPoints::new(&s);
         for part in 0..4 {
-            assert!(probes.of(part).iter().all(|p| p.at(&t).y.abs() < 1e-5), "{part}");
+            assert!(probes.points_of(part).iter().all(|p| p.position(&t).y.abs() < 1e-5), "{part}");
         }
-        let palm = probes.of(4)[1].at(&t);
+        let palm = probes.points_of(4)[1].position(&t);
         assert!((palm - t[Joint::LeftHand.index()].0 - Vec3::X * 0.06).length() < 1e-4, "{palm}");
     }
 }

@@ -1,7 +1,7 @@
 //! Triangles with a tree over them.
 
-use super::bounds::{Bounds, BoundsTree};
-use super::solid::{SurfacePoint, outside};
+use super::bounds::{BoundingBox, BoundsTree};
+use super::solid::{SurfacePoint, distance_outside};
 use glam::Vec3;
 
 /// A surface of triangles, without an inside.
@@ -14,7 +14,7 @@ pub struct Triangles {
 impl Triangles {
     /// Surface of triangles; those without an area are kept as segments or points.
     pub fn new(corners: Vec<[Vec3; 3]>) -> Self {
-        let bounds: Vec<Bounds> = corners.iter().map(|t| Bounds::of(*t)).collect();
+        let bounds: Vec<BoundingBox> = corners.iter().map(|t| BoundingBox::around_points(*t)).collect();
         let tree = BoundsTree::new(&bounds);
         Self { corners, tree }
     }
@@ -25,25 +25,25 @@ impl Triangles {
     }
 
     /// Bounds of the surface.
-    pub fn bounds(&self) -> Bounds {
+    pub fn bounds(&self) -> BoundingBox {
         self.tree.bounds()
     }
 
     /// Nearest surface point to `p`; `None` at `limit` or farther.
     pub fn nearest(&self, p: Vec3, limit: f32) -> Option<SurfacePoint> {
-        let (i, _) = self.find(p, limit)?;
+        let (i, _) = self.find_below(p, limit)?;
         let t = &self.corners[i];
-        Some(outside(p, nearest_of(p, t), (t[1] - t[0]).cross(t[2] - t[0])))
+        Some(distance_outside(p, nearest_on_triangle(p, t), (t[1] - t[0]).cross(t[2] - t[0])))
     }
 
     /// Distance of `p`; infinite at `limit` or farther (m).
     pub fn distance(&self, p: Vec3, limit: f32) -> f32 {
-        self.find(p, limit).map_or(f32::INFINITY, |(_, distance)| distance)
+        self.find_below(p, limit).map_or(f32::INFINITY, |(_, distance)| distance)
     }
 
     /// The nearest triangle and its distance.
-    fn find(&self, p: Vec3, limit: f32) -> Option<(usize, f32)> {
-        self.tree.nearest(p, limit, |i| nearest_of(p, &self.corners[i]).distance(p))
+    fn find_below(&self, p: Vec3, limit: f32) -> Option<(usize, f32)> {
+        self.tree.nearest(p, limit, |i| nearest_on_triangle(p, &self.corners[i]).distance(p))
     }
 }
 
@@ -51,7 +51,7 @@ impl Triangles {
 ///
 /// # Source
 /// Christer Ericson, *Real-Time Collision Detection*, 2005, section 5.1.5.
-fn nearest_of(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> Vec3 {
+fn nearest_on_triangle(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> Vec3 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
     if d1 <= 0.0 && d2 <= 0.0 {
@@ -82,13 +82,13 @@ fn nearest_of(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> Vec3 {
     }
     let sum = va + vb + vc;
     if sum <= 0.0 {
-        return nearest_of_edges(p, a, b, c);
+        return nearest_on_edges(p, a, b, c);
     }
     a + ab * (vb / sum) + ac * (vc / sum)
 }
 
 /// Nearest point of the three edges, for triangles so thin that rounding decides.
-fn nearest_of_edges(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
+fn nearest_on_edges(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
     let on = |a: Vec3, b: Vec3| {
         let d = b - a;
         let length2 = d.length_squared();
@@ -128,7 +128,7 @@ mod tests {
             let found = surface.nearest(p, f32::INFINITY).unwrap();
             prop_assert!(found.distance <= sampled + 1e-4 && sampled <= found.distance + 0.06);
             prop_assert!((found.point.distance(p) - found.distance).abs() < 1e-4);
-            prop_assert!(surface.bounds().grown(1e-4).contains(found.point));
+            prop_assert!(surface.bounds().expanded(1e-4).contains(found.point));
             prop_assert_eq!(surface.nearest(p, found.distance), None);
         }
     }
@@ -136,7 +136,7 @@ mod tests {
     #[test]
     fn a_triangle_without_an_area_is_a_line() {
         let t = [Vec3::ZERO, Vec3::X, Vec3::X * 0.5];
-        assert!((nearest_of(Vec3::new(0.3, 1.0, 0.0), &t) - Vec3::X * 0.3).length() < 1e-6);
-        assert_eq!(nearest_of(Vec3::ONE, &[Vec3::ZERO; 3]), Vec3::ZERO);
+        assert!((nearest_on_triangle(Vec3::new(0.3, 1.0, 0.0), &t) - Vec3::X * 0.3).length() < 1e-6);
+        assert_eq!(nearest_on_triangle(Vec3::ONE, &[Vec3::ZERO; 3]), Vec3::ZERO);
     }
 }

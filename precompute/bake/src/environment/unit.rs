@@ -9,24 +9,24 @@ use std::path::PathBuf;
 #[serde(deny_unknown_fields)]
 pub struct UnitSet {
     /// Units, with unique names.
-    pub units: Vec<Unit>,
+    pub units: Vec<UnitObject>,
 }
 
 /// A unit object, of fixed shape (Lee, Choi and Lee 2006, section 4).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Unit {
+pub struct UnitObject {
     /// Its name.
     pub name: String,
     /// Geometry in the unit's own frame: metres, Y up.
     #[serde(default)]
-    pub shapes: Vec<Shape>,
+    pub shapes: Vec<UnitShape>,
     /// Region of hips: a pose with hips in this box belongs to the unit. If absent, the bounding box of the shapes, up
     /// to 1.2 m above them.
     #[serde(default)]
-    pub region: Option<Region>,
+    pub region: Option<UnitRegion>,
     /// Order of rotational symmetry about the vertical: a full turn over this number changes nothing.
-    #[serde(default = "one")]
+    #[serde(default = "default_symmetry")]
     pub symmetry: u32,
     /// Joining edges of copies, for a unit with tilable motion.
     #[serde(default)]
@@ -36,14 +36,14 @@ pub struct Unit {
     pub floor: bool,
 }
 
-fn one() -> u32 {
+fn default_symmetry() -> u32 {
     1
 }
 
 /// An axis-aligned box in the frame of its unit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Region {
+pub struct UnitRegion {
     /// Lowest corner: x, y, z (m).
     pub min: [f32; 3],
     /// Highest corner: x, y, z (m).
@@ -53,7 +53,7 @@ pub struct Region {
 /// A piece of geometry.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum Shape {
+pub enum UnitShape {
     /// Box turned about the vertical, then tilted about its own x axis.
     Box {
         /// Centre: x, y, z (m).

@@ -38,7 +38,7 @@ impl Arc {
         }
         let points: Vec<DVec2> = path.iter().map(|p| (*p - mean) / size).collect();
         let starts = [Some(Circle::line(&points)), Circle::algebraic(&points)];
-        let fits = starts.into_iter().flatten().map(|c| c.settle(&points));
+        let fits = starts.into_iter().flatten().map(|c| c.minimise(&points));
         let (circle, sum) = fits.min_by(|a, b| a.1.total_cmp(&b.1))?;
         Some(circle.arc(&points, size, (sum / n).sqrt() * size))
     }
@@ -108,7 +108,7 @@ impl Circle {
 
     /// Moves to the nearest local minimum of the sum of squared distances, and returns that sum too (Levenberg and
     /// Marquardt).
-    fn settle(mut self, points: &[DVec2]) -> (Self, f64) {
+    fn minimise(mut self, points: &[DVec2]) -> (Self, f64) {
         let (mut sum, mut damping) = (self.sum(points), 1e-3);
         for _ in 0..MOST_STEPS {
             let (mut m, mut b) = ([0.0; 9], [0.0; 3]);
@@ -149,12 +149,12 @@ impl Circle {
         let radius = 0.5 / self.a.abs();
         // Angles count as headings do: from +z towards +x.
         let bearing = |p: DVec2| (p - centre).x.atan2((p - centre).y);
-        let turned: f64 = points.windows(2).map(|w| wrap(bearing(w[1]) - bearing(w[0]))).sum();
+        let turned: f64 = points.windows(2).map(|w| wrap_angle(bearing(w[1]) - bearing(w[0]))).sum();
         let side = if turned < 0.0 { -1.0 } else { 1.0 };
         Arc {
             curvature: side / (radius * size),
             length: turned.abs() * radius * size,
-            heading: wrap(bearing(points[0]) + side * std::f64::consts::FRAC_PI_2),
+            heading: wrap_angle(bearing(points[0]) + side * std::f64::consts::FRAC_PI_2),
             rms,
         }
     }
@@ -169,7 +169,7 @@ impl Circle {
 }
 
 /// The angle in (-pi, pi].
-pub fn wrap(angle: f64) -> f64 {
+pub fn wrap_angle(angle: f64) -> f64 {
     angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round()
 }
 
@@ -217,7 +217,7 @@ mod tests {
             // What is taken for a line has a radius of a thousand times the points' mean distance from their middle.
             let off = if fit.curvature == 0.0 { 3.5e-3 / length } else { 1e-3 };
             prop_assert!((fit.curvature - curvature).abs() < off, "{:?}", fit);
-            prop_assert!((fit.length - length).abs() < 1e-3 * length && wrap(fit.heading - turn).abs() < 5e-3, "{:?}", fit);
+            prop_assert!((fit.length - length).abs() < 1e-3 * length && wrap_angle(fit.heading - turn).abs() < 5e-3, "{:?}", fit);
         }
 
         /// No circle of a fine grid of centres around the found one, each with its best radius, is nearer.

@@ -28,7 +28,7 @@ pub struct BlendConfig {
     /// How far an example's radial basis reaches, in distances to the nearest other example (1 to 10).
     pub kernel_reach: f64,
     /// Treatment of a point outside the box.
-    pub extrapolate: Extrapolate,
+    pub extrapolate: Extrapolation,
     /// How much the speed may vary over a steady stretch (m/s, 1e-3 to 100).
     pub speed_tolerance: f64,
     /// How much the turning rate may vary over a steady stretch (rad/s, 1e-3 to 100).
@@ -49,7 +49,7 @@ impl Default for BlendConfig {
             weight_tolerance: 0.01,
             max_weight_bytes: 32 << 20,
             kernel_reach: 2.0,
-            extrapolate: Extrapolate::default(),
+            extrapolate: Extrapolation::default(),
             speed_tolerance: 0.25,
             gyration_tolerance: 0.3,
             min_distance: 0.05,
@@ -116,7 +116,7 @@ impl AxisKind {
 /// Treatment of a point outside the parameter box.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Extrapolate {
+pub enum Extrapolation {
     /// Takes the nearest point of the box.
     #[default]
     Clamp,
@@ -173,10 +173,10 @@ impl BlendConfig {
         if self.for_each.is_empty() {
             return vec![(name.to_owned(), self.clone())];
         }
-        self.for_each.iter().map(|word| (format!("{name}-{word}"), self.with(word))).collect()
+        self.for_each.iter().map(|word| (format!("{name}-{word}"), self.with_word(word))).collect()
     }
 
-    fn with(&self, word: &str) -> Self {
+    fn with_word(&self, word: &str) -> Self {
         let mut space = Self { for_each: Vec::new(), ..self.clone() };
         let fill = |text: &mut String| *text = text.replace("{}", word);
         for e in &mut space.examples {
@@ -191,7 +191,7 @@ impl BlendConfig {
     }
 
     /// Speed and turning rate, from every steady stretch of every clip and its mirrored copy.
-    pub fn of_all_clips() -> Self {
+    pub fn for_all_clips() -> Self {
         let axis = |kind| AxisConfig { kind, name: String::new(), range: None, spacing: None, tags: BTreeMap::new() };
         Self {
             axes: vec![axis(AxisKind::Speed), axis(AxisKind::Gyration)],
@@ -225,26 +225,26 @@ impl BlendConfig {
         let names = self.axis_names();
         for (i, (a, name)) in self.axes.iter().zip(&names).enumerate() {
             if names[..i].contains(name) {
-                return Err(fault(
+                return Err(config_error(
                     format!("axes[{i}]"),
                     &format!("expected names of their own, found two called `{name}`"),
                 ));
             }
             if a.kind != AxisKind::Style && !a.tags.is_empty() {
                 let found = format!("expected none on axis `{name}`, whose value is measured, found some");
-                return Err(fault(format!("axes[{i}].tags"), &found));
+                return Err(config_error(format!("axes[{i}].tags"), &found));
             }
             if a.range.is_some_and(|[low, high]| !(low + 0.001 <= high && low.abs().max(high.abs()) < 1e4)) {
                 let found = format!("expected [low, high] of axis `{name}`, 0.001 apart or more, found {:?}", a.range);
-                return Err(fault(format!("axes[{i}].range"), &found));
+                return Err(config_error(format!("axes[{i}].range"), &found));
             }
             if a.spacing.is_some_and(|s| !(s > 0.0 && s < 1e4)) {
                 let found = format!("expected a number above 0 on axis `{name}`, found {:?}", a.spacing);
-                return Err(fault(format!("axes[{i}].spacing"), &found));
+                return Err(config_error(format!("axes[{i}].spacing"), &found));
             }
         }
         if self.examples.is_empty() && self.find.is_empty() {
-            return Err(fault("examples", "expected `examples` or `find`, found neither"));
+            return Err(config_error("examples", "expected `examples` or `find`, found neither"));
         }
         self.check_styles(&names)
     }
@@ -257,14 +257,14 @@ impl BlendConfig {
                 let known = names.iter().zip(&self.axes).any(|(n, a)| n == name && a.kind == AxisKind::Style);
                 if !known || !(-1e4..=1e4).contains(value) {
                     let found = format!("expected a number on a style axis, found `{name} = {value}`");
-                    return Err(fault(format!("{entry}.style.{name}"), &found));
+                    return Err(config_error(format!("{entry}.style.{name}"), &found));
                 }
             }
         }
         let named =
-            |(i, e): (usize, &ExampleConfig)| e.check().map_err(|fault| fault.within(&format!("examples[{i}]")));
+            |(i, e): (usize, &ExampleConfig)| e.check().map_err(|fault| fault.within_key(&format!("examples[{i}]")));
         self.examples.iter().enumerate().try_for_each(named)?;
-        let found = |(i, f): (usize, &FindConfig)| f.check().map_err(|fault| fault.within(&format!("find[{i}]")));
+        let found = |(i, f): (usize, &FindConfig)| f.check().map_err(|fault| fault.within_key(&format!("find[{i}]")));
         self.find.iter().enumerate().try_for_each(found)
     }
 }
@@ -276,13 +276,16 @@ const SYMMETRIC: &str = "`symmetric` makes the cycle of one step and its mirrore
 impl ExampleConfig {
     fn check(&self) -> Result<(), BuildError> {
         if self.clip.is_empty() {
-            return Err(fault("clip", "expected a clip by name or pattern, found none"));
+            return Err(config_error("clip", "expected a clip by name or pattern, found none"));
         }
         if let Some([first, end]) = self.frames.filter(|[first, end]| first >= end) {
-            return Err(fault("frames", &format!("expected [first, end) of some frames, found [{first}, {end}]")));
+            return Err(config_error(
+                "frames",
+                &format!("expected [first, end) of some frames, found [{first}, {end}]"),
+            ));
         }
         match [("still", self.still), ("mirror", self.mirror)].into_iter().find(|(_, on)| self.symmetric && *on) {
-            Some((key, _)) => Err(fault(key, &format!("`{}`: {SYMMETRIC} `{key}`", self.clip))),
+            Some((key, _)) => Err(config_error(key, &format!("`{}`: {SYMMETRIC} `{key}`", self.clip))),
             None => Ok(()),
         }
     }
@@ -291,22 +294,22 @@ impl ExampleConfig {
 impl FindConfig {
     fn check(&self) -> Result<(), BuildError> {
         if self.clips.is_empty() {
-            return Err(fault("clips", "expected clips by name or pattern, found none"));
+            return Err(config_error("clips", "expected clips by name or pattern, found none"));
         }
         if self.most == Some(0) {
-            return Err(fault("most", "expected 1 or more, found 0"));
+            return Err(config_error("most", "expected 1 or more, found 0"));
         }
         if let Some(deg) = self.closing_deg.filter(|d| !(*d > 0.0 && *d <= 180.0)) {
-            return Err(fault("closing_deg", &format!("expected more than 0, 180 at most, found {deg}")));
+            return Err(config_error("closing_deg", &format!("expected more than 0, 180 at most, found {deg}")));
         }
         match self.symmetric && self.mirror {
-            true => Err(fault("mirror", &format!("{:?}: {SYMMETRIC} `mirror`", self.clips))),
+            true => Err(config_error("mirror", &format!("{:?}: {SYMMETRIC} `mirror`", self.clips))),
             false => Ok(()),
         }
     }
 }
 
-fn fault(key: impl Into<String>, what: &str) -> BuildError {
+fn config_error(key: impl Into<String>, what: &str) -> BuildError {
     BuildError::key(key, format!("{what}. Correct the config."))
 }
 

@@ -1,9 +1,9 @@
 //! One closed cycle of a clip: the best-closing one of a steady stretch, with its seam smoothed.
 
 use super::average::{displacement, exponential};
-use super::steps::Steps;
-use super::track::{Pose, Track};
-use super::twist::{Course, Twist, turned};
+use super::steps::StepCycle;
+use super::track::{ClipTrack, FractionalPose};
+use super::twist::{FacingTwist, SteadyCourse, rotate_ground};
 use glam::{DQuat, DVec3, Quat, Vec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 use throng_motion::clip::FrameRange;
@@ -26,24 +26,24 @@ const RETURN_S: f64 = 3.0;
 #[derive(Clone, Debug)]
 pub struct Cycle<'a> {
     /// The clip it is taken from.
-    pub track: Track<'a>,
+    pub track: ClipTrack<'a>,
     /// Keytimes; those of the right foot are meaningless for a still cycle.
-    pub steps: Steps,
+    pub steps: StepCycle,
     /// Kind of the cycle.
-    kind: Kind,
+    kind: CycleKind,
     /// Path of the facing frame.
-    pub course: Course,
+    pub course: SteadyCourse,
     /// Mean turn of a joint from its end to its beginning, before the seam is closed (rad).
     pub closing: f64,
     /// Distance of the hips from its end to its beginning, before the seam is closed (m).
     pub closing_m: f64,
     /// Changes that close the seam, at its beginning and its end; linear in between.
-    seam: [Shift; 2],
+    seam: [PoseShift; 2],
 }
 
 /// A small change of a pose: of the hips' position, and a log-displacement of every joint.
 #[derive(Clone, Copy, Debug)]
-struct Shift {
+struct PoseShift {
     hips: Vec3,
     turns: [DVec3; NUM_JOINTS],
 }
@@ -52,54 +52,60 @@ impl<'a> Cycle<'a> {
     /// The best-closing cycle of a steady stretch.
     ///
     /// - `cycles`: consecutive (not empty).
-    pub fn best(track: Track<'a>, cycles: &[Steps]) -> Self {
+    pub fn find_best(track: ClipTrack<'a>, cycles: &[StepCycle]) -> Self {
         let last = (track.clip.num_frames() - 1) as f64;
-        let ends = |c: &Steps| {
+        let ends = |c: &StepCycle| {
             let (c, step) = (*c, END_SEARCH / f64::from(END_STEPS));
-            (-END_STEPS..=END_STEPS).map(move |k| c.ending(c.end + f64::from(k) * step)).filter(move |c| c.end <= last)
+            (-END_STEPS..=END_STEPS)
+                .map(move |k| c.with_end(c.end + f64::from(k) * step))
+                .filter(move |c| c.end <= last)
         };
         // Poses determine the period better than strikes, which fall on frames.
-        let alike = |c: &Steps| {
+        let alike = |c: &StepCycle| {
             let costs = ends(c).map(|c| (difference(&track, c.start, c.end), c.end - c.start));
             costs.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(c.end - c.start, |(_, period)| period)
         };
         let period = cycles.iter().map(alike).sum::<f64>() / cycles.len() as f64;
-        let twist = Twist::of_cycles(&track, cycles, period);
-        let cost = |c: &Steps| {
-            let course = Course::under(&track, twist, c.start, c.end);
-            let (metres, angle) = if cycles.len() > 1 { course.apart(&track, c.start, c.end) } else { (0.0, 0.0) };
+        let twist = FacingTwist::mean_of_cycles(&track, cycles, period);
+        let cost = |c: &StepCycle| {
+            let course = SteadyCourse::fit_to_track(&track, twist, c.start, c.end);
+            let (metres, angle) = if cycles.len() > 1 { course.pose_gap(&track, c.start, c.end) } else { (0.0, 0.0) };
             difference(&track, c.start, c.end) + metres + angle / NUM_JOINTS as f64
         };
         let best = cycles.iter().flat_map(ends).map(|c| (cost(&c), c)).min_by(|a, b| a.0.total_cmp(&b.0));
         let steps = best.map_or(cycles[0], |(_, c)| c);
-        let twist = if cycles.len() > 1 { twist } else { Twist::of_cycles(&track, &[steps], steps.end - steps.start) };
-        let course = Course::under(&track, twist, steps.start, steps.end);
-        Self::new(track, steps, course, Kind::Whole)
+        let twist = if cycles.len() > 1 {
+            twist
+        } else {
+            FacingTwist::mean_of_cycles(&track, &[steps], steps.end - steps.start)
+        };
+        let course = SteadyCourse::fit_to_track(&track, twist, steps.start, steps.end);
+        Self::new(track, steps, course, CycleKind::Whole)
     }
 
     /// A cycle of one step and its mirrored image, for straight motion that is too short for two steps: the step that
     /// meets its image best.
     ///
     /// - `firsts`: cycles of which only the first step is used (not empty).
-    pub fn halved(track: Track<'a>, firsts: &[Steps]) -> Self {
+    pub fn from_half_cycle(track: ClipTrack<'a>, firsts: &[StepCycle]) -> Self {
         let last = (track.clip.num_frames() - 1) as f64;
-        let ends = |s: &Steps| {
+        let ends = |s: &StepCycle| {
             let (s, step) = (*s, END_SEARCH / f64::from(END_STEPS));
             let ends = (-END_STEPS..=END_STEPS).map(move |k| s.right_strike + f64::from(k) * step);
-            ends.filter(move |end| *end <= last).map(move |end| s.halved(end))
+            ends.filter(move |end| *end <= last).map(move |end| s.first_half(end))
         };
-        let cost = |s: &Steps| {
-            let (a, b) = (track.pose(s.start).mirrored(), track.pose(s.right_strike));
-            unlike(&a, &b)
+        let cost = |s: &StepCycle| {
+            let (a, b) = (track.pose_at(s.start).mirrored(), track.pose_at(s.right_strike));
+            pose_distance(&a, &b)
         };
         let best = firsts.iter().flat_map(ends).map(|s| (cost(&s), s)).min_by(|a, b| a.0.total_cmp(&b.0));
-        let steps = best.map_or(firsts[0].halved(firsts[0].right_strike), |(_, s)| s);
-        let course = Course::of_step(&track, steps.start, steps.right_strike);
-        Self::new(track, steps, course, Kind::Halved)
+        let steps = best.map_or(firsts[0].first_half(firsts[0].right_strike), |(_, s)| s);
+        let course = SteadyCourse::from_step(&track, steps.start, steps.right_strike);
+        Self::new(track, steps, course, CycleKind::Halved)
     }
 
     /// The best-closing loop of a stretch without steps.
-    pub fn still(track: Track<'a>, range: &FrameRange) -> Self {
+    pub fn from_still(track: ClipTrack<'a>, range: &FrameRange) -> Self {
         let rate = track.rate();
         let length = range.len().saturating_sub(1) as f64;
         let (least, most) = ((STILL_S.0 * rate).min(length), (STILL_S.1 * rate).min(length));
@@ -108,33 +114,34 @@ impl<'a> Cycle<'a> {
             (0..n).map(|i| (range.start as f64 + length * i as f64 / (n - 1) as f64).round()).collect()
         };
         let pairs = tries.iter().flat_map(|&a| tries.iter().map(move |&b| (a, b)));
-        let cost =
-            |a: f64, b: f64| difference(&track, a, b) + track.place(a).distance(track.place(b)) - 1e-4 * (b - a) / rate;
+        let cost = |a: f64, b: f64| {
+            difference(&track, a, b) + track.position_at(a).distance(track.position_at(b)) - 1e-4 * (b - a) / rate
+        };
         let ends = pairs.filter(|(a, b)| (least..=most).contains(&(b - a))).map(|(a, b)| (cost(a, b), (a, b)));
         let ends = ends.min_by(|x, y| x.0.total_cmp(&y.0)).map(|best| best.1);
         let (start, end) = ends.unwrap_or((range.start as f64, range.start as f64 + length));
-        let steps = Steps { start, left_off: end, right_strike: 0.5 * (start + end), right_off: end, end };
-        let course = Course::under(&track, Twist::default(), start, end);
-        let cycle = Self::new(track.clone(), steps, course, Kind::Still);
+        let steps = StepCycle { start, left_off: end, right_strike: 0.5 * (start + end), right_off: end, end };
+        let course = SteadyCourse::fit_to_track(&track, FacingTwist::default(), start, end);
+        let cycle = Self::new(track.clone(), steps, course, CycleKind::Still);
         if cycle.closing <= STILL_CLOSING {
             return cycle;
         }
-        Self::new(track, steps, course, Kind::Returning)
+        Self::new(track, steps, course, CycleKind::Returning)
     }
 
-    fn new(track: Track<'a>, steps: Steps, course: Course, kind: Kind) -> Self {
-        let none = Shift { hips: Vec3::ZERO, turns: [DVec3::ZERO; NUM_JOINTS] };
+    fn new(track: ClipTrack<'a>, steps: StepCycle, course: SteadyCourse, kind: CycleKind) -> Self {
+        let none = PoseShift { hips: Vec3::ZERO, turns: [DVec3::ZERO; NUM_JOINTS] };
         let mut cycle = Self { track, steps, kind, course, closing: 0.0, closing_m: 0.0, seam: [none; 2] };
         let (first, last) = match kind {
-            Kind::Whole | Kind::Still => (cycle.open_pose(steps.start), cycle.open_pose(steps.end)),
-            Kind::Halved => (cycle.open_pose(steps.start).mirrored(), cycle.open_pose(steps.right_strike)),
-            Kind::Returning => return cycle,
+            CycleKind::Whole | CycleKind::Still => (cycle.open_pose(steps.start), cycle.open_pose(steps.end)),
+            CycleKind::Halved => (cycle.open_pose(steps.start).mirrored(), cycle.open_pose(steps.right_strike)),
+            CycleKind::Returning => return cycle,
         };
         // Both ends move half the way to each other.
         let half = |j: usize| 0.5 * displacement(first.rotations[j].as_dquat(), last.rotations[j].as_dquat());
-        let there = Shift { hips: 0.5 * (last.hips - first.hips), turns: std::array::from_fn(half) };
-        let back = Shift { hips: -there.hips, turns: there.turns.map(|v| -v) };
-        cycle.seam = [if kind == Kind::Halved { there.mirrored() } else { there }, back];
+        let there = PoseShift { hips: 0.5 * (last.hips - first.hips), turns: std::array::from_fn(half) };
+        let back = PoseShift { hips: -there.hips, turns: there.turns.map(|v| -v) };
+        cycle.seam = [if kind == CycleKind::Halved { there.mirrored() } else { there }, back];
         cycle.closing = there.turns.iter().map(|v| 4.0 * v.length()).sum::<f64>() / NUM_JOINTS as f64;
         cycle.closing_m = f64::from(2.0 * there.hips.length());
         cycle
@@ -142,32 +149,32 @@ impl<'a> Cycle<'a> {
 
     /// True if both feet stay on the ground.
     pub fn is_still(&self) -> bool {
-        matches!(self.kind, Kind::Still | Kind::Returning)
+        matches!(self.kind, CycleKind::Still | CycleKind::Returning)
     }
 
     /// Time of the cycle (s).
     pub fn duration_s(&self) -> f64 {
         let once = (self.steps.end - self.steps.start) / self.track.rate();
-        if self.kind == Kind::Returning { (2.0 * once).max(RETURN_S) } else { once }
+        if self.kind == CycleKind::Returning { (2.0 * once).max(RETURN_S) } else { once }
     }
 
     /// The frames it lies in: the first one and how many.
     pub fn frames(&self) -> (usize, usize) {
         let first = self.steps.start.ceil().max(0.0) as usize;
-        let end = if self.kind == Kind::Halved { self.steps.right_strike } else { self.steps.end };
+        let end = if self.kind == CycleKind::Halved { self.steps.right_strike } else { self.steps.end };
         let end = (end.ceil() as usize).max(first + 1);
         (first, end - first)
     }
 
     /// Pose at a generic time in [0, 1) in the facing frame: hips relative to its origin, their orientation to its
     /// heading. The cycle is closed.
-    pub fn pose(&self, generic: f64) -> Pose {
-        if self.kind == Kind::Halved && generic >= 0.5 {
+    pub fn pose(&self, generic: f64) -> FractionalPose {
+        if self.kind == CycleKind::Halved && generic >= 0.5 {
             return self.pose(generic - 0.5).mirrored();
         }
         let time = self.time(generic);
         let mut pose = self.open_pose(time);
-        let end = if self.kind == Kind::Halved { self.steps.right_strike } else { self.steps.end };
+        let end = if self.kind == CycleKind::Halved { self.steps.right_strike } else { self.steps.end };
         let part = (time - self.steps.start) / (end - self.steps.start);
         let [first, last] = &self.seam;
         pose.hips += first.hips.lerp(last.hips, part as f32);
@@ -178,7 +185,7 @@ impl<'a> Cycle<'a> {
     }
 
     /// Positions of some joints relative to the hips in such a pose (m).
-    pub fn reach(pose: &Pose, skeleton: &Skeleton, joints: [Joint; 4]) -> [Vec3; 4] {
+    pub fn limb_positions(pose: &FractionalPose, skeleton: &Skeleton, joints: [Joint; 4]) -> [Vec3; 4] {
         let all = throng_motion::clip::joint_transforms(skeleton, Vec3::ZERO, |j| pose.rotations[j]);
         joints.map(|j| all[j.index()].0)
     }
@@ -209,29 +216,29 @@ impl<'a> Cycle<'a> {
     }
 
     /// Shares of the left and the right hand in touch with something.
-    pub fn touches(&self, generic: f64) -> [f64; 2] {
-        if self.kind == Kind::Halved && generic >= 0.5 {
-            let [left, right] = self.touches(generic - 0.5);
+    pub fn hand_contacts(&self, generic: f64) -> [f64; 2] {
+        if self.kind == CycleKind::Halved && generic >= 0.5 {
+            let [left, right] = self.hand_contacts(generic - 0.5);
             return [right, left];
         }
         let time = self.time(generic);
-        [Contacts::LEFT_HAND, Contacts::RIGHT_HAND].map(|part| self.track.touch(time, part))
+        [Contacts::LEFT_HAND, Contacts::RIGHT_HAND].map(|part| self.track.touch_at(time, part))
     }
 
     /// Time of the clip at a generic time (frames).
     fn time(&self, generic: f64) -> f64 {
         let s = &self.steps;
         match self.kind {
-            Kind::Returning => s.start + (s.end - s.start) * 0.5 * (1.0 - (std::f64::consts::TAU * generic).cos()),
-            Kind::Whole | Kind::Halved | Kind::Still => s.time(generic),
+            CycleKind::Returning => s.start + (s.end - s.start) * 0.5 * (1.0 - (std::f64::consts::TAU * generic).cos()),
+            CycleKind::Whole | CycleKind::Halved | CycleKind::Still => s.time(generic),
         }
     }
 
-    fn open_pose(&self, time: f64) -> Pose {
-        let mut pose = self.track.pose(time);
-        let (origin, heading) = self.course.at(time);
+    fn open_pose(&self, time: f64) -> FractionalPose {
+        let mut pose = self.track.pose_at(time);
+        let (origin, heading) = self.course.frame_at(time);
         let ground = glam::DVec2::new(f64::from(pose.hips.x), f64::from(pose.hips.z));
-        let seen = turned(ground - origin, -heading);
+        let seen = rotate_ground(ground - origin, -heading);
         pose.hips = Vec3::new(seen.x as f32, pose.hips.y, seen.y as f32);
         pose.rotations[0] = (DQuat::from_rotation_y(-heading) * pose.rotations[0].as_dquat()).as_quat();
         pose
@@ -240,7 +247,7 @@ impl<'a> Cycle<'a> {
 
 /// Kind of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum CycleKind {
     /// Two steps.
     Whole,
     /// One step and its mirrored image.
@@ -251,7 +258,7 @@ enum Kind {
     Returning,
 }
 
-impl Shift {
+impl PoseShift {
     /// The change of the mirrored pose.
     fn mirrored(&self) -> Self {
         let turn = |j: Joint| self.turns[j.mirrored().index()] * DVec3::new(1.0, -1.0, -1.0);
@@ -259,7 +266,7 @@ impl Shift {
     }
 }
 
-impl Pose {
+impl FractionalPose {
     /// The pose mirrored at x = 0.
     fn mirrored(&self) -> Self {
         let rotations = Joint::ALL.map(|j| mirror_rotation(self.rotations[j.mirrored().index()]));
@@ -269,14 +276,14 @@ impl Pose {
 
 /// Difference of the poses and their motion at two times: the mean turn of a joint, and the difference of the hips'
 /// height (rad, m).
-fn difference(track: &Track<'_>, a: f64, b: f64) -> f64 {
-    let at = |shift: f64| unlike(&track.pose(a + shift), &track.pose(b + shift));
+fn difference(track: &ClipTrack<'_>, a: f64, b: f64) -> f64 {
+    let at = |shift: f64| pose_distance(&track.pose_at(a + shift), &track.pose_at(b + shift));
     let inside = b + 1.0 <= (track.clip.num_frames() - 1) as f64;
     if inside { 0.5 * (at(0.0) + at(1.0)) } else { at(0.0) }
 }
 
 /// Difference of two poses, regardless of place and heading (rad, m).
-fn unlike(p: &Pose, q: &Pose) -> f64 {
+fn pose_distance(p: &FractionalPose, q: &FractionalPose) -> f64 {
     let turn = |p: &Quat, q: &Quat| f64::from(2.0 * p.dot(*q).abs().min(1.0).acos());
     let mut turns: f64 = p.rotations[1..].iter().zip(&q.rotations[1..]).map(|(p, q)| turn(p, q)).sum();
     // Only the tilt of the hips, since the course holds their heading.

@@ -45,7 +45,7 @@ pub struct WeightTable {
 
 /// Error of a table that would exceed its limit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TooLarge {
+pub struct TableTooLarge {
     /// Knots along each axis that would be needed, as far as the search went.
     pub knots: Vec<usize>,
     /// Its bytes.
@@ -61,15 +61,15 @@ pub struct TooLarge {
 /// by the runtime, is within the tolerance at all cell centres, all midpoints of edges, and random points.
 ///
 /// # Errors
-/// [`TooLarge`] if it takes more than `max_bytes` or [`MAX_KNOTS`], or if no division that is tried is fine enough.
+/// [`TableTooLarge`] if it takes more than `max_bytes` or [`MAX_KNOTS`], or if no division that is tried is fine enough.
 pub fn tabulate(
     basis: &CardinalBasis,
     (low, high): (Vec<f64>, Vec<f64>),
     tolerance: f64,
     max_bytes: u64,
-) -> Result<WeightTable, TooLarge> {
+) -> Result<WeightTable, TableTooLarge> {
     let mut grid = Grid { knots: vec![2; low.len()], low: low.clone(), high: high.clone() };
-    let lines = Lines::new(basis, &low, &high);
+    let lines = SampleLines::new(basis, &low, &high);
     let mut share = tolerance;
     loop {
         for axis in 0..grid.knots.len() {
@@ -78,9 +78,9 @@ pub fn tabulate(
         let bytes = grid.num_knots() as u64 * stride(basis) as u64 * 4;
         if bytes > max_bytes || grid.num_knots() > MAX_KNOTS as usize || share < LEAST_SHARE * tolerance {
             let errors = (0..grid.knots.len()).map(|k| lines.error(k, grid.knots[k])).collect();
-            return Err(TooLarge { knots: grid.knots, bytes, errors });
+            return Err(TableTooLarge { knots: grid.knots, bytes, errors });
         }
-        let mut table = fill(basis, &grid);
+        let mut table = tabulate_weights(basis, &grid);
         if table.largest_error(basis, SOUGHT_POINTS) <= tolerance {
             table.max_error = table.largest_error(basis, usize::MAX);
             if table.max_error <= tolerance {
@@ -92,14 +92,14 @@ pub fn tabulate(
 }
 
 /// Lines parallel to an axis, through every example and through random points, along which the error is measured.
-struct Lines<'a> {
+struct SampleLines<'a> {
     basis: &'a CardinalBasis,
     low: &'a [f64],
     high: &'a [f64],
     through: Vec<Vec<f64>>,
 }
 
-impl<'a> Lines<'a> {
+impl<'a> SampleLines<'a> {
     fn new(basis: &'a CardinalBasis, low: &'a [f64], high: &'a [f64]) -> Self {
         let inside = |p: &Vec<f64>| p.iter().zip(low).zip(high).all(|((p, l), h)| l <= p && p <= h);
         let mut through: Vec<Vec<f64>> = basis.examples().filter(inside).collect();
@@ -153,13 +153,13 @@ fn stride(basis: &CardinalBasis) -> usize {
     basis.num_examples().next_multiple_of(8)
 }
 
-fn fill(basis: &CardinalBasis, grid: &Grid) -> WeightTable {
+fn tabulate_weights(basis: &CardinalBasis, grid: &Grid) -> WeightTable {
     let (n, stride) = (basis.num_examples(), stride(basis));
     let mut weights = vec![0.0f32; grid.num_knots() * stride];
     weights.par_chunks_exact_mut(stride).enumerate().for_each_init(
         || vec![0.0; n],
         |exact, (knot, row)| {
-            basis.weights(&grid.place(&grid.indices(knot), 0.0), exact);
+            basis.weights(&grid.knot_point(&grid.indices(knot), 0.0), exact);
             row.iter_mut().zip(exact.iter()).for_each(|(r, e)| *r = *e as f32);
             normalise(&mut row[..n]);
         },
@@ -192,7 +192,7 @@ impl Grid {
     }
 
     /// Position of a knot moved by a part of a cell along every axis.
-    fn place(&self, indices: &[usize; MAX_AXES], part: f64) -> Vec<f64> {
+    fn knot_point(&self, indices: &[usize; MAX_AXES], part: f64) -> Vec<f64> {
         let along = |k: usize| {
             let ratio = (indices[k] as f64 + part) / (self.knots[k] - 1) as f64;
             self.low[k] + (self.high[k] - self.low[k]) * ratio
@@ -209,7 +209,7 @@ impl Grid {
         axes
     }
 
-    fn step(&self, axis: usize) -> f64 {
+    fn knot_spacing(&self, axis: usize) -> f64 {
         (self.high[axis] - self.low[axis]) / (self.knots[axis] - 1) as f64
     }
 }
@@ -224,7 +224,7 @@ impl WeightTable {
     ///
     /// - `out`: receives the weights (number of examples).
     pub fn weights(&self, at: &[f64], out: &mut [f64]) {
-        self.read(self.as_read().as_ref(), at, out);
+        self.interpolate(self.as_read().as_ref(), at, out);
     }
 
     /// The runtime's view of the table, which shares the rows.
@@ -232,7 +232,7 @@ impl WeightTable {
         WeightGrid::new(&self.grid.axes()[..self.grid.knots.len()], self.stride, &self.weights)
     }
 
-    fn read(&self, grid: Option<&WeightGrid>, at: &[f64], out: &mut [f64]) {
+    fn interpolate(&self, grid: Option<&WeightGrid>, at: &[f64], out: &mut [f64]) {
         let mut parameters = [0.0; MAX_AXES];
         parameters.iter_mut().zip(at).for_each(|(p, a)| *p = *a as f32);
         let mut row = vec![0.0; self.stride];
@@ -248,18 +248,18 @@ impl WeightTable {
         let error = |rows: &mut [Vec<f64>; 2], at: &[f64]| {
             let [exact, stored] = rows;
             basis.weights(at, exact);
-            self.read(grid.as_ref(), at, stored);
+            self.interpolate(grid.as_ref(), at, stored);
             exact.iter().zip(stored).map(|(a, b)| (a - *b).abs()).fold(0.0, f64::max)
         };
         let rows = || [vec![0.0; n], vec![0.0; n]];
         let beside = (0..total.div_ceil(every)).into_par_iter().map_init(rows, |rows, k| {
             let indices = self.grid.indices((k * every).min(total - 1));
-            let mut largest = error(rows, &self.inside(self.grid.place(&indices, 0.5)));
-            let knot = self.grid.place(&indices, 0.0);
+            let mut largest = error(rows, &self.clamp_into_box(self.grid.knot_point(&indices, 0.5)));
+            let knot = self.grid.knot_point(&indices, 0.0);
             for axis in 0..d {
                 let mut at = knot.clone();
-                at[axis] += 0.5 * self.grid.step(axis);
-                largest = largest.max(error(rows, &self.inside(at)));
+                at[axis] += 0.5 * self.grid.knot_spacing(axis);
+                largest = largest.max(error(rows, &self.clamp_into_box(at)));
             }
             largest
         });
@@ -270,7 +270,7 @@ impl WeightTable {
         beside.reduce(|| 0.0, f64::max).max(random.reduce(|| 0.0, f64::max))
     }
 
-    fn inside(&self, mut at: Vec<f64>) -> Vec<f64> {
+    fn clamp_into_box(&self, mut at: Vec<f64>) -> Vec<f64> {
         at.iter_mut().zip(&self.grid.low).zip(&self.grid.high).for_each(|((a, l), h)| *a = a.clamp(*l, *h));
         at
     }

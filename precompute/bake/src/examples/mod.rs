@@ -19,13 +19,13 @@ mod steps;
 mod track;
 mod twist;
 
-pub use config::{AxisConfig, AxisKind, BlendConfig, ExampleConfig, Extrapolate, FindConfig};
+pub use config::{AxisConfig, AxisKind, BlendConfig, ExampleConfig, Extrapolation, FindConfig};
 
 use cardinal::{CardinalBasis, CardinalFault};
 use cycle::Cycle;
 use grid::WeightTable;
 use posture::Postures;
-use select::Candidate;
+use select::ExampleCandidate;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_core::blend::{
@@ -41,7 +41,7 @@ const FAR_APART: f64 = 2.6;
 
 /// A blend space, as the bundle stores it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BlendSpace {
+pub struct RawBlendSpace {
     /// Unique name.
     pub name: String,
     /// Names of the axes.
@@ -69,7 +69,7 @@ pub struct BlendSpace {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BlendSpaces {
     /// The spaces, by name.
-    pub spaces: Vec<BlendSpace>,
+    pub spaces: Vec<RawBlendSpace>,
     /// Report of each space.
     pub report: Vec<BlendReport>,
     /// Warnings.
@@ -158,7 +158,7 @@ pub fn fit(
         for (name, config) in config.spaces(table) {
             progress.check()?;
             let made = space(&name, &config, clips, &mut out.warnings);
-            let (space, report) = made.map_err(|e| of_table(e, table, &name))?;
+            let (space, report) = made.map_err(|e| table_error(e, table, &name))?;
             out.spaces.push(space);
             out.report.push(report);
             progress.advance(1);
@@ -169,12 +169,12 @@ pub fn fit(
 }
 
 /// Rephrases a fault of a space for the whole config, as a table that makes several spaces does not name the one.
-fn of_table(fault: BuildError, table: &str, space: &str) -> BuildError {
+fn table_error(fault: BuildError, table: &str, space: &str) -> BuildError {
     let fault = match fault {
         BuildError::Key { key, why } if space != table => BuildError::key(key, format!("space `{space}`: {why}")),
         other => other,
     };
-    fault.within(&format!("blend.{table}"))
+    fault.within_key(&format!("blend.{table}"))
 }
 
 /// Every space of some tables of a config, by name.
@@ -189,7 +189,7 @@ pub fn spaces(configs: &BTreeMap<String, BlendConfig>) -> Result<Vec<(String, Bl
             if all.iter().any(|(n, _)| *n == name) {
                 return Err(BuildError::key(key, format!("two spaces are called `{name}`. Correct the config.")));
             }
-            space.check().map_err(|e| of_table(e, table, &name))?;
+            space.check().map_err(|e| table_error(e, table, &name))?;
             all.push((name, space));
         }
     }
@@ -201,10 +201,10 @@ fn space(
     config: &BlendConfig,
     clips: &ClipSet,
     warnings: &mut Warnings,
-) -> Result<(BlendSpace, BlendReport), BuildError> {
+) -> Result<(RawBlendSpace, BlendReport), BuildError> {
     let (sources, told) = (select::sources(clips, config), warnings.messages.len());
     let mut chosen = select::candidates(name, config, &sources, warnings)?;
-    let left_out = select::thin(&mut chosen, config.min_distance);
+    let left_out = select::thin_out(&mut chosen, config.min_distance);
     let points: Vec<Vec<f64>> = chosen.iter().map(|c| c.parameters.clone()).collect();
     let spacings: Vec<Option<f64>> = config.axes.iter().map(|a| a.spacing).collect();
     let basis = CardinalBasis::new(&points, &spacings, config.kernel_reach, config.min_distance)
@@ -220,7 +220,7 @@ fn space(
             t.joint.name(),
             t.phase
         );
-        fault("", message, "Take examples that are more alike into one space, or more phases")
+        space_error("", message, "Take examples that are more alike into one space, or more phases")
     })?;
     let (joint, worst, turn) = postures.largest;
     if turn > FAR_APART {
@@ -241,11 +241,11 @@ fn space(
             e.closing_rad.to_degrees()
         ));
     }
-    let space = BlendSpace {
+    let space = RawBlendSpace {
         name: name.to_owned(),
         axes: config.axis_names(),
         example_names: chosen.iter().map(|c| c.name.clone()).collect(),
-        record: record(config, &table, chosen.len()),
+        record: blend_record(config, &table, chosen.len()),
         examples: chosen.iter().map(example).collect(),
         weights: table.weights.to_vec(),
         references: postures.references,
@@ -290,14 +290,14 @@ fn check_weights(config: &BlendConfig, points: &[Vec<f64>], table: &WeightTable)
         table.grid.high[widest],
         config.axis_names()[widest]
     );
-    Err(fault(
+    Err(space_error(
         &format!("axes[{widest}].range"),
         message,
         "Narrow the `range` of this axis, or add examples nearer to its ends",
     ))
 }
 
-fn record(config: &BlendConfig, table: &WeightTable, num_examples: usize) -> BlendRecord {
+fn blend_record(config: &BlendConfig, table: &WeightTable, num_examples: usize) -> BlendRecord {
     let mut axes = [AxisRecord::default(); MAX_AXES];
     for (k, a) in config.axes.iter().enumerate() {
         axes[k] = AxisRecord {
@@ -317,12 +317,12 @@ fn record(config: &BlendConfig, table: &WeightTable, num_examples: usize) -> Ble
         first_row: 0,
         first_channel_row: 0,
         max_weight_error: table.max_error as f32,
-        extrapolate: u32::from(config.extrapolate == Extrapolate::Linear),
+        extrapolate: u32::from(config.extrapolate == Extrapolation::Linear),
         axes,
     }
 }
 
-fn example(c: &Candidate<'_>) -> ExampleRecord {
+fn example(c: &ExampleCandidate<'_>) -> ExampleRecord {
     let twist = c.cycle.course.twist;
     let mut parameters = [0.0; MAX_AXES];
     parameters.iter_mut().zip(&c.parameters).for_each(|(out, p)| *out = *p as f32);
@@ -346,12 +346,12 @@ fn example(c: &Candidate<'_>) -> ExampleRecord {
 fn report(
     name: &str,
     config: &BlendConfig,
-    chosen: &[Candidate<'_>],
+    chosen: &[ExampleCandidate<'_>],
     left_out: usize,
     table: &WeightTable,
     postures: &Postures,
 ) -> BlendReport {
-    let example = |c: &Candidate<'_>| {
+    let example = |c: &ExampleCandidate<'_>| {
         let twist = c.cycle.course.twist;
         ExampleReport {
             name: c.name.clone(),
@@ -380,7 +380,7 @@ fn report(
 }
 
 /// A fault of a key of a space's table.
-fn fault(key: &str, message: String, help: &str) -> BuildError {
+fn space_error(key: &str, message: String, help: &str) -> BuildError {
     BuildError::key(key, format!("{message}. {help}."))
 }
 
@@ -389,7 +389,7 @@ fn fault(key: &str, message: String, help: &str) -> BuildError {
 fn cardinal_fault(
     space: &str,
     config: &BlendConfig,
-    chosen: &[Candidate<'_>],
+    chosen: &[ExampleCandidate<'_>],
     why: &CardinalFault,
     lacking: &[String],
 ) -> BuildError {
@@ -443,7 +443,7 @@ fn cardinal_fault(
             "Lower `kernel_reach`, or leave out examples that lie close together".to_owned(),
         ),
     };
-    fault(&key, what, &help)
+    space_error(&key, what, &help)
 }
 
 /// A warning about a space, phrased as part of a sentence about it.
@@ -451,7 +451,7 @@ fn within_sentence<'a>(warning: &'a str, space: &str) -> &'a str {
     warning.trim_start_matches(&format!("blend.{space}: ")).trim_end_matches("; ...").trim_end_matches('.')
 }
 
-fn too_large(config: &BlendConfig, large: &grid::TooLarge) -> BuildError {
+fn too_large(config: &BlendConfig, large: &grid::TableTooLarge) -> BuildError {
     let axis = |((name, knots), error): ((&String, &usize), &f64)| format!("{knots} along `{name}` (error {error:.4})");
     let axes: Vec<_> = config.axis_names().iter().zip(&large.knots).zip(&large.errors).map(axis).collect();
     let message = format!(
@@ -464,7 +464,7 @@ fn too_large(config: &BlendConfig, large: &grid::TooLarge) -> BuildError {
     );
     let help = "Raise `max_weight_bytes` or `weight_tolerance`, leave out examples that lie close together, or narrow the \
                 `range` of an axis that is much wider than its examples";
-    fault("max_weight_bytes", message, help)
+    space_error("max_weight_bytes", message, help)
 }
 
 #[cfg(test)]

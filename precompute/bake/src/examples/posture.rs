@@ -2,7 +2,7 @@
 
 use super::average::{displacement, reference};
 use super::cycle::Cycle;
-use super::track::Pose;
+use super::track::FractionalPose;
 use glam::{DQuat, Vec3};
 use rayon::prelude::*;
 use throng_core::blend::{ChannelRow, NUM_CHANNELS, PADDED_JOINTS, ReferenceRow, channel};
@@ -21,7 +21,7 @@ pub struct Postures {
 
 /// Error of a reference that moves to the other side of the sphere over one cycle, so that rows cannot be interpolated.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Twisted {
+pub struct TwistedReference {
     /// The joint.
     pub joint: Joint,
     /// Phase after which it is discontinuous.
@@ -31,11 +31,11 @@ pub struct Twisted {
 /// Resamples all cycles by generic time and splits their orientations into references and log-displacements.
 ///
 /// # Errors
-/// [`Twisted`] where examples differ so much that a joint's reference jumps from a phase to the next.
-pub fn tabulate(cycles: &[&Cycle<'_>], skeleton: &Skeleton, num_phases: usize) -> Result<Postures, Twisted> {
+/// [`TwistedReference`] where examples differ so much that a joint's reference jumps from a phase to the next.
+pub fn tabulate(cycles: &[&Cycle<'_>], skeleton: &Skeleton, num_phases: usize) -> Result<Postures, TwistedReference> {
     let phase = |row: usize| {
         let generic = row as f64 / num_phases as f64;
-        let poses: Vec<Pose> = cycles.iter().map(|c| c.pose(generic)).collect();
+        let poses: Vec<FractionalPose> = cycles.iter().map(|c| c.pose(generic)).collect();
         let references: [DQuat; NUM_JOINTS] = std::array::from_fn(|j| {
             reference(&poses.iter().map(|p| p.rotations[j].as_dquat().normalize()).collect::<Vec<_>>())
         });
@@ -46,7 +46,7 @@ pub fn tabulate(cycles: &[&Cycle<'_>], skeleton: &Skeleton, num_phases: usize) -
     let phases: Vec<_> = (0..num_phases).into_par_iter().map(phase).collect();
     let (mut references, channels): (Vec<_>, Vec<_>) = phases.into_iter().unzip();
     let channels = channels.concat();
-    continue_signs(&mut references)?;
+    align_signs(&mut references)?;
     let largest = largest(&channels, cycles.len());
     Ok(Postures { references: references.iter().map(row).collect(), channels, largest })
 }
@@ -54,7 +54,7 @@ pub fn tabulate(cycles: &[&Cycle<'_>], skeleton: &Skeleton, num_phases: usize) -
 /// The numbers of one example at one phase.
 fn channels(
     cycle: &Cycle<'_>,
-    pose: &Pose,
+    pose: &FractionalPose,
     generic: f64,
     references: &[DQuat; NUM_JOINTS],
     skeleton: &Skeleton,
@@ -72,10 +72,10 @@ fn channels(
         (Joint::LeftHand, channel::LEFT_HAND),
         (Joint::RightHand, channel::RIGHT_HAND),
     ];
-    let reach = Cycle::reach(pose, skeleton, ends.map(|e| e.0));
+    let reach = Cycle::limb_positions(pose, skeleton, ends.map(|e| e.0));
     ends.iter().zip(reach).for_each(|((_, at), v)| put(*at, v));
     let twist = cycle.course.twist;
-    let ([left, right], [left_hand, right_hand]) = (cycle.contacts(generic), cycle.touches(generic));
+    let ([left, right], [left_hand, right_hand]) = (cycle.contacts(generic), cycle.hand_contacts(generic));
     for (at, v) in [
         (channel::RATE, cycle.rate(generic)),
         (channel::LEFT_CONTACT, left),
@@ -92,7 +92,7 @@ fn channels(
 }
 
 /// Flips signs so that neighbouring references lie on one side of the sphere, including the last and the first.
-fn continue_signs(references: &mut [[DQuat; NUM_JOINTS]]) -> Result<(), Twisted> {
+fn align_signs(references: &mut [[DQuat; NUM_JOINTS]]) -> Result<(), TwistedReference> {
     for joint in Joint::ALL {
         let j = joint.index();
         for phase in 1..references.len() {
@@ -104,7 +104,7 @@ fn continue_signs(references: &mut [[DQuat; NUM_JOINTS]]) -> Result<(), Twisted>
             let next = (phase + 1) % references.len();
             // Beyond a quarter turn, interpolation between two rows is meaningless.
             if references[phase][j].dot(references[next][j]) < std::f64::consts::FRAC_1_SQRT_2 {
-                return Err(Twisted { joint, phase });
+                return Err(TwistedReference { joint, phase });
             }
         }
     }

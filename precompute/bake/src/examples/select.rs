@@ -5,7 +5,7 @@ use super::config::{AxisKind, BlendConfig, ExampleConfig, FindConfig};
 use super::cycle::Cycle;
 use super::steady::{self, Tolerance};
 use super::steps;
-use super::track::Track;
+use super::track::ClipTrack;
 use std::collections::BTreeMap;
 use throng_core::Contacts;
 use throng_motion::clip::{Clip, ClipSet, Exclusion, ExclusionReason, FrameRange};
@@ -18,7 +18,7 @@ const STANDING: f64 = 0.8;
 
 /// A clip, or its mirrored copy, that examples are taken from.
 #[derive(Debug)]
-pub struct Source {
+pub struct ExampleSource {
     /// Number of the clip as captured.
     pub number: usize,
     /// The motion.
@@ -27,11 +27,11 @@ pub struct Source {
 
 /// A motion that may become an example.
 #[derive(Clone, Debug)]
-pub struct Candidate<'a> {
+pub struct ExampleCandidate<'a> {
     /// Name: the clip's, with frames if the clip gave several.
     pub name: String,
     /// Source clip.
-    pub source: &'a Source,
+    pub source: &'a ExampleSource,
     /// The motion.
     pub cycle: Cycle<'a>,
     /// Place in the parameter space.
@@ -41,7 +41,7 @@ pub struct Candidate<'a> {
 }
 
 /// Criteria for runs of frames.
-struct Wish<'a> {
+struct ExampleQuery<'a> {
     /// Entry of the config, such as `examples[2]`.
     entry: String,
     config: &'a BlendConfig,
@@ -50,10 +50,11 @@ struct Wish<'a> {
 
 /// All clips that a space may take examples from: original clips named by a pattern, each followed by its mirrored
 /// copy.
-pub fn sources(set: &ClipSet, config: &BlendConfig) -> Vec<Source> {
+pub fn sources(set: &ClipSet, config: &BlendConfig) -> Vec<ExampleSource> {
     let patterns = || config.examples.iter().map(|e| &e.clip).chain(config.find.iter().flat_map(|f| &f.clips));
     let asked = |c: &Clip| !c.mirrored && patterns().any(|p| matches(p, &c.name));
-    let both = |(number, c): (usize, &Clip)| [c.clone(), mirror::mirror(c)].map(|clip| Source { number, clip });
+    let both =
+        |(number, c): (usize, &Clip)| [c.clone(), mirror::mirror_clip(c)].map(|clip| ExampleSource { number, clip });
     set.clips.iter().enumerate().filter(|(_, c)| asked(c)).flat_map(both).collect()
 }
 
@@ -65,38 +66,40 @@ pub fn sources(set: &ClipSet, config: &BlendConfig) -> Vec<Source> {
 pub fn candidates<'a>(
     space: &str,
     config: &BlendConfig,
-    sources: &'a [Source],
+    sources: &'a [ExampleSource],
     warnings: &mut Warnings,
-) -> Result<Vec<Candidate<'a>>, BuildError> {
+) -> Result<Vec<ExampleCandidate<'a>>, BuildError> {
     let mut out = Vec::new();
     for (i, example) in config.examples.iter().enumerate() {
-        let wish = Wish { entry: format!("examples[{i}]"), config, style: &example.style };
-        named(&wish, example, sources, &mut out)?;
+        let wish = ExampleQuery { entry: format!("examples[{i}]"), config, style: &example.style };
+        named_examples(&wish, example, sources, &mut out)?;
     }
     let mut found = Vec::new();
     for (i, find) in config.find.iter().enumerate() {
-        let wish = Wish { entry: format!("find[{i}]"), config, style: &find.style };
+        let wish = ExampleQuery { entry: format!("find[{i}]"), config, style: &find.style };
         let mut without = Vec::new();
-        found.extend(search(&wish, find, sources, &mut without)?);
-        warnings.messages.extend(told_without(space, &without));
+        found.extend(search_clips(&wish, find, sources, &mut without)?);
+        warnings.messages.extend(describe_without(space, &without));
     }
     out.extend(found);
-    tell_apart(&mut out);
+    disambiguate_names(&mut out);
     Ok(out)
 }
 
 /// Examples that one entry of the config names.
-fn named<'a>(
-    wish: &Wish<'_>,
+fn named_examples<'a>(
+    wish: &ExampleQuery<'_>,
     example: &ExampleConfig,
-    sources: &'a [Source],
-    out: &mut Vec<Candidate<'a>>,
+    sources: &'a [ExampleSource],
+    out: &mut Vec<ExampleCandidate<'a>>,
 ) -> Result<(), BuildError> {
     let before = out.len();
-    let fault = |source: &Source, what: String| wish.fault("", &format!("{}: {what}", source.clip.name), KEYTIMES_HELP);
+    let fault = |source: &ExampleSource, what: String| {
+        wish.entry_error("", &format!("{}: {what}", source.clip.name), KEYTIMES_HELP)
+    };
     let clips = || sources.chunks_exact(2).filter(|pair| matches(&example.clip, &pair[0].clip.name));
     for pair in clips().filter(|_| example.symmetric) {
-        let found = halved(pair, example.tag.as_deref(), example.frames);
+        let found = half_step_cycle(pair, example.tag.as_deref(), example.frames);
         if let Some((source, cycle)) = found.map_err(|what| fault(&pair[0], what))? {
             out.push(wish.candidate(source, cycle, true)?);
         }
@@ -104,12 +107,12 @@ fn named<'a>(
     let walkers = clips().filter(|_| !example.symmetric).flatten();
     for source in walkers.filter(|s| example.mirror || !s.clip.mirrored) {
         let longest =
-            |r: FrameRange| runs(&source.clip, r, example.still).into_iter().max_by_key(ExactSizeIterator::len);
+            |r: FrameRange| usable_runs(&source.clip, r, example.still).into_iter().max_by_key(ExactSizeIterator::len);
         for range in spans(&source.clip, example.tag.as_deref(), example.frames).into_iter().filter_map(longest) {
-            let track = Track::new(&source.clip);
+            let track = ClipTrack::new(&source.clip);
             let cycle = match example.still {
-                true => still(track, &range),
-                false => walking(track, &range, wish.config),
+                true => still_cycle(track, &range),
+                false => steady_cycle(track, &range, wish.config),
             };
             out.push(wish.candidate(source, cycle.map_err(|what| fault(source, what))?, true)?);
         }
@@ -125,38 +128,38 @@ fn named<'a>(
         (Some(_), Some(_)) => ".tag",
         (Some(_), None) => ".frames",
     };
-    Err(wish.fault(key, &what, "Name a clip as `throng inspect` lists it; `*` stands for any text"))
+    Err(wish.entry_error(key, &what, "Name a clip as `throng inspect` lists it; `*` stands for any text"))
 }
 
 const KEYTIMES_HELP: &str = "Name its steady `frames`, exclude it, or adjust `annotate.contacts` so that each step is one \
                              contact of the foot";
 
 /// Best cycle of the longest steady piece of a range; every step in it must be regular.
-fn walking<'a>(track: Track<'a>, range: &FrameRange, config: &BlendConfig) -> Result<Cycle<'a>, String> {
+fn steady_cycle<'a>(track: ClipTrack<'a>, range: &FrameRange, config: &BlendConfig) -> Result<Cycle<'a>, String> {
     let sequence = steps::sequence(&track, range);
     if let Some(fault) = sequence.faults.first() {
         return Err(fault.what.clone());
     }
-    let pieces = steady::pieces(&track, &sequence.cycles, tolerance(config));
+    let pieces = steady::steady_runs(&track, &sequence.cycles, tolerance(config));
     match pieces.into_iter().rev().max_by_key(Vec::len) {
-        Some(piece) => Ok(Cycle::best(track, &piece)),
+        Some(piece) => Ok(Cycle::find_best(track, &piece)),
         None => Err("it holds no cycle".to_owned()),
     }
 }
 
 /// The step of a clip that meets its mirrored image best: from the left foot's strike to the right one's, or in the
 /// mirrored copy if the clip has only the other. `None` if the clip has no such frames.
-fn halved<'a>(
-    pair: &'a [Source],
+fn half_step_cycle<'a>(
+    pair: &'a [ExampleSource],
     tag: Option<&str>,
     frames: Option<[usize; 2]>,
-) -> Result<Option<(&'a Source, Cycle<'a>)>, String> {
-    let ranges = |source: &Source| all_runs(&source.clip, tag, frames);
+) -> Result<Option<(&'a ExampleSource, Cycle<'a>)>, String> {
+    let ranges = |source: &ExampleSource| all_runs(&source.clip, tag, frames);
     for source in pair {
-        let track = Track::new(&source.clip);
-        let halves: Vec<_> = ranges(source).iter().flat_map(|r| steps::halves(&track, r)).collect();
+        let track = ClipTrack::new(&source.clip);
+        let halves: Vec<_> = ranges(source).iter().flat_map(|r| steps::find_half_cycles(&track, r)).collect();
         if !halves.is_empty() {
-            return Ok(Some((source, Cycle::halved(track, &halves))));
+            return Ok(Some((source, Cycle::from_half_cycle(track, &halves))));
         }
     }
     match ranges(&pair[0]).first() {
@@ -168,7 +171,7 @@ fn halved<'a>(
     }
 }
 
-fn still<'a>(track: Track<'a>, range: &FrameRange) -> Result<Cycle<'a>, String> {
+fn still_cycle<'a>(track: ClipTrack<'a>, range: &FrameRange) -> Result<Cycle<'a>, String> {
     for (foot, name) in [(Contacts::LEFT, "left"), (Contacts::RIGHT, "right")] {
         let standing: usize = track.stances(range, foot).iter().map(ExactSizeIterator::len).sum();
         if (standing as f64) < STANDING * range.len() as f64 {
@@ -181,7 +184,7 @@ fn still<'a>(track: Track<'a>, range: &FrameRange) -> Result<Cycle<'a>, String> 
     }
     match range.len() {
         0..3 => Err(format!("it has {} frames, expected at least 3", range.len())),
-        _ => Ok(Cycle::still(track, range)),
+        _ => Ok(Cycle::from_still(track, range)),
     }
 }
 
@@ -192,24 +195,28 @@ fn tolerance(config: &BlendConfig) -> Tolerance {
 /// Every steady stretch of the clips that one entry of the config names.
 ///
 /// - `without`: collects names of clips in which none was found, with the reason.
-fn search<'a>(
-    wish: &Wish<'_>,
+fn search_clips<'a>(
+    wish: &ExampleQuery<'_>,
     find: &FindConfig,
-    sources: &'a [Source],
+    sources: &'a [ExampleSource],
     without: &mut Vec<(String, String)>,
-) -> Result<Vec<Candidate<'a>>, BuildError> {
+) -> Result<Vec<ExampleCandidate<'a>>, BuildError> {
     let mut out = Vec::new();
-    let wanted = |pair: &&[Source]| find.clips.iter().any(|p| matches(p, &pair[0].clip.name));
+    let wanted = |pair: &&[ExampleSource]| find.clips.iter().any(|p| matches(p, &pair[0].clip.name));
     let clips = || sources.chunks_exact(2).filter(wanted);
     if clips().next().is_none() {
         let what = format!("no clip is there that matches {:?}", find.clips);
-        return Err(wish.fault(".clips", &what, "Name clips as `throng inspect` lists them; `*` stands for any text"));
+        return Err(wish.entry_error(
+            ".clips",
+            &what,
+            "Name clips as `throng inspect` lists them; `*` stands for any text",
+        ));
     }
     let mut warn = |clip: &Clip, why: &str| without.push((clip.name.clone(), why.to_owned()));
     let most = find.closing_deg.unwrap_or(WIDEST_SEAM.1).to_radians();
     let closes = |cycle: &Cycle<'_>| cycle.closing <= most && cycle.closing_m <= WIDEST_SEAM.0;
     for pair in clips().filter(|_| find.symmetric) {
-        match halved(pair, find.tag.as_deref(), None) {
+        match half_step_cycle(pair, find.tag.as_deref(), None) {
             Ok(Some((source, cycle))) if closes(&cycle) => out.push(wish.candidate(source, cycle, false)?),
             Ok(Some(_)) => warn(&pair[0].clip, "none of its steps meets its mirrored image"),
             Ok(None) => warn(&pair[0].clip, "it has no such frames"),
@@ -220,22 +227,22 @@ fn search<'a>(
     for source in sources.filter(|s| find.mirror || !s.clip.mirrored) {
         let (before, mut faults) = (out.len(), Vec::new());
         for range in all_runs(&source.clip, find.tag.as_deref(), None) {
-            let track = Track::new(&source.clip);
+            let track = ClipTrack::new(&source.clip);
             let sequence = steps::sequence(&track, &range);
             faults.extend(sequence.faults);
-            for piece in steady::pieces(&track, &sequence.cycles, tolerance(wish.config)) {
-                out.push(wish.candidate(source, Cycle::best(track.clone(), &piece), false)?);
+            for piece in steady::steady_runs(&track, &sequence.cycles, tolerance(wish.config)) {
+                out.push(wish.candidate(source, Cycle::find_best(track.clone(), &piece), false)?);
             }
         }
-        out.retain(|c: &Candidate<'_>| closes(&c.cycle));
+        out.retain(|c: &ExampleCandidate<'_>| closes(&c.cycle));
         if out.len() == before && !source.clip.mirrored {
             warn(&source.clip, faults.first().map_or("none of its cycles closes", |f| &f.what));
         }
     }
-    out.retain(|c| wish.within(&c.parameters));
+    out.retain(|c| wish.is_in_range(&c.parameters));
     out.sort_by(|a, b| a.cycle.closing.total_cmp(&b.cycle.closing));
     if let Some(most) = find.most {
-        spread(&mut out, most);
+        keep_farthest(&mut out, most);
     }
     Ok(out)
 }
@@ -244,7 +251,7 @@ fn search<'a>(
 const NAMED: usize = 4;
 
 /// Messages about clips in which no example was found, with the reason.
-fn told_without(space: &str, clips: &[(String, String)]) -> Vec<String> {
+fn describe_without(space: &str, clips: &[(String, String)]) -> Vec<String> {
     let begin = format!("blend.{space}: no example was found in");
     if clips.len() <= NAMED {
         return clips.iter().map(|(clip, why)| format!("{begin} clip `{clip}`: {why}.")).collect();
@@ -254,9 +261,9 @@ fn told_without(space: &str, clips: &[(String, String)]) -> Vec<String> {
 }
 
 /// Keeps the `most` that are farthest from one another, beginning with the first.
-fn spread(all: &mut Vec<Candidate<'_>>, most: usize) {
+fn keep_farthest(all: &mut Vec<ExampleCandidate<'_>>, most: usize) {
     let points: Vec<Vec<f64>> = all.iter().map(|c| c.parameters.clone()).collect();
-    let scale = scales(&points);
+    let scale = axis_scales(&points);
     let mut nearest = vec![f64::INFINITY; points.len()];
     let mut kept = Vec::new();
     while kept.len() < most.min(points.len()) {
@@ -274,10 +281,10 @@ fn spread(all: &mut Vec<Candidate<'_>>, most: usize) {
 /// clips.
 ///
 /// - returns the number of dropped ones.
-pub fn thin(all: &mut Vec<Candidate<'_>>, min_distance: f64) -> usize {
+pub fn thin_out(all: &mut Vec<ExampleCandidate<'_>>, min_distance: f64) -> usize {
     let before = all.len();
     let points: Vec<Vec<f64>> = all.iter().map(|c| c.parameters.clone()).collect();
-    let scale = scales(&points);
+    let scale = axis_scales(&points);
     let mut kept: Vec<Vec<f64>> = Vec::new();
     all.retain(|c| {
         let keep = c.named || kept.iter().all(|k| distance(k, &c.parameters, &scale) >= min_distance);
@@ -287,12 +294,12 @@ pub fn thin(all: &mut Vec<Candidate<'_>>, min_distance: f64) -> usize {
         keep
     });
     let found = all.iter().position(|c| !c.named).unwrap_or(all.len());
-    all[found..].sort_by(|a, b| a.place().partial_cmp(&b.place()).unwrap_or(std::cmp::Ordering::Equal));
+    all[found..].sort_by(|a, b| a.sort_key().partial_cmp(&b.sort_key()).unwrap_or(std::cmp::Ordering::Equal));
     before - all.len()
 }
 
 /// Scale that makes the extent of the points 1 on each axis.
-fn scales(points: &[Vec<f64>]) -> Vec<f64> {
+fn axis_scales(points: &[Vec<f64>]) -> Vec<f64> {
     let extent = |k: usize| {
         let values = || points.iter().map(move |p| p[k]);
         values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
@@ -305,7 +312,7 @@ fn distance(a: &[f64], b: &[f64], scale: &[f64]) -> f64 {
 }
 
 /// Adds frames to the names of examples of one clip.
-fn tell_apart(all: &mut [Candidate<'_>]) {
+fn disambiguate_names(all: &mut [ExampleCandidate<'_>]) {
     let mut uses = BTreeMap::<String, usize>::new();
     all.iter().for_each(|c| *uses.entry(c.name.clone()).or_default() += 1);
     for c in all.iter_mut().filter(|c| uses[&c.name] > 1) {
@@ -327,44 +334,49 @@ fn spans(clip: &Clip, tag: Option<&str>, frames: Option<[usize; 2]>) -> Vec<Fram
 }
 
 /// Usable runs of a span. Still ends of clips are excluded from motion, but not from still examples.
-fn runs(clip: &Clip, span: FrameRange, still: bool) -> Vec<FrameRange> {
+fn usable_runs(clip: &Clip, span: FrameRange, still: bool) -> Vec<FrameRange> {
     let left_out = |e: &Exclusion| !(still && e.reason == ExclusionReason::Still);
-    throng_motion::clip::runs(span, |f| !clip.excluded.iter().any(|e| e.range.contains(&f) && left_out(e)))
+    throng_motion::clip::runs_where(span, |f| !clip.excluded.iter().any(|e| e.range.contains(&f) && left_out(e)))
 }
 
 /// Usable runs of all spans, for motion.
 fn all_runs(clip: &Clip, tag: Option<&str>, frames: Option<[usize; 2]>) -> Vec<FrameRange> {
-    spans(clip, tag, frames).into_iter().flat_map(|span| runs(clip, span, false)).collect()
+    spans(clip, tag, frames).into_iter().flat_map(|span| usable_runs(clip, span, false)).collect()
 }
 
-impl Candidate<'_> {
+impl ExampleCandidate<'_> {
     /// Sort key among the clips: clip, mirrored copy, time.
-    fn place(&self) -> (usize, bool, f64) {
+    fn sort_key(&self) -> (usize, bool, f64) {
         (self.source.number, self.source.clip.mirrored, self.cycle.steps.start)
     }
 }
 
-impl Wish<'_> {
-    fn candidate<'a>(&self, source: &'a Source, cycle: Cycle<'a>, named: bool) -> Result<Candidate<'a>, BuildError> {
+impl ExampleQuery<'_> {
+    fn candidate<'a>(
+        &self,
+        source: &'a ExampleSource,
+        cycle: Cycle<'a>,
+        named: bool,
+    ) -> Result<ExampleCandidate<'a>, BuildError> {
         let twist = cycle.course.twist;
         let value = |(axis, name): (&super::config::AxisConfig, String)| match axis.kind {
             AxisKind::Speed => Ok(twist.velocity.y),
             AxisKind::Side => Ok(twist.velocity.x),
             AxisKind::Gyration => Ok(twist.gyration),
             AxisKind::Style => {
-                let tagged = || style_of(&source.clip, &cycle, &axis.tags);
+                let tagged = || style_parameters(&source.clip, &cycle, &axis.tags);
                 self.style.get(&name).copied().or_else(tagged).ok_or_else(|| {
                     let what = format!("{}: it has no value on the style axis `{name}`", source.clip.name);
-                    self.fault(".style", &what, "Give it by `style`, or name its tags in the axis's `tags`")
+                    self.entry_error(".style", &what, "Give it by `style`, or name its tags in the axis's `tags`")
                 })
             }
         };
         let parameters = self.config.axes.iter().zip(self.config.axis_names()).map(value).collect::<Result<_, _>>()?;
-        Ok(Candidate { name: source.clip.name.clone(), source, cycle, parameters, named })
+        Ok(ExampleCandidate { name: source.clip.name.clone(), source, cycle, parameters, named })
     }
 
     /// True if a point lies in the ranges of the config.
-    fn within(&self, parameters: &[f64]) -> bool {
+    fn is_in_range(&self, parameters: &[f64]) -> bool {
         let inside = |(p, a): (&f64, &super::config::AxisConfig)| {
             a.range.is_none_or(|[low, high]| {
                 let margin = 0.05 * (high - low);
@@ -375,13 +387,13 @@ impl Wish<'_> {
     }
 
     /// - `key`: of the entry, with its dot; empty for the whole entry.
-    fn fault(&self, key: &str, what: &str, help: &str) -> BuildError {
+    fn entry_error(&self, key: &str, what: &str, help: &str) -> BuildError {
         BuildError::key(format!("{}{key}", self.entry), format!("{what}. {help}."))
     }
 }
 
 /// Style value of the tags at the middle of a cycle.
-fn style_of(clip: &Clip, cycle: &Cycle<'_>, values: &BTreeMap<String, f64>) -> Option<f64> {
+fn style_parameters(clip: &Clip, cycle: &Cycle<'_>, values: &BTreeMap<String, f64>) -> Option<f64> {
     let middle = (0.5 * (cycle.steps.start + cycle.steps.end)) as usize;
     let here = clip.tags.iter().filter(|t| t.range.contains(&middle));
     here.filter_map(|t| values.get(&t.name)).copied().next()

@@ -1,8 +1,8 @@
 //! Long clips split into steady pieces, each of which is one arc at one speed (Kim, Kim and Shin 2003a, section 4.1).
 
-use super::steps::Steps;
-use super::track::Track;
-use super::twist::Twist;
+use super::steps::StepCycle;
+use super::track::ClipTrack;
+use super::twist::FacingTwist;
 
 /// Limits of the variation of movement over a steady piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,11 +15,11 @@ pub struct Tolerance {
 
 /// Runs of consecutive cycles that move alike: within one run, speeds and turning rates differ by no more than the
 /// tolerance. Each run is as long as possible from the end of the last one.
-pub fn pieces(track: &Track<'_>, cycles: &[Steps], tolerance: Tolerance) -> Vec<Vec<Steps>> {
-    let mut out: Vec<Vec<Steps>> = Vec::new();
+pub fn steady_runs(track: &ClipTrack<'_>, cycles: &[StepCycle], tolerance: Tolerance) -> Vec<Vec<StepCycle>> {
+    let mut out: Vec<Vec<StepCycle>> = Vec::new();
     let (mut low, mut high) = ([0.0; 3], [0.0; 3]);
     for c in cycles {
-        let t = Twist::of_cycles(track, &[*c], c.end - c.start);
+        let t = FacingTwist::mean_of_cycles(track, &[*c], c.end - c.start);
         let here = [t.velocity.x, t.velocity.y, t.gyration];
         let limits = [tolerance.speed, tolerance.speed, tolerance.gyration];
         let fits = (0..3).all(|k| here[k].max(high[k]) - here[k].min(low[k]) <= limits[k]);

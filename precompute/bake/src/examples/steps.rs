@@ -1,6 +1,6 @@
 //! Keytimes from foot contacts: the strikes and offs of a cycle of two steps (Kim, Kim and Shin 2003a, section 4.2.2).
 
-use super::track::Track;
+use super::track::ClipTrack;
 use throng_core::Contacts;
 use throng_motion::clip::FrameRange;
 
@@ -12,7 +12,7 @@ const MIXED_S: f64 = 0.085;
 
 /// A cycle of two steps in a clip. Times are in frames, halfway between the last frame before and the first after.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Steps {
+pub struct StepCycle {
     /// Strike of the left foot: the cycle begins.
     pub start: f64,
     /// Left foot leaves the ground, before `end`.
@@ -27,7 +27,7 @@ pub struct Steps {
 
 /// Reason why some frames hold no cycle.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fault {
+pub struct StepFault {
     /// Description, with frames.
     pub what: String,
     /// Time of the fault (frames).
@@ -36,35 +36,35 @@ pub struct Fault {
 
 /// Cycles and faults of a range of frames.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sequence {
+pub struct StepSequence {
     /// All cycles, in order. One ends where the next begins, unless a fault lies between.
-    pub cycles: Vec<Steps>,
+    pub cycles: Vec<StepCycle>,
     /// Faults that keep other frames from being cycles, in order.
-    pub faults: Vec<Fault>,
+    pub faults: Vec<StepFault>,
 }
 
 /// A strike of a foot and the duration of its stance; unknown if the range ends before.
 #[derive(Clone, Copy, Debug)]
-struct Strike {
+struct FootStrike {
     left: bool,
     time: f64,
     off: Option<f64>,
 }
 
 /// Finds all cycles of a range: strikes of the left, right, and left foot.
-pub fn sequence(track: &Track<'_>, range: &FrameRange) -> Sequence {
+pub fn sequence(track: &ClipTrack<'_>, range: &FrameRange) -> StepSequence {
     let strikes = strikes(track, range);
-    let mut out = Sequence::default();
+    let mut out = StepSequence::default();
     for pair in strikes.windows(2).filter(|p| p[0].left == p[1].left) {
-        out.faults.push(twice(&pair[0], &pair[1]));
+        out.faults.push(repeated(&pair[0], &pair[1]));
     }
-    for pair in strikes.windows(2).filter(|p| together(&p[0], &p[1])) {
+    for pair in strikes.windows(2).filter(|p| both_together(&p[0], &p[1])) {
         out.faults
-            .push(Fault { what: format!("both feet strike at frame {:.0}", pair[0].time + 0.5), at: pair[0].time });
+            .push(StepFault { what: format!("both feet strike at frame {:.0}", pair[0].time + 0.5), at: pair[0].time });
     }
     for (i, three) in strikes.windows(3).enumerate() {
         let [left, right, next] = three else { continue };
-        let both = together(left, right) || together(right, next);
+        let both = both_together(left, right) || both_together(right, next);
         if !left.left || right.left || !next.left || both {
             continue;
         }
@@ -82,25 +82,25 @@ pub fn sequence(track: &Track<'_>, range: &FrameRange) -> Sequence {
             strikes.iter().filter(|s| s.left).count(),
             strikes.iter().filter(|s| !s.left).count()
         );
-        out.faults.push(Fault { what, at: range.start as f64 });
+        out.faults.push(StepFault { what, at: range.start as f64 });
     }
     out.faults.sort_by(|a, b| a.at.total_cmp(&b.at));
     out
 }
 
 /// Finds all single steps of a range from the left foot's strike to the right one's, as halves of cycles.
-pub fn halves(track: &Track<'_>, range: &FrameRange) -> Vec<Steps> {
+pub fn find_half_cycles(track: &ClipTrack<'_>, range: &FrameRange) -> Vec<StepCycle> {
     let strikes = strikes(track, range);
-    let length = |s: &Strike| s.off.map(|off| off - s.time);
+    let length = |s: &FootStrike| s.off.map(|off| off - s.time);
     // A stance cut off by the range is assumed to be as long as the other foot's.
     let usual = strikes.iter().find_map(length);
-    let step = |pair: &[Strike]| {
+    let step = |pair: &[FootStrike]| {
         let [left, right] = pair else { return None };
         let half = right.time - left.time;
         let stance = length(left).or(length(right)).or(usual)?;
         let whole = left.left && !right.left && CYCLE_S.contains(&(2.0 * half / track.rate())) && stance < 2.0 * half;
         let (start, right_strike) = (left.time, right.time);
-        let steps = Steps {
+        let steps = StepCycle {
             start,
             left_off: start + stance,
             right_strike,
@@ -113,39 +113,45 @@ pub fn halves(track: &Track<'_>, range: &FrameRange) -> Vec<Steps> {
 }
 
 /// Strikes of both feet in order of time.
-fn strikes(track: &Track<'_>, range: &FrameRange) -> Vec<Strike> {
+fn strikes(track: &ClipTrack<'_>, range: &FrameRange) -> Vec<FootStrike> {
     let of = |foot: Contacts, left: bool| {
         let stances = track.stances(range, foot).into_iter().filter(|s| s.start > range.start);
-        stances.map(move |s| Strike {
+        stances.map(move |s| FootStrike {
             left,
             time: s.start as f64 - 0.5,
             off: (s.end < range.end).then_some(s.end as f64 - 0.5),
         })
     };
-    let mut strikes: Vec<Strike> = of(Contacts::LEFT, true).chain(of(Contacts::RIGHT, false)).collect();
+    let mut strikes: Vec<FootStrike> = of(Contacts::LEFT, true).chain(of(Contacts::RIGHT, false)).collect();
     strikes.sort_by(|a, b| a.time.total_cmp(&b.time));
     strikes
 }
 
 /// True if both feet strike in the same frame, so that no time passes in between.
-fn together(a: &Strike, b: &Strike) -> bool {
+fn both_together(a: &FootStrike, b: &FootStrike) -> bool {
     a.left != b.left && b.time - a.time < 1.0
 }
 
 /// Fault of two strikes of one foot without the other in between.
-fn twice(a: &Strike, b: &Strike) -> Fault {
+fn repeated(a: &FootStrike, b: &FootStrike) -> StepFault {
     let (foot, other) = if a.left { ("left", "right") } else { ("right", "left") };
     let (from, to) = (a.time + 0.5, b.time + 0.5);
     let what = format!(
         "the {foot} foot strikes at frame {from:.0} and again at frame {to:.0}, the {other} one not in between"
     );
-    Fault { what, at: a.time }
+    StepFault { what, at: a.time }
 }
 
 /// Cycle of three strikes.
-fn cycle(rate: f64, left: &Strike, right: &Strike, next: &Strike, before: Option<&Strike>) -> Result<Steps, Fault> {
+fn cycle(
+    rate: f64,
+    left: &FootStrike,
+    right: &FootStrike,
+    next: &FootStrike,
+    before: Option<&FootStrike>,
+) -> Result<StepCycle, StepFault> {
     let (start, right_strike, end) = (left.time, right.time, next.time);
-    let fault = |what: String| Fault { what, at: start };
+    let fault = |what: String| StepFault { what, at: start };
     let frames = format!("frames {:.0} to {:.0}", start + 0.5, end - 0.5);
     if !CYCLE_S.contains(&((end - start) / rate)) {
         return Err(fault(format!("two steps in {:.2} s ({frames}) are no gait", (end - start) / rate)));
@@ -163,10 +169,10 @@ fn cycle(rate: f64, left: &Strike, right: &Strike, next: &Strike, before: Option
         );
         return Err(fault(what));
     }
-    Ok(Steps { start, left_off, right_strike, right_off, end })
+    Ok(StepCycle { start, left_off, right_strike, right_off, end })
 }
 
-impl Steps {
+impl StepCycle {
     /// Generic times at which the left foot leaves the ground, the right one strikes, the right one leaves: the left
     /// strike is at 0 and the right one at 0.5.
     pub fn keytimes(&self) -> [f64; 3] {
@@ -189,13 +195,13 @@ impl Steps {
     }
 
     /// First step of a cycle with another end, followed by its mirrored image as the second one.
-    pub fn halved(self, right_strike: f64) -> Self {
+    pub fn first_half(self, right_strike: f64) -> Self {
         let half = right_strike - self.start;
         Self { right_strike, right_off: self.left_off + half, end: right_strike + half, ..self }
     }
 
     /// This cycle with another end; the second step takes the change.
-    pub fn ending(self, end: f64) -> Self {
+    pub fn with_end(self, end: f64) -> Self {
         Self { end, ..self }
     }
 }

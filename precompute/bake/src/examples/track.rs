@@ -1,6 +1,6 @@
 //! Motion of a clip's body at any time between its frames.
 
-use super::arc::wrap;
+use super::arc::wrap_angle;
 use glam::{DVec2, Quat, Vec3};
 use throng_base::maths;
 use throng_core::{Contacts, Joint, NUM_JOINTS};
@@ -8,7 +8,7 @@ use throng_motion::clip::{Clip, FrameRange};
 
 /// A clip with its root's ground path and its body's heading. Times are in frames of the clip.
 #[derive(Clone, Debug)]
-pub struct Track<'a> {
+pub struct ClipTrack<'a> {
     /// The clip.
     pub clip: &'a Clip,
     /// Position of the root on the ground (x, z) (m, num_frames).
@@ -19,21 +19,21 @@ pub struct Track<'a> {
 
 /// A pose between frames.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pose {
+pub struct FractionalPose {
     /// Position of the hips (m).
     pub hips: Vec3,
     /// Joint rotations; the hips' in the frame of `hips`.
     pub rotations: [Quat; NUM_JOINTS],
 }
 
-impl<'a> Track<'a> {
+impl<'a> ClipTrack<'a> {
     /// The track of a clip.
     pub fn new(clip: &'a Clip) -> Self {
         let path = clip.root_positions.iter().map(|p| DVec2::new(f64::from(p.x), f64::from(p.z))).collect();
         let mut facing: Vec<f64> = Vec::with_capacity(clip.num_frames());
         for frame in 0..clip.num_frames() {
             let heading = facing_of(clip.frame_rotations(frame));
-            facing.push(facing.last().map_or(heading, |last| last + wrap(heading - last)));
+            facing.push(facing.last().map_or(heading, |last| last + wrap_angle(heading - last)));
         }
         Self { clip, path, facing }
     }
@@ -44,35 +44,35 @@ impl<'a> Track<'a> {
     }
 
     /// Position of the root on the ground at a time (m).
-    pub fn place(&self, time: f64) -> DVec2 {
-        let (a, b, part) = self.between(time);
+    pub fn position_at(&self, time: f64) -> DVec2 {
+        let (a, b, part) = self.frames_around(time);
         self.path[a].lerp(self.path[b], part)
     }
 
     /// Heading of the body at a time, unwrapped (rad).
-    pub fn facing(&self, time: f64) -> f64 {
-        let (a, b, part) = self.between(time);
+    pub fn facing_at(&self, time: f64) -> f64 {
+        let (a, b, part) = self.frames_around(time);
         self.facing[a] + (self.facing[b] - self.facing[a]) * part
     }
 
     /// Pose at a time, in the world.
-    pub fn pose(&self, time: f64) -> Pose {
-        let (a, b, part) = self.between(time);
+    pub fn pose_at(&self, time: f64) -> FractionalPose {
+        let (a, b, part) = self.frames_around(time);
         let (from, to) = (self.clip.frame_rotations(a), self.clip.frame_rotations(b));
         let rotations = std::array::from_fn(|j| maths::slerp_f32(from[j], to[j], part as f32));
         let hips = self.clip.root_positions[a].lerp(self.clip.root_positions[b], part as f32);
-        Pose { hips, rotations }
+        FractionalPose { hips, rotations }
     }
 
     /// Share of contact of some parts of the body at a time: 0 or 1 at frames.
-    pub fn touch(&self, time: f64, parts: Contacts) -> f64 {
-        let (a, b, part) = self.between(time);
+    pub fn touch_at(&self, time: f64, parts: Contacts) -> f64 {
+        let (a, b, part) = self.frames_around(time);
         let at = |f: usize| f64::from(u8::from(self.clip.contacts[f].any(parts)));
         at(a) * (1.0 - part) + at(b) * part
     }
 
     /// Mean of a quantity over a span of time, sampled four times a frame.
-    pub fn mean<T>(&self, from: f64, to: f64, of: impl Fn(f64) -> T) -> T
+    pub fn mean_over<T>(&self, from: f64, to: f64, of: impl Fn(f64) -> T) -> T
     where
         T: std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T> + Default,
     {
@@ -83,11 +83,11 @@ impl<'a> Track<'a> {
 
     /// Runs of frames within `range` in which a foot stands, in order.
     pub fn stances(&self, range: &FrameRange, foot: Contacts) -> Vec<FrameRange> {
-        throng_motion::clip::runs(range.clone(), |f| self.clip.contacts[f].any(foot))
+        throng_motion::clip::runs_where(range.clone(), |f| self.clip.contacts[f].any(foot))
     }
 
     /// The frames around a time, and its ratio between them.
-    fn between(&self, time: f64) -> (usize, usize, f64) {
+    fn frames_around(&self, time: f64) -> (usize, usize, f64) {
         let last = self.path.len() - 1;
         let time = time.clamp(0.0, last as f64);
         let a = (time.floor() as usize).min(last);

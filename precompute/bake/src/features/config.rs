@@ -40,7 +40,7 @@ impl Default for FeaturesConfig {
 
 /// Weights in use. Velocity weights include the horizon.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Weights {
+pub(crate) struct PreparedWeights {
     /// Weight per squared joint angle; the hips' is 0 (NUM_JOINTS).
     pub joints: [f64; NUM_JOINTS],
     pub height: f64,
@@ -54,7 +54,7 @@ pub(crate) struct Weights {
 impl FeaturesConfig {
     /// # Errors
     /// [`BuildError::Key`] for a joint that does not exist or a number out of range.
-    pub(crate) fn weights(&self) -> Result<Weights, BuildError> {
+    pub(crate) fn weights(&self) -> Result<PreparedWeights, BuildError> {
         let mut joints = Joint::ALL.map(default_weight);
         for (name, &w) in &self.joint_weights {
             let joint = Joint::from_name(name).filter(|&j| j != Joint::Hips).ok_or_else(|| unknown_joint(name))?;
@@ -68,7 +68,7 @@ impl FeaturesConfig {
         let orientation = check("orientation_weight", self.orientation_weight)?;
         let metre = check("angle_per_metre", self.angle_per_metre)?.powi(2);
         let horizon = check("horizon_s", self.horizon_s)?.powi(2);
-        Ok(Weights {
+        Ok(PreparedWeights {
             joints: joints.map(|w| w / sum),
             height: metre,
             orientation,
@@ -100,7 +100,7 @@ fn default_weight(joint: Joint) -> f64 {
 }
 
 fn check(key: &str, value: f64) -> Result<f64, BuildError> {
-    check_ranges([(key, value, 0.0, 1e6)]).map_err(|e| e.within("features")).map(|()| value)
+    check_ranges([(key, value, 0.0, 1e6)]).map_err(|e| e.within_key("features")).map(|()| value)
 }
 
 fn unknown_joint(name: &str) -> BuildError {

@@ -11,11 +11,11 @@ mod row;
 pub use config::FeaturesConfig;
 use embedding::EMBEDDING;
 
-use crate::share::{by_owners, owners};
-use config::Weights;
+use crate::share::{clip_owners, sort_by_owner};
+use config::PreparedWeights;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
-use row::{LANES, Measured, Row};
+use row::{FeatureRow, FrameMeasurements, LANES};
 use serde::{Deserialize, Serialize};
 use throng_base::Comm;
 use throng_base::maths;
@@ -28,7 +28,7 @@ use throng_motion::error::BuildError;
 /// A [`FrameId`] is the index of a frame among the measured ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Features {
-    rows: Vec<Row>,
+    rows: Vec<FeatureRow>,
     joint_weights: [f32; LANES],
     orientation_weight: f32,
 }
@@ -75,18 +75,18 @@ pub(crate) fn extract_at(
         let (clip, start) = (&clips.clips[c], starts[c]);
         let place = |frame: u32| frames.partition_point(|f| f.0 < frame);
         let within = &frames[place(start)..place(start + clip.num_frames() as u32)];
-        Rows(rows(clip, within.iter().map(|f| (f.0 - start) as usize), &weights))
+        FeatureRows(rows(clip, within.iter().map(|f| (f.0 - start) as usize), &weights))
     };
-    let rows = by_owners(comm, &owners(clips, comm.num_ranks()), of_clip)?;
-    Ok(Features::new(rows.into_iter().flat_map(|rows: Rows| rows.0).collect(), &weights))
+    let rows = sort_by_owner(comm, &clip_owners(clips, comm.num_ranks()), of_clip)?;
+    Ok(Features::new(rows.into_iter().flat_map(|rows: FeatureRows| rows.0).collect(), &weights))
 }
 
 /// Feature rows, serialized between ranks.
 #[derive(Serialize, Deserialize)]
-struct Rows(#[serde(with = "throng_motion::pod")] Vec<Row>);
+struct FeatureRows(#[serde(with = "throng_motion::pod")] Vec<FeatureRow>);
 
 impl Features {
-    fn new(rows: Vec<Row>, weights: &Weights) -> Self {
+    fn new(rows: Vec<FeatureRow>, weights: &PreparedWeights) -> Self {
         let mut joint_weights = [0.0; LANES];
         for j in 1..NUM_JOINTS {
             joint_weights[j - 1] = weights.joints[j] as f32;
@@ -123,14 +123,14 @@ impl Features {
 }
 
 /// - `frames`: ascending.
-fn rows(clip: &Clip, frames: impl Iterator<Item = usize>, weights: &Weights) -> Vec<Row> {
-    let runs = runs(clip);
+fn rows(clip: &Clip, frames: impl Iterator<Item = usize>, weights: &PreparedWeights) -> Vec<FeatureRow> {
+    let runs = contiguous_runs(clip);
     let run_of = |f: usize| &runs[runs.partition_point(|run| run.end <= f)];
-    frames.map(|f| Row::new(&measure(clip, run_of(f), f), weights)).collect()
+    frames.map(|f| FeatureRow::new(&measure(clip, run_of(f), f), weights)).collect()
 }
 
 /// All frames, as runs that are either usable or excluded, in order.
-fn runs(clip: &Clip) -> Vec<FrameRange> {
+fn contiguous_runs(clip: &Clip) -> Vec<FrameRange> {
     let mut cuts = vec![0, clip.num_frames()];
     cuts.extend(clip.usable_ranges().iter().flat_map(|r| [r.start, r.end]));
     cuts.sort_unstable();
@@ -138,7 +138,7 @@ fn runs(clip: &Clip) -> Vec<FrameRange> {
     cuts.windows(2).map(|w| w[0]..w[1]).collect()
 }
 
-fn measure<'a>(clip: &'a Clip, run: &FrameRange, frame: usize) -> Measured<'a> {
+fn measure<'a>(clip: &'a Clip, run: &FrameRange, frame: usize) -> FrameMeasurements<'a> {
     let prev = frame.saturating_sub(1).max(run.start);
     let next = (frame + 1).min(run.end - 1);
     let per_second = if next > prev { (clip.rate_hz / (next - prev) as f64) as f32 } else { 0.0 };
@@ -149,7 +149,7 @@ fn measure<'a>(clip: &'a Clip, run: &FrameRange, frame: usize) -> Measured<'a> {
     }
     let rotations = clip.frame_rotations(frame);
     let to_local = Planar::split(clip.root_positions[frame], rotations[0]).0.rotation().conjugate();
-    Measured {
+    FrameMeasurements {
         rotations,
         joint_velocities,
         root_height: clip.root_positions[frame].y - clip.support.get(frame).copied().unwrap_or(0.0),

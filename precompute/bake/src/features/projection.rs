@@ -8,14 +8,14 @@ use throng_motion::clip::FrameId;
 pub(crate) const DIMS: usize = 16;
 
 /// Projection of a frame; the distance of two points never exceeds that of their frames.
-pub(crate) type Point = [f32; DIMS];
+pub(crate) type ProjectedPoint = [f32; DIMS];
 
 /// Number of frames from which the directions are computed.
 const SAMPLE: usize = 2048;
 /// Iterations that compute the directions. They need not be exact: any orthonormal ones keep the bound.
 const ROUNDS: usize = 8;
 
-type Direction = [f32; EMBEDDING];
+type ProjectionDirection = [f32; EMBEDDING];
 
 /// Amount by which rounding may let the squared distance of points exceed that of frames.
 pub(crate) const SLACK: f32 = 1e-3;
@@ -23,7 +23,7 @@ pub(crate) const SLACK: f32 = 1e-3;
 /// Projects frames on the directions of largest variance, in falling order.
 ///
 /// - returns the points (features.num_frames()).
-pub(crate) fn project(features: &Features) -> Vec<Point> {
+pub(crate) fn project(features: &Features) -> Vec<ProjectedPoint> {
     let num_frames = features.num_frames() as u32;
     let sample = (0..num_frames).step_by(features.num_frames().div_ceil(SAMPLE).max(1));
     let directions = principal_directions(sample.map(|f| features.embed(FrameId(f))).collect());
@@ -35,7 +35,7 @@ pub(crate) fn project(features: &Features) -> Vec<Point> {
 }
 
 /// Squared distance of two points.
-pub(crate) fn squared_gap(a: &Point, b: &Point) -> f32 {
+pub(crate) fn squared_gap(a: &ProjectedPoint, b: &ProjectedPoint) -> f32 {
     let mut sums = [0.0f32; 4];
     for (a, b) in a.chunks_exact(4).zip(b.chunks_exact(4)) {
         for l in 0..4 {
@@ -46,7 +46,7 @@ pub(crate) fn squared_gap(a: &Point, b: &Point) -> f32 {
 }
 
 /// Squared distance of two points if at most `limit`; the first dimensions reject most others.
-pub(crate) fn squared_gap_within(a: &Point, b: &Point, limit: f32) -> Option<f32> {
+pub(crate) fn squared_gap_within(a: &ProjectedPoint, b: &ProjectedPoint, limit: f32) -> Option<f32> {
     let half = |from: usize| {
         let mut sums = [0.0f32; 4];
         for d in (from..from + DIMS / 2).step_by(4) {
@@ -69,12 +69,13 @@ pub(crate) fn squared_reach(limit: f32) -> f32 {
 }
 
 /// Leading eigenvectors of the covariance, by subspace iteration.
-fn principal_directions(mut sample: Vec<Direction>) -> [Direction; DIMS] {
-    let mean: Direction = std::array::from_fn(|d| sample.iter().map(|x| x[d]).sum::<f32>() / sample.len() as f32);
+fn principal_directions(mut sample: Vec<ProjectionDirection>) -> [ProjectionDirection; DIMS] {
+    let mean: ProjectionDirection =
+        std::array::from_fn(|d| sample.iter().map(|x| x[d]).sum::<f32>() / sample.len() as f32);
     for x in &mut sample {
         x.iter_mut().zip(&mean).for_each(|(x, m)| *x -= m);
     }
-    let variance: Direction = std::array::from_fn(|d| sample.iter().map(|x| x[d] * x[d]).sum());
+    let variance: ProjectionDirection = std::array::from_fn(|d| sample.iter().map(|x| x[d] * x[d]).sum());
     let mut widest: Vec<usize> = (0..EMBEDDING).collect();
     widest.sort_by(|&a, &b| variance[b].total_cmp(&variance[a]));
     let mut directions = [[0.0; EMBEDDING]; DIMS];
@@ -93,7 +94,7 @@ fn principal_directions(mut sample: Vec<Direction>) -> [Direction; DIMS] {
 }
 
 /// Makes directions orthogonal to those before them and of unit length; a dependent one becomes zero.
-fn make_orthonormal(directions: &mut [Direction; DIMS]) {
+fn make_orthonormal(directions: &mut [ProjectionDirection; DIMS]) {
     for k in 0..DIMS {
         let (done, rest) = directions.split_at_mut(k);
         let whole = dot(&rest[0], &rest[0]).sqrt();
@@ -108,7 +109,7 @@ fn make_orthonormal(directions: &mut [Direction; DIMS]) {
     }
 }
 
-fn dot(a: &Direction, b: &Direction) -> f32 {
+fn dot(a: &ProjectionDirection, b: &ProjectionDirection) -> f32 {
     let mut sums = [0.0f32; 8];
     let (a, b) = (a.chunks(8), b.chunks(8));
     for (a, b) in a.zip(b) {
@@ -119,7 +120,7 @@ fn dot(a: &Direction, b: &Direction) -> f32 {
     sums.iter().sum()
 }
 
-fn add(to: &mut Direction, d: &Direction, times: f32) {
+fn add(to: &mut ProjectionDirection, d: &ProjectionDirection, times: f32) {
     to.iter_mut().zip(d).for_each(|(t, d)| *t += times * d);
 }
 
@@ -129,11 +130,11 @@ mod tests {
 
     #[test]
     fn directions_are_orthonormal_and_the_widest_come_first() {
-        let sample: Vec<Direction> = (0..400)
+        let sample: Vec<ProjectionDirection> = (0..400)
             .map(|k| std::array::from_fn(|d| ((k * (d + 3)) as f32 * 0.7).sin() * 0.7f32.powi(d as i32)))
             .collect();
         let directions = principal_directions(sample.clone());
-        let variance = |d: &Direction| sample.iter().map(|x| dot(d, x).powi(2)).sum::<f32>();
+        let variance = |d: &ProjectionDirection| sample.iter().map(|x| dot(d, x).powi(2)).sum::<f32>();
         for (i, a) in directions.iter().enumerate() {
             for b in &directions[..i] {
                 assert!(dot(a, b).abs() < 1e-5);

@@ -1,6 +1,6 @@
 //! The features of one frame, laid out so that a compiler turns the distance into vector instructions.
 
-use super::config::Weights;
+use super::config::PreparedWeights;
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 use throng_base::maths;
@@ -12,7 +12,7 @@ pub(super) const LANES: usize = 24;
 pub(super) const LINEAR: usize = 72;
 
 /// Unweighted features of a frame, as [`super::extract`] measures them.
-pub(super) struct Measured<'a> {
+pub(super) struct FrameMeasurements<'a> {
     /// Local rotations (NUM_JOINTS).
     pub rotations: &'a [Quat],
     /// Angular velocities of the joints (rad/s, NUM_JOINTS).
@@ -28,7 +28,7 @@ pub(super) struct Measured<'a> {
 /// Features of one frame: quaternions by component, and Euclidean features times the root of their weights.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(super) struct Row {
+pub(super) struct FeatureRow {
     pub(super) x: [f32; LANES],
     pub(super) y: [f32; LANES],
     pub(super) z: [f32; LANES],
@@ -37,8 +37,8 @@ pub(super) struct Row {
     pub(super) root: Quat,
 }
 
-impl Row {
-    pub fn new(m: &Measured, weights: &Weights) -> Self {
+impl FeatureRow {
+    pub fn new(m: &FrameMeasurements, weights: &PreparedWeights) -> Self {
         let mut row = Self {
             x: [0.0; LANES],
             y: [0.0; LANES],

@@ -1,9 +1,9 @@
 //! Keeps the component connected when only good links are chosen.
 
 use super::choose;
-use super::component::{EventGraph, NO_PART, components, in_order, joined, part_of};
-use super::matches::{AT_ONCE, Link, Way};
-use crate::share::{is_own, own, sent, told};
+use super::component::{EventGraph, NO_PART, component_of_events, components, join_components, sort_edges};
+use super::matches::{AT_ONCE, EventEdge, TransitionLink};
+use crate::share::{exchange_values, gather_all, is_own, own_numbers};
 use bytemuck::{Pod, Zeroable};
 use throng_base::Comm;
 use throng_motion::error::BuildError;
@@ -24,19 +24,19 @@ use throng_motion::error::BuildError;
 /// [`throng_base::Error::Rank`].
 pub(super) fn bridge(
     graph: &mut EventGraph,
-    matches: &[Vec<Link>],
-    arrivals: &Arrivals,
+    matches: &[Vec<TransitionLink>],
+    arrivals: &IncomingLinks,
     alive: &[bool],
     most: usize,
     comm: &dyn Comm,
 ) -> Result<(), BuildError> {
-    Parts::new(graph, matches, arrivals, alive, most).join(comm)?;
-    let ends = own(comm, alive.len()).into_iter().filter(|&i| alive[i] && !graph.goes_on(i, alive));
+    GraphComponents::new(graph, matches, arrivals, alive, most).join_all(comm)?;
+    let ends = own_numbers(comm, alive.len()).into_iter().filter(|&i| alive[i] && !graph.has_live_successor(i, alive));
     let second = |i: usize| {
-        let missing = 2usize.saturating_sub(graph.jumps(i, alive).count());
-        candidates(graph, matches, alive, i).take(missing).map(move |link| Way { from: i as u32, link: *link })
+        let missing = 2usize.saturating_sub(graph.live_links(i, alive).count());
+        candidates(graph, matches, alive, i).take(missing).map(move |link| EventEdge { from: i as u32, link: *link })
     };
-    for Way { from, link } in told(comm, ends.flat_map(second).collect())? {
+    for EventEdge { from, link } in gather_all(comm, ends.flat_map(second).collect())? {
         graph.links[from as usize].push(link);
     }
     (0..alive.len()).filter(|&i| alive[i]).for_each(|i| choose::sort(&mut graph.links[i]));
@@ -46,57 +46,57 @@ pub(super) fn bridge(
 /// Links of `i` that are not chosen and lead to live events, best first.
 fn candidates<'a>(
     graph: &'a EventGraph,
-    matches: &'a [Vec<Link>],
+    matches: &'a [Vec<TransitionLink>],
     alive: &'a [bool],
     i: usize,
-) -> impl Iterator<Item = &'a Link> {
-    matches[i]
-        .iter()
-        .filter(move |l| graph.goes_on(l.event(), alive) && graph.links[i].iter().all(|k| k.event() != l.event()))
+) -> impl Iterator<Item = &'a TransitionLink> {
+    matches[i].iter().filter(move |l| {
+        graph.has_live_successor(l.event(), alive) && graph.links[i].iter().all(|k| k.event() != l.event())
+    })
 }
 
 /// Links that lead to this rank's events.
-pub(super) struct Arrivals {
+pub(super) struct IncomingLinks {
     /// Offsets: the links to event e are `ways[starts[e]..starts[e + 1]]` (events + 1).
     starts: Vec<u32>,
     /// Links by the event that they lead to, best first for each.
-    ways: Vec<Way>,
+    edges: Vec<EventEdge>,
 }
 
-impl Arrivals {
+impl IncomingLinks {
     /// - `matches`: links of this rank's events (fewer than 2^32 lead to those of any rank).
     /// - `comm`: processes that hold the other links.
     ///
     /// # Errors
     /// [`throng_base::Error::Rank`].
-    pub fn new(matches: &[Vec<Link>], comm: &dyn Comm) -> Result<Self, BuildError> {
+    pub fn new(matches: &[Vec<TransitionLink>], comm: &dyn Comm) -> Result<Self, BuildError> {
         let mut ways = Vec::new();
         for first in (0..matches.len()).step_by(AT_ONCE * comm.num_ranks()) {
             let mut to = vec![Vec::new(); comm.num_ranks()];
             for (from, links) in matches.iter().enumerate().skip(first).take(AT_ONCE * comm.num_ranks()) {
                 let from = from as u32;
-                links.iter().for_each(|&link| to[link.event() % comm.num_ranks()].push(Way { from, link }));
+                links.iter().for_each(|&link| to[link.event() % comm.num_ranks()].push(EventEdge { from, link }));
             }
-            ways.append(&mut sent(comm, to)?);
+            ways.append(&mut exchange_values(comm, to)?);
         }
         ways.sort_unstable_by_key(|way| (way.link.event(), way.rank()));
         let mut starts = vec![0u32; matches.len() + 1];
         ways.iter().for_each(|way| starts[way.link.event() + 1] += 1);
         (0..matches.len()).for_each(|e| starts[e + 1] += starts[e]);
-        Ok(Self { starts, ways })
+        Ok(Self { starts, edges: ways })
     }
 
-    fn to(&self, event: usize) -> &[Way] {
-        &self.ways[self.starts[event] as usize..self.starts[event + 1] as usize]
+    fn links_to(&self, event: usize) -> &[EventEdge] {
+        &self.edges[self.starts[event] as usize..self.starts[event + 1] as usize]
     }
 }
 
 /// Strongly connected parts of the live events, as they merge. Parts never split again, so links within one are not
 /// examined any more.
-struct Parts<'a> {
+struct GraphComponents<'a> {
     graph: &'a mut EventGraph,
-    matches: &'a [Vec<Link>],
-    arrivals: &'a Arrivals,
+    matches: &'a [Vec<TransitionLink>],
+    arrivals: &'a IncomingLinks,
     alive: &'a [bool],
     most: usize,
     /// Preceding event in the clip of each event.
@@ -114,11 +114,11 @@ struct Parts<'a> {
     passed_in: Vec<u32>,
 }
 
-impl<'a> Parts<'a> {
+impl<'a> GraphComponents<'a> {
     fn new(
         graph: &'a mut EventGraph,
-        matches: &'a [Vec<Link>],
-        arrivals: &'a Arrivals,
+        matches: &'a [Vec<TransitionLink>],
+        arrivals: &'a IncomingLinks,
         alive: &'a [bool],
         most: usize,
     ) -> Self {
@@ -126,21 +126,21 @@ impl<'a> Parts<'a> {
         let num_events = alive.len();
         let mut before = vec![None; num_events];
         (0..num_events).for_each(|i| graph.next[i].into_iter().for_each(|n| before[n] = Some(i as u32)));
-        let part_of = part_of(&events, num_events);
-        let ways = (0..num_events).filter(|&i| alive[i]).flat_map(|i| graph.ways(i, &part_of));
-        let ways = in_order(ways.collect());
+        let part_of = component_of_events(&events, num_events);
+        let ways = (0..num_events).filter(|&i| alive[i]).flat_map(|i| graph.component_edges(i, &part_of));
+        let ways = sort_edges(ways.collect());
         let (passed_out, passed_in) = (vec![0; num_events], vec![0; num_events]);
         Self { graph, matches, arrivals, alive, most, before, part_of, events, ways, passed_out, passed_in }
     }
 
     /// Adds the best missing links, until there is one part or no further link.
-    fn join(mut self, comm: &dyn Comm) -> Result<(), BuildError> {
+    fn join_all(mut self, comm: &dyn Comm) -> Result<(), BuildError> {
         while self.events.len() > 1 {
-            let more = self.missing(comm)?;
+            let more = self.missing_links(comm)?;
             if more.is_empty() {
                 break;
             }
-            for Way { from, link } in more {
+            for EventEdge { from, link } in more {
                 self.graph.links[from as usize].push(link);
                 let to = self.graph.next[link.event()].map_or(NO_PART, |n| self.part_of[n]);
                 self.ways.push([self.part_of[from as usize], to]);
@@ -153,7 +153,7 @@ impl<'a> Parts<'a> {
     /// Merges parts that now reach each other.
     fn merge(&mut self) {
         self.ways.sort_unstable();
-        let joined = joined(self.events.len(), &self.ways);
+        let joined = join_components(self.events.len(), &self.ways);
         let mut new = vec![0; self.events.len()];
         for (number, parts) in (0..).zip(&joined) {
             parts.iter().for_each(|&part| new[part as usize] = number);
@@ -168,13 +168,13 @@ impl<'a> Parts<'a> {
         };
         self.events = joined.into_iter().map(together).collect();
         self.ways.iter_mut().for_each(|way| *way = way.map(|part| new[part as usize]));
-        self.ways = in_order(std::mem::take(&mut self.ways));
-        self.part_of = part_of(&self.events, self.alive.len());
+        self.ways = sort_edges(std::mem::take(&mut self.ways));
+        self.part_of = component_of_events(&self.events, self.alive.len());
     }
 
     /// Best outgoing link of every part without one, and best incoming link of every part without one; ascending, each
     /// once.
-    fn missing(&mut self, comm: &dyn Comm) -> Result<Vec<Way>, BuildError> {
+    fn missing_links(&mut self, comm: &dyn Comm) -> Result<Vec<EventEdge>, BuildError> {
         let (mut has_out, mut has_in) = (vec![false; self.events.len()], vec![false; self.events.len()]);
         for [from, to] in &self.ways {
             (has_out[*from as usize], has_in[*to as usize]) = (true, true);
@@ -182,37 +182,38 @@ impl<'a> Parts<'a> {
         let mut found = Vec::new();
         for part in 0..self.events.len() {
             let events = std::mem::take(&mut self.events[part]);
-            let mut find =
-                |way: u32, best: Option<Way>| found.extend(best.map(|best| Found { part: part as u32, way, best }));
+            let mut find = |way: u32, best: Option<EventEdge>| {
+                found.extend(best.map(|best| BestBridge { part: part as u32, direction: way, best }))
+            };
             if !has_out[part] {
                 let own = events.iter().filter(|&&i| is_own(comm, i as usize));
-                find(0, own.filter_map(|&i| self.way_out(i as usize)).min_by_key(Way::rank));
+                find(0, own.filter_map(|&i| self.way_out(i as usize)).min_by_key(EventEdge::rank));
             }
             if !has_in[part] {
                 let ways = events.iter().filter_map(|&i| self.way_in(i as usize, comm));
-                find(1, ways.min_by_key(Way::rank));
+                find(1, ways.min_by_key(EventEdge::rank));
             }
             self.events[part] = events;
         }
-        let mut found = told(comm, found)?;
-        found.sort_unstable_by_key(|f| (f.part, f.way, f.best.rank()));
-        found.dedup_by_key(|f| (f.part, f.way));
+        let mut found = gather_all(comm, found)?;
+        found.sort_unstable_by_key(|f| (f.part, f.direction, f.best.rank()));
+        found.dedup_by_key(|f| (f.part, f.direction));
         // A chosen link is both outgoing and incoming, so none is considered twice.
-        let mut more: Vec<Way> = found.into_iter().map(|f| f.best).collect();
+        let mut more: Vec<EventEdge> = found.into_iter().map(|f| f.best).collect();
         more.sort_unstable_by_key(|f| (f.from, f.link.event()));
         more.dedup_by_key(|f| (f.from, f.link.event()));
         Ok(more)
     }
 
     /// Best link of an event to another part.
-    fn way_out(&mut self, i: usize) -> Option<Way> {
+    fn way_out(&mut self, i: usize) -> Option<EventEdge> {
         if self.graph.links[i].len() >= self.most {
             return None;
         }
         let passed = &mut self.passed_out[i];
         for link in &self.matches[i][*passed as usize..] {
             if self.graph.next[link.event()].is_some_and(|n| self.alive[n] && self.part_of[n] != self.part_of[i]) {
-                return Some(Way { from: i as u32, link: *link });
+                return Some(EventEdge { from: i as u32, link: *link });
             }
             *passed += 1;
         }
@@ -220,10 +221,10 @@ impl<'a> Parts<'a> {
     }
 
     /// Best link from another part to an event, if this rank holds it.
-    fn way_in(&mut self, i: usize, comm: &dyn Comm) -> Option<Way> {
+    fn way_in(&mut self, i: usize, comm: &dyn Comm) -> Option<EventEdge> {
         let to = self.before[i].filter(|&to| is_own(comm, to as usize))? as usize;
         let passed = &mut self.passed_in[i];
-        for way in &self.arrivals.to(to)[*passed as usize..] {
+        for way in &self.arrivals.links_to(to)[*passed as usize..] {
             let from = way.from as usize;
             if self.alive[from] && self.part_of[from] != self.part_of[i] && self.graph.links[from].len() < self.most {
                 return Some(*way);
@@ -237,9 +238,9 @@ impl<'a> Parts<'a> {
 /// Best link out of a part, or into it, that a rank has found.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-struct Found {
+struct BestBridge {
     part: u32,
     /// Direction: 0 out of the part, 1 into it.
-    way: u32,
-    best: Way,
+    direction: u32,
+    best: EventEdge,
 }

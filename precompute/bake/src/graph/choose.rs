@@ -1,8 +1,8 @@
 //! Choice of transitions that become actions: near ones, with different outcomes, and enough of them.
 
-use super::config::GraphConfig;
-use super::matches::Link;
-use crate::share::{own, rows_of_all};
+use super::config::MotionGraphConfig;
+use super::matches::TransitionLink;
+use crate::share::{gather_rows, own_numbers};
 use rayon::prelude::*;
 use throng_base::Comm;
 use throng_core::Planar;
@@ -18,14 +18,14 @@ const RESERVED: usize = 4;
 
 /// Outcome of the motion after an event.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Outcome {
+pub(super) struct MotionOutcome {
     /// Place after the horizon, in the event's frame.
     pub place: Planar,
-    pub kind: Kind,
+    pub kind: OutcomeKind,
 }
 
 /// Kind of an outcome: side of the turn, and direction of travel as one of five.
-pub(super) type Kind = (i8, u8);
+pub(super) type OutcomeKind = (i8, u8);
 
 /// Chosen links of every event at a threshold, best first.
 ///
@@ -39,23 +39,28 @@ pub(super) type Kind = (i8, u8);
 /// # Errors
 /// [`throng_base::Error::Rank`].
 pub(super) fn choose(
-    matches: &[Vec<Link>],
-    outcomes: &[Outcome],
+    matches: &[Vec<TransitionLink>],
+    outcomes: &[MotionOutcome],
     threshold: f32,
-    config: &GraphConfig,
+    config: &MotionGraphConfig,
     comm: &dyn Comm,
-) -> Result<Vec<Vec<Link>>, BuildError> {
-    let of_one = |event: usize| choose_of_one(&matches[event], outcomes, threshold, config);
-    let chosen = own(comm, matches.len()).into_par_iter().map(of_one).collect();
-    rows_of_all(comm, matches.len(), chosen)
+) -> Result<Vec<Vec<TransitionLink>>, BuildError> {
+    let of_one = |event: usize| choose_links(&matches[event], outcomes, threshold, config);
+    let chosen = own_numbers(comm, matches.len()).into_par_iter().map(of_one).collect();
+    gather_rows(comm, matches.len(), chosen)
 }
 
 /// Chooses the links of one event; see [`choose`].
-fn choose_of_one(all: &[Link], outcomes: &[Outcome], threshold: f32, config: &GraphConfig) -> Vec<Link> {
-    let mut choice = Choice::new(all, outcomes, config);
+fn choose_links(
+    all: &[TransitionLink],
+    outcomes: &[MotionOutcome],
+    threshold: f32,
+    config: &MotionGraphConfig,
+) -> Vec<TransitionLink> {
+    let mut choice = LinkChoice::new(all, outcomes, config);
     for link in all.iter().take_while(|l| l.error <= threshold) {
-        if choice.takes(link.event()) {
-            choice.take(*link);
+        if choice.accepts(link.event()) {
+            choice.push(*link);
         }
     }
     let mut chosen = choice.chosen;
@@ -64,20 +69,20 @@ fn choose_of_one(all: &[Link], outcomes: &[Outcome], threshold: f32, config: &Gr
 }
 
 /// Choice among the links of one event. A lower threshold chooses a subset of what a higher one does.
-pub(super) struct Choice<'a> {
-    chosen: Vec<Link>,
+pub(super) struct LinkChoice<'a> {
+    chosen: Vec<TransitionLink>,
     most: usize,
-    outcomes: &'a [Outcome],
-    config: &'a GraphConfig,
+    outcomes: &'a [MotionOutcome],
+    config: &'a MotionGraphConfig,
 }
 
-impl<'a> Choice<'a> {
+impl<'a> LinkChoice<'a> {
     /// Takes the best link of every kind of outcome.
     ///
     /// - `best_first`: at least those links.
-    pub fn new(best_first: &[Link], outcomes: &'a [Outcome], config: &'a GraphConfig) -> Self {
+    pub fn new(best_first: &[TransitionLink], outcomes: &'a [MotionOutcome], config: &'a MotionGraphConfig) -> Self {
         let most = config.max_actions.saturating_sub(1 + RESERVED).max(1);
-        let mut chosen: Vec<Link> = Vec::new();
+        let mut chosen: Vec<TransitionLink> = Vec::new();
         for link in best_first {
             let kind = outcomes[link.event()].kind;
             if chosen.len() < most && chosen.iter().all(|l| outcomes[l.event()].kind != kind) {
@@ -93,31 +98,31 @@ impl<'a> Choice<'a> {
 
     /// True if there is room for a link to an event and no better one leads nearly to the same place; once false, it
     /// stays false.
-    pub fn takes(&self, event: usize) -> bool {
-        let same = |l: &Link| {
+    pub fn accepts(&self, event: usize) -> bool {
+        let same = |l: &TransitionLink| {
             l.event() == event || same_outcome(&self.outcomes[l.event()], &self.outcomes[event], self.config)
         };
         !self.is_full() && !self.chosen.iter().any(same)
     }
 
     /// Takes the next best link among the acceptable ones.
-    pub fn take(&mut self, link: Link) {
+    pub fn push(&mut self, link: TransitionLink) {
         self.chosen.push(link);
     }
 
     /// Links taken, in no order.
-    pub fn chosen(&self) -> &[Link] {
+    pub fn chosen(&self) -> &[TransitionLink] {
         &self.chosen
     }
 }
 
-impl Outcome {
+impl MotionOutcome {
     pub fn new(place: Planar) -> Self {
         Self { place, kind: kind_of(&place) }
     }
 }
 
-fn kind_of(outcome: &Planar) -> Kind {
+fn kind_of(outcome: &Planar) -> OutcomeKind {
     let side = if outcome.heading > TURN {
         1
     } else if outcome.heading < -TURN {
@@ -138,11 +143,15 @@ fn kind_of(outcome: &Planar) -> Kind {
 }
 
 /// Sorts links, best first.
-pub(super) fn sort(links: &mut [Link]) {
-    links.sort_unstable_by_key(Link::rank);
+pub(super) fn sort(links: &mut [TransitionLink]) {
+    links.sort_unstable_by_key(TransitionLink::rank);
 }
 
-fn same_outcome(Outcome { place: a, .. }: &Outcome, Outcome { place: b, .. }: &Outcome, config: &GraphConfig) -> bool {
+fn same_outcome(
+    MotionOutcome { place: a, .. }: &MotionOutcome,
+    MotionOutcome { place: b, .. }: &MotionOutcome,
+    config: &MotionGraphConfig,
+) -> bool {
     let [x, z] = [a.x - b.x, a.z - b.z].map(f64::from);
     x * x + z * z < config.outcome_distance * config.outcome_distance
         && f64::from(wrap_angle(a.heading - b.heading).abs()) < config.outcome_angle
@@ -151,13 +160,13 @@ fn same_outcome(Outcome { place: a, .. }: &Outcome, Outcome { place: b, .. }: &O
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_base::Alone;
+    use throng_base::SingleRank;
 
-    fn links(errors: &[(usize, f32)]) -> Vec<Link> {
-        errors.iter().map(|&(event, error)| Link::new(event, error)).collect()
+    fn links(errors: &[(usize, f32)]) -> Vec<TransitionLink> {
+        errors.iter().map(|&(event, error)| TransitionLink::new(event, error)).collect()
     }
 
-    fn events(links: &[Link]) -> Vec<usize> {
+    fn events(links: &[TransitionLink]) -> Vec<usize> {
         links.iter().map(|l| l.event()).collect()
     }
 
@@ -165,8 +174,8 @@ mod tests {
     fn of_equal_outcomes_the_better_stays() {
         let mut matches = vec![Vec::new(); 6];
         matches[0] = links(&[(1, 0.1), (2, 0.2), (3, 0.3), (4, 0.4), (5, 0.9)]);
-        let outcomes = [0.0, 1.0, 1.0, 1.02, 2.0, 3.0].map(|z| Outcome::new(Planar::new(0.0, z, 0.0)));
-        let chosen = choose(&matches, &outcomes, 0.5, &GraphConfig::default(), &Alone).unwrap();
+        let outcomes = [0.0, 1.0, 1.0, 1.02, 2.0, 3.0].map(|z| MotionOutcome::new(Planar::new(0.0, z, 0.0)));
+        let chosen = choose(&matches, &outcomes, 0.5, &MotionGraphConfig::default(), &SingleRank).unwrap();
         assert_eq!(events(&chosen[0]), [1, 4]);
     }
 
@@ -183,18 +192,20 @@ mod tests {
             Planar::new(0.0, -1.0, -1.0),
             Planar::new(0.1, 0.1, 0.0),
         ]
-        .map(Outcome::new);
-        let chosen = choose(&matches, &outcomes, 0.5, &GraphConfig::default(), &Alone).unwrap();
+        .map(MotionOutcome::new);
+        let chosen = choose(&matches, &outcomes, 0.5, &MotionGraphConfig::default(), &SingleRank).unwrap();
         assert_eq!(events(&chosen[0]), [1, 3, 5, 6]);
     }
 
     #[test]
     fn leaves_room_below_the_most_actions() {
         let mut matches = vec![Vec::new(); 100];
-        matches[0] = (1..100).map(|event| Link::new(event, 0.1)).collect();
-        let outcomes: Vec<Outcome> = (0..100).map(|z| Outcome::new(Planar::new(0.0, z as f32, 0.0))).collect();
+        matches[0] = (1..100).map(|event| TransitionLink::new(event, 0.1)).collect();
+        let outcomes: Vec<MotionOutcome> =
+            (0..100).map(|z| MotionOutcome::new(Planar::new(0.0, z as f32, 0.0))).collect();
         let chosen =
-            choose(&matches, &outcomes, 0.5, &GraphConfig { max_actions: 10, ..Default::default() }, &Alone).unwrap();
+            choose(&matches, &outcomes, 0.5, &MotionGraphConfig { max_actions: 10, ..Default::default() }, &SingleRank)
+                .unwrap();
         assert_eq!(chosen[0].len(), 9 - RESERVED);
     }
 }

@@ -1,15 +1,15 @@
 //! Collapses event frames with a single outgoing edge into segments between states.
 
 use super::component::EventGraph;
-use super::events::{Event, EventKind};
-use super::matches::{Link, displacement};
-use super::{Action, MotionGraph, Segment, SegmentId, StateId};
+use super::events::{EventFrame, EventFrameKind};
+use super::matches::{TransitionLink, displacement};
+use super::{GraphAction, GraphSegment, RawMotionGraph, SegmentId, StateId};
 use throng_motion::clip::{ClipSet, FrameId};
 
 /// Choices of an event: the event whose motion follows (itself if the clip continues), and the error.
-fn ways_out(graph: &EventGraph, alive: &[bool], i: usize) -> Vec<Link> {
-    let on = graph.goes_on(i, alive).then_some(Link::new(i, 0.0));
-    on.into_iter().chain(graph.jumps(i, alive).copied()).collect()
+fn ways_out(graph: &EventGraph, alive: &[bool], i: usize) -> Vec<TransitionLink> {
+    let on = graph.has_live_successor(i, alive).then_some(TransitionLink::new(i, 0.0));
+    on.into_iter().chain(graph.live_links(i, alive).copied()).collect()
 }
 
 /// Mean number of actions of the states that [`collapse`] would return.
@@ -26,8 +26,8 @@ pub(super) fn branching(graph: &EventGraph, alive: &[bool]) -> f64 {
 ///
 /// # Panics
 /// If `alive` is no such component.
-pub(super) fn collapse(graph: &EventGraph, alive: &[bool], events: &[Event], clips: &ClipSet) -> MotionGraph {
-    let ways: Vec<Vec<Link>> =
+pub(super) fn collapse(graph: &EventGraph, alive: &[bool], events: &[EventFrame], clips: &ClipSet) -> RawMotionGraph {
+    let ways: Vec<Vec<TransitionLink>> =
         (0..alive.len()).map(|i| if alive[i] { ways_out(graph, alive, i) } else { Vec::new() }).collect();
     let is_state = |i: usize| ways[i].len() > 1;
     let state_events: Vec<usize> = (0..alive.len()).filter(|&i| is_state(i)).collect();
@@ -42,7 +42,7 @@ pub(super) fn collapse(graph: &EventGraph, alive: &[bool], events: &[Event], cli
             .find(|&e| is_state(e))
             .expect("an event of a component that is no state goes on in its clip");
         let (from, to) = (events[start].frame, events[end].frame);
-        Segment {
+        GraphSegment {
             start: from,
             num_frames: to.0 - from.0,
             end: StateId(index_of(&state_events, end)),
@@ -53,9 +53,9 @@ pub(super) fn collapse(graph: &EventGraph, alive: &[bool], events: &[Event], cli
     let mut actions = Vec::new();
     let mut action_offsets = vec![0];
     for &i in &state_events {
-        let mut of_state: Vec<Action> = ways[i]
+        let mut of_state: Vec<GraphAction> = ways[i]
             .iter()
-            .map(|l| Action { segment: SegmentId(index_of(&starts, l.event())), error: l.error })
+            .map(|l| GraphAction { segment: SegmentId(index_of(&starts, l.event())), error: l.error })
             .collect();
         of_state.sort_unstable_by(|a, b| a.error.total_cmp(&b.error).then(a.segment.cmp(&b.segment)));
         actions.extend(of_state);
@@ -63,14 +63,14 @@ pub(super) fn collapse(graph: &EventGraph, alive: &[bool], events: &[Event], cli
     }
     let states: Vec<FrameId> = state_events.iter().map(|&i| events[i].frame).collect();
     let standing = places_to_stand(&state_events.iter().map(|&i| &events[i]).collect::<Vec<_>>());
-    MotionGraph { states, standing, segments, action_offsets, actions }
+    RawMotionGraph { states, standing, segments, action_offsets, actions }
 }
 
 /// For each state, true if a character may stand there for long: states at rest, or all standing states if every one of
 /// them holds an arm out.
-fn places_to_stand(states: &[&Event]) -> Vec<bool> {
+fn places_to_stand(states: &[&EventFrame]) -> Vec<bool> {
     let any_rests = states.iter().any(|e| e.is_rest);
-    states.iter().map(|e| if any_rests { e.is_rest } else { e.kind == EventKind::Standing }).collect()
+    states.iter().map(|e| if any_rests { e.is_rest } else { e.kind == EventFrameKind::Standing }).collect()
 }
 
 #[cfg(test)]
@@ -79,7 +79,7 @@ mod tests {
 
     #[test]
     fn who_always_holds_an_arm_out_may_stand_so() {
-        let event = |kind, is_rest| Event {
+        let event = |kind, is_rest| EventFrame {
             frame: FrameId(0),
             clip: 0,
             kind,
@@ -88,8 +88,11 @@ mod tests {
             is_rest,
             run_end: FrameId(1),
         };
-        let (walks, gesture, rest) =
-            (event(EventKind::LeavesBoth, false), event(EventKind::Standing, false), event(EventKind::Standing, true));
+        let (walks, gesture, rest) = (
+            event(EventFrameKind::LeavesBoth, false),
+            event(EventFrameKind::Standing, false),
+            event(EventFrameKind::Standing, true),
+        );
         assert_eq!(places_to_stand(&[&walks, &gesture, &rest]), [false, false, true]);
         assert_eq!(places_to_stand(&[&walks, &gesture]), [false, true]);
     }

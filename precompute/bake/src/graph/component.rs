@@ -1,7 +1,7 @@
 //! The largest strongly connected component, without dead ends.
 
-use super::matches::Link;
-use crate::share::{one_of_all, own, rows_of_all, told};
+use super::matches::TransitionLink;
+use crate::share::{gather_all, gather_each, gather_rows, own_numbers};
 use std::borrow::Cow;
 use throng_base::Comm;
 use throng_motion::error::BuildError;
@@ -17,22 +17,22 @@ pub(super) struct EventGraph {
     /// Weight in the comparison of components: a metre travelled counts as much as a second (frames).
     pub worth: Vec<u32>,
     /// Transitions of every event; if ranks share them, only those of this rank's events.
-    pub links: Vec<Vec<Link>>,
+    pub links: Vec<Vec<TransitionLink>>,
 }
 
 impl EventGraph {
     /// True if the clip continues from `i` to an event of the component.
-    pub fn goes_on(&self, i: usize, alive: &[bool]) -> bool {
+    pub fn has_live_successor(&self, i: usize, alive: &[bool]) -> bool {
         self.next[i].is_some_and(|n| alive[n])
     }
 
     /// Events that may follow `i`.
     pub fn targets(&self, i: usize) -> impl Iterator<Item = usize> {
-        (0..=self.links[i].len()).filter_map(move |way| target(&self.next, &self.links, i, way))
+        (0..=self.links[i].len()).filter_map(move |way| successor_event(&self.next, &self.links, i, way))
     }
 
     /// Edges from the part of event `i` to other parts.
-    pub fn ways<'a>(&'a self, i: usize, part_of: &'a [u32]) -> impl Iterator<Item = [u32; 2]> + 'a {
+    pub fn component_edges<'a>(&'a self, i: usize, part_of: &'a [u32]) -> impl Iterator<Item = [u32; 2]> + 'a {
         let ways = self.targets(i).map(move |n| [part_of[i], part_of[n]]);
         ways.filter(|[from, to]| from != to && *to != NO_PART)
     }
@@ -46,8 +46,8 @@ impl EventGraph {
     }
 
     /// Links of `i` that arrive in the component.
-    pub fn jumps<'a>(&'a self, i: usize, alive: &'a [bool]) -> impl Iterator<Item = &'a Link> {
-        self.links[i].iter().filter(|l| self.goes_on(l.event(), alive))
+    pub fn live_links<'a>(&'a self, i: usize, alive: &'a [bool]) -> impl Iterator<Item = &'a TransitionLink> {
+        self.links[i].iter().filter(|l| self.has_live_successor(l.event(), alive))
     }
 }
 
@@ -70,20 +70,20 @@ pub(super) fn largest_component(
     comm: &dyn Comm,
 ) -> Result<Vec<bool>, BuildError> {
     let num_events = graph.next.len();
-    let own = own(comm, num_events);
-    let of_all = |of_one: &dyn Fn(usize) -> u8| one_of_all(comm, num_events, own.iter().map(|&i| of_one(i)).collect());
+    let own = own_numbers(comm, num_events);
+    let of_all = |of_one: &dyn Fn(usize) -> u8| gather_each(comm, num_events, own.iter().map(|&i| of_one(i)).collect());
     let leads_to_itself = of_all(&|i| u8::from(graph.targets(i).any(|n| n == i)))?;
     let is_alone = comm.num_ranks() == 1;
-    let best = || rows_of_all(comm, num_events, own.iter().map(|&i| best_of(&graph.links[i])).collect());
+    let best = || gather_rows(comm, num_events, own.iter().map(|&i| best_links(&graph.links[i])).collect());
     let best = if is_alone { Cow::Borrowed(&graph.links) } else { Cow::Owned(best()?) };
     let mut alive = vec![true; num_events];
     loop {
         let parts = components(&graph.next, &best, &alive);
-        let parts = if is_alone { parts } else { joined_by_all(graph, parts, &alive, comm)? };
+        let parts = if is_alone { parts } else { merge_components(graph, parts, &alive, comm)? };
         alive = strongest(graph, parts, &leads_to_itself);
         // Two links are as good as many.
-        let jumps = of_all(&|i| graph.jumps(i, &alive).take(2).count() as u8)?;
-        let is_end = |i: usize| alive[i] && !graph.goes_on(i, &alive) && jumps[i] < 2;
+        let jumps = of_all(&|i| graph.live_links(i, &alive).take(2).count() as u8)?;
+        let is_end = |i: usize| alive[i] && !graph.has_live_successor(i, &alive) && jumps[i] < 2;
         let ends = (0..num_events).filter(|&i| is_end(i));
         let out: Vec<usize> = ends.chain(too_far_ahead(graph, &alive, &jumps, most_frames)).collect();
         if out.is_empty() {
@@ -99,7 +99,7 @@ pub(super) fn largest_component(
 ///
 /// - `jumps`: number of links of each event, up to two.
 fn too_far_ahead(graph: &EventGraph, alive: &[bool], jumps: &[u8], most_frames: u32) -> Vec<usize> {
-    let ways = |i: usize| u8::from(graph.goes_on(i, alive)) + jumps[i];
+    let ways = |i: usize| u8::from(graph.has_live_successor(i, alive)) + jumps[i];
     // Clips go forward: the successor of an event has a greater number.
     let mut frames_left = vec![0u32; alive.len()];
     let mut out = Vec::new();
@@ -117,35 +117,38 @@ fn too_far_ahead(graph: &EventGraph, alive: &[bool], jumps: &[u8], most_frames: 
 /// Strongly connected components of the live events, each ascending.
 ///
 /// - `next`, `links`: as of an [`EventGraph`], links of all events.
-pub(super) fn components(next: &[Option<usize>], links: &[Vec<Link>], alive: &[bool]) -> Vec<Vec<u32>> {
-    let target = |i: usize, way: usize| target(next, links, i, way).filter(|&n| alive[n]);
+pub(super) fn components(next: &[Option<usize>], links: &[Vec<TransitionLink>], alive: &[bool]) -> Vec<Vec<u32>> {
+    let target = |i: usize, way: usize| successor_event(next, links, i, way).filter(|&n| alive[n]);
     strongly_connected(alive.len(), |i| alive[i], |i| links[i].len() + 1, target)
 }
 
 /// Target of an outgoing edge of event `i`: the clip's for 0, or that of a link (way <= links[i].len()).
-fn target(next: &[Option<usize>], links: &[Vec<Link>], i: usize, way: usize) -> Option<usize> {
+fn successor_event(next: &[Option<usize>], links: &[Vec<TransitionLink>], i: usize, way: usize) -> Option<usize> {
     next[if way == 0 { i } else { links[i][way - 1].event() }]
 }
 
 /// Number of best links of each event known to all ranks: they connect nearly everything.
 const KNOWN: usize = 8;
 
-fn best_of(links: &[Link]) -> Vec<Link> {
+fn best_links(links: &[TransitionLink]) -> Vec<TransitionLink> {
     links[..links.len().min(KNOWN)].to_vec()
 }
 
 /// Components by all links, from those by the few links known to all ranks: ranks exchange the edges between
 /// components.
-fn joined_by_all(
+fn merge_components(
     graph: &EventGraph,
     parts: Vec<Vec<u32>>,
     alive: &[bool],
     comm: &dyn Comm,
 ) -> Result<Vec<Vec<u32>>, BuildError> {
-    let part_of = part_of(&parts, alive.len());
-    let ways = own(comm, alive.len()).into_iter().filter(|&i| alive[i]).flat_map(|i| graph.ways(i, &part_of));
-    let ways = told(comm, in_order(ways.collect()))?;
-    let joined = joined(parts.len(), &in_order(ways));
+    let part_of = component_of_events(&parts, alive.len());
+    let ways = own_numbers(comm, alive.len())
+        .into_iter()
+        .filter(|&i| alive[i])
+        .flat_map(|i| graph.component_edges(i, &part_of));
+    let ways = gather_all(comm, sort_edges(ways.collect()))?;
+    let joined = join_components(parts.len(), &sort_edges(ways));
     let together = |of: Vec<u32>| {
         let mut all: Vec<u32> = of.iter().flat_map(|&part| parts[part as usize].iter().copied()).collect();
         all.sort_unstable();
@@ -158,7 +161,7 @@ fn joined_by_all(
 pub(super) const NO_PART: u32 = u32::MAX;
 
 /// The part of each event.
-pub(super) fn part_of(parts: &[Vec<u32>], num_events: usize) -> Vec<u32> {
+pub(super) fn component_of_events(parts: &[Vec<u32>], num_events: usize) -> Vec<u32> {
     let mut out = vec![NO_PART; num_events];
     for (part, events) in (0..).zip(parts) {
         events.iter().for_each(|&i| out[i as usize] = part);
@@ -167,7 +170,7 @@ pub(super) fn part_of(parts: &[Vec<u32>], num_events: usize) -> Vec<u32> {
 }
 
 /// Edges between parts, each once, ascending.
-pub(super) fn in_order(mut ways: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
+pub(super) fn sort_edges(mut ways: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
     ways.retain(|[from, to]| from != to);
     ways.sort_unstable();
     ways.dedup();
@@ -177,7 +180,7 @@ pub(super) fn in_order(mut ways: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
 /// Groups of parts that reach each other.
 ///
 /// - `ways`: edges between parts, ascending.
-pub(super) fn joined(num_parts: usize, ways: &[[u32; 2]]) -> Vec<Vec<u32>> {
+pub(super) fn join_components(num_parts: usize, ways: &[[u32; 2]]) -> Vec<Vec<u32>> {
     let first = |part: usize| ways.partition_point(|w| (w[0] as usize) < part);
     let starts: Vec<usize> = (0..=num_parts).map(first).collect();
     let target = |part: usize, way: usize| Some(ways[starts[part] + way][1] as usize);
@@ -188,7 +191,7 @@ pub(super) fn joined(num_parts: usize, ways: &[[u32; 2]]) -> Vec<Vec<u32>> {
 ///
 /// - `is_in`: for each node, whether the graph contains it.
 /// - `num_ways`: number of outgoing edges of a node.
-/// - `target`: target of an outgoing edge of a node (way < num_ways); `None` outside of the graph.
+/// - `successor_event`: target of an outgoing edge of a node (way < num_ways); `None` outside of the graph.
 ///
 /// # Source
 /// Tarjan 1972, with an explicit stack: paths through a large database are longer than the stack of a thread.

@@ -7,7 +7,7 @@ use throng_motion::error::{BuildError, check_ranges};
 /// Settings of [`super::connect`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct GraphConfig {
+pub struct MotionGraphConfig {
     /// False builds no graph: for databases of characters in worlds of patches, without policies.
     pub enabled: bool,
     /// Actions a state should have on average; the threshold is chosen for it (2 to max_actions).
@@ -45,7 +45,7 @@ pub struct GraphConfig {
     pub min_component_s: f64,
 }
 
-impl Default for GraphConfig {
+impl Default for MotionGraphConfig {
     fn default() -> Self {
         Self {
             enabled: true,
@@ -67,7 +67,7 @@ impl Default for GraphConfig {
     }
 }
 
-impl GraphConfig {
+impl MotionGraphConfig {
     /// # Errors
     /// [`BuildError::Key`] naming the first key out of its limits.
     pub(crate) fn check(&self) -> Result<(), BuildError> {
@@ -87,7 +87,7 @@ impl GraphConfig {
             ("min_swing_s", self.min_swing_s, 0.0, 1e4),
             ("min_component_s", self.min_component_s, 0.0, 1e6),
         ];
-        check_ranges(ranges).map_err(|e| e.within("graph"))
+        check_ranges(ranges).map_err(|e| e.within_key("graph"))
     }
 }
 
@@ -97,13 +97,13 @@ mod tests {
 
     #[test]
     fn defaults_are_within_their_limits_and_bad_numbers_are_named() {
-        assert!(GraphConfig::default().check().is_ok());
+        assert!(MotionGraphConfig::default().check().is_ok());
         for (config, key) in [
-            (GraphConfig { branching: 65.0, ..Default::default() }, "branching"),
-            (GraphConfig { max_action_s: 0.0, ..Default::default() }, "max_action_s"),
-            (GraphConfig { max_actions: 256, ..Default::default() }, "max_actions"),
-            (GraphConfig { threshold: Some(0.0), ..Default::default() }, "threshold"),
-            (GraphConfig { standing_interval_s: f64::NAN, ..Default::default() }, "standing_interval_s"),
+            (MotionGraphConfig { branching: 65.0, ..Default::default() }, "branching"),
+            (MotionGraphConfig { max_action_s: 0.0, ..Default::default() }, "max_action_s"),
+            (MotionGraphConfig { max_actions: 256, ..Default::default() }, "max_actions"),
+            (MotionGraphConfig { threshold: Some(0.0), ..Default::default() }, "threshold"),
+            (MotionGraphConfig { standing_interval_s: f64::NAN, ..Default::default() }, "standing_interval_s"),
         ] {
             assert!(config.check().unwrap_err().to_string().contains(&format!("graph.{key}:")));
         }

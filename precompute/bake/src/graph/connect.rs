@@ -1,24 +1,24 @@
 //! The stage: event frames, matches, threshold, component, collapse.
 
-use super::bridge::{self, Arrivals};
-use super::choose::Outcome;
+use super::bridge::{self, IncomingLinks};
+use super::choose::MotionOutcome;
 use super::component::{EventGraph, largest_component};
-use super::config::GraphConfig;
-use super::events::{self, Event};
-use super::matches::{self, Finder, Limits};
+use super::config::MotionGraphConfig;
+use super::events::{self, EventFrame};
+use super::matches::{self, LinkFinder, LinkLimits};
 use super::report::{self, GraphReport};
-use super::{MotionGraph, choose, collapse};
+use super::{RawMotionGraph, choose, collapse};
 use crate::features::{self, FeaturesConfig};
-use throng_base::{Alone, Comm};
+use throng_base::{Comm, SingleRank};
 use throng_motion::clip::ClipSet;
 use throng_motion::error::BuildError;
 use throng_motion::progress::Progress;
 
-/// Points compared for each event (see [`Limits`]). Comparing all gives graphs of 5 to 19 minutes whose transitions are
+/// Points compared for each event (see [`LinkLimits`]). Comparing all gives graphs of 5 to 19 minutes whose transitions are
 /// nearer by 0.3 % at most; comparing half as many, graphs farther by up to 1.4 %.
-const LOOKS: usize = 512;
-/// Points compared for each kind of outcome of each event; see [`LOOKS`].
-const LOOKS_OF_KIND: usize = 48;
+const POINTS_PER_EVENT: usize = 512;
+/// Points compared for each kind of outcome of each event; see [`POINTS_PER_EVENT`].
+const POINTS_PER_KIND: usize = 48;
 /// Ratio by which the result may exceed the wanted branching before the search ends.
 const ENOUGH: f64 = 1.003;
 /// Most steps of the search for the threshold.
@@ -54,18 +54,18 @@ const GROWTH: f32 = 1.3;
 pub fn connect(
     clips: &ClipSet,
     features: &FeaturesConfig,
-    config: &GraphConfig,
+    config: &MotionGraphConfig,
     progress: &dyn Progress,
     comm: &dyn Comm,
-) -> Result<(MotionGraph, GraphReport), BuildError> {
+) -> Result<(RawMotionGraph, GraphReport), BuildError> {
     config.check()?;
     let rate_hz = check_clips(clips)?;
-    let events = events::find(clips, config, comm)?;
+    let events = events::find_events(clips, config, comm)?;
     let frames: Vec<_> = events.iter().map(|e| e.frame).collect();
     let features = &features::extract_at(clips, &frames, features, comm)?;
-    let outcomes = matches::outcomes(&events, clips, config.outcome_horizon_s);
+    let outcomes = matches::motion_outcomes(&events, clips, config.outcome_horizon_s);
     let (graph, threshold) =
-        Search::new(clips, &events, features, &outcomes, config, rate_hz, (progress, comm))?.run()?;
+        GraphSearch::new(clips, &events, features, &outcomes, config, rate_hz, (progress, comm))?.run()?;
     let report = report::report(&graph, clips, events.len(), threshold);
     if (report.frames_kept as f64) < config.min_component_s * rate_hz || graph.states.is_empty() {
         return Err(too_small(&report, config, rate_hz));
@@ -77,39 +77,39 @@ pub fn connect(
 ///
 /// # Errors
 /// As [`connect`].
-pub fn none(clips: &ClipSet, config: &GraphConfig) -> Result<(MotionGraph, GraphReport), BuildError> {
+pub fn empty_graph(clips: &ClipSet, config: &MotionGraphConfig) -> Result<(RawMotionGraph, GraphReport), BuildError> {
     config.check()?;
     check_clips(clips)?;
-    let empty = MotionGraph { action_offsets: vec![0], ..MotionGraph::default() };
+    let empty = RawMotionGraph { action_offsets: vec![0], ..RawMotionGraph::default() };
     let report = report::report(&empty, clips, 0, 0.0);
     Ok((empty, GraphReport { unused_clips: Vec::new(), ..report }))
 }
 
-fn fail(message: String, help: &str) -> BuildError {
+fn graph_error(message: String, help: &str) -> BuildError {
     BuildError::Stage { stage: "graph", message, help: help.to_owned() }
 }
 
 fn check_clips(clips: &ClipSet) -> Result<f64, BuildError> {
     let Some(first) = clips.clips.first() else {
-        return Err(fail("there are no clips".into(), "Check the paths of the config"));
+        return Err(graph_error("there are no clips".into(), "Check the paths of the config"));
     };
     for c in &clips.clips {
         if c.contacts.len() != c.num_frames() {
             let message = format!("clip {}: expected {} contacts, found {}", c.name, c.num_frames(), c.contacts.len());
-            return Err(fail(message, "Annotate the clips first"));
+            return Err(graph_error(message, "Annotate the clips first"));
         }
         if c.rate_hz != first.rate_hz {
             let message = format!(
                 "clip {}: expected {} Hz as clip {}, found {} Hz",
                 c.name, first.rate_hz, first.name, c.rate_hz
             );
-            return Err(fail(message, "Resample the clips to one rate first"));
+            return Err(graph_error(message, "Resample the clips to one rate first"));
         }
     }
     Ok(first.rate_hz)
 }
 
-fn too_small(report: &GraphReport, config: &GraphConfig, rate_hz: f64) -> BuildError {
+fn too_small(report: &GraphReport, config: &MotionGraphConfig, rate_hz: f64) -> BuildError {
     let seconds = |frames: usize| frames as f64 / rate_hz;
     BuildError::Stage {
         stage: "graph",
@@ -134,45 +134,45 @@ fn too_small(report: &GraphReport, config: &GraphConfig, rate_hz: f64) -> BuildE
 
 /// Branching measured at a threshold.
 #[derive(Clone, Copy, Debug)]
-struct Probe {
+struct BranchingProbe {
     threshold: f32,
     /// Mean number of actions of a state over the wanted number.
     share: f64,
 }
 
-impl Probe {
+impl BranchingProbe {
     /// Threshold at which the wanted branching is expected, by linear interpolation between two probes.
-    fn aimed(&self, other: &Self) -> f32 {
+    fn interpolate_threshold(&self, other: &Self) -> f32 {
         let slope = (self.threshold - other.threshold) / (self.share - other.share) as f32;
         self.threshold + (0.5 * (1.0 + ENOUGH) - self.share) as f32 * slope
     }
 }
 
 /// The search for a graph of the wanted branching.
-struct Search<'a> {
+struct GraphSearch<'a> {
     clips: &'a ClipSet,
-    config: &'a GraphConfig,
-    events: &'a [Event],
-    outcomes: &'a [Outcome],
-    finder: Finder<'a>,
+    config: &'a MotionGraphConfig,
+    events: &'a [EventFrame],
+    outcomes: &'a [MotionOutcome],
+    finder: LinkFinder<'a>,
     comm: &'a dyn Comm,
     /// All event frames, with those links of this rank's events, within the component, that the finder keeps.
     whole: EventGraph,
     /// The largest component of `whole`.
     alive: Vec<bool>,
     /// Links of `whole` by target.
-    arrivals: Arrivals,
+    arrivals: IncomingLinks,
     /// Longest action (frames).
     most_frames: u32,
 }
 
-impl<'a> Search<'a> {
+impl<'a> GraphSearch<'a> {
     fn new(
         clips: &'a ClipSet,
-        events: &'a [Event],
+        events: &'a [EventFrame],
         features: &'a features::Features,
-        outcomes: &'a [Outcome],
-        config: &'a GraphConfig,
+        outcomes: &'a [MotionOutcome],
+        config: &'a MotionGraphConfig,
         rate_hz: f64,
         (progress, comm): (&dyn Progress, &'a dyn Comm),
     ) -> Result<Self, BuildError> {
@@ -188,40 +188,41 @@ impl<'a> Search<'a> {
         }
         let limit = config.max_error.max(config.threshold.unwrap_or(0.0)) as f32;
         let min_jump = (config.min_jump_s * rate_hz).round() as u32;
-        let limits = Limits { error: limit, min_jump, looks_of_kind: LOOKS_OF_KIND, looks: LOOKS };
-        let finder = Finder::new(events, features, outcomes, limits, config, progress, comm)?;
+        let limits =
+            LinkLimits { error: limit, min_jump, points_per_kind: POINTS_PER_KIND, points_per_event: POINTS_PER_EVENT };
+        let finder = LinkFinder::new(events, features, outcomes, limits, config, progress, comm)?;
         let whole = EventGraph { next, frames, worth, links: Vec::new() };
         let most_frames = (config.max_action_s * rate_hz).round() as u32;
-        let (alive, arrivals) = (Vec::new(), Arrivals::new(&[], &Alone)?);
+        let (alive, arrivals) = (Vec::new(), IncomingLinks::new(&[], &SingleRank)?);
         Ok(Self { clips, config, events, outcomes, finder, comm, whole, alive, arrivals, most_frames })
     }
 
     /// Graph at the given threshold, or at the least one that reaches the wanted branching, or at the largest error.
-    fn run(mut self) -> Result<(MotionGraph, f32), BuildError> {
+    fn run(mut self) -> Result<(RawMotionGraph, f32), BuildError> {
         let threshold = match self.config.threshold {
             Some(threshold) => {
-                self.reach(threshold as f32)?;
+                self.find_links_to(threshold as f32)?;
                 threshold as f32
             }
             None => self.find_threshold()?,
         };
-        let (graph, alive) = self.events_at(threshold)?;
+        let (graph, alive) = self.event_frames(threshold)?;
         Ok((collapse::collapse(&graph, &alive, self.events, self.clips), threshold))
     }
 
     /// Finds the links for thresholds up to `threshold`, and their largest component.
-    fn reach(&mut self, threshold: f32) -> Result<(), BuildError> {
+    fn find_links_to(&mut self, threshold: f32) -> Result<(), BuildError> {
         self.whole.links = self.finder.links(threshold, self.comm)?;
         self.alive = largest_component(&self.whole, self.most_frames, self.comm)?;
         self.whole.restrict(&self.alive);
-        self.arrivals = Arrivals::new(&self.whole.links, self.comm)?;
+        self.arrivals = IncomingLinks::new(&self.whole.links, self.comm)?;
         Ok(())
     }
 
     /// Mean number of actions of a state at a threshold, over the wanted number.
-    fn probe(&self, threshold: f32) -> Result<Probe, BuildError> {
-        let (graph, alive) = self.events_at(threshold)?;
-        Ok(Probe { threshold, share: collapse::branching(&graph, &alive) / self.config.branching })
+    fn probe(&self, threshold: f32) -> Result<BranchingProbe, BuildError> {
+        let (graph, alive) = self.event_frames(threshold)?;
+        Ok(BranchingProbe { threshold, share: collapse::branching(&graph, &alive) / self.config.branching })
     }
 
     /// Much motion has enough choices among near frames, so the search begins with small radii.
@@ -230,7 +231,7 @@ impl<'a> Search<'a> {
         let first = self.finder.threshold_for(MORE * self.config.branching, self.comm)?;
         let (mut low, mut threshold) = (None, first.clamp(LEAST_SHARE * most, most));
         let mut high = loop {
-            self.reach(threshold)?;
+            self.find_links_to(threshold)?;
             let probe = self.probe(threshold)?;
             if probe.share >= 1.0 {
                 break probe;
@@ -246,10 +247,11 @@ impl<'a> Search<'a> {
             if high.share < ENOUGH {
                 break;
             }
-            let least = low.map_or(0.0, |l: Probe| l.threshold);
+            let least = low.map_or(0.0, |l: BranchingProbe| l.threshold);
             // Branching is nearly linear in the threshold; if one end stays fixed, bisection helps.
             let other = low.or(beyond).filter(|_| in_a_row < 3);
-            let aimed = other.map(|other| high.aimed(&other)).filter(|&t| t > least && t < high.threshold);
+            let aimed =
+                other.map(|other| high.interpolate_threshold(&other)).filter(|&t| t > least && t < high.threshold);
             let probe = self.probe(aimed.unwrap_or(0.5 * (least + high.threshold)))?;
             let is_low = probe.share < 1.0;
             in_a_row = if other.is_some() && is_low == was_low { in_a_row + 1 } else { 1 };
@@ -264,7 +266,7 @@ impl<'a> Search<'a> {
     }
 
     /// Event graph with the links chosen at a threshold, and its component.
-    fn events_at(&self, threshold: f32) -> Result<(EventGraph, Vec<bool>), BuildError> {
+    fn event_frames(&self, threshold: f32) -> Result<(EventGraph, Vec<bool>), BuildError> {
         let links = choose::choose(&self.whole.links, self.outcomes, threshold, self.config, self.comm)?;
         let whole = &self.whole;
         let (next, frames, worth) = (whole.next.clone(), whole.frames.clone(), whole.worth.clone());
@@ -272,7 +274,7 @@ impl<'a> Search<'a> {
         let most = self.config.max_actions - 1;
         bridge::bridge(&mut graph, &self.whole.links, &self.arrivals, &self.alive, most, self.comm)?;
         // Without room for a bridge because of max_actions, a part may still be lost.
-        let alive = largest_component(&graph, self.most_frames, &Alone)?;
+        let alive = largest_component(&graph, self.most_frames, &SingleRank)?;
         Ok((graph, alive))
     }
 }

@@ -1,17 +1,17 @@
 //! Event frames, at which a transition may leave or enter a clip.
 
-use super::config::GraphConfig;
-use crate::share::{by_owners, owners};
+use super::config::MotionGraphConfig;
+use crate::share::{clip_owners, sort_by_owner};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Comm;
 use throng_core::{Contacts, Joint, NUM_JOINTS};
-use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs};
+use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs_where};
 use throng_motion::error::BuildError;
 
 /// Kind of an event frame. Transitions join events of equal kind only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub enum EventKind {
+pub enum EventFrameKind {
     /// The last frame of the left foot's contact.
     LeavesLeft {
         /// True while the right foot is on the ground: a step, not a stride of a run.
@@ -40,13 +40,13 @@ const BLOW_S: [f64; 2] = [0.5, 0.75];
 
 /// A frame at which transitions may leave and enter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Event {
+pub struct EventFrame {
     /// The frame.
     pub frame: FrameId,
     /// Index of its clip.
     pub clip: usize,
     /// Kind of the event.
-    pub kind: EventKind,
+    pub kind: EventFrameKind,
     /// Number of its run of usable frames, counted over all clips: motion continues from an event to the next one of
     /// the same run.
     pub run: usize,
@@ -63,13 +63,17 @@ pub struct Event {
 /// - `comm`: processes that hold the other poses; poses are needed in strikes and stands.
 ///
 /// # Errors
-/// As [`by_owners`].
-pub(super) fn find(clips: &ClipSet, config: &GraphConfig, comm: &dyn Comm) -> Result<Vec<Event>, BuildError> {
+/// As [`sort_by_owner`].
+pub(super) fn find_events(
+    clips: &ClipSet,
+    config: &MotionGraphConfig,
+    comm: &dyn Comm,
+) -> Result<Vec<EventFrame>, BuildError> {
     let starts = clips.frame_starts();
-    let posed = by_owners(comm, &owners(clips, comm.num_ranks()), |index| {
-        let (clip, mut found) = (&clips.clips[index], Posed::default());
+    let posed = sort_by_owner(comm, &clip_owners(clips, comm.num_ranks()), |index| {
+        let (clip, mut found) = (&clips.clips[index], PoseEvents::default());
         for run in clip.usable_ranges() {
-            found.guards.extend(guards(clips, clip, &run));
+            found.guards.extend(guard_frames(clips, clip, &run));
             let standing = standing_runs_of(clip, &run, config).into_iter().flat_map(|r| places_in(clip, r, config));
             found.rests.extend(standing.filter(|&f| !holds_arm_out(&clip.joint_positions(&clips.skeleton, f))));
         }
@@ -78,27 +82,27 @@ pub(super) fn find(clips: &ClipSet, config: &GraphConfig, comm: &dyn Comm) -> Re
     let (mut events, mut runs, mut standing_runs) = (Vec::new(), 0, 0);
     for (index, clip) in clips.clips.iter().enumerate() {
         for run in clip.usable_ranges() {
-            let mut found: Vec<(usize, EventKind, Option<usize>)> = departures(clip, &run, config)
+            let mut found: Vec<(usize, EventFrameKind, Option<usize>)> = departure_frames(clip, &run, config)
                 .into_iter()
                 .chain(posed[index].guards.iter().copied().filter(|(f, _)| run.contains(f)))
                 .map(|(f, kind)| (f, kind, None))
                 .collect();
             for standing in standing_runs_of(clip, &run, config) {
                 let places = places_in(clip, standing, config);
-                found.extend(places.map(|f| (f, EventKind::Standing, Some(standing_runs))));
+                found.extend(places.map(|f| (f, EventFrameKind::Standing, Some(standing_runs))));
                 standing_runs += 1;
             }
             // A foot that leaves while standing is the stronger event, so it sorts first and the other is dropped.
             found.sort_unstable();
             found.dedup_by_key(|e| e.0);
             let frame = |f: usize| FrameId(starts[index] + f as u32);
-            events.extend(found.into_iter().map(|(f, kind, standing_run)| Event {
+            events.extend(found.into_iter().map(|(f, kind, standing_run)| EventFrame {
                 frame: frame(f),
                 clip: index,
                 kind,
                 run: runs,
                 standing_run,
-                is_rest: kind == EventKind::Standing && posed[index].rests.binary_search(&f).is_ok(),
+                is_rest: kind == EventFrameKind::Standing && posed[index].rests.binary_search(&f).is_ok(),
                 run_end: frame(run.end),
             }));
             runs += 1;
@@ -109,9 +113,9 @@ pub(super) fn find(clips: &ClipSet, config: &GraphConfig, comm: &dyn Comm) -> Re
 
 /// Events of a clip that depend on its poses.
 #[derive(Default, Serialize, Deserialize)]
-struct Posed {
-    /// Frames and kinds of events on guard; see [`guards`].
-    guards: Vec<(usize, EventKind)>,
+struct PoseEvents {
+    /// Frames and kinds of events on guard; see [`guard_frames`].
+    guards: Vec<(usize, EventFrameKind)>,
     /// Frames of events in standing runs at which no arm is held out, ascending.
     rests: Vec<usize>,
 }
@@ -138,19 +142,19 @@ fn frames(clip: &Clip, seconds: f64) -> usize {
 }
 
 /// Frames of the events of a standing run.
-fn places_in(clip: &Clip, standing: FrameRange, config: &GraphConfig) -> impl Iterator<Item = usize> {
+fn places_in(clip: &Clip, standing: FrameRange, config: &MotionGraphConfig) -> impl Iterator<Item = usize> {
     standing.step_by(frames(clip, config.standing_interval_s).max(1))
 }
 
 /// Last contact frames of each foot within a run of usable frames.
-fn departures(clip: &Clip, run: &FrameRange, config: &GraphConfig) -> Vec<(usize, EventKind)> {
+fn departure_frames(clip: &Clip, run: &FrameRange, config: &MotionGraphConfig) -> Vec<(usize, EventFrameKind)> {
     let swing = frames(clip, config.min_swing_s).max(1);
     let planted = |f: usize, foot| clip.contacts[f].any(foot);
     let leaves = |f: usize, foot| planted(f, foot) && !(f + 1..(f + 1 + swing).min(run.end)).any(|g| planted(g, foot));
     let kind = |f: usize| match (leaves(f, Contacts::LEFT), leaves(f, Contacts::RIGHT)) {
-        (true, true) => Some(EventKind::LeavesBoth),
-        (true, false) => Some(EventKind::LeavesLeft { other_planted: planted(f, Contacts::RIGHT) }),
-        (false, true) => Some(EventKind::LeavesRight { other_planted: planted(f, Contacts::LEFT) }),
+        (true, true) => Some(EventFrameKind::LeavesBoth),
+        (true, false) => Some(EventFrameKind::LeavesLeft { other_planted: planted(f, Contacts::RIGHT) }),
+        (false, true) => Some(EventFrameKind::LeavesRight { other_planted: planted(f, Contacts::LEFT) }),
         (false, false) => None,
     };
     (run.start..run.end.saturating_sub(1)).filter_map(|f| Some((f, kind(f)?))).collect()
@@ -158,7 +162,7 @@ fn departures(clip: &Clip, run: &FrameRange, config: &GraphConfig) -> Vec<(usize
 
 /// Frames at which striking limbs are most folded before and after a blow, within a run of usable frames. A boxer with
 /// planted feet could not choose between two blows otherwise.
-fn guards(clips: &ClipSet, clip: &Clip, run: &FrameRange) -> Vec<(usize, EventKind)> {
+fn guard_frames(clips: &ClipSet, clip: &Clip, run: &FrameRange) -> Vec<(usize, EventFrameKind)> {
     const LIMBS: [Joint; 4] = [Joint::LeftHand, Joint::RightHand, Joint::LeftFoot, Joint::RightFoot];
     let [before, after] = BLOW_S.map(|s| frames(clip, s));
     let mut out = Vec::new();
@@ -176,14 +180,14 @@ fn guards(clips: &ClipSet, clip: &Clip, run: &FrameRange) -> Vec<(usize, EventKi
         out.extend(around.into_iter().filter_map(folded).map(|f| {
             let planted = |foot| clip.contacts[f].any(foot);
             let (left_planted, right_planted) = (planted(Contacts::LEFT), planted(Contacts::RIGHT));
-            (f, EventKind::OnGuard { left_planted, right_planted })
+            (f, EventFrameKind::OnGuard { left_planted, right_planted })
         }));
     }
     out
 }
 
 /// Runs within `run` with both feet planted and the root slow for long enough.
-fn standing_runs_of(clip: &Clip, run: &FrameRange, config: &GraphConfig) -> Vec<FrameRange> {
+fn standing_runs_of(clip: &Clip, run: &FrameRange, config: &MotionGraphConfig) -> Vec<FrameRange> {
     let stands = |f: usize| {
         let (prev, next) = (f.saturating_sub(1).max(run.start), (f + 1).min(run.end - 1));
         let seconds = (next - prev).max(1) as f64 / clip.rate_hz;
@@ -193,7 +197,7 @@ fn standing_runs_of(clip: &Clip, run: &FrameRange, config: &GraphConfig) -> Vec<
             && f64::from(travel.length()) / seconds <= config.standing_speed_mps
     };
     let least = frames(clip, config.standing_min_s).max(1);
-    let mut out = runs(run.clone(), stands);
+    let mut out = runs_where(run.clone(), stands);
     out.retain(|r| r.len() >= least);
     out
 }
@@ -202,7 +206,7 @@ fn standing_runs_of(clip: &Clip, run: &FrameRange, config: &GraphConfig) -> Vec<
 mod tests {
     use super::*;
     use glam::{Quat, Vec3};
-    use throng_base::Alone;
+    use throng_base::SingleRank;
     use throng_core::{NUM_JOINTS, Skeleton};
     use throng_motion::clip::{Exclusion, ExclusionReason};
 
@@ -227,14 +231,18 @@ mod tests {
         }
     }
 
-    fn kinds(clip: Clip) -> Vec<(u32, EventKind)> {
+    fn kinds(clip: Clip) -> Vec<(u32, EventFrameKind)> {
         let set = ClipSet { skeleton: Skeleton::default(), clips: vec![clip] };
-        find(&set, &GraphConfig::default(), &Alone).unwrap().iter().map(|e| (e.frame.0, e.kind)).collect()
+        find_events(&set, &MotionGraphConfig::default(), &SingleRank)
+            .unwrap()
+            .iter()
+            .map(|e| (e.frame.0, e.kind))
+            .collect()
     }
 
     #[test]
     fn walking_running_and_jumping_leave_the_ground() {
-        use EventKind::*;
+        use EventFrameKind::*;
         let walk = kinds(clip("BBLLLLBBRRRRBBLLLL", 1.0));
         assert_eq!(
             walk,
@@ -253,7 +261,7 @@ mod tests {
 
     #[test]
     fn a_flicker_of_contact_is_no_departure() {
-        assert_eq!(kinds(clip("BBLLBBBBLLLL", 1.0)), [(7, EventKind::LeavesRight { other_planted: true })]);
+        assert_eq!(kinds(clip("BBLLBBBBLLLL", 1.0)), [(7, EventFrameKind::LeavesRight { other_planted: true })]);
     }
 
     #[test]
@@ -261,7 +269,7 @@ mod tests {
         let mut c = clip(&"B".repeat(60), 0.0);
         assert_eq!(kinds(c.clone()).iter().map(|k| k.0).collect::<Vec<_>>(), [0, 8, 16, 24, 32, 40, 48, 56]);
         c.excluded.push(Exclusion { range: 0..50, reason: ExclusionReason::TPose });
-        assert_eq!(kinds(c.clone()), [(50, EventKind::Standing), (58, EventKind::Standing)]);
+        assert_eq!(kinds(c.clone()), [(50, EventFrameKind::Standing), (58, EventFrameKind::Standing)]);
         c.excluded[0].range = 0..55;
         assert_eq!(kinds(c), []);
         assert_eq!(kinds(clip(&"B".repeat(60), 0.5)), []);
@@ -269,7 +277,7 @@ mod tests {
 
     #[test]
     fn blows_give_an_event_before_and_after_each() {
-        use throng_motion::clip::{Hit, HitKind};
+        use throng_motion::clip::{ClipHit, HitKind};
         let mut c = clip(&"B".repeat(60), 0.3);
         // The forearm folds back but for an instant around frame 30: a blow, and guard until 24 and from 36 on.
         for f in 0..60usize {
@@ -278,7 +286,7 @@ mod tests {
                 Quat::from_rotation_y(2.0 * bent.min(1.0) - 0.1 * (bent - 1.0).max(0.0));
         }
         assert!(kinds(c.clone()).is_empty());
-        let hit = Hit {
+        let hit = ClipHit {
             frame: 29,
             kind: HitKind::Punch,
             joint: Joint::RightHand,
@@ -288,7 +296,7 @@ mod tests {
             force: 1.0,
         };
         c.hits = vec![hit];
-        let on_guard = EventKind::OnGuard { left_planted: true, right_planted: true };
+        let on_guard = EventFrameKind::OnGuard { left_planted: true, right_planted: true };
         assert_eq!(kinds(c), [(24, on_guard), (36, on_guard)]);
     }
 
@@ -304,8 +312,8 @@ mod tests {
                 q[Joint::RightForearm.index()] = Quat::from_rotation_z(-bend.to_radians());
             }
             let set = ClipSet { skeleton: Skeleton::default(), clips: vec![c] };
-            let events = find(&set, &GraphConfig::default(), &Alone).unwrap();
-            assert!(events.iter().all(|e| e.kind == EventKind::Standing));
+            let events = find_events(&set, &MotionGraphConfig::default(), &SingleRank).unwrap();
+            assert!(events.iter().all(|e| e.kind == EventFrameKind::Standing));
             events.iter().map(|e| e.is_rest).collect::<Vec<_>>()
         };
         for (lift, bend, rest) in [

@@ -1,12 +1,12 @@
 //! Search for similar event frames.
 
-use super::choose::{self, Choice, Outcome};
-use super::config::GraphConfig;
-use super::events::{Event, EventKind};
-use super::tree::{Tree, Walk};
+use super::choose::{self, LinkChoice, MotionOutcome};
+use super::config::MotionGraphConfig;
+use super::events::{EventFrame, EventFrameKind};
+use super::tree::{PointTree, PointTreeWalk};
 use crate::features::Features;
-use crate::features::projection::{Point, project, squared_reach};
-use crate::share::{is_own, own, sent, told};
+use crate::features::projection::{ProjectedPoint, project, squared_reach};
+use crate::share::{exchange_values, gather_all, is_own, own_numbers};
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 use std::cmp::Reverse;
@@ -21,14 +21,14 @@ use throng_motion::progress::Progress;
 /// A possible transition: the motion after event `event` may follow another event.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct Link {
+pub(super) struct TransitionLink {
     /// Event whose motion follows: 32 bits, as there are millions of links.
     to: u32,
     /// Distance between the two frames (rad).
     pub error: f32,
 }
 
-impl Link {
+impl TransitionLink {
     /// - `event`: whose motion follows (< 2^32, as for frames).
     pub fn new(event: usize, error: f32) -> Self {
         Self { to: event as u32, error }
@@ -44,7 +44,7 @@ impl Link {
         (self.error.to_bits(), self.event())
     }
 
-    fn of_rank((error, event): (u32, usize)) -> Self {
+    fn from_rank((error, event): (u32, usize)) -> Self {
         Self::new(event, f32::from_bits(error))
     }
 }
@@ -52,12 +52,12 @@ impl Link {
 /// A link with the event that it leaves.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct Way {
+pub(super) struct EventEdge {
     pub from: u32,
-    pub link: Link,
+    pub link: TransitionLink,
 }
 
-impl Way {
+impl EventEdge {
     /// Sort key: best first, on a tie from the earliest event to the earliest.
     pub fn rank(&self) -> (u32, u32, usize) {
         (self.link.error.to_bits(), self.from, self.link.event())
@@ -65,7 +65,7 @@ impl Way {
 }
 
 /// Next event in the run of each event, to which motion continues (events.len()).
-pub(super) fn successors(events: &[Event]) -> Vec<Option<usize>> {
+pub(super) fn successors(events: &[EventFrame]) -> Vec<Option<usize>> {
     let mut next: Vec<Option<usize>> =
         events.windows(2).enumerate().map(|(i, w)| (w[0].run == w[1].run).then_some(i + 1)).collect();
     next.resize(events.len(), None);
@@ -83,61 +83,61 @@ const SAMPLE: usize = 256;
 
 /// Limits of the search for links.
 #[derive(Clone, Copy)]
-pub(super) struct Limits {
+pub(super) struct LinkLimits {
     /// Largest distance (rad).
     pub error: f32,
     /// Events nearer to each other in the same run are not linked (frames).
     pub min_jump: u32,
     /// Most points compared for the best link of an event to each kind of outcome, nearest first, so that time grows
     /// with the number of events and not with its square.
-    pub looks_of_kind: usize,
+    pub points_per_kind: usize,
     /// Most points compared for all other links of an event, likewise nearest first.
-    pub looks: usize,
+    pub points_per_event: usize,
 }
 
 /// Finds similar events through k-d trees over points whose distance never exceeds that of the frames: equal to
-/// comparing all pairs if [`Limits`] allow enough comparisons.
-pub(super) struct Finder<'a> {
-    events: &'a [Event],
+/// comparing all pairs if [`LinkLimits`] allow enough comparisons.
+pub(super) struct LinkFinder<'a> {
+    events: &'a [EventFrame],
     features: &'a Features,
-    outcomes: &'a [Outcome],
-    limits: Limits,
-    config: &'a GraphConfig,
-    points: Vec<Point>,
+    outcomes: &'a [MotionOutcome],
+    limits: LinkLimits,
+    config: &'a MotionGraphConfig,
+    points: Vec<ProjectedPoint>,
     /// Events with a successor, by their kind and that of their outcome.
-    trees: BTreeMap<EventKind, Vec<Tree>>,
+    trees: BTreeMap<EventFrameKind, Vec<PointTree>>,
     /// Previous and next event in the standing run of each event (events.len()).
     beside: Vec<[Option<usize>; 2]>,
     next: Vec<Option<usize>>,
     /// Best link of each of this rank's events to each kind of outcome, best first (events.len(); empty for other
     /// events).
-    of_kinds: Vec<Vec<Link>>,
+    of_kinds: Vec<Vec<TransitionLink>>,
 }
 
-impl<'a> Finder<'a> {
+impl<'a> LinkFinder<'a> {
     /// - `features`: of the events (events.len()).
-    /// - `outcomes`: of the motion after each event.
+    /// - `motion_outcomes`: of the motion after each event.
     /// - `comm`: processes that search for the other events.
     ///
     /// # Errors
     /// [`BuildError::Stopped`] if the progress is stopped.
     pub fn new(
-        events: &'a [Event],
+        events: &'a [EventFrame],
         features: &'a Features,
-        outcomes: &'a [Outcome],
-        limits: Limits,
-        config: &'a GraphConfig,
+        outcomes: &'a [MotionOutcome],
+        limits: LinkLimits,
+        config: &'a MotionGraphConfig,
         progress: &dyn Progress,
         comm: &dyn Comm,
     ) -> Result<Self, BuildError> {
         let points = project(features);
         let next = successors(events);
-        let mut parts = BTreeMap::<_, Vec<(u32, Point)>>::new();
+        let mut parts = BTreeMap::<_, Vec<(u32, ProjectedPoint)>>::new();
         for i in (0..events.len()).filter(|&i| next[i].is_some()) {
             parts.entry((events[i].kind, outcomes[i].kind)).or_default().push((i as u32, points[i]));
         }
-        let mut trees = BTreeMap::<EventKind, Vec<Tree>>::new();
-        parts.into_iter().for_each(|((kind, _), part)| trees.entry(kind).or_default().push(Tree::new(part)));
+        let mut trees = BTreeMap::<EventFrameKind, Vec<PointTree>>::new();
+        parts.into_iter().for_each(|((kind, _), part)| trees.entry(kind).or_default().push(PointTree::new(part)));
         let mut beside = vec![[None; 2]; events.len()];
         let standing: Vec<usize> = (0..events.len()).filter(|&i| events[i].standing_run.is_some()).collect();
         for pair in standing.windows(2).filter(|w| events[w[0]].standing_run == events[w[1]].standing_run) {
@@ -146,19 +146,20 @@ impl<'a> Finder<'a> {
         }
         let of_kinds = Vec::new();
         let mut finder = Self { events, features, outcomes, limits, config, points, trees, beside, next, of_kinds };
-        let own = own(comm, events.len());
+        let own = own_numbers(comm, events.len());
         progress.begin("graph", own.len() as u64, "event frames");
-        let of_kinds = |search: &mut Search, i: usize| {
+        let of_kinds = |search: &mut LinkSearch, i: usize| {
             progress.check()?;
             let trees = finder.trees_of(i).iter();
-            let mut best: Vec<Link> = trees.filter_map(|tree| finder.nearest(i, tree, search)).collect();
+            let mut best: Vec<TransitionLink> =
+                trees.filter_map(|tree| finder.nearest_links(i, tree, search)).collect();
             choose::sort(&mut best);
             progress.advance(1);
             Ok(best)
         };
-        let found = own.par_iter().map_init(Search::default, |search, &i| of_kinds(search, i));
-        let found: Result<Vec<Vec<Link>>, BuildError> = found.collect();
-        finder.of_kinds = spread(events.len(), &own, found?);
+        let found = own.par_iter().map_init(LinkSearch::default, |search, &i| of_kinds(search, i));
+        let found: Result<Vec<Vec<TransitionLink>>, BuildError> = found.collect();
+        finder.of_kinds = scatter_to_all(events.len(), &own, found?);
         progress.end();
         Ok(finder)
     }
@@ -176,24 +177,26 @@ impl<'a> Finder<'a> {
     ///
     /// # Errors
     /// [`throng_base::Error::Rank`].
-    pub fn links(&self, threshold: f32, comm: &dyn Comm) -> Result<Vec<Vec<Link>>, BuildError> {
-        let (own, num_ranks) = (own(comm, self.events.len()), comm.num_ranks());
-        let kept = |search: &mut Search, &i: &usize| self.kept(i, threshold, NEAREST, search);
-        let back = |(&i, links): (&usize, &Vec<Link>)| -> Vec<(u32, Link)> {
-            let back = links.iter().map(|l| (l.to, Link::new(i, l.error)));
+    pub fn links(&self, threshold: f32, comm: &dyn Comm) -> Result<Vec<Vec<TransitionLink>>, BuildError> {
+        let (own, num_ranks) = (own_numbers(comm, self.events.len()), comm.num_ranks());
+        let kept = |search: &mut LinkSearch, &i: &usize| self.kept_links(i, threshold, NEAREST, search);
+        let back = |(&i, links): (&usize, &Vec<TransitionLink>)| -> Vec<(u32, TransitionLink)> {
+            let back = links.iter().map(|l| (l.to, TransitionLink::new(i, l.error)));
             back.filter(|(from, link)| self.is_possible(*from as usize, link)).collect()
         };
-        let mut links: Vec<Vec<Link>> = vec![Vec::new(); own.len()];
+        let mut links: Vec<Vec<TransitionLink>> = vec![Vec::new(); own.len()];
         for first in (0..self.events.len().div_ceil(num_ranks)).step_by(AT_ONCE) {
             let block = first.min(own.len())..(first + AT_ONCE).min(own.len());
-            let found: Vec<Vec<Link>> = own[block.clone()].par_iter().map_init(Search::default, kept).collect();
-            let ways_back: Vec<Vec<(u32, Link)>> = own[block.clone()].par_iter().zip(&found).map(back).collect();
+            let found: Vec<Vec<TransitionLink>> =
+                own[block.clone()].par_iter().map_init(LinkSearch::default, kept).collect();
+            let ways_back: Vec<Vec<(u32, TransitionLink)>> =
+                own[block.clone()].par_iter().zip(&found).map(back).collect();
             links[block].iter_mut().zip(found).for_each(|(links, found)| links.extend(found));
             let mut to = vec![Vec::new(); num_ranks];
             for (from, link) in ways_back.into_iter().flatten() {
-                to[from as usize % num_ranks].push(Way { from, link });
+                to[from as usize % num_ranks].push(EventEdge { from, link });
             }
-            for Way { from, link } in sent(comm, to)? {
+            for EventEdge { from, link } in exchange_values(comm, to)? {
                 links[from as usize / num_ranks].push(link);
             }
         }
@@ -202,7 +205,7 @@ impl<'a> Finder<'a> {
             links.dedup_by_key(|l| l.event());
             links.shrink_to_fit();
         });
-        Ok(spread(self.events.len(), &own, links))
+        Ok(scatter_to_all(self.events.len(), &own, links))
     }
 
     /// Threshold at which about so many links of an event are chosen; the limit if there are never as many.
@@ -214,15 +217,16 @@ impl<'a> Finder<'a> {
     pub fn threshold_for(&self, branching: f64, comm: &dyn Comm) -> Result<f32, BuildError> {
         let sample: Vec<usize> = (0..self.events.len()).step_by(self.events.len().div_ceil(SAMPLE).max(1)).collect();
         let own: Vec<usize> = sample.iter().copied().filter(|&i| is_own(comm, i)).collect();
-        let chosen = |search: &mut Search, &i: &usize| self.kept(i, self.limits.error, 0, search);
-        let mut links = told(comm, own.par_iter().map_init(Search::default, chosen).flatten_iter().collect())?;
+        let chosen = |search: &mut LinkSearch, &i: &usize| self.kept_links(i, self.limits.error, 0, search);
+        let mut links =
+            gather_all(comm, own.par_iter().map_init(LinkSearch::default, chosen).flatten_iter().collect())?;
         choose::sort(&mut links);
         let enough = (branching * sample.len() as f64) as usize;
         Ok(links.get(enough).map_or(self.limits.error, |l| l.error))
     }
 
     /// Possible target events of an event, by kind of outcome.
-    fn trees_of(&self, i: usize) -> &[Tree] {
+    fn trees_of(&self, i: usize) -> &[PointTree] {
         self.trees.get(&self.events[i].kind).map_or(&[], Vec::as_slice)
     }
 
@@ -235,7 +239,7 @@ impl<'a> Finder<'a> {
     }
 
     /// True if motion may jump from event `i` along a link within the limit.
-    fn is_possible(&self, i: usize, link: &Link) -> bool {
+    fn is_possible(&self, i: usize, link: &TransitionLink) -> bool {
         let (a, b) = (&self.events[i], &self.events[link.event()]);
         let is_near = a.run == b.run && a.frame.0.abs_diff(b.frame.0) < self.limits.min_jump;
         // Neighbours in a standing run are nearly equal poses, so only local minima count.
@@ -249,12 +253,13 @@ impl<'a> Finder<'a> {
     }
 
     /// Links of an event kept for its own sake: those that may be chosen up to the threshold, and some of the nearest.
-    fn kept(&self, i: usize, threshold: f32, num_nearest: usize, search: &mut Search) -> Vec<Link> {
+    fn kept_links(&self, i: usize, threshold: f32, num_nearest: usize, search: &mut LinkSearch) -> Vec<TransitionLink> {
         let threshold = threshold.min(self.limits.error);
-        let Search { walk, nearest, known, others } = search;
+        let LinkSearch { walk, nearest, known, others } = search;
         // Radius up to which nearest links are still wanted.
         let mut limit = if num_nearest > 0 { self.limits.error } else { 0.0 };
-        let (mut looks, at, reach) = (self.limits.looks, &self.points[i], squared_reach(limit.max(threshold)));
+        let (mut looks, at, reach) =
+            (self.limits.points_per_event, &self.points[i], squared_reach(limit.max(threshold)));
         walk.visit(self.trees_of(i), at, reach, |k, gap| {
             looks = looks.saturating_sub(1);
             if gap > squared_reach(limit) {
@@ -262,7 +267,7 @@ impl<'a> Finder<'a> {
                 return if looks > 0 { squared_reach(limit.max(threshold)) } else { DONE };
             }
             let error = self.distance_within(i, k as usize, limit.max(threshold));
-            let link = error.map(|error| Link::new(k as usize, error));
+            let link = error.map(|error| TransitionLink::new(k as usize, error));
             if let Some(link) = link.filter(|l| self.is_possible(i, l)) {
                 known.push(Reverse(link.rank()));
                 nearest.push(link.rank());
@@ -270,42 +275,44 @@ impl<'a> Finder<'a> {
                     nearest.pop();
                 }
                 if nearest.len() == num_nearest {
-                    limit = nearest.peek().map_or(0.0, |&worst| Link::of_rank(worst).error);
+                    limit = nearest.peek().map_or(0.0, |&worst| TransitionLink::from_rank(worst).error);
                 }
             }
             if looks > 0 { squared_reach(limit.max(threshold)) } else { DONE }
         });
-        let mut choice = Choice::new(&self.of_kinds[i], self.outcomes, self.config);
+        let mut choice = LinkChoice::new(&self.of_kinds[i], self.outcomes, self.config);
         others.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         // Once a better link leads to a place, others to it are skipped without computing their distance.
-        let take_before = |gap: f32, choice: &mut Choice<'_>, known: &mut BinaryHeap<Reverse<(u32, usize)>>| {
-            while let Some(link) = known.peek().map(|k| Link::of_rank(k.0)).filter(|l| squared_reach(l.error) < gap) {
+        let take_before = |gap: f32, choice: &mut LinkChoice<'_>, known: &mut BinaryHeap<Reverse<(u32, usize)>>| {
+            while let Some(link) =
+                known.peek().map(|k| TransitionLink::from_rank(k.0)).filter(|l| squared_reach(l.error) < gap)
+            {
                 known.pop();
-                if link.error <= threshold && choice.takes(link.event()) && self.is_possible(i, &link) {
-                    choice.take(link);
+                if link.error <= threshold && choice.accepts(link.event()) && self.is_possible(i, &link) {
+                    choice.push(link);
                 }
             }
         };
         for (gap, k) in others.drain(..) {
             take_before(gap, &mut choice, known);
-            if choice.takes(k) {
+            if choice.accepts(k) {
                 let error = self.distance_within(i, k, threshold);
-                known.extend(error.map(|error| Reverse(Link::new(k, error).rank())));
+                known.extend(error.map(|error| Reverse(TransitionLink::new(k, error).rank())));
             }
         }
         take_before(f32::INFINITY, &mut choice, known);
-        nearest.drain().map(Link::of_rank).chain(choice.chosen().iter().copied()).collect()
+        nearest.drain().map(TransitionLink::from_rank).chain(choice.chosen().iter().copied()).collect()
     }
 
     /// Nearest possible link to an event of a tree.
-    fn nearest(&self, i: usize, tree: &Tree, search: &mut Search) -> Option<Link> {
-        let (mut best, mut limit): (Option<Link>, f32) = (None, self.limits.error);
-        let (mut looks, trees) = (self.limits.looks_of_kind, std::slice::from_ref(tree));
+    fn nearest_links(&self, i: usize, tree: &PointTree, search: &mut LinkSearch) -> Option<TransitionLink> {
+        let (mut best, mut limit): (Option<TransitionLink>, f32) = (None, self.limits.error);
+        let (mut looks, trees) = (self.limits.points_per_kind, std::slice::from_ref(tree));
         search.walk.visit(trees, &self.points[i], squared_reach(limit), |k, _| {
             looks = looks.saturating_sub(1);
             let error = self.distance_within(i, k as usize, limit);
-            let link = error.map(|error| Link::new(k as usize, error));
-            let is_better = |l: &Link| best.is_none_or(|b| l.rank() < b.rank());
+            let link = error.map(|error| TransitionLink::new(k as usize, error));
+            let is_better = |l: &TransitionLink| best.is_none_or(|b| l.rank() < b.rank());
             if let Some(link) = link.filter(|l| is_better(l) && self.is_possible(i, l)) {
                 (best, limit) = (Some(link), link.error);
             }
@@ -316,7 +323,7 @@ impl<'a> Finder<'a> {
 }
 
 /// Scatters the values of this rank's events to their indices among all.
-fn spread<T>(num_events: usize, own: &[usize], of_own: Vec<Vec<T>>) -> Vec<Vec<T>> {
+fn scatter_to_all<T>(num_events: usize, own: &[usize], of_own: Vec<Vec<T>>) -> Vec<Vec<T>> {
     let mut all: Vec<Vec<T>> = std::iter::repeat_with(Vec::new).take(num_events).collect();
     own.iter().zip(of_own).for_each(|(&i, links)| all[i] = links);
     all
@@ -324,8 +331,8 @@ fn spread<T>(num_events: usize, own: &[usize], of_own: Vec<Vec<T>>) -> Vec<Vec<T
 
 /// Scratch memory of the search for the links of an event, reused for the next.
 #[derive(Default)]
-struct Search {
-    walk: Walk,
+struct LinkSearch {
+    walk: PointTreeWalk,
     /// Ranks of the nearest possible links, worst on top.
     nearest: BinaryHeap<(u32, usize)>,
     /// Ranks of links with known distance, best on top.
@@ -335,13 +342,13 @@ struct Search {
 }
 
 /// Outcomes of the motion after each event, in the event's frame.
-pub(super) fn outcomes(events: &[Event], clips: &ClipSet, horizon_s: f64) -> Vec<Outcome> {
+pub(super) fn motion_outcomes(events: &[EventFrame], clips: &ClipSet, horizon_s: f64) -> Vec<MotionOutcome> {
     let starts = clips.frame_starts();
-    let of_event = |e: &Event| {
+    let of_event = |e: &EventFrame| {
         let clip = &clips.clips[e.clip];
         let horizon = ((horizon_s * clip.rate_hz).round() as u32).max(1);
         let last = FrameId((e.frame.0 + horizon).min(e.run_end.0 - 1));
-        Outcome::new(displacement(clips, &starts, e.clip, e.frame, last))
+        MotionOutcome::new(displacement(clips, &starts, e.clip, e.frame, last))
     };
     events.par_iter().map(of_event).collect()
 }

@@ -12,19 +12,19 @@ mod matches;
 mod report;
 mod tree;
 
-pub use config::GraphConfig;
-pub use connect::{connect, none};
+pub use config::MotionGraphConfig;
+pub use connect::{connect, empty_graph};
 pub use export::{ActionRow, DisplacementRow, GraphRows, StateRow, graph_rows, write_graph_json};
-pub use report::{GraphReport, Spread};
+pub use report::{GraphReport, MinMeanMax};
 
 use throng_core::Planar;
 use throng_motion::clip::FrameId;
 
-/// A frame with several successors. Index into [`MotionGraph::states`].
+/// A frame with several successors. Index into [`RawMotionGraph::states`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
 pub struct StateId(pub u32);
 
-/// Index into [`MotionGraph::segments`].
+/// Index into [`RawMotionGraph::segments`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
 pub struct SegmentId(pub u32);
 
@@ -33,7 +33,7 @@ pub struct SegmentId(pub u32);
 /// Actions of different states share segments: a transition i -> j replaces frame i by frame j - 1 (Lee and Lee 2004,
 /// section 6), so its continuation does not depend on i.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Segment {
+pub struct GraphSegment {
     /// Frame j - 1, which replaces the frame of the state that the action leaves.
     pub start: FrameId,
     /// Frames played: the segment ends at `start + num_frames`, the frame of `end` (> 0).
@@ -46,7 +46,7 @@ pub struct Segment {
 
 /// A choice in a state.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Action {
+pub struct GraphAction {
     /// Segment that is played.
     pub segment: SegmentId,
     /// Distance between the state's frame and the segment's first one; 0 if the clip continues.
@@ -56,23 +56,23 @@ pub struct Action {
 /// States, actions and the segments they share. Every state has at least one action, every segment ends in a
 /// state, and every state can be reached from every other.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct MotionGraph {
+pub struct RawMotionGraph {
     /// Frame of each state, ascending.
     pub states: Vec<FrameId>,
     /// True for standing states (states.len()).
     pub standing: Vec<bool>,
     /// Segments, ascending by start frame.
-    pub segments: Vec<Segment>,
+    pub segments: Vec<GraphSegment>,
     /// Actions of state s are `actions[action_offsets[s]..action_offsets[s + 1]]`, best match first.
     /// (states.len() + 1)
     pub action_offsets: Vec<u32>,
     /// Actions of all states.
-    pub actions: Vec<Action>,
+    pub actions: Vec<GraphAction>,
 }
 
-impl MotionGraph {
+impl RawMotionGraph {
     /// Actions of a state.
-    pub fn actions_of(&self, s: StateId) -> &[Action] {
+    pub fn actions_of(&self, s: StateId) -> &[GraphAction] {
         let s = s.0 as usize;
         &self.actions[self.action_offsets[s] as usize..self.action_offsets[s + 1] as usize]
     }

@@ -1,12 +1,12 @@
 //! Report of the graph stage, for people and for machines.
 
-use super::MotionGraph;
+use super::RawMotionGraph;
 use serde::{Deserialize, Serialize};
 use throng_motion::clip::ClipSet;
 
 /// Least, mean and largest of some values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct Spread {
+pub struct MinMeanMax {
     /// The least.
     pub min: f64,
     /// The mean.
@@ -15,9 +15,9 @@ pub struct Spread {
     pub max: f64,
 }
 
-impl Spread {
+impl MinMeanMax {
     /// Computed from values; all 0 if there are none.
-    pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
+    pub fn from_values(values: impl IntoIterator<Item = f64>) -> Self {
         let (mut n, mut sum, mut min, mut max) = (0.0, 0.0, f64::INFINITY, f64::NEG_INFINITY);
         for v in values {
             (n, sum, min, max) = (n + 1.0, sum + v, v.min(min), v.max(max));
@@ -46,17 +46,17 @@ pub struct GraphReport {
     /// Distance up to which frames match; some transitions are farther, as `GraphConfig::max_error` explains (rad).
     pub threshold: f64,
     /// Distances of the transitions; natural continuations do not count (rad).
-    pub transition_error: Spread,
+    pub transition_error: MinMeanMax,
     /// Actions of a state.
-    pub branching: Spread,
+    pub branching: MinMeanMax,
     /// Duration of the segments (s).
-    pub segment_s: Spread,
+    pub segment_s: MinMeanMax,
     /// Clips without a played frame.
     pub unused_clips: Vec<String>,
 }
 
 /// True for every frame that some action plays (clips.num_frames()).
-pub(super) fn played_frames(graph: &MotionGraph, clips: &ClipSet) -> Vec<bool> {
+pub(super) fn played_frames(graph: &RawMotionGraph, clips: &ClipSet) -> Vec<bool> {
     let mut played = vec![false; clips.num_frames()];
     for s in &graph.segments {
         let first = s.start.0 as usize + 1;
@@ -66,7 +66,7 @@ pub(super) fn played_frames(graph: &MotionGraph, clips: &ClipSet) -> Vec<bool> {
 }
 
 /// Measures a graph.
-pub(super) fn report(graph: &MotionGraph, clips: &ClipSet, event_frames: usize, threshold: f32) -> GraphReport {
+pub(super) fn report(graph: &RawMotionGraph, clips: &ClipSet, event_frames: usize, threshold: f32) -> GraphReport {
     let played = played_frames(graph, clips);
     let starts = clips.frame_starts();
     let clip_frames = |c: usize| &played[starts[c] as usize..starts[c + 1] as usize];
@@ -81,15 +81,15 @@ pub(super) fn report(graph: &MotionGraph, clips: &ClipSet, event_frames: usize, 
         actions: graph.actions.len(),
         segments: graph.segments.len(),
         threshold: f64::from(threshold),
-        transition_error: Spread::of(jumps(graph).map(f64::from)),
-        branching: Spread::of(graph.action_offsets.windows(2).map(|w| f64::from(w[1] - w[0]))),
-        segment_s: Spread::of(graph.segments.iter().map(|s| f64::from(s.num_frames) / rate_hz)),
+        transition_error: MinMeanMax::from_values(transition_errors(graph).map(f64::from)),
+        branching: MinMeanMax::from_values(graph.action_offsets.windows(2).map(|w| f64::from(w[1] - w[0]))),
+        segment_s: MinMeanMax::from_values(graph.segments.iter().map(|s| f64::from(s.num_frames) / rate_hz)),
         unused_clips: (0..clips.clips.len()).filter(unused).map(|c| clips.clips[c].name.clone()).collect(),
     }
 }
 
 /// Errors of the actions that leave the course of their clip.
-fn jumps(graph: &MotionGraph) -> impl Iterator<Item = f32> {
+fn transition_errors(graph: &RawMotionGraph) -> impl Iterator<Item = f32> {
     graph.states.iter().zip(graph.action_offsets.windows(2)).flat_map(|(state, w)| {
         let actions = &graph.actions[w[0] as usize..w[1] as usize];
         actions.iter().filter(|a| graph.segments[a.segment.0 as usize].start != *state).map(|a| a.error)
@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn spread_of_nothing_is_zero() {
-        assert_eq!(Spread::of([]), Spread::default());
-        assert_eq!(Spread::of([1.0, 5.0, 3.0]), Spread { min: 1.0, mean: 3.0, max: 5.0 });
+        assert_eq!(MinMeanMax::from_values([]), MinMeanMax::default());
+        assert_eq!(MinMeanMax::from_values([1.0, 5.0, 3.0]), MinMeanMax { min: 1.0, mean: 3.0, max: 5.0 });
     }
 }

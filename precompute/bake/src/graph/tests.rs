@@ -1,18 +1,18 @@
 //! Matches, component, bridges and collapse of random event graphs against brute force.
 
-use super::bridge::{Arrivals, bridge};
-use super::choose::{Outcome, choose, sort};
+use super::bridge::{IncomingLinks, bridge};
+use super::choose::{MotionOutcome, choose, sort};
 use super::collapse::collapse;
 use super::component::{EventGraph, components, largest_component};
-use super::events::{Event, EventKind};
-use super::matches::{self, Finder, Limits, Link, NEAREST};
-use super::{GraphConfig, MotionGraph, StateId};
+use super::events::{EventFrame, EventFrameKind};
+use super::matches::{self, LinkFinder, LinkLimits, NEAREST, TransitionLink};
+use super::{MotionGraphConfig, RawMotionGraph, StateId};
 use crate::features::{self, Features, FeaturesConfig};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use throng_base::{Alone, Comm, LocalComm};
+use throng_base::{Comm, LocalComm, SingleRank};
 use throng_core::{NUM_JOINTS, Planar, Skeleton};
 use throng_motion::clip::{Clip, ClipSet, FrameId};
 use throng_motion::progress::Silent;
@@ -27,7 +27,8 @@ fn event_graph() -> impl Strategy<Value = EventGraph> {
         (ends, frames, worth, links).prop_map(move |(ends, frames, worth, links)| {
             let next: Vec<Option<usize>> = (0..n).map(|i| (i + 1 < n && !ends[i]).then_some(i + 1)).collect();
             let of_event = |i: usize, l: &std::collections::BTreeMap<usize, f32>| {
-                let mut out: Vec<Link> = l.iter().map(|(&event, &error)| Link::new(event, error)).collect();
+                let mut out: Vec<TransitionLink> =
+                    l.iter().map(|(&event, &error)| TransitionLink::new(event, error)).collect();
                 out.retain(|l| l.event() != i && next[l.event()].is_some());
                 out.sort_by(|a, b| a.error.total_cmp(&b.error));
                 out
@@ -45,11 +46,11 @@ fn groups() -> impl Strategy<Value = EventGraph> {
         let n = 10 * num_groups;
         let next: Vec<Option<usize>> = (0..n).map(|i| (i % 10 < 9 && !rng.random_bool(0.2)).then_some(i + 1)).collect();
         let mut of_event = |i: usize| {
-            let mut links: Vec<Link> = Vec::new();
+            let mut links: Vec<TransitionLink> = Vec::new();
             for k in (0..n).filter(|&k| k != i && next[k].is_some()) {
                 let is_same = k / 10 == i / 10;
                 if rng.random_bool(if is_same { 0.95 } else { share }) {
-                    links.push(Link::new(k, rng.random_range(0.0..1.0) + f32::from(u8::from(!is_same))));
+                    links.push(TransitionLink::new(k, rng.random_range(0.0..1.0) + f32::from(u8::from(!is_same))));
                 }
             }
             sort(&mut links);
@@ -118,11 +119,11 @@ fn naive_component(graph: &EventGraph, most_frames: u32) -> Vec<bool> {
 
 /// Adds the best link out of each part that nothing leads out of, and into each that nothing leads into, again and again: of all
 /// links, in every round.
-fn join_naively(graph: &mut EventGraph, matches: &[Vec<Link>], alive: &[bool], most: usize) {
+fn join_naively(graph: &mut EventGraph, matches: &[Vec<TransitionLink>], alive: &[bool], most: usize) {
     loop {
         let r = reaches(graph, alive);
         let same = |i: usize, j: usize| i == j || (r[i][j] && r[j][i]);
-        let leads_on = |i: usize, link: &Link| graph.next[link.event()].filter(|&n| alive[n] && !same(i, n));
+        let leads_on = |i: usize, link: &TransitionLink| graph.next[link.event()].filter(|&n| alive[n] && !same(i, n));
         let mut more = Vec::new();
         for part in (0..alive.len()).filter(|&i| alive[i]) {
             let is_out = |i: usize, n: usize| same(i, part) && !same(n, part);
@@ -147,13 +148,13 @@ fn join_naively(graph: &mut EventGraph, matches: &[Vec<Link>], alive: &[bool], m
 }
 
 /// One clip in which event i lies at frame 3 i.
-fn clip_and_events(n: usize) -> (ClipSet, Vec<Event>) {
+fn clip_and_events(n: usize) -> (ClipSet, Vec<EventFrame>) {
     let num_frames = 3 * n;
     let clip = Clip::new("c", 30.0, vec![Vec3::ZERO; num_frames], vec![Quat::IDENTITY; num_frames * NUM_JOINTS]);
-    let event = |i: usize| Event {
+    let event = |i: usize| EventFrame {
         frame: FrameId(3 * i as u32),
         clip: 0,
-        kind: EventKind::LeavesBoth,
+        kind: EventFrameKind::LeavesBoth,
         run: 0,
         standing_run: None,
         is_rest: false,
@@ -162,13 +163,13 @@ fn clip_and_events(n: usize) -> (ClipSet, Vec<Event>) {
     (ClipSet { skeleton: Skeleton::default(), clips: vec![clip] }, (0..n).map(event).collect())
 }
 
-fn ends_of(graph: &MotionGraph, state: usize) -> Vec<usize> {
+fn ends_of(graph: &RawMotionGraph, state: usize) -> Vec<usize> {
     let actions = graph.actions_of(StateId(state as u32));
     actions.iter().map(|a| graph.segments[a.segment.0 as usize].end.0 as usize).collect()
 }
 
 /// Frames of poses that vary in a few ways and a little in all, events at every third one, and where each leads.
-fn random_events(seed: u64, num_events: usize, variety: f32) -> (Features, Vec<Event>, Vec<Outcome>) {
+fn random_events(seed: u64, num_events: usize, variety: f32) -> (Features, Vec<EventFrame>, Vec<MotionOutcome>) {
     let mut rng = Pcg64::seed_from_u64(seed);
     let mut vector = |size: f32| Vec3::from_array([0; 3].map(|_| rng.random_range(-size..size)));
     let ways: Vec<Vec<Vec3>> = (0..3).map(|_| (0..NUM_JOINTS).map(|_| vector(0.5)).collect()).collect();
@@ -191,33 +192,35 @@ fn random_events(seed: u64, num_events: usize, variety: f32) -> (Features, Vec<E
     let still = FeaturesConfig { horizon_s: 0.001, ..FeaturesConfig::default() };
     let events = (0..num_events).map(|i| {
         let standing = (i / 20) % 3 == 0;
-        let kind = if standing { EventKind::Standing } else { EventKind::LeavesLeft { other_planted: i % 2 == 0 } };
+        let kind =
+            if standing { EventFrameKind::Standing } else { EventFrameKind::LeavesLeft { other_planted: i % 2 == 0 } };
         let standing_run = standing.then_some(i / 20);
         let frame = FrameId(3 * i as u32);
         let run_end = FrameId(3 * num_events as u32);
-        Event { frame, clip: 0, kind, run: i / 50, standing_run, is_rest: standing, run_end }
+        EventFrame { frame, clip: 0, kind, run: i / 50, standing_run, is_rest: standing, run_end }
     });
     let outcomes = (0..num_events).map(|_| {
         let [x, z, turn] = vector(variety).to_array();
-        Outcome::new(Planar::new(x, 2.0 * z, turn))
+        MotionOutcome::new(Planar::new(x, 2.0 * z, turn))
     });
-    let (events, outcomes): (Vec<Event>, _) = (events.collect(), outcomes.collect());
+    let (events, outcomes): (Vec<EventFrame>, _) = (events.collect(), outcomes.collect());
     let frames: Vec<FrameId> = events.iter().map(|e| e.frame).collect();
-    (features::extract_at(&set, &frames, &still, &Alone).unwrap(), events, outcomes)
+    (features::extract_at(&set, &frames, &still, &SingleRank).unwrap(), events, outcomes)
 }
 
-fn limits(error: f32) -> Limits {
-    Limits { error, min_jump: 9, looks_of_kind: usize::MAX, looks: usize::MAX }
+fn limits(error: f32) -> LinkLimits {
+    LinkLimits { error, min_jump: 9, points_per_kind: usize::MAX, points_per_event: usize::MAX }
 }
 
 #[test]
 fn a_few_looks_find_links_nearly_as_good() {
     let (features, events, outcomes) = random_events(7, 1500, 0.4);
     let all = all_links(&events, &features, 0.5, 9);
-    let (config, limits) = (GraphConfig::default(), Limits { looks_of_kind: 32, looks: 128, ..limits(0.5) });
-    let found = Finder::new(&events, &features, &outcomes, limits, &config, &Silent, &Alone)
+    let (config, limits) =
+        (MotionGraphConfig::default(), LinkLimits { points_per_kind: 32, points_per_event: 128, ..limits(0.5) });
+    let found = LinkFinder::new(&events, &features, &outcomes, limits, &config, &Silent, &SingleRank)
         .unwrap()
-        .links(0.1, &Alone)
+        .links(0.1, &SingleRank)
         .unwrap();
     let mut sums = [0.0; 2];
     for (found, all) in found.iter().zip(&all) {
@@ -232,10 +235,10 @@ fn a_few_looks_find_links_nearly_as_good() {
 }
 
 /// Every possible link, from all pairs.
-fn all_links(events: &[Event], features: &Features, limit: f32, min_jump: u32) -> Vec<Vec<Link>> {
+fn all_links(events: &[EventFrame], features: &Features, limit: f32, min_jump: u32) -> Vec<Vec<TransitionLink>> {
     let next = matches::successors(events);
     let error = |i: usize, k: usize| features.distance(FrameId(i as u32), FrameId(k as u32));
-    let is_near = |a: &Event, b: &Event| a.run == b.run && a.frame.0.abs_diff(b.frame.0) < min_jump;
+    let is_near = |a: &EventFrame, b: &EventFrame| a.run == b.run && a.frame.0.abs_diff(b.frame.0) < min_jump;
     let of_event = |i: usize| {
         let same = |k: usize, n: usize| {
             n != i && events[k].standing_run.is_some() && events[n].standing_run == events[k].standing_run
@@ -253,7 +256,8 @@ fn all_links(events: &[Event], features: &Features, limit: f32, min_jump: u32) -
                 && !is_near(&events[i], &events[k])
                 && is_minimum(k)
         });
-        let mut links: Vec<Link> = possible.map(|event| Link::new(event, error(i, event))).collect();
+        let mut links: Vec<TransitionLink> =
+            possible.map(|event| TransitionLink::new(event, error(i, event))).collect();
         sort(&mut links);
         links
     };
@@ -273,16 +277,16 @@ proptest! {
         max_actions in 6usize..64,
     ) {
         let (features, events, outcomes) = random_events(seed, num_events, variety);
-        let config = GraphConfig { max_actions, ..GraphConfig::default() };
+        let config = MotionGraphConfig { max_actions, ..MotionGraphConfig::default() };
         let all = all_links(&events, &features, limit, 9);
         let highest = share * limit;
-        let found = Finder::new(&events, &features, &outcomes, limits(limit), &config, &Silent, &Alone).unwrap().links(highest, &Alone).unwrap();
-        let mut kept = choose(&all, &outcomes, highest, &config, &Alone).unwrap();
+        let found = LinkFinder::new(&events, &features, &outcomes, limits(limit), &config, &Silent, &SingleRank).unwrap().links(highest, &SingleRank).unwrap();
+        let mut kept = choose(&all, &outcomes, highest, &config, &SingleRank).unwrap();
         kept.iter_mut().zip(&all).for_each(|(kept, all)| kept.extend(all.iter().take(NEAREST)));
-        let back: Vec<(usize, Link)> = kept
+        let back: Vec<(usize, TransitionLink)> = kept
             .iter()
             .enumerate()
-            .flat_map(|(i, links)| links.iter().map(move |l| (l.event(), Link::new(i, l.error))))
+            .flat_map(|(i, links)| links.iter().map(move |l| (l.event(), TransitionLink::new(i, l.error))))
             .filter(|(from, link)| all[*from].contains(link))
             .collect();
         back.into_iter().for_each(|(from, link)| kept[from].push(link));
@@ -293,7 +297,7 @@ proptest! {
         prop_assert_eq!(&found, &kept);
         for share in [0.0, 0.2, 0.5, 0.8, 1.0] {
             let threshold = share * highest;
-            prop_assert_eq!(choose(&found, &outcomes, threshold, &config, &Alone).unwrap(), choose(&all, &outcomes, threshold, &config, &Alone).unwrap());
+            prop_assert_eq!(choose(&found, &outcomes, threshold, &config, &SingleRank).unwrap(), choose(&all, &outcomes, threshold, &config, &SingleRank).unwrap());
         }
     }
 }
@@ -304,9 +308,9 @@ proptest! {
     #[test]
     fn the_component_is_the_one_brute_force_finds(graph in event_graph(), most in 1u32..60) {
         for most in [most, u32::MAX] {
-            let alive = largest_component(&graph, most, &Alone).unwrap();
+            let alive = largest_component(&graph, most, &SingleRank).unwrap();
             prop_assert_eq!(&alive, &naive_component(&graph, most));
-            for i in (0..alive.len()).filter(|&i| graph.goes_on(i, &alive)) {
+            for i in (0..alive.len()).filter(|&i| graph.has_live_successor(i, &alive)) {
                 prop_assert!(frames_to_choice(&graph, &|n| alive[n], i) <= most);
             }
         }
@@ -314,15 +318,15 @@ proptest! {
 
     #[test]
     fn bridges_make_a_thinned_graph_whole_again(mut whole in event_graph(), keep in prop::collection::vec(any::<bool>(), 14)) {
-        let alive = largest_component(&whole, u32::MAX, &Alone).unwrap();
+        let alive = largest_component(&whole, u32::MAX, &SingleRank).unwrap();
         whole.restrict(&alive);
         let mut thin = whole.clone();
         for (i, links) in thin.links.iter_mut().enumerate() {
             links.retain(|l| keep[(i + l.event()) % 14]);
         }
         let chosen = thin.links.clone();
-        bridge(&mut thin, &whole.links, &Arrivals::new(&whole.links, &Alone).unwrap(), &alive, 255, &Alone).unwrap();
-        prop_assert_eq!(largest_component(&thin, u32::MAX, &Alone).unwrap(), alive);
+        bridge(&mut thin, &whole.links, &IncomingLinks::new(&whole.links, &SingleRank).unwrap(), &alive, 255, &SingleRank).unwrap();
+        prop_assert_eq!(largest_component(&thin, u32::MAX, &SingleRank).unwrap(), alive);
         for i in 0..thin.links.len() {
             prop_assert!(chosen[i].iter().all(|l| thin.links[i].contains(l)));
             prop_assert!(thin.links[i].iter().all(|l| whole.links[i].contains(l)));
@@ -338,10 +342,10 @@ proptest! {
     ) {
         // Many links are equally good.
         for links in &mut whole.links {
-            *links = links.iter().map(|l| Link::new(l.event(), (4.0 * l.error).floor())).collect();
+            *links = links.iter().map(|l| TransitionLink::new(l.event(), (4.0 * l.error).floor())).collect();
             sort(links);
         }
-        let alive = largest_component(&whole, u32::MAX, &Alone).unwrap();
+        let alive = largest_component(&whole, u32::MAX, &SingleRank).unwrap();
         whole.restrict(&alive);
         for most in [most, 255] {
             let mut thin = whole.clone();
@@ -350,9 +354,9 @@ proptest! {
             }
             let mut expected = thin.clone();
             join_naively(&mut expected, &whole.links, &alive, most);
-            bridge(&mut thin, &whole.links, &Arrivals::new(&whole.links, &Alone).unwrap(), &alive, most, &Alone).unwrap();
+            bridge(&mut thin, &whole.links, &IncomingLinks::new(&whole.links, &SingleRank).unwrap(), &alive, most, &SingleRank).unwrap();
             // Ends of clips may have been given more.
-            for i in (0..alive.len()).filter(|&i| !alive[i] || thin.goes_on(i, &alive)) {
+            for i in (0..alive.len()).filter(|&i| !alive[i] || thin.has_live_successor(i, &alive)) {
                 sort(&mut expected.links[i]);
                 prop_assert_eq!(&thin.links[i], &expected.links[i]);
             }
@@ -366,14 +370,14 @@ proptest! {
     fn ranks_that_have_a_part_of_the_links_each_find_what_one_finds(
         mut whole in groups(), num_ranks in 2usize..5, most in 20u32..60, keep in 0.0f32..1.0, max_links in 10usize..16,
     ) {
-        let alive = largest_component(&whole, most, &Alone).unwrap();
+        let alive = largest_component(&whole, most, &SingleRank).unwrap();
         let of_all = whole.clone();
         whole.restrict(&alive);
         let mut thin = whole.clone();
         thin.links.iter_mut().flatten().for_each(|l| l.error *= keep);
         thin.links.iter_mut().for_each(|links| links.retain(|l| l.error.fract() < 0.3));
         let chosen = thin.clone();
-        bridge(&mut thin, &whole.links, &Arrivals::new(&whole.links, &Alone).unwrap(), &alive, max_links, &Alone).unwrap();
+        bridge(&mut thin, &whole.links, &IncomingLinks::new(&whole.links, &SingleRank).unwrap(), &alive, max_links, &SingleRank).unwrap();
         let found = LocalComm::run(num_ranks, |comm| {
             let own = |graph: &EventGraph| {
                 let mut own = graph.clone();
@@ -382,7 +386,7 @@ proptest! {
             };
             let found = largest_component(&own(&of_all), most, comm).unwrap();
             let (mut graph, whole) = (chosen.clone(), own(&whole));
-            let arrivals = Arrivals::new(&whole.links, comm).unwrap();
+            let arrivals = IncomingLinks::new(&whole.links, comm).unwrap();
             bridge(&mut graph, &whole.links, &arrivals, &alive, max_links, comm).unwrap();
             (found, graph)
         });
@@ -394,7 +398,7 @@ proptest! {
 
     #[test]
     fn collapsing_keeps_every_way_and_nothing_else(graph in event_graph()) {
-        let alive = largest_component(&graph, u32::MAX, &Alone).unwrap();
+        let alive = largest_component(&graph, u32::MAX, &SingleRank).unwrap();
         let (clips, events) = clip_and_events(alive.len());
         let collapsed = collapse(&graph, &alive, &events, &clips);
         let r = reaches(&graph, &alive);
@@ -431,10 +435,10 @@ fn components_of_a_chain_into_a_loop() {
         next: vec![Some(1), Some(2), Some(3), None],
         frames: vec![0, 5, 5, 5],
         worth: vec![0, 5, 5, 5],
-        links: vec![vec![], vec![], vec![], vec![Link::new(1, 0.1), Link::new(2, 0.2)]],
+        links: vec![vec![], vec![], vec![], vec![TransitionLink::new(1, 0.1), TransitionLink::new(2, 0.2)]],
     };
     let mut parts = components(&graph.next, &graph.links, &[true; 4]);
     parts.sort();
     assert_eq!(parts, [vec![0], vec![1], vec![2, 3]]);
-    assert_eq!(largest_component(&graph, u32::MAX, &Alone).unwrap(), [false, false, true, true]);
+    assert_eq!(largest_component(&graph, u32::MAX, &SingleRank).unwrap(), [false, false, true, true]);
 }

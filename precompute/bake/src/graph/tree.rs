@@ -1,6 +1,6 @@
 //! Points in a k-d tree whose nodes keep the box around their points.
 
-use crate::features::projection::{DIMS, Point, squared_gap_within};
+use crate::features::projection::{DIMS, ProjectedPoint, squared_gap_within};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -8,31 +8,31 @@ use std::collections::BinaryHeap;
 const LEAF: usize = 16;
 
 /// k-d tree of points, split repeatedly along the axis of largest extent.
-pub(super) struct Tree {
+pub(super) struct PointTree {
     /// Number and coordinates of each point, in the order of the leaves.
-    points: Vec<(u32, Point)>,
+    points: Vec<(u32, ProjectedPoint)>,
     /// Nodes, each before those of its first half, which precede those of its second.
-    nodes: Vec<Node>,
+    nodes: Vec<PointTreeNode>,
 }
 
-struct Node {
-    bounds: [Point; 2],
+struct PointTreeNode {
+    bounds: [ProjectedPoint; 2],
     /// Range of points: begin and end.
     points: [u32; 2],
     /// Node of the second half; 0 for a leaf. The first half follows its node.
     second: u32,
 }
 
-impl Tree {
+impl PointTree {
     /// Makes a tree of numbered points.
-    pub fn new(points: Vec<(u32, Point)>) -> Self {
+    pub fn new(points: Vec<(u32, ProjectedPoint)>) -> Self {
         let mut tree = Self { points, nodes: Vec::new() };
-        tree.part(0, tree.points.len());
+        tree.build_node(0, tree.points.len());
         tree
     }
 
     /// Adds the nodes of a range of points. Depth is logarithmic in their number.
-    fn part(&mut self, from: usize, to: usize) {
+    fn build_node(&mut self, from: usize, to: usize) {
         let points = &mut self.points[from..to];
         let mut bounds = [[f32::INFINITY; DIMS], [f32::NEG_INFINITY; DIMS]];
         for (_, p) in points.iter() {
@@ -42,20 +42,20 @@ impl Tree {
             }
         }
         let node = self.nodes.len();
-        self.nodes.push(Node { bounds, points: [from as u32, to as u32], second: 0 });
+        self.nodes.push(PointTreeNode { bounds, points: [from as u32, to as u32], second: 0 });
         if points.len() > LEAF {
             let spread = |d: &usize| bounds[1][*d] - bounds[0][*d];
             let widest = (0..DIMS).max_by(|a, b| spread(a).total_cmp(&spread(b))).unwrap_or(0);
             let middle = points.len() / 2;
             points.select_nth_unstable_by(middle, |a, b| a.1[widest].total_cmp(&b.1[widest]).then(a.0.cmp(&b.0)));
-            self.part(from, from + middle);
+            self.build_node(from, from + middle);
             self.nodes[node].second = self.nodes.len() as u32;
-            self.part(from + middle, to);
+            self.build_node(from + middle, to);
         }
     }
 
     /// Lower bound of the squared distance to the points of a node.
-    fn squared_gap_to(&self, node: usize, at: &Point) -> f32 {
+    fn squared_gap_to(&self, node: usize, at: &ProjectedPoint) -> f32 {
         let [low, high] = &self.nodes[node].bounds;
         let mut sums = [0.0f32; 4];
         for d in (0..DIMS).step_by(4) {
@@ -73,23 +73,29 @@ const ROUNDING: f32 = 1.0 - 1e-5;
 
 /// Traversal of the nodes of trees, nearest first (Beis and Lowe 1997).
 #[derive(Default)]
-pub(super) struct Walk {
+pub(super) struct PointTreeWalk {
     /// Unvisited nodes, nearest on top: the bits of a lower bound of the squared distance to their points (ordered as
     /// non-negative numbers), tree, node.
     ahead: BinaryHeap<Reverse<(u32, u32, u32)>>,
 }
 
-impl Walk {
+impl PointTreeWalk {
     /// Calls `see` with number and squared distance of the points of some trees within a squared radius, leaf by leaf,
     /// nearest leaf first. `see` returns the radius for the rest, no larger than before.
-    pub fn visit(&mut self, trees: &[Tree], at: &Point, mut reach: f32, mut see: impl FnMut(u32, f32) -> f32) {
+    pub fn visit(
+        &mut self,
+        trees: &[PointTree],
+        at: &ProjectedPoint,
+        mut reach: f32,
+        mut see: impl FnMut(u32, f32) -> f32,
+    ) {
         self.ahead.clear();
         (0..trees.len()).for_each(|tree| self.push(trees, tree as u32, 0, at, reach));
         while let Some(Reverse((gap, tree, node))) = self.ahead.pop()
             && f32::from_bits(gap) <= reach
         {
-            let Tree { points, nodes } = &trees[tree as usize];
-            let Node { points: [from, to], second, .. } = nodes[node as usize];
+            let PointTree { points, nodes } = &trees[tree as usize];
+            let PointTreeNode { points: [from, to], second, .. } = nodes[node as usize];
             if second != 0 {
                 self.push(trees, tree, node + 1, at, reach);
                 self.push(trees, tree, second, at, reach);
@@ -103,7 +109,7 @@ impl Walk {
         }
     }
 
-    fn push(&mut self, trees: &[Tree], tree: u32, node: u32, at: &Point, reach: f32) {
+    fn push(&mut self, trees: &[PointTree], tree: u32, node: u32, at: &ProjectedPoint, reach: f32) {
         let gap = trees[tree as usize].squared_gap_to(node as usize, at);
         if gap <= reach {
             self.ahead.push(Reverse((gap.to_bits(), tree, node)));

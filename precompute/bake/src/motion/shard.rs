@@ -1,19 +1,19 @@
 //! Shards: the share of a build's files that one of several processes reads and converts to clips. The processes share
 //! only the folder of the cache.
 
-use super::{Read, begin};
-use crate::cache::{Cache, Key};
+use super::{ReadMotion, read_all};
+use crate::cache::{Cache, CacheKey};
 use crate::config::BuildConfig;
-use crate::parts::Parts;
+use crate::parts::RequiredParts;
 use crate::provenance::{self, FileKeys, Provenance};
 use crate::stages::Stages;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::str::FromStr;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use throng_base::{Alone, Comm};
+use throng_base::{Comm, SingleRank};
 use throng_motion::error::{BuildError, ImportError};
-use throng_motion::import::{self, Clips, MotionFile};
+use throng_motion::import::{self, ClipsResult, MotionFile};
 use throng_motion::progress::Progress;
 
 /// One of several processes: number `index` of `count`, from 0.
@@ -25,13 +25,13 @@ pub struct Shard {
 
 impl Shard {
     /// Shard of a rank.
-    fn of(comm: &dyn Comm) -> Self {
+    fn of_rank(comm: &dyn Comm) -> Self {
         Self { index: comm.rank() as u32, count: comm.num_ranks() as u32 }
     }
 
     /// True if the file or clip of a key belongs to this shard.
-    fn has(self, key: Key) -> bool {
-        key.number() % u128::from(self.count) == u128::from(self.index)
+    fn owns(self, key: CacheKey) -> bool {
+        key.as_u128() % u128::from(self.count) == u128::from(self.index)
     }
 }
 
@@ -82,7 +82,7 @@ const REFUSED: &str = "refused";
 /// `import.strict` is set; those of the stages from import to annotate.
 pub(crate) fn bake(
     cfg: &BuildConfig,
-    parts: Parts,
+    parts: RequiredParts,
     shard: Shard,
     cache: &Cache,
     progress: &dyn Progress,
@@ -93,11 +93,11 @@ pub(crate) fn bake(
             "shards share the work on files; write this motion to files first, with `throng synth`, and name them as inputs",
         ));
     }
-    let s = Stages::new(cache, progress, &Alone);
-    let from = s.run("hash", |_| provenance::collect(cfg))?;
+    let s = Stages::new(cache, progress, &SingleRank);
+    let from = s.run("hash", |_| provenance::collect_provenance(cfg))?;
     let report = bake_files(cfg, parts, shard, &from, &s)?;
     // The cache is the only output of a shard.
-    cache.fault().map_or(Ok(report), Err)
+    cache.take_fault().map_or(Ok(report), Err)
 }
 
 /// Lets each rank of a build do a share of its work on single files, if there is a cache to store it in.
@@ -106,7 +106,7 @@ pub(crate) fn bake(
 /// As [`bake`].
 pub(super) fn bake_together(
     cfg: &BuildConfig,
-    parts: Parts,
+    parts: RequiredParts,
     from: &Provenance,
     s: &Stages<'_>,
 ) -> Result<(), BuildError> {
@@ -116,7 +116,7 @@ pub(super) fn bake_together(
     }
     // Files first, then clips, which need the files of all.
     for _ in 0..2 {
-        bake_files(cfg, parts, Shard::of(comm), from, s)?;
+        bake_files(cfg, parts, Shard::of_rank(comm), from, s)?;
         comm.barrier()?;
     }
     Ok(())
@@ -125,21 +125,21 @@ pub(super) fn bake_together(
 /// Bakes files with known hashes; see [`bake`].
 fn bake_files(
     cfg: &BuildConfig,
-    parts: Parts,
+    parts: RequiredParts,
     shard: Shard,
     from: &Provenance,
     s: &Stages<'_>,
 ) -> Result<ShardReport, BuildError> {
     let cache = s.cache();
-    let mut report = s.run("import", |p| read(cfg, &from.file_keys(&cfg.import), shard, cache, p))?;
+    let mut report = s.run("import", |p| read_shard(cfg, &from.file_keys(&cfg.import), shard, cache, p))?;
     if report.missing == 0 && report.own_files > report.skipped.len() {
-        let Read { raw, maker, warnings, .. } = begin(cfg, parts, from, s, true)?;
-        let own: Vec<usize> = (0..raw.len()).filter(|&i| maker.keys[i].is_some_and(|key| shard.has(key))).collect();
+        let ReadMotion { raw, maker, warnings, .. } = read_all(cfg, parts, from, s, true)?;
+        let own: Vec<usize> = (0..raw.len()).filter(|&i| maker.keys[i].is_some_and(|key| shard.owns(key))).collect();
         report.made = s.run("clips", |p| {
             p.begin("clips", own.len() as u64, "files");
             let made = own.par_iter().map(|&i| {
                 p.check()?;
-                let (_, kept) = maker.of_file(i, &raw[i])?;
+                let (_, kept) = maker.clips_of_file(i, &raw[i])?;
                 p.advance(1);
                 Ok(usize::from(!kept))
             });
@@ -149,13 +149,13 @@ fn bake_files(
         })?;
         report.warnings = warnings.messages;
     }
-    cache.settle();
+    cache.finish_batch();
     report.done = report.missing == 0;
     Ok(report)
 }
 
 /// Reads the files of a shard that are missing in the cache.
-fn read(
+fn read_shard(
     cfg: &BuildConfig,
     keys: &FileKeys<'_>,
     shard: Shard,
@@ -165,17 +165,17 @@ fn read(
     let [files, own_files, read, missing] = [const { AtomicUsize::new(0) }; 4];
     let count = |n: &AtomicUsize| _ = n.fetch_add(1, Ordering::Relaxed);
     // Only one file is held in memory at a time.
-    let reader = |file: &MotionFile, import: &dyn Fn() -> Clips| -> Clips {
+    let reader = |file: &MotionFile, import: &dyn Fn() -> ClipsResult| -> ClipsResult {
         count(&files);
         let Ok(key) = keys.key_of(&file.path) else { return Ok(Vec::new()) };
-        if !shard.has(key) {
-            if !cache.has("import", key) && !cache.has(REFUSED, key) {
+        if !shard.owns(key) {
+            if !cache.has_entry("import", key) && !cache.has_entry(REFUSED, key) {
                 count(&missing);
             }
             return Ok(Vec::new());
         }
         count(&own_files);
-        match cache.each("import", key, || keys.read(&file.path, import)) {
+        match cache.load_or_make("import", key, || keys.read_file(&file.path, import)) {
             Ok((_, kept)) => {
                 if !kept {
                     count(&read);
@@ -184,7 +184,7 @@ fn read(
             }
             Err(e) if e.is_passing() => Err(e),
             Err(e) => {
-                _ = cache.each::<String, ImportError>(REFUSED, key, || Ok(e.to_string()));
+                _ = cache.load_or_make::<String, ImportError>(REFUSED, key, || Ok(e.to_string()));
                 Err(e)
             }
         }

@@ -1,13 +1,13 @@
 //! Extents of bodies.
 
-use super::track::Track;
+use super::track::PatchTrack;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use throng_core::patch::{LinkRecord, Placement};
 use throng_motion::clip::ClipSet;
 
 /// Extent of the body at each frame of a clip set.
-pub(super) struct Bounds {
+pub(super) struct FrameExtents {
     /// Largest distance of a joint from the root on the ground, lowest and highest joint (m, num_frames).
     reach: Vec<[f32; 3]>,
 }
@@ -27,12 +27,12 @@ impl Extent {
         self
     }
 
-    fn join(self, other: Self) -> Self {
+    fn union(self, other: Self) -> Self {
         self.add(Vec3::from_array(other.0[0])).add(Vec3::from_array(other.0[1]))
     }
 }
 
-impl Bounds {
+impl FrameExtents {
     /// Measures all frames.
     pub fn new(clips: &ClipSet) -> Self {
         let of_clip = |clip: &throng_motion::Clip| -> Vec<[f32; 3]> {
@@ -49,12 +49,12 @@ impl Bounds {
     }
 
     /// Box around all joints during all links (m).
-    pub fn of_links(&self, tracks: &[Track], links: &[LinkRecord]) -> [[f32; 3]; 2] {
-        let all = links.par_iter().map(|l| self.of_link(tracks, l));
-        all.reduce(|| Extent::EMPTY, Extent::join).0
+    pub fn extent_of_links(&self, tracks: &[PatchTrack], links: &[LinkRecord]) -> [[f32; 3]; 2] {
+        let all = links.par_iter().map(|l| self.extent_of_link(tracks, l));
+        all.reduce(|| Extent::EMPTY, Extent::union).0
     }
 
-    fn of_link(&self, tracks: &[Track], link: &LinkRecord) -> Extent {
+    fn extent_of_link(&self, tracks: &[PatchTrack], link: &LinkRecord) -> Extent {
         let track = &tracks[tracks.partition_point(|t| t.first_row <= link.frame) - 1];
         let first = (link.frame - track.first_row) as usize;
         let n = usize::from(link.num_frames);

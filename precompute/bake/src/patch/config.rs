@@ -1,6 +1,6 @@
 //! Settings of motion patches.
 
-use crate::environment::TouchConfig;
+use crate::environment::GeometryTouchConfig;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -18,7 +18,7 @@ pub struct PatchConfig {
     /// Environments with the clips captured in them.
     pub environments: Vec<SourceEnvironment>,
     /// Limits of contacts of a body with its surroundings.
-    pub touch: TouchConfig,
+    pub touch: GeometryTouchConfig,
     /// Numbers of units that building blocks consist of (1 to 4 each).
     pub block_units: Vec<usize>,
     /// Edge length of cells (m, 0.02 to 0.5).
@@ -39,7 +39,7 @@ impl Default for PatchConfig {
         Self {
             units: None,
             environments: Vec::new(),
-            touch: TouchConfig::default(),
+            touch: GeometryTouchConfig::default(),
             block_units: vec![1, 2],
             cell_m: 0.1,
             cell_deg: 10.0,
@@ -167,15 +167,15 @@ impl PatchConfig {
         let blocks = self.block_units.iter().map(|&k| ("block_units", k as f64, 1.0, 4.0));
         let tiles = || self.tiles.iter().enumerate();
         check_ranges(ranges.into_iter().chain(blocks))
-            .and_then(|()| self.touch.check().map_err(|e| e.within("touch")))
-            .and_then(|()| tiles().try_for_each(|(i, t)| t.check().map_err(|e| e.within(&format!("tiles[{i}]")))))
-            .map_err(|e| e.within("patches"))
+            .and_then(|()| self.touch.check().map_err(|e| e.within_key("touch")))
+            .and_then(|()| tiles().try_for_each(|(i, t)| t.check().map_err(|e| e.within_key(&format!("tiles[{i}]")))))
+            .map_err(|e| e.within_key("patches"))
     }
 }
 
 impl TileConfig {
     /// A tile of a unit, with default settings.
-    pub fn of(unit: &str) -> Self {
+    pub fn for_unit(unit: &str) -> Self {
         Self {
             unit: unit.to_owned(),
             clips: Vec::new(),
@@ -231,11 +231,11 @@ impl TileConfig {
 
 /// True if `name` matches `pattern`, in which one `*` may stand for any text.
 pub(super) fn matches(pattern: &str, name: &str) -> bool {
-    if pattern.contains('*') { starred(pattern, name).is_some() } else { pattern == name }
+    if pattern.contains('*') { star_text(pattern, name).is_some() } else { pattern == name }
 }
 
 /// Text that the `*` of a pattern stands for in a matching name.
-pub(super) fn starred<'n>(pattern: &str, name: &'n str) -> Option<&'n str> {
+pub(super) fn star_text<'n>(pattern: &str, name: &'n str) -> Option<&'n str> {
     let (first, last) = pattern.split_once('*')?;
     name.strip_prefix(first)?.strip_suffix(last)
 }
@@ -246,13 +246,16 @@ mod tests {
 
     #[test]
     fn defaults_are_within_their_limits_and_bad_numbers_are_named() {
-        assert!(PatchConfig { tiles: vec![TileConfig::of("panel")], ..Default::default() }.check().is_ok());
+        assert!(PatchConfig { tiles: vec![TileConfig::for_unit("panel")], ..Default::default() }.check().is_ok());
         for (config, key) in [
             (PatchConfig { cell_m: 0.0, ..Default::default() }, "cell_m"),
             (PatchConfig { max_link_frames: 30, ..Default::default() }, "max_link_frames"),
             (PatchConfig { block_units: vec![1, 5], ..Default::default() }, "block_units"),
             (
-                PatchConfig { tiles: vec![TileConfig { slots: 0, ..TileConfig::of("panel") }], ..Default::default() },
+                PatchConfig {
+                    tiles: vec![TileConfig { slots: 0, ..TileConfig::for_unit("panel") }],
+                    ..Default::default()
+                },
                 "tiles[0].slots",
             ),
         ] {
@@ -263,7 +266,7 @@ mod tests {
     #[test]
     fn tiles_of_too_many_spots_are_refused() {
         let check = |tile| PatchConfig { tiles: vec![tile], ..Default::default() }.check();
-        let panel = || TileConfig::of("panel");
+        let panel = || TileConfig::for_unit("panel");
         assert!(check(TileConfig { slots: 20, headings: 4, edge_groups: 1000, ..panel() }).is_ok());
         for tile in [
             TileConfig { slots: 100, headings: 20, edge_groups: 1000, ..panel() },
@@ -276,7 +279,7 @@ mod tests {
 
     #[test]
     fn settings_left_out_of_a_file_are_those_of_a_plain_tile() {
-        assert_eq!(toml::from_str::<TileConfig>("unit = 'panel'").unwrap(), TileConfig::of("panel"));
+        assert_eq!(toml::from_str::<TileConfig>("unit = 'panel'").unwrap(), TileConfig::for_unit("panel"));
     }
 
     #[test]

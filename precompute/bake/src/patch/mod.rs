@@ -10,21 +10,21 @@ mod track;
 pub use block::spans;
 pub use config::{PatchConfig, SourceEnvironment, TileConfig};
 pub use scenes::{SourceScenes, embed, scenes};
-pub use tile::{Freedom, Pruned, TileCell, TileGraph, prune};
+pub use tile::{Freedom, PrunedTile, TileCell, TileGraph, prune};
 
 use crate::cluster::PoseGroups;
-use crate::environment::{Environment, Unit, UnitSet};
-use bounds::Bounds;
+use crate::environment::{Environment, UnitObject, UnitSet};
+use bounds::FrameExtents;
 use serde::{Deserialize, Serialize};
 use throng_core::patch::{CellRecord, EdgeRecord, LinkRecord, PairRecord, Placement};
 use throng_motion::clip::ClipSet;
 use throng_motion::error::BuildError;
 use throng_motion::progress::Progress;
-use track::Track;
+use track::PatchTrack;
 
 /// A motion patch, as the bundle stores it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Patch {
+pub struct RawPatch {
     /// Unique name: the units', joined by `+`, and a number if several arrangements of them occur.
     pub name: String,
     /// Units by name, placed in the patch's frame; the first one at the identity.
@@ -35,7 +35,7 @@ pub struct Patch {
     pub edges: Vec<EdgeRecord>,
     /// Cells; `first_link` and `num_links` are set.
     pub cells: Vec<CellRecord>,
-    /// Links, sorted by the cell they begin in; tags index [`Patches::link_tags`].
+    /// Links, sorted by the cell they begin in; tags index [`RawPatches::link_tags`].
     pub links: Vec<LinkRecord>,
     /// Interactions of two people across its edges, ascending; `patch` is not set.
     pub pairs: Vec<PairRecord>,
@@ -45,9 +45,9 @@ pub struct Patch {
 
 /// All patches of a build.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Patches {
+pub struct RawPatches {
     /// The patches.
-    pub patches: Vec<Patch>,
+    pub patches: Vec<RawPatch>,
     /// Tags of links, by `tag - 1`.
     pub link_tags: Vec<String>,
     /// The unit objects, as TOML.
@@ -97,7 +97,7 @@ pub struct PairReport {
 
 /// Environment in which a clip was captured, with the units of each frame.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Setting {
+pub struct CaptureSetting {
     /// The environment.
     pub environment: Environment,
     /// For each frame the units it belongs to, as ascending indices into `environment.units` (num_frames).
@@ -118,23 +118,24 @@ pub struct Setting {
 pub fn build(
     clips: &ClipSet,
     groups: &PoseGroups,
-    settings: &[Option<Setting>],
+    settings: &[Option<CaptureSetting>],
     config: &PatchConfig,
     units: &UnitSet,
     progress: &dyn Progress,
-) -> Result<Patches, BuildError> {
+) -> Result<RawPatches, BuildError> {
     config.check()?;
-    let (tracks, tags) = Track::of_all(clips, groups)?;
-    let bounds = Bounds::new(clips);
-    let mut out = Patches { link_tags: tags, ..Patches::default() };
+    let (tracks, tags) = PatchTrack::new_all(clips, groups)?;
+    let bounds = FrameExtents::new(clips);
+    let mut out = RawPatches { link_tags: tags, ..RawPatches::default() };
     let hips = hips_heights(clips, groups);
     let (tracks, hips, min_frames) = (tracks.as_slice(), hips.as_slice(), config.min_link_frames);
-    let given = tile::Given { clips, tracks, tags: &out.link_tags, settings, units, hips, bounds: &bounds, min_frames };
+    let given =
+        tile::TileInputs { clips, tracks, tags: &out.link_tags, settings, units, hips, bounds: &bounds, min_frames };
     let mut tiles = Vec::new();
     progress.begin("patch", config.tiles.len() as u64, "tiles");
     for (i, tile) in config.tiles.iter().enumerate() {
         progress.check()?;
-        tiles.push(tile::build(&given, tile).map_err(|e| e.within(&format!("patches.tiles[{i}]")))?);
+        tiles.push(tile::build(&given, tile).map_err(|e| e.within_key(&format!("patches.tiles[{i}]")))?);
         progress.advance(1);
     }
     (out.patches, out.report) = tiles.into_iter().unzip();
@@ -144,15 +145,15 @@ pub fn build(
         out.patches.push(patch);
         out.report.push(report);
     }
-    out.tell_apart();
+    out.number_duplicates();
     out.keep_used_tags();
     out.units = units_text(units)?;
     Ok(out)
 }
 
-impl Patches {
+impl RawPatches {
     /// Numbers patches of equal units from the second on.
-    fn tell_apart(&mut self) {
+    fn number_duplicates(&mut self) {
         let mut uses = std::collections::BTreeMap::<String, usize>::new();
         for (patch, report) in self.patches.iter_mut().zip(&mut self.report) {
             let n = uses.entry(patch.name.clone()).and_modify(|n| *n += 1).or_insert(1);
@@ -185,7 +186,7 @@ impl Patches {
 }
 
 /// True for a panel of level ground that is tiled in two directions: motion over it may be placed anywhere.
-fn is_ground(unit: &Unit) -> bool {
+fn is_ground(unit: &UnitObject) -> bool {
     unit.floor && unit.tile.as_ref().is_some_and(|t| t.steps.len() == 2 && t.steps.iter().all(|s| s[1] == 0.0))
 }
 
@@ -194,7 +195,7 @@ fn hips_heights(clips: &ClipSet, groups: &PoseGroups) -> Vec<f32> {
     let mut sums = vec![(0.0f64, 0u32); groups.num_groups()];
     for (clip, start) in clips.clips.iter().zip(clips.frame_starts()) {
         for (f, root) in clip.root_positions.iter().enumerate() {
-            if let Some(group) = groups.of(throng_motion::clip::FrameId(start + f as u32)) {
+            if let Some(group) = groups.group_of(throng_motion::clip::FrameId(start + f as u32)) {
                 let sum = &mut sums[group as usize];
                 *sum = (sum.0 + f64::from(root.y - clip.support.get(f).copied().unwrap_or(0.0)), sum.1 + 1);
             }

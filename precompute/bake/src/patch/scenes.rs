@@ -1,9 +1,9 @@
 //! Clips in the environments they were captured in.
 
-use super::{PatchConfig, Setting};
+use super::{CaptureSetting, PatchConfig};
 use crate::environment::{
-    Belonging, Environment, EnvironmentFile, PlacedGeometry, TouchConfig, UnitGeometry, UnitSet, annotate_in,
-    geometries,
+    Environment, EnvironmentFile, GeometryTouchConfig, PlacedGeometry, UnitGeometry, UnitMembership, UnitSet,
+    annotate_in, geometries,
 };
 use rayon::prelude::*;
 use std::path::Path;
@@ -35,7 +35,7 @@ pub struct SourceScenes {
 /// [`geometries`]; for a pattern without matching clips, with the existing ones; for a clip in two environments; for an
 /// environment of another unit file.
 pub fn scenes(clips: &[Clip], cfg: &PatchConfig, units: &UnitSet) -> Result<SourceScenes, BuildError> {
-    cfg.touch.check().map_err(|e| e.within("patches.touch"))?;
+    cfg.touch.check().map_err(|e| e.within_key("patches.touch"))?;
     let geometries = match &cfg.units {
         Some(file) => geometries(units).map_err(|e| e.in_file(file))?,
         None => geometries(units)?,
@@ -48,7 +48,7 @@ pub fn scenes(clips: &[Clip], cfg: &PatchConfig, units: &UnitSet) -> Result<Sour
         scenes.push(PlacedGeometry::new(&file.expand(units, &source.file)?, &geometries));
         for pattern in &source.clips {
             let key = format!("patches.environments[{number}].clips");
-            for clip in matching(clips, pattern, &key)? {
+            for clip in clips_matching(clips, pattern, &key)? {
                 if of_clip[clip].replace(number).is_some_and(|n| n != number) {
                     let name = &clips[clip].name;
                     let why = format!("clip `{name}` is in another environment too; leave it out of one of them");
@@ -88,8 +88,8 @@ impl SourceScenes {
     /// (clips.clips.len())
     ///
     /// - `clips`: with the contacts that [`embed`] found.
-    pub fn settings(&self, clips: &ClipSet, touch: &TouchConfig) -> Vec<Option<Setting>> {
-        let belongs = Belonging::new(&clips.skeleton, touch);
+    pub fn settings(&self, clips: &ClipSet, touch: &GeometryTouchConfig) -> Vec<Option<CaptureSetting>> {
+        let belongs = UnitMembership::new(&clips.skeleton, touch);
         let units_of = |clip: &Clip, scene: &PlacedGeometry, f: usize| {
             let transforms = clip.joint_transforms(&clips.skeleton, f);
             belongs.units_of(&transforms, clip.contacts[f], scene).into_iter().map(|u| u as u32).collect()
@@ -98,7 +98,7 @@ impl SourceScenes {
             let scene = &self.scenes[(*scene)?];
             let environment = Environment { name: scene.name.clone(), units: scene.units.clone() };
             let frames = 0..clip.num_frames();
-            Some(Setting { environment, units_of: frames.map(|f| units_of(clip, scene, f)).collect() })
+            Some(CaptureSetting { environment, units_of: frames.map(|f| units_of(clip, scene, f)).collect() })
         };
         clips.clips.par_iter().zip(&self.of_clip).map(of_clip).collect()
     }
@@ -121,7 +121,7 @@ fn check_units(file: &EnvironmentFile, path: &Path, cfg: &PatchConfig) -> Result
 ///
 /// # Errors
 /// [`BuildError::Key`] for more than one `*`, and where no clip matches.
-fn matching(clips: &[Clip], pattern: &str, key: &str) -> Result<Vec<usize>, BuildError> {
+fn clips_matching(clips: &[Clip], pattern: &str, key: &str) -> Result<Vec<usize>, BuildError> {
     let fail = |why: String| Err(BuildError::key(key, why));
     if pattern.matches('*').count() > 1 {
         return fail(format!("expected at most one `*` in a pattern, found `{pattern}`"));
@@ -177,7 +177,7 @@ mod tests {
 
     fn clips() -> ClipSet {
         let deck = standing("deck_01", 0.5);
-        let copy = mirror::mirror(&deck);
+        let copy = mirror::mirror_clip(&deck);
         ClipSet { skeleton: Skeleton::default(), clips: vec![deck, copy, standing("walk", 0.0)] }
     }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use throng_core::patch::Placement;
 use throng_core::planar::wrap_angle;
 use throng_core::{NUM_JOINTS, Planar};
-use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs};
+use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs_where};
 use throng_motion::error::BuildError;
 
 /// Largest speed of a standing root (m/s).
@@ -18,7 +18,7 @@ const MOST_TAGS: usize = 1000;
 const STANDING_FRAMES: usize = 10;
 
 /// One clip, ready to be embedded in patches.
-pub(super) struct Track {
+pub(super) struct PatchTrack {
     /// Frame row of the first frame.
     pub first_row: u32,
     /// Planar roots; headings count full turns (num_frames).
@@ -40,12 +40,12 @@ pub(super) struct Track {
     pub tagged: Vec<Vec<u32>>,
 }
 
-impl Track {
+impl PatchTrack {
     /// Tracks of all clips, and the names of all tags, rarest first, as it says most.
     ///
     /// # Errors
     /// [`BuildError::Stage`] for clips with too many tags.
-    pub fn of_all(clips: &ClipSet, groups: &PoseGroups) -> Result<(Vec<Self>, Vec<String>), BuildError> {
+    pub fn new_all(clips: &ClipSet, groups: &PoseGroups) -> Result<(Vec<Self>, Vec<String>), BuildError> {
         let mut frames: BTreeMap<&str, usize> = BTreeMap::new();
         for tag in clips.clips.iter().flat_map(|c| &c.tags) {
             *frames.entry(&tag.name).or_default() += tag.range.len();
@@ -68,20 +68,20 @@ impl Track {
     }
 
     fn new(clip: &Clip, first_row: u32, groups: &PoseGroups, tags: &[String]) -> Self {
-        let places = unwrapped(clip);
+        let places = unwrap_angles(clip);
         let mut travelled = vec![0.0; places.len()];
         for f in 1..places.len() {
             let (a, b) = (places[f - 1], places[f]);
             travelled[f] = travelled[f - 1] + (b.x - a.x).hypot(b.z - a.z);
         }
-        let group = |f| groups.of(FrameId(first_row + f as u32)).unwrap_or(PoseGroups::NO_GROUP);
+        let group = |f| groups.group_of(FrameId(first_row + f as u32)).unwrap_or(PoseGroups::NO_GROUP);
         let mut run_end = vec![0; places.len()];
         for run in clip.usable_ranges() {
             run_end[run.clone()].fill(run.end);
         }
-        let standing = standing(clip, &places);
-        let stood = counted(places.len(), &standing);
-        let tagged = tags.iter().map(|name| tagged(clip, name)).collect();
+        let standing = standing_ranges(clip, &places);
+        let stood = prefix_counts(places.len(), &standing);
+        let tagged = tags.iter().map(|name| tag_ranges(clip, name)).collect();
         Self {
             first_row,
             travelled,
@@ -97,7 +97,7 @@ impl Track {
 
     /// Root at a frame, at the height of the support.
     pub fn footing(&self, frame: usize) -> Placement {
-        Placement::at(self.places[frame], self.support[frame])
+        Placement::from_planar(self.places[frame], self.support[frame])
     }
 
     /// Tag carried by most of the frames `range`, on a tie the rarest, as 1 + its number; 0 if no tag covers more than
@@ -116,7 +116,7 @@ impl Track {
 }
 
 /// Planar roots with unwrapped headings.
-fn unwrapped(clip: &Clip) -> Vec<Planar> {
+fn unwrap_angles(clip: &Clip) -> Vec<Planar> {
     let mut out: Vec<Planar> = Vec::with_capacity(clip.num_frames());
     for f in 0..clip.num_frames() {
         let mut place = clip.planar(f);
@@ -129,9 +129,9 @@ fn unwrapped(clip: &Clip) -> Vec<Planar> {
 }
 
 /// Runs in which neither the root nor any joint moves much.
-fn standing(clip: &Clip, places: &[Planar]) -> Vec<FrameRange> {
+fn standing_ranges(clip: &Clip, places: &[Planar]) -> Vec<FrameRange> {
     let usable = clip.usable_ranges().into_iter().filter(|r| r.len() > 1);
-    let found = usable.flat_map(|r| runs(r, |f| is_slow(clip, places, f)));
+    let found = usable.flat_map(|r| runs_where(r, |f| is_slow(clip, places, f)));
     found.filter(|r| r.len() >= STANDING_FRAMES).collect()
 }
 
@@ -146,7 +146,7 @@ pub(super) fn is_slow(clip: &Clip, places: &[Planar], frame: usize) -> bool {
 }
 
 /// Number of frames before each frame that lie in one of the ranges (len + 1).
-fn counted(len: usize, ranges: &[FrameRange]) -> Vec<u32> {
+fn prefix_counts(len: usize, ranges: &[FrameRange]) -> Vec<u32> {
     let mut within = vec![0u32; len + 1];
     for r in ranges {
         within[r.start + 1..=r.end].fill(1);
@@ -157,11 +157,11 @@ fn counted(len: usize, ranges: &[FrameRange]) -> Vec<u32> {
     within
 }
 
-fn tagged(clip: &Clip, name: &str) -> Vec<u32> {
+fn tag_ranges(clip: &Clip, name: &str) -> Vec<u32> {
     let len = clip.num_frames();
     let of = clip.tags.iter().filter(|t| t.name == name);
     let ranges: Vec<_> = of.map(|t| t.range.start.min(len)..t.range.end.min(len)).filter(|r| !r.is_empty()).collect();
-    if ranges.is_empty() { Vec::new() } else { counted(len, &ranges) }
+    if ranges.is_empty() { Vec::new() } else { prefix_counts(len, &ranges) }
 }
 
 #[cfg(test)]
@@ -169,11 +169,11 @@ mod tests {
     use super::*;
     use glam::{Quat, Vec3};
     use throng_core::Skeleton;
-    use throng_motion::clip::Tag;
+    use throng_motion::clip::ClipTag;
 
     #[test]
     fn a_run_of_frames_has_the_tag_that_says_most_about_it() {
-        let tag = |name: &str, range| Tag { name: name.into(), range };
+        let tag = |name: &str, range| ClipTag { name: name.into(), range };
         let clip = Clip {
             source: "one".into(),
             tags: vec![tag("sit", 10..80), tag("slide", 30..60)],
@@ -184,7 +184,7 @@ mod tests {
             clips: vec![clip],
         };
         let groups = PoseGroups { groups: vec![0; 100], ..PoseGroups::default() };
-        let (tracks, tags) = Track::of_all(&clips, &groups).unwrap();
+        let (tracks, tags) = PatchTrack::new_all(&clips, &groups).unwrap();
         assert_eq!(tags, ["slide", "sit"]);
         let named = |range| match tracks[0].tag_of(&range) {
             0 => "",
@@ -203,8 +203,11 @@ mod tests {
         let skeleton = Skeleton { offsets: [Vec3::ZERO; NUM_JOINTS], tips: [Vec3::ZERO; 3] };
         let groups = PoseGroups { groups: vec![0; 2], ..PoseGroups::default() };
         let with = |n: usize| {
-            let tags = (0..n).map(|k| Tag { name: format!("t{k}"), range: 0..2 }).collect();
-            Track::of_all(&ClipSet { skeleton: skeleton.clone(), clips: vec![Clip { tags, ..clip.clone() }] }, &groups)
+            let tags = (0..n).map(|k| ClipTag { name: format!("t{k}"), range: 0..2 }).collect();
+            PatchTrack::new_all(
+                &ClipSet { skeleton: skeleton.clone(), clips: vec![Clip { tags, ..clip.clone() }] },
+                &groups,
+            )
         };
         assert!(with(MOST_TAGS).is_ok());
         let e = with(MOST_TAGS + 1).err().unwrap().to_string();

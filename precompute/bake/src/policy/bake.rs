@@ -3,10 +3,10 @@
 use super::config::PolicyConfig;
 use super::model::ActionModel;
 use super::solve::{Solution, stage_error, tolerance};
-use crate::share::joined;
+use crate::share::share_rows;
 use rayon::prelude::*;
-use throng_base::{Alone, Comm};
-use throng_core::policy::{Goal, LookAheadJob, PolicyTable, RankedActions};
+use throng_base::{Comm, SingleRank};
+use throng_core::policy::{LookAheadGoal, LookAheadJob, PolicyTable, RankedActions};
 use throng_motion::error::BuildError;
 
 /// Best actions of a policy, best first (num_states * num_cells * num_choices).
@@ -20,7 +20,7 @@ use throng_motion::error::BuildError;
 /// [`BuildError::Key`] for a setting out of its range; [`BuildError::Stage`] with the residual if `cfg.max_sweeps` do
 /// not suffice.
 pub fn bake(model: &ActionModel, solution: &mut Solution, cfg: &PolicyConfig) -> Result<Vec<u8>, BuildError> {
-    shared_bake(model, solution, cfg, &Alone)
+    shared_bake(model, solution, cfg, &SingleRank)
 }
 
 /// Bakes with several processes, each of which ranks a block of the states; see [`bake`].
@@ -66,7 +66,7 @@ pub(super) fn best_actions(
 ) -> Result<Vec<u8>, BuildError> {
     solution.record.num_choices = 1;
     let table = solution.table(model, &vec![0; solution.values.len()])?;
-    let of_state = |state: usize| best_of(&rank_state(&table, state as u32), num_choices).collect::<Vec<u8>>();
+    let of_state = |state: usize| best_actions_of(&rank_state(&table, state as u32), num_choices).collect::<Vec<u8>>();
     let actions: Vec<Vec<u8>> = (0..model.num_states()).into_par_iter().map(of_state).collect();
     solution.record.num_choices = num_choices;
     Ok(actions.concat())
@@ -76,23 +76,23 @@ pub(super) fn best_actions(
 /// many cells.
 fn rank_all(table: &PolicyTable, num_choices: u32, comm: &dyn Comm) -> Result<(Vec<f32>, Vec<u8>), BuildError> {
     let (num_states, num_cells) = (table.actions().num_states(), table.grid().num_cells());
-    let (own, choices) = (comm.share(num_states), num_cells * num_choices as usize);
+    let (own, choices) = (comm.own_range(num_states), num_cells * num_choices as usize);
     let (mut scores, mut actions) = (vec![0.0; own.len() * num_cells], vec![0; own.len() * choices]);
     let rows = scores.par_chunks_mut(num_cells).zip(actions.par_chunks_mut(choices));
     rows.zip(own).for_each(|((scores, actions), state)| {
         let ranked = rank_state(table, state as u32);
         scores.iter_mut().zip(&ranked).for_each(|(score, r)| *score = r.scores[0]);
-        actions.iter_mut().zip(best_of(&ranked, num_choices)).for_each(|(action, best)| *action = best);
+        actions.iter_mut().zip(best_actions_of(&ranked, num_choices)).for_each(|(action, best)| *action = best);
     });
     let mut all_scores = vec![0.0; num_states * num_cells];
     let mut all_actions = vec![0; num_states * choices];
-    joined(comm, num_cells, &mut scores, &mut all_scores)?;
-    joined(comm, choices, &mut actions, &mut all_actions)?;
+    share_rows(comm, num_cells, &mut scores, &mut all_scores)?;
+    share_rows(comm, choices, &mut actions, &mut all_actions)?;
     Ok((all_scores, all_actions))
 }
 
 /// The first `num_choices` best actions of each cell.
-fn best_of(ranked: &[RankedActions], num_choices: u32) -> impl Iterator<Item = u8> {
+fn best_actions_of(ranked: &[RankedActions], num_choices: u32) -> impl Iterator<Item = u8> {
     ranked.iter().flat_map(move |r| r.actions.into_iter().take(num_choices as usize))
 }
 
@@ -102,7 +102,7 @@ fn rank_state(table: &PolicyTable, state: u32) -> Vec<RankedActions> {
     let targets: Vec<_> = (0..n).map(|c| grid.cell_centre(c) + table.centre()).collect();
     let (states, weights) = (vec![state; n], vec![1.0; n]);
     let mut ranked = vec![RankedActions::NONE; n];
-    let goals = [Goal { policy: table, weights: &weights, targets: &targets }];
+    let goals = [LookAheadGoal { policy: table, weights: &weights, targets: &targets }];
     let job = LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked };
     job.run().expect("slices have one length, states exist and centres are finite");
     ranked

@@ -3,18 +3,20 @@
 use glam::Vec3;
 use rand::RngExt;
 use rand_pcg::Pcg64;
-use throng_core::policy::{BestActionJob, Goal, LookAheadJob, PathRecord, PolicyTable, RankedActions, SegmentRecord};
+use throng_core::policy::{
+    BestActionJob, LookAheadGoal, LookAheadJob, PathRecord, PolicyTable, RankedActions, SegmentRecord,
+};
 
 /// A state, and a target in the character's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Situation {
+pub struct PolicySituation {
     /// State of the motion graph.
     pub state: u32,
     /// Target: +Z ahead, +X left, Y the height above ground, or in a space-time grid the time left (m, or s).
     pub target: Vec3,
 }
 
-impl Situation {
+impl PolicySituation {
     /// True if the event of a space-time grid has happened: there is no more reward.
     pub fn is_over(&self, table: &PolicyTable) -> bool {
         table.grid().is_space_time() && self.target.y < 0.0
@@ -23,13 +25,13 @@ impl Situation {
 
 /// Reward and outcome of an action.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Played {
+pub struct PlayedAction {
     /// Reward, as in the solved policy.
     pub reward: f32,
     /// Discount over the segment.
     pub discount: f32,
     /// State and target afterwards.
-    pub then: Situation,
+    pub then: PolicySituation,
 }
 
 /// Plays an action. The target keeps its place in the world, and is not clamped to the grid.
@@ -37,23 +39,23 @@ pub struct Played {
 /// Reward and discount include the cost of the transition.
 ///
 /// - `action`: index within the state's actions (both exist).
-pub fn play(table: &PolicyTable, from: Situation, action: u8) -> Played {
+pub fn play(table: &PolicyTable, from: PolicySituation, action: u8) -> PlayedAction {
     let (action, target) = (usize::from(action), from.target);
     let segment = table.actions().segments_of(from.state)[action];
     let left = table.reward().after_transition(table.actions().errors_of(from.state)[action]);
     let (record, place) = (&table.segments()[segment as usize], table.to_grid(target));
     let [x, z, distance] = record.target_after(place);
     let (y, reward) = match table.paths().get(segment as usize) {
-        Some(path) => (target.y - path.duration_s, of_event(table, record, path, place)),
-        None => (target.y, of_samples(table, record, place, distance)),
+        Some(path) => (target.y - path.duration_s, event_reward(table, record, path, place)),
+        None => (target.y, sample_reward(table, record, place, distance)),
     };
     let target = Vec3::new(x, y, z) + table.centre();
-    let then = Situation { state: record.end, target };
-    Played { reward: left * reward, discount: left * record.discount, then }
+    let then = PolicySituation { state: record.end, target };
+    PlayedAction { reward: left * reward, discount: left * record.discount, then }
 }
 
 /// Reward of a segment's samples.
-fn of_samples(table: &PolicyTable, record: &SegmentRecord, place: Vec3, end_distance: f32) -> f32 {
+fn sample_reward(table: &PolicyTable, record: &SegmentRecord, place: Vec3, end_distance: f32) -> f32 {
     let reward = table.reward();
     let start_kernel = reward.kernel((place.x * place.x + place.z * place.z).sqrt());
     if table.grid().is_polar() {
@@ -64,16 +66,16 @@ fn of_samples(table: &PolicyTable, record: &SegmentRecord, place: Vec3, end_dist
 }
 
 /// Reward of a segment during which the event happens, discounted to then.
-fn of_event(table: &PolicyTable, record: &SegmentRecord, path: &PathRecord, place: Vec3) -> f32 {
+fn event_reward(table: &PolicyTable, record: &SegmentRecord, path: &PathRecord, place: Vec3) -> f32 {
     if !(0.0..path.duration_s).contains(&place.y) {
         return 0.0;
     }
-    record.discount.powf(place.y / path.duration_s) * table.reward().of_event(path.at(place.y), place)
+    record.discount.powf(place.y / path.duration_s) * table.reward().of_event(path.position_at(place.y), place)
 }
 
 /// Selection of actions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Follow {
+pub enum ActionSelection {
     /// The stored best action of the nearest cell.
     SingleLoad,
     /// Look-ahead, then a random choice among the best few; 0 always takes the best.
@@ -88,17 +90,23 @@ pub enum Follow {
 /// - `negligible`: discount below which further rewards are ignored (> 0, < 1).
 /// - `rng`: for random choices.
 /// - returns one sum for each situation.
-pub fn collect(table: &PolicyTable, from: &[Situation], follow: Follow, negligible: f64, rng: &mut Pcg64) -> Vec<f64> {
+pub fn collect_rewards(
+    table: &PolicyTable,
+    from: &[PolicySituation],
+    follow: ActionSelection,
+    negligible: f64,
+    rng: &mut Pcg64,
+) -> Vec<f64> {
     let n = from.len();
     let mut states: Vec<u32> = from.iter().map(|s| s.state).collect();
     let mut targets: Vec<Vec3> = from.iter().map(|s| s.target).collect();
     let mut discounts = vec![1.0f64; n];
     let mut sums = vec![0.0f64; n];
-    let mut choices = Choices::new(n);
+    let mut choices = BatchActions::new(n);
     while discounts.iter().any(|&d| d > negligible) {
         choices.make(table, &states, &targets, follow, rng);
         for i in 0..n {
-            let from = Situation { state: states[i], target: targets[i] };
+            let from = PolicySituation { state: states[i], target: targets[i] };
             let played = play(table, from, choices.actions[i]);
             sums[i] += discounts[i] * f64::from(played.reward);
             discounts[i] *= f64::from(played.discount);
@@ -109,25 +117,32 @@ pub fn collect(table: &PolicyTable, from: &[Situation], follow: Follow, negligib
 }
 
 /// Actions of a batch, chosen as in the runtime.
-struct Choices {
+struct BatchActions {
     actions: Vec<u8>,
     ranked: Vec<RankedActions>,
     weights: Vec<f32>,
 }
 
-impl Choices {
+impl BatchActions {
     fn new(n: usize) -> Self {
         Self { actions: vec![0; n], ranked: vec![RankedActions::NONE; n], weights: vec![1.0; n] }
     }
 
-    fn make(&mut self, table: &PolicyTable, states: &[u32], targets: &[Vec3], follow: Follow, rng: &mut Pcg64) {
+    fn make(
+        &mut self,
+        table: &PolicyTable,
+        states: &[u32],
+        targets: &[Vec3],
+        follow: ActionSelection,
+        rng: &mut Pcg64,
+    ) {
         let done = match follow {
-            Follow::SingleLoad => {
+            ActionSelection::SingleLoad => {
                 let actions = &mut self.actions;
                 BestActionJob { policy: table, states, targets, choice: 0, actions }.run()
             }
-            Follow::LookAhead { temperature } => {
-                let goals = [Goal { policy: table, weights: &self.weights, targets }];
+            ActionSelection::LookAhead { temperature } => {
+                let goals = [LookAheadGoal { policy: table, weights: &self.weights, targets }];
                 let done = LookAheadJob { goals: &goals, states, ranked: &mut self.ranked }.run();
                 for (action, ranked) in self.actions.iter_mut().zip(&self.ranked) {
                     *action = ranked.choose(temperature, rng.random());

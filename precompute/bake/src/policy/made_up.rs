@@ -1,7 +1,7 @@
 //! A synthetic problem of fixed size for measuring value iteration: every action has a segment of its own.
 
 use super::behaviour::Approach;
-use super::config::{BehaviourConfig, GridConfig, PolicyConfig};
+use super::config::{GridConfig, PolicyBehaviourConfig, PolicyConfig};
 use super::model::{ActionModel, SegmentMotion};
 use super::solve::{Solution, value_iteration};
 use glam::Vec2;
@@ -12,10 +12,10 @@ use throng_core::Planar;
 use throng_motion::error::BuildError;
 use throng_motion::progress::Silent;
 
-/// Size of a synthetic problem. [`MadeUp::default`] is that of Lee and Lee's (2004) boxer with a finer grid, 10.8
+/// Size of a synthetic problem. [`SyntheticProblem::default`] is that of Lee and Lee's (2004) boxer with a finer grid, 10.8
 /// million pairs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MadeUp {
+pub struct SyntheticProblem {
     /// States.
     pub states: u32,
     /// Actions of every state (1 to 255).
@@ -30,7 +30,7 @@ pub struct MadeUp {
 
 /// Measurements of a solve.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
-pub struct Measured {
+pub struct SolveMeasurements {
     /// (State, cell, action) triples.
     pub pairs: u64,
     /// Full sweeps, the last of which measured the residual.
@@ -64,16 +64,16 @@ fn copy_bandwidth(bytes: usize) -> f64 {
     2.0 * bytes as f64 / least
 }
 
-impl Default for MadeUp {
+impl Default for SyntheticProblem {
     fn default() -> Self {
         Self { states: 437, actions: 62, rings: 16, angles: 25, seed: 1 }
     }
 }
 
-impl MadeUp {
+impl SyntheticProblem {
     /// Policy of a behaviour, solved on this problem.
     #[cfg(test)]
-    pub(crate) fn solved(&self, behaviour: &Approach) -> throng_core::policy::PolicyTable {
+    pub(crate) fn solve_timed(&self, behaviour: &Approach) -> throng_core::policy::PolicyTable {
         let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
         let mut rng = Pcg64::seed_from_u64(1);
         let tables = super::solve_behaviours(self.model(), &[behaviour], &cfg, &mut rng, &Silent);
@@ -116,17 +116,17 @@ impl MadeUp {
     /// [`BuildError::Config`] if the grid's size is out of its range.
     pub fn behaviour(&self) -> Result<Approach, BuildError> {
         let grid = GridConfig { rings: Some(self.rings), angles: Some(self.angles), ..GridConfig::default() };
-        Approach::new(&BehaviourConfig { grid, ..BehaviourConfig::default() }, 30.0, None)
+        Approach::new(&PolicyBehaviourConfig { grid, ..PolicyBehaviourConfig::default() }, 30.0, None)
     }
 
     /// Solves the problem on the current rayon pool, with measurements.
     ///
     /// # Errors
     /// As [`value_iteration`].
-    pub fn measure(&self, epsilon: f64) -> Result<Measured, BuildError> {
+    pub fn measure(&self, epsilon: f64) -> Result<SolveMeasurements, BuildError> {
         let model = self.model();
         let s = self.solve(&model, epsilon)?;
-        Ok(Measured {
+        Ok(SolveMeasurements {
             pairs: s.num_pairs,
             sweeps: s.num_sweeps,
             greedy_sweeps: s.num_greedy_sweeps,

@@ -17,15 +17,17 @@ mod sweep;
 
 pub use adapt::{AdaptiveReport, Approximation, adapt};
 pub use bake::bake;
-pub use behaviour::{Approach, Behaviour, Evade, SegmentHit, Spec, ThrowPunches, segment_hits, segment_records};
+pub use behaviour::{
+    Approach, BehaviourSpec, Evade, PolicyBehaviour, SegmentHit, ThrowPunches, segment_hits, segment_records,
+};
 pub use compare::{Comparison, compare, random_target};
 pub use config::{
-    AdaptiveConfig, BehaviourConfig, BehaviourKind, BoundsConfig, CentreConfig, GridConfig, KernelConfig, PolicyConfig,
-    RegionConfig, RewardForm,
+    AdaptiveConfig, BehaviourKind, BoundsConfig, CentreConfig, GridConfig, KernelConfig, PolicyBehaviourConfig,
+    PolicyConfig, RegionConfig, RewardForm,
 };
 pub use export::write_csv;
-pub use follow::{Follow, Played, Situation, collect, play};
+pub use follow::{ActionSelection, PlayedAction, PolicySituation, collect_rewards, play};
 pub use model::{ActionModel, SegmentMotion};
-pub use policies::{Policy, PolicyReport, PolicyTables, solve, solve_behaviours};
+pub use policies::{PolicyReport, PolicyTables, RawPolicy, solve, solve_behaviours};
 pub use promise::{ENOUGH_KEPT, LEAST_KEPT, Promise, PromisePart, help, promise};
 pub use solve::{Solution, shared_value_iteration, tolerance, value_iteration};

@@ -1,7 +1,7 @@
 //! State-action model that a policy is solved on: the motion graph without its poses (Lee and Lee 2004, section 3).
 
 use super::solve::stage_error;
-use crate::graph::MotionGraph;
+use crate::graph::RawMotionGraph;
 use glam::Vec2;
 use std::ops::Range;
 use throng_core::planar::{Planar, wrap_angle};
@@ -63,7 +63,7 @@ impl ActionModel {
     ///
     /// # Errors
     /// [`BuildError::Stage`] if a state has more than 255 actions or clips have different frame rates.
-    pub fn new(clips: &ClipSet, graph: &MotionGraph) -> Result<Self, BuildError> {
+    pub fn new(clips: &ClipSet, graph: &RawMotionGraph) -> Result<Self, BuildError> {
         let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
         if let Some(c) = clips.clips.iter().find(|c| c.rate_hz != rate_hz) {
             let message = format!("clip {} has {} Hz, others {rate_hz} Hz", c.name, c.rate_hz);

@@ -13,7 +13,7 @@ pub(super) const MAX_PLANE: usize = 1 << 16;
 
 /// Dimensions of the rows of values and pairs.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shape {
+pub(super) struct RowShape {
     /// Heights of the grid.
     pub heights: usize,
     /// Rings of the grid.
@@ -22,7 +22,7 @@ pub(super) struct Shape {
     pub angles: usize,
 }
 
-impl Shape {
+impl RowShape {
     pub fn new(grid: &TargetGrid) -> Self {
         let r = grid.record();
         Self { heights: r.num_heights as usize, rings: r.num_rings as usize, angles: r.num_angles as usize }
@@ -67,8 +67,8 @@ impl Shape {
 /// interpolated between two angles. Rows are one segment and height; the geometry is the same at every height.
 ///
 /// 16 bytes a pair: 2 + 2 + 4 + 4 for the geometry, 4 for the reward.
-pub(super) struct Pairs {
-    pub shape: Shape,
+pub(super) struct BackupPairs {
+    pub shape: RowShape,
     /// Row of each segment; [`UNUSED`] for segments that are not backed up.
     rows: Vec<u32>,
     /// Index of the lower corner among the values of one height (num_rows * row).
@@ -87,7 +87,7 @@ pub(super) struct Pairs {
 
 /// A single pair, extracted.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Pair {
+pub(super) struct BackupPair {
     /// Index of the lower corner among the values of all states.
     pub base: u32,
     pub angle_ratio: f32,
@@ -99,16 +99,16 @@ pub(super) struct Pair {
 /// Row of a segment that is not backed up.
 const UNUSED: u32 = u32::MAX;
 
-/// Unit of [`Pairs::angle_ratio`].
+/// Unit of [`BackupPairs::angle_ratio`].
 const RATIO_UNIT: f32 = 1.0 / 65535.0;
 
-impl Pairs {
+impl BackupPairs {
     /// Computes the pairs of some segments, in parallel.
     ///
     /// - `table`: gives grid and reward; its values are not read.
     /// - `backed_up`: segments to back up, possibly repeated.
     pub fn new(table: &PolicyTable, segments: &[SegmentRecord], backed_up: &[u32]) -> Self {
-        let shape = Shape::new(table.grid());
+        let shape = RowShape::new(table.grid());
         let mut rows = vec![UNUSED; segments.len()];
         backed_up.iter().for_each(|&s| rows[s as usize] = 0);
         let used: Vec<&SegmentRecord> = rows.iter().zip(segments).filter(|(r, _)| **r == 0).map(|(_, s)| s).collect();
@@ -124,14 +124,14 @@ impl Pairs {
             reward: vec![0.0; num_pairs * shape.heights],
             end: segments.iter().map(|s| s.end).collect(),
         };
-        let centres = Centres::new(table, &shape);
+        let centres = CellCentres::new(table, &shape);
         let geometry = pairs.base.par_chunks_mut(row).zip(pairs.angle_ratio.par_chunks_mut(row));
         let weights = pairs.near.par_chunks_mut(row).zip(pairs.far.par_chunks_mut(row));
         let rewards = pairs.reward.par_chunks_mut(row * shape.heights);
         geometry.zip(weights).zip(rewards).zip(used).for_each_init(
             || vec![Backups::default(); row / LANES],
             |backups, ((((base, ratio), (near, far)), reward), segment)| {
-                let rows = Rows { base, ratio, near, far, reward };
+                let rows = SegmentRows { base, ratio, near, far, reward };
                 vectorize(
                     #[inline(always)]
                     || rows.fill(table, &centres, segment, backups),
@@ -178,12 +178,12 @@ impl Pairs {
     }
 
     /// Extracts one pair.
-    pub fn pair(&self, segment: usize, height: usize, cell: usize) -> Pair {
+    pub fn pair(&self, segment: usize, height: usize, cell: usize) -> BackupPair {
         let row = self.shape.row();
         let values = self.end[segment] as usize * self.shape.value_row() + height * self.shape.value_plane();
         let segment = self.rows[segment] as usize;
         let i = segment * row + cell;
-        Pair {
+        BackupPair {
             base: values as u32 + u32::from(self.base[i]),
             angle_ratio: f32::from(self.angle_ratio[i]) * RATIO_UNIT,
             near: self.near[i],
@@ -193,9 +193,9 @@ impl Pairs {
     }
 }
 
-impl Pair {
+impl BackupPair {
     /// The pair with its backup scaled by a factor.
-    pub fn times(self, factor: f32) -> Self {
+    pub fn scaled(self, factor: f32) -> Self {
         Self { near: factor * self.near, far: factor * self.far, reward: factor * self.reward, ..self }
     }
 
@@ -210,15 +210,15 @@ impl Pair {
 }
 
 /// Centres of the cells, in whole lanes; spare ones repeat the first.
-struct Centres {
+struct CellCentres {
     /// Ground targets of one height (row / LANES).
     ground: Vec<GroundTargets>,
     /// Heights (heights).
     heights: Vec<f32>,
 }
 
-impl Centres {
-    fn new(table: &PolicyTable, shape: &Shape) -> Self {
+impl CellCentres {
+    fn new(table: &PolicyTable, shape: &RowShape) -> Self {
         let grid = table.grid();
         let mut ground = vec![GroundTargets::default(); shape.row() / LANES];
         for cell in 0..shape.row() {
@@ -233,7 +233,7 @@ impl Centres {
 }
 
 /// The rows of one segment.
-struct Rows<'a> {
+struct SegmentRows<'a> {
     base: &'a mut [u16],
     ratio: &'a mut [u16],
     near: &'a mut [f32],
@@ -241,9 +241,9 @@ struct Rows<'a> {
     reward: &'a mut [f32],
 }
 
-impl Rows<'_> {
+impl SegmentRows<'_> {
     #[inline(always)]
-    fn fill(self, table: &PolicyTable, centres: &Centres, segment: &SegmentRecord, backups: &mut [Backups]) {
+    fn fill(self, table: &PolicyTable, centres: &CellCentres, segment: &SegmentRecord, backups: &mut [Backups]) {
         let row = self.base.len();
         for (&height, rewards) in centres.heights.iter().zip(self.reward.chunks_exact_mut(row)) {
             table.back_up_all(segment, height, &centres.ground, backups);

@@ -2,17 +2,17 @@
 
 use super::adapt::{AdaptiveReport, adapt};
 use super::bake::{best_actions, shared_bake};
-use super::behaviour::{Approach, Behaviour, Evade, SegmentHit, ThrowPunches, segment_hits};
+use super::behaviour::{Approach, Evade, PolicyBehaviour, SegmentHit, ThrowPunches, segment_hits};
 use super::compare::{Comparison, compare};
-use super::config::{BehaviourConfig, BehaviourKind, PolicyConfig};
+use super::config::{BehaviourKind, PolicyBehaviourConfig, PolicyConfig};
 use super::model::ActionModel;
 use super::promise::{Promise, promise};
 use super::solve::{Solution, shared_value_iteration};
-use crate::graph::MotionGraph;
+use crate::graph::RawMotionGraph;
 use glam::Vec2;
 use rand_pcg::Pcg64;
 use std::time::Instant;
-use throng_base::{Alone, Comm};
+use throng_base::{Comm, SingleRank};
 use throng_core::policy::{
     ActionTable, PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
 };
@@ -30,12 +30,12 @@ pub struct PolicyTables {
     /// Distance of each action's transition, 0 if the clip continues (rad).
     pub action_errors: Vec<f32>,
     /// Policies, in the order of the config.
-    pub policies: Vec<Policy>,
+    pub policies: Vec<RawPolicy>,
 }
 
 /// One policy, the owned form of [`PolicyTable`].
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-pub struct Policy {
+pub struct RawPolicy {
     /// Name of its behaviour.
     pub name: String,
     /// Grid, reward and sizes.
@@ -121,8 +121,8 @@ impl PolicyTables {
 /// actions or value iteration does not converge.
 pub fn solve(
     clips: &ClipSet,
-    graph: &MotionGraph,
-    behaviours: &[BehaviourConfig],
+    graph: &RawMotionGraph,
+    behaviours: &[PolicyBehaviourConfig],
     cfg: &PolicyConfig,
     rng: &mut Pcg64,
     progress: &dyn Progress,
@@ -130,20 +130,22 @@ pub fn solve(
 ) -> Result<PolicyTables, BuildError> {
     let model = ActionModel::new(clips, graph)?;
     let hits = segment_hits(clips, graph);
-    let one = |(i, b)| make(b, clips, graph, &hits, comm).map_err(|e| e.within(&format!("behaviours[{i}]")));
-    let made: Vec<Box<dyn Behaviour>> = behaviours.iter().enumerate().map(one).collect::<Result<_, BuildError>>()?;
-    let made: Vec<&dyn Behaviour> = made.iter().map(|b| &**b).collect();
+    let one =
+        |(i, b)| make_behaviour(b, clips, graph, &hits, comm).map_err(|e| e.within_key(&format!("behaviours[{i}]")));
+    let made: Vec<Box<dyn PolicyBehaviour>> =
+        behaviours.iter().enumerate().map(one).collect::<Result<_, BuildError>>()?;
+    let made: Vec<&dyn PolicyBehaviour> = made.iter().map(|b| &**b).collect();
     solve_shared(model, &made, cfg, rng, progress, comm)
 }
 
 /// Makes the behaviour of a config; the only list of kinds.
-fn make(
-    config: &BehaviourConfig,
+fn make_behaviour(
+    config: &PolicyBehaviourConfig,
     clips: &ClipSet,
-    graph: &MotionGraph,
+    graph: &RawMotionGraph,
     hits: &[Vec<SegmentHit>],
     comm: &dyn Comm,
-) -> Result<Box<dyn Behaviour>, BuildError> {
+) -> Result<Box<dyn PolicyBehaviour>, BuildError> {
     let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
     Ok(match config.kind {
         BehaviourKind::Approach => Box::new(Approach::new(config, rate_hz, hit_centre(clips))?),
@@ -169,30 +171,30 @@ fn hit_centre(clips: &ClipSet) -> Option<Vec2> {
 /// As [`solve`].
 pub fn solve_behaviours(
     model: ActionModel,
-    behaviours: &[&dyn Behaviour],
+    behaviours: &[&dyn PolicyBehaviour],
     cfg: &PolicyConfig,
     rng: &mut Pcg64,
     progress: &dyn Progress,
 ) -> Result<PolicyTables, BuildError> {
-    solve_shared(model, behaviours, cfg, rng, progress, &Alone)
+    solve_shared(model, behaviours, cfg, rng, progress, &SingleRank)
 }
 
 fn solve_shared(
     model: ActionModel,
-    behaviours: &[&dyn Behaviour],
+    behaviours: &[&dyn PolicyBehaviour],
     cfg: &PolicyConfig,
     rng: &mut Pcg64,
     progress: &dyn Progress,
     comm: &dyn Comm,
 ) -> Result<PolicyTables, BuildError> {
-    let mut policies: Vec<Policy> = Vec::new();
+    let mut policies: Vec<RawPolicy> = Vec::new();
     for (i, &behaviour) in behaviours.iter().enumerate() {
         let key = format!("behaviours[{i}]");
         if policies.iter().any(|p| p.name == behaviour.spec().name) {
             let why = format!("\"{}\" is there twice; give each its own name", behaviour.spec().name);
-            return Err(BuildError::key("name", why).within(&key));
+            return Err(BuildError::key("name", why).within_key(&key));
         }
-        policies.push(solve_one(&model, behaviour, cfg, rng, (progress, comm)).map_err(|e| e.within(&key))?);
+        policies.push(solve_one(&model, behaviour, cfg, rng, (progress, comm)).map_err(|e| e.within_key(&key))?);
     }
     let ActionModel { action_offsets, action_segments, action_errors, .. } = model;
     Ok(PolicyTables { action_offsets, action_segments, action_errors, policies })
@@ -200,11 +202,11 @@ fn solve_shared(
 
 fn solve_one(
     model: &ActionModel,
-    behaviour: &dyn Behaviour,
+    behaviour: &dyn PolicyBehaviour,
     cfg: &PolicyConfig,
     rng: &mut Pcg64,
     (progress, comm): (&dyn Progress, &dyn Comm),
-) -> Result<Policy, BuildError> {
+) -> Result<RawPolicy, BuildError> {
     let begin = Instant::now();
     let mut solution = shared_value_iteration(model, behaviour, cfg, progress, comm)?;
     let mut best = shared_bake(model, &mut solution, cfg, comm)?;
@@ -222,12 +224,12 @@ fn solve_one(
     let promise = promise(&table, behaviour.spec().name);
     let report = PolicyReport { adaptive, promise, ..report(model, behaviour, &solution, &best, seconds, comparison) };
     let Solution { record, segments, paths, state_grids, values, .. } = solution;
-    Ok(Policy { name: behaviour.spec().name.into(), record, segments, paths, state_grids, values, best, report })
+    Ok(RawPolicy { name: behaviour.spec().name.into(), record, segments, paths, state_grids, values, best, report })
 }
 
 fn report(
     model: &ActionModel,
-    behaviour: &dyn Behaviour,
+    behaviour: &dyn PolicyBehaviour,
     solution: &Solution,
     best: &[u8],
     seconds: f64,

@@ -2,7 +2,7 @@
 //! action gives.
 
 use super::compare::random_target;
-use super::follow::{Follow, Situation, collect};
+use super::follow::{ActionSelection, PolicySituation, collect_rewards};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -73,14 +73,19 @@ const DIRECTIONS: [&str; 4] = ["ahead", "left", "behind", "right"];
 pub fn promise(table: &PolicyTable, name: &str) -> Promise {
     let mut rng = Pcg64::seed_from_u64(1);
     let num_states = table.actions().num_states() as u32;
-    let starts: Vec<Situation> = (0..ROLLOUTS)
-        .map(|_| Situation { state: rng.random_range(0..num_states), target: random_target(table, &mut rng) })
+    let starts: Vec<PolicySituation> = (0..ROLLOUTS)
+        .map(|_| PolicySituation { state: rng.random_range(0..num_states), target: random_target(table, &mut rng) })
         .collect();
-    let realised = collect(table, &starts, Follow::LookAhead { temperature: 0.0 }, NEGLIGIBLE, &mut rng);
+    let realised =
+        collect_rewards(table, &starts, ActionSelection::LookAhead { temperature: 0.0 }, NEGLIGIBLE, &mut rng);
     let mut rollouts: Vec<Rollout> = starts
         .iter()
         .zip(realised)
-        .map(|(s, realised)| Rollout { promised: promised(table, *s), realised, ..part_of(table, s.target) })
+        .map(|(s, realised)| Rollout {
+            promised: promised_rewards(table, *s),
+            realised,
+            ..grid_part_of(table, s.target)
+        })
         .collect();
     let greatest = rollouts.iter().map(|r| r.promised.abs()).fold(0.0, f64::max);
     rollouts.retain(|r| r.promised.abs() > LEAST_SHARE * greatest);
@@ -91,19 +96,19 @@ pub fn promise(table: &PolicyTable, name: &str) -> Promise {
         for (direction, name) in DIRECTIONS.iter().enumerate() {
             let of: Vec<Rollout> =
                 rollouts.iter().filter(|r| (r.ring, r.direction) == (ring, direction)).copied().collect();
-            if let (Some((kept, kept_p05)), true) = (kept(&of), of.len() >= LEAST_ROLLOUTS) {
+            if let (Some((kept, kept_p05)), true) = (kept_share(&of), of.len() >= LEAST_ROLLOUTS) {
                 let (distance_m, direction) = ([edge(ring), edge(ring + 1)], (*name).to_owned());
                 parts.push(PromisePart { distance_m, direction, rollouts: of.len(), kept, kept_p05 });
             }
         }
     }
-    let (kept, kept_p05) = kept(&rollouts).unzip();
+    let (kept, kept_p05) = kept_share(&rollouts).unzip();
     let promise = Promise { rollouts: rollouts.len(), kept, kept_p05, parts, warning: None };
     Promise { warning: promise.warning(name, table), ..promise }
 }
 
 /// Value of the best action, as in the runtime.
-fn promised(table: &PolicyTable, from: Situation) -> f64 {
+fn promised_rewards(table: &PolicyTable, from: PolicySituation) -> f64 {
     let mut scores = [0.0; MAX_ACTIONS];
     let n = table.action_scores(from.state, from.target, &mut scores);
     let n = n.unwrap_or_else(|e| unreachable!("the state exists and the target is finite: {e}"));
@@ -111,7 +116,7 @@ fn promised(table: &PolicyTable, from: Situation) -> f64 {
 }
 
 /// Part of the grid with a target.
-fn part_of(table: &PolicyTable, target: Vec3) -> Rollout {
+fn grid_part_of(table: &PolicyTable, target: Vec3) -> Rollout {
     let place = target - table.centre();
     let (first, last) = (table.grid().record().ring_start, table.grid().radius());
     let share = (place.x.hypot(place.z) - first) / (last - first).max(1e-6);
@@ -121,7 +126,7 @@ fn part_of(table: &PolicyTable, target: Vec3) -> Rollout {
 }
 
 /// Kept share of the sum of promises, and the 5th percentile of single roll-outs; `None` without roll-outs.
-fn kept(rollouts: &[Rollout]) -> Option<(f64, f64)> {
+fn kept_share(rollouts: &[Rollout]) -> Option<(f64, f64)> {
     /// Largest kept share that counts, as excess in one roll-out does not make up for losses in others.
     const MOST: f64 = 10.0;
     let ratio = |promised: f64, realised: f64| {
@@ -177,26 +182,26 @@ pub fn help(table: &PolicyTable) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::policy::config::{BehaviourConfig, GridConfig};
-    use crate::policy::made_up::MadeUp;
+    use crate::policy::config::{GridConfig, PolicyBehaviourConfig};
+    use crate::policy::made_up::SyntheticProblem;
 
-    fn of(small: &MadeUp, edit: impl FnOnce(&mut BehaviourConfig)) -> Promise {
-        let mut config = BehaviourConfig::default();
+    fn of(small: &SyntheticProblem, edit: impl FnOnce(&mut PolicyBehaviourConfig)) -> Promise {
+        let mut config = PolicyBehaviourConfig::default();
         config.grid = GridConfig { rings: Some(small.rings), angles: Some(small.angles), ..config.grid };
         edit(&mut config);
         let behaviour = crate::policy::Approach::new(&config, 30.0, None).expect("a valid behaviour");
-        promise(&small.solved(&behaviour), "approach")
+        promise(&small.solve_timed(&behaviour), "approach")
     }
 
     #[test]
     fn fine_grids_keep_what_they_promise_and_coarse_ones_are_told() {
-        let fine = MadeUp { states: 6, actions: 5, rings: 40, angles: 48, seed: 4 };
+        let fine = SyntheticProblem { states: 6, actions: 5, rings: 40, angles: 48, seed: 4 };
         let promise = of(&fine, |_| {});
         let kept = promise.kept.expect("something is promised");
         assert!((0.95..1.05).contains(&kept) && promise.warning.is_none(), "{promise:?}");
         assert!(promise.parts.len() >= 8 && promise.rollouts > 400, "{promise:?}");
         // Rewards within 0.2 m on cells that are metres apart: interpolation promises what is not there.
-        let coarse = MadeUp { rings: 4, angles: 5, ..fine };
+        let coarse = SyntheticProblem { rings: 4, angles: 5, ..fine };
         let promise = of(&coarse, |c| {
             c.scale = Some(0.2);
             c.reward = Some(crate::policy::RewardForm::Max);
@@ -209,24 +214,24 @@ mod tests {
     fn losses_are_kept_where_no_more_is_lost() {
         let rollout = |promised, realised| Rollout { ring: 0, direction: 0, promised, realised };
         let many = |r: Rollout| vec![r; 40];
-        assert_eq!(kept(&many(rollout(-0.5, -0.5))), Some((1.0, 1.0)));
-        let (more, _) = kept(&many(rollout(-0.5, -1.0))).unwrap();
+        assert_eq!(kept_share(&many(rollout(-0.5, -0.5))), Some((1.0, 1.0)));
+        let (more, _) = kept_share(&many(rollout(-0.5, -1.0))).unwrap();
         assert!((more - 0.5).abs() < 1e-9);
-        let (less, _) = kept(&many(rollout(2.0, 1.0))).unwrap();
+        let (less, _) = kept_share(&many(rollout(2.0, 1.0))).unwrap();
         assert!((less - 0.5).abs() < 1e-9);
-        assert_eq!(kept(&[]), None);
+        assert_eq!(kept_share(&[]), None);
         let mut mixed = many(rollout(1.0, 1.0));
         mixed[7].realised = 0.2;
         mixed[8].realised = 0.2;
         mixed[9].realised = 0.2;
-        assert_eq!(kept(&mixed).map(|(_, p05)| p05), Some(0.2));
+        assert_eq!(kept_share(&mixed).map(|(_, p05)| p05), Some(0.2));
     }
 
     #[test]
     fn directions_are_quarters() {
-        let small = MadeUp { states: 3, actions: 2, rings: 4, angles: 5, seed: 1 };
-        let table = small.solved(&small.behaviour().expect("a valid grid"));
-        let direction = |x: f32, z: f32| DIRECTIONS[part_of(&table, Vec3::new(x, 0.0, z)).direction];
+        let small = SyntheticProblem { states: 3, actions: 2, rings: 4, angles: 5, seed: 1 };
+        let table = small.solve_timed(&small.behaviour().expect("a valid grid"));
+        let direction = |x: f32, z: f32| DIRECTIONS[grid_part_of(&table, Vec3::new(x, 0.0, z)).direction];
         assert_eq!(direction(0.1, 1.0), "ahead");
         assert_eq!(direction(1.0, 0.1), "left");
         assert_eq!(direction(0.1, -1.0), "behind");

@@ -1,13 +1,13 @@
 //! Value iteration to a residual that proves the distance from the optimal values (Lee and Lee 2004, section 4.2).
 
-use super::behaviour::{Behaviour, segment_records};
+use super::behaviour::{PolicyBehaviour, segment_records};
 use super::config::PolicyConfig;
 use super::model::ActionModel;
-use super::pairs::{MAX_PLANE, Pairs, Shape};
+use super::pairs::{BackupPairs, MAX_PLANE, RowShape};
 use super::sweep::Sweeper;
-use crate::share::joined;
+use crate::share::share_rows;
 use std::time::Instant;
-use throng_base::{Alone, Comm};
+use throng_base::{Comm, SingleRank};
 use throng_core::policy::{PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord};
 use throng_motion::error::BuildError;
 use throng_motion::progress::Progress;
@@ -66,11 +66,11 @@ pub fn tolerance(epsilon: f64, discount: f64, least_frames: u32) -> f64 {
 /// of random updates.
 pub fn value_iteration(
     model: &ActionModel,
-    behaviour: &dyn Behaviour,
+    behaviour: &dyn PolicyBehaviour,
     cfg: &PolicyConfig,
     progress: &dyn Progress,
 ) -> Result<Solution, BuildError> {
-    shared_value_iteration(model, behaviour, cfg, progress, &Alone)
+    shared_value_iteration(model, behaviour, cfg, progress, &SingleRank)
 }
 
 /// Solves with several processes: each backs up a block of the states, and all have all values after every sweep. The
@@ -80,7 +80,7 @@ pub fn value_iteration(
 /// As [`value_iteration`]; [`throng_base::Error::Rank`].
 pub fn shared_value_iteration(
     model: &ActionModel,
-    behaviour: &dyn Behaviour,
+    behaviour: &dyn PolicyBehaviour,
     cfg: &PolicyConfig,
     progress: &dyn Progress,
     comm: &dyn Comm,
@@ -88,15 +88,15 @@ pub fn shared_value_iteration(
     let begin = Instant::now();
     check_size(model, behaviour, cfg)?;
     let segments = segment_records(behaviour, &model.segments);
-    let mut solution = blank(model, behaviour, segments, cfg)?;
+    let mut solution = blank_table(model, behaviour, segments, cfg)?;
     if behaviour.spec().grid.is_space_time() {
         // Every action leaves less time: the few true sweeps of the bake suffice.
         return Ok(solution);
     }
-    let shape = Shape::new(&behaviour.spec().grid);
+    let shape = RowShape::new(&behaviour.spec().grid);
     let best = vec![0; solution.values.len()];
-    let own = comm.share(model.num_states());
-    let pairs = Pairs::new(&solution.table(model, &best)?, &solution.segments, model.segments_of(own.clone()));
+    let own = comm.own_range(model.num_states());
+    let pairs = BackupPairs::new(&solution.table(model, &best)?, &solution.segments, model.segments_of(own.clone()));
     let mut sweeper = Sweeper::new(pairs, model, behaviour.spec().reward, own);
     solution.bytes_per_sweep = sweeper.bytes_per_sweep();
     solution.setup_s = begin.elapsed().as_secs_f64();
@@ -119,9 +119,9 @@ pub fn shared_value_iteration(
 }
 
 /// Refuses grids with too many cells or too much memory.
-fn check_size(model: &ActionModel, behaviour: &dyn Behaviour, cfg: &PolicyConfig) -> Result<(), BuildError> {
+fn check_size(model: &ActionModel, behaviour: &dyn PolicyBehaviour, cfg: &PolicyConfig) -> Result<(), BuildError> {
     let (grid, name) = (behaviour.spec().grid, behaviour.spec().name);
-    let shape = Shape::new(&grid);
+    let shape = RowShape::new(&grid);
     if !grid.is_space_time() && shape.value_plane() + LANES_TO_SPARE > MAX_PLANE {
         let message = format!("behaviour \"{name}\" has {} cells at one height", shape.plane());
         return Err(stage_error(message, "Use fewer rings or angles: rings * (angles + 1) up to 65000."));
@@ -169,13 +169,13 @@ fn iterate(
         if residual <= tolerance || solution.num_sweeps >= max_sweeps || residual.is_nan() {
             break;
         }
-        joined(comm, row, &mut next, &mut values)?;
+        share_rows(comm, row, &mut next, &mut values)?;
         // Far from convergence the greedy policy will change anyway; near it, the rest must be below the tolerance.
         let enough = (residual * GREEDY_PRECISION).max(tolerance * GREEDY_TOLERANCE);
         for _ in 0..MAX_GREEDY_SWEEPS {
             progress.check()?;
             let change = largest(sweeper.greedy(&values, &mut next))?;
-            joined(comm, row, &mut next, &mut values)?;
+            share_rows(comm, row, &mut next, &mut values)?;
             solution.num_greedy_sweeps += 1;
             if change <= enough {
                 break;
@@ -198,9 +198,9 @@ pub(super) fn stage_error(message: String, help: &str) -> BuildError {
 }
 
 /// A record with zero values.
-fn blank(
+fn blank_table(
     model: &ActionModel,
-    behaviour: &dyn Behaviour,
+    behaviour: &dyn PolicyBehaviour,
     segments: Vec<SegmentRecord>,
     cfg: &PolicyConfig,
 ) -> Result<Solution, BuildError> {

@@ -1,7 +1,7 @@
 //! Sweeps over all (state, cell) pairs: full ones over every action, and cheap ones over the greedy action only.
 
 use super::model::ActionModel;
-use super::pairs::{Pair, Pairs};
+use super::pairs::{BackupPair, BackupPairs};
 use rayon::prelude::*;
 use std::ops::Range;
 use throng_core::policy::Reward;
@@ -12,7 +12,7 @@ const PRIVATE: u32 = u32::MAX;
 
 /// Backups of a block of a model's states, and the greedy policy of the last full sweep.
 pub(super) struct Sweeper<'a> {
-    pairs: Pairs,
+    pairs: BackupPairs,
     model: &'a ActionModel,
     /// Factor that transitions leave of the backups of the block's actions, in order.
     left: Vec<f32>,
@@ -25,19 +25,19 @@ pub(super) struct Sweeper<'a> {
     /// Backups of the segments that several actions share (rows * heights * row).
     shared: Vec<f32>,
     /// Greedy pair of every (state of the block, cell), rows in whole lanes.
-    greedy: Vec<Pair>,
+    greedy: Vec<BackupPair>,
 }
 
 /// Scratch memory for one state's backups.
 #[derive(Default)]
-struct Scratch {
+struct SweepScratch {
     backup: Vec<f32>,
     best: Vec<f32>,
     action: Vec<u32>,
 }
 
 impl<'a> Sweeper<'a> {
-    pub fn new(pairs: Pairs, model: &'a ActionModel, reward: Reward, own: Range<usize>) -> Self {
+    pub fn new(pairs: BackupPairs, model: &'a ActionModel, reward: Reward, own: Range<usize>) -> Self {
         let mut uses = vec![0u32; model.segments.len()];
         model.segments_of(own.clone()).iter().for_each(|&s| uses[s as usize] += 1);
         let shared_segments: Vec<u32> = (0..uses.len() as u32).filter(|&s| uses[s as usize] > 1).collect();
@@ -46,7 +46,7 @@ impl<'a> Sweeper<'a> {
         let shape = pairs.shape;
         let per_segment = shape.heights * shape.row();
         let shared = vec![0.0; shared_segments.len() * per_segment];
-        let greedy = vec![Pair::default(); own.len() * per_segment];
+        let greedy = vec![BackupPair::default(); own.len() * per_segment];
         let errors = &model.action_errors[model.actions_of(own.clone())];
         let left = errors.iter().map(|&error| reward.after_transition(error)).collect();
         Self { pairs, model, left, own, shared_rows, shared_segments, shared, greedy }
@@ -90,10 +90,10 @@ impl<'a> Sweeper<'a> {
                 },
             );
         });
-        let view = View { pairs, model, shared_rows, shared, values };
+        let view = BackupView { pairs, model, shared_rows, shared, values };
         let rows = next.par_chunks_mut(shape.value_row()).zip(greedy.par_chunks_mut(shape.heights * row));
         rows.enumerate()
-            .map_init(Scratch::default, |scratch, (n, (next, greedy))| {
+            .map_init(SweepScratch::default, |scratch, (n, (next, greedy))| {
                 let state = own.start + n;
                 let first = model.action_offsets[own.start] as usize;
                 let actions = model.actions_of(state..state + 1);
@@ -135,20 +135,27 @@ impl<'a> Sweeper<'a> {
 }
 
 /// Inputs of the backup of a state.
-struct View<'a> {
-    pairs: &'a Pairs,
+struct BackupView<'a> {
+    pairs: &'a BackupPairs,
     model: &'a ActionModel,
     shared_rows: &'a [u32],
     shared: &'a [f32],
     values: &'a [f32],
 }
 
-impl View<'_> {
+impl BackupView<'_> {
     /// Backs up one state over all its actions. Returns the largest change.
     ///
     /// - `left`: factor that the transition of each action leaves of its backup.
     #[inline(always)]
-    fn state(&self, state: usize, left: &[f32], next: &mut [f32], greedy: &mut [Pair], scratch: &mut Scratch) -> f32 {
+    fn state(
+        &self,
+        state: usize,
+        left: &[f32],
+        next: &mut [f32],
+        greedy: &mut [BackupPair],
+        scratch: &mut SweepScratch,
+    ) -> f32 {
         let shape = self.pairs.shape;
         let (row, plane) = (shape.row(), shape.value_plane());
         let segments = self.model.segments_of(state..state + 1);
@@ -165,7 +172,7 @@ impl View<'_> {
             }
             for (c, pair) in greedy[h * row..][..row].iter_mut().enumerate() {
                 let action = scratch.action[c] as usize;
-                *pair = self.pairs.pair(segments[action] as usize, h, c).times(left[action]);
+                *pair = self.pairs.pair(segments[action] as usize, h, c).scaled(left[action]);
             }
             let next = &mut next[h * plane..][..plane];
             shape.store(&scratch.best[..shape.plane()], next);

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 /// One figure, with its value in Lee and Lee (2004) and in this build.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Line {
+pub struct PaperFigure {
     /// Name of the figure.
     pub figure: String,
     /// Value in Lee and Lee 2004; empty if not given.
@@ -15,8 +15,8 @@ pub struct Line {
 }
 
 /// Figures of Lee and Lee (2004), section 6, with those of a build.
-pub fn beside_paper(r: &BuildReport) -> Vec<Line> {
-    let line = |figure: &str, paper, here| Line { figure: figure.into(), paper, here };
+pub fn compare_with_paper(r: &BuildReport) -> Vec<PaperFigure> {
+    let line = |figure: &str, paper, here| PaperFigure { figure: figure.into(), paper, here };
     let range = |range: Option<[f32; 2]>, per_unit: f32, unit: &str| {
         let decimals = if per_unit > 1.0 { 1 } else { 3 };
         range.map_or("none".into(), |[a, b]| {
@@ -75,7 +75,7 @@ pub fn markdown(r: &BuildReport) -> String {
     out += "What `throng build` measured, beside what Lee and Lee report (*Precomputing Avatar Behavior from Human Motion \
             Data*, SCA 2004, section 6; times on a Pentium IV of 2.4 GHz). Times are those of the machine that built it.\n\n";
     out += "| | Lee and Lee 2004 | this build |\n|---|---|---|\n";
-    for l in beside_paper(r) {
+    for l in compare_with_paper(r) {
         let _ = writeln!(out, "| {} | {} | {} |", l.figure.trim_start(), l.paper, l.here);
     }
     out

@@ -67,7 +67,7 @@ impl StitchConfig {
                     ("joints_per_cell", self.joints_per_cell as f64, 1.0, 1e3),
                 ])
             })
-            .map_err(|e| e.within("stitch"))
+            .map_err(|e| e.within_key("stitch"))
     }
 }
 

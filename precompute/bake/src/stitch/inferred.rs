@@ -1,7 +1,7 @@
 //! Files of inferred surroundings, including a world.
 
 use super::{StitchConfig, WorldSource};
-use crate::environment::{EnvironmentFile, Inferred};
+use crate::environment::{EnvironmentFile, InferredEnvironment};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use throng_motion::error::BuildError;
@@ -18,7 +18,7 @@ pub struct SavedFiles {
     pub world_out: PathBuf,
 }
 
-impl Inferred {
+impl InferredEnvironment {
     /// Writes the environment and, beside it, its unit file and a world, named after it with `-units` and `-world` at
     /// the end. The world's bundle has the environment's name and is expected beside it.
     ///

@@ -4,7 +4,7 @@ use crate::environment::{Environment, UnitGeometry, UnitSet};
 use std::f32::consts::TAU;
 use std::sync::Arc;
 use throng_core::format::{FrameRow, PatchMeta, RotationCode};
-use throng_core::patch::{KIND_TILE, LinkRecord, Patches, Placement};
+use throng_core::patch::{KIND_TILE, LinkRecord, PatchTables, Placement};
 use throng_core::planar::{Planar, wrap_angle};
 use throng_core::{Contacts, Skeleton};
 use throng_motion::error::BuildError;
@@ -13,7 +13,7 @@ use throng_motion::error::BuildError;
 pub(super) const STAGE: &str = "stitch";
 
 /// Error for an environment of which no world can be made.
-pub(super) fn refused(environment: &Environment, why: String, help: &str) -> BuildError {
+pub(super) fn refusal_error(environment: &Environment, why: String, help: &str) -> BuildError {
     let message = format!("environment {}: {why}", environment.name);
     BuildError::Stage { stage: STAGE, message, help: help.into() }
 }
@@ -47,7 +47,7 @@ pub struct Library<'a> {
 
 /// A patch's units, by number instead of name.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Pattern {
+pub(super) struct UnitPattern {
     /// Number of each unit in the library's set, with its placement in the patch's frame.
     pub units: Vec<(usize, Placement)>,
     /// True for a tile.
@@ -59,7 +59,7 @@ impl Library<'_> {
     ///
     /// # Errors
     /// [`BuildError::Stage`] if patches, names, groups and frames do not match.
-    pub(super) fn patterns(&self, patches: &Patches) -> Result<Vec<Pattern>, BuildError> {
+    pub(super) fn patterns(&self, patches: &PatchTables) -> Result<Vec<UnitPattern>, BuildError> {
         let damaged = |message: String| BuildError::Stage {
             stage: STAGE,
             message,
@@ -81,7 +81,9 @@ impl Library<'_> {
             let units: Result<Vec<_>, String> =
                 meta.units.iter().map(|(name, at)| number(name).map(|n| (n, *at)).ok_or(name.clone())).collect();
             match units {
-                Ok(units) if !units.is_empty() => Ok(Pattern { units, is_tile: patches.patches[p].kind == KIND_TILE }),
+                Ok(units) if !units.is_empty() => {
+                    Ok(UnitPattern { units, is_tile: patches.patches[p].kind == KIND_TILE })
+                }
                 Ok(_) => Err(damaged(format!("patch {} of bundle {} has no units", meta.name, self.bundle))),
                 Err(unit) => Err(damaged(format!(
                     "patch {} of bundle {} has the unit {unit}, which the bundle does not describe",
@@ -152,7 +154,7 @@ pub(super) fn normalised(placement: Placement, period: f32) -> Placement {
 }
 
 /// Absolute angle between `a` and `b`, modulo `period` (rad).
-pub(super) fn turned(a: f32, b: f32, period: f32) -> f32 {
+pub(super) fn turn_difference(a: f32, b: f32, period: f32) -> f32 {
     let r = (a - b) / period;
     (r - r.round()).abs() * period
 }
@@ -160,8 +162,8 @@ pub(super) fn turned(a: f32, b: f32, period: f32) -> f32 {
 #[cfg(test)]
 impl<'a> Library<'a> {
     /// Library of a bundle without motion.
-    pub(super) fn bare(units: &'a UnitSet, skeleton: &'a Skeleton) -> Self {
-        static REST: std::sync::LazyLock<RotationCode> = std::sync::LazyLock::new(RotationCode::rest);
+    pub(super) fn without_motion(units: &'a UnitSet, skeleton: &'a Skeleton) -> Self {
+        static REST: std::sync::LazyLock<RotationCode> = std::sync::LazyLock::new(RotationCode::of_rest_pose);
         let (names, frames, groups, contacts, geometries) = (&[], &[], &[], &[], &[]);
         let (bundle, bundle_hash, rate_hz, rotation_code) = ("b", 0, 30.0, &*REST);
         Self {
@@ -194,7 +196,7 @@ mod tests {
             assert!(at(h).abs() < 1e-5 && (at(h + 0.01) - 0.01).abs() < 1e-5 && (at(h - 0.01) + 0.01).abs() < 1e-5);
         }
         assert!((normalised(Placement::new(0.0, 0.0, 0.0, PI), TAU).heading - PI).abs() < 1e-5);
-        assert!(turned(3.2, 0.05, FRAC_PI_2) < 0.02 && turned(0.8, 0.0, FRAC_PI_2) > 0.7);
+        assert!(turn_difference(3.2, 0.05, FRAC_PI_2) < 0.02 && turn_difference(0.8, 0.0, FRAC_PI_2) > 0.7);
     }
 
     #[test]
@@ -204,7 +206,7 @@ mod tests {
             f.planar = [k as f32, 2.0 * k as f32, 0.1 * k as f32];
         }
         let (units, skeleton) = (UnitSet::default(), Skeleton::default());
-        let library = Library { frames: &frames, ..Library::bare(&units, &skeleton) };
+        let library = Library { frames: &frames, ..Library::without_motion(&units, &skeleton) };
         let (start, end) = (Placement::new(1.0, 0.5, 2.0, 0.7), Placement::new(-1.0, 0.9, 3.0, 7.0));
         let link = LinkRecord { from: 0, to: 1, frame: 1, num_frames: 3, tag: 0, start, end };
         let roots: Vec<_> = library.link_roots(&link).collect();

@@ -14,14 +14,14 @@ mod source;
 
 pub use config::StitchConfig;
 pub use edit::editor::Editor;
-pub use edit::why::{Collision, Item, Why};
+pub use edit::explain::{InstanceItem, RemovalExplanation, UnitCollision};
 pub use inferred::SavedFiles;
 pub use library::Library;
-pub use report::{Reason, StitchReport};
-pub use source::{Kit, WorldSource, check_replaced, save, stitch_source};
+pub use report::{RemovalReason, StitchReport};
+pub use source::{StitchKit, WorldSource, check_replaced, save, stitch_source};
 
 use crate::environment::Environment;
-use throng_core::patch::Patches;
+use throng_core::patch::PatchTables;
 use throng_motion::error::BuildError;
 use throng_motion::progress::Progress;
 use throng_world::WorldData;
@@ -37,7 +37,7 @@ use throng_world::WorldData;
 /// Lee, Choi and Lee (2006), section 5. Differs: joints also leave and enter tiles in the middle of their motion, and
 /// joints and obstacles are found once for all pairs in the same relative placement.
 pub fn stitch(
-    patches: &Patches,
+    patches: &PatchTables,
     library: &Library<'_>,
     environment: &Environment,
     config: &StitchConfig,

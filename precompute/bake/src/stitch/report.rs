@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 /// Reason why a cell or a link of an instance is removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Reason {
+pub enum RemovalReason {
     /// Across this edge of a tile there is no other tile.
     NoNeighbour,
     /// A body would collide with a unit.
@@ -17,7 +17,7 @@ pub enum Reason {
     OutsideComponent,
 }
 
-impl Reason {
+impl RemovalReason {
     /// All reasons, in order.
     pub const ALL: [Self; 4] = [Self::NoNeighbour, Self::Obstacle, Self::DeadEnd, Self::OutsideComponent];
 

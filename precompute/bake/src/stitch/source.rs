@@ -3,15 +3,17 @@
 use super::edit::make::{as_toml, source_hash};
 use super::library::STAGE;
 use super::{Editor, Library, StitchConfig, StitchReport};
-use crate::environment::{Environment, EnvironmentFile, Place, PlacedUnit, UnitGeometry, UnitSet, geometries};
+use crate::environment::{
+    Environment, EnvironmentFile, PlacedUnit, PlacementPattern, UnitGeometry, UnitSet, geometries,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
-use throng_base::text::Source;
+use throng_base::text::TomlSource;
 use throng_core::Bundle;
-use throng_core::patch::Patches;
+use throng_core::patch::PatchTables;
 use throng_motion::error::BuildError;
 use throng_motion::files::{self, write_atomically};
 use throng_motion::progress::Progress;
@@ -34,9 +36,9 @@ pub struct WorldSource {
     pub stitch: StitchConfig,
     /// Groups of the bundle's units that are placed together, by name; may hold other groups.
     #[serde(default)]
-    pub prefabs: BTreeMap<String, Vec<Place>>,
+    pub prefabs: BTreeMap<String, Vec<PlacementPattern>>,
     /// Placed units and prefabs.
-    pub place: Vec<Place>,
+    pub place: Vec<PlacementPattern>,
 }
 
 impl WorldSource {
@@ -45,7 +47,7 @@ impl WorldSource {
     /// # Errors
     /// [`BuildError::File`] with file, line and column.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
-        let source = Source::read(path, "a world")?;
+        let source = TomlSource::read(path, "a world")?;
         let help = "A world has `bundle`, `config`, `stitch`, `place` and `prefabs`; data/worlds/ has examples.";
         let mut world: Self = source.parse(help)?;
         if world.name.is_empty() {
@@ -54,9 +56,9 @@ impl WorldSource {
         // The stitched world is named after it, beside the bundle.
         if Path::new(&world.name).file_name().is_none_or(|n| n != world.name.as_str()) || world.name.contains('\\') {
             let why = format!("expected the name of a file without folders, found \"{}\"", world.name);
-            return Err(BuildError::key("name", why).at(&source));
+            return Err(BuildError::key("name", why).with_position(&source));
         }
-        world.stitch.check().map_err(|e| e.at(&source))?;
+        world.stitch.check().map_err(|e| e.with_position(&source))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         world.bundle = folder.join(&world.bundle);
         world.config = world.config.map(|c| folder.join(c));
@@ -66,8 +68,8 @@ impl WorldSource {
     /// True for the text of a world, as opposed to other TOML files.
     pub fn is_one(path: &Path) -> bool {
         let has_keys =
-            |source: Source| source.table().is_some_and(|t| ["place", "bundle"].iter().all(|&k| t.contains_key(k)));
-        Source::read(path, "a world").is_ok_and(has_keys)
+            |source: TomlSource| source.table().is_some_and(|t| ["place", "bundle"].iter().all(|&k| t.contains_key(k)));
+        TomlSource::read(path, "a world").is_ok_and(has_keys)
     }
 
     /// Default path of the stitched world: beside the bundle, as `NAME.world`.
@@ -79,10 +81,10 @@ impl WorldSource {
     ///
     /// - `units`: the bundle's.
     pub fn with_environment(&self, environment: &Environment, units: &UnitSet) -> Self {
-        let place = |p: &PlacedUnit| Place {
+        let place = |p: &PlacedUnit| PlacementPattern {
             unit: units.units[p.unit].name.clone(),
             at: p.placement.translation().to_array(),
-            heading_deg: p.placement.wrapped().heading.to_degrees(),
+            heading_deg: p.placement.with_wrapped_heading().heading.to_degrees(),
             repeat: [1; 3],
             step: [[0.0; 3]; 3],
         };
@@ -137,7 +139,7 @@ impl WorldSource {
 
 /// A path relative to a folder; both are absolute. A path on another drive stays absolute.
 fn relative(path: &Path, folder: &Path) -> PathBuf {
-    let (path, folder) = (plain(path), plain(folder));
+    let (path, folder) = (normalise_path(path), normalise_path(folder));
     let shared = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
     if shared == 0 {
         return path;
@@ -147,7 +149,7 @@ fn relative(path: &Path, folder: &Path) -> PathBuf {
 }
 
 /// An absolute path without `..`.
-fn plain(path: &Path) -> PathBuf {
+fn normalise_path(path: &Path) -> PathBuf {
     path.components().fold(PathBuf::new(), |mut plain, c| {
         match c {
             Component::ParentDir => _ = plain.pop(),
@@ -159,14 +161,14 @@ fn plain(path: &Path) -> PathBuf {
 
 /// Data of a bundle's patches for stitching, decoded once.
 #[derive(Clone, Debug)]
-pub struct Kit {
+pub struct StitchKit {
     /// The bundle's unit objects.
     pub units: UnitSet,
     /// Their geometry.
     pub geometries: Vec<Arc<UnitGeometry>>,
 }
 
-impl Kit {
+impl StitchKit {
     /// Decodes an open bundle; `path` is for messages and for mesh files, which are relative to its folder.
     ///
     /// # Errors
@@ -180,7 +182,8 @@ impl Kit {
             });
         }
         let units = UnitSet::parse(&tables.meta().units, path)?;
-        let geometries = geometries(&units).map_err(|e| e.at(&Source::new(&tables.meta().units, path)))?;
+        let geometries =
+            geometries(&units).map_err(|e| e.with_position(&TomlSource::new(&tables.meta().units, path)))?;
         Ok(Self { units, geometries })
     }
 
@@ -213,7 +216,7 @@ pub fn stitch_source(
     source: &WorldSource,
     path: &Path,
     tables: &Bundle,
-    kit: &Kit,
+    kit: &StitchKit,
     progress: &dyn Progress,
 ) -> Result<(WorldData, StitchReport), BuildError> {
     let environment = source.environment(&kit.units, path)?;
@@ -229,8 +232,8 @@ pub fn stitch_source(
 ///
 /// # Errors
 /// [`BuildError::Io`] where it cannot be written, [`BuildError::Stage`] for a world without a place for a character.
-pub fn save(world: &mut WorldData, source: &Path, patches: &Patches, out: &Path) -> Result<u64, BuildError> {
-    let paths = WorldGraph::new(patches, &world.view()).and_then(|graph| PathCosts::bake(&graph));
+pub fn save(world: &mut WorldData, source: &Path, patches: &PatchTables, out: &Path) -> Result<u64, BuildError> {
+    let paths = WorldGraph::new(patches, &world.tables()).and_then(|graph| PathCosts::bake(&graph));
     let paths = paths.map_err(|e| BuildError::Stage {
         stage: STAGE,
         message: format!("world {}: {e}", world.meta.name),
@@ -280,7 +283,7 @@ fn seen_from(file: &Path, other: &Path) -> Result<String, BuildError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::environment::{Solid, Triangles};
+    use crate::environment::{Triangles, UnitSolid};
     use glam::Vec3;
     use throng_core::Skeleton;
 
@@ -314,12 +317,12 @@ mod tests {
         source.with_environment(&before, &units).save(&b).unwrap();
         let saved = WorldSource::load(&b).unwrap();
         assert_eq!((saved.name.as_str(), saved.place.len(), &saved.stitch), ("b", 2, &source.stitch));
-        assert_eq!(plain(&saved.bundle), folder.path().join("b.throng"));
+        assert_eq!(normalise_path(&saved.bundle), folder.path().join("b.throng"));
         assert!(saved.bundle.ends_with("../b.throng") && saved.config.is_some_and(|c| c.ends_with("../c.toml")));
         let saved = WorldSource::load(&b).unwrap();
         let after = saved.environment(&units, &b).unwrap();
         for (a, b) in before.units.iter().zip(&after.units) {
-            assert!(a.placement.to_local(b.placement).wrapped().is_moderate(1e-4), "{a:?} {b:?}");
+            assert!(a.placement.to_local(b.placement).with_wrapped_heading().is_moderate(1e-4), "{a:?} {b:?}");
         }
     }
 
@@ -329,13 +332,13 @@ mod tests {
         let mesh = |x| {
             let corners = vec![[Vec3::ZERO, Vec3::X * x, Vec3::Y]];
             let mut geometry = UnitGeometry::new(&units.units[0]).unwrap();
-            geometry.solids = vec![Solid::Mesh(Triangles::new(corners))];
+            geometry.solids = vec![UnitSolid::Mesh(Triangles::new(corners))];
             vec![Arc::new(geometry)]
         };
         let (one, other) = (mesh(1.0), mesh(2.0));
         let skeleton = Skeleton::default();
         let hash = |text: &str, bundle_hash, geometries: &[Arc<UnitGeometry>]| {
-            let library = Library { bundle_hash, geometries, ..Library::bare(&units, &skeleton) };
+            let library = Library { bundle_hash, geometries, ..Library::without_motion(&units, &skeleton) };
             load(text).unwrap().hash(&library, Path::new("square.toml")).unwrap()
         };
         let text = "bundle = \"b.throng\"\n[[place]]\nunit = \"wall\"\nat = [0, 0, 0]\n";

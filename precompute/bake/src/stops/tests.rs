@@ -1,8 +1,8 @@
 use super::*;
-use crate::graph::{Action, Segment, StateId};
+use crate::graph::{GraphAction, GraphSegment, StateId};
 use glam::Quat;
 use proptest::prelude::*;
-use throng_base::Alone;
+use throng_base::SingleRank;
 use throng_core::Planar;
 use throng_core::{NUM_JOINTS, Skeleton};
 
@@ -29,19 +29,19 @@ fn clips() -> ClipSet {
 }
 
 /// A graph of states at some frames, each with some of the segments that end in others.
-fn graph(mut frames: Vec<usize>, picks: &[(usize, usize)]) -> MotionGraph {
+fn graph(mut frames: Vec<usize>, picks: &[(usize, usize)]) -> RawMotionGraph {
     frames.sort_unstable();
     frames.dedup();
     let clip = &clips().clips[0];
     let planar = |f: usize| Planar::split(clip.root_positions[f], clip.frame_rotations(f)[0]).0;
-    let mut out = MotionGraph { action_offsets: vec![0], ..MotionGraph::default() };
+    let mut out = RawMotionGraph { action_offsets: vec![0], ..RawMotionGraph::default() };
     for (s, &frame) in frames.iter().enumerate() {
         out.states.push(FrameId(frame as u32));
         out.standing.push((85..155).contains(&frame));
         let num_frames = (5 + s * 7 % 25).min(frame);
         let (start, end) = (FrameId((frame - num_frames) as u32), StateId(s as u32));
         let displacement = planar(frame - num_frames).to_local(planar(frame));
-        out.segments.push(Segment { start, num_frames: num_frames as u32, end, displacement });
+        out.segments.push(GraphSegment { start, num_frames: num_frames as u32, end, displacement });
     }
     let n = frames.len();
     for s in 0..n {
@@ -50,7 +50,7 @@ fn graph(mut frames: Vec<usize>, picks: &[(usize, usize)]) -> MotionGraph {
         to.push((s + 1) % n);
         to.sort_unstable();
         to.dedup();
-        out.actions.extend(to.iter().map(|&t| Action { segment: SegmentId(t as u32), error: 0.1 * t as f32 }));
+        out.actions.extend(to.iter().map(|&t| GraphAction { segment: SegmentId(t as u32), error: 0.1 * t as f32 }));
         out.action_offsets.push(out.actions.len() as u32);
     }
     out
@@ -65,7 +65,7 @@ proptest! {
         picks in proptest::collection::vec((0usize..14, 0usize..14), 14..60),
     ) {
         let (clips, graph) = (clips(), graph(frames, &picks));
-        let (found, report) = find(&clips, &graph, &Alone).unwrap();
+        let (found, report) = find_stops(&clips, &graph, &SingleRank).unwrap();
         let n = graph.states.len();
         let segment = |a: SegmentId| &graph.segments[a.0 as usize];
         // Every frame is near the line between its nodes, and within the disc.
@@ -100,7 +100,7 @@ proptest! {
         let seconds = |a: SegmentId| f64::from(segment(a).num_frames) / 30.0;
         let cost = |a: SegmentId| seconds(a) + METRE_S * way(a) + LEAN_S * lean(a);
         let both = on_both(&clips, &[0], &graph);
-        let slow = |a: &Action| {
+        let slow = |a: &GraphAction| {
             cost(a.segment) + seconds(a.segment) + if both[segment(a.segment).end.0 as usize] { SLOWING_S } else { LIFTED_S }
         };
         let mut least: Vec<f64> = (0..n).map(|s| match found.stops[s].kind {
@@ -123,13 +123,13 @@ proptest! {
                 prop_assert!(stop.radius >= found.sweeps[a.0 as usize].radius);
                 match stop.kind {
                     REST => {
-                        prop_assert!(graph.standing[at] && segment(a).displacement.x.hypot(segment(a).displacement.z) <= REST_WAY_M);
+                        prop_assert!(graph.standing[at] && segment(a).displacement.x.hypot(segment(a).displacement.z) <= REST_PATH_M);
                         prop_assert_eq!(found.stops[segment(a).end.0 as usize].kind, REST);
                         break;
                     }
                     SLOW_DOWN => {
                         frames += 2 * segment(a).num_frames;
-                        total += slow(&Action { segment: a, error: 0.0 });
+                        total += slow(&GraphAction { segment: a, error: 0.0 });
                         break;
                     }
                     _ => {
@@ -149,11 +149,11 @@ proptest! {
 #[test]
 fn the_resting_states_are_the_greatest_set_that_leads_into_itself() {
     // 90 rests with itself; 100 stands, but leads only to walking.
-    let graph = MotionGraph {
+    let graph = RawMotionGraph {
         states: [90, 100, 200].map(FrameId).to_vec(),
         standing: vec![true, true, false],
         segments: [(85, 5, 0), (95, 5, 1), (190, 10, 2)]
-            .map(|(start, num_frames, end)| Segment {
+            .map(|(start, num_frames, end)| GraphSegment {
                 start: FrameId(start),
                 num_frames,
                 end: StateId(end),
@@ -161,9 +161,9 @@ fn the_resting_states_are_the_greatest_set_that_leads_into_itself() {
             })
             .to_vec(),
         action_offsets: vec![0, 2, 3, 5],
-        actions: [0, 2, 2, 0, 1].map(|s| Action { segment: SegmentId(s), error: 0.0 }).to_vec(),
+        actions: [0, 2, 2, 0, 1].map(|s| GraphAction { segment: SegmentId(s), error: 0.0 }).to_vec(),
     };
-    let (found, report) = find(&clips(), &graph, &Alone).unwrap();
+    let (found, report) = find_stops(&clips(), &graph, &SingleRank).unwrap();
     assert_eq!(found.stops.iter().map(|s| s.kind).collect::<Vec<_>>(), [REST, WALK_ON, WALK_ON]);
     assert_eq!((report.resting_states, report.slowing_states), (1, 0));
     assert_eq!(found.stops[1].frames, 10 + 5);

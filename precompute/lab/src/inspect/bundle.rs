@@ -39,7 +39,7 @@ pub struct BundleReport {
 impl BundleReport {
     /// Report of an open bundle.
     pub fn new(file: &Path, tables: &Bundle) -> Self {
-        let (meta, graph, points) = (tables.meta(), tables.graph(), HitPoint::of_tables(tables));
+        let (meta, graph, points) = (tables.meta(), tables.graph(), HitPoint::from_bundle(tables));
         let mut clip_hits: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
         for h in &points {
             *clip_hits.entry(h.clip.clone()).or_default().entry(h.kind.clone()).or_insert(0) += 1;

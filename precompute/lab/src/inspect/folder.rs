@@ -8,10 +8,10 @@ use std::fmt;
 use std::path::PathBuf;
 use throng_bake::config::BuildConfig;
 use throng_bake::pipeline;
-use throng_bake::report::Performer;
+use throng_bake::report::SourcePerformer;
 use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, ImportError, Warnings};
-use throng_motion::import::{self, Imported, ImportedSet};
+use throng_motion::import::{self, ImportedClip, ImportedSet};
 use throng_motion::progress::Progress;
 use throng_motion::retarget;
 
@@ -24,7 +24,7 @@ pub struct FolderReport {
     /// One entry a file, sorted by path.
     pub files: Vec<FileLine>,
     /// Performers of the motion: files of one source skeleton together.
-    pub performers: Vec<Performer>,
+    pub performers: Vec<SourcePerformer>,
     /// Files that hold the motion of another one, number by number: the file, and that other one.
     pub repeated: Vec<[String; 2]>,
     /// Abilities in the motion.
@@ -67,10 +67,10 @@ pub fn inspect_all(
         false => pipeline::clips_of(&set.clips, config, &mut warnings)?,
     };
     let motion = Abilities::of_clips(&clips);
-    let missing = if clips.clips.is_empty() { Vec::new() } else { missing(&motion, config.resample.mirror) };
+    let missing = if clips.clips.is_empty() { Vec::new() } else { missing_motion(&motion, config.resample.mirror) };
     let path = |i: usize| set.clips[i].clip.path.display().to_string();
     Ok(FolderReport {
-        files: lines(&set, &clips, config),
+        files: file_lines(&set, &clips, config),
         performers: performers(&set.clips, &clips),
         repeated: set.repeated().into_iter().map(|[first, i]| [path(i), path(first)]).collect(),
         motion,
@@ -79,7 +79,7 @@ pub fn inspect_all(
     })
 }
 
-fn missing(motion: &Abilities, mirrored: bool) -> Vec<String> {
+fn missing_motion(motion: &Abilities, mirrored: bool) -> Vec<String> {
     let mut all = motion.missing(mirrored);
     if motion.blows == 0 {
         all.push("no blows: nobody can box; add punches or kicks where they should".into());
@@ -87,8 +87,8 @@ fn missing(motion: &Abilities, mirrored: bool) -> Vec<String> {
     all
 }
 
-fn performers(imported: &[Imported], clips: &ClipSet) -> Vec<Performer> {
-    let performer = |indices: Vec<usize>| Performer {
+fn performers(imported: &[ImportedClip], clips: &ClipSet) -> Vec<SourcePerformer> {
+    let performer = |indices: Vec<usize>| SourcePerformer {
         height_m: imported[indices[0]].height,
         clips: indices.iter().map(|&i| clips.clips[i].name.clone()).collect(),
     };
@@ -96,11 +96,11 @@ fn performers(imported: &[Imported], clips: &ClipSet) -> Vec<Performer> {
 }
 
 /// One line for each file, sorted by path.
-fn lines(set: &ImportedSet, clips: &ClipSet, config: &BuildConfig) -> Vec<FileLine> {
+fn file_lines(set: &ImportedSet, clips: &ClipSet, config: &BuildConfig) -> Vec<FileLine> {
     let copies: BTreeMap<usize, usize> = set.repeated().into_iter().map(|[first, i]| (i, first)).collect();
     let read = set.clips.iter().zip(&clips.clips).enumerate().map(|(i, (imported, clip))| {
         let usable_s = clip.usable_ranges().iter().map(ExactSizeIterator::len).sum::<usize>() as f64 / clip.rate_hz;
-        let report = ClipReport::of(imported, clip, &clips.skeleton, config);
+        let report = ClipReport::from_annotated(imported, clip, &clips.skeleton, config);
         let original =
             copies.get(&i).map(|&first| format!("the same motion as {}", set.clips[first].clip.path.display()));
         let why = original.or_else(|| oddity(imported, usable_s, &report)).unwrap_or_default();
@@ -108,7 +108,7 @@ fn lines(set: &ImportedSet, clips: &ClipSet, config: &BuildConfig) -> Vec<FileLi
         FileLine { file: report.file.clone(), verdict, why, clip: Some(report), usable_s }
     });
     let skipped = set.skipped.iter().map(|e| {
-        let (file, why) = told_apart(e);
+        let (file, why) = split_message(e);
         FileLine { file, verdict: "skipped", why, ..FileLine::default() }
     });
     let mut all: Vec<FileLine> = read.chain(skipped).collect();
@@ -117,7 +117,7 @@ fn lines(set: &ImportedSet, clips: &ClipSet, config: &BuildConfig) -> Vec<FileLi
 }
 
 /// Reason why a clip is odd, if it is.
-fn oddity(imported: &Imported, usable_s: f64, report: &ClipReport) -> Option<String> {
+fn oddity(imported: &ImportedClip, usable_s: f64, report: &ClipReport) -> Option<String> {
     let contact = &report.contact;
     if usable_s < 0.5 {
         let parts: Vec<String> =
@@ -137,7 +137,7 @@ fn oddity(imported: &Imported, usable_s: f64, report: &ClipReport) -> Option<Str
 }
 
 /// Splits an error's message into the file and the rest.
-fn told_apart(e: &ImportError) -> (String, String) {
+fn split_message(e: &ImportError) -> (String, String) {
     let (text, path) = (e.to_string(), e.path().map_or_else(String::new, |p| p.display().to_string()));
     let why = text.strip_prefix(&path).map_or(&*text, |rest| rest.trim_start_matches([':', ' ']));
     (path, why.to_owned())
@@ -207,13 +207,13 @@ mod tests {
         let skeleton = Skeleton::default();
         let clip = |name| Clip::new(name, 30.0, vec![skeleton.offsets[0]; 60], vec![Quat::IDENTITY; 60 * NUM_JOINTS]);
         let set = ClipSet { clips: ["a", "b"].map(clip).to_vec(), skeleton };
-        let mut set = import::made(&set, "folder".as_ref(), &Default::default()).unwrap();
+        let mut set = import::import_made(&set, "folder".as_ref(), &Default::default()).unwrap();
         for clip in &mut set.clips {
             clip.roles.warnings.push("its neck is odd.".into());
             for what in ["its neck is odd.", "it shakes.", "walks on the spot."] {
                 clip.warnings.push(format!("{}: {what}", clip.clip.path.display()));
             }
-            let mut report = ClipReport::new(clip);
+            let mut report = ClipReport::from_imported(clip);
             (report.contact.left_share, report.contact.right_share) = (0.6, 0.6);
             assert_eq!(oddity(clip, 2.0, &report).unwrap(), "it shakes. walks on the spot.");
         }

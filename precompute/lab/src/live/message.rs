@@ -2,15 +2,15 @@
 
 use rmp::encode::{write_array_len, write_bin, write_f64, write_map_len, write_nil, write_sint, write_str, write_uint};
 use std::io;
-use throng_runtime::simulation::{Event, Happened, Simulation};
+use throng_runtime::simulation::{CharacterEvent, Simulation, SimulationEvent};
 use throng_runtime::{Joint, NUM_JOINTS};
 
 /// Version of the messages.
 const VERSION: u64 = 1;
 
 /// First message: everything that does not change.
-pub fn hello(sim: &Simulation, rate_hz: f64) -> io::Result<Vec<u8>> {
-    message("hello", 7, |out| {
+pub fn hello_message(sim: &Simulation, rate_hz: f64) -> io::Result<Vec<u8>> {
+    encode_message("hello", 7, |out| {
         pair_uint(out, "version", VERSION)?;
         pair_f64(out, "rate_hz", rate_hz)?;
         pair_uint(out, "num_characters", sim.num_characters() as u64)?;
@@ -32,7 +32,7 @@ pub fn hello(sim: &Simulation, rate_hz: f64) -> io::Result<Vec<u8>> {
             pair_uint(out, "count", group.characters.len() as u64)?;
             write_str(out, "offsets")?;
             match sim.compiled().bundle(group.number) {
-                Ok(bundle) => floats(out, bundle.skeleton().offsets.iter().flat_map(|o| o.to_array()))?,
+                Ok(bundle) => write_floats(out, bundle.skeleton().offsets.iter().flat_map(|o| o.to_array()))?,
                 Err(_) => write_nil(out)?,
             }
         }
@@ -41,40 +41,43 @@ pub fn hello(sim: &Simulation, rate_hz: f64) -> io::Result<Vec<u8>> {
 }
 
 /// Message of one step.
-pub fn frame(sim: &Simulation, step: usize) -> io::Result<Vec<u8>> {
+pub fn frame_message(sim: &Simulation, step: usize) -> io::Result<Vec<u8>> {
     let there = || sim.roots().enumerate().filter_map(|(who, root)| Some((who, root?)));
     let posed = || sim.poses().enumerate().filter_map(|(who, pose)| Some((who, pose?)));
-    message("frame", 8, |out| {
+    encode_message("frame", 8, |out| {
         pair_uint(out, "step", step as u64)?;
         pair_f64(out, "time_s", sim.time_s())?;
         write_str(out, "ids")?;
-        whole(out, there().map(|(who, _)| who as u32))?;
+        write_integers(out, there().map(|(who, _)| who as u32))?;
         write_str(out, "roots")?;
-        floats(out, there().flat_map(|(_, r)| [r.x, r.z, r.heading]))?;
+        write_floats(out, there().flat_map(|(_, r)| [r.x, r.z, r.heading]))?;
         write_str(out, "posed")?;
-        whole(out, posed().map(|(who, _)| who as u32))?;
+        write_integers(out, posed().map(|(who, _)| who as u32))?;
         write_str(out, "poses")?;
-        floats(out, posed().flat_map(|(_, pose)| pose.iter().flat_map(|joint| joint.rows.as_flattened()).copied()))?;
+        write_floats(
+            out,
+            posed().flat_map(|(_, pose)| pose.iter().flat_map(|joint| joint.rows.as_flattened()).copied()),
+        )?;
         write_str(out, "events")?;
         write_array_len(out, sim.events().len() as u32)?;
-        sim.events().iter().try_for_each(|e| event(out, e))
+        sim.events().iter().try_for_each(|e| write_event(out, e))
     })
 }
 
 /// Last message.
-pub fn end() -> io::Result<Vec<u8>> {
-    message("end", 1, |_| Ok(()))
+pub fn end_message() -> io::Result<Vec<u8>> {
+    encode_message("end", 1, |_| Ok(()))
 }
 
-fn event(out: &mut Vec<u8>, event: &Event) -> io::Result<()> {
-    let (what, at, other) = match event.happened {
-        Happened::Hit { at } => ("hit", Some(at), None),
-        Happened::Struck { opponent, at, .. } => ("struck", Some(at), Some(opponent)),
-        Happened::Fulfilled => ("fulfilled", None, None),
-        Happened::Arrived => ("arrived", None, None),
-        Happened::Left => ("left", None, None),
-        Happened::Stuck => ("stuck", None, None),
-        Happened::RunInto { obstacle } => ("run_into", None, Some(obstacle)),
+fn write_event(out: &mut Vec<u8>, event: &SimulationEvent) -> io::Result<()> {
+    let (what, at, other) = match event.kind {
+        CharacterEvent::Hit { at } => ("hit", Some(at), None),
+        CharacterEvent::Struck { opponent, at, .. } => ("struck", Some(at), Some(opponent)),
+        CharacterEvent::Fulfilled => ("fulfilled", None, None),
+        CharacterEvent::Arrived => ("arrived", None, None),
+        CharacterEvent::Left => ("left", None, None),
+        CharacterEvent::Stuck => ("stuck", None, None),
+        CharacterEvent::RunInto { obstacle } => ("run_into", None, Some(obstacle)),
     };
     write_map_len(out, 3 + u32::from(at.is_some()) + u32::from(other.is_some()))?;
     pair_f64(out, "time_s", event.time_s)?;
@@ -82,13 +85,13 @@ fn event(out: &mut Vec<u8>, event: &Event) -> io::Result<()> {
     pair_str(out, "what", what)?;
     if let Some(at) = at {
         write_str(out, "at")?;
-        floats(out, at.to_array())?;
+        write_floats(out, at.to_array())?;
     }
     other.map_or(Ok(()), |other| pair_uint(out, "other", other as u64))
 }
 
 /// Encodes a message of a kind, with `pairs` key-value pairs.
-fn message(kind: &str, pairs: u32, body: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> io::Result<Vec<u8>> {
+fn encode_message(kind: &str, pairs: u32, body: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> io::Result<Vec<u8>> {
     let mut out = vec![0; 4];
     write_map_len(&mut out, pairs)?;
     pair_str(&mut out, "kind", kind)?;
@@ -115,11 +118,11 @@ fn pair_f64(out: &mut Vec<u8>, key: &str, value: f64) -> io::Result<()> {
 }
 
 /// Writes numbers of 4 bytes each, little-endian.
-fn floats(out: &mut Vec<u8>, numbers: impl IntoIterator<Item = f32>) -> io::Result<()> {
+fn write_floats(out: &mut Vec<u8>, numbers: impl IntoIterator<Item = f32>) -> io::Result<()> {
     Ok(write_bin(out, &numbers.into_iter().flat_map(f32::to_le_bytes).collect::<Vec<u8>>())?)
 }
 
 /// Writes whole numbers of 4 bytes each, little-endian.
-fn whole(out: &mut Vec<u8>, numbers: impl Iterator<Item = u32>) -> io::Result<()> {
+fn write_integers(out: &mut Vec<u8>, numbers: impl Iterator<Item = u32>) -> io::Result<()> {
     Ok(write_bin(out, &numbers.flat_map(u32::to_le_bytes).collect::<Vec<u8>>())?)
 }

@@ -5,21 +5,21 @@
 
 mod message;
 
-use crate::run::{Moment, play};
+use crate::run::{ObservedStep, play_scene};
 use std::io::{ErrorKind, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use throng_motion::error::BuildError;
-use throng_motion::progress::Stopped;
+use throng_motion::progress::StopRequested;
 use throng_runtime::base::limits::{LIVE_SPEED, SECONDS, STEP_HZ};
 use throng_runtime::simulation::{CompiledScene, Simulation};
 
 /// Most clients at a time; further ones are refused.
 const MAX_CLIENTS: usize = 16;
 /// Time between two polls of the sockets (s).
-const LOOK_S: f64 = 0.001;
+const POLL_S: f64 = 0.001;
 /// Time that clients have at the end to receive the last messages (s).
 const FAREWELL_S: f64 = 2.0;
 
@@ -48,17 +48,17 @@ pub struct LiveReport {
     /// Clients that connected.
     pub clients: usize,
     /// Frames that clients missed because they were slow.
-    pub missed: usize,
+    pub missed_frames: usize,
 }
 
 /// A socket at which clients connect.
-pub struct Server(TcpListener);
+pub struct SceneServer(TcpListener);
 
-fn refused(message: String, help: &str) -> BuildError {
+fn serve_error(message: String, help: &str) -> BuildError {
     BuildError::Stage { stage: "serve", message, help: help.into() }
 }
 
-impl Server {
+impl SceneServer {
     /// Opens a socket; port 0 stands for any free one.
     ///
     /// - `to_anyone`: allows addresses that others in the network can reach.
@@ -68,10 +68,13 @@ impl Server {
     pub fn bind(address: SocketAddr, to_anyone: bool) -> Result<Self, BuildError> {
         if !address.ip().is_loopback() && !to_anyone {
             let what = format!("{address}: expected an address of this machine alone, such as 127.0.0.1:0");
-            return Err(refused(what, "Others in the network could see the scene: give --serve-anyone if they may"));
+            return Err(serve_error(
+                what,
+                "Others in the network could see the scene: give --serve-anyone if they may",
+            ));
         }
         let listener = TcpListener::bind(address).and_then(|l| l.set_nonblocking(true).map(|()| l));
-        let listener = listener.map_err(|e| refused(format!("{address}: {e}"), "Choose another port; 0 is any"))?;
+        let listener = listener.map_err(|e| serve_error(format!("{address}: {e}"), "Choose another port; 0 is any"))?;
         Ok(Self(listener))
     }
 
@@ -80,7 +83,7 @@ impl Server {
     /// # Errors
     /// [`BuildError::Stage`] with the message of the system.
     pub fn address(&self) -> Result<SocketAddr, BuildError> {
-        self.0.local_addr().map_err(|e| refused(e.to_string(), "Choose another address"))
+        self.0.local_addr().map_err(|e| serve_error(e.to_string(), "Choose another address"))
     }
 
     /// Waits for the first client, and runs a scene to its end, or until `stop` is set.
@@ -98,107 +101,107 @@ impl Server {
         STEP_HZ.check("step_hz", None, hz)?;
         LIVE_SPEED.check("speed", None, config.speed)?;
         let mut sim = Simulation::new(scene)?;
-        let hello = Arc::new(written(message::hello(&sim, hz))?);
-        let mut clients = Clients { listener: &self.0, hello, all: Vec::new(), report: LiveReport::default() };
+        let hello = Arc::new(checked_message(message::hello_message(&sim, hz))?);
+        let mut clients = LiveClients { listener: &self.0, hello, all: Vec::new(), report: LiveReport::default() };
         while clients.all.is_empty() && !stop.load(Ordering::Relaxed) {
-            clients.look();
-            std::thread::sleep(Duration::from_secs_f64(LOOK_S));
+            clients.accept_and_push();
+            std::thread::sleep(Duration::from_secs_f64(POLL_S));
         }
         let begin = Instant::now();
-        let played = play(&mut sim, seconds, hz, seconds, |sim, Moment { step, .. }| {
+        let played = play_scene(&mut sim, seconds, hz, seconds, |sim, ObservedStep { step, .. }| {
             let due_s = if config.speed > 0.0 { sim.time_s() / config.speed } else { 0.0 };
             loop {
                 if stop.load(Ordering::Relaxed) {
-                    return Err(Stopped.into());
+                    return Err(StopRequested.into());
                 }
-                clients.look();
+                clients.accept_and_push();
                 let left_s = due_s - begin.elapsed().as_secs_f64();
                 if left_s <= 0.0 {
                     break;
                 }
-                std::thread::sleep(Duration::from_secs_f64(left_s.min(LOOK_S)));
+                std::thread::sleep(Duration::from_secs_f64(left_s.min(POLL_S)));
             }
-            clients.send(&Arc::new(written(message::frame(sim, step))?));
+            clients.send_frame(&Arc::new(checked_message(message::frame_message(sim, step))?));
             Ok(())
         });
         match played {
-            Ok(_) | Err(BuildError::Stopped(_)) => clients.end(),
+            Ok(_) | Err(BuildError::Stopped(_)) => clients.end_stream(),
             Err(e) => Err(e),
         }
     }
 }
 
-fn written(message: std::io::Result<Vec<u8>>) -> Result<Vec<u8>, BuildError> {
-    message.map_err(|e| refused(format!("a message of more than 4 GB: {e}"), "Serve fewer characters"))
+fn checked_message(message: std::io::Result<Vec<u8>>) -> Result<Vec<u8>, BuildError> {
+    message.map_err(|e| serve_error(format!("a message of more than 4 GB: {e}"), "Serve fewer characters"))
 }
 
 /// All connected clients.
-struct Clients<'a> {
+struct LiveClients<'a> {
     listener: &'a TcpListener,
     hello: Arc<Vec<u8>>,
-    all: Vec<Client>,
+    all: Vec<LiveClient>,
     report: LiveReport,
 }
 
-struct Client {
+struct LiveClient {
     stream: TcpStream,
     /// The message in flight, and how much of it is sent (bytes).
     message: Arc<Vec<u8>>,
-    gone: usize,
+    num_sent: usize,
 }
 
-impl Clients<'_> {
+impl LiveClients<'_> {
     /// Accepts new clients, and continues to send messages in flight.
-    fn look(&mut self) {
+    fn accept_and_push(&mut self) {
         while let Ok((stream, _)) = self.listener.accept() {
             let is_ready = stream.set_nonblocking(true).and_then(|()| stream.set_nodelay(true)).is_ok();
             if is_ready && self.all.len() < MAX_CLIENTS {
                 self.report.clients += 1;
-                self.all.push(Client { stream, message: Arc::clone(&self.hello), gone: 0 });
+                self.all.push(LiveClient { stream, message: Arc::clone(&self.hello), num_sent: 0 });
             }
         }
-        self.all.retain_mut(|c| c.push());
+        self.all.retain_mut(|c| c.push_bytes());
     }
 
     /// Queues a frame for all clients that have received the previous message.
-    fn send(&mut self, frame: &Arc<Vec<u8>>) {
+    fn send_frame(&mut self, frame: &Arc<Vec<u8>>) {
         self.report.frames += 1;
         for client in &mut self.all {
-            if client.has_all() {
-                (client.message, client.gone) = (Arc::clone(frame), 0);
+            if client.has_sent_all() {
+                (client.message, client.num_sent) = (Arc::clone(frame), 0);
             } else {
-                self.report.missed += 1;
+                self.report.missed_frames += 1;
             }
         }
-        self.all.retain_mut(|c| c.push());
+        self.all.retain_mut(|c| c.push_bytes());
     }
 
     /// Sends the end message to all clients that receive the rest in time.
-    fn end(mut self) -> Result<LiveReport, BuildError> {
-        let (begin, end) = (Instant::now(), Arc::new(written(message::end())?));
-        let is_told = |c: &Client| Arc::ptr_eq(&c.message, &end) && c.has_all();
+    fn end_stream(mut self) -> Result<LiveReport, BuildError> {
+        let (begin, end) = (Instant::now(), Arc::new(checked_message(message::end_message())?));
+        let is_told = |c: &LiveClient| Arc::ptr_eq(&c.message, &end) && c.has_sent_all();
         while self.all.iter().any(|c| !is_told(c)) && begin.elapsed().as_secs_f64() < FAREWELL_S {
-            for client in self.all.iter_mut().filter(|c| c.has_all() && !Arc::ptr_eq(&c.message, &end)) {
-                (client.message, client.gone) = (Arc::clone(&end), 0);
+            for client in self.all.iter_mut().filter(|c| c.has_sent_all() && !Arc::ptr_eq(&c.message, &end)) {
+                (client.message, client.num_sent) = (Arc::clone(&end), 0);
             }
-            self.all.retain_mut(|c| c.push());
-            std::thread::sleep(Duration::from_secs_f64(LOOK_S));
+            self.all.retain_mut(|c| c.push_bytes());
+            std::thread::sleep(Duration::from_secs_f64(POLL_S));
         }
         Ok(self.report)
     }
 }
 
-impl Client {
-    fn has_all(&self) -> bool {
-        self.gone == self.message.len()
+impl LiveClient {
+    fn has_sent_all(&self) -> bool {
+        self.num_sent == self.message.len()
     }
 
     /// Sends as much as the socket takes at once; false if the client is gone.
-    fn push(&mut self) -> bool {
-        while !self.has_all() {
-            match self.stream.write(&self.message[self.gone..]) {
+    fn push_bytes(&mut self) -> bool {
+        while !self.has_sent_all() {
+            match self.stream.write(&self.message[self.num_sent..]) {
                 Ok(0) => return false,
-                Ok(bytes) => self.gone += bytes,
+                Ok(bytes) => self.num_sent += bytes,
                 Err(e) if e.kind() == ErrorKind::WouldBlock => return true,
                 Err(e) if e.kind() == ErrorKind::Interrupted => {}
                 Err(_) => return false,

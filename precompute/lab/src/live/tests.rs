@@ -23,7 +23,7 @@ fn served<T: Send>(
     scene: &CompiledScene,
     clients: Vec<Box<dyn FnOnce(TcpStream) -> T + Send>>,
 ) -> (LiveReport, Vec<T>) {
-    let server = Server::bind(([127, 0, 0, 1], 0).into(), false).expect("a free port");
+    let server = SceneServer::bind(([127, 0, 0, 1], 0).into(), false).expect("a free port");
     let address = server.address().expect("an address");
     // All are there before it begins.
     let streams: Vec<TcpStream> = clients.iter().map(|_| TcpStream::connect(address).expect("it listens")).collect();
@@ -77,7 +77,7 @@ fn a_client_reads_what_the_same_simulation_gives() {
     let messages = &all[0];
     assert!(is(&messages[0], "hello") && is(&messages[messages.len() - 1], "end"));
     let frames = &messages[1..messages.len() - 1];
-    assert_eq!(frames.len() + report.missed, report.frames);
+    assert_eq!(frames.len() + report.missed_frames, report.frames);
     assert!(!frames.is_empty());
 
     let mut sim = Simulation::new(&scene).expect("it starts");
@@ -122,19 +122,19 @@ fn clients_that_are_slow_or_gone_or_talk_hold_nobody_up() {
     };
     let (report, all) = served(&scene, vec![Box::new(hangs_up), Box::new(talks), Box::new(sleeps), Box::new(reads)]);
     assert_eq!((report.frames, report.clients), (61, 4));
-    assert!(report.missed > 0, "400 characters of 61 frames fit into no socket");
+    assert!(report.missed_frames > 0, "400 characters of 61 frames fit into no socket");
     assert!(is(all[3].last().expect("messages"), "end"));
     assert!(is(&all[2][0], "hello"));
 }
 
 #[test]
 fn it_ends_when_told_and_is_for_this_machine_alone() {
-    let server = Server::bind(([127, 0, 0, 1], 0).into(), false).expect("a free port");
+    let server = SceneServer::bind(([127, 0, 0, 1], 0).into(), false).expect("a free port");
     let report = server.serve(&scene(1, 1.0), &LiveConfig::default(), &AtomicBool::new(true));
     assert_eq!(report.expect("it ends"), LiveReport::default());
-    let told = Server::bind(([0, 0, 0, 0], 0).into(), false).map(|_| ()).expect_err("anybody could connect");
+    let told = SceneServer::bind(([0, 0, 0, 0], 0).into(), false).map(|_| ()).expect_err("anybody could connect");
     assert!(told.to_string().contains("--serve-anyone"), "{told}");
-    assert!(Server::bind(([0, 0, 0, 0], 0).into(), true).is_ok());
+    assert!(SceneServer::bind(([0, 0, 0, 0], 0).into(), true).is_ok());
     let config = LiveConfig { speed: -1.0, ..LiveConfig::default() };
     let told = server.serve(&scene(1, 1.0), &config, &AtomicBool::new(false)).expect_err("time goes forwards");
     assert!(told.to_string().contains("speed is -1, expected 0 to 1000"), "{told}");

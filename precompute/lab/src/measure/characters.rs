@@ -1,7 +1,7 @@
 //! Cost of a query, a joint and a character, beside copying the same bytes.
 
-use super::timing::{Batch, fail, in_pool, median_ns, random_queries};
-use super::{EPSILON, MeasureConfig};
+use super::timing::{QueryBatch, fail, median_ns, random_queries, run_in_pool};
+use super::{BundleMeasureConfig, EPSILON};
 use crate::trial::{self, TrialConfig};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
@@ -10,12 +10,14 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::f32::consts::TAU;
 use std::hint::black_box;
-use throng_bake::policy::made_up::MadeUp;
+use throng_bake::policy::made_up::SyntheticProblem;
 use throng_motion::error::BuildError;
 use throng_runtime::base::limits::{CHARACTERS, MEASURING_S, THREADS};
-use throng_runtime::characters::{AvoidConfig, Characters, CharactersConfig, MotionSet, Order, SampleJob, Start};
+use throng_runtime::characters::{
+    AvoidConfig, CharacterStart, Characters, CharactersConfig, MotionSet, PolicyOrder, SampleJob,
+};
 use throng_runtime::policy::PolicyTable;
-use throng_runtime::{Bundle, Cast, Error, Inline, Mat3x4, NUM_JOINTS, Planar, Rayon, Run};
+use throng_runtime::{Bundle, CharacterGroup, Error, Executor, Inline, Mat3x4, NUM_JOINTS, Planar, Rayon};
 
 /// Medians over many rounds; nanoseconds of wall time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
@@ -52,7 +54,7 @@ pub struct CharactersFigures {
 ///
 /// # Errors
 /// [`BuildError::Stage`] where the bundle has no behaviour, a number is out of range, or a thread pool cannot be had.
-pub fn characters(tables: &Bundle, config: &MeasureConfig) -> Result<Vec<CharactersFigures>, BuildError> {
+pub fn characters(tables: &Bundle, config: &BundleMeasureConfig) -> Result<Vec<CharactersFigures>, BuildError> {
     if tables.policies().is_empty() {
         return Err(fail("the bundle has no behaviour"));
     }
@@ -61,23 +63,24 @@ pub fn characters(tables: &Bundle, config: &MeasureConfig) -> Result<Vec<Charact
     config.threads.iter().try_for_each(|&n| THREADS.check_count("threads", n)).map_err(wrong)?;
     MEASURING_S.check("seconds", None, config.seconds).map_err(wrong)?;
     let motion_set = MotionSet::new(tables);
-    let made_up = MadeUp::default();
+    let made_up = SyntheticProblem::default();
     let model = made_up.model();
-    let solution = in_pool(1, || made_up.solve(&model, EPSILON))??;
+    let solution = run_in_pool(1, || made_up.solve(&model, EPSILON))??;
     let best = vec![0; solution.values.len()];
     let large = solution.table(&model, &best)?;
     let mut results = Vec::new();
     for &threads in &config.threads {
         for &characters in &config.characters {
-            let bench = Bench { tables, motion_set: &motion_set, large: &large, characters, seconds: config.seconds };
-            results.push(in_pool(threads, || bench.run(threads))??);
+            let bench =
+                CharacterBench { tables, motion_set: &motion_set, large: &large, characters, seconds: config.seconds };
+            results.push(run_in_pool(threads, || bench.run(threads))??);
         }
     }
     Ok(results)
 }
 
 /// Benchmark of one number of characters, inside a thread pool.
-struct Bench<'a> {
+struct CharacterBench<'a> {
     tables: &'a Bundle,
     motion_set: &'a MotionSet,
     large: &'a PolicyTable,
@@ -85,50 +88,52 @@ struct Bench<'a> {
     seconds: f64,
 }
 
-impl Bench<'_> {
+impl CharacterBench<'_> {
     fn run(&self, threads: usize) -> Result<CharactersFigures, BuildError> {
         let n = self.characters as f64;
         let Some(policy) = self.motion_set.policy(0) else { return Err(fail("the bundle has no behaviour")) };
-        let (control, lookahead, lookahead_actions) = self.queries(policy)?;
-        let (_, lookahead_62, _) = self.queries(self.large)?;
-        let single =
-            CharactersConfig { choice: throng_runtime::characters::Choice::BestAction, ..CharactersConfig::default() };
-        let step = self.step(CharactersConfig::default())?;
-        let avoiding = self.walking(Some(AvoidConfig::default()))?;
+        let (control, lookahead, lookahead_actions) = self.measure_queries(policy)?;
+        let (_, lookahead_62, _) = self.measure_queries(self.large)?;
+        let single = CharactersConfig {
+            choice: throng_runtime::characters::ActionChoice::BestAction,
+            ..CharactersConfig::default()
+        };
+        let step = self.measure_step(CharactersConfig::default())?;
+        let avoiding = self.measure_avoiding_step(Some(AvoidConfig::default()))?;
         Ok(CharactersFigures {
             step_avoiding_ns_per_character: avoiding / n,
-            avoiding_ratio: avoiding / self.walking(None)?,
+            avoiding_ratio: avoiding / self.measure_avoiding_step(None)?,
             characters: self.characters,
             threads,
             control_ns_per_query: control / n,
             lookahead_ns_per_query: lookahead / n,
             lookahead_actions,
             lookahead_62_ns_per_query: lookahead_62 / n,
-            sample_ns_per_joint: self.sample()? / (n * NUM_JOINTS as f64),
+            sample_ns_per_joint: self.measure_sampling()? / (n * NUM_JOINTS as f64),
             step_ns_per_character: step / n,
-            step_single_load_ns_per_character: self.step(single)? / n,
-            memcpy_ns_per_character: self.memcpy() / n,
+            step_single_load_ns_per_character: self.measure_step(single)? / n,
+            memcpy_ns_per_character: self.measure_copy() / n,
             steps_per_second: 1e9 / step,
         })
     }
 
     /// Characters that one task handles; all of them on one thread.
-    fn share(&self) -> usize {
+    fn characters_per_task(&self) -> usize {
         self.characters.div_ceil(rayon::current_num_threads()).max(1)
     }
 
     /// Time of single-load queries and of look-aheads (ns each), and mean number of actions that a look-ahead weighs.
-    fn queries(&self, policy: &PolicyTable) -> Result<(f64, f64, f64), BuildError> {
+    fn measure_queries(&self, policy: &PolicyTable) -> Result<(f64, f64, f64), BuildError> {
         let (states, targets) = random_queries(policy, self.characters);
-        let batch = Batch { policy, states: &states, targets: &targets, seconds: self.seconds };
+        let batch = QueryBatch { policy, states: &states, targets: &targets, seconds: self.seconds };
         let single_load = batch.single_load_ns()?;
         Ok((single_load, batch.look_ahead_ns()?, batch.actions_weighed()))
     }
 
     /// Time of sampling all characters at random places.
-    fn sample(&self) -> Result<f64, BuildError> {
+    fn measure_sampling(&self) -> Result<f64, BuildError> {
         let mut rng = Pcg64Mcg::seed_from_u64(3);
-        let (n, share) = (self.characters, self.share());
+        let (n, share) = (self.characters, self.characters_per_task());
         let segments = &self.motion_set.graph().segments;
         let mut frames = vec![0u32; n];
         let mut ratios = vec![0.0f32; n];
@@ -153,12 +158,12 @@ impl Bench<'_> {
     }
 
     /// Time of a full step, averaged over a second of simulated time a round.
-    fn step(&self, config: CharactersConfig) -> Result<f64, BuildError> {
+    fn measure_step(&self, config: CharactersConfig) -> Result<f64, BuildError> {
         const STEPS: usize = 60;
         let mut rng = Pcg64Mcg::seed_from_u64(4);
         let num_states = self.motion_set.graph().states.len() as u32;
-        let starts: Vec<Start> = (0..self.characters)
-            .map(|_| Start {
+        let starts: Vec<CharacterStart> = (0..self.characters)
+            .map(|_| CharacterStart {
                 root: Planar::new(
                     rng.random_range(-50.0..50.0),
                     rng.random_range(-50.0..50.0),
@@ -168,13 +173,16 @@ impl Bench<'_> {
             })
             .collect();
         let mut characters = Characters::new(self.motion_set, config, &starts).map_err(|e| fail(e.to_string()))?;
-        let mut orders = vec![Order::IDLE; self.characters];
-        let run: &dyn Run = if rayon::current_num_threads() == 1 { &Inline } else { &Rayon };
+        let mut orders = vec![PolicyOrder::IDLE; self.characters];
+        let run: &dyn Executor = if rayon::current_num_threads() == 1 { &Inline } else { &Rayon };
         let mut failed = None;
         let ns = median_ns(self.seconds.max(0.5), || {
             // Targets move every second, so that no character comes to rest.
             for order in &mut orders {
-                *order = Order::aim(0, Vec3::new(rng.random_range(-50.0..50.0), 0.0, rng.random_range(-50.0..50.0)));
+                *order = PolicyOrder::towards(
+                    0,
+                    Vec3::new(rng.random_range(-50.0..50.0), 0.0, rng.random_range(-50.0..50.0)),
+                );
             }
             for _ in 0..STEPS {
                 let done = characters.step_on(self.motion_set, 1.0 / STEPS as f32, &orders, run);
@@ -189,20 +197,20 @@ impl Bench<'_> {
     }
 
     /// Time of a full step of people two metres apart who walk to places up to six metres away, and on to the next ones.
-    fn walking(&self, avoid: Option<AvoidConfig>) -> Result<f64, BuildError> {
+    fn measure_avoiding_step(&self, avoid: Option<AvoidConfig>) -> Result<f64, BuildError> {
         const STEPS: usize = 60;
         let wrong = |e: Error| fail(e.to_string());
         let motion = CharactersConfig { avoid, ..CharactersConfig::default() };
         let config = TrialConfig { characters: self.characters, motion, ..TrialConfig::default() };
-        let (mut cast, targets) = trial::scatter(self.tables, &config).map_err(wrong)?;
+        let (mut cast, targets) = trial::scatter_characters(self.tables, &config).map_err(wrong)?;
         let mut rng = Pcg64Mcg::seed_from_u64(5);
         let mut failed = None;
-        let run: &dyn Run = if rayon::current_num_threads() == 1 { &Inline } else { &Rayon };
+        let run: &dyn Executor = if rayon::current_num_threads() == 1 { &Inline } else { &Rayon };
         let ids = cast.ids().to_vec();
         let ns = median_ns(self.seconds.max(0.5), || {
             for (&id, home) in ids.iter().zip(&targets) {
                 let by = Vec3::new(rng.random_range(-6.0..6.0), 0.0, rng.random_range(-6.0..6.0));
-                failed = failed.take().or(cast.order(id, Order::aim(0, *home + by)).err());
+                failed = failed.take().or(cast.order(id, PolicyOrder::towards(0, *home + by)).err());
             }
             for _ in 0..STEPS {
                 failed = failed.take().or(cast.step(1.0 / STEPS as f32, run).err());
@@ -212,8 +220,8 @@ impl Bench<'_> {
     }
 
     /// Time to copy all model matrices.
-    fn memcpy(&self) -> f64 {
-        let (n, share) = (self.characters * NUM_JOINTS, self.share() * NUM_JOINTS);
+    fn measure_copy(&self) -> f64 {
+        let (n, share) = (self.characters * NUM_JOINTS, self.characters_per_task() * NUM_JOINTS);
         let from = vec![Mat3x4 { rows: [[1.0; 4]; 3] }; n];
         let mut to = vec![Mat3x4::default(); n];
         let ns = median_ns(self.seconds, || {

@@ -1,7 +1,7 @@
 //! Cost of a character at each level of detail.
 
-use super::MeasureConfig;
-use super::timing::{fail, in_pool};
+use super::BundleMeasureConfig;
+use super::timing::{fail, run_in_pool};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -11,13 +11,13 @@ use std::time::Instant;
 use throng_motion::error::BuildError;
 use throng_motion::memory::resident_bytes;
 use throng_runtime::base::limits::{CHARACTERS, MEASURING_S};
-use throng_runtime::characters::{Characters, CharactersConfig, Detail, MotionSet, Order, Start};
+use throng_runtime::characters::{CharacterStart, Characters, CharactersConfig, Detail, MotionSet, PolicyOrder};
 use throng_runtime::{Bundle, Error, Planar};
 
 /// Steps of a round, a second of simulated time.
 const STEPS: usize = 60;
 /// Least number of characters whose memory stands out from the rest of the process.
-const SEEN: usize = 10_000;
+const MIN_FOR_MEMORY: usize = 10_000;
 
 /// Figures of one group of people at each level, in turns on one thread; medians over rounds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
@@ -39,7 +39,7 @@ pub struct LevelFigures {
 ///
 /// # Errors
 /// [`BuildError::Stage`] where the bundle has no behaviour or a number is out of range.
-pub fn levels(tables: &Bundle, config: &MeasureConfig) -> Result<Vec<LevelFigures>, BuildError> {
+pub fn levels(tables: &Bundle, config: &BundleMeasureConfig) -> Result<Vec<LevelFigures>, BuildError> {
     let wrong = |e: Error| fail(e.to_string());
     if tables.policies().is_empty() {
         return Err(fail("the bundle has no behaviour"));
@@ -47,20 +47,20 @@ pub fn levels(tables: &Bundle, config: &MeasureConfig) -> Result<Vec<LevelFigure
     config.characters.iter().try_for_each(|&n| CHARACTERS.check_count("characters", n)).map_err(wrong)?;
     MEASURING_S.check("seconds", None, config.seconds).map_err(wrong)?;
     let motion_set = MotionSet::new(tables);
-    let one = |&n: &usize| in_pool(1, || People::new(&motion_set, n)?.measure(config.seconds)).flatten();
+    let one = |&n: &usize| run_in_pool(1, || LevelTestCrowd::new(&motion_set, n)?.measure(config.seconds)).flatten();
     config.characters.iter().map(one).collect()
 }
 
 /// People who walk to targets that change every second.
-struct People<'a> {
+struct LevelTestCrowd<'a> {
     motion_set: &'a MotionSet,
     characters: Characters,
-    orders: Vec<Order>,
+    orders: Vec<PolicyOrder>,
     rng: Pcg64Mcg,
     record_bytes: Option<f64>,
 }
 
-impl<'a> People<'a> {
+impl<'a> LevelTestCrowd<'a> {
     fn new(motion_set: &'a MotionSet, n: usize) -> Result<Self, BuildError> {
         let mut rng = Pcg64Mcg::seed_from_u64(6);
         let num_states = motion_set.graph().states.len() as u32;
@@ -68,27 +68,27 @@ impl<'a> People<'a> {
         let start = |_| {
             let [x, z] = [(); 2].map(|()| rng.random_range(-side / 2.0..side / 2.0));
             let root = Planar::new(x, z, rng.random_range(0.0..TAU));
-            Start { root, state: rng.random_range(0..num_states) }
+            CharacterStart { root, state: rng.random_range(0..num_states) }
         };
-        let starts: Vec<Start> = (0..n).map(start).collect();
-        let orders = vec![Order::IDLE; n];
+        let starts: Vec<CharacterStart> = (0..n).map(start).collect();
+        let orders = vec![PolicyOrder::IDLE; n];
         let config = CharactersConfig { instances: true, ..CharactersConfig::default() };
         let before = resident_bytes();
         let characters = Characters::new(motion_set, config, &starts).map_err(|e| fail(e.to_string()))?;
         let mut out = Self { motion_set, characters, orders, rng, record_bytes: None };
-        out.round(Some(Detail::RECORDS))?;
-        if let (Some(before), Some(now), true) = (before, resident_bytes(), n >= SEEN) {
+        out.time_round(Some(Detail::RECORDS))?;
+        if let (Some(before), Some(now), true) = (before, resident_bytes(), n >= MIN_FOR_MEMORY) {
             out.record_bytes = Some(now.saturating_sub(before) as f64 / n as f64);
         }
         Ok(out)
     }
 
     /// Time of a round (ns a character and step).
-    fn round(&mut self, detail: Option<Detail>) -> Result<f64, BuildError> {
+    fn time_round(&mut self, detail: Option<Detail>) -> Result<f64, BuildError> {
         let wrong = |e: Error| fail(e.to_string());
         for order in &mut self.orders {
             let target = Vec3::new(self.rng.random_range(-50.0..50.0), 0.0, self.rng.random_range(-50.0..50.0));
-            *order = Order::aim(0, target);
+            *order = PolicyOrder::towards(0, target);
         }
         self.characters.set_detail(detail).map_err(wrong)?;
         // Bodies that wake are not counted.
@@ -106,7 +106,7 @@ impl<'a> People<'a> {
         let begin = Instant::now();
         while times[0].len() < 5 || begin.elapsed().as_secs_f64() < 3.0 * seconds {
             for (times, detail) in times.iter_mut().zip([None, Some(far), Some(Detail::RECORDS)]) {
-                times.push(self.round(detail)?);
+                times.push(self.time_round(detail)?);
             }
         }
         let [full_ns, free_feet_ns, record_ns] = times.map(|mut t| {

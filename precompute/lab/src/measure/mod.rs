@@ -8,17 +8,17 @@ pub use characters::{CharactersFigures, characters};
 pub use levels::{LevelFigures, levels};
 
 use serde::Serialize;
-use throng_bake::policy::made_up::{self, MadeUp};
+use throng_bake::policy::made_up::{self, SyntheticProblem};
 use throng_motion::error::BuildError;
 use throng_runtime::Bundle;
-use timing::in_pool;
+use timing::run_in_pool;
 
 /// Precision of the made-up problem's values.
 const EPSILON: f64 = 1e-4;
 
 /// Settings of a measurement.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MeasureConfig {
+pub struct BundleMeasureConfig {
     /// Numbers of characters.
     pub characters: Vec<usize>,
     /// Numbers of threads.
@@ -29,19 +29,19 @@ pub struct MeasureConfig {
 
 /// All figures.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct Measured {
+pub struct BundleMeasureReport {
     /// One entry for each number of characters and threads.
     pub results: Vec<CharactersFigures>,
     /// The made-up problem, on one thread.
-    pub value_iteration: made_up::Measured,
+    pub value_iteration: made_up::SolveMeasurements,
 }
 
 /// Measures everything.
 ///
 /// # Errors
 /// As [`characters`].
-pub fn measure(tables: &Bundle, config: &MeasureConfig) -> Result<Measured, BuildError> {
+pub fn measure(tables: &Bundle, config: &BundleMeasureConfig) -> Result<BundleMeasureReport, BuildError> {
     let results = characters(tables, config)?;
-    let value_iteration = in_pool(1, || MadeUp::default().measure(EPSILON))??;
-    Ok(Measured { results, value_iteration })
+    let value_iteration = run_in_pool(1, || SyntheticProblem::default().measure(EPSILON))??;
+    Ok(BundleMeasureReport { results, value_iteration })
 }

@@ -8,7 +8,7 @@ use std::f32::consts::TAU;
 use std::hint::black_box;
 use std::time::Instant;
 use throng_motion::error::BuildError;
-use throng_runtime::policy::{BestActionJob, Goal, LookAheadJob, PolicyTable, RankedActions};
+use throng_runtime::policy::{BestActionJob, LookAheadGoal, LookAheadJob, PolicyTable, RankedActions};
 
 /// An error of a measurement, with a message.
 pub fn fail(message: impl Into<String>) -> BuildError {
@@ -19,7 +19,7 @@ pub fn fail(message: impl Into<String>) -> BuildError {
 ///
 /// # Errors
 /// [`BuildError::Stage`] where the pool's threads cannot be had.
-pub fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T, BuildError> {
+pub fn run_in_pool<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T, BuildError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| fail(e.to_string()))?;
     Ok(pool.install(work))
 }
@@ -51,7 +51,7 @@ pub fn random_queries(policy: &PolicyTable, count: usize) -> (Vec<u32>, Vec<Vec3
 }
 
 /// Queries of many characters at once, split over the threads of the current pool.
-pub struct Batch<'a> {
+pub struct QueryBatch<'a> {
     /// Policy that is asked.
     pub policy: &'a PolicyTable,
     /// State of each character.
@@ -62,9 +62,9 @@ pub struct Batch<'a> {
     pub seconds: f64,
 }
 
-impl Batch<'_> {
+impl QueryBatch<'_> {
     /// Characters that one task handles; all of them on one thread.
-    fn share(&self) -> usize {
+    fn characters_per_task(&self) -> usize {
         self.states.len().div_ceil(rayon::current_num_threads()).max(1)
     }
 
@@ -73,7 +73,7 @@ impl Batch<'_> {
     /// # Errors
     /// [`BuildError::Stage`] where states or targets do not fit the policy.
     pub fn single_load_ns(&self) -> Result<f64, BuildError> {
-        let (policy, share) = (self.policy, self.share());
+        let (policy, share) = (self.policy, self.characters_per_task());
         let mut actions = vec![0u8; self.states.len()];
         BestActionJob { policy, states: self.states, targets: self.targets, choice: 0, actions: &mut actions }
             .run()
@@ -93,10 +93,10 @@ impl Batch<'_> {
     /// # Errors
     /// [`BuildError::Stage`] where states or targets do not fit the policy.
     pub fn look_ahead_ns(&self) -> Result<f64, BuildError> {
-        let (policy, share) = (self.policy, self.share());
+        let (policy, share) = (self.policy, self.characters_per_task());
         let weights = vec![1.0; self.states.len()];
         let mut ranked = vec![RankedActions::NONE; self.states.len()];
-        let goals = [Goal { policy, weights: &weights, targets: self.targets }];
+        let goals = [LookAheadGoal { policy, weights: &weights, targets: self.targets }];
         LookAheadJob { goals: &goals, states: self.states, ranked: &mut ranked }
             .run()
             .map_err(|e| fail(e.to_string()))?;
@@ -104,7 +104,7 @@ impl Batch<'_> {
             let parts = self.states.par_chunks(share).zip(self.targets.par_chunks(share));
             let parts = parts.zip(weights.par_chunks(share)).zip(ranked.par_chunks_mut(share));
             parts.for_each(|(((states, targets), weights), ranked)| {
-                let goals = [Goal { policy, weights, targets }];
+                let goals = [LookAheadGoal { policy, weights, targets }];
                 black_box(LookAheadJob { goals: &goals, states, ranked }.run().is_ok());
             });
         });

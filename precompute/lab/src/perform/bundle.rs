@@ -1,43 +1,47 @@
 //! Takes from a bundle: characters that run on it, the clips that they play, and its stored clips.
 
-use super::camera::Camera;
-use super::{PerformConfig, SAME_S, Span, chosen, refused};
+use super::take_recorder::TakeRecorder;
+use super::{PerformConfig, TIME_TOLERANCE_S, TakeSpan, export_error, selected_numbers};
 use crate::trial::{self, TrialConfig};
 use glam::{Quat, Vec3};
 use std::path::Path;
 use throng_base::maths;
 use throng_motion::error::BuildError;
-use throng_motion::export::{Instance, Instances, Pose, Take, TakeWriter};
+use throng_motion::export::{ActorPose, CrowdInstance, InstanceRecording, Take, TakeWriter};
 use throng_motion::progress::Progress;
-use throng_runtime::{Bundle, Cast, NUM_JOINTS, Planar};
+use throng_runtime::{Bundle, CharacterGroup, NUM_JOINTS, Planar};
 
-pub fn of_trial(
+pub fn perform_trial(
     bundle: &Bundle,
     trial: &TrialConfig,
     config: &PerformConfig,
     folder: &Path,
     progress: &dyn Progress,
 ) -> Result<Take, BuildError> {
-    let (span, trial) = span_of(bundle, trial, config)?;
-    let (hz, who) = (f64::from(trial.step_hz), chosen(config, trial.characters, "character")?);
+    let (span, trial) = trial_span(bundle, trial, config)?;
+    let (hz, who) = (f64::from(trial.step_hz), selected_numbers(config, trial.characters, "character")?);
     let actors = who.into_iter().map(|c| (c, format!("character {c}"), bundle.skeleton().clone())).collect();
-    let mut camera = Camera::new(actors, span, config, folder, progress)?;
-    let (mut cast, _) = trial::scatter(bundle, &trial).map_err(|e| refused(e, "Check the bundle"))?;
+    let mut camera = TakeRecorder::new(actors, span, config, folder, progress)?;
+    let (mut cast, _) = trial::scatter_characters(bundle, &trial).map_err(|e| export_error(e, "Check the bundle"))?;
     trial::play(&mut cast, &trial, |cast, step| {
         let bodies = cast.bodies();
-        camera.observe(step as f64 / hz, 1.0 / hz, |c| Some(Pose::of_model(bodies.roots[c], &bodies.model[c])))
+        camera.observe(step as f64 / hz, 1.0 / hz, |c| Some(ActorPose::from_model(bodies.roots[c], &bodies.model[c])))
     })?;
     camera.into_take(f64::from(trial.seconds))
 }
 
 /// Recorded time span of a trial, and the trial, prolonged to whole steps.
-fn span_of(bundle: &Bundle, trial: &TrialConfig, config: &PerformConfig) -> Result<(Span, TrialConfig), BuildError> {
-    let span = Span::new(config, f64::from(trial.seconds), None)?;
+fn trial_span(
+    bundle: &Bundle,
+    trial: &TrialConfig,
+    config: &PerformConfig,
+) -> Result<(TakeSpan, TrialConfig), BuildError> {
+    let span = TakeSpan::new(config, f64::from(trial.seconds), None)?;
     let hz = f64::from(trial.step_hz);
-    let seconds = ((span.to_s * hz - SAME_S).ceil().max(1.0)) / hz;
+    let seconds = ((span.to_s * hz - TIME_TOLERANCE_S).ceil().max(1.0)) / hz;
     let trial = TrialConfig { seconds: seconds as f32, recorded: None, ..*trial };
     trial::check(bundle, &trial).map_err(|e| match e {
-        BuildError::Stage { message, help, .. } => refused(message, format!("{help}, or export its --clips")),
+        BuildError::Stage { message, help, .. } => export_error(message, format!("{help}, or export its --clips")),
         other => other,
     })?;
     Ok((span, trial))
@@ -50,29 +54,29 @@ fn span_of(bundle: &Bundle, trial: &TrialConfig, config: &PerformConfig) -> Resu
 ///
 /// # Errors
 /// As [`super::perform`].
-pub fn instances(
+pub fn record_instances(
     bundle: &Bundle,
     trial: &TrialConfig,
     config: &PerformConfig,
     folder: &Path,
     progress: &dyn Progress,
-) -> Result<Instances, BuildError> {
-    let (span, trial) = span_of(bundle, trial, config)?;
+) -> Result<InstanceRecording, BuildError> {
+    let (span, trial) = trial_span(bundle, trial, config)?;
     let (step_hz, rate_hz) = (f64::from(trial.step_hz), config.rate_hz()?);
-    let who = chosen(config, trial.characters, "character")?;
+    let who = selected_numbers(config, trial.characters, "character")?;
     let clips = bundle.meta().clips.iter().map(|c| c.name.clone()).collect();
     let io = |source| BuildError::Io { path: folder.to_path_buf(), source };
-    let mut out = Instances::new(folder, clips, who.clone(), rate_hz).map_err(io)?;
+    let mut out = InstanceRecording::new(folder, clips, who.clone(), rate_hz).map_err(io)?;
     let (mut next, frames) = (0, span.num_frames(rate_hz));
     progress.begin("record", frames as u64, "frames");
-    let (mut cast, _) = trial::scatter(bundle, &trial).map_err(|e| refused(e, "Check the bundle"))?;
+    let (mut cast, _) = trial::scatter_characters(bundle, &trial).map_err(|e| export_error(e, "Check the bundle"))?;
     trial::play(&mut cast, &trial, |cast, step| {
-        let until_s = (step + 1) as f64 / step_hz - SAME_S;
+        let until_s = (step + 1) as f64 / step_hz - TIME_TOLERANCE_S;
         while next < frames && span.from_s + next as f64 / rate_hz < until_s {
             progress.check()?;
             for (i, &c) in who.iter().enumerate() {
                 let (segment, frames) = cast.characters().segment(c);
-                out.push(i, playing(bundle, segment, frames, cast.characters().root(c))).map_err(io)?;
+                out.push(i, playing_instance(bundle, segment, frames, cast.characters().root(c))).map_err(io)?;
             }
             next += 1;
             progress.advance(1);
@@ -85,9 +89,9 @@ pub fn instances(
 }
 
 /// Clip instance of a character that is `frames` frames into a segment, at its planar root.
-fn playing(bundle: &Bundle, segment: u32, frames: f32, root: Planar) -> Instance {
+fn playing_instance(bundle: &Bundle, segment: u32, frames: f32, root: Planar) -> CrowdInstance {
     let Some(segment) = bundle.graph().segments.get(segment as usize) else {
-        return Instance { place: [root.x, root.z, root.heading], ..Instance::default() };
+        return CrowdInstance { place: [root.x, root.z, root.heading], ..CrowdInstance::default() };
     };
     let clip = bundle.clips()[segment.clip as usize];
     let last = clip.first_frame + clip.num_frames - 1;
@@ -97,11 +101,11 @@ fn playing(bundle: &Bundle, segment: u32, frames: f32, root: Planar) -> Instance
     let [x, z, heading] = std::array::from_fn(|k| a[k] + (b[k] - a[k]) * ratio);
     let place = root.compose(Planar::new(x, z, heading).inverse());
     let time_s = (at - clip.first_frame as f32) / bundle.meta().rate_hz as f32;
-    Instance { clip: Some(segment.clip), time_s, place: [place.x, place.z, place.heading] }
+    CrowdInstance { clip: Some(segment.clip), time_s, place: [place.x, place.z, place.heading] }
 }
 
 /// Takes the clips of a bundle as they are stored.
-pub fn clips(
+pub fn perform_clips(
     bundle: &Bundle,
     config: &PerformConfig,
     folder: &Path,
@@ -109,9 +113,9 @@ pub fn clips(
 ) -> Result<Take, BuildError> {
     if config.rate_hz.is_some() || config.from_s.is_some() || config.to_s.is_some() {
         let help = "Leave out --fps, --from and --to: clips are written whole, at the rate of the bundle";
-        return Err(refused("clips have times and a rate of their own", help));
+        return Err(export_error("clips have times and a rate of their own", help));
     }
-    let who = chosen(config, bundle.clips().len(), "clip in the bundle")?;
+    let who = selected_numbers(config, bundle.clips().len(), "clip in the bundle")?;
     let names = &bundle.meta().clips;
     let actor = |&c: &usize| (c, names[c].name.clone(), bundle.skeleton().clone());
     let io = |source| BuildError::Io { path: folder.to_path_buf(), source };
@@ -121,7 +125,7 @@ pub fn clips(
         progress.check()?;
         let record = bundle.clips()[clip];
         for row in record.first_frame..record.first_frame + record.num_frames {
-            writer.push(a, Some(stored(bundle, row as usize))).map_err(io)?;
+            writer.push(a, Some(stored_pose(bundle, row as usize))).map_err(io)?;
         }
         writer.finish(a).map_err(io)?;
         progress.advance(1);
@@ -131,11 +135,11 @@ pub fn clips(
 }
 
 /// Pose of a stored frame of a bundle.
-fn stored(bundle: &Bundle, row: usize) -> Pose {
+fn stored_pose(bundle: &Bundle, row: usize) -> ActorPose {
     let (row, code) = (&bundle.frames()[row], bundle.rotation_code());
     let [x, z, heading] = row.planar;
     let root = Planar::new(x, z, heading);
     let mut rotations: [Quat; NUM_JOINTS] = std::array::from_fn(|j| code.rotation(row, j));
     rotations[0] = maths::compose(root.rotation(), rotations[0]).normalize();
-    Pose::of_rotations(bundle.skeleton(), root.translation() + Vec3::Y * row.height, rotations)
+    ActorPose::from_rotations(bundle.skeleton(), root.translation() + Vec3::Y * row.height, rotations)
 }

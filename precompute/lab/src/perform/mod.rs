@@ -1,14 +1,14 @@
 //! Runs characters and records them as a take, frame by frame.
 
 mod bundle;
-mod camera;
+mod take_recorder;
 
-use crate::run::{Recording, play};
+use crate::run::{RunRecording, play_scene};
 use crate::trial::TrialConfig;
-pub use bundle::instances;
-use camera::Camera;
+pub use bundle::record_instances;
 use std::ops::RangeInclusive;
 use std::path::Path;
+use take_recorder::TakeRecorder;
 use throng_motion::error::BuildError;
 use throng_motion::export::Take;
 use throng_motion::progress::Progress;
@@ -19,15 +19,15 @@ use throng_runtime::simulation::{CompiledScene, Simulation};
 /// Default number of steps a simulated second, as for runs (Hz).
 const RUN_HZ: f64 = 60.0;
 /// Largest difference of times that count as equal (s).
-const SAME_S: f64 = 1e-6;
+const TIME_TOLERANCE_S: f64 = 1e-6;
 
 /// Source of a take.
 #[derive(Clone, Copy, Debug)]
-pub enum Show<'a> {
+pub enum PerformSource<'a> {
     /// A scene, from its start.
     Scene(&'a CompiledScene),
     /// A recorded run, replayed.
-    Recording(&'a Recording, &'a CompiledScene),
+    Recording(&'a RunRecording, &'a CompiledScene),
     /// Characters that each chase a target of their own.
     Trial(&'a Bundle, &'a TrialConfig),
     /// The clips of a bundle, one after the other.
@@ -57,32 +57,32 @@ const FRAMES_HZ: f64 = 30.0;
 /// # Errors
 /// [`BuildError::Stage`] for characters, times or a rate that the source does not have, and the errors of running it.
 pub fn perform(
-    show: Show<'_>,
+    show: PerformSource<'_>,
     config: &PerformConfig,
     folder: &Path,
     progress: &dyn Progress,
 ) -> Result<Take, BuildError> {
     config.rate_hz()?;
     match show {
-        Show::Clips(bundle) => bundle::clips(bundle, config, folder, progress),
-        Show::Trial(bundle, trial) => bundle::of_trial(bundle, trial, config, folder, progress),
-        Show::Scene(compiled) => {
-            let span = Span::new(config, compiled.scene().seconds, None)?;
-            let mut sim = Simulation::new(compiled).map_err(|e| refused(e, "Correct the scene"))?;
-            let mut camera = Camera::of_scene(&sim, config, span, folder, progress)?;
+        PerformSource::Clips(bundle) => bundle::perform_clips(bundle, config, folder, progress),
+        PerformSource::Trial(bundle, trial) => bundle::perform_trial(bundle, trial, config, folder, progress),
+        PerformSource::Scene(compiled) => {
+            let span = TakeSpan::new(config, compiled.scene().seconds, None)?;
+            let mut sim = Simulation::new(compiled).map_err(|e| export_error(e, "Correct the scene"))?;
+            let mut camera = TakeRecorder::for_scene(&sim, config, span, folder, progress)?;
             // Prolonged to whole steps.
-            let seconds = ((span.to_s * RUN_HZ - SAME_S).ceil().max(1.0)) / RUN_HZ;
-            play(&mut sim, seconds, RUN_HZ, seconds, |sim, _| camera.see(sim, RUN_HZ))?;
+            let seconds = ((span.to_s * RUN_HZ - TIME_TOLERANCE_S).ceil().max(1.0)) / RUN_HZ;
+            play_scene(&mut sim, seconds, RUN_HZ, seconds, |sim, _| camera.observe_simulation(sim, RUN_HZ))?;
             camera.into_take(sim.time_s())
         }
-        Show::Recording(recording, compiled) => {
-            STEP_HZ.check("step_hz", None, recording.step_hz).map_err(|e| refused(e, "Record it again"))?;
-            let span = Span::new(config, recording.seconds, Some(recording.seconds))?;
-            let sim = Simulation::new(compiled).map_err(|e| refused(e, "Correct the scene"))?;
-            let mut camera = Camera::of_scene(&sim, config, span, folder, progress)?;
+        PerformSource::Recording(recording, compiled) => {
+            STEP_HZ.check("step_hz", None, recording.step_hz).map_err(|e| export_error(e, "Record it again"))?;
+            let span = TakeSpan::new(config, recording.seconds, Some(recording.seconds))?;
+            let sim = Simulation::new(compiled).map_err(|e| export_error(e, "Correct the scene"))?;
+            let mut camera = TakeRecorder::for_scene(&sim, config, span, folder, progress)?;
             let hz = recording.step_hz;
             let until_s = Some(span.to_s + 1.0 / hz);
-            let sim = recording.replay_seen(compiled, until_s, |sim, _| camera.see(sim, hz))?;
+            let sim = recording.replay_observed(compiled, until_s, |sim, _| camera.observe_simulation(sim, hz))?;
             camera.into_take(sim.time_s())
         }
     }
@@ -97,18 +97,18 @@ impl PerformConfig {
     }
 }
 
-fn refused(what: impl std::fmt::Display, help: impl Into<String>) -> BuildError {
+fn export_error(what: impl std::fmt::Display, help: impl Into<String>) -> BuildError {
     BuildError::Stage { stage: "export", message: what.to_string(), help: help.into() }
 }
 
 /// Time span to record (s).
 #[derive(Clone, Copy)]
-struct Span {
+struct TakeSpan {
     from_s: f64,
     to_s: f64,
 }
 
-impl Span {
+impl TakeSpan {
     /// The time span of a config.
     ///
     /// - `end_s`: default end (s); `most_s`: latest possible end (s).
@@ -119,24 +119,24 @@ impl Span {
         MOMENT_S.check("from", None, from_s)?;
         MOMENT_S.check("to", None, to_s)?;
         if to_s < from_s {
-            return Err(refused(format!("--from {from_s} --to {to_s}: the end is earlier than the start"), help));
+            return Err(export_error(format!("--from {from_s} --to {to_s}: the end is earlier than the start"), help));
         }
-        if to_s > most + SAME_S {
-            return Err(refused(format!("--to {to_s}: expected {most} s at most, where it ends"), help));
+        if to_s > most + TIME_TOLERANCE_S {
+            return Err(export_error(format!("--to {to_s}: expected {most} s at most, where it ends"), help));
         }
         Ok(Self { from_s, to_s })
     }
 
     fn num_frames(self, rate_hz: f64) -> usize {
-        ((self.to_s - self.from_s) * rate_hz + SAME_S * rate_hz).floor() as usize + 1
+        ((self.to_s - self.from_s) * rate_hz + TIME_TOLERANCE_S * rate_hz).floor() as usize + 1
     }
 }
 
 /// The selected numbers, out of `total`; `what` names one of them in messages.
-fn chosen(config: &PerformConfig, total: usize, what: &str) -> Result<Vec<usize>, BuildError> {
+fn selected_numbers(config: &PerformConfig, total: usize, what: &str) -> Result<Vec<usize>, BuildError> {
     let help = format!("Give --characters as 0..{}, or as a list such as 0,4,7..9", total.saturating_sub(1));
     if total == 0 {
-        return Err(refused(format!("there is no {what}"), "Name something else to export"));
+        return Err(export_error(format!("there is no {what}"), "Name something else to export"));
     }
     if config.characters.is_empty() {
         return Ok((0..total).collect());
@@ -145,7 +145,7 @@ fn chosen(config: &PerformConfig, total: usize, what: &str) -> Result<Vec<usize>
     for range in &config.characters {
         if range.is_empty() || *range.end() >= total {
             let (a, b) = (range.start(), range.end());
-            return Err(refused(format!("--characters {a}..{b}: there are {total}, counted from 0"), help));
+            return Err(export_error(format!("--characters {a}..{b}: there are {total}, counted from 0"), help));
         }
         is_chosen[range.clone()].fill(true);
     }
@@ -160,9 +160,9 @@ mod tests {
     fn ranges_that_overlap_take_no_more_room_than_all() {
         let config = |characters| PerformConfig { characters, ..PerformConfig::default() };
         let some = config(vec![7..=9, 0..=0, 8..=8]);
-        assert_eq!(chosen(&some, 10, "character").unwrap(), [0, 7, 8, 9]);
+        assert_eq!(selected_numbers(&some, 10, "character").unwrap(), [0, 7, 8, 9]);
         let all = config(vec![0..=999_999; 1000]);
-        assert_eq!(chosen(&all, 1_000_000, "character").unwrap().len(), 1_000_000);
-        assert!(chosen(&config(vec![3..=10]), 10, "character").is_err());
+        assert_eq!(selected_numbers(&all, 1_000_000, "character").unwrap().len(), 1_000_000);
+        assert!(selected_numbers(&config(vec![3..=10]), 10, "character").is_err());
     }
 }

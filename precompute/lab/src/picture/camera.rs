@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 /// A camera with parallel projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Camera {
+pub struct PictureCamera {
     /// World direction to the right of the screen. Unit.
     pub right: Vec3,
     /// World direction upwards on the screen. Unit.
@@ -19,12 +19,12 @@ pub struct Camera {
     pub px_per_m: f32,
 }
 
-impl Camera {
+impl PictureCamera {
     /// A camera that looks along `heading` (0 is +Z, +90 degrees is +X), tilted down by `elevation`
     /// (0 is level, 90 degrees is straight down) (rad).
     ///
     /// It looks at the world's origin, seen at the picture's origin, with one pixel a metre.
-    pub fn looking(heading: f32, elevation: f32) -> Self {
+    pub fn looking_along(heading: f32, elevation: f32) -> Self {
         let (sh, ch) = heading.sin_cos();
         let (se, ce) = elevation.sin_cos();
         let level = Vec3::new(sh, 0.0, ch);
@@ -56,7 +56,7 @@ impl Camera {
     }
 
     /// The ground point that is seen at `screen`; `None` for a level camera (m).
-    pub fn ground(&self, screen: Vec2) -> Option<Vec3> {
+    pub fn ground_point(&self, screen: Vec2) -> Option<Vec3> {
         let p = self.unproject(screen);
         (self.forward.y.abs() > 1e-4).then(|| p - self.forward * (p.y / self.forward.y))
     }
@@ -74,7 +74,7 @@ mod tests {
     #[test]
     fn axes_are_orthonormal_and_up_is_up() {
         for (h, e) in [(0.0, 0.0), (1.0, 0.6), (-2.5, 1.2)] {
-            let c = Camera::looking(h, e);
+            let c = PictureCamera::looking_along(h, e);
             for (a, b) in [(c.right, c.up), (c.up, c.forward), (c.forward, c.right)] {
                 assert!(a.dot(b).abs() < 1e-6 && (a.length() - 1.0).abs() < 1e-6);
             }
@@ -84,16 +84,16 @@ mod tests {
 
     #[test]
     fn looking_at_a_character_from_the_front_shows_its_left_side_on_the_right() {
-        let c = Camera::looking(std::f32::consts::PI, 0.0);
+        let c = PictureCamera::looking_along(std::f32::consts::PI, 0.0);
         assert!(c.project(Vec3::X).x > 0.99);
         assert!(c.depth(Vec3::Z) < c.depth(Vec3::ZERO));
     }
 
     #[test]
     fn ground_is_the_inverse_of_projection() {
-        let c = Camera::looking(0.4, 0.7).framed(Vec3::new(1.0, 2.0, 3.0), Vec2::new(100.0, 50.0), 20.0);
+        let c = PictureCamera::looking_along(0.4, 0.7).framed(Vec3::new(1.0, 2.0, 3.0), Vec2::new(100.0, 50.0), 20.0);
         let p = Vec3::new(4.0, 0.0, -1.0);
-        assert!(c.ground(c.project(p)).is_some_and(|q| (q - p).length() < 1e-4));
-        assert!(Camera::looking(0.0, 0.0).ground(Vec2::ZERO).is_none());
+        assert!(c.ground_point(c.project(p)).is_some_and(|q| (q - p).length() < 1e-4));
+        assert!(PictureCamera::looking_along(0.0, 0.0).ground_point(Vec2::ZERO).is_none());
     }
 }

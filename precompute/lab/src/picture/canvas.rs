@@ -85,7 +85,7 @@ impl Picture {
 
     /// Fills a rectangle with rounded corners.
     pub(super) fn fill_rect(&mut self, area: Area, radius: f32, colour: Colour) {
-        if let Some(path) = rounded(area, radius) {
+        if let Some(path) = rounded_path(area, radius) {
             self.fill(&path, colour);
         }
     }
@@ -186,7 +186,7 @@ fn polyline_path(points: &[Vec2], close: bool) -> Option<tiny_skia::Path> {
 }
 
 /// Path of a rounded rectangle. Quarter circles are quadratic curves: at the few pixels of a corner, the difference is invisible.
-fn rounded(area: Area, radius: f32) -> Option<tiny_skia::Path> {
+fn rounded_path(area: Area, radius: f32) -> Option<tiny_skia::Path> {
     let (a, b) = (area.min, area.max());
     let r = radius.min(0.5 * area.size.min_element()).max(0.0);
     let mut p = PathBuilder::new();

@@ -1,10 +1,10 @@
 //! A crowd from above: positions, trails and targets of characters.
 
-use super::camera::Camera;
+use super::camera::PictureCamera;
 use super::canvas::{Area, Picture};
 use super::colour::{self, Colour};
-use super::discs::SOLID;
-use super::figure::{BodyColours, Figure};
+use super::discs::OBSTACLE_COLOUR;
+use super::figure::{BodyColours, BodyFigure};
 use super::furniture::{grid, legend, nice_step, page_with_panel, scale_bar};
 use super::shadow::Shadows;
 use super::sprite;
@@ -12,11 +12,11 @@ use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI};
 use throng_runtime::Planar;
-use throng_runtime::reserve::Rod;
+use throng_runtime::reserve::Capsule2d;
 
 /// Whether a character has reached its target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Arrival {
+pub enum ArrivalState {
     /// Still walking, or has no target.
     OnTheWay,
     /// Still walking, in the opposite direction.
@@ -31,13 +31,13 @@ pub struct CrowdCharacter<'a> {
     /// Position and heading on the ground.
     pub root: Planar,
     /// Its body; without one, only a mark with the heading is drawn.
-    pub figure: Option<Figure>,
+    pub figure: Option<BodyFigure>,
     /// Past positions of the root, oldest first, as (x, z) (m).
     pub trail: &'a [Vec2],
     /// Target, as (x, z) (m).
     pub target: Option<Vec2>,
     /// Arrival, which decides the colour.
-    pub arrival: Arrival,
+    pub arrival: ArrivalState,
 }
 
 /// Input of [`crowd_overview`].
@@ -52,10 +52,10 @@ pub struct CrowdView<'a> {
     /// All characters.
     pub characters: &'a [CrowdCharacter<'a>],
     /// Walls.
-    pub walls: &'a [Rod],
+    pub walls: &'a [Capsule2d],
     /// Radius around a target within which it is reached; drawn as a ring (m).
     pub reach_m: f32,
-    /// Names of the colours: [`Arrival::Reached`], [`Arrival::OnTheWay`], [`Arrival::OnTheWayBack`]. The legend leaves empty
+    /// Names of the colours: [`ArrivalState::Reached`], [`ArrivalState::OnTheWay`], [`ArrivalState::OnTheWayBack`]. The legend leaves empty
     /// ones out.
     pub names: [&'a str; 3],
     /// Remark below the legend.
@@ -85,8 +85,8 @@ pub fn crowd_overview(view: &CrowdView<'_>) -> Picture {
     let present: Vec<&CrowdCharacter<'_>> = view.characters.iter().filter(|c| is_finite(c.root)).collect();
     let extent = Vec2::new(panel.width() as f32, panel.height() as f32);
     let camera = match view.focus.filter(|f| f.centre.is_finite()) {
-        Some(focus) => look_at(focus, extent),
-        None => fit(&present, extent, unit),
+        Some(focus) => focus_camera(focus, extent),
+        None => fit_camera(&present, extent, unit),
     };
     draw_ground(&mut panel, &camera, unit, &present, view);
     draw_characters(&mut panel, &camera, unit, &present);
@@ -104,20 +104,20 @@ fn is_finite(p: Planar) -> bool {
 }
 
 /// World point of (x, z) on the ground.
-fn on_ground(p: Vec2) -> Vec3 {
+fn ground_point(p: Vec2) -> Vec3 {
     Vec3::new(p.x, 0.0, p.y)
 }
 
-fn colour_of(arrival: Arrival) -> Colour {
+fn colour_of(arrival: ArrivalState) -> Colour {
     match arrival {
-        Arrival::OnTheWay => colour::ON_THE_WAY,
-        Arrival::OnTheWayBack => colour::RIGHT,
-        Arrival::Reached => colour::REACHED,
+        ArrivalState::OnTheWay => colour::ON_THE_WAY,
+        ArrivalState::OnTheWayBack => colour::RIGHT,
+        ArrivalState::Reached => colour::REACHED,
     }
 }
 
 /// Camera that shows everything, tilted so that the crowd fills the panel as well as possible.
-fn fit(characters: &[&CrowdCharacter<'_>], size: Vec2, unit: f32) -> Camera {
+fn fit_camera(characters: &[&CrowdCharacter<'_>], size: Vec2, unit: f32) -> PictureCamera {
     let (mut min, mut max) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
     for c in characters {
         for p in c.trail.iter().copied().chain(c.target).chain([Vec2::new(c.root.x, c.root.z)]) {
@@ -132,25 +132,25 @@ fn fit(characters: &[&CrowdCharacter<'_>], size: Vec2, unit: f32) -> Camera {
     let margin = 0.8;
     let extent = (max - min + 2.0 * margin).max(Vec2::splat(4.0));
     let tilt = (size.y / size.x * extent.x / extent.y).clamp(0.6, 0.92).asin();
-    let camera = Camera::looking(PI, tilt);
+    let camera = PictureCamera::looking_along(PI, tilt);
     let body = 1.8 * tilt.cos();
     let room = size - Vec2::splat(8.0 * unit);
     let px_per_m = (room.x / extent.x).min(room.y / (extent.y * tilt.sin() + body)).clamp(0.01, 150.0 * unit);
     let centre = 0.5 * size + Vec2::new(0.0, 0.5 * body * px_per_m);
-    camera.framed(on_ground(0.5 * (min + max)), centre, px_per_m)
+    camera.framed(ground_point(0.5 * (min + max)), centre, px_per_m)
 }
 
 /// Camera that shows a part of the ground.
-fn look_at(focus: Focus, size: Vec2) -> Camera {
+fn focus_camera(focus: Focus, size: Vec2) -> PictureCamera {
     let px_per_m = size.x / focus.width_m.clamp(1.0, 10_000.0);
     let centre = 0.5 * size + Vec2::new(0.0, 0.6 * px_per_m);
-    Camera::looking(PI, 0.62).framed(on_ground(focus.centre), centre, px_per_m)
+    PictureCamera::looking_along(PI, 0.62).framed(ground_point(focus.centre), centre, px_per_m)
 }
 
 /// Draws grid, walls, trails, targets and the lines to them.
 fn draw_ground(
     panel: &mut Picture,
-    camera: &Camera,
+    camera: &PictureCamera,
     unit: f32,
     characters: &[&CrowdCharacter<'_>],
     view: &CrowdView<'_>,
@@ -163,8 +163,8 @@ fn draw_ground(
     let ring = camera.ground_disc(view.reach_m.clamp(0.0, 100.0));
     for c in characters {
         let Some(target) = c.target.filter(|t| t.is_finite()) else { continue };
-        let (at, tint) = (camera.project(on_ground(target)), colour_of(c.arrival));
-        let waits = c.arrival != Arrival::Reached;
+        let (at, tint) = (camera.project(ground_point(target)), colour_of(c.arrival));
+        let waits = c.arrival != ArrivalState::Reached;
         panel.stroke_oval(at, ring, 1.2 * unit, tint.alpha(if waits { 0.7 } else { 0.3 }));
         if !waits {
             continue;
@@ -177,7 +177,7 @@ fn draw_ground(
 }
 
 /// Draws the ground that a wall covers, at least two pixels wide.
-fn draw_wall(panel: &mut Picture, camera: &Camera, unit: f32, wall: &Rod) {
+fn draw_wall(panel: &mut Picture, camera: &PictureCamera, unit: f32, wall: &Capsule2d) {
     const ARC: u8 = 16;
     let radius_m = wall.radius_m.max(unit / camera.px_per_m);
     let ahead = (wall.to - wall.from).to_angle();
@@ -185,14 +185,14 @@ fn draw_wall(panel: &mut Picture, camera: &Camera, unit: f32, wall: &Rod) {
         (0..=ARC).map(move |i| end + radius_m * Vec2::from_angle(from + PI * f32::from(i) / f32::from(ARC)))
     };
     let outline = half(wall.to, ahead - FRAC_PI_2).chain(half(wall.from, ahead + FRAC_PI_2));
-    panel.fill_polygon(&outline.map(|p| camera.project(on_ground(p))).collect::<Vec<_>>(), SOLID);
+    panel.fill_polygon(&outline.map(|p| camera.project(ground_point(p))).collect::<Vec<_>>(), OBSTACLE_COLOUR);
 }
 
 /// Draws a trail that fades with age, in four steps.
-fn draw_trail(panel: &mut Picture, camera: &Camera, unit: f32, trail: &[Vec2], tint: Colour) {
+fn draw_trail(panel: &mut Picture, camera: &PictureCamera, unit: f32, trail: &[Vec2], tint: Colour) {
     let mut points: Vec<Vec2> = Vec::with_capacity(trail.len());
     for p in trail.iter().filter(|p| p.is_finite()) {
-        let p = camera.project(on_ground(*p));
+        let p = camera.project(ground_point(*p));
         if points.last().is_none_or(|q| q.distance(p) > 2.0 * unit) {
             points.push(p);
         }
@@ -205,7 +205,7 @@ fn draw_trail(panel: &mut Picture, camera: &Camera, unit: f32, trail: &[Vec2], t
 }
 
 /// Draws marks, shadows and bodies, far ones first.
-fn draw_characters(panel: &mut Picture, camera: &Camera, unit: f32, characters: &[&CrowdCharacter<'_>]) {
+fn draw_characters(panel: &mut Picture, camera: &PictureCamera, unit: f32, characters: &[&CrowdCharacter<'_>]) {
     let mut order: Vec<&CrowdCharacter<'_>> = characters.to_vec();
     order.sort_by(|a, b| camera.depth(b.root.translation()).total_cmp(&camera.depth(a.root.translation())));
     let body_px = 1.75 * camera.px_per_m;
@@ -234,14 +234,14 @@ fn draw_characters(panel: &mut Picture, camera: &Camera, unit: f32, characters: 
 }
 
 /// Draws a heading as an arrowhead on the ground.
-fn draw_heading(panel: &mut Picture, camera: &Camera, root: Planar, tint: Colour, opacity: f32) {
-    let at = |x: f32, z: f32| camera.project(on_ground(root.transform_point(Vec2::new(x, z))));
+fn draw_heading(panel: &mut Picture, camera: &PictureCamera, root: Planar, tint: Colour, opacity: f32) {
+    let at = |x: f32, z: f32| camera.project(ground_point(root.transform_point(Vec2::new(x, z))));
     let arrow = [at(0.0, 0.62), at(0.2, 0.3), at(0.0, 0.38), at(-0.2, 0.3)];
     panel.fill_polygon(&arrow, tint.alpha(opacity));
 }
 
 /// Draws a ring around one character, and its name above.
-fn draw_mark(panel: &mut Picture, camera: &Camera, unit: f32, character: &CrowdCharacter<'_>, name: &str) {
+fn draw_mark(panel: &mut Picture, camera: &PictureCamera, unit: f32, character: &CrowdCharacter<'_>, name: &str) {
     if !is_finite(character.root) {
         return;
     }
@@ -249,12 +249,12 @@ fn draw_mark(panel: &mut Picture, camera: &Camera, unit: f32, character: &CrowdC
     let radii = camera.ground_disc(0.7).max(Vec2::splat(7.0 * unit));
     panel.stroke_oval(camera.project(foot), radii, 2.4 * unit, colour::MARK);
     let head = camera.project(foot + Vec3::Y * 2.0) - Vec2::new(0.0, 4.0 * unit);
-    super::furniture::Tags::default().put(panel, head, unit, name, colour::MARK);
+    super::furniture::NamePlates::default().draw_plate(panel, head, unit, name, colour::MARK);
 }
 
 fn draw_legend(page: &mut Picture, unit: f32, view: &CrowdView<'_>) {
-    let kinds = [Arrival::Reached, Arrival::OnTheWay, Arrival::OnTheWayBack];
-    let entry = |(kind, name): (Arrival, &str)| {
+    let kinds = [ArrivalState::Reached, ArrivalState::OnTheWay, ArrivalState::OnTheWayBack];
+    let entry = |(kind, name): (ArrivalState, &str)| {
         let count = view.characters.iter().filter(|c| c.arrival == kind).count();
         (colour_of(kind), format!("{name}: {count}"))
     };
@@ -271,8 +271,8 @@ mod tests {
 
     fn standing(root: Planar) -> CrowdCharacter<'static> {
         let joints = Skeleton::default().rest_positions().map(|p| root.rotation() * p + root.translation());
-        let figure = Some(Figure::from_positions(&joints));
-        CrowdCharacter { root, figure, trail: &[], target: None, arrival: Arrival::Reached }
+        let figure = Some(BodyFigure::from_positions(&joints));
+        CrowdCharacter { root, figure, trail: &[], target: None, arrival: ArrivalState::Reached }
     }
 
     fn view<'a>(characters: &'a [CrowdCharacter<'a>]) -> CrowdView<'a> {
@@ -295,7 +295,7 @@ mod tests {
         let at = |x: f32, z: f32| standing(Planar::new(x, z, 0.3));
         let characters = [at(-30.0, 4.0), at(12.0, -9.0), at(3.0, 25.0)];
         let size = Vec2::new(800.0, 500.0);
-        let camera = fit(&characters.iter().collect::<Vec<_>>(), size, 0.5);
+        let camera = fit_camera(&characters.iter().collect::<Vec<_>>(), size, 0.5);
         for p in characters.iter().flat_map(|c| c.figure.iter().flat_map(|f| f.joints)) {
             let s = camera.project(p);
             assert!(s.cmpge(Vec2::ZERO).all() && s.cmple(size).all(), "{p} is seen at {s}");
@@ -317,7 +317,7 @@ mod tests {
     fn colour_tells_which_characters_have_arrived() {
         let mut one = [standing(Planar::IDENTITY)];
         let reached = crowd_overview(&view(&one));
-        one[0].arrival = Arrival::OnTheWay;
+        one[0].arrival = ArrivalState::OnTheWay;
         assert_ne!(crowd_overview(&view(&one)), reached);
     }
 
@@ -325,9 +325,9 @@ mod tests {
     fn what_stands_in_the_way_is_drawn_on_the_ground() {
         let (post, fence) = (Vec2::new(2.0, 1.0), Vec2::new(-2.0, 1.0));
         let walls = [
-            Rod { from: post, to: post, radius_m: 0.5 },
-            Rod { from: fence, to: fence - Vec2::Y, radius_m: 0.1 },
-            Rod { from: Vec2::NAN, to: Vec2::INFINITY, radius_m: 1.0 },
+            Capsule2d { from: post, to: post, radius_m: 0.5 },
+            Capsule2d { from: fence, to: fence - Vec2::Y, radius_m: 0.1 },
+            Capsule2d { from: Vec2::NAN, to: Vec2::INFINITY, radius_m: 1.0 },
         ];
         let one = [standing(Planar::IDENTITY)];
         let focus = Focus { centre: Vec2::ZERO, width_m: 8.0 };
@@ -340,7 +340,7 @@ mod tests {
         });
         let solid = |picture: &Picture, at: Vec2| {
             let panel = Vec2::new(1568.0, 900.0);
-            let screen = look_at(focus, panel).project(on_ground(at)) + Vec2::new(16.0, 84.0);
+            let screen = focus_camera(focus, panel).project(ground_point(at)) + Vec2::new(16.0, 84.0);
             picture.pixel(screen.x as u32, screen.y as u32) == Some([0x8a, 0x85, 0x78, 0xff])
         };
         assert!(solid(&seen, post) && solid(&seen, post + 0.4 * Vec2::X) && solid(&seen, fence - 0.5 * Vec2::Y));

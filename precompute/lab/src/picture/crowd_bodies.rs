@@ -2,20 +2,20 @@
 
 use super::canvas::Picture;
 use super::colour::Colour;
-use super::discs::{SOLID, WIDTH, group_colour};
-use super::figure::{BodyColours, Figure};
-use super::world::{WorldFigure, WorldLook, WorldView, world_sheet};
-use crate::run::{AgentsRecord, Pose};
+use super::discs::{OBSTACLE_COLOUR, WIDTH, group_colour};
+use super::figure::{BodyColours, BodyFigure};
+use super::world::{WorldCamera, WorldFigure, WorldSheet, world_sheet};
+use crate::run::{AgentsRecord, JointPositions};
 use glam::{Quat, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
-use throng_bake::environment::{Solid, Triangles};
+use throng_bake::environment::{Triangles, UnitSolid};
 use throng_runtime::Joint;
 use throng_runtime::crowd::Obstacle;
 
 /// Width of the picture of bodies (m).
-const BODIES_M: f32 = 24.0;
+const PICTURE_WIDTH_M: f32 = 24.0;
 /// Colour of things that lie or are carried.
-const THING: Colour = Colour::hex(0xd62728);
+const THING_COLOUR: Colour = Colour::hex(0xd62728);
 
 /// Draws the bodies of a crowd at the end of its run.
 ///
@@ -23,20 +23,24 @@ const THING: Colour = Colour::hex(0xd62728);
 /// - `heights`: heights of the obstacles, in the order of the record (m).
 pub(super) fn bodies_sheet(
     record: &AgentsRecord,
-    poses: &[Option<Pose>],
+    poses: &[Option<JointPositions>],
     heights: impl Iterator<Item = f32>,
-    things: &[SeenThing],
+    things: &[PictureThing],
 ) -> Picture {
-    let one = |(m, p): (usize, &Option<Pose>)| {
+    let one = |(m, p): (usize, &Option<JointPositions>)| {
         let tint = group_colour(record.groups.get(m).copied().unwrap_or(0));
-        Some(WorldFigure { figure: Figure::from_positions(p.as_ref()?), colours: BodyColours::plain(tint) })
+        Some(WorldFigure { figure: BodyFigure::from_positions(p.as_ref()?), colours: BodyColours::plain(tint) })
     };
     let figures: Vec<WorldFigure> = poses.iter().enumerate().filter_map(one).collect();
-    let standing = record.obstacles.iter().zip(heights).filter_map(|(o, height)| Some((standing(o, height)?, SOLID)));
-    let solids: Vec<(Solid, Colour)> = standing.chain(things.iter().map(|t| (t.solid(), THING))).collect();
+    let standing = record
+        .obstacles
+        .iter()
+        .zip(heights)
+        .filter_map(|(o, height)| Some((obstacle_solid(o, height)?, OBSTACLE_COLOUR)));
+    let solids: Vec<(UnitSolid, Colour)> = standing.chain(things.iter().map(|t| (t.solid(), THING_COLOUR))).collect();
     let places: Vec<Vec3> = figures.iter().map(|f| f.figure.joint(Joint::Hips)).collect();
-    let focus = most_crowded(&places).map(|at| (at, BODIES_M));
-    world_sheet(&WorldView {
+    let focus = densest_place(&places).map(|at| (at, PICTURE_WIDTH_M));
+    world_sheet(&WorldSheet {
         title: "Bodies",
         subtitle: "blended from example motions, where the agents are at the end",
         size: (WIDTH as u32, 900),
@@ -45,13 +49,13 @@ pub(super) fn bodies_sheet(
         solids: &solids,
         trails: &[],
         names: &[],
-        look: WorldLook { heading: 0.8 * PI, elevation: 0.6, focus },
+        camera: WorldCamera { heading: 0.8 * PI, elevation: 0.6, focus },
     })
 }
 
 /// Mean position of the densest neighbourhood; in large crowds, only some agents are candidates for its centre.
-fn most_crowded(places: &[Vec3]) -> Option<Vec3> {
-    const NEAR_M: f32 = 0.4 * BODIES_M;
+fn densest_place(places: &[Vec3]) -> Option<Vec3> {
+    const NEAR_M: f32 = 0.4 * PICTURE_WIDTH_M;
     const LOOKED_AT: usize = 200;
     let near = |at: Vec3| places.iter().filter(move |p| p.distance_squared(at) < NEAR_M * NEAR_M);
     let some = places.iter().step_by(places.len().div_ceil(LOOKED_AT).max(1));
@@ -61,31 +65,35 @@ fn most_crowded(places: &[Vec3]) -> Option<Vec3> {
 
 /// A thing that lies or is carried.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct SeenThing {
+pub(super) struct PictureThing {
     /// Centre (m), rotation, and edge lengths (m).
     pub at: Vec3,
     pub turn: Quat,
     pub size: Vec3,
 }
 
-impl SeenThing {
-    fn solid(&self) -> Solid {
-        Solid::Box { centre: self.at, rotation: self.turn, half: 0.5 * self.size }
+impl PictureThing {
+    fn solid(&self) -> UnitSolid {
+        UnitSolid::Box { centre: self.at, rotation: self.turn, half: 0.5 * self.size }
     }
 }
 
 /// Solid of a static obstacle on the ground, with a height (m).
-fn standing(obstacle: &Obstacle, height: f32) -> Option<Solid> {
+fn obstacle_solid(obstacle: &Obstacle, height: f32) -> Option<UnitSolid> {
     let up = 0.5 * height * Vec3::Y;
     Some(match obstacle {
         Obstacle::Wall { from, to, radius } => {
             let way = *to - *from;
             let half = Vec3::new(*radius, 0.5 * height, 0.5 * way.length() + radius);
-            Solid::Box { centre: 0.5 * (*from + *to) + up, rotation: Quat::from_rotation_y(way.x.atan2(way.z)), half }
+            UnitSolid::Box {
+                centre: 0.5 * (*from + *to) + up,
+                rotation: Quat::from_rotation_y(way.x.atan2(way.z)),
+                half,
+            }
         }
         Obstacle::Box { min: low, max: high } => {
             let half = (0.5 * (*high - *low)).with_y(0.5 * height);
-            Solid::Box { centre: 0.5 * (*low + *high) + up, rotation: Quat::IDENTITY, half }
+            UnitSolid::Box { centre: 0.5 * (*low + *high) + up, rotation: Quat::IDENTITY, half }
         }
         Obstacle::Polygon { corners } => prism(corners, height)?,
         Obstacle::Ball { centre, radius } => prism(&circle(*centre, *radius), height)?,
@@ -95,12 +103,12 @@ fn standing(obstacle: &Obstacle, height: f32) -> Option<Solid> {
 }
 
 /// Prism over a convex polygon.
-fn prism(corners: &[Vec3], height: f32) -> Option<Solid> {
+fn prism(corners: &[Vec3], height: f32) -> Option<UnitSolid> {
     let (&first, up) = (corners.first()?, height * Vec3::Y);
     let next = corners.iter().skip(1).chain([&first]);
     let sides = corners.iter().zip(next).flat_map(|(&a, &b)| [[a, b, b + up], [a, b + up, a + up]]);
     let top = corners.windows(2).map(|w| [first + up, w[0] + up, w[1] + up]);
-    Some(Solid::Mesh(Triangles::new(sides.chain(top).collect())))
+    Some(UnitSolid::Mesh(Triangles::new(sides.chain(top).collect())))
 }
 
 /// Points of a circle on the ground.
@@ -124,10 +132,10 @@ mod tests {
             ..AgentsRecord::default()
         };
         let pose = Skeleton::default().rest_positions();
-        let draw = |poses: &[Option<Pose>], height: f32, things: &[SeenThing]| {
+        let draw = |poses: &[Option<JointPositions>], height: f32, things: &[PictureThing]| {
             bodies_sheet(&record, poses, [height].into_iter(), things)
         };
-        let cup = SeenThing { at: Vec3::new(-1.0, 0.5, 0.0), turn: Quat::IDENTITY, size: Vec3::splat(0.3) };
+        let cup = PictureThing { at: Vec3::new(-1.0, 0.5, 0.0), turn: Quat::IDENTITY, size: Vec3::splat(0.3) };
         let one = draw(&[Some(pose), None], 0.5, &[]);
         assert_ne!(one, draw(&[None, None], 0.5, &[]));
         assert_eq!(one, draw(&[Some(pose), None], 0.5, &[]));

@@ -1,10 +1,13 @@
 //! The picture of a crowd of discs or balls: from above at a few times, in the air also from the side.
 
-use super::camera::Camera;
+use super::camera::PictureCamera;
 use super::canvas::{Area, Picture};
 use super::colour::{self, Colour};
-use super::furniture::{Tags, grid, header, legend, nice_step, scale_bar};
-use crate::run::{AgentFigures, AgentsRecord, CrowdMoment, Figures, SeenAgent, SeenPlace, TRAIL_S, on_its_way};
+use super::furniture::{NamePlates, grid, header, legend, nice_step, scale_bar};
+use crate::run::{
+    AgentFigures, AgentsRecord, CrowdMoment, RecordedAgent, RecordedPlace, SceneFigures, TRAIL_S,
+    position_on_timed_path,
+};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
 use throng_runtime::crowd::Obstacle;
@@ -12,9 +15,9 @@ use throng_runtime::crowd::Obstacle;
 /// Colours of groups, in their order.
 const GROUPS: [u32; 6] = [0xe8743b, 0x2f63a8, 0x1f9e89, 0x7a2bbf, 0xc0b027, 0xb0446a];
 /// Colour of agents that know of a happening, and of doors.
-const KNOWS: Colour = Colour::hex(0xd62728);
+const INFORMED_COLOUR: Colour = Colour::hex(0xd62728);
 /// Colour of obstacles.
-pub(super) const SOLID: Colour = Colour::hex(0x8a8578);
+pub(super) const OBSTACLE_COLOUR: Colour = Colour::hex(0x8a8578);
 /// Width of the page (px).
 pub(super) const WIDTH: f32 = 1600.0;
 /// Margin around panels (px).
@@ -22,22 +25,23 @@ const EDGE: f32 = 16.0;
 /// Height of the title (px).
 const TOP: f32 = 84.0;
 /// Greatest height of a panel (px).
-const HIGHEST: f32 = 900.0;
+const MAX_PANEL_HEIGHT: f32 = 900.0;
 /// Number of points of the trail behind an agent: 2.4 s.
-const TRAIL: usize = 7;
+const TRAIL_POINTS: usize = 7;
 /// Greatest number of agents whose paths are drawn.
-const WAYS: usize = 60;
+const MAX_PATHS: usize = 60;
 
 /// Draws a crowd at a few times.
-pub(super) fn crowd_sheet(scene: &str, figures: &Figures, record: &AgentsRecord) -> Picture {
+pub(super) fn crowd_sheet(scene: &str, figures: &SceneFigures, record: &AgentsRecord) -> Picture {
     let (low, high) = extent(record);
-    let views: &[View] = if record.in_the_air { &[View::Above, View::Side] } else { &[View::Above] };
-    let sizes: Vec<Vec2> = views.iter().map(|v| v.flat(high - low)).collect();
+    let views: &[ViewDirection] =
+        if record.in_the_air { &[ViewDirection::Above, ViewDirection::Side] } else { &[ViewDirection::Above] };
+    let sizes: Vec<Vec2> = views.iter().map(|v| v.projected_size(high - low)).collect();
     // Views of wide crowds are placed below each other, others side by side.
     let columns = if sizes[0].x > 2.5 * sizes[0].y { 1 } else { 2 };
     let width = (WIDTH - EDGE * (columns as f32 + 1.0)) / columns as f32;
     let tallest = sizes.iter().map(|s| s.y / s.x).fold(0.0, f32::max);
-    let px_per_m = (width / sizes[0].x).min(HIGHEST / (tallest * sizes[0].x));
+    let px_per_m = (width / sizes[0].x).min(MAX_PANEL_HEIGHT / (tallest * sizes[0].x));
     let heights: Vec<f32> = sizes.iter().map(|s| (s.y * px_per_m).max(60.0)).collect();
     let rows = record.moments.len().max(1).div_ceil(columns);
     let row = heights.iter().map(|h| h + EDGE).sum::<f32>();
@@ -64,28 +68,28 @@ pub(super) fn crowd_sheet(scene: &str, figures: &Figures, record: &AgentsRecord)
 
 /// Direction from which a crowd is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum View {
+enum ViewDirection {
     Above,
     Side,
 }
 
-impl View {
+impl ViewDirection {
     /// Camera of the view: +X to the right; from above +Z downwards, from the side height upwards.
-    fn camera(self) -> Camera {
-        Camera::looking(PI, if self == Self::Above { FRAC_PI_2 } else { 0.0 })
+    fn camera(self) -> PictureCamera {
+        PictureCamera::looking_along(PI, if self == Self::Above { FRAC_PI_2 } else { 0.0 })
     }
 
     /// Width and height of a box in this view.
-    fn flat(self, size: Vec3) -> Vec2 {
+    fn projected_size(self, size: Vec3) -> Vec2 {
         Vec2::new(size.x, if self == Self::Above { size.z } else { size.y })
     }
 }
 
-fn title(scene: &str, f: &Figures) -> String {
+fn title(scene: &str, f: &SceneFigures) -> String {
     format!("{scene}: {} agents, engine {}", f.agents.unwrap_or(0), f.engine.as_deref().unwrap_or_default())
 }
 
-fn subtitle(figures: &Figures, r: &AgentFigures) -> String {
+fn subtitle(figures: &SceneFigures, r: &AgentFigures) -> String {
     let mut text = format!(
         "{:.2} m/s towards the goal of {:.2} wanted; {} there, {} stuck; deepest overlap {:.1} mm; {:.1} events an agent and second",
         r.progress_mps,
@@ -125,33 +129,33 @@ fn extent(record: &AgentsRecord) -> (Vec3, Vec3) {
     (low - room, high + room)
 }
 
-fn draw(panel: &mut Picture, camera: &Camera, record: &AgentsRecord, moment: &CrowdMoment, view: View) {
+fn draw(panel: &mut Picture, camera: &PictureCamera, record: &AgentsRecord, moment: &CrowdMoment, view: ViewDirection) {
     let width = panel.width() as f32;
-    if view == View::Above {
+    if view == ViewDirection::Above {
         grid(panel, camera, nice_step(width / camera.px_per_m / 16.0), 1.0);
     }
-    draw_ways(panel, camera, record);
+    draw_paths(panel, camera, record);
     record.obstacles.iter().for_each(|o| draw_obstacle(panel, camera, o, (moment.time_s, record.in_the_air)));
     for (door, is_open) in record.doors.iter().zip(&moment.is_open) {
         draw_door(panel, camera, door, *is_open);
     }
-    let mut tags = Tags::default();
+    let mut tags = NamePlates::default();
     record.places.iter().for_each(|p| draw_place(panel, camera, p, &mut tags));
     draw_trails(panel, camera, record, moment);
-    let mut order: Vec<(usize, &SeenAgent)> =
+    let mut order: Vec<(usize, &RecordedAgent)> =
         moment.agents.iter().enumerate().filter_map(|(m, s)| Some((m, s.as_ref()?))).collect();
     order.sort_by(|a, b| camera.depth(b.1.at).total_cmp(&camera.depth(a.1.at)).then(a.0.cmp(&b.0)));
     order.iter().for_each(|(m, s)| draw_agent(panel, camera, s, record.radii[*m], record.groups[*m]));
     scale_bar(panel, camera, 1.0);
     let what = if record.in_the_air { [" from above", " from the side"][view as usize] } else { "" };
-    tags.put(panel, Vec2::new(0.5 * width, 26.0), 1.0, &format!("{:.1} s{what}", moment.time_s), colour::INK);
+    tags.draw_plate(panel, Vec2::new(0.5 * width, 26.0), 1.0, &format!("{:.1} s{what}", moment.time_s), colour::INK);
 }
 
-fn draw_agent(panel: &mut Picture, camera: &Camera, s: &SeenAgent, radius: f32, group: usize) {
+fn draw_agent(panel: &mut Picture, camera: &PictureCamera, s: &RecordedAgent, radius: f32, group: usize) {
     let (at, px) = (camera.project(s.at), (radius * camera.px_per_m).max(1.2));
     panel.fill_disc(at, px, group_colour(group));
-    if s.knows {
-        panel.stroke_oval(at, Vec2::splat(px), (0.3 * px).clamp(1.2, 4.0), KNOWS);
+    if s.is_informed {
+        panel.stroke_oval(at, Vec2::splat(px), (0.3 * px).clamp(1.2, 4.0), INFORMED_COLOUR);
     }
     let ahead = camera.project(s.at + s.velocity) - at;
     // A tick along the velocity, longer for faster agents.
@@ -162,39 +166,40 @@ fn draw_agent(panel: &mut Picture, camera: &Camera, s: &SeenAgent, radius: f32, 
 }
 
 /// Draws the positions of some agents in the last seconds.
-fn draw_trails(panel: &mut Picture, camera: &Camera, record: &AgentsRecord, moment: &CrowdMoment) {
+fn draw_trails(panel: &mut Picture, camera: &PictureCamera, record: &AgentsRecord, moment: &CrowdMoment) {
     let upto = (moment.time_s / TRAIL_S) as usize + 1;
     for (m, trail) in &record.trails {
         let is_there = moment.agents.get(*m).is_some_and(Option::is_some);
         let upto = if is_there { upto.min(trail.len()) } else { 0 };
-        let points: Vec<Vec2> = trail[upto.saturating_sub(TRAIL)..upto].iter().map(|p| camera.project(*p)).collect();
+        let points: Vec<Vec2> =
+            trail[upto.saturating_sub(TRAIL_POINTS)..upto].iter().map(|p| camera.project(*p)).collect();
         let tint = group_colour(record.groups.get(*m).copied().unwrap_or(0));
         panel.stroke_line(&points, (0.12 * camera.px_per_m).clamp(0.8, 2.5), tint.alpha(0.35));
     }
 }
 
 /// Draws paths that lead around obstacles.
-fn draw_ways(panel: &mut Picture, camera: &Camera, record: &AgentsRecord) {
-    let bent: Vec<&Vec<Vec3>> = record.ways.iter().filter(|w| w.len() > 2).collect();
-    for way in bent.iter().step_by(bent.len().div_ceil(WAYS).max(1)) {
+fn draw_paths(panel: &mut Picture, camera: &PictureCamera, record: &AgentsRecord) {
+    let bent: Vec<&Vec<Vec3>> = record.paths.iter().filter(|w| w.len() > 2).collect();
+    for way in bent.iter().step_by(bent.len().div_ceil(MAX_PATHS).max(1)) {
         let points: Vec<Vec2> = way.iter().map(|p| camera.project(*p)).collect();
         panel.stroke_line(&points, 1.0, colour::REACHED.alpha(0.35));
     }
 }
 
 /// Draws a door: a thick line if it is closed, its two ends if it is open.
-fn draw_door(panel: &mut Picture, camera: &Camera, door: &Obstacle, is_open: bool) {
+fn draw_door(panel: &mut Picture, camera: &PictureCamera, door: &Obstacle, is_open: bool) {
     let Obstacle::Wall { from, to, .. } = door else { return };
     let (a, b) = (camera.project(*from), camera.project(*to));
     if is_open {
-        [a, b].iter().for_each(|end| panel.fill_disc(*end, 3.5, KNOWS));
+        [a, b].iter().for_each(|end| panel.fill_disc(*end, 3.5, INFORMED_COLOUR));
     } else {
-        panel.stroke_line(&[a, b], 4.0, KNOWS);
+        panel.stroke_line(&[a, b], 4.0, INFORMED_COLOUR);
     }
 }
 
 /// Draws a place: its edge, its name, and its standing places.
-fn draw_place(panel: &mut Picture, camera: &Camera, place: &SeenPlace, tags: &mut Tags) {
+fn draw_place(panel: &mut Picture, camera: &PictureCamera, place: &RecordedPlace, tags: &mut NamePlates) {
     let at = camera.project(place.at);
     panel.stroke_oval(at, Vec2::splat(place.radius * camera.px_per_m), 1.2, colour::REACHED.alpha(0.5));
     let radius = (0.3 * camera.px_per_m).clamp(1.5, 9.0);
@@ -202,23 +207,23 @@ fn draw_place(panel: &mut Picture, camera: &Camera, place: &SeenPlace, tags: &mu
         .slots
         .iter()
         .for_each(|s| panel.stroke_oval(camera.project(*s), Vec2::splat(radius), 1.0, colour::REACHED.alpha(0.6)));
-    tags.put(panel, at, 0.8, &place.name, colour::REACHED);
+    tags.draw_plate(panel, at, 0.8, &place.name, colour::REACHED);
 }
 
-fn draw_obstacle(panel: &mut Picture, camera: &Camera, obstacle: &Obstacle, (time_s, in_the_air): (f64, bool)) {
+fn draw_obstacle(panel: &mut Picture, camera: &PictureCamera, obstacle: &Obstacle, (time_s, in_the_air): (f64, bool)) {
     let scale = camera.px_per_m;
     match obstacle {
-        Obstacle::Ball { centre, radius } => panel.fill_disc(camera.project(*centre), radius * scale, SOLID),
+        Obstacle::Ball { centre, radius } => panel.fill_disc(camera.project(*centre), radius * scale, OBSTACLE_COLOUR),
         Obstacle::Wall { from, to, radius } => {
             let (a, b, width) = (camera.project(*from), camera.project(*to), (2.0 * radius * scale).max(2.0));
             if a.distance(b) < 0.5 {
-                panel.fill_disc(a, 0.5 * width, SOLID);
+                panel.fill_disc(a, 0.5 * width, OBSTACLE_COLOUR);
             } else {
-                panel.stroke_line(&[a, b], width, SOLID);
+                panel.stroke_line(&[a, b], width, OBSTACLE_COLOUR);
             }
         }
         Obstacle::Polygon { corners } => {
-            panel.fill_polygon(&corners.iter().map(|c| camera.project(*c)).collect::<Vec<_>>(), SOLID);
+            panel.fill_polygon(&corners.iter().map(|c| camera.project(*c)).collect::<Vec<_>>(), OBSTACLE_COLOUR);
         }
         Obstacle::Box { min, max } => {
             let (a, b) = (camera.project(*min), camera.project(*max));
@@ -226,13 +231,17 @@ fn draw_obstacle(panel: &mut Picture, camera: &Camera, obstacle: &Obstacle, (tim
             if in_the_air {
                 // Only the outline: boxes around a flock would hide it.
                 let outline = [min, Vec2::new(max.x, min.y), max, Vec2::new(min.x, max.y), min];
-                panel.stroke_line(&outline, 1.5, SOLID);
+                panel.stroke_line(&outline, 1.5, OBSTACLE_COLOUR);
             } else {
-                panel.fill_rect(Area::new(min.x, min.y, max.x - min.x, max.y - min.y), 0.0, SOLID);
+                panel.fill_rect(Area::new(min.x, min.y, max.x - min.x, max.y - min.y), 0.0, OBSTACLE_COLOUR);
             }
         }
         Obstacle::Mover { way, radius } => {
-            panel.fill_disc(camera.project(on_its_way(way, time_s)), radius * scale, SOLID.mix(colour::INK, 0.4));
+            panel.fill_disc(
+                camera.project(position_on_timed_path(way, time_s)),
+                radius * scale,
+                OBSTACLE_COLOUR.mix(colour::INK, 0.4),
+            );
         }
         _ => {}
     }
@@ -245,7 +254,7 @@ mod tests {
     fn record(in_the_air: bool) -> AgentsRecord {
         let seen = |m: usize, t: f32| {
             let at = Vec3::new(t + m as f32, if in_the_air { 3.0 } else { 0.0 }, 2.0 * m as f32);
-            Some(SeenAgent { at, velocity: Vec3::X, knows: m == 1 })
+            Some(RecordedAgent { at, velocity: Vec3::X, is_informed: m == 1 })
         };
         let moment = |t: f32| CrowdMoment {
             time_s: f64::from(t),
@@ -259,7 +268,7 @@ mod tests {
             radii: vec![0.3; 5],
             moments: (0..4).map(|t| moment(t as f32)).collect(),
             trails: vec![(0, (0..8).map(|i| Vec3::X * 0.4 * i as f32).collect())],
-            ways: vec![vec![Vec3::ZERO, Vec3::Z, Vec3::X]],
+            paths: vec![vec![Vec3::ZERO, Vec3::Z, Vec3::X]],
             doors: Vec::new(),
             places: Vec::new(),
             obstacles: vec![
@@ -274,7 +283,7 @@ mod tests {
 
     #[test]
     fn all_agents_are_drawn_and_the_air_is_also_seen_from_the_side() {
-        let report = Figures::default();
+        let report = SceneFigures::default();
         let (ground, air) =
             (crowd_sheet("square", &report, &record(false)), crowd_sheet("square", &report, &record(true)));
         assert_ne!(ground, air);
@@ -287,10 +296,10 @@ mod tests {
 
     #[test]
     fn empty_and_broken_records_are_drawn_without_a_panic() {
-        crowd_sheet("square", &Figures::default(), &AgentsRecord::default());
+        crowd_sheet("square", &SceneFigures::default(), &AgentsRecord::default());
         let mut broken = record(false);
-        broken.moments[0].agents[0] = Some(SeenAgent { at: Vec3::NAN, velocity: Vec3::NAN, knows: true });
+        broken.moments[0].agents[0] = Some(RecordedAgent { at: Vec3::NAN, velocity: Vec3::NAN, is_informed: true });
         broken.obstacles.push(Obstacle::Mover { way: Vec::new(), radius: 1.0 });
-        crowd_sheet("square", &Figures::default(), &broken);
+        crowd_sheet("square", &SceneFigures::default(), &broken);
     }
 }

@@ -1,21 +1,21 @@
 //! The picture of a group with policies: all characters at the end, and moments around blows of the recorded ones.
 
-use super::camera::Camera;
+use super::camera::PictureCamera;
 use super::canvas::{Area, Picture};
 use super::colour::{self, Colour};
-use super::crowd::{Arrival, CrowdCharacter, CrowdView, Focus, crowd_overview};
-use super::figure::{BodyColours, Figure};
+use super::crowd::{ArrivalState, CrowdCharacter, CrowdView, Focus, crowd_overview};
+use super::figure::{BodyColours, BodyFigure};
 use super::furniture::header;
 use super::shadow::Shadows;
 use super::sheet::sheet;
 use super::sprite;
 use super::text::{Align, TextStyle, draw_text};
-use crate::run::{FightFrame, FightRecord, Figures, Pose};
+use crate::run::{FightFrame, FightRecord, JointPositions, SceneFigures};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_PI_2;
 use throng_runtime::simulation::scene::GroupConfig;
-use throng_runtime::simulation::{Event, Happened, Motion};
-use throng_runtime::sparring::Part;
+use throng_runtime::simulation::{CharacterEvent, GroupMotion, SimulationEvent};
+use throng_runtime::sparring::StruckPart;
 use throng_runtime::{Joint, Planar};
 
 /// Number of moments side by side.
@@ -32,10 +32,10 @@ const WIDTH_M: f32 = 2.1;
 /// - `poses`: poses of the whole group at the end.
 pub(super) fn fight_sheet(
     title: &str,
-    figures: &Figures,
+    figures: &SceneFigures,
     group: &GroupConfig,
     record: &FightRecord,
-    poses: &[Pose],
+    poses: &[JointPositions],
 ) -> Picture {
     let f = figures.blows.clone().unwrap_or_default();
     let blows = match f.thrown {
@@ -54,17 +54,23 @@ pub(super) fn fight_sheet(
     if f.thrown == 0 {
         return crowd;
     }
-    sheet(&[&crowd, &moments(record, group.target.radius_m as f32)])
+    sheet(&[&crowd, &draw_moments(record, group.target.radius_m as f32)])
 }
 
-fn overview(group: &GroupConfig, record: &FightRecord, poses: &[Pose], title: &str, subtitle: &str) -> Picture {
-    let is_pairs = group.motion == Motion::Sparring;
+fn overview(
+    group: &GroupConfig,
+    record: &FightRecord,
+    poses: &[JointPositions],
+    title: &str,
+    subtitle: &str,
+) -> Picture {
+    let is_pairs = group.motion == GroupMotion::Sparring;
     let one = |(c, &root): (usize, &Planar)| CrowdCharacter {
         root,
-        figure: poses.get(c).map(Figure::from_positions),
+        figure: poses.get(c).map(BodyFigure::from_positions),
         trail: &[],
         target: record.targets.get(c).filter(|_| !is_pairs).map(|t| Vec2::new(t.x, t.z)),
-        arrival: if is_pairs && c % 2 == 1 { Arrival::OnTheWay } else { Arrival::Reached },
+        arrival: if is_pairs && c % 2 == 1 { ArrivalState::OnTheWay } else { ArrivalState::Reached },
     };
     let characters: Vec<_> = record.roots.iter().enumerate().map(one).collect();
     let few = characters.len() <= 4;
@@ -87,9 +93,9 @@ fn overview(group: &GroupConfig, record: &FightRecord, poses: &[Pose], title: &s
 /// Draws rows of moments, each around a blow that landed.
 ///
 /// - `radius_m`: radius of the target, if there is one (m).
-fn moments(record: &FightRecord, radius_m: f32) -> Picture {
-    let blows: Vec<Blow> = record.events.iter().filter_map(Blow::of).collect();
-    let rows = chosen(&blows);
+fn draw_moments(record: &FightRecord, radius_m: f32) -> Picture {
+    let blows: Vec<LandedBlow> = record.events.iter().filter_map(LandedBlow::from_event).collect();
+    let rows = choose_blows(&blows);
     let (width, edge, top, label) = (1600.0, 16.0, 84.0, 30.0);
     let cell = (width - 2.0 * edge) / COLUMNS as f32;
     let px_per_m = cell / WIDTH_M;
@@ -106,9 +112,9 @@ fn moments(record: &FightRecord, radius_m: f32) -> Picture {
         let y = top + row as f32 * (height + label + edge);
         for column in 0..COLUMNS {
             let time_s = event.time_s + (column as f32 - 3.0) * MOMENT_S;
-            let Some(frame) = nearest(&record.frames, time_s) else { continue };
+            let Some(frame) = nearest_frame(&record.frames, time_s) else { continue };
             let area = Area::new(edge + column as f32 * cell, y, cell, height);
-            let panel = moment(frame, event, (record, &blows), radius_m, (area.size, px_per_m));
+            let panel = draw_moment(frame, event, (record, &blows), radius_m, (area.size, px_per_m));
             page.draw_picture(&panel, (area.min.x as i32, area.min.y as i32));
             let style = TextStyle { size: 19.0, colour: colour::INK, align: Align::Centre, bold: column == 3 };
             let at = Vec2::new(area.min.x + 0.5 * cell, area.max().y + 22.0);
@@ -120,20 +126,20 @@ fn moments(record: &FightRecord, radius_m: f32) -> Picture {
 
 /// A blow that landed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Blow {
+struct LandedBlow {
     time_s: f32,
     /// Number of the striking character within the group.
     character: usize,
     point: Vec3,
     /// Part of the opponent that was hit; none for a target.
-    part: Option<Part>,
+    part: Option<StruckPart>,
 }
 
-impl Blow {
-    fn of(event: &Event) -> Option<Self> {
-        let (point, part) = match event.happened {
-            Happened::Hit { at } => (at, None),
-            Happened::Struck { part, at, .. } => (at, Some(part)),
+impl LandedBlow {
+    fn from_event(event: &SimulationEvent) -> Option<Self> {
+        let (point, part) = match event.kind {
+            CharacterEvent::Hit { at } => (at, None),
+            CharacterEvent::Struck { part, at, .. } => (at, Some(part)),
             _ => return None,
         };
         Some(Self { time_s: event.time_s as f32, character: event.who, point, part })
@@ -141,8 +147,8 @@ impl Blow {
 }
 
 /// Selects the blows to show: spread over the run, at least two seconds apart.
-fn chosen(events: &[Blow]) -> Vec<Blow> {
-    let mut apart: Vec<Blow> = Vec::new();
+fn choose_blows(events: &[LandedBlow]) -> Vec<LandedBlow> {
+    let mut apart: Vec<LandedBlow> = Vec::new();
     for e in events {
         if apart.last().is_none_or(|l| e.time_s - l.time_s > 2.0) && e.time_s > 0.4 {
             apart.push(*e);
@@ -152,31 +158,32 @@ fn chosen(events: &[Blow]) -> Vec<Blow> {
     (0..ROWS.min(n)).map(|k| apart[k * n / ROWS.min(n)]).collect()
 }
 
-fn nearest(frames: &[FightFrame], time_s: f32) -> Option<&FightFrame> {
+fn nearest_frame(frames: &[FightFrame], time_s: f32) -> Option<&FightFrame> {
     let i = frames.partition_point(|f| f.time_s < time_s);
     let near = |i: usize| frames.get(i).map(|f| (f, (f.time_s - time_s).abs()));
     [i.checked_sub(1).and_then(near), near(i)].into_iter().flatten().min_by(|a, b| a.1.total_cmp(&b.1)).map(|n| n.0)
 }
 
 /// Draws one moment, seen from beside the line of the blow.
-fn moment(
+fn draw_moment(
     frame: &FightFrame,
-    event: &Blow,
-    (record, blows): (&FightRecord, &[Blow]),
+    event: &LandedBlow,
+    (record, blows): (&FightRecord, &[LandedBlow]),
     radius_m: f32,
     (size, px_per_m): (Vec2, f32),
 ) -> Picture {
     let mut panel = Picture::new(size.x as u32, size.y as u32, colour::GROUND);
     let ground_y = size.y - 0.16 * px_per_m;
     panel.stroke_line(&[Vec2::new(0.0, ground_y), Vec2::new(size.x, ground_y)], 1.2, colour::GRID);
-    let at_blow = nearest(&record.frames, event.time_s).unwrap_or(frame);
+    let at_blow = nearest_frame(&record.frames, event.time_s).unwrap_or(frame);
     let striker = at_blow.poses.get(event.character).map_or(Vec3::ZERO, |p| p[Joint::Hips.index()]);
     let other = at_blow.poses.get(event.character ^ 1).map_or(event.point, |p| p[Joint::Hips.index()]);
     let line = other - striker;
-    let camera = Camera::looking(line.x.atan2(line.z) + FRAC_PI_2, 0.08);
+    let camera = PictureCamera::looking_along(line.x.atan2(line.z) + FRAC_PI_2, 0.08);
     let middle = 0.5 * (striker + other) * Vec3::new(1.0, 0.0, 1.0);
     let camera = camera.framed(middle, Vec2::new(0.5 * size.x, ground_y), px_per_m);
-    let mut figures: Vec<(usize, Figure)> = frame.poses.iter().map(Figure::from_positions).enumerate().collect();
+    let mut figures: Vec<(usize, BodyFigure)> =
+        frame.poses.iter().map(BodyFigure::from_positions).enumerate().collect();
     figures.retain(|(_, f)| f.is_drawable());
     figures.sort_by(|a, b| camera.depth(b.1.joint(Joint::Hips)).total_cmp(&camera.depth(a.1.joint(Joint::Hips))));
     if let Some(mut shadows) = Shadows::new(&panel) {
@@ -187,39 +194,39 @@ fn moment(
         panel.fill_disc(camera.project(target), radius_m * px_per_m, colour::MARK.mix(colour::GROUND, 0.5));
     }
     for (character, figure) in &figures {
-        let colours = if *character == 0 { BodyColours::default() } else { BodyColours::plain(SECOND) };
+        let colours = if *character == 0 { BodyColours::default() } else { BodyColours::plain(SECOND_COLOUR) };
         sprite::draw(&mut panel, figure, &colours, &camera);
     }
     for e in blows.iter().filter(|e| (e.time_s - frame.time_s).abs() < 0.02) {
-        let tint = if e.part == Some(Part::Arm) { colour::MARK } else { BLOW };
+        let tint = if e.part == Some(StruckPart::Arm) { colour::MARK } else { BLOW_COLOUR };
         panel.stroke_oval(camera.project(e.point), Vec2::splat(0.09 * px_per_m), 3.0, tint);
     }
     panel
 }
 
 /// Colour of the second of a pair.
-const SECOND: Colour = Colour::hex(0x4f9a6b);
+const SECOND_COLOUR: Colour = Colour::hex(0x4f9a6b);
 /// Colour of the point that a blow hit.
-const BLOW: Colour = Colour::hex(0xd62728);
+const BLOW_COLOUR: Colour = Colour::hex(0xd62728);
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use throng_runtime::Skeleton;
 
-    fn event(time_s: f32) -> Event {
-        let happened = Happened::Struck { opponent: 1, part: Part::Head, at: Vec3::new(0.0, 1.5, 0.7) };
-        Event { time_s: f64::from(time_s), who: 0, happened }
+    fn event(time_s: f32) -> SimulationEvent {
+        let happened = CharacterEvent::Struck { opponent: 1, part: StruckPart::Head, at: Vec3::new(0.0, 1.5, 0.7) };
+        SimulationEvent { time_s: f64::from(time_s), who: 0, kind: happened }
     }
 
     #[test]
     fn blows_are_spread_over_the_run() {
-        let events: Vec<_> = (0..60).filter_map(|i| Blow::of(&event(0.5 * i as f32))).collect();
-        let times: Vec<f32> = chosen(&events).iter().map(|e| e.time_s).collect();
+        let events: Vec<_> = (0..60).filter_map(|i| LandedBlow::from_event(&event(0.5 * i as f32))).collect();
+        let times: Vec<f32> = choose_blows(&events).iter().map(|e| e.time_s).collect();
         assert_eq!(times.len(), ROWS);
         assert!(times.windows(2).all(|w| w[1] - w[0] > 5.0), "{times:?}");
-        assert_eq!(chosen(&events[..3]).len(), 1);
-        assert!(chosen(&[]).is_empty());
+        assert_eq!(choose_blows(&events[..3]).len(), 1);
+        assert!(choose_blows(&[]).is_empty());
     }
 
     #[test]
@@ -231,8 +238,8 @@ mod tests {
             events: vec![event(0.5), event(5.0)],
             ..FightRecord::default()
         };
-        assert!(moments(&whole, 0.12).height() > moments(&FightRecord::default(), 0.12).height() / 2);
-        assert_eq!(moments(&whole, 0.12), moments(&whole, 0.12));
-        assert_ne!(moments(&whole, 0.12), moments(&whole, 0.3), "the target has its radius");
+        assert!(draw_moments(&whole, 0.12).height() > draw_moments(&FightRecord::default(), 0.12).height() / 2);
+        assert_eq!(draw_moments(&whole, 0.12), draw_moments(&whole, 0.12));
+        assert_ne!(draw_moments(&whole, 0.12), draw_moments(&whole, 0.3), "the target has its radius");
     }
 }

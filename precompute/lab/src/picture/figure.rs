@@ -1,20 +1,20 @@
 //! A body around the joints of the skeleton, for pictures.
 
 use super::colour::{self, Colour};
-use super::solid::Solid;
+use super::solid::RoundCone;
 use glam::{Quat, Vec3};
 use throng_runtime::{Joint, NUM_JOINTS, Skeleton};
 
 /// Joint positions of one character at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Figure {
+pub struct BodyFigure {
     /// World positions of the joints (m).
     pub joints: [Vec3; NUM_JOINTS],
     /// World positions of the head's top and the tips of the left and right toes (m).
     pub tips: [Vec3; 3],
 }
 
-impl Figure {
+impl BodyFigure {
     /// Figure from the world position and rotation of every joint; the tips are those of `skeleton`.
     pub fn from_transforms(skeleton: &Skeleton, transforms: &[(Vec3, Quat); NUM_JOINTS]) -> Self {
         let mut tips = [Vec3::ZERO; 3];
@@ -93,8 +93,8 @@ impl BodyColours {
 }
 
 /// The solids of a body and their colours.
-pub(super) fn body(figure: &Figure, colours: &BodyColours) -> Vec<(Solid, Colour)> {
-    let frame = Frame::of(figure);
+pub(super) fn body_solids(figure: &BodyFigure, colours: &BodyColours) -> Vec<(RoundCone, Colour)> {
+    let frame = TrunkFrame::from_figure(figure);
     let mut out = Vec::with_capacity(32);
     trunk(figure, &frame, colours.trunk, &mut out);
     head(figure, &frame, colours, &mut out);
@@ -108,14 +108,14 @@ pub(super) fn body(figure: &Figure, colours: &BodyColours) -> Vec<(Solid, Colour
 }
 
 /// Unit directions of the trunk.
-struct Frame {
+struct TrunkFrame {
     chest_left: Vec3,
     chest_front: Vec3,
     pelvis_left: Vec3,
 }
 
-impl Frame {
-    fn of(f: &Figure) -> Self {
+impl TrunkFrame {
+    fn from_figure(f: &BodyFigure) -> Self {
         let spine = (f.joint(Joint::Neck) - f.joint(Joint::Hips)).normalize_or(Vec3::Y);
         let across = |left: Joint, right: Joint| (f.joint(left) - f.joint(right)).normalize_or(Vec3::X);
         let chest_left = across(Joint::LeftUpperArm, Joint::RightUpperArm);
@@ -128,64 +128,79 @@ impl Frame {
 }
 
 /// Adds pelvis, belly, rib cage and shoulders, all wider than deep.
-fn trunk(f: &Figure, frame: &Frame, colour: Colour, out: &mut Vec<(Solid, Colour)>) {
+fn trunk(f: &BodyFigure, frame: &TrunkFrame, colour: Colour, out: &mut Vec<(RoundCone, Colour)>) {
     let at = |j| f.joint(j);
-    let mut add = |solid: Solid| out.push((solid, colour));
+    let mut add = |solid: RoundCone| out.push((solid, colour));
     let (hips, spine, chest, upper) = (at(Joint::Hips), at(Joint::Spine), at(Joint::Chest), at(Joint::UpperChest));
     let crotch = hips.lerp(0.5 * (at(Joint::LeftThigh) + at(Joint::RightThigh)), 0.7);
     let front = 0.012 * frame.chest_front;
-    add(Solid::limb(crotch, spine, 0.106, 0.098).flattened(frame.pelvis_left, 1.5));
-    add(Solid::limb(spine, chest, 0.098, 0.1).flattened(frame.pelvis_left, 1.36));
-    add(Solid::limb(chest + front, upper.lerp(at(Joint::Neck), 0.3) + front, 0.1, 0.107)
+    add(RoundCone::limb(crotch, spine, 0.106, 0.098).flattened(frame.pelvis_left, 1.5));
+    add(RoundCone::limb(spine, chest, 0.098, 0.1).flattened(frame.pelvis_left, 1.36));
+    add(RoundCone::limb(chest + front, upper.lerp(at(Joint::Neck), 0.3) + front, 0.1, 0.107)
         .flattened(frame.chest_left, 1.42));
     let neck = at(Joint::Neck);
     for shoulder in [at(Joint::LeftUpperArm), at(Joint::RightUpperArm)] {
         let inner = upper.lerp(neck, 0.55);
-        add(Solid::limb(inner, shoulder, 0.082, 0.06));
-        add(Solid::limb(neck, shoulder.lerp(inner, 0.12), 0.05, 0.042));
+        add(RoundCone::limb(inner, shoulder, 0.082, 0.06));
+        add(RoundCone::limb(neck, shoulder.lerp(inner, 0.12), 0.05, 0.042));
     }
 }
 
 /// Adds neck, skull, and a visor that shows where the face is.
-fn head(f: &Figure, frame: &Frame, colours: &BodyColours, out: &mut Vec<(Solid, Colour)>) {
+fn head(f: &BodyFigure, frame: &TrunkFrame, colours: &BodyColours, out: &mut Vec<(RoundCone, Colour)>) {
     let (neck, head, top) = (f.joint(Joint::Neck), f.joint(Joint::Head), f.tips[0]);
     let up = (top - head).normalize_or(Vec3::Y);
     let left = (frame.chest_left - up * frame.chest_left.dot(up)).normalize_or(Vec3::X);
     let front = left.cross(up);
     let size = (top - head).length().clamp(0.08, 0.4) / 0.2;
-    out.push((Solid::limb(neck - 0.03 * up, head + 0.02 * up, 0.056, 0.052), colours.skin));
+    out.push((RoundCone::limb(neck - 0.03 * up, head + 0.02 * up, 0.056, 0.052), colours.skin));
     let crown = head + up * (0.115 * size) + front * (0.012 * size);
     let jaw = head + up * (0.04 * size) + front * (0.035 * size);
-    out.push((Solid::limb(crown, jaw, 0.098 * size, 0.062 * size).flattened(left, 0.84), colours.skin));
+    out.push((RoundCone::limb(crown, jaw, 0.098 * size, 0.062 * size).flattened(left, 0.84), colours.skin));
     let brow = head + up * (0.085 * size) + front * (0.094 * size);
-    let visor = Solid::limb(brow + left * (0.03 * size), brow - left * (0.03 * size), 0.023 * size, 0.023 * size);
+    let visor = RoundCone::limb(brow + left * (0.03 * size), brow - left * (0.03 * size), 0.023 * size, 0.023 * size);
     out.push((visor, colours.trunk.mix(colour::INK, 0.75)));
 }
 
-fn arm(f: &Figure, [upper, fore, hand]: [Joint; 3], colour: Colour, skin: Colour, out: &mut Vec<(Solid, Colour)>) {
+fn arm(
+    f: &BodyFigure,
+    [upper, fore, hand]: [Joint; 3],
+    colour: Colour,
+    skin: Colour,
+    out: &mut Vec<(RoundCone, Colour)>,
+) {
     let (shoulder, elbow, wrist) = (f.joint(upper), f.joint(fore), f.joint(hand));
-    out.push((Solid::limb(shoulder, elbow, 0.057, 0.041), colour));
-    out.push((Solid::limb(elbow, wrist, 0.042, 0.029), colour));
+    out.push((RoundCone::limb(shoulder, elbow, 0.057, 0.041), colour));
+    out.push((RoundCone::limb(elbow, wrist, 0.042, 0.029), colour));
     let along = (wrist - elbow).normalize_or(-Vec3::Y);
-    out.push((Solid::limb(wrist + 0.025 * along, wrist + 0.105 * along, 0.035, 0.026), skin));
+    out.push((RoundCone::limb(wrist + 0.025 * along, wrist + 0.105 * along, 0.035, 0.026), skin));
 }
 
 /// Adds thigh, shin with calf, and a wedge-shaped foot: high at the ankle, flat at the tip.
-fn leg(f: &Figure, [thigh, shin, foot, toe]: [Joint; 4], tip: Vec3, colour: Colour, out: &mut Vec<(Solid, Colour)>) {
+fn leg(
+    f: &BodyFigure,
+    [thigh, shin, foot, toe]: [Joint; 4],
+    tip: Vec3,
+    colour: Colour,
+    out: &mut Vec<(RoundCone, Colour)>,
+) {
     let (hip, knee, ankle, ball) = (f.joint(thigh), f.joint(shin), f.joint(foot), f.joint(toe));
-    out.push((Solid::limb(hip, knee, 0.088, 0.057), colour));
-    out.push((Solid::limb(knee, ankle, 0.057, 0.037), colour));
+    out.push((RoundCone::limb(hip, knee, 0.088, 0.057), colour));
+    out.push((RoundCone::limb(knee, ankle, 0.057, 0.037), colour));
     let down = (ankle - knee).normalize_or(-Vec3::Y);
     let sole = (ball - ankle).normalize_or(Vec3::Z);
     let back = (sole - down * sole.dot(down)).normalize_or(Vec3::Z);
-    out.push((Solid::limb(knee + down * 0.1 - back * 0.016, knee + down * 0.2 - back * 0.012, 0.054, 0.047), colour));
+    out.push((
+        RoundCone::limb(knee + down * 0.1 - back * 0.016, knee + down * 0.2 - back * 0.012, 0.054, 0.047),
+        colour,
+    ));
     let shoe = colour.mix(colour::INK, 0.42);
     let up = (back - sole * back.dot(sole)).normalize_or(Vec3::Y);
     let heel = ankle - sole * 0.035 - up * 0.012;
-    out.push((Solid::limb(ankle, heel, 0.042, 0.04), shoe));
-    out.push((Solid::limb(ankle, ball, 0.042, 0.033), shoe));
-    out.push((Solid::limb(heel, ball, 0.036, 0.033), shoe));
-    out.push((Solid::limb(ball, tip, 0.033, 0.024), shoe));
+    out.push((RoundCone::limb(ankle, heel, 0.042, 0.04), shoe));
+    out.push((RoundCone::limb(ankle, ball, 0.042, 0.033), shoe));
+    out.push((RoundCone::limb(heel, ball, 0.036, 0.033), shoe));
+    out.push((RoundCone::limb(ball, tip, 0.033, 0.024), shoe));
 }
 
 #[cfg(test)]
@@ -195,15 +210,16 @@ mod tests {
     #[test]
     fn a_standing_body_covers_its_joints_and_stands_on_the_ground() {
         let skeleton = Skeleton::default();
-        let figure = Figure::from_positions(&skeleton.rest_positions());
-        let solids = body(&figure, &BodyColours::default());
+        let figure = BodyFigure::from_positions(&skeleton.rest_positions());
+        let solids = body_solids(&figure, &BodyColours::default());
         for joint in Joint::ALL {
             let p = figure.joint(joint);
             let from = p - Vec3::Z * 3.0;
-            let covered = solids.iter().any(|(s, _)| s.hit(from, Vec3::Z).is_some_and(|h| h.distance < 3.01));
+            let covered = solids.iter().any(|(s, _)| s.intersect(from, Vec3::Z).is_some_and(|h| h.distance < 3.01));
             assert!(covered, "{}", joint.name());
         }
-        let top = solids.iter().filter_map(|(s, _)| s.hit(figure.tips[0] + Vec3::Y, -Vec3::Y)).map(|h| h.distance);
+        let top =
+            solids.iter().filter_map(|(s, _)| s.intersect(figure.tips[0] + Vec3::Y, -Vec3::Y)).map(|h| h.distance);
         assert!(top.fold(9.0, f32::min) < 1.03);
     }
 
@@ -212,7 +228,7 @@ mod tests {
         let skeleton = Skeleton::default();
         let q = Quat::from_rotation_y(std::f32::consts::FRAC_PI_2);
         let transforms = skeleton.rest_positions().map(|p| (q * p, q));
-        let f = Figure::from_transforms(&skeleton, &transforms);
+        let f = BodyFigure::from_transforms(&skeleton, &transforms);
         let toe = f.tips[1] - f.joint(Joint::LeftToe);
         assert!((toe - Vec3::X * 0.07).length() < 1e-5);
         assert!(f.is_drawable());

@@ -1,6 +1,6 @@
 //! Common parts of pictures: headers, legends, grids and scale bars.
 
-use super::camera::Camera;
+use super::camera::PictureCamera;
 use super::canvas::{Area, Picture};
 use super::colour::{self, Colour};
 use super::text::{Align, TextStyle, draw_text, text_width};
@@ -55,9 +55,9 @@ pub(super) fn legend(page: &mut Picture, area: Area, unit: f32, entries: &[(Colo
 }
 
 /// Draws lines on the ground, `step` metres apart, over the whole panel; every fifth is stronger.
-pub(super) fn grid(panel: &mut Picture, camera: &Camera, step: f32, unit: f32) {
+pub(super) fn grid(panel: &mut Picture, camera: &PictureCamera, step: f32, unit: f32) {
     let size = Vec2::new(panel.width() as f32, panel.height() as f32);
-    let corners = [Vec2::ZERO, size.with_y(0.0), size, size.with_x(0.0)].map(|c| camera.ground(c));
+    let corners = [Vec2::ZERO, size.with_y(0.0), size, size.with_x(0.0)].map(|c| camera.ground_point(c));
     let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     for c in corners.into_iter().flatten() {
         (min, max) = (min.min(c), max.max(c));
@@ -85,7 +85,7 @@ pub(super) fn grid(panel: &mut Picture, camera: &Camera, step: f32, unit: f32) {
 }
 
 /// Draws a length in metres at the lower left.
-pub(super) fn scale_bar(panel: &mut Picture, camera: &Camera, unit: f32) {
+pub(super) fn scale_bar(panel: &mut Picture, camera: &PictureCamera, unit: f32) {
     let length = nice_step(0.14 * panel.width() as f32 / camera.px_per_m);
     let text = metres(length);
     let (bar, size) = (length * camera.px_per_m, 19.0 * unit);
@@ -105,11 +105,11 @@ pub(super) fn scale_bar(panel: &mut Picture, camera: &Camera, unit: f32) {
 
 /// Names on coloured plates; a plate that would cover an earlier one is moved up.
 #[derive(Default)]
-pub(super) struct Tags(Vec<Area>);
+pub(super) struct NamePlates(Vec<Area>);
 
-impl Tags {
+impl NamePlates {
     /// Draws a name on a plate whose lower middle is at `at`.
-    pub fn put(&mut self, panel: &mut Picture, at: Vec2, unit: f32, name: &str, tint: Colour) {
+    pub fn draw_plate(&mut self, panel: &mut Picture, at: Vec2, unit: f32, name: &str, tint: Colour) {
         let size = 19.0 * unit;
         let width = text_width(name, size) + 14.0 * unit;
         let x = (at.x - 0.5 * width).clamp(2.0, (panel.width() as f32 - width - 2.0).max(2.0));
@@ -130,10 +130,10 @@ mod tests {
 
     #[test]
     fn names_do_not_lie_on_each_other() {
-        let mut tags = Tags::default();
+        let mut tags = NamePlates::default();
         let mut page = Picture::new(400, 300, colour::PAPER);
         for at in [Vec2::new(200.0, 250.0), Vec2::new(210.0, 245.0), Vec2::new(190.0, 255.0), Vec2::new(40.0, 250.0)] {
-            tags.put(&mut page, at, 1.0, "ticket", colour::INK);
+            tags.draw_plate(&mut page, at, 1.0, "ticket", colour::INK);
         }
         let plates = &tags.0;
         for (k, plate) in plates.iter().enumerate() {

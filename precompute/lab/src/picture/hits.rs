@@ -2,13 +2,13 @@
 
 mod panel;
 
-use super::camera::Camera;
+use super::camera::PictureCamera;
 use super::canvas::{Area, Picture};
 use super::colour::{self, Colour};
-use super::figure::Figure;
+use super::figure::BodyFigure;
 use super::furniture::{header, legend};
 use glam::{Vec2, Vec3};
-use panel::{Axis, Panel};
+use panel::{HitPanel, PanelAxis};
 use std::f32::consts::{FRAC_PI_2, PI};
 use throng_motion::annotate::hits::{HitPoint, HitReport};
 use throng_runtime::Joint;
@@ -21,7 +21,7 @@ pub struct HitView<'a> {
     /// The points.
     pub points: &'a [HitPoint],
     /// A body for scale, its planar root at the origin, facing +Z.
-    pub body: Option<&'a Figure>,
+    pub body: Option<&'a BodyFigure>,
     /// Width of the picture; the height follows (px).
     pub width: u32,
 }
@@ -32,11 +32,11 @@ pub struct HitView<'a> {
 /// kinds named by tags have a colour of their own.
 pub fn hit_views(view: &HitView<'_>) -> Picture {
     let unit = view.width.clamp(200, 8000) as f32 / 1600.0;
-    let layout = Layout::new(view, unit);
+    let layout = HitPageLayout::new(view, unit);
     let mut page = Picture::new(layout.size.x as u32, layout.size.y as u32, colour::PAPER);
     header(&mut page, unit, view.title, &HitReport::new(view.points).to_string());
     let area = Area::new(0.0, 0.0, layout.size.x - 20.0 * unit, layout.size.y);
-    legend(&mut page, area, unit, &entries(view.points), "larger: more forceful; tails: where blows come from");
+    legend(&mut page, area, unit, &legend_entries(view.points), "larger: more forceful; tails: where blows come from");
     for panel in &layout.panels {
         panel.draw(&mut page, view.points, view.body, unit);
     }
@@ -44,7 +44,7 @@ pub fn hit_views(view: &HitView<'_>) -> Picture {
 }
 
 /// Colour of a hit: by side, and another one for kinds that only tags name.
-fn tint(hit: &HitPoint) -> Colour {
+fn hit_colour(hit: &HitPoint) -> Colour {
     match hit.joint {
         _ if !["punch", "kick"].contains(&hit.kind.as_str()) => colour::MARK,
         j if j.name().starts_with("left") => colour::LEFT,
@@ -59,48 +59,49 @@ fn is_ring(hit: &HitPoint) -> bool {
 }
 
 /// Entries of the legend: every joint with its number of hits, tags by their names.
-fn entries(points: &[HitPoint]) -> Vec<(Colour, String)> {
+fn legend_entries(points: &[HitPoint]) -> Vec<(Colour, String)> {
     let mut out: Vec<(Colour, String, usize)> = Vec::new();
-    let tagged = |h: &HitPoint| tint(h) == colour::MARK;
+    let tagged = |h: &HitPoint| hit_colour(h) == colour::MARK;
     let name = |h: &HitPoint| if tagged(h) { h.kind.clone() } else { h.joint.name().replace('_', " ") };
     let mut sorted: Vec<&HitPoint> = points.iter().collect();
     sorted.sort_by_key(|h| (tagged(h), h.joint != Joint::LeftHand && h.joint != Joint::RightHand, name(h)));
     for h in sorted {
         match out.last_mut() {
             Some(last) if last.1 == name(h) => last.2 += 1,
-            _ => out.push((tint(h), name(h), 1)),
+            _ => out.push((hit_colour(h), name(h), 1)),
         }
     }
     out.into_iter().map(|(tint, name, n)| (tint, format!("{name} {n}"))).collect()
 }
 
 /// Layout of the panels (px).
-struct Layout {
+struct HitPageLayout {
     size: Vec2,
-    panels: [Panel; 3],
+    panels: [HitPanel; 3],
 }
 
-impl Layout {
+impl HitPageLayout {
     fn new(view: &HitView<'_>, unit: f32) -> Self {
         let (edge, gap, top, label) = (20.0 * unit, 24.0 * unit, 112.0 * unit, 56.0 * unit);
         let (min, max) = bounds(view);
         let span = max - min;
         let room = 1600.0 * unit - 2.0 * edge - 2.0 * gap - 3.0 * label;
         let px_per_m = room / (2.0 * span.x + span.z);
-        let (left, ahead, up) = (Axis::new("left", Vec3::X), Axis::new("ahead", Vec3::Z), Axis::new("height", Vec3::Y));
+        let (left, ahead, up) =
+            (PanelAxis::new("left", Vec3::X), PanelAxis::new("ahead", Vec3::Z), PanelAxis::new("height", Vec3::Y));
         let height = px_per_m * span.y.max(span.z);
         let mut x = edge;
-        let mut panel = |title, camera: Camera, across: Axis, upwards: Axis| {
+        let mut panel = |title, camera: PictureCamera, across: PanelAxis, upwards: PanelAxis| {
             let size = px_per_m * Vec2::new(span.dot(across.direction), span.dot(upwards.direction));
             let area = Area::new(x + label, top + 0.5 * (height - size.y), size.x, size.y);
             x += label + size.x + gap;
             let camera = camera.framed(0.5 * (min + max), 0.5 * area.size, px_per_m);
-            Panel { title, area, camera, across, upwards, min, max }
+            HitPanel { title, area, camera, across, upwards, min, max }
         };
         let panels = [
-            panel("front", Camera::looking(PI, 0.0), left, up),
-            panel("top", Camera::looking(0.0, FRAC_PI_2), left, ahead),
-            panel("side", Camera::looking(FRAC_PI_2, 0.0), ahead, up),
+            panel("front", PictureCamera::looking_along(PI, 0.0), left, up),
+            panel("top", PictureCamera::looking_along(0.0, FRAC_PI_2), left, ahead),
+            panel("side", PictureCamera::looking_along(FRAC_PI_2, 0.0), ahead, up),
         ];
         Self { size: Vec2::new(1600.0 * unit, top + height + 62.0 * unit), panels }
     }
@@ -136,7 +137,7 @@ mod tests {
         }
     }
 
-    fn view<'a>(points: &'a [HitPoint], body: Option<&'a Figure>) -> HitView<'a> {
+    fn view<'a>(points: &'a [HitPoint], body: Option<&'a BodyFigure>) -> HitView<'a> {
         HitView { title: "t", points, body, width: 800 }
     }
 
@@ -153,7 +154,7 @@ mod tests {
     fn a_point_is_where_it_belongs_in_every_view() {
         let points = [point("punch", Joint::LeftHand, Vec3::new(0.4, 1.4, 0.8))];
         let view = view(&points, None);
-        let (picture, layout) = (hit_views(&view), Layout::new(&view, 0.5));
+        let (picture, layout) = (hit_views(&view), HitPageLayout::new(&view, 0.5));
         let seen = layout.panels.each_ref().map(|p| p.area.min + p.camera.project(points[0].position));
         for (at, panel) in seen.iter().zip(&layout.panels) {
             assert!(has(&picture, *at, colour::LEFT), "{}", panel.title);
@@ -172,13 +173,13 @@ mod tests {
             point("butt", Joint::Head, Vec3::Z),
             point("punch", Joint::RightHand, Vec3::Z),
         ];
-        let entries: Vec<String> = entries(&points).into_iter().map(|e| e.1).collect();
+        let entries: Vec<String> = legend_entries(&points).into_iter().map(|e| e.1).collect();
         assert_eq!(entries, ["right hand 2", "right foot 1", "butt 1"]);
     }
 
     #[test]
     fn no_points_and_broken_ones_are_drawn_without_a_panic() {
-        let body = Figure::from_positions(&Skeleton::default().rest_positions());
+        let body = BodyFigure::from_positions(&Skeleton::default().rest_positions());
         let broken = [point("punch", Joint::LeftHand, Vec3::NAN), point("kick", Joint::LeftFoot, Vec3::splat(1e9))];
         let none = hit_views(&view(&[], Some(&body)));
         assert_eq!(none, hit_views(&view(&[], Some(&body))));

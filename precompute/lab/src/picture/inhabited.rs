@@ -2,12 +2,12 @@
 
 use super::canvas::{Area, Picture};
 use super::discs::group_colour;
-use super::figure::{BodyColours, Figure};
+use super::figure::{BodyColours, BodyFigure};
 use super::furniture::legend;
 use super::sheet::sheet;
-use super::world::{WorldFigure, WorldLook, WorldMoment, WorldStrip, WorldUnit, WorldView};
+use super::world::{WorldCamera, WorldFigure, WorldMoment, WorldSheet, WorldStrip, WorldUnit};
 use super::world::{world_sheet, world_strip, world_units};
-use crate::run::{Figures, Pose, SeenPeople, WorldRecord};
+use crate::run::{JointPositions, PeopleSample, SceneFigures, WorldRecord};
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, PI};
 use throng_bake::environment::PlacedGeometry;
@@ -18,30 +18,30 @@ use throng_runtime::simulation::scene::PictureConfig;
 const COLUMNS: usize = 10;
 const ROWS: usize = 2;
 /// Number of samples between moments.
-const STRIDE: usize = 5;
+const SAMPLE_STRIDE: usize = 5;
 /// Width that a moment shows (m).
 const WIDTH_M: f32 = 2.6;
 /// Greatest number of pairs, each in a row.
 const PAIRS: usize = 5;
 /// Number of samples shown before a pair begins to act.
-const BEFORE: usize = 10;
+const SAMPLES_BEFORE: usize = 10;
 /// View direction of worlds: heading and elevation (rad).
-const FROM: (f32, f32) = (0.8 * PI, 0.6);
+const VIEW_ANGLES: (f32, f32) = (0.8 * PI, 0.6);
 
 /// Draws a world: all its characters at the end, and moments of partners that acted together, or of a followed character.
 ///
 /// - `groups`: names and poses of the groups in the world, at the end; each of several groups has its own colour.
 pub(super) fn inhabited_sheet(
     title: &str,
-    figures: &Figures,
+    figures: &SceneFigures,
     (picture, record): (&PictureConfig, &WorldRecord),
-    groups: &[(String, Vec<Pose>)],
+    groups: &[(String, Vec<JointPositions>)],
     geometry: &PlacedGeometry,
 ) -> Picture {
     let units = world_units(geometry);
     let tint = |g: usize| if groups.len() > 1 { BodyColours::plain(group_colour(g)) } else { BodyColours::default() };
-    let of_group = |(g, (_, poses)): (usize, &(String, Vec<Pose>))| -> Vec<WorldFigure> {
-        let one = |p: &Pose| WorldFigure { figure: Figure::from_positions(p), colours: tint(g) };
+    let of_group = |(g, (_, poses)): (usize, &(String, Vec<JointPositions>))| -> Vec<WorldFigure> {
+        let one = |p: &JointPositions| WorldFigure { figure: BodyFigure::from_positions(p), colours: tint(g) };
         poses.iter().map(one).collect()
     };
     let bodies: Vec<WorldFigure> = groups.iter().enumerate().flat_map(of_group).collect();
@@ -58,8 +58,12 @@ pub(super) fn inhabited_sheet(
         1000.0 * figures.foot_slip_p95_mps.unwrap_or_default()
     );
     let middle = Vec3::from_array(picture.focus.unwrap_or_default());
-    let look = WorldLook { heading: FROM.0, elevation: FROM.1, focus: picture.width_m.map(|width| (middle, width)) };
-    let overview = WorldView {
+    let look = WorldCamera {
+        heading: VIEW_ANGLES.0,
+        elevation: VIEW_ANGLES.1,
+        focus: picture.width_m.map(|width| (middle, width)),
+    };
+    let overview = WorldSheet {
         title,
         subtitle: &subtitle,
         size: (1600, 1100),
@@ -68,7 +72,7 @@ pub(super) fn inhabited_sheet(
         solids: &[],
         trails: &[],
         names: &[],
-        look,
+        camera: look,
     };
     let mut overview = world_sheet(&overview);
     if groups.len() > 1 {
@@ -76,17 +80,17 @@ pub(super) fn inhabited_sheet(
         legend(&mut overview, Area::new(0.0, 0.0, 1584.0, 84.0), 1.0, &entries, "");
     }
     let mut strips = vec![overview];
-    strips.extend(pairs(record).into_iter().map(|pair| pair_strip(record, &pair, &units)));
+    strips.extend(partner_pairs(record).into_iter().map(|pair| pair_strip(record, &pair, &units)));
     if strips.len() == 1 {
-        strips.extend(liveliest(record).map(|(who, from)| lively_strip(record, who, from, &units)));
+        strips.extend(liveliest_character(record).map(|(who, from)| lively_strip(record, who, from, &units)));
     }
     sheet(&strips.iter().collect::<Vec<_>>())
 }
 
 /// Draws moments of one character.
 fn lively_strip(record: &WorldRecord, who: usize, from: usize, units: &[WorldUnit<'_>]) -> Picture {
-    let looks = record.looks[from..].iter().step_by(STRIDE).take(COLUMNS * ROWS);
-    let one = |look: &SeenPeople| WorldMoment::of(look.time_s, Figure::from_positions(&look.poses[who]));
+    let looks = record.samples[from..].iter().step_by(SAMPLE_STRIDE).take(COLUMNS * ROWS);
+    let one = |look: &PeopleSample| WorldMoment::of_one(look.time_s, BodyFigure::from_positions(&look.poses[who]));
     world_strip(&WorldStrip {
         title: &format!("Character {}", record.followed[who]),
         subtitle: "one moment every half a second; what stands before the person is left out",
@@ -94,13 +98,13 @@ fn lively_strip(record: &WorldRecord, who: usize, from: usize, units: &[WorldUni
         units,
         columns: COLUMNS,
         width_m: WIDTH_M,
-        from: (FROM.0, 0.25),
+        view_angles: (VIEW_ANGLES.0, 0.25),
     })
 }
 
 /// Two characters that act together.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Pair {
+struct PartnerPair {
     /// Number of the first among the followed characters.
     who: usize,
     /// Number of the partner in the simulation.
@@ -110,14 +114,14 @@ struct Pair {
 }
 
 /// All pairs that acted together, in order of time, each once.
-fn pairs(record: &WorldRecord) -> Vec<Pair> {
-    let mut out: Vec<Pair> = Vec::new();
-    for (from, look) in record.looks.iter().enumerate() {
+fn partner_pairs(record: &WorldRecord) -> Vec<PartnerPair> {
+    let mut out: Vec<PartnerPair> = Vec::new();
+    for (from, look) in record.samples.iter().enumerate() {
         for (who, with) in look.partners.iter().enumerate().filter_map(|(who, p)| Some((who, p.as_ref()?.0))) {
             let numbers = [record.followed[who], with];
             let is_known = out.iter().any(|p| [record.followed[p.who], p.with].iter().all(|n| numbers.contains(n)));
             if !is_known {
-                out.push(Pair { who, with, from });
+                out.push(PartnerPair { who, with, from });
             }
         }
     }
@@ -126,21 +130,21 @@ fn pairs(record: &WorldRecord) -> Vec<Pair> {
 }
 
 /// Draws moments of two characters, from a little before they act together, seen from beside both.
-fn pair_strip(record: &WorldRecord, pair: &Pair, units: &[WorldUnit<'_>]) -> Picture {
-    let other = |look: &SeenPeople| {
+fn pair_strip(record: &WorldRecord, pair: &PartnerPair, units: &[WorldUnit<'_>]) -> Picture {
+    let other = |look: &PeopleSample| {
         let of_pair = look.partners[pair.who].as_ref().filter(|p| p.0 == pair.with).map(|p| p.1);
         of_pair.or_else(|| look.poses.get(record.followed.iter().position(|n| *n == pair.with)?).copied())
     };
-    let moment = |look: &SeenPeople| {
-        let one = Figure::from_positions(&look.poses[pair.who]);
+    let moment = |look: &PeopleSample| {
+        let one = BodyFigure::from_positions(&look.poses[pair.who]);
         match other(look) {
-            Some(pose) => WorldMoment::of_two(look.time_s, one, Figure::from_positions(&pose)),
-            None => WorldMoment::of(look.time_s, one),
+            Some(pose) => WorldMoment::of_two(look.time_s, one, BodyFigure::from_positions(&pose)),
+            None => WorldMoment::of_one(look.time_s, one),
         }
     };
-    let began = &record.looks[pair.from];
+    let began = &record.samples[pair.from];
     let way = other(began).map_or(Vec3::Z, |p| p[0] - began.poses[pair.who][0]);
-    let looks = record.looks[pair.from.saturating_sub(BEFORE)..].iter().step_by(STRIDE).take(COLUMNS);
+    let looks = record.samples[pair.from.saturating_sub(SAMPLES_BEFORE)..].iter().step_by(SAMPLE_STRIDE).take(COLUMNS);
     world_strip(&WorldStrip {
         title: &format!("Characters {} and {}", record.followed[pair.who], pair.with),
         subtitle: &format!(
@@ -151,22 +155,22 @@ fn pair_strip(record: &WorldRecord, pair: &Pair, units: &[WorldUnit<'_>]) -> Pic
         units,
         columns: COLUMNS,
         width_m: WIDTH_M,
-        from: (way.x.atan2(way.z) + FRAC_PI_2, 0.15),
+        view_angles: (way.x.atan2(way.z) + FRAC_PI_2, 0.15),
     })
 }
 
 /// Recorded character and first sample with the greatest vertical movement of the hips.
-fn liveliest(record: &WorldRecord) -> Option<(usize, usize)> {
-    let span = STRIDE * COLUMNS * ROWS;
-    let starts: Vec<usize> = (0..record.looks.len().saturating_sub(span).max(1)).step_by(STRIDE).collect();
+fn liveliest_character(record: &WorldRecord) -> Option<(usize, usize)> {
+    let span = SAMPLE_STRIDE * COLUMNS * ROWS;
+    let starts: Vec<usize> = (0..record.samples.len().saturating_sub(span).max(1)).step_by(SAMPLE_STRIDE).collect();
     let range = |who: usize, from: usize| {
-        let looks = record.looks[from..].iter().take(span);
+        let looks = record.samples[from..].iter().take(span);
         let heights = looks.map(|look| look.poses[who][Joint::Hips.index()].y);
         let (low, high) = heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), y| (l.min(y), h.max(y)));
         high - low
     };
     let all = (0..record.followed.len()).flat_map(|w| starts.iter().map(move |&s| (w, s)));
-    let all = all.filter(|_| !record.looks.is_empty());
+    let all = all.filter(|_| !record.samples.is_empty());
     all.max_by(|a, b| range(a.0, a.1).total_cmp(&range(b.0, b.1)))
 }
 
@@ -178,7 +182,7 @@ mod tests {
     /// Two characters 1 m apart act together from the third sample on; a third is not followed and joins the second later.
     fn record() -> WorldRecord {
         let at = |x: f32| Skeleton::default().rest_positions().map(|p| p + Vec3::X * x);
-        let look = |i: usize| SeenPeople {
+        let look = |i: usize| PeopleSample {
             time_s: 0.1 * i as f32,
             poses: vec![at(0.0), at(1.0)],
             partners: match i {
@@ -187,20 +191,20 @@ mod tests {
                 _ => vec![None, Some((9, at(2.0)))],
             },
         };
-        WorldRecord { cast: 0, group: 0, followed: vec![7, 8], looks: (0..40).map(look).collect() }
+        WorldRecord { character_group: 0, group: 0, followed: vec![7, 8], samples: (0..40).map(look).collect() }
     }
 
     #[test]
     fn each_pair_is_shown_once_from_when_it_began() {
-        let found = pairs(&record());
-        assert_eq!(found, [Pair { who: 0, with: 8, from: 3 }, Pair { who: 1, with: 9, from: 20 }]);
-        assert!(pairs(&WorldRecord::default()).is_empty());
+        let found = partner_pairs(&record());
+        assert_eq!(found, [PartnerPair { who: 0, with: 8, from: 3 }, PartnerPair { who: 1, with: 9, from: 20 }]);
+        assert!(partner_pairs(&WorldRecord::default()).is_empty());
     }
 
     #[test]
     fn both_partners_are_in_the_frame() {
         let record = record();
-        let strip = pair_strip(&record, &pairs(&record)[0], &[]);
+        let strip = pair_strip(&record, &partner_pairs(&record)[0], &[]);
         // The other one is green.
         let green = |x: std::ops::Range<u32>| {
             let at = x.flat_map(|x| (90..280).map(move |y| (x, y)));

@@ -1,13 +1,13 @@
 //! Paints pieces shaded and anti-aliased, with several rays a pixel, and the shadows that they cast.
 
-use super::camera::Camera;
+use super::camera::PictureCamera;
 use super::canvas::{Picture, source_over};
 use super::colour::{self, Colour};
-use super::piece::Piece;
-use super::visible::{Band, NOTHING, look, sample};
+use super::piece::PicturePiece;
+use super::visible::{NO_PIECE, SampleBand, rasterize_bands, sample_position};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
-use throng_bake::environment::Bounds;
+use throng_bake::environment::BoundingBox;
 use tiny_skia::PremultipliedColorU8;
 
 /// Number of rays along each side of a pixel.
@@ -20,22 +20,22 @@ const SHADOW_PX: f32 = 3000.0;
 const SHADOW_FINEST: f32 = 160.0;
 
 /// Direction towards the light: from above, the left and the viewer.
-pub(super) fn light(camera: &Camera) -> Vec3 {
+pub(super) fn light_direction(camera: &PictureCamera) -> Vec3 {
     (Vec3::Y * 1.0 - camera.right * 0.34 - camera.forward.with_y(0.0).normalize_or_zero() * 0.42).normalize()
 }
 
 /// Paints pieces and their shadows over a panel.
-pub(super) fn draw_pieces(panel: &mut Picture, camera: &Camera, pieces: &[Piece]) {
+pub(super) fn draw_pieces(panel: &mut Picture, camera: &PictureCamera, pieces: &[PicturePiece]) {
     let extent = Vec2::new(panel.width() as f32, panel.height() as f32);
     let reach = Vec2::splat(2.0 * camera.px_per_m);
     // Shadows of pieces far outside of the picture are not worth their time.
-    let near = |p: &&Piece| {
+    let near = |p: &&PicturePiece| {
         let (low, high) = p.screen_box(camera);
         high.cmpge(-reach).all() && low.cmple(extent + reach).all()
     };
-    let pieces: Vec<Piece> = pieces.iter().filter(near).copied().collect();
+    let pieces: Vec<PicturePiece> = pieces.iter().filter(near).copied().collect();
     let size = (panel.width() as usize, panel.height() as usize);
-    let pixels = paint(&pieces, camera, size, ShadowMap::new(&pieces, light(camera)));
+    let pixels = paint_pieces(&pieces, camera, size, ShadowMap::new(&pieces, light_direction(camera)));
     for (pixel, top) in panel.pixels_mut().iter_mut().zip(pixels) {
         if top.alpha() > 0 {
             *pixel = source_over(top, *pixel);
@@ -44,22 +44,22 @@ pub(super) fn draw_pieces(panel: &mut Picture, camera: &Camera, pieces: &[Piece]
 }
 
 /// Paints pieces into pixels, transparent where there is neither a piece nor a shadow.
-pub(super) fn paint(
-    pieces: &[Piece],
-    camera: &Camera,
+pub(super) fn paint_pieces(
+    pieces: &[PicturePiece],
+    camera: &PictureCamera,
     size: (usize, usize),
     shadows: Option<ShadowMap>,
 ) -> Vec<PremultipliedColorU8> {
     // Contours of very small figures fade, as little else would be visible.
     let contour = 1.0 - 0.5 * (camera.px_per_m / 110.0).min(1.0);
-    let painter = Painter { pieces, camera: *camera, light: light(camera), shadows, contour };
-    look(pieces, camera, size, RAYS, 1, |band, pixels| painter.paint(band, pixels, size.0)).concat()
+    let painter = Painter { pieces, camera: *camera, light: light_direction(camera), shadows, contour };
+    rasterize_bands(pieces, camera, size, RAYS, 1, |band, pixels| painter.paint(band, pixels, size.0)).concat()
 }
 
 /// Converts bands of samples to pixels.
 struct Painter<'a> {
-    pieces: &'a [Piece],
-    camera: Camera,
+    pieces: &'a [PicturePiece],
+    camera: PictureCamera,
     light: Vec3,
     shadows: Option<ShadowMap>,
     /// Brightness of contours.
@@ -67,7 +67,7 @@ struct Painter<'a> {
 }
 
 impl Painter<'_> {
-    fn paint(&self, band: &Band, pixels: Range<usize>, columns: usize) -> Vec<PremultipliedColorU8> {
+    fn paint(&self, band: &SampleBand, pixels: Range<usize>, columns: usize) -> Vec<PremultipliedColorU8> {
         let mut out = Vec::with_capacity(pixels.len() * columns);
         for y in pixels {
             for x in 0..columns {
@@ -86,12 +86,12 @@ impl Painter<'_> {
         out
     }
 
-    fn sample(&self, band: &Band, x: isize, row: isize) -> Colour {
-        let screen = sample(x, row, RAYS);
-        let seen = band.at(x, row).filter(|s| s.1 != NOTHING);
-        let seen = seen.and_then(|(_, i)| Some((i, self.pieces[i as usize].seen(&self.camera, screen)?)));
+    fn sample(&self, band: &SampleBand, x: isize, row: isize) -> Colour {
+        let screen = sample_position(x, row, RAYS);
+        let seen = band.sample_at(x, row).filter(|s| s.1 != NO_PIECE);
+        let seen = seen.and_then(|(_, i)| Some((i, self.pieces[i as usize].intersect(&self.camera, screen)?)));
         let Some((i, hit)) = seen else {
-            let shadow = self.camera.ground(screen).map_or(0.0, |p| self.shadow(p));
+            let shadow = self.camera.ground_point(screen).map_or(0.0, |p| self.shadow(p));
             return colour::INK.alpha(0.3 * shadow);
         };
         let p = self.camera.unproject(screen) + self.camera.forward * hit.distance;
@@ -103,19 +103,20 @@ impl Painter<'_> {
     }
 
     fn shadow(&self, p: Vec3) -> f32 {
-        self.shadows.as_ref().map_or(0.0, |s| s.at(p))
+        self.shadows.as_ref().map_or(0.0, |s| s.shadow_at(p))
     }
 
     /// True where the surface is clearly nearer than a neighbouring sample.
-    fn is_contour(&self, band: &Band, x: isize, row: isize, depth: f32) -> bool {
-        let beside = |(dx, dy): (isize, isize)| band.at(x + dx, row + dy).is_some_and(|s| s.0 > depth + CONTOUR_STEP);
+    fn is_contour(&self, band: &SampleBand, x: isize, row: isize, depth: f32) -> bool {
+        let beside =
+            |(dx, dy): (isize, isize)| band.sample_at(x + dx, row + dy).is_some_and(|s| s.0 > depth + CONTOUR_STEP);
         [(-1, 0), (1, 0), (0, -1), (0, 1)].into_iter().any(beside)
     }
 }
 
 /// Depths up to which light reaches, as seen from the light.
 pub(super) struct ShadowMap {
-    camera: Camera,
+    camera: PictureCamera,
     width: usize,
     /// Depth of the lit surface (m, width * height).
     depth: Vec<f32>,
@@ -123,25 +124,26 @@ pub(super) struct ShadowMap {
 
 impl ShadowMap {
     /// The shadow map of pieces; `None` without pieces.
-    fn new(pieces: &[Piece], light: Vec3) -> Option<Self> {
-        let all = pieces.iter().fold(Bounds::EMPTY, |b, p| b.union(p.bounds()));
+    fn new(pieces: &[PicturePiece], light: Vec3) -> Option<Self> {
+        let all = pieces.iter().fold(BoundingBox::EMPTY, |b, p| b.union(p.bounds()));
         if all.is_empty() {
             return None;
         }
         let right = light.cross(Vec3::Z).normalize_or(Vec3::X);
         let up = -light.cross(right);
-        let seen = Camera { right, up, forward: -light, target: all.centre(), screen: Vec2::ZERO, px_per_m: 1.0 };
+        let seen =
+            PictureCamera { right, up, forward: -light, target: all.centre(), screen: Vec2::ZERO, px_per_m: 1.0 };
         let reach = all.corners().map(|c| seen.project(c).abs()).into_iter().fold(Vec2::splat(0.5), Vec2::max);
         let px_per_m = (0.5 * SHADOW_PX / reach.max_element()).min(SHADOW_FINEST);
         let half = (reach * px_per_m).ceil() + 2.0;
         let size = ((2.0 * half.x) as usize, (2.0 * half.y) as usize);
-        let camera = Camera { screen: half, px_per_m, ..seen };
-        let rows = look(pieces, &camera, size, 1, 0, |band, _| band.depth.clone());
+        let camera = PictureCamera { screen: half, px_per_m, ..seen };
+        let rows = rasterize_bands(pieces, &camera, size, 1, 0, |band, _| band.depth.clone());
         Some(Self { camera, width: size.0, depth: rows.concat() })
     }
 
     /// Share of shadow at a point (0 to 1).
-    fn at(&self, p: Vec3) -> f32 {
+    fn shadow_at(&self, p: Vec3) -> f32 {
         let (screen, depth) = (self.camera.project(p), self.camera.depth(p));
         // The depth of flat ground differs from one sample to the next; the bias keeps it from shadowing itself.
         let bias = 0.015 + 1.5 / self.camera.px_per_m;

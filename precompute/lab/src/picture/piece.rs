@@ -1,10 +1,10 @@
 //! Pieces of a picture of a world: parts of bodies, bars and flat faces.
 
-use super::camera::Camera;
+use super::camera::PictureCamera;
 use super::colour::Colour;
-use super::solid::{Hit, Solid};
+use super::solid::{RoundCone, SurfaceHit};
 use glam::{Vec2, Vec3};
-use throng_bake::environment::{self, Bounds, UnitGeometry};
+use throng_bake::environment::{self, BoundingBox, UnitGeometry};
 use throng_runtime::patch::Placement;
 
 /// Tolerance at the edges of faces, so that neighbours leave no gap.
@@ -12,50 +12,50 @@ const EDGE: f32 = 1e-5;
 
 /// A piece of a world.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
-    form: Form,
+pub(super) struct PicturePiece {
+    form: PieceShape,
     /// Its colour in full light.
     pub colour: Colour,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Form {
-    Round(Solid),
+enum PieceShape {
+    Round(RoundCone),
     Face([Vec3; 3]),
 }
 
-impl Piece {
+impl PicturePiece {
     /// A limb or a bar.
-    pub fn round(solid: Solid, colour: Colour) -> Self {
-        Self { form: Form::Round(solid), colour }
+    pub fn round(solid: RoundCone, colour: Colour) -> Self {
+        Self { form: PieceShape::Round(solid), colour }
     }
 
     /// A triangle, seen from both sides.
     pub fn face(corners: [Vec3; 3], colour: Colour) -> Self {
-        Self { form: Form::Face(corners), colour }
+        Self { form: PieceShape::Face(corners), colour }
     }
 
     /// Bounding box in the world.
-    pub fn bounds(&self) -> Bounds {
+    pub fn bounds(&self) -> BoundingBox {
         match &self.form {
-            Form::Round(solid) => {
+            PieceShape::Round(solid) => {
                 let (a, b, reach) = solid.bounds();
-                Bounds::of([a, b]).grown(reach)
+                BoundingBox::around_points([a, b]).expanded(reach)
             }
-            Form::Face(corners) => Bounds::of(*corners),
+            PieceShape::Face(corners) => BoundingBox::around_points(*corners),
         }
     }
 
     /// Bounding box in the picture (px).
-    pub fn screen_box(&self, camera: &Camera) -> (Vec2, Vec2) {
+    pub fn screen_box(&self, camera: &PictureCamera) -> (Vec2, Vec2) {
         match &self.form {
-            Form::Round(solid) => {
+            PieceShape::Round(solid) => {
                 let (a, b, reach) = solid.bounds();
                 let (a, b) = (camera.project(a), camera.project(b));
                 let r = Vec2::splat(reach * camera.px_per_m + 1.0);
                 (a.min(b) - r, a.max(b) + r)
             }
-            Form::Face(corners) => {
+            PieceShape::Face(corners) => {
                 let [a, b, c] = corners.map(|p| camera.project(p));
                 (a.min(b).min(c) - 1.0, a.max(b).max(c) + 1.0)
             }
@@ -63,19 +63,19 @@ impl Piece {
     }
 
     /// First hit of the line of sight through a point of the picture: depth, and normal of the surface.
-    pub fn seen(&self, camera: &Camera, screen: Vec2) -> Option<Hit> {
+    pub fn intersect(&self, camera: &PictureCamera, screen: Vec2) -> Option<SurfaceHit> {
         // Rays begin near the piece: far ones would lose the digits that round cones need.
         let through = camera.unproject(screen);
         match &self.form {
-            Form::Round(solid) => {
+            PieceShape::Round(solid) => {
                 let (a, b, reach) = solid.bounds();
                 let start = camera.depth(a).min(camera.depth(b)) - 2.0 * reach - 1.0;
-                let hit = solid.hit(through + camera.forward * start, camera.forward)?;
-                Some(Hit { distance: hit.distance + start, ..hit })
+                let hit = solid.intersect(through + camera.forward * start, camera.forward)?;
+                Some(SurfaceHit { distance: hit.distance + start, ..hit })
             }
-            Form::Face(corners) => {
-                let (distance, normal) = through_face(corners, through, camera.forward)?;
-                Some(Hit { distance, normal })
+            PieceShape::Face(corners) => {
+                let (distance, normal) = intersect_face(corners, through, camera.forward)?;
+                Some(SurfaceHit { distance, normal })
             }
         }
     }
@@ -85,7 +85,7 @@ impl Piece {
 ///
 /// # Source
 /// Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection*, 1997.
-fn through_face(&[a, b, c]: &[Vec3; 3], origin: Vec3, direction: Vec3) -> Option<(f32, Vec3)> {
+fn intersect_face(&[a, b, c]: &[Vec3; 3], origin: Vec3, direction: Vec3) -> Option<(f32, Vec3)> {
     let (ab, ac) = (b - a, c - a);
     let across = direction.cross(ac);
     let det = ab.dot(across);
@@ -104,33 +104,38 @@ fn through_face(&[a, b, c]: &[Vec3; 3], origin: Vec3, direction: Vec3) -> Option
 }
 
 /// Adds the pieces of a placed unit.
-pub(super) fn add_unit(unit: &UnitGeometry, at: Placement, colour: Colour, out: &mut Vec<Piece>) {
+pub(super) fn add_unit(unit: &UnitGeometry, at: Placement, colour: Colour, out: &mut Vec<PicturePiece>) {
     unit.solids.iter().for_each(|solid| add_solid(solid, |p| at.transform_point(p), colour, out));
 }
 
 /// Adds the pieces of a solid; `at` transforms its points to the world.
-pub(super) fn add_solid(solid: &environment::Solid, at: impl Fn(Vec3) -> Vec3, colour: Colour, out: &mut Vec<Piece>) {
+pub(super) fn add_solid(
+    solid: &environment::UnitSolid,
+    at: impl Fn(Vec3) -> Vec3,
+    colour: Colour,
+    out: &mut Vec<PicturePiece>,
+) {
     match solid {
-        environment::Solid::Box { centre, rotation, half } => {
-            let corners = Bounds { min: -*half, max: *half }.corners();
+        environment::UnitSolid::Box { centre, rotation, half } => {
+            let corners = BoundingBox { min: -*half, max: *half }.corners();
             add_box(&corners.map(|c| at(*centre + *rotation * c)), colour, out);
         }
-        environment::Solid::Bar { from, to, radius } => {
-            out.push(Piece::round(Solid::limb(at(*from), at(*to), *radius, *radius), colour));
+        environment::UnitSolid::Bar { from, to, radius } => {
+            out.push(PicturePiece::round(RoundCone::limb(at(*from), at(*to), *radius, *radius), colour));
         }
-        environment::Solid::Mesh(triangles) => {
-            out.extend(triangles.corners().iter().map(|t| Piece::face(t.map(&at), colour)));
+        environment::UnitSolid::Mesh(triangles) => {
+            out.extend(triangles.corners().iter().map(|t| PicturePiece::face(t.map(&at), colour)));
         }
     }
 }
 
-/// Adds two triangles for each side of a box; corners as of [`Bounds::corners`].
-fn add_box(corners: &[Vec3; 8], colour: Colour, out: &mut Vec<Piece>) {
+/// Adds two triangles for each side of a box; corners as of [`BoundingBox::corners`].
+fn add_box(corners: &[Vec3; 8], colour: Colour, out: &mut Vec<PicturePiece>) {
     const SIDES: [[usize; 4]; 6] = [[0, 2, 6, 4], [1, 3, 7, 5], [0, 1, 5, 4], [2, 3, 7, 6], [0, 1, 3, 2], [4, 5, 7, 6]];
     for s in SIDES {
         let [a, b, c, d] = s.map(|i| corners[i]);
-        out.push(Piece::face([a, b, c], colour));
-        out.push(Piece::face([a, c, d], colour));
+        out.push(PicturePiece::face([a, b, c], colour));
+        out.push(PicturePiece::face([a, c, d], colour));
     }
 }
 
@@ -150,13 +155,13 @@ mod tests {
         let mut pieces = Vec::new();
         add_unit(&unit, at, Colour::hex(0), &mut pieces);
         assert_eq!(pieces.len(), 13);
-        let camera = Camera::looking(0.4, 0.5).framed(Vec3::new(3.0, 1.0, -2.0), Vec2::splat(50.0), 25.0);
+        let camera = PictureCamera::looking_along(0.4, 0.5).framed(Vec3::new(3.0, 1.0, -2.0), Vec2::splat(50.0), 25.0);
         let (mut hits, mut misses) = (0, 0);
         for i in 0..60 {
             for j in 0..60 {
                 let screen = Vec2::new(20.0 + i as f32, 20.0 + j as f32);
                 let ray = |t: f32| at.inverse_transform_point(camera.unproject(screen) + camera.forward * t);
-                let seen = pieces.iter().filter_map(|p| p.seen(&camera, screen)).map(|h| h.distance);
+                let seen = pieces.iter().filter_map(|p| p.intersect(&camera, screen)).map(|h| h.distance);
                 match seen.reduce(f32::min) {
                     Some(t) => {
                         hits += 1;

@@ -1,15 +1,15 @@
 //! The picture of a scene: a sheet for each group with policies, each group on paths, each world, and all agents.
 
 use super::canvas::Picture;
-use super::crowd_bodies::{SeenThing, bodies_sheet};
+use super::crowd_bodies::{PictureThing, bodies_sheet};
 use super::discs::crowd_sheet;
 use super::fights::fight_sheet;
 use super::inhabited::inhabited_sheet;
 use super::sheet::sheet;
 use super::walkers::walkers_sheet;
-use crate::run::{GroupReport, Pose, Record, SceneReport, WorldRecord, geometry, walk_styles};
+use crate::run::{GroupReport, JointPositions, SceneRecord, SceneReport, WorldRecord, walk_styles, world_geometry};
 use throng_motion::error::BuildError;
-use throng_runtime::simulation::{CompiledScene, Group, Simulation};
+use throng_runtime::simulation::{CompiledScene, SceneGroup, Simulation};
 
 /// Length of the path of style figures, and distance between figures on it (m).
 const PATH_M: f32 = 16.0;
@@ -23,10 +23,11 @@ pub fn scene_sheet(
     compiled: &CompiledScene,
     sim: &Simulation,
     report: &SceneReport,
-    record: &Record,
+    record: &SceneRecord,
 ) -> Result<Picture, BuildError> {
     let scene = compiled.scene();
-    let poses = |who: std::ops::Range<usize>| record.poses[who].iter().flatten().copied().collect::<Vec<Pose>>();
+    let poses =
+        |who: std::ops::Range<usize>| record.poses[who].iter().flatten().copied().collect::<Vec<JointPositions>>();
     let title = |g: &GroupReport, num: usize| {
         let name =
             if report.groups.len() == 1 { report.scene.clone() } else { format!("{}, {}", report.scene, g.group) };
@@ -39,21 +40,23 @@ pub fn scene_sheet(
         let title = title(g, all.len());
         sheets.push(fight_sheet(&title, &g.figures, &scene.groups[group.number], fight, &poses(all)));
     }
-    let groups_of = |world: &WorldRecord| sim.groups().iter().filter(|g| g.cast == world.cast).count();
+    let groups_of =
+        |world: &WorldRecord| sim.groups().iter().filter(|g| g.character_group == world.character_group).count();
     for world in &record.worlds {
-        let mut groups = sim.groups().iter().enumerate().filter(|(_, g)| g.cast == world.cast);
+        let mut groups = sim.groups().iter().enumerate().filter(|(_, g)| g.character_group == world.character_group);
         let Some((number, first)) = groups.next() else { continue };
         let end = groups.next_back().map_or(first.characters.end, |(_, last)| last.characters.end);
         let all = first.characters.start..end;
-        let stands = geometry(compiled, world.group)?;
+        let stands = world_geometry(compiled, world.group)?;
         let (g, num) = (&report.groups[number], all.len());
         // If several groups are drawn, the title has the figures of all of them, as they are printed first.
         let (title, figures) = match groups_of(world) {
             1 => (title(g, num), &g.figures),
             _ => (format!("{}: {num} characters", report.scene), &report.total),
         };
-        let of = |g: &Group| (scene.groups[g.number].name.clone(), poses(g.characters.clone()));
-        let groups: Vec<_> = sim.groups().iter().filter(|g| g.cast == world.cast).map(of).collect();
+        let of = |g: &SceneGroup| (scene.groups[g.number].name.clone(), poses(g.characters.clone()));
+        let groups: Vec<_> =
+            sim.groups().iter().filter(|g| g.character_group == world.character_group).map(of).collect();
         sheets.push(inhabited_sheet(&title, figures, (&scene.picture, world), &groups, &stands));
     }
     for paths in &record.paths {
@@ -67,11 +70,11 @@ pub fn scene_sheet(
     if let Some(agents) = &record.agents {
         sheets.push(crowd_sheet(&report.scene, &report.total, agents));
         let of_agents: Vec<_> = sim.groups().iter().filter(|g| scene.groups[g.number].is_of_agents()).collect();
-        let all: Vec<Option<Pose>> =
+        let all: Vec<Option<JointPositions>> =
             of_agents.iter().flat_map(|g| record.poses[g.characters.clone()].to_vec()).collect();
         if all.iter().any(Option::is_some) {
-            let things = sim.things().map(|t| SeenThing { at: t.at, turn: t.turn, size: t.size });
-            let things: Vec<SeenThing> = things.collect();
+            let things = sim.things().map(|t| PictureThing { at: t.at, turn: t.turn, size: t.size });
+            let things: Vec<PictureThing> = things.collect();
             sheets.push(bodies_sheet(agents, &all, scene.environment.heights_m(), &things));
         }
     }

@@ -1,10 +1,10 @@
 //! Soft shadows of figures on the ground.
 
-use super::camera::Camera;
+use super::camera::PictureCamera;
 use super::canvas::{Picture, source_over};
 use super::colour::Colour;
-use super::figure::{BodyColours, Figure, body};
-use super::paint::light;
+use super::figure::{BodyColours, BodyFigure, body_solids};
+use super::paint::light_direction;
 use glam::Vec3;
 use tiny_skia::{FillRule, Mask, Path, PathBuilder, Transform};
 
@@ -23,8 +23,8 @@ impl Shadows {
     }
 
     /// Adds the shadow of a figure on the ground y = 0, as `camera` sees it.
-    pub fn add(&mut self, figure: &Figure, camera: &Camera) {
-        if let Some(path) = Some(figure).filter(|f| f.is_drawable()).and_then(|f| outline(f, camera)) {
+    pub fn add(&mut self, figure: &BodyFigure, camera: &PictureCamera) {
+        if let Some(path) = Some(figure).filter(|f| f.is_drawable()).and_then(|f| shadow_outline(f, camera)) {
             self.mask.fill_path(&path, FillRule::Winding, true, Transform::identity());
         }
     }
@@ -48,11 +48,11 @@ impl Shadows {
 }
 
 /// The outlines of all solids, all in the same sense of rotation: filled by winding they are their union.
-fn outline(figure: &Figure, camera: &Camera) -> Option<Path> {
+fn shadow_outline(figure: &BodyFigure, camera: &PictureCamera) -> Option<Path> {
     let mut b = PathBuilder::new();
-    for (solid, _) in body(figure, &BodyColours::default()) {
-        let [(p, rp), (q, rq)] = solid.shadow(light(camera));
-        let corners = hull(p, rp, q, rq).map(|c| camera.project(c));
+    for (solid, _) in body_solids(figure, &BodyColours::default()) {
+        let [(p, rp), (q, rq)] = solid.shadow(light_direction(camera));
+        let corners = disc_hull(p, rp, q, rq).map(|c| camera.project(c));
         if corners.iter().all(|c| c.is_finite() && c.abs().max_element() < 1e6) {
             b.move_to(corners[0].x, corners[0].y);
             corners[1..].iter().for_each(|c| b.line_to(c.x, c.y));
@@ -63,7 +63,7 @@ fn outline(figure: &Figure, camera: &Camera) -> Option<Path> {
 }
 
 /// Convex outline of two discs on the ground: the half of each that is turned away from the other.
-fn hull(p: Vec3, rp: f32, q: Vec3, rq: f32) -> [Vec3; 2 * CORNERS] {
+fn disc_hull(p: Vec3, rp: f32, q: Vec3, rq: f32) -> [Vec3; 2 * CORNERS] {
     let d = q - p;
     let along = d.x.atan2(d.z);
     std::array::from_fn(|i| {
@@ -122,11 +122,11 @@ mod tests {
 
     #[test]
     fn a_shadow_lies_at_the_feet_and_away_from_the_light() {
-        let camera = Camera::looking(0.0, 0.7).framed(Vec3::ZERO, Vec2::new(100.0, 100.0), 50.0);
+        let camera = PictureCamera::looking_along(0.0, 0.7).framed(Vec3::ZERO, Vec2::new(100.0, 100.0), 50.0);
         let mut picture = Picture::new(200, 200, colour::GROUND);
         let blank = picture.pixel(0, 0);
         let mut shadows = Shadows::new(&picture).expect("a mask");
-        shadows.add(&Figure::from_positions(&Skeleton::default().rest_positions()), &camera);
+        shadows.add(&BodyFigure::from_positions(&Skeleton::default().rest_positions()), &camera);
         shadows.draw(&mut picture, 2, colour::INK.alpha(0.3));
         let at = |x: f32| {
             let p = camera.project(Vec3::ZERO);

@@ -6,7 +6,7 @@ use glam::{Mat3, Vec3};
 ///
 /// One sphere (both ends the same) flattened is an ellipsoid, so limbs, trunks and heads are all of this kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Solid {
+pub(super) struct RoundCone {
     a: Vec3,
     b: Vec3,
     radius_a: f32,
@@ -19,14 +19,14 @@ pub(super) struct Solid {
 
 /// A hit of a ray on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Hit {
+pub(super) struct SurfaceHit {
     /// Distance along the ray (m).
     pub distance: f32,
     /// Outward direction of the surface in the world. Unit.
     pub normal: Vec3,
 }
 
-impl Solid {
+impl RoundCone {
     /// A limb: spheres of two radii around two points and all between (m).
     pub fn limb(a: Vec3, b: Vec3, radius_a: f32, radius_b: f32) -> Self {
         Self { a, b, radius_a, radius_b, to_round: Mat3::IDENTITY, reach: radius_a.max(radius_b) }
@@ -58,19 +58,19 @@ impl Solid {
     }
 
     /// First hit of the ray from `origin` along the unit vector `direction`.
-    pub fn hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
+    pub fn intersect(&self, origin: Vec3, direction: Vec3) -> Option<SurfaceHit> {
         let direction = self.to_round * direction;
         let stretch = direction.length();
         let direction = direction / stretch;
-        let (t, normal) = self.hit_round(self.to_round * (origin - self.a), direction)?;
-        Some(Hit { distance: t / stretch, normal: (self.to_round * normal).normalize_or_zero() })
+        let (t, normal) = self.intersect_round(self.to_round * (origin - self.a), direction)?;
+        Some(SurfaceHit { distance: t / stretch, normal: (self.to_round * normal).normalize_or_zero() })
     }
 
     /// First hit of a ray on a plain round cone whose first end is the origin.
     ///
     /// The cone that touches both spheres gives a quadratic in the distance; where its root lies beyond the touching
     /// circles, the spheres decide. After Inigo Quilez, *Rounded cone, intersection* (iquilezles.org, intersectors).
-    fn hit_round(&self, oa: Vec3, rd: Vec3) -> Option<(f32, Vec3)> {
+    fn intersect_round(&self, oa: Vec3, rd: Vec3) -> Option<(f32, Vec3)> {
         let (ra, rb) = (self.radius_a, self.radius_b);
         let ba = self.to_round * (self.b - self.a);
         let ob = oa - ba;
@@ -109,7 +109,7 @@ mod tests {
     use super::*;
 
     /// Signed distance to a round cone by dense sampling of its axis.
-    fn distance(solid: &Solid, p: Vec3) -> f32 {
+    fn distance(solid: &RoundCone, p: Vec3) -> f32 {
         let steps = 4000;
         let one = |i: usize| {
             let t = i as f32 / steps as f32;
@@ -120,13 +120,13 @@ mod tests {
 
     #[test]
     fn hits_lie_on_the_surface_and_misses_stay_outside() {
-        let solid = Solid::limb(Vec3::new(-0.2, 0.1, 0.0), Vec3::new(0.3, 0.5, 0.2), 0.2, 0.08);
+        let solid = RoundCone::limb(Vec3::new(-0.2, 0.1, 0.0), Vec3::new(0.3, 0.5, 0.2), 0.2, 0.08);
         let d = Vec3::new(0.1, -0.2, 1.0).normalize();
         let (mut hits, mut misses) = (0, 0);
         for i in 0..20 {
             for j in 0..20 {
                 let o = Vec3::new(-0.6 + 0.06 * i as f32, -0.2 + 0.06 * j as f32, -2.0);
-                match solid.hit(o, d) {
+                match solid.intersect(o, d) {
                     Some(hit) => {
                         hits += 1;
                         let p = o + d * hit.distance;
@@ -139,7 +139,7 @@ mod tests {
                     }
                 }
                 if i % 5 == 0 {
-                    assert_eq!(solid.hit(o + d * 4.0, -d).is_some(), solid.hit(o, d).is_some());
+                    assert_eq!(solid.intersect(o + d * 4.0, -d).is_some(), solid.intersect(o, d).is_some());
                 }
             }
         }
@@ -149,16 +149,16 @@ mod tests {
     #[test]
     fn a_flattened_sphere_is_an_ellipsoid() {
         let axis = Vec3::new(1.0, 1.0, 0.0).normalize();
-        let e = Solid::limb(Vec3::ONE, Vec3::ONE, 0.3, 0.3).flattened(axis, 0.5);
-        let near = |d: Vec3| e.hit(Vec3::ONE - d * 2.0, d).map(|h| 2.0 - h.distance);
+        let e = RoundCone::limb(Vec3::ONE, Vec3::ONE, 0.3, 0.3).flattened(axis, 0.5);
+        let near = |d: Vec3| e.intersect(Vec3::ONE - d * 2.0, d).map(|h| 2.0 - h.distance);
         assert!(near(axis).is_some_and(|r| (r - 0.15).abs() < 1e-4));
         assert!(near(Vec3::Z).is_some_and(|r| (r - 0.3).abs() < 1e-4));
-        assert!(e.hit(Vec3::ONE - axis * 2.0, axis).is_some_and(|h| (h.normal + axis).length() < 1e-4));
+        assert!(e.intersect(Vec3::ONE - axis * 2.0, axis).is_some_and(|h| (h.normal + axis).length() < 1e-4));
     }
 
     #[test]
     fn one_end_inside_the_other_is_a_sphere() {
-        let s = Solid::limb(Vec3::ZERO, Vec3::X * 0.05, 0.3, 0.1);
-        assert!(s.hit(Vec3::Z * -1.0, Vec3::Z).is_some_and(|h| (h.distance - 0.7).abs() < 1e-5));
+        let s = RoundCone::limb(Vec3::ZERO, Vec3::X * 0.05, 0.3, 0.1);
+        assert!(s.intersect(Vec3::Z * -1.0, Vec3::Z).is_some_and(|h| (h.distance - 0.7).abs() < 1e-5));
     }
 }

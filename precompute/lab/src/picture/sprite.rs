@@ -1,10 +1,10 @@
 //! One figure, shaded and anti-aliased, without a shadow.
 
-use super::camera::Camera;
+use super::camera::PictureCamera;
 use super::canvas::{Picture, source_over};
-use super::figure::{BodyColours, Figure, body};
-use super::paint::paint;
-use super::piece::Piece;
+use super::figure::{BodyColours, BodyFigure, body_solids};
+use super::paint::paint_pieces;
+use super::piece::PicturePiece;
 use glam::Vec2;
 use tiny_skia::PremultipliedColorU8;
 
@@ -21,11 +21,17 @@ pub(super) struct Sprite {
 }
 
 /// Draws a figure. `None` where it cannot be drawn or lies outside of the picture's `size`.
-pub(super) fn render(figure: &Figure, colours: &BodyColours, camera: &Camera, size: (u32, u32)) -> Option<Sprite> {
+pub(super) fn render(
+    figure: &BodyFigure,
+    colours: &BodyColours,
+    camera: &PictureCamera,
+    size: (u32, u32),
+) -> Option<Sprite> {
     if !figure.is_drawable() {
         return None;
     }
-    let pieces: Vec<Piece> = body(figure, colours).into_iter().map(|(s, c)| Piece::round(s, c)).collect();
+    let pieces: Vec<PicturePiece> =
+        body_solids(figure, colours).into_iter().map(|(s, c)| PicturePiece::round(s, c)).collect();
     let boxes = || pieces.iter().map(|p| p.screen_box(camera));
     let min = boxes().fold(Vec2::INFINITY, |m, b| m.min(b.0)).floor().max(Vec2::ZERO);
     let max = boxes().fold(Vec2::NEG_INFINITY, |m, b| m.max(b.1)).ceil();
@@ -33,12 +39,13 @@ pub(super) fn render(figure: &Figure, colours: &BodyColours, camera: &Camera, si
     if !(extent.min_element() >= 1.0 && extent.max_element() <= MAX_SIDE) {
         return None;
     }
-    let (camera, size) = (Camera { screen: camera.screen - min, ..*camera }, (extent.x as usize, extent.y as usize));
-    Some(Sprite { corner: (min.x as i32, min.y as i32), size, pixels: paint(&pieces, &camera, size, None) })
+    let (camera, size) =
+        (PictureCamera { screen: camera.screen - min, ..*camera }, (extent.x as usize, extent.y as usize));
+    Some(Sprite { corner: (min.x as i32, min.y as i32), size, pixels: paint_pieces(&pieces, &camera, size, None) })
 }
 
 /// Draws a figure on a picture, if it can be drawn.
-pub(super) fn draw(picture: &mut Picture, figure: &Figure, colours: &BodyColours, camera: &Camera) {
+pub(super) fn draw(picture: &mut Picture, figure: &BodyFigure, colours: &BodyColours, camera: &PictureCamera) {
     if let Some(sprite) = render(figure, colours, camera, (picture.width(), picture.height())) {
         sprite.draw(picture);
     }
@@ -69,13 +76,17 @@ mod tests {
     use glam::Vec3;
     use throng_runtime::Skeleton;
 
-    fn standing() -> Figure {
-        Figure::from_positions(&Skeleton::default().rest_positions())
+    fn standing() -> BodyFigure {
+        BodyFigure::from_positions(&Skeleton::default().rest_positions())
     }
 
     #[test]
     fn what_is_nearer_hides_what_is_farther() {
-        let camera = Camera::looking(-std::f32::consts::FRAC_PI_2, 0.0).framed(Vec3::Y, Vec2::new(50.0, 50.0), 40.0);
+        let camera = PictureCamera::looking_along(-std::f32::consts::FRAC_PI_2, 0.0).framed(
+            Vec3::Y,
+            Vec2::new(50.0, 50.0),
+            40.0,
+        );
         let sprite = render(&standing(), &BodyColours::default(), &camera, (100, 100)).expect("is drawn");
         let knee = camera.project(standing().joint(throng_runtime::Joint::LeftShin));
         let i = (knee.y as i32 - sprite.corner.1) as usize * sprite.size.0 + (knee.x as i32 - sprite.corner.0) as usize;
@@ -85,8 +96,8 @@ mod tests {
 
     #[test]
     fn a_figure_outside_or_broken_is_not_drawn() {
-        let camera = Camera::looking(0.0, 0.5).framed(Vec3::ZERO, Vec2::new(50.0, 50.0), 20.0);
-        let draw = |f: &Figure| render(f, &BodyColours::default(), &camera, (100, 100));
+        let camera = PictureCamera::looking_along(0.0, 0.5).framed(Vec3::ZERO, Vec2::new(50.0, 50.0), 20.0);
+        let draw = |f: &BodyFigure| render(f, &BodyColours::default(), &camera, (100, 100));
         assert!(draw(&standing()).is_some());
         assert!(draw(&standing().translated(Vec3::X * 100.0)).is_none());
         assert!(draw(&standing().translated(Vec3::X * f32::NAN)).is_none());
@@ -94,7 +105,7 @@ mod tests {
 
     #[test]
     fn a_sprite_over_the_edge_is_cut_off() {
-        let camera = Camera::looking(0.0, 0.5).framed(Vec3::ZERO, Vec2::new(0.0, 99.0), 60.0);
+        let camera = PictureCamera::looking_along(0.0, 0.5).framed(Vec3::ZERO, Vec2::new(0.0, 99.0), 60.0);
         let mut picture = Picture::new(100, 100, colour::PAPER);
         let before = picture.clone();
         let sprite = render(&standing(), &BodyColours::default(), &camera, (100, 100)).expect("half of it");

@@ -1,8 +1,8 @@
 //! The picture of a trial: the crowd at its end, some of it from near, and a stretch of one character's path.
 
 use super::canvas::Picture;
-use super::crowd::{Arrival, CrowdCharacter, CrowdView, Focus, crowd_overview};
-use super::figure::Figure;
+use super::crowd::{ArrivalState, CrowdCharacter, CrowdView, Focus, crowd_overview};
+use super::figure::BodyFigure;
 use super::sheet::sheet;
 use super::strip::{PoseStrip, StripFrame, onion_skin, pose_strip};
 use crate::trial::{TrialConfig, TrialRecord, TrialReport};
@@ -54,14 +54,14 @@ pub fn trial_sheet(tables: &Bundle, config: &TrialConfig, report: &TrialReport, 
         subtitle: "arrows: headings",
         size: (1600, 720),
         marked: None,
-        focus: Some(Focus { centre: middle(record), width_m: NEAR_M }),
+        focus: Some(Focus { centre: mean_position(record), width_m: NEAR_M }),
         ..overview
     };
     let frames = strip_frames(record);
     let strip = PoseStrip {
         title: "Character A",
         subtitle: "from its right and from the front; bars: heels and toes on the ground; left is orange",
-        frames: stretch(&frames, STRIP_S),
+        frames: longest_stretch(&frames, STRIP_S),
         columns: 12,
         front_row: true,
         width: 1600,
@@ -69,7 +69,7 @@ pub fn trial_sheet(tables: &Bundle, config: &TrialConfig, report: &TrialReport, 
     let way = PoseStrip {
         title: "Character A on its way",
         subtitle: "poses where they were, older ones paler",
-        frames: stretch(&frames, ONION_S),
+        frames: longest_stretch(&frames, ONION_S),
         columns: 13,
         ..strip
     };
@@ -81,20 +81,20 @@ pub fn trial_sheet(tables: &Bundle, config: &TrialConfig, report: &TrialReport, 
 fn characters(record: &TrialRecord, streams: bool) -> Vec<CrowdCharacter<'_>> {
     let one = |(c, &root): (usize, &Planar)| CrowdCharacter {
         root,
-        figure: record.poses.get(c).map(Figure::from_positions),
+        figure: record.poses.get(c).map(BodyFigure::from_positions),
         trail: record.trails.get(c).map_or(&[], Vec::as_slice),
         target: record.targets.get(c).map(|t| Vec2::new(t.x, t.z)).filter(|_| !streams),
         arrival: match (record.arrivals_s.get(c), record.targets.get(c), record.trails.get(c).and_then(|t| t.first())) {
-            (_, Some(to), Some(from)) if streams && to.x < from.x => Arrival::OnTheWayBack,
-            (Some(&t), ..) if !streams && t <= record.snapshot_s => Arrival::Reached,
-            _ => Arrival::OnTheWay,
+            (_, Some(to), Some(from)) if streams && to.x < from.x => ArrivalState::OnTheWayBack,
+            (Some(&t), ..) if !streams && t <= record.snapshot_s => ArrivalState::Reached,
+            _ => ArrivalState::OnTheWay,
         },
     };
     record.roots.iter().enumerate().map(one).collect()
 }
 
 /// Mean position (m).
-fn middle(record: &TrialRecord) -> Vec2 {
+fn mean_position(record: &TrialRecord) -> Vec2 {
     let sum: Vec2 = record.roots.iter().map(|r| Vec2::new(r.x, r.z)).sum();
     sum / record.roots.len().max(1) as f32
 }
@@ -103,14 +103,14 @@ fn strip_frames(record: &TrialRecord) -> Vec<StripFrame> {
     let one = |f: &crate::trial::TrialFrame| StripFrame {
         time_s: f.time_s,
         root: f.root,
-        figure: Figure::from_positions(&f.positions),
+        figure: BodyFigure::from_positions(&f.positions),
         contacts: f.contacts,
     };
     record.frames.iter().map(one).collect()
 }
 
 /// The frames of `duration_s` in which the root travels farthest; all frames of a shorter motion.
-fn stretch(frames: &[StripFrame], duration_s: f32) -> &[StripFrame] {
+fn longest_stretch(frames: &[StripFrame], duration_s: f32) -> &[StripFrame] {
     let mut gone = vec![0.0f32];
     for pair in frames.windows(2) {
         gone.push(gone[gone.len() - 1] + (pair[1].root.translation() - pair[0].root.translation()).length());
@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn the_stretch_is_where_the_root_goes_farthest() {
-        let figure = Figure::from_positions(&Skeleton::default().rest_positions());
+        let figure = BodyFigure::from_positions(&Skeleton::default().rest_positions());
         let mut x = 0.0;
         let frames: Vec<StripFrame> = (0..300)
             .map(|i| {
@@ -138,11 +138,11 @@ mod tests {
                 StripFrame { time_s: i as f32 / 30.0, root, figure, contacts: Contacts::NONE }
             })
             .collect();
-        let found = stretch(&frames, 2.0);
+        let found = longest_stretch(&frames, 2.0);
         let first = (found[0].time_s * 30.0).round() as usize;
         assert_eq!(found.len(), 61);
         assert!((99..=100).contains(&first), "{first}");
-        assert_eq!(stretch(&frames[..10], 2.0).len(), 10);
-        assert!(stretch(&[], 2.0).is_empty());
+        assert_eq!(longest_stretch(&frames[..10], 2.0).len(), 10);
+        assert!(longest_stretch(&[], 2.0).is_empty());
     }
 }

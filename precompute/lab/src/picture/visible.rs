@@ -1,7 +1,7 @@
 //! Visibility of pieces: a depth buffer, filled in parallel bands of rows.
 
-use super::camera::Camera;
-use super::piece::Piece;
+use super::camera::PictureCamera;
+use super::piece::PicturePiece;
 use glam::Vec2;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -10,36 +10,36 @@ use std::ops::Range;
 const BAND: usize = 32;
 
 /// Number that stands for no piece.
-pub(super) const NOTHING: u32 = u32::MAX;
+pub(super) const NO_PIECE: u32 = u32::MAX;
 
 /// A few rows of samples with the nearest piece at each.
-pub(super) struct Band {
+pub(super) struct SampleBand {
     /// Samples in a row.
     pub width: usize,
     /// Rows of samples that the band covers; the first may lie above the picture.
     pub rows: Range<isize>,
     /// Depth of the nearest piece (m, width * rows).
     pub depth: Vec<f32>,
-    /// Number of the nearest piece, or [`NOTHING`] (width * rows).
+    /// Number of the nearest piece, or [`NO_PIECE`] (width * rows).
     pub piece: Vec<u32>,
 }
 
-impl Band {
+impl SampleBand {
     /// Depth and number of the nearest piece at a sample; `None` outside of the band.
-    pub fn at(&self, x: isize, row: isize) -> Option<(f32, u32)> {
+    pub fn sample_at(&self, x: isize, row: isize) -> Option<(f32, u32)> {
         let inside = (0..self.width as isize).contains(&x) && self.rows.contains(&row);
         let i = || (row - self.rows.start) as usize * self.width + x as usize;
         inside.then(i).map(|i| (self.depth[i], self.piece[i]))
     }
 
-    fn draw(&mut self, number: u32, piece: &Piece, camera: &Camera, bounds: (Vec2, Vec2), rays: usize) {
+    fn draw(&mut self, number: u32, piece: &PicturePiece, camera: &PictureCamera, bounds: (Vec2, Vec2), rays: usize) {
         let (low, high) = ((bounds.0 * rays as f32).floor(), (bounds.1 * rays as f32).ceil());
         let columns = low.x.max(0.0) as usize..(high.x.max(0.0) as usize).min(self.width);
         let rows = (low.y as isize).max(self.rows.start)..(high.y as isize).min(self.rows.end);
         for row in rows {
             let start = (row - self.rows.start) as usize * self.width;
             for x in columns.clone() {
-                let Some(hit) = piece.seen(camera, sample(x as isize, row, rays)) else { continue };
+                let Some(hit) = piece.intersect(camera, sample_position(x as isize, row, rays)) else { continue };
                 if hit.distance < self.depth[start + x] {
                     (self.depth[start + x], self.piece[start + x]) = (hit.distance, number);
                 }
@@ -49,7 +49,7 @@ impl Band {
 }
 
 /// Position of a sample in the picture (px).
-pub(super) fn sample(x: isize, row: isize, rays: usize) -> Vec2 {
+pub(super) fn sample_position(x: isize, row: isize, rays: usize) -> Vec2 {
     (Vec2::new(x as f32, row as f32) + 0.5) / rays as f32
 }
 
@@ -59,13 +59,13 @@ pub(super) fn sample(x: isize, row: isize, rays: usize) -> Vec2 {
 /// - `rays`: samples along each side of a pixel.
 /// - `margin`: rows of samples that a band shares with its neighbours above and below.
 /// - `make`: receives a band and its pixel rows.
-pub(super) fn look<T: Send>(
-    pieces: &[Piece],
-    camera: &Camera,
+pub(super) fn rasterize_bands<T: Send>(
+    pieces: &[PicturePiece],
+    camera: &PictureCamera,
     size: (usize, usize),
     rays: usize,
     margin: usize,
-    make: impl Fn(&Band, Range<usize>) -> T + Sync,
+    make: impl Fn(&SampleBand, Range<usize>) -> T + Sync,
 ) -> Vec<T> {
     let boxes: Vec<(Vec2, Vec2)> = pieces.par_iter().map(|p| p.screen_box(camera)).collect();
     let mut of_band: Vec<Vec<u32>> = vec![Vec::new(); size.1.div_ceil(BAND)];
@@ -82,8 +82,8 @@ pub(super) fn look<T: Send>(
         let pixels = number * BAND..((number + 1) * BAND).min(size.1);
         let rows = (pixels.start * rays) as isize - margin as isize..(pixels.end * rays + margin) as isize;
         let n = size.0 * rays * rows.len();
-        let (depth, piece) = (vec![f32::INFINITY; n], vec![NOTHING; n]);
-        let mut band = Band { width: size.0 * rays, rows, depth, piece };
+        let (depth, piece) = (vec![f32::INFINITY; n], vec![NO_PIECE; n]);
+        let mut band = SampleBand { width: size.0 * rays, rows, depth, piece };
         for &i in numbers {
             band.draw(i, &pieces[i as usize], camera, boxes[i as usize], rays);
         }
@@ -96,21 +96,23 @@ pub(super) fn look<T: Send>(
 mod tests {
     use super::*;
     use crate::picture::colour;
-    use crate::picture::solid::Solid;
+    use crate::picture::solid::RoundCone;
     use glam::Vec3;
 
     #[test]
     fn the_nearest_piece_is_seen_in_every_band() {
-        let camera = Camera::looking(0.0, 0.0).framed(Vec3::ZERO, Vec2::new(40.0, 60.0), 20.0);
+        let camera = PictureCamera::looking_along(0.0, 0.0).framed(Vec3::ZERO, Vec2::new(40.0, 60.0), 20.0);
         let wall = |z: f32| {
             let [a, b, c] = [Vec3::new(-9.0, -9.0, z), Vec3::new(9.0, -9.0, z), Vec3::new(0.0, 30.0, z)];
-            Piece::face([a, b, c], colour::INK)
+            PicturePiece::face([a, b, c], colour::INK)
         };
-        let ball = Piece::round(Solid::limb(Vec3::ZERO, Vec3::ZERO, 0.5, 0.5), colour::INK);
+        let ball = PicturePiece::round(RoundCone::limb(Vec3::ZERO, Vec3::ZERO, 0.5, 0.5), colour::INK);
         let pieces = [wall(3.0), ball, wall(8.0)];
-        let rows = look(&pieces, &camera, (80, 120), 2, 3, |band, pixels| {
+        let rows = rasterize_bands(&pieces, &camera, (80, 120), 2, 3, |band, pixels| {
             assert_eq!(band.rows.len(), pixels.len() * 2 + 6);
-            pixels.map(|y| (0..80).map(|x| band.at(2 * x, 2 * y as isize).unwrap().1).collect::<Vec<_>>()).collect()
+            pixels
+                .map(|y| (0..80).map(|x| band.sample_at(2 * x, 2 * y as isize).unwrap().1).collect::<Vec<_>>())
+                .collect()
         });
         let rows: Vec<Vec<u32>> = rows.into_iter().flat_map(|b: Vec<Vec<u32>>| b).collect();
         assert_eq!(rows.len(), 120);

@@ -3,10 +3,10 @@
 
 use super::canvas::Picture;
 use super::colour::{self, Colour};
-use super::figure::{BodyColours, Figure};
+use super::figure::{BodyColours, BodyFigure};
 use super::sheet::sheet;
-use super::world::{WorldFigure, WorldLook, WorldMoment, WorldStrip, WorldView, world_sheet, world_strip};
-use crate::run::{Figures, PathsRecord, Pose, StyleWalk, curve};
+use super::world::{WorldCamera, WorldFigure, WorldMoment, WorldSheet, WorldStrip, world_sheet, world_strip};
+use crate::run::{JointPositions, PathsRecord, SceneFigures, StyleWalk, style_path};
 use glam::Vec3;
 use std::f32::consts::PI;
 use throng_runtime::{Joint, NUM_JOINTS};
@@ -19,7 +19,7 @@ const WIDTH_M: f32 = 2.2;
 /// Distance between styles side by side (m).
 const APART_M: f32 = 3.2;
 /// Heading and elevation of the overview's camera (rad).
-const FROM: (f32, f32) = (0.8 * PI, 0.6);
+const VIEW_ANGLES: (f32, f32) = (0.8 * PI, 0.6);
 /// Width of the overview (m).
 const OVERVIEW_M: f32 = 34.0;
 
@@ -30,24 +30,24 @@ const OVERVIEW_M: f32 = 34.0;
 /// - `length_m`: length of that path (m).
 pub(super) fn walkers_sheet(
     (title, centre): (&str, [f32; 2]),
-    figures: &Figures,
-    (record, poses): (&PathsRecord, &[Pose]),
+    figures: &SceneFigures,
+    (record, poses): (&PathsRecord, &[JointPositions]),
     (styles, length_m): (&[StyleWalk], f32),
 ) -> Picture {
     let mut pictures = vec![overview(title, centre, figures, poses)];
     if !styles.is_empty() {
         pictures.push(styles_sheet(styles, length_m));
     }
-    pictures.extend(moments(record));
+    pictures.extend(draw_moments(record));
     sheet(&pictures.iter().collect::<Vec<_>>())
 }
 
-fn figure(pose: &[Vec3; NUM_JOINTS]) -> WorldFigure {
-    WorldFigure { figure: Figure::from_positions(pose), colours: BodyColours::default() }
+fn world_figure(pose: &[Vec3; NUM_JOINTS]) -> WorldFigure {
+    WorldFigure { figure: BodyFigure::from_positions(pose), colours: BodyColours::default() }
 }
 
-fn overview(title: &str, centre: [f32; 2], figures: &Figures, poses: &[Pose]) -> Picture {
-    let bodies: Vec<WorldFigure> = poses.iter().map(figure).collect();
+fn overview(title: &str, centre: [f32; 2], figures: &SceneFigures, poses: &[JointPositions]) -> Picture {
+    let bodies: Vec<WorldFigure> = poses.iter().map(world_figure).collect();
     let f = figures.paths.clone().unwrap_or_default();
     let subtitle = format!(
         "{:.0} s at {:.1} m/s on average, {:.1} at most; planted feet slip {:.0} mm/s (95th percentile)",
@@ -56,7 +56,7 @@ fn overview(title: &str, centre: [f32; 2], figures: &Figures, poses: &[Pose]) ->
         f.speed_max_mps,
         1000.0 * figures.foot_slip_p95_mps.unwrap_or_default()
     );
-    world_sheet(&WorldView {
+    world_sheet(&WorldSheet {
         title,
         subtitle: &subtitle,
         size: (1600, 900),
@@ -65,9 +65,9 @@ fn overview(title: &str, centre: [f32; 2], figures: &Figures, poses: &[Pose]) ->
         solids: &[],
         trails: &[],
         names: &[],
-        look: WorldLook {
-            heading: FROM.0,
-            elevation: FROM.1,
+        camera: WorldCamera {
+            heading: VIEW_ANGLES.0,
+            elevation: VIEW_ANGLES.1,
             focus: Some((Vec3::new(centre[0], 0.0, centre[1]), OVERVIEW_M)),
         },
     })
@@ -79,16 +79,16 @@ fn styles_sheet(styles: &[StyleWalk], length_m: f32) -> Picture {
     let (mut figures, mut trails, mut names) = (Vec::new(), Vec::new(), Vec::new());
     for (i, style) in styles.iter().enumerate() {
         let place = |p: &[Vec3; NUM_JOINTS]| p.map(|j| j + beside(i));
-        figures.extend(style.poses.iter().map(|p| figure(&place(p))));
+        figures.extend(style.poses.iter().map(|p| world_figure(&place(p))));
         let point = |k: usize| {
-            let (at, _) = curve(length_m * k as f32 / 100.0);
+            let (at, _) = style_path(length_m * k as f32 / 100.0);
             Vec3::new(at.x, 0.005, at.y) + beside(i)
         };
         trails.push(((0..=100).map(point).collect(), trail_colour()));
         names.push((point(0) - Vec3::Z * 0.9, style.name.clone(), colour::INK));
     }
     let centre = Vec3::new(0.4 - 0.5 * APART_M * (styles.len() - 1) as f32, 0.6, 0.45 * length_m);
-    world_sheet(&WorldView {
+    world_sheet(&WorldSheet {
         title: "One path in several styles",
         subtitle: "figures are equally far apart along the path, not in time",
         size: (1600, 1000),
@@ -97,7 +97,7 @@ fn styles_sheet(styles: &[StyleWalk], length_m: f32) -> Picture {
         solids: &[],
         trails: &trails,
         names: &names,
-        look: WorldLook { heading: 0.5 * PI, elevation: 0.7, focus: Some((centre, 1.25 * length_m)) },
+        camera: WorldCamera { heading: 0.5 * PI, elevation: 0.7, focus: Some((centre, 1.25 * length_m)) },
     })
 }
 
@@ -106,23 +106,25 @@ fn trail_colour() -> Colour {
 }
 
 /// Draws moments of the recorded character whose speed changed most.
-fn moments(record: &PathsRecord) -> Option<Picture> {
+fn draw_moments(record: &PathsRecord) -> Option<Picture> {
     let span = COLUMNS * ROWS;
-    let num = record.looks.first()?.1.len();
+    let num = record.samples.first()?.1.len();
     let range = |who: usize, from: usize| {
-        let speeds = record.looks[from..].iter().take(span).map(|(_, s, _)| s[who]);
+        let speeds = record.samples[from..].iter().take(span).map(|(_, s, _)| s[who]);
         let (low, high) = speeds.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
         high - low
     };
-    let starts = 0..record.looks.len().saturating_sub(span).max(1);
+    let starts = 0..record.samples.len().saturating_sub(span).max(1);
     let all = (0..num).flat_map(|w| starts.clone().map(move |s| (w, s)));
     let (who, from) = all.max_by(|a, b| range(a.0, a.1).total_cmp(&range(b.0, b.1)))?;
-    let looks = record.looks[from..].iter().take(span);
-    let moment =
-        |(t, _, p): &(f32, Vec<f32>, Vec<[glam::Vec3; 22]>)| WorldMoment::of(*t, Figure::from_positions(&p[who]));
+    let looks = record.samples[from..].iter().take(span);
+    let moment = |(t, _, p): &(f32, Vec<f32>, Vec<[glam::Vec3; 22]>)| {
+        WorldMoment::of_one(*t, BodyFigure::from_positions(&p[who]))
+    };
     let moments: Vec<WorldMoment> = looks.clone().map(moment).collect();
     let speeds: Vec<f32> = looks.map(|(_, s, _)| s[who]).collect();
-    let (first, last) = (record.looks[from].2[who], record.looks[(from + span).min(record.looks.len()) - 1].2[who]);
+    let (first, last) =
+        (record.samples[from].2[who], record.samples[(from + span).min(record.samples.len()) - 1].2[who]);
     let way = last[Joint::Hips.index()] - first[Joint::Hips.index()];
     let strip = WorldStrip {
         title: &format!("Character {who}"),
@@ -137,7 +139,7 @@ fn moments(record: &PathsRecord) -> Option<Picture> {
         columns: COLUMNS,
         width_m: WIDTH_M,
         // Seen from beside its direction of travel.
-        from: (way.x.atan2(way.z) + 0.5 * PI, 0.15),
+        view_angles: (way.x.atan2(way.z) + 0.5 * PI, 0.15),
     };
     Some(world_strip(&strip))
 }

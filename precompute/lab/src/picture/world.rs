@@ -1,15 +1,15 @@
 //! Bodies in their surroundings: every pixel shows the nearest surface, with shadows.
 
-use super::camera::Camera;
+use super::camera::PictureCamera;
 use super::canvas::{Area, Picture};
 use super::colour::{self, Colour};
-use super::figure::{BodyColours, Figure, body};
-use super::furniture::{Tags, grid, header, nice_step, page_with_panel, scale_bar};
+use super::figure::{BodyColours, BodyFigure, body_solids};
+use super::furniture::{NamePlates, grid, header, nice_step, page_with_panel, scale_bar};
 use super::paint::draw_pieces;
-use super::piece::{Piece, add_solid, add_unit};
+use super::piece::{PicturePiece, add_solid, add_unit};
 use super::text::{Align, TextStyle, draw_text};
 use glam::{Vec2, Vec3};
-use throng_bake::environment::{Bounds, PlacedGeometry, Solid, UnitGeometry};
+use throng_bake::environment::{BoundingBox, PlacedGeometry, UnitGeometry, UnitSolid};
 use throng_runtime::Joint;
 use throng_runtime::patch::Placement;
 
@@ -17,17 +17,17 @@ use throng_runtime::patch::Placement;
 const UNIT_COLOURS: [u32; 8] = [0xb9a58a, 0x8fa3ad, 0xa8b39a, 0xb59a9a, 0x9a9cb8, 0xc0b27e, 0x86a8a0, 0xa79aaf];
 
 /// Colour of the partner of a character.
-const OTHER: Colour = Colour::hex(0x4f9a6b);
+const PARTNER_COLOUR: Colour = Colour::hex(0x4f9a6b);
 
 /// Least distance in front of the hips, and greatest depth of the top below them, of unit pieces that a strip leaves out (m).
-const BEFORE_M: f32 = 0.4;
-const BELOW_HIPS_M: f32 = 0.5;
+const CUT_BEFORE_HIPS_M: f32 = 0.4;
+const CUT_BELOW_HIPS_M: f32 = 0.5;
 
 /// A body in a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldFigure {
     /// The body, in the world.
-    pub figure: Figure,
+    pub figure: BodyFigure,
     /// Its colours.
     pub colours: BodyColours,
 }
@@ -60,7 +60,7 @@ pub fn world_units(environment: &PlacedGeometry) -> Vec<WorldUnit<'_>> {
 
 /// View of a world.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WorldLook {
+pub struct WorldCamera {
     /// Direction the camera looks in: 0 is +Z, a quarter turn +X (rad).
     pub heading: f32,
     /// Downward tilt: 0 is level, a quarter turn straight down (rad).
@@ -71,7 +71,7 @@ pub struct WorldLook {
 
 /// Input of [`world_sheet`].
 #[derive(Clone, Copy, Debug)]
-pub struct WorldView<'a> {
+pub struct WorldSheet<'a> {
     /// First line.
     pub title: &'a str,
     /// Second line.
@@ -83,32 +83,32 @@ pub struct WorldView<'a> {
     /// All units.
     pub units: &'a [WorldUnit<'a>],
     /// Further solids, in the world.
-    pub solids: &'a [(Solid, Colour)],
+    pub solids: &'a [(UnitSolid, Colour)],
     /// Past or future positions of roots, and their colours (m).
     pub trails: &'a [(Vec<Vec3>, Colour)],
     /// Names above points.
     pub names: &'a [(Vec3, String, Colour)],
     /// View direction and focus.
-    pub look: WorldLook,
+    pub camera: WorldCamera,
 }
 
 /// Draws bodies among units, in parallel projection; the ground is y = 0.
-pub fn world_sheet(view: &WorldView<'_>) -> Picture {
+pub fn world_sheet(view: &WorldSheet<'_>) -> Picture {
     let (mut page, mut panel, at) = page_with_panel(view.size, view.title, view.subtitle);
     let unit = page.width() as f32 / 1600.0;
-    let mut pieces = pieces(view.units, view.figures);
+    let mut pieces = world_pieces(view.units, view.figures);
     view.solids.iter().for_each(|(solid, tint)| add_solid(solid, |p| p, *tint, &mut pieces));
     let extent = Vec2::new(panel.width() as f32, panel.height() as f32);
-    let camera = camera(&view.look, extent, &pieces);
+    let camera = world_camera(&view.camera, extent, &pieces);
     grid(&mut panel, &camera, nice_step(extent.x / camera.px_per_m / 16.0), unit);
     draw_pieces(&mut panel, &camera, &pieces);
     for (points, tint) in view.trails {
         let points: Vec<Vec2> = points.iter().map(|p| camera.project(*p)).collect();
         panel.stroke_line(&points, 2.0 * unit, tint.alpha(0.7));
     }
-    let mut tags = Tags::default();
+    let mut tags = NamePlates::default();
     for (at, name, tint) in view.names {
-        tags.put(&mut panel, camera.project(*at), unit, name, *tint);
+        tags.draw_plate(&mut panel, camera.project(*at), unit, name, *tint);
     }
     scale_bar(&mut panel, &camera, unit);
     page.draw_picture(&panel, at);
@@ -125,20 +125,20 @@ pub struct WorldMoment {
     /// Number of framed bodies, from the first: the mean of their hips is at the centre of the picture.
     pub framed: usize,
     /// Further solids at this moment, in the world.
-    pub solids: Vec<(Solid, Colour)>,
+    pub solids: Vec<(UnitSolid, Colour)>,
 }
 
 impl WorldMoment {
     /// A moment of one body.
-    pub fn of(time_s: f32, figure: Figure) -> Self {
+    pub fn of_one(time_s: f32, figure: BodyFigure) -> Self {
         let figures = vec![WorldFigure { figure, colours: BodyColours::default() }];
         Self { time_s, figures, framed: 1, solids: Vec::new() }
     }
 
     /// A moment of two partners, both framed.
-    pub fn of_two(time_s: f32, one: Figure, other: Figure) -> Self {
-        let mut moment = Self::of(time_s, one);
-        moment.figures.push(WorldFigure { figure: other, colours: BodyColours::plain(OTHER) });
+    pub fn of_two(time_s: f32, one: BodyFigure, other: BodyFigure) -> Self {
+        let mut moment = Self::of_one(time_s, one);
+        moment.figures.push(WorldFigure { figure: other, colours: BodyColours::plain(PARTNER_COLOUR) });
         Self { framed: 2, ..moment }
     }
 
@@ -163,8 +163,8 @@ pub struct WorldStrip<'a> {
     pub columns: usize,
     /// Width that a moment shows (m).
     pub width_m: f32,
-    /// View direction: heading and elevation, as in [`WorldLook`] (rad).
-    pub from: (f32, f32),
+    /// View direction: heading and elevation, as in [`WorldCamera`] (rad).
+    pub view_angles: (f32, f32),
 }
 
 /// Draws moments among units, row by row, each with the hips of the framed bodies at its centre. Pieces of units in front of
@@ -177,24 +177,26 @@ pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
     let rows = strip.moments.len().div_ceil(columns).max(1);
     let mut page = Picture::new(width as u32, (top + rows as f32 * (height + label)) as u32 + 8, colour::PAPER);
     header(&mut page, 1.0, strip.title, strip.subtitle);
-    let units = pieces(strip.units, &[]);
+    let units = world_pieces(strip.units, &[]);
     for (i, moment) in strip.moments.iter().enumerate() {
         let at = Vec2::new(edge + (i % columns) as f32 * cell, top + (i / columns) as f32 * (height + label));
         let area = Area::new(at.x, at.y, cell - 4.0, height);
         let mut panel = Picture::new(area.size.x as u32, area.size.y as u32, colour::GROUND);
         let num = moment.hips().count();
         let focus = (num > 0).then(|| (moment.hips().sum::<Vec3>() / num as f32, strip.width_m));
-        let look = WorldLook { heading: strip.from.0, elevation: strip.from.1, focus };
-        let around = camera(&look, area.size, &[]);
-        let hides = |p: &&Piece| {
+        let look = WorldCamera { heading: strip.view_angles.0, elevation: strip.view_angles.1, focus };
+        let around = world_camera(&look, area.size, &[]);
+        let hides = |p: &&PicturePiece| {
             let bounds = p.bounds();
             let far = bounds.corners().map(|c| around.depth(c)).into_iter().fold(f32::NEG_INFINITY, f32::max);
-            moment.hips().any(|hips| bounds.max.y > hips.y - BELOW_HIPS_M && far < around.depth(hips) - BEFORE_M)
+            moment
+                .hips()
+                .any(|hips| bounds.max.y > hips.y - CUT_BELOW_HIPS_M && far < around.depth(hips) - CUT_BEFORE_HIPS_M)
         };
-        let mut pieces: Vec<Piece> = units.iter().filter(|p| !hides(p)).copied().collect();
-        pieces.extend(super::world::pieces(&[], &moment.figures));
+        let mut pieces: Vec<PicturePiece> = units.iter().filter(|p| !hides(p)).copied().collect();
+        pieces.extend(super::world::world_pieces(&[], &moment.figures));
         moment.solids.iter().for_each(|(solid, tint)| add_solid(solid, |p| p, *tint, &mut pieces));
-        let camera = camera(&look, area.size, &pieces);
+        let camera = world_camera(&look, area.size, &pieces);
         grid(&mut panel, &camera, 1.0, 0.7);
         draw_pieces(&mut panel, &camera, &pieces);
         page.draw_picture(&panel, (at.x as i32, at.y as i32));
@@ -204,24 +206,26 @@ pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
     page
 }
 
-fn pieces(units: &[WorldUnit<'_>], figures: &[WorldFigure]) -> Vec<Piece> {
+fn world_pieces(units: &[WorldUnit<'_>], figures: &[WorldFigure]) -> Vec<PicturePiece> {
     let mut out = Vec::new();
     for u in units {
         add_unit(u.geometry, u.placement, u.colour, &mut out);
     }
     for f in figures.iter().filter(|f| f.figure.is_drawable()) {
-        out.extend(body(&f.figure, &f.colours).into_iter().map(|(solid, tint)| Piece::round(solid, tint)));
+        out.extend(
+            body_solids(&f.figure, &f.colours).into_iter().map(|(solid, tint)| PicturePiece::round(solid, tint)),
+        );
     }
     out
 }
 
-fn camera(view: &WorldLook, size: Vec2, pieces: &[Piece]) -> Camera {
-    let camera = Camera::looking(view.heading, view.elevation.clamp(0.0, std::f32::consts::FRAC_PI_2));
+fn world_camera(view: &WorldCamera, size: Vec2, pieces: &[PicturePiece]) -> PictureCamera {
+    let camera = PictureCamera::looking_along(view.heading, view.elevation.clamp(0.0, std::f32::consts::FRAC_PI_2));
     if let Some((centre, width_m)) = view.focus.filter(|f| f.0.is_finite()) {
         return camera.framed(centre, 0.5 * size, size.x / width_m.clamp(0.5, 10_000.0));
     }
-    let all = pieces.iter().fold(Bounds::EMPTY, |b, p| b.union(p.bounds()));
-    let all = if all.is_empty() { Bounds { min: Vec3::splat(-3.0), max: Vec3::splat(3.0) } } else { all };
+    let all = pieces.iter().fold(BoundingBox::EMPTY, |b, p| b.union(p.bounds()));
+    let all = if all.is_empty() { BoundingBox { min: Vec3::splat(-3.0), max: Vec3::splat(3.0) } } else { all };
     let framed = camera.framed(all.centre(), 0.5 * size, 1.0);
     let reach = pieces.iter().flat_map(|p| p.bounds().corners()).map(|c| (framed.project(c) - framed.screen).abs());
     let reach = reach.fold(Vec2::splat(1.0), Vec2::max);

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
-use throng_planner::correct::Span;
-use throng_planner::task::{Done, Task, TaskOutcome};
+use throng_planner::correct::CollisionStretch;
+use throng_planner::task::{StepOutcome, Task, TaskOutcome};
 
 /// Figures of a plan.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
@@ -45,7 +45,7 @@ pub struct PlanReport {
     pub files: Vec<PathBuf>,
     /// Motions that were made, if several were requested.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub variants: Vec<Variant>,
+    pub variants: Vec<VariantReport>,
 }
 
 impl PlanReport {
@@ -81,14 +81,14 @@ pub struct TaskReport {
 pub struct CollisionReport {
     /// Time span, body part and obstacle.
     #[serde(flatten)]
-    pub span: Span,
+    pub span: CollisionStretch,
     /// Reason why it remains; none if it was corrected.
     pub why: Option<String>,
 }
 
 /// One of several motions.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct Variant {
+pub struct VariantReport {
     /// Its seed.
     pub seed: u64,
     /// Difference from the most similar other motion: mean angle of the planned joints (rad).
@@ -98,7 +98,7 @@ pub struct Variant {
 /// Sums up an outcome.
 ///
 /// - `found`: one or more different outcomes; all fields but `variants` describe the first one.
-pub fn report(task: &Task, found: &[(u64, TaskOutcome)]) -> Option<PlanReport> {
+pub fn plan_report(task: &Task, found: &[(u64, TaskOutcome)]) -> Option<PlanReport> {
     let (_, outcome) = found.first()?;
     let plans: Vec<_> = outcome.done.iter().flat_map(|d| &d.plans).collect();
     // Begins at zero, since the sum of no numbers is negative zero.
@@ -107,10 +107,10 @@ pub fn report(task: &Task, found: &[(u64, TaskOutcome)]) -> Option<PlanReport> {
     let finite = |x: f64| x.is_finite().then_some(x);
     let times_s = task.times_s();
     let held_by_two = outcome.attachments.iter().any(|a| a.second.is_some());
-    let one = |(d, at_s): (&Done, Option<f64>)| TaskReport {
+    let one = |(d, at_s): (&StepOutcome, Option<f64>)| TaskReport {
         name: d.name.clone(),
-        solved: d.why.is_none(),
-        why: d.why.clone(),
+        solved: d.reason.is_none(),
+        why: d.reason.clone(),
         nearest_m: d.nearest_m.and_then(finite),
         at_s,
         collisions: collisions(d),
@@ -133,25 +133,25 @@ pub fn report(task: &Task, found: &[(u64, TaskOutcome)]) -> Option<PlanReport> {
         second_hand_off_m: held_by_two.then_some(outcome.recheck.second_hand_off_m),
         recheck_violations: outcome.recheck.violations.len(),
         files: Vec::new(),
-        variants: if found.len() > 1 { distances(found) } else { Vec::new() },
+        variants: if found.len() > 1 { variant_reports(found) } else { Vec::new() },
     })
 }
 
 /// Collisions that were corrected, and those that remain.
-fn collisions(done: &Done) -> Vec<CollisionReport> {
-    let left = |s: &Span| done.left.iter().find(|l| l.span == *s).map(|l| l.why.clone());
-    let driven = done.left.iter().map(|l| &l.span).filter(|s| !done.spans.contains(s));
-    let one = |s: &Span| CollisionReport { span: s.clone(), why: left(s) };
+fn collisions(done: &StepOutcome) -> Vec<CollisionReport> {
+    let left = |s: &CollisionStretch| done.unresolved.iter().find(|l| l.span == *s).map(|l| l.why.clone());
+    let driven = done.unresolved.iter().map(|l| &l.span).filter(|s| !done.spans.contains(s));
+    let one = |s: &CollisionStretch| CollisionReport { span: s.clone(), why: left(s) };
     done.spans.iter().chain(driven).map(one).collect()
 }
 
 /// Distances of the variants.
-fn distances(found: &[(u64, TaskOutcome)]) -> Vec<Variant> {
+fn variant_reports(found: &[(u64, TaskOutcome)]) -> Vec<VariantReport> {
     let distance = |i: usize| {
         let others = found.iter().enumerate().filter(|(k, _)| *k != i);
         others.map(|(_, (_, o))| o.distance_rad(&found[i].1)).reduce(f64::min).unwrap_or(0.0)
     };
-    found.iter().enumerate().map(|(i, (seed, _))| Variant { seed: *seed, distance_rad: distance(i) }).collect()
+    found.iter().enumerate().map(|(i, (seed, _))| VariantReport { seed: *seed, distance_rad: distance(i) }).collect()
 }
 
 #[cfg(test)]

@@ -4,18 +4,18 @@ use glam::{DQuat, DVec3, Quat, Vec3};
 use std::error::Error;
 use std::sync::Arc;
 use throng_motion::Clip;
-use throng_planner::body::BodyShape;
+use throng_planner::body::BodyCapsules;
 use throng_planner::collide::Checker;
-use throng_planner::driven::Driven;
+use throng_planner::driven::DrivenMotion;
 use throng_planner::limits::{BodyLimits, Coordinates};
 use throng_planner::linkage::{Limb, LimbPose, Linkage};
-use throng_planner::problem::{Problem, Solid, State};
-use throng_planner::rotation::{Rigid, about, between};
-use throng_planner::setup::{Allowed, ProblemSpec};
-use throng_planner::shape::{Mesh, Shape};
-use throng_planner::track::Path;
+use throng_planner::problem::{LimbState, MovingSolid, Problem};
+use throng_planner::rotation::{Rigid, rotation_about, rotation_between};
+use throng_planner::setup::{AllowedContact, ProblemSpec};
+use throng_planner::shape::{SolidShape, TriangleMesh};
+use throng_planner::track::RigidPath;
 use throng_runtime::{Joint, NUM_JOINTS, Skeleton};
-use throng_synth::{SynthConfig, SynthSet, make};
+use throng_synth::{SynthConfig, SynthSet, make_set};
 
 /// Names of the scenes, and the time that the paper gives for a similar one (s).
 pub const SCENES: [(&str, Option<f64>); 5] =
@@ -24,7 +24,7 @@ pub const SCENES: [(&str, Option<f64>); 5] =
 const STATIC_S: f64 = 4.0;
 
 /// The character of a scene, moved by a clip.
-pub struct Somebody {
+pub struct SceneActor {
     /// Skeleton of the character.
     pub skeleton: Skeleton,
     /// How far its joints turn.
@@ -32,29 +32,29 @@ pub struct Somebody {
     /// Motion that the plan changes.
     pub clip: Clip,
     /// The same motion, for the planner.
-    pub motion: Driven,
+    pub motion: DrivenMotion,
     /// Capsules of its body.
-    pub shape: BodyShape,
+    pub shape: BodyCapsules,
     /// The limb that is planned.
     pub linkage: Linkage,
 }
 
 /// A benchmark scene.
-pub struct Scene {
+pub struct PlanScene {
     /// The character whose limb is planned.
-    pub who: Somebody,
+    pub actor: SceneActor,
     /// Solids in the way.
-    pub solids: Vec<Solid>,
+    pub solids: Vec<MovingSolid>,
     /// Contacts that are allowed.
-    pub allowed: Vec<Allowed>,
+    pub allowed: Vec<AllowedContact>,
     /// Poses of the limb and their times, at the start and at the goal.
-    pub ends: [State; 2],
+    pub ends: [LimbState; 2],
 }
 
-type Made<T> = Result<T, Box<dyn Error>>;
+type SceneResult<T> = Result<T, Box<dyn Error>>;
 
 /// Makes the scene with a name.
-pub fn scene(name: &str) -> Made<Option<Scene>> {
+pub fn find_scene(name: &str) -> SceneResult<Option<PlanScene>> {
     Ok(Some(match name {
         "table" => table(),
         "arm-static" => arm_static()?,
@@ -65,18 +65,18 @@ pub fn scene(name: &str) -> Made<Option<Scene>> {
     }))
 }
 
-impl Scene {
+impl PlanScene {
     /// The planning problem of the scene.
-    pub fn problem(&self) -> Made<Problem> {
-        Ok(Problem::new(&ProblemSpec { admit_ends: true, ..self.who.spec(self.ends, &self.solids, &self.allowed) })?)
+    pub fn problem(&self) -> SceneResult<Problem> {
+        Ok(Problem::new(&ProblemSpec { admit_ends: true, ..self.actor.spec(self.ends, &self.solids, &self.allowed) })?)
     }
 }
 
-impl Somebody {
-    fn of(skeleton: Skeleton, clip: Clip) -> Self {
+impl SceneActor {
+    fn from_clip(skeleton: Skeleton, clip: Clip) -> Self {
         let end_s = (clip.num_frames() - 1) as f64 / clip.rate_hz;
-        let motion = Driven::of_clip(&clip, &skeleton, 0.0, end_s);
-        let (limits, shape) = (BodyLimits::built_in(&skeleton), BodyShape::fitted(&skeleton));
+        let motion = DrivenMotion::from_clip(&clip, &skeleton, 0.0, end_s);
+        let (limits, shape) = (BodyLimits::built_in(&skeleton), BodyCapsules::fitted(&skeleton));
         Self { skeleton, limits, clip, motion, shape, linkage: Linkage::limb(Limb::LeftArm) }
     }
 
@@ -84,11 +84,16 @@ impl Somebody {
         let (skeleton, frames) = (Skeleton::default(), (seconds * 30.0) as usize + 1);
         let rotations = vec![Quat::IDENTITY; frames * NUM_JOINTS];
         let clip = Clip::new("standing", 30.0, vec![skeleton.offsets[0]; frames], rotations);
-        Self::of(skeleton, clip)
+        Self::from_clip(skeleton, clip)
     }
 
     /// The problem's parts, for ends and surroundings of the caller's.
-    pub fn spec<'a>(&'a self, ends: [State; 2], solids: &'a [Solid], allowed: &'a [Allowed]) -> ProblemSpec<'a> {
+    pub fn spec<'a>(
+        &'a self,
+        ends: [LimbState; 2],
+        solids: &'a [MovingSolid],
+        allowed: &'a [AllowedContact],
+    ) -> ProblemSpec<'a> {
         let spec = ProblemSpec::new(&self.skeleton, self.linkage, &self.limits, &self.motion, &self.shape, ends);
         ProblemSpec { solids, allowed, ..spec }
     }
@@ -96,7 +101,7 @@ impl Somebody {
     /// Arm pose from the swing of the shoulder and the flexion of the elbow (rad).
     fn pose(&self, across: f64, up: f64, flexion: f64) -> LimbPose {
         let mut pose = LimbPose::REST;
-        if let Some(limits) = self.limits.of_linkage(self.linkage) {
+        if let Some(limits) = self.limits.linkage_limits(self.linkage) {
             pose.0[0] = limits[0].rotation(Coordinates { swing: [across, up], twist: 0.0 });
             pose.0[1] = limits[1].rotation(Coordinates { swing: [flexion, 0.0], twist: 0.0 });
         }
@@ -104,29 +109,34 @@ impl Somebody {
     }
 
     /// Collision-free pose with the hand at a point, pointing ahead.
-    fn reaching(&self, at: [f64; 3], solids: &[Solid]) -> Made<LimbPose> {
+    fn pose_reaching(&self, at: [f64; 3], solids: &[MovingSolid]) -> SceneResult<LimbPose> {
         let present = self.pose(0.0, -0.4, 1.2);
-        let ends = [0.0, 1.0].map(|time_s| State { pose: present, time_s });
+        let ends = [0.0, 1.0].map(|time_s| LimbState { pose: present, time_s });
         let problem = Problem::prepare(&self.spec(ends, solids, &[]))?;
-        let target = Rigid { position: DVec3::from(at), rotation: about(DVec3::Y, -1.3) };
-        problem.reach(&mut Checker::default(), &target, 0.5, &present).map_err(|e| e.to_string().into())
+        let target = Rigid { position: DVec3::from(at), rotation: rotation_about(DVec3::Y, -1.3) };
+        problem.solve_reach(&mut Checker::default(), &target, 0.5, &present).map_err(|e| e.to_string().into())
     }
 }
 
-fn solid(name: &str, shape: Shape, at: DVec3) -> Solid {
-    Solid { name: name.into(), shape, path: Path::Still(Rigid::at(at)) }
+fn solid(name: &str, shape: SolidShape, at: DVec3) -> MovingSolid {
+    MovingSolid { name: name.into(), shape, path: RigidPath::Still(Rigid::from_position(at)) }
 }
 
-fn states(ends: [(LimbPose, f64); 2]) -> [State; 2] {
-    ends.map(|(pose, time_s)| State { pose, time_s })
+fn states(ends: [(LimbPose, f64); 2]) -> [LimbState; 2] {
+    ends.map(|(pose, time_s)| LimbState { pose, time_s })
 }
 
 /// An arm moves from below a table to above it.
-fn table() -> Scene {
-    let who = Somebody::standing(1.5);
-    let plate = Shape::cuboid(DVec3::new(0.9, 0.03, 0.6));
+fn table() -> PlanScene {
+    let who = SceneActor::standing(1.5);
+    let plate = SolidShape::cuboid(DVec3::new(0.9, 0.03, 0.6));
     let ends = states([(who.pose(0.0, -1.2, 0.2), 0.0), (who.pose(0.0, 0.1, 0.3), 1.5)]);
-    Scene { who, solids: vec![solid("table", plate, DVec3::new(0.65, 1.2, 0.55))], allowed: Vec::new(), ends }
+    PlanScene {
+        actor: who,
+        solids: vec![solid("table", plate, DVec3::new(0.65, 1.2, 0.55))],
+        allowed: Vec::new(),
+        ends,
+    }
 }
 
 /// Triangles of a ball: `rings` rings, each of twice as many segments (m).
@@ -146,41 +156,49 @@ fn ball(rings: usize, radius: f64) -> Vec<[Vec3; 3]> {
 
 /// An arm of seven degrees of freedom moves through shelves with objects, 26 000 triangles, for comparison with planners
 /// without time.
-fn arm_static() -> Made<Scene> {
-    let who = Somebody::standing(STATIC_S);
+fn arm_static() -> SceneResult<PlanScene> {
+    let who = SceneActor::standing(STATIC_S);
     let (mut triangles, mut solids) = (Vec::new(), Vec::new());
     for (i, y) in [1.05, 1.35, 1.65].into_iter().enumerate() {
-        solids.push(solid(&format!("board {i}"), Shape::cuboid(DVec3::new(1.2, 0.02, 0.4)), DVec3::new(0.6, y, 0.62)));
+        solids.push(solid(
+            &format!("board {i}"),
+            SolidShape::cuboid(DVec3::new(1.2, 0.02, 0.4)),
+            DVec3::new(0.6, y, 0.62),
+        ));
         for k in 0..3 {
             let at = DVec3::new(0.25 + 0.35 * f64::from(k), y + 0.07, 0.6).as_vec3();
             triangles.extend(ball(27, 0.05).into_iter().map(|t| t.map(|p| p + at)));
         }
     }
-    solids.push(solid("things", Shape::Mesh(Arc::new(Mesh::new(triangles)?)), DVec3::ZERO));
-    let (low, high) = (who.reaching([0.36, 1.24, 0.4], &solids)?, who.reaching([0.36, 1.5, 0.42], &solids)?);
-    Ok(Scene { who, solids, allowed: Vec::new(), ends: states([(low, 0.0), (high, STATIC_S)]) })
+    solids.push(solid("things", SolidShape::Mesh(Arc::new(TriangleMesh::new(triangles)?)), DVec3::ZERO));
+    let (low, high) = (who.pose_reaching([0.36, 1.24, 0.4], &solids)?, who.pose_reaching([0.36, 1.5, 0.42], &solids)?);
+    Ok(PlanScene { actor: who, solids, allowed: Vec::new(), ends: states([(low, 0.0), (high, STATIC_S)]) })
 }
 
 /// An arm moves between the ends of `arm-static`, among 40 balls and the boards.
-fn spheres() -> Made<Scene> {
-    let who = Somebody::standing(STATIC_S);
+fn spheres() -> SceneResult<PlanScene> {
+    let who = SceneActor::standing(STATIC_S);
     let mut solids = Vec::new();
     for (i, y) in [1.05, 1.35, 1.65].into_iter().enumerate() {
-        solids.push(solid(&format!("board {i}"), Shape::cuboid(DVec3::new(1.2, 0.02, 0.4)), DVec3::new(0.6, y, 0.62)));
+        solids.push(solid(
+            &format!("board {i}"),
+            SolidShape::cuboid(DVec3::new(1.2, 0.02, 0.4)),
+            DVec3::new(0.6, y, 0.62),
+        ));
     }
     for k in 0..40u32 {
         // Spread evenly over a box in front of the body by golden steps.
         let [a, b, c] = [0.618_034, 0.754_878, 0.569_840].map(|g: f64| (f64::from(k) * g).fract());
         let at = DVec3::new(0.05 + 1.1 * a, 0.95 + 0.9 * b, 0.55 + 0.3 * c);
-        solids.push(solid(&format!("ball {k}"), Shape::ball(0.03), at));
+        solids.push(solid(&format!("ball {k}"), SolidShape::ball(0.03), at));
     }
-    let (low, high) = (who.reaching([0.36, 1.24, 0.4], &solids)?, who.reaching([0.36, 1.5, 0.42], &solids)?);
-    Ok(Scene { who, solids, allowed: Vec::new(), ends: states([(low, 0.0), (high, STATIC_S)]) })
+    let (low, high) = (who.pose_reaching([0.36, 1.24, 0.4], &solids)?, who.pose_reaching([0.36, 1.5, 0.42], &solids)?);
+    Ok(PlanScene { actor: who, solids, allowed: Vec::new(), ends: states([(low, 0.0), (high, STATIC_S)]) })
 }
 
 /// A hand reaches through a ring of 20 000 triangles that moves.
-fn ring() -> Made<Scene> {
-    let who = Somebody::standing(1.5);
+fn ring() -> SceneResult<PlanScene> {
+    let who = SceneActor::standing(1.5);
     let n = 100;
     let at = |i: usize, j: usize| {
         let turn = std::f64::consts::TAU / f64::from(n as u32);
@@ -193,38 +211,39 @@ fn ring() -> Made<Scene> {
         let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
         [[a, b, c], [a, c, d]]
     });
-    let mesh = Arc::new(Mesh::new(triangles.collect())?);
+    let mesh = Arc::new(TriangleMesh::new(triangles.collect())?);
     let ends = states([(who.pose(0.3, -0.9, 1.8), 0.0), (who.pose(-0.1, 0.0, 0.2), 1.5)]);
-    let placed = Problem::prepare(&who.spec(ends, &[], &[]))?.place(&ends[1]);
+    let placed = Problem::prepare(&who.spec(ends, &[], &[]))?.place_chain(&ends[1]);
     let along = (placed[2].position - placed[1].position).normalize();
-    let rotation: DQuat = between(DVec3::Z, along);
+    let rotation: DQuat = rotation_between(DVec3::Z, along);
     let key = |i: u32| {
         let t = f64::from(i) * 0.05;
         let sway = rotation * DVec3::new(0.25 * (5.0 * (t - 1.5)).sin(), 0.1 * (1.5 - t), 0.0);
         (t, Rigid { position: placed[2].position - along * 0.08 + sway, rotation })
     };
     let keys: Vec<(f64, Rigid)> = (0..=30).map(key).collect();
-    let solids = vec![Solid { name: "ring".into(), shape: Shape::Mesh(mesh), path: Path::keys(&keys) }];
-    Ok(Scene { who, solids, allowed: Vec::new(), ends })
+    let solids =
+        vec![MovingSolid { name: "ring".into(), shape: SolidShape::Mesh(mesh), path: RigidPath::from_keys(&keys) }];
+    Ok(PlanScene { actor: who, solids, allowed: Vec::new(), ends })
 }
 
 /// A walker whose arm swings through a post of 30 000 triangles beside the path.
-fn walk() -> Made<Scene> {
+fn walk() -> SceneResult<PlanScene> {
     let config = SynthConfig { minutes: 0.2, clip_seconds: 12.0, ..SynthConfig::default() };
-    let set = make(SynthSet::Walk, &config)?;
-    let who = Somebody::of(set.skeleton, set.clips[0].clone());
-    let at = |t: f64| State { pose: who.motion.limb_pose(who.linkage, t), time_s: t };
+    let set = make_set(SynthSet::Walk, &config)?;
+    let who = SceneActor::from_clip(set.skeleton, set.clips[0].clone());
+    let at = |t: f64| LimbState { pose: who.motion.limb_pose(who.linkage, t), time_s: t };
     let ends = [at(3.0), at(5.0)];
     let free = Problem::prepare(&who.spec(ends, &[], &[]))?;
-    let hand = free.place(&at(4.0));
+    let hand = free.place_chain(&at(4.0));
     // The post stands where the hand passes, on its outer side.
     let aside = (hand[0].position - free.base_at(4.0).position).with_y(0.0).normalize();
     let post = hand[2].position + aside * 0.02;
     let triangles = ball(87, 0.05).into_iter().map(|t| t.map(|p| p * Vec3::new(1.0, 12.0, 1.0)));
-    let mesh = Arc::new(Mesh::new(triangles.collect())?);
+    let mesh = Arc::new(TriangleMesh::new(triangles.collect())?);
     // Only the arm has to avoid it.
-    let others = Joint::ALL.into_iter().filter(|j| who.linkage.position_of(*j).is_none());
+    let others = Joint::ALL.into_iter().filter(|j| who.linkage.index_of(*j).is_none());
     let allowed =
-        others.map(|j| Allowed { part: Some(j.name().into()), with: "post".into(), window_s: None }).collect();
-    Ok(Scene { who, solids: vec![solid("post", Shape::Mesh(mesh), post)], allowed, ends })
+        others.map(|j| AllowedContact { part: Some(j.name().into()), other: "post".into(), window_s: None }).collect();
+    Ok(PlanScene { actor: who, solids: vec![solid("post", SolidShape::Mesh(mesh), post)], allowed, ends })
 }

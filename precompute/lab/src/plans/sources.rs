@@ -1,23 +1,23 @@
 //! Motion of a task's characters: files, synthetic motion, and bundles of walkers.
 
 use super::config_error;
-use crate::run::{Cached, News, ensure_bundle};
+use crate::run::{BuildContext, News, ensure_bundle};
 use std::path::{Path, PathBuf};
 use throng_bake::config::BuildConfig;
 use throng_bake::pipeline;
 use throng_motion::error::BuildError;
-use throng_motion::import::{self, Imported};
+use throng_motion::import::{self, ImportedClip};
 use throng_motion::{Clip, ClipSet, Warnings};
-use throng_planner::task::{ActorClip, ClipEntry, NoWalk, Source, Task, WalkEntry, Walked};
+use throng_planner::task::{ActorClip, ActorSource, ClipEntry, Task, WalkEntry, WalkError, WalkedTask};
 use throng_runtime::base::text::did_you_mean;
 use throng_runtime::blend::{BlendSpace, axis};
 use throng_runtime::{Bundle, FormatError, NUM_JOINTS};
-use throng_synth::{SynthConfig, SynthSet, make};
+use throng_synth::{SynthConfig, SynthSet, make_set};
 
 /// Motion of every character, loaded once.
 #[derive(Clone, Debug)]
-pub struct Sources {
-    of_each: Vec<Read>,
+pub struct TaskSources {
+    motions: Vec<CharacterMotion>,
     rate_hz: f64,
     /// Files that the motion was read from.
     pub files: Vec<PathBuf>,
@@ -25,35 +25,35 @@ pub struct Sources {
 
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "there are as many as characters, once")]
-enum Read {
+enum CharacterMotion {
     Clip(ActorClip),
     Space(BlendSpace),
 }
 
-impl Read {
-    fn source(&self) -> Source<'_> {
+impl CharacterMotion {
+    fn source(&self) -> ActorSource<'_> {
         match self {
-            Self::Clip(clip) => Source::Clip(clip.clone()),
-            Self::Space(space) => Source::Walks(space),
+            Self::Clip(clip) => ActorSource::Clip(clip.clone()),
+            Self::Space(space) => ActorSource::Walks(space),
         }
     }
 }
 
-impl Sources {
+impl TaskSources {
     /// One clip for each character, on the database skeleton, and the task with the times of its walks.
     ///
     /// - `seed`: replaces the task's.
     ///
     /// # Errors
-    /// [`NoWalk`].
-    pub fn staged(&self, task: Task, seed: Option<u64>) -> Result<(Task, Vec<ActorClip>), NoWalk> {
-        let clip = |r: &Read| if let Read::Clip(clip) = r { Some(clip.clone()) } else { None };
-        let clips: Vec<ActorClip> = self.of_each.iter().filter_map(clip).collect();
-        if clips.len() == self.of_each.len() {
+    /// [`WalkError`].
+    pub fn stage_task(&self, task: Task, seed: Option<u64>) -> Result<(Task, Vec<ActorClip>), WalkError> {
+        let clip = |r: &CharacterMotion| if let CharacterMotion::Clip(clip) = r { Some(clip.clone()) } else { None };
+        let clips: Vec<ActorClip> = self.motions.iter().filter_map(clip).collect();
+        if clips.len() == self.motions.len() {
             return Ok((task, clips));
         }
-        let sources: Vec<Source<'_>> = self.of_each.iter().map(Read::source).collect();
-        let Walked { task, clips } = task.walked(&sources, self.rate_hz, seed)?;
+        let sources: Vec<ActorSource<'_>> = self.motions.iter().map(CharacterMotion::source).collect();
+        let WalkedTask { task, clips } = task.plan_walks(&sources, self.rate_hz, seed)?;
         Ok((task, clips))
     }
 }
@@ -65,32 +65,32 @@ impl Sources {
 ///
 /// # Errors
 /// The character, and the fault of its motion.
-pub fn sources(
+pub fn load_sources(
     task: &Task,
     config: &BuildConfig,
     main: Option<ActorClip>,
-    with: &Cached<'_>,
-) -> Result<Sources, BuildError> {
+    with: &BuildContext<'_>,
+) -> Result<TaskSources, BuildError> {
     let (mut given, mut files) = (main, Vec::new());
     let mut of_each = Vec::new();
     for c in &task.characters {
         let named = |e: BuildError| config_error(format!("`{}`: {e}", c.name));
         of_each.push(match (given.take(), &c.clip.walk) {
-            (Some(clip), _) => Read::Clip(clip),
+            (Some(clip), _) => CharacterMotion::Clip(clip),
             (None, Some(walk)) => {
                 files.push(walk.bundle.clone());
-                Read::Space(blend_space(walk, with).map_err(named)?)
+                CharacterMotion::Space(blend_space(walk, with).map_err(named)?)
             }
             (None, None) => {
                 files.extend(c.clip.file.clone().filter(|f| f.is_file()));
-                Read::Clip(clip(&c.clip, config, with).map_err(named)?)
+                CharacterMotion::Clip(task_clip(&c.clip, config, with).map_err(named)?)
             }
         });
     }
-    Ok(Sources { of_each, rate_hz: config.resample.rate_hz, files })
+    Ok(TaskSources { motions: of_each, rate_hz: config.resample.rate_hz, files })
 }
 
-fn blend_space(walk: &WalkEntry, with: &Cached<'_>) -> Result<BlendSpace, BuildError> {
+fn blend_space(walk: &WalkEntry, with: &BuildContext<'_>) -> Result<BlendSpace, BuildError> {
     ensure_bundle(&walk.bundle, walk.config.as_deref(), with)?;
     let path = walk.bundle.display();
     let wrong = |e: FormatError| match e {
@@ -110,13 +110,13 @@ fn blend_space(walk: &WalkEntry, with: &Cached<'_>) -> Result<BlendSpace, BuildE
     Ok(space)
 }
 
-fn clip(entry: &ClipEntry, config: &BuildConfig, with: &Cached<'_>) -> Result<ActorClip, BuildError> {
+fn task_clip(entry: &ClipEntry, config: &BuildConfig, with: &BuildContext<'_>) -> Result<ActorClip, BuildError> {
     let whole = match (&entry.file, &entry.synth) {
-        (Some(file), _) => file_clip(file, config, with.tell)?,
-        (None, Some(set)) => synthetic(set, entry.clip.as_deref(), config.resample.rate_hz)?,
+        (Some(file), _) => file_clip(file, config, with.report_news)?,
+        (None, Some(set)) => synthetic_clip(set, entry.clip.as_deref(), config.resample.rate_hz)?,
         (None, None) => return Err(config_error("expected a clip")),
     };
-    cut(whole, entry.from_s, entry.to_s)
+    cut_clip(whole, entry.from_s, entry.to_s)
 }
 
 /// Loads a motion file as a build does: retargeted, at the database rate, with contacts.
@@ -126,7 +126,7 @@ fn clip(entry: &ClipEntry, config: &BuildConfig, with: &Cached<'_>) -> Result<Ac
 /// # Errors
 /// The file, and the place in it.
 pub fn file_clip(file: &Path, config: &BuildConfig, tell: &dyn Fn(News)) -> Result<ActorClip, BuildError> {
-    let raw: Imported = import::read_clip(file, &config.import)?;
+    let raw: ImportedClip = import::read_clip(file, &config.import)?;
     let mut warnings = Warnings::default();
     let set = pipeline::clips_of(&[raw], config, &mut warnings)?;
     warnings.messages.into_iter().map(News::Warning).for_each(tell);
@@ -135,9 +135,9 @@ pub fn file_clip(file: &Path, config: &BuildConfig, tell: &dyn Fn(News)) -> Resu
     Ok(ActorClip { clip, skeleton })
 }
 
-fn synthetic(set: &str, name: Option<&str>, rate_hz: f64) -> Result<ActorClip, BuildError> {
+fn synthetic_clip(set: &str, name: Option<&str>, rate_hz: f64) -> Result<ActorClip, BuildError> {
     let set = SynthSet::from_name(set)?;
-    let made = make(set, &SynthConfig { rate_hz, ..SynthConfig::for_set(set) })?;
+    let made = make_set(set, &SynthConfig { rate_hz, ..SynthConfig::for_set(set) })?;
     let names = || made.clips.iter().map(|c| c.name.as_str());
     let found = name.map_or(Some(0), |n| names().position(|c| c == n));
     let Some(i) = found else {
@@ -150,7 +150,7 @@ fn synthetic(set: &str, name: Option<&str>, rate_hz: f64) -> Result<ActorClip, B
 }
 
 /// Cuts a clip to the part from one time to another (s).
-fn cut(whole: ActorClip, from_s: f64, to_s: Option<f64>) -> Result<ActorClip, BuildError> {
+fn cut_clip(whole: ActorClip, from_s: f64, to_s: Option<f64>) -> Result<ActorClip, BuildError> {
     let ActorClip { clip, skeleton } = whole;
     let end_s = clip.num_frames().saturating_sub(1) as f64 / clip.rate_hz;
     let [first, last] = [from_s, to_s.unwrap_or(end_s)].map(|t| (t * clip.rate_hz).round());

@@ -1,7 +1,7 @@
 //! Tasks whose characters walk: one bundle is built for all of it.
 
 use super::*;
-use crate::run::{Cached, News};
+use crate::run::{BuildContext, News};
 use std::path::PathBuf;
 use throng_bake::cache::Cache;
 use throng_bake::config::BuildConfig;
@@ -26,14 +26,14 @@ grips = [{ at = [0.0, 0.02, -0.07] }]
 "#;
 
 /// A task file beside which the walker's bundle is built when it is first asked for.
-fn sources_of(folder: &Path, walk: &str, rest: &str) -> Result<(Task, Sources), String> {
+fn sources_of(folder: &Path, walk: &str, rest: &str) -> Result<(Task, TaskSources), String> {
     let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/walker.toml");
     let clip = format!("[clip]\nwalk = {{ bundle = \"w.throng\", config = \"{}\", {walk} }}\n{rest}", config.display());
     let task = Task::parse(&clip, &folder.join("t.toml")).map_err(|e| e.to_string())?;
     let tell = |news| assert!(!matches!(news, News::NotMade(..)), "{news}");
-    let with = Cached { cache: &Cache::none(), progress: &Silent, tell: &tell };
+    let with = BuildContext { cache: &Cache::disabled(), progress: &Silent, report_news: &tell };
     let config = BuildConfig::of_motion("", Vec::new()).map_err(|e| e.to_string())?;
-    let sources = sources(&task, &config, None, &with).map_err(|e| e.to_string())?;
+    let sources = load_sources(&task, &config, None, &with).map_err(|e| e.to_string())?;
     Ok((task, sources))
 }
 
@@ -41,9 +41,9 @@ fn sources_of(folder: &Path, walk: &str, rest: &str) -> Result<(Task, Sources), 
 fn who_walks_comes_to_where_its_hand_reaches_and_keeps_to_its_pace() {
     let folder = tempfile::tempdir().expect("a folder");
     let (task, sources) = sources_of(folder.path(), "from = [-0.4, -2.4]", TABLE).expect("a walker");
-    assert!(task.walks() && task.times_s() == [None]);
+    assert!(task.needs_walking() && task.times_s() == [None]);
     assert_eq!(sources.files, [folder.path().join("w.throng")]);
-    let (walked, clips) = sources.staged(task.clone(), None).expect("a place to stand");
+    let (walked, clips) = sources.stage_task(task.clone(), None).expect("a place to stand");
     let [Some([from_s, at_s, to_s])] = walked.windows_s()[..] else { panic!("{:?}", walked.windows_s()) };
     let clip = &clips[0].clip;
     let place = |t: f64| clip.root_positions[(t * clip.rate_hz).round() as usize].as_dvec3();
@@ -54,24 +54,24 @@ fn who_walks_comes_to_where_its_hand_reaches_and_keeps_to_its_pace() {
     assert!((place(at_s) - place(at_s + 0.2)).length() < 0.02);
     let on_table = |p: glam::DVec3| (p.x - 0.3).abs() < 0.35 + 0.1 && (p.z - 0.6).abs() < 0.25 + 0.1;
     assert!(clip.root_positions.iter().all(|p| !on_table(p.as_dvec3())));
-    let found = variants(&walked, &clips, 1, &Watch::default()).expect("clips");
-    let report = report(&walked, &found).expect("an outcome");
+    let found = variants(&walked, &clips, 1, &RunOptions::default()).expect("clips");
+    let report = plan_report(&walked, &found).expect("an outcome");
     assert!(report.solved && report.recheck_violations == 0, "{:?}", report.tasks);
     assert_eq!(report.tasks[0].at_s, Some(at_s));
     // The same again, and elsewhere where the bottle is.
-    let (again, same) = sources.staged(task.clone(), None).expect("a place to stand");
+    let (again, same) = sources.stage_task(task.clone(), None).expect("a place to stand");
     assert!(again.windows_s() == walked.windows_s() && same == clips);
     let out = folder.path().join("out.bvh");
-    let files = write(&walked, &clips, &found[0].1, &out, 1).expect("files");
+    let files = write_plan(&walked, &clips, &found[0].1, &out, 1).expect("files");
     let names = ["out-2.bvh", "out-2.objects.json"].map(|n| folder.path().join(n));
     assert_eq!(files, names.map(PathBuf::from));
 
     let far_away = TABLE.replace("at = [0.25, 0.916, 0.45]", "at = [0.25, 3.2, 0.45]");
     let (task, sources) = sources_of(folder.path(), "from = [-0.4, -2.4]", &far_away).expect("a walker");
-    let why = sources.staged(task, None).expect_err("out of reach").to_string();
+    let why = sources.stage_task(task, None).expect_err("out of reach").to_string();
     assert!(why.contains("right_arm touch bottle"), "{why}");
     let (task, sources) = sources_of(folder.path(), "from = [9999.0, 0.0]", TABLE).expect("a walker");
-    let why = sources.staged(task, None).expect_err("a walk of hours").to_string();
+    let why = sources.stage_task(task, None).expect_err("a walk of hours").to_string();
     assert!(why.contains("m away, expected 200 m at most"), "{why}");
 
     let timed = format!("{TABLE}at_s = 3.0\nwindow_s = [2.0, 4.0]\n");
@@ -79,7 +79,7 @@ fn who_walks_comes_to_where_its_hand_reaches_and_keeps_to_its_pace() {
                 pace = [{ t_s = 0.0, speed_mps = 1.2 }, { t_s = 1.0, speed_mps = 1.2 }, { t_s = 3.0, speed_mps = 3.2 }, \
                 { t_s = 5.0, speed_mps = 3.2 }]";
     let (task, sources) = sources_of(folder.path(), pace, &timed).expect("a runner");
-    let (_, clips) = sources.staged(task, None).expect("a run");
+    let (_, clips) = sources.stage_task(task, None).expect("a run");
     let clip = &clips[0].clip;
     assert!(((clip.num_frames() - 1) as f64 / clip.rate_hz - 5.0).abs() < 1e-6);
     let at = |t: f64| clip.root_positions[(t * clip.rate_hz).round() as usize].as_dvec3();

@@ -5,33 +5,33 @@ use std::path::{Path, PathBuf};
 use throng_bake::cache::Cache;
 use throng_bake::config::BuildConfig;
 use throng_bake::pipeline;
-use throng_bake::stitch::{self, Kit, StitchReport, WorldSource};
+use throng_bake::stitch::{self, StitchKit, StitchReport, WorldSource};
 use throng_motion::error::{BuildError, ImportError};
 use throng_motion::progress::Progress;
 use throng_runtime::Bundle;
-use throng_runtime::simulation::{Motion, Scene};
+use throng_runtime::simulation::{GroupMotion, Scene};
 use throng_runtime::world::World;
 
 /// Cache, progress and messages for building.
 #[derive(Clone, Copy)]
-pub struct Cached<'a> {
+pub struct BuildContext<'a> {
     /// Cache of stage outputs.
     pub cache: &'a Cache,
     /// Receives the progress of stages.
     pub progress: &'a dyn Progress,
     /// Receives messages on what is built, and warnings.
-    pub tell: &'a dyn Fn(News),
+    pub report_news: &'a dyn Fn(News),
 }
 
 /// Builds every missing bundle and world of a scene, and every world whose world file has changed.
 ///
 /// # Errors
 /// As building or stitching; [`BuildError::Config`] for a missing bundle without a config.
-pub fn ensure(scene: &Scene, with: &Cached<'_>) -> Result<(), BuildError> {
-    for (g, group) in scene.groups.iter().enumerate().filter(|(_, g)| g.motion != Motion::None) {
+pub fn ensure_scene(scene: &Scene, with: &BuildContext<'_>) -> Result<(), BuildError> {
+    for (g, group) in scene.groups.iter().enumerate().filter(|(_, g)| g.motion != GroupMotion::None) {
         let (Some(bundle), config) = scene.bundle_of(g) else { continue };
         ensure_bundle(bundle, config, with)?;
-        if let (Motion::Patches, (Some(world), Some(file))) = (group.motion, scene.world_of(g)) {
+        if let (GroupMotion::Patches, (Some(world), Some(file))) = (group.motion, scene.world_of(g)) {
             let source = WorldSource { bundle: bundle.to_path_buf(), ..WorldSource::load(file)? };
             let tables = Bundle::open(bundle).map_err(|e| BuildError::Format(format!("{}: {e}", bundle.display())))?;
             ensure_world(&source, file, &tables, world, with)?;
@@ -42,8 +42,8 @@ pub fn ensure(scene: &Scene, with: &Cached<'_>) -> Result<(), BuildError> {
 
 /// True if no bundle and no world of a scene is missing.
 pub fn is_complete(scene: &Scene) -> bool {
-    (0..scene.groups.len()).filter(|&g| scene.groups[g].motion != Motion::None).all(|g| {
-        let world = scene.world_of(g).0.filter(|_| scene.groups[g].motion == Motion::Patches);
+    (0..scene.groups.len()).filter(|&g| scene.groups[g].motion != GroupMotion::None).all(|g| {
+        let world = scene.world_of(g).0.filter(|_| scene.groups[g].motion == GroupMotion::Patches);
         scene.bundle_of(g).0.into_iter().chain(world).all(Path::exists)
     })
 }
@@ -51,8 +51,8 @@ pub fn is_complete(scene: &Scene) -> bool {
 /// Builds a bundle if it is missing.
 ///
 /// # Errors
-/// As [`ensure`].
-pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &Cached<'_>) -> Result<(), BuildError> {
+/// As [`ensure_scene`].
+pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &BuildContext<'_>) -> Result<(), BuildError> {
     if bundle.exists() {
         return Ok(());
     }
@@ -62,7 +62,7 @@ pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &Cached<'_>) ->
             format!("{name}: there is no such bundle; build it with `throng build`, or name another with --bundle");
         return Err(BuildError::Config { message });
     };
-    (with.tell)(News::Making(format!("{name} is not there: building it from {}", config.display())));
+    (with.report_news)(News::Making(format!("{name} is not there: building it from {}", config.display())));
     let report = BuildConfig::load(config)
         .and_then(|c| pipeline::build(&c, bundle, with.cache, with.progress))
         .map_err(|e| e.in_file(config));
@@ -70,7 +70,7 @@ pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &Cached<'_>) ->
         let message = format!("{name} is missing, and building it from {} failed: {e}", config.display());
         BuildError::Config { message }
     })?;
-    News::of(&report).for_each(with.tell);
+    News::from_report(&report).for_each(with.report_news);
     Ok(())
 }
 
@@ -81,14 +81,14 @@ pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &Cached<'_>) ->
 ///
 /// # Errors
 /// As [`pipeline::build_possible`].
-pub fn ensure_motion(inputs: &[PathBuf], otherwise: &Path, with: &Cached<'_>) -> Result<PathBuf, BuildError> {
+pub fn ensure_motion(inputs: &[PathBuf], otherwise: &Path, with: &BuildContext<'_>) -> Result<PathBuf, BuildError> {
     let config = BuildConfig::of_motion(motion_name(inputs), inputs.to_vec())?;
-    with.progress.comes_to("hash");
+    with.progress.enter_stage("hash");
     let kept = pipeline::kept_bundle(&config, with.cache)?;
     if let Some(bundle) = kept.iter().find(|b| b.is_file()) {
         match Bundle::open(bundle) {
             Ok(_) => return Ok(bundle.clone()),
-            Err(e) => (with.tell)(News::Making(format!("{e}"))),
+            Err(e) => (with.report_news)(News::Making(format!("{e}"))),
         }
         // A build only replaces bundles, and a damaged file may not look like one.
         _ = std::fs::remove_file(bundle);
@@ -97,9 +97,9 @@ pub fn ensure_motion(inputs: &[PathBuf], otherwise: &Path, with: &Cached<'_>) ->
     if let Some(folder) = bundle.parent() {
         std::fs::create_dir_all(folder).map_err(|source| BuildError::Io { path: folder.to_path_buf(), source })?;
     }
-    (with.tell)(News::Making(format!("building {}", config.name)));
+    (with.report_news)(News::Making(format!("building {}", config.name)));
     let report = pipeline::build_possible(&config, &bundle, with.cache, with.progress)?;
-    News::of(&report).for_each(with.tell);
+    News::from_report(&report).for_each(with.report_news);
     if pipeline::kept_bundle(&config, with.cache)? != kept {
         // The files changed during the build: this bundle does not belong to the hash in its name.
         _ = std::fs::remove_file(&bundle);
@@ -128,21 +128,21 @@ pub fn motion_name(inputs: &[PathBuf]) -> String {
 /// - returns the report of stitching, if it was necessary.
 ///
 /// # Errors
-/// As [`ensure`]; as [`stitch::check_replaced`] if the file holds the world of another world file.
+/// As [`ensure_scene`]; as [`stitch::check_replaced`] if the file holds the world of another world file.
 pub fn ensure_world(
     source: &WorldSource,
     file: &Path,
     tables: &Bundle,
     out: &Path,
-    with: &Cached<'_>,
+    with: &BuildContext<'_>,
 ) -> Result<Option<StitchReport>, BuildError> {
-    let kit = Kit::new(tables, &source.bundle)?;
+    let kit = StitchKit::new(tables, &source.bundle)?;
     let hash = source.hash(&kit.library(tables), file)?;
     if World::open(out, tables).is_ok_and(|world| world.meta().source_hash == hash) {
         return Ok(None);
     }
     stitch::check_replaced(file, out)?;
-    (with.tell)(News::Making(format!("stitching {}", source.name)));
+    (with.report_news)(News::Making(format!("stitching {}", source.name)));
     let (mut world, mut report) = stitch::stitch_source(source, file, tables, &kit, with.progress)?;
     report.world_bytes = stitch::save(&mut world, file, tables.patches(), out)?;
     Ok(Some(report))

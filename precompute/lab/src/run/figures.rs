@@ -1,13 +1,13 @@
 //! Figures measured of a scene, and of each of its groups.
 
-use super::meter::Flow;
+use super::meter::GateFlow;
 use super::watch::PartnerFigures;
 use crate::touch::TouchFigures;
 use serde::Serialize;
 
 /// Figures of some characters. Keys that do not apply to them are left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct Figures {
+pub struct SceneFigures {
     /// Number of characters with policies, paths or worlds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub characters: Option<usize>,
@@ -43,7 +43,7 @@ pub struct Figures {
     pub world: Option<InhabitedFigures>,
     /// Figures of characters on random paths.
     #[serde(flatten)]
-    pub paths: Option<PathFigures>,
+    pub paths: Option<FollowedPathFigures>,
     /// Figures of agents.
     #[serde(flatten)]
     pub crowd: Option<AgentFigures>,
@@ -99,7 +99,7 @@ pub struct InhabitedFigures {
 
 /// Figures of characters on random paths.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct PathFigures {
+pub struct FollowedPathFigures {
     /// Mean speed of the paths (m/s).
     pub speed_mean_mps: f64,
     /// Greatest speed of a character (m/s).
@@ -179,7 +179,7 @@ pub struct AgentFigures {
     pub lane_order: Option<f64>,
     /// Flow through the scene's gate.
     #[serde(flatten)]
-    pub flow: Option<Flow>,
+    pub flow: Option<GateFlow>,
     /// Largest distance over ground of hips from the centre of their disc (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hips_off_max_m: Option<f64>,

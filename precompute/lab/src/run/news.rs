@@ -20,11 +20,11 @@ pub enum News {
 
 impl News {
     /// Messages on a finished build.
-    pub fn of(report: &BuildReport) -> impl Iterator<Item = Self> {
+    pub fn from_report(report: &BuildReport) -> impl Iterator<Item = Self> {
         let not_made = report.not_made.iter().map(|n| Self::NotMade(n.part.clone(), n.why.clone()));
         let warnings = report.warnings.iter().cloned().map(Self::Warning);
         let skipped = report.skipped.iter().cloned().map(Self::Skipped);
-        std::iter::once(Self::Made(report.made())).chain(not_made).chain(warnings).chain(skipped)
+        std::iter::once(Self::Made(report.summary())).chain(not_made).chain(warnings).chain(skipped)
     }
 }
 

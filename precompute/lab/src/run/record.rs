@@ -1,14 +1,14 @@
 //! Records of a run, for pictures.
 
-use super::report::RunConfig;
-use super::watch::{LOOK_S, Watch};
+use super::report::SceneRunConfig;
+use super::watch::{SAMPLE_PERIOD_S, SceneWatch};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use throng_runtime::characters::PolicyCharacters;
 use throng_runtime::crowd::{Obstacle, Space};
-use throng_runtime::reserve::Rod;
-use throng_runtime::simulation::agents::{Agents, in_world};
+use throng_runtime::reserve::Capsule2d;
+use throng_runtime::simulation::agents::{SceneAgents, world_vector};
 use throng_runtime::simulation::scene::SiteConfig;
-use throng_runtime::simulation::{Event, GroupCast, Simulation};
+use throng_runtime::simulation::{AnyCharacterGroup, Simulation, SimulationEvent};
 use throng_runtime::{NUM_JOINTS, Planar};
 
 /// Number of recorded moments of agents, the first and the last included.
@@ -16,18 +16,18 @@ const MOMENTS: usize = 4;
 /// Time between points of a trail (s).
 pub const TRAIL_S: f64 = 0.4;
 /// Number of agents whose trails and paths are recorded, spread over the crowd.
-const TRAILED: usize = 2000;
+const NUM_TRAILED: usize = 2000;
 /// Number of characters on paths, and in worlds, whose poses are recorded ten times a second; one of each is shown.
-const FOLLOWED: [usize; 2] = [24, 48];
+const NUM_FOLLOWED: [usize; 2] = [24, 48];
 
 /// World positions of all joints of a character (m).
-pub type Pose = [Vec3; NUM_JOINTS];
+pub type JointPositions = [Vec3; NUM_JOINTS];
 
 /// Record of a run, for pictures; unless recording is on, it only holds poses at the end and faults.
 #[derive(Clone, Debug, Default)]
-pub struct Record {
+pub struct SceneRecord {
     /// Poses of all characters at the end; `None` for a character that has left or has no body.
-    pub poses: Vec<Option<Pose>>,
+    pub poses: Vec<Option<JointPositions>>,
     /// Records of groups with policies.
     pub fights: Vec<FightRecord>,
     /// Records of groups on random paths.
@@ -63,13 +63,13 @@ pub struct FightRecord {
     /// Poses of these characters at every step.
     pub frames: Vec<FightFrame>,
     /// Outcomes of their blows; characters are numbered from the first of the group.
-    pub events: Vec<Event>,
+    pub events: Vec<SimulationEvent>,
     /// Planar roots of the whole group at the end.
     pub roots: Vec<Planar>,
     /// Opponents' heads or targets of the whole group at the end (m).
     pub targets: Vec<Vec3>,
     /// Walls.
-    pub walls: Vec<Rod>,
+    pub walls: Vec<Capsule2d>,
 }
 
 /// The recorded characters of a group with policies at one step.
@@ -78,7 +78,7 @@ pub struct FightFrame {
     /// (s)
     pub time_s: f32,
     /// Poses of one or two characters.
-    pub poses: Vec<Pose>,
+    pub poses: Vec<JointPositions>,
     /// Position of the target, if there is one (m).
     pub target: Option<Vec3>,
 }
@@ -89,35 +89,35 @@ pub struct PathsRecord {
     /// Number of the group in the simulation.
     pub group: usize,
     /// Samples, ten a second: time, speeds, poses (s, m/s, m).
-    pub looks: Vec<(f32, Vec<f32>, Vec<Pose>)>,
+    pub samples: Vec<(f32, Vec<f32>, Vec<JointPositions>)>,
 }
 
 /// Some characters of a world.
 #[derive(Clone, Debug, Default)]
 pub struct WorldRecord {
     /// Number of the world's character group in the simulation.
-    pub cast: usize,
+    pub character_group: usize,
     /// Number of its first group in the scene.
     pub group: usize,
     /// Numbers of the characters in the simulation.
     pub followed: Vec<usize>,
     /// Samples, ten a second.
-    pub looks: Vec<SeenPeople>,
+    pub samples: Vec<PeopleSample>,
 }
 
 /// The followed characters of a world at one time.
 #[derive(Clone, Debug, Default)]
-pub struct SeenPeople {
+pub struct PeopleSample {
     /// (s)
     pub time_s: f32,
     /// One pose each.
-    pub poses: Vec<Pose>,
+    pub poses: Vec<JointPositions>,
     /// Partner with whom each character acts: its number in the simulation, and its pose.
-    pub partners: Vec<Option<(usize, Pose)>>,
+    pub partners: Vec<Option<(usize, JointPositions)>>,
 }
 
-impl SeenPeople {
-    fn of(sim: &Simulation, followed: &[usize]) -> Self {
+impl PeopleSample {
+    fn from_simulation(sim: &Simulation, followed: &[usize]) -> Self {
         Self {
             time_s: sim.time_s() as f32,
             poses: followed.iter().filter_map(|&who| sim.joint_positions(who)).collect(),
@@ -127,10 +127,10 @@ impl SeenPeople {
 }
 
 /// Partner of a character of a world, once both are at their places of the capture.
-fn partner(sim: &Simulation, who: usize) -> Option<(usize, Pose)> {
-    let (GroupCast::Patches(people), member) = sim.locate(who) else { return None };
+fn partner(sim: &Simulation, who: usize) -> Option<(usize, JointPositions)> {
+    let (AnyCharacterGroup::Patches(people), member) = sim.locate(who) else { return None };
     let (inhabitants, first) = (people.inhabitants(), who - member);
-    let meeting = inhabitants.meeting(*inhabitants.ids().get(member)?).ok()??;
+    let meeting = inhabitants.meeting_state(*inhabitants.ids().get(member)?).ok()??;
     meeting.partner?;
     let other = first + inhabitants.ids().iter().position(|id| *id == meeting.with)?;
     Some((other, sim.joint_positions(other)?))
@@ -138,13 +138,13 @@ fn partner(sim: &Simulation, who: usize) -> Option<(usize, Pose)> {
 
 /// State of an agent, for pictures.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SeenAgent {
+pub struct RecordedAgent {
     /// Centre in the world; y is 0 on the ground (m).
     pub at: Vec3,
     /// Velocity (m/s).
     pub velocity: Vec3,
     /// True if it knows of a happening.
-    pub knows: bool,
+    pub is_informed: bool,
 }
 
 /// All agents at one time.
@@ -153,7 +153,7 @@ pub struct CrowdMoment {
     /// Time (s).
     pub time_s: f64,
     /// State of each agent; `None` for an agent that has left (agents).
-    pub agents: Vec<Option<SeenAgent>>,
+    pub agents: Vec<Option<RecordedAgent>>,
     /// Flags of open doors (doors).
     pub is_open: Vec<bool>,
 }
@@ -174,51 +174,57 @@ pub struct AgentsRecord {
     /// Trails of some agents: number, and positions every 0.4 s (m).
     pub trails: Vec<(usize, Vec<Vec3>)>,
     /// Paths of the same agents, as corners (m).
-    pub ways: Vec<Vec<Vec3>>,
+    pub paths: Vec<Vec<Vec3>>,
     /// Static and moving obstacles.
     pub obstacles: Vec<Obstacle>,
     /// Walls that open and close.
     pub doors: Vec<Obstacle>,
     /// Places that people visit.
-    pub places: Vec<SeenPlace>,
+    pub places: Vec<RecordedPlace>,
 }
 
 /// Fills a record.
-pub(super) struct Recorder {
+pub(super) struct SceneRecorder {
     is_on: bool,
     trajectories: bool,
     seconds: f64,
-    record: Record,
+    record: SceneRecord,
 }
 
-impl Recorder {
-    pub fn new(config: &RunConfig, sim: &Simulation, seconds: f64) -> Self {
+impl SceneRecorder {
+    pub fn new(config: &SceneRunConfig, sim: &Simulation, seconds: f64) -> Self {
         let is_on = config.recorded;
-        let mut record = Record::default();
+        let mut record = SceneRecord::default();
         for (g, group) in sim.groups().iter().enumerate().filter(|_| is_on) {
-            match &sim.casts()[group.cast] {
-                GroupCast::Policy(_) | GroupCast::Sparring(_) => {
+            match &sim.character_groups()[group.character_group] {
+                AnyCharacterGroup::Policy(_) | AnyCharacterGroup::Sparring(_) => {
                     record.fights.push(FightRecord { group: g, ..FightRecord::default() });
                 }
-                GroupCast::Paths(_) => record.paths.push(PathsRecord { group: g, ..PathsRecord::default() }),
-                GroupCast::Patches(_) if record.worlds.iter().all(|w| w.cast != group.cast) => {
-                    let all = sim.groups().iter().filter(|g| g.cast == group.cast);
+                AnyCharacterGroup::Paths(_) => record.paths.push(PathsRecord { group: g, ..PathsRecord::default() }),
+                AnyCharacterGroup::Patches(_)
+                    if record.worlds.iter().all(|w| w.character_group != group.character_group) =>
+                {
+                    let all = sim.groups().iter().filter(|g| g.character_group == group.character_group);
                     let all = all.flat_map(|g| g.characters.clone());
                     let one = sim.scene().picture.follow.map(|one| one.min(sim.num_characters() - 1));
                     // Characters of other worlds are left out.
                     let followed = match one.filter(|one| all.clone().any(|who| who == *one)) {
                         Some(one) => vec![one],
-                        None => all.take(FOLLOWED[1]).collect(),
+                        None => all.take(NUM_FOLLOWED[1]).collect(),
                     };
                     record.worlds.push(WorldRecord {
-                        cast: group.cast,
+                        character_group: group.character_group,
                         group: group.number,
                         followed,
-                        looks: Vec::new(),
+                        samples: Vec::new(),
                     });
                 }
-                GroupCast::Ground(a) if record.agents.is_none() => record.agents = Some(begin(a, sim)),
-                GroupCast::Air(a) if record.agents.is_none() => record.agents = Some(begin(a, sim)),
+                AnyCharacterGroup::Ground(a) if record.agents.is_none() => {
+                    record.agents = Some(begin_agents_record(a, sim))
+                }
+                AnyCharacterGroup::Air(a) if record.agents.is_none() => {
+                    record.agents = Some(begin_agents_record(a, sim))
+                }
                 _ => {}
             }
         }
@@ -228,32 +234,32 @@ impl Recorder {
     pub fn observe(&mut self, sim: &Simulation, step: usize, hz: f64) {
         let time_s = sim.time_s();
         let record = &mut self.record;
-        if self.trajectories && step.is_multiple_of(((LOOK_S * hz).round() as usize).max(1)) {
-            follow(sim, &mut record.trajectories);
+        if self.trajectories && step.is_multiple_of(((SAMPLE_PERIOD_S * hz).round() as usize).max(1)) {
+            add_trajectory_points(sim, &mut record.trajectories);
         }
         if !self.is_on {
             return;
         }
         record.fights.iter_mut().for_each(|f| f.observe(sim));
-        if step.is_multiple_of(((LOOK_S * hz).round() as usize).max(1)) {
+        if step.is_multiple_of(((SAMPLE_PERIOD_S * hz).round() as usize).max(1)) {
             for p in &mut record.paths {
-                let characters = sim.groups()[p.group].characters.clone().take(FOLLOWED[0]);
+                let characters = sim.groups()[p.group].characters.clone().take(NUM_FOLLOWED[0]);
                 let speed = |who| match sim.locate(who) {
-                    (GroupCast::Paths(w), member) => w.speed(member),
+                    (AnyCharacterGroup::Paths(w), member) => w.speed(member),
                     _ => 0.0,
                 };
                 let poses = characters.clone().filter_map(|who| sim.joint_positions(who)).collect();
-                p.looks.push((time_s as f32, characters.map(speed).collect(), poses));
+                p.samples.push((time_s as f32, characters.map(speed).collect(), poses));
             }
             for w in &mut record.worlds {
-                w.looks.push(SeenPeople::of(sim, &w.followed));
+                w.samples.push(PeopleSample::from_simulation(sim, &w.followed));
             }
         }
         if let Some(agents) = &mut record.agents {
-            for cast in sim.casts() {
+            for cast in sim.character_groups() {
                 match cast {
-                    GroupCast::Ground(a) => agents.observe(a, time_s, self.seconds),
-                    GroupCast::Air(a) => agents.observe(a, time_s, self.seconds),
+                    AnyCharacterGroup::Ground(a) => agents.observe(a, time_s, self.seconds),
+                    AnyCharacterGroup::Air(a) => agents.observe(a, time_s, self.seconds),
                     _ => {}
                 }
             }
@@ -261,22 +267,22 @@ impl Recorder {
     }
 
     /// Completes the record with the state at the end.
-    pub fn finish(mut self, sim: &Simulation, watch: &Watch) -> Record {
+    pub fn finish(mut self, sim: &Simulation, watch: &SceneWatch) -> SceneRecord {
         self.record.poses = (0..sim.num_characters()).map(|who| sim.joint_positions(who)).collect();
         self.record.faults = watch.faults().cloned().collect();
         for f in &mut self.record.fights {
             let all = sim.groups()[f.group].characters.clone();
             f.roots = all.clone().filter_map(|who| sim.root(who)).collect();
             f.targets = all.filter_map(|who| sim.target(who)).collect();
-            f.walls = boxers(sim, f.group)
+            f.walls = group_boxers(sim, f.group)
                 .and_then(|b| b.characters().reservations())
                 .map_or(Vec::new(), |r| r.walls().copied().collect());
         }
         if let Some(agents) = &mut self.record.agents {
-            for cast in sim.casts() {
+            for cast in sim.character_groups() {
                 match cast {
-                    GroupCast::Ground(a) => agents.keep_ways(a),
-                    GroupCast::Air(a) => agents.keep_ways(a),
+                    AnyCharacterGroup::Ground(a) => agents.keep_paths(a),
+                    AnyCharacterGroup::Air(a) => agents.keep_paths(a),
                     _ => {}
                 }
             }
@@ -286,11 +292,11 @@ impl Recorder {
 }
 
 /// Adds the positions of all agents.
-fn follow(sim: &Simulation, out: &mut Vec<TrajectoryPoint>) {
+fn add_trajectory_points(sim: &Simulation, out: &mut Vec<TrajectoryPoint>) {
     for who in 0..sim.num_characters() {
         let disc = match sim.locate(who) {
-            (GroupCast::Ground(agents), agent) => agents.disc(agent),
-            (GroupCast::Air(agents), agent) => agents.disc(agent),
+            (AnyCharacterGroup::Ground(agents), agent) => agents.disc(agent),
+            (AnyCharacterGroup::Air(agents), agent) => agents.disc(agent),
             _ => None,
         };
         if let Some(disc) = disc {
@@ -301,10 +307,10 @@ fn follow(sim: &Simulation, out: &mut Vec<TrajectoryPoint>) {
 }
 
 /// Characters with policies that include a group's.
-fn boxers(sim: &Simulation, group: usize) -> Option<&PolicyCharacters> {
-    match &sim.casts()[sim.groups()[group].cast] {
-        GroupCast::Policy(p) => Some(p.practice().boxers()),
-        GroupCast::Sparring(b) => Some(b.sparring().boxers()),
+fn group_boxers(sim: &Simulation, group: usize) -> Option<&PolicyCharacters> {
+    match &sim.character_groups()[sim.groups()[group].character_group] {
+        AnyCharacterGroup::Policy(p) => Some(p.practice().boxers()),
+        AnyCharacterGroup::Sparring(b) => Some(b.sparring().boxers()),
         _ => None,
     }
 }
@@ -312,23 +318,24 @@ fn boxers(sim: &Simulation, group: usize) -> Option<&PolicyCharacters> {
 impl FightRecord {
     fn observe(&mut self, sim: &Simulation) {
         let all = sim.groups()[self.group].characters.clone();
-        let is_pair = matches!(sim.locate(all.start).0, GroupCast::Sparring(_));
+        let is_pair = matches!(sim.locate(all.start).0, AnyCharacterGroup::Sparring(_));
         let shown = all.start..all.end.min(all.start + if is_pair { 2 } else { 1 });
         let target = sim.target(all.start).filter(|_| !is_pair);
         let poses = shown.clone().filter_map(|who| sim.joint_positions(who)).collect();
         self.frames.push(FightFrame { time_s: sim.time_s() as f32, poses, target });
         let own = sim.events().iter().filter(|e| shown.contains(&e.who));
-        self.events.extend(own.map(|e| Event { who: e.who - all.start, ..*e }));
+        self.events.extend(own.map(|e| SimulationEvent { who: e.who - all.start, ..*e }));
     }
 }
 
 /// Begins the record of agents with everything that does not change.
-fn begin<V: Space>(agents: &Agents<V>, sim: &Simulation) -> AgentsRecord {
+fn begin_agents_record<V: Space>(agents: &SceneAgents<V>, sim: &Simulation) -> AgentsRecord {
     let layout = agents.layout();
     let num = agents.num_agents();
-    let every = num.div_ceil(TRAILED).max(1);
-    let of_agents =
-        sim.groups().iter().filter(|g| matches!(sim.casts()[g.cast], GroupCast::Ground(_) | GroupCast::Air(_)));
+    let every = num.div_ceil(NUM_TRAILED).max(1);
+    let of_agents = sim.groups().iter().filter(|g| {
+        matches!(sim.character_groups()[g.character_group], AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_))
+    });
     let (numbers, names): (Vec<usize>, Vec<String>) = of_agents.map(|g| (g.number, g.name.clone())).unzip();
     let group = |g: &usize| numbers.iter().position(|n| n == g).unwrap_or(0);
     AgentsRecord {
@@ -338,44 +345,44 @@ fn begin<V: Space>(agents: &Agents<V>, sim: &Simulation) -> AgentsRecord {
         radii: layout.setup.agents.iter().map(|m| m.radius).collect(),
         moments: Vec::new(),
         trails: (0..num).step_by(every).map(|m| (m, Vec::new())).collect(),
-        ways: Vec::new(),
-        obstacles: layout.walls_and_doors().0.iter().map(seen_obstacle).collect(),
-        doors: layout.walls_and_doors().1.iter().map(seen_obstacle).collect(),
-        places: sim.scene().places.iter().map(seen_place).collect(),
+        paths: Vec::new(),
+        obstacles: layout.walls_and_doors().0.iter().map(obstacle_in_world).collect(),
+        doors: layout.walls_and_doors().1.iter().map(obstacle_in_world).collect(),
+        places: sim.scene().places.iter().map(recorded_place).collect(),
     }
 }
 
 impl AgentsRecord {
-    fn observe<V: Space>(&mut self, agents: &Agents<V>, time_s: f64, seconds: f64) {
+    fn observe<V: Space>(&mut self, agents: &SceneAgents<V>, time_s: f64, seconds: f64) {
         let is_last = time_s >= seconds;
         let due = seconds * self.moments.len() as f64 / (MOMENTS - 1) as f64;
         if is_last || time_s >= due && self.moments.len() < MOMENTS - 1 {
             let is_open = (0..self.doors.len()).map(|d| agents.is_open(d)).collect();
-            let agents = (0..agents.num_agents()).map(|m| seen(agents, m)).collect();
+            let agents = (0..agents.num_agents()).map(|m| recorded_agent(agents, m)).collect();
             self.moments.push(CrowdMoment { time_s, agents, is_open });
         }
         for (m, trail) in &mut self.trails {
             if is_last || time_s >= trail.len() as f64 * TRAIL_S {
-                trail.extend(agents.position(*m, time_s).map(in_world));
+                trail.extend(agents.position(*m, time_s).map(world_vector));
             }
         }
     }
 
     /// Records the paths of the trailed agents at the end.
-    fn keep_ways<V: Space>(&mut self, agents: &Agents<V>) {
-        let way = |(m, _): &(usize, Vec<Vec3>)| agents.layout().ways[*m].iter().map(|&p| in_world(p)).collect();
-        self.ways = self.trails.iter().map(way).collect();
+    fn keep_paths<V: Space>(&mut self, agents: &SceneAgents<V>) {
+        let way = |(m, _): &(usize, Vec<Vec3>)| agents.layout().paths[*m].iter().map(|&p| world_vector(p)).collect();
+        self.paths = self.trails.iter().map(way).collect();
     }
 }
 
-fn seen<V: Space>(agents: &Agents<V>, m: usize) -> Option<SeenAgent> {
+fn recorded_agent<V: Space>(agents: &SceneAgents<V>, m: usize) -> Option<RecordedAgent> {
     let disc = agents.disc(m)?;
-    Some(SeenAgent { at: disc.centre, velocity: disc.velocity, knows: disc.knows })
+    Some(RecordedAgent { at: disc.centre, velocity: disc.velocity, is_informed: disc.knows })
 }
 
 /// A place of the scene, for pictures.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SeenPlace {
+pub struct RecordedPlace {
     /// Its name.
     pub name: String,
     /// Centre (m).
@@ -386,20 +393,20 @@ pub struct SeenPlace {
     pub slots: Vec<Vec3>,
 }
 
-fn seen_place(site: &SiteConfig) -> SeenPlace {
+fn recorded_place(site: &SiteConfig) -> RecordedPlace {
     let point = |p: &[f32]| if let [x, y, z] = *p { Vec3::new(x, y, z) } else { Vec3::new(p[0], 0.0, p[1]) };
     let slots =
         site.slots.iter().map(|s| point(&s.at)).chain(site.queue.iter().flat_map(|q| &q.points).map(|p| point(p)));
-    SeenPlace { name: site.name.clone(), at: point(&site.at), radius: site.radius_m, slots: slots.collect() }
+    RecordedPlace { name: site.name.clone(), at: point(&site.at), radius: site.radius_m, slots: slots.collect() }
 }
 
 /// Converts an obstacle to world space.
-pub fn seen_obstacle<V: Space>(obstacle: &Obstacle<V>) -> Obstacle {
-    obstacle.clone().map(in_world)
+pub fn obstacle_in_world<V: Space>(obstacle: &Obstacle<V>) -> Obstacle {
+    obstacle.clone().map(world_vector)
 }
 
 /// Position at a time on a path of timed points, in order of time (s, m).
-pub fn on_its_way(way: &[(f64, Vec3)], time_s: f64) -> Vec3 {
+pub fn position_on_timed_path(way: &[(f64, Vec3)], time_s: f64) -> Vec3 {
     let next = way.partition_point(|w| w.0 <= time_s);
     match (next.checked_sub(1).map(|i| way[i]), way.get(next)) {
         (Some(a), Some(b)) => a.1.lerp(b.1, ((time_s - a.0) / (b.0 - a.0)) as f32),
@@ -418,7 +425,7 @@ mod tests {
         let way = [(1.0, Vec3::ZERO), (3.0, Vec3::X), (4.0, Vec3::Z)];
         for (time_s, at) in [(0.0, Vec3::ZERO), (2.0, Vec3::X * 0.5), (3.5, (Vec3::X + Vec3::Z) * 0.5), (9.0, Vec3::Z)]
         {
-            assert!(on_its_way(&way, time_s).distance(at) < 1e-6, "{time_s}");
+            assert!(position_on_timed_path(&way, time_s).distance(at) < 1e-6, "{time_s}");
         }
     }
     use throng_runtime::simulation::Scene;
@@ -431,7 +438,7 @@ mod tests {
         std::fs::write(file("floor.throng"), made_up_floor::bundle("made up")).unwrap();
         let tables = made_up_floor::tables();
         let world = made_up_floor::world(&tables, &["#####", "#b##b", "###b#", "#####"]);
-        let costs = PathCosts::bake(&WorldGraph::new(tables.patches(), &world.view()).unwrap()).unwrap();
+        let costs = PathCosts::bake(&WorldGraph::new(tables.patches(), &world.tables()).unwrap()).unwrap();
         world.write(&costs, &mut std::fs::File::create(file("floor.world")).unwrap()).unwrap();
         let followed = |who: usize| {
             let text = format!(
@@ -442,8 +449,8 @@ mod tests {
                 file("floor.world")
             );
             let scene = Scene::parse(&text, &folder.path().join("s.toml")).unwrap().open().unwrap();
-            let config = RunConfig { recorded: true, ..RunConfig::default() };
-            Recorder::new(&config, &Simulation::new(&scene).unwrap(), 1.0).record.worlds[0].followed.clone()
+            let config = SceneRunConfig { recorded: true, ..SceneRunConfig::default() };
+            SceneRecorder::new(&config, &Simulation::new(&scene).unwrap(), 1.0).record.worlds[0].followed.clone()
         };
         assert_eq!((followed(5), followed(99)), (vec![5], vec![6]));
         assert_eq!(followed(0), [3, 4, 5, 6]);

@@ -1,6 +1,6 @@
 //! Recordings of runs, to replay and explain them: the scene, its step rate, and a hash of each simulated second.
 
-use super::report::{Moment, fault, play};
+use super::report::{ObservedStep, config_error, play_scene};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use throng_motion::error::BuildError;
@@ -13,7 +13,7 @@ const KIND: SnapshotKind = SnapshotKind { what: "recording", tag: *b"RCRD", vers
 
 /// A recorded run that can be repeated exactly: steps depend only on the data here.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Recording {
+pub struct RunRecording {
     /// The scene, as the text of a scene file; its paths are relative to the folder of the run.
     pub scene: String,
     /// Name of the scene.
@@ -28,7 +28,7 @@ pub struct Recording {
     pub seconds: f64,
 }
 
-impl Recording {
+impl RunRecording {
     /// A recording at the begin of a run.
     ///
     /// # Errors
@@ -61,7 +61,7 @@ impl Recording {
     /// # Errors
     /// [`BuildError::Config`] for a file that is damaged or no recording.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
-        let bytes = read_file(path, "a recording", MAX_TEXT_BYTES).map_err(fault)?;
+        let bytes = read_file(path, "a recording", MAX_TEXT_BYTES).map_err(config_error)?;
         Self::parse(&bytes).map_err(|e| {
             let why = match e {
                 Error::Snapshot { why, .. } => format!("expected a recording of `throng run --record`: {why}"),
@@ -71,7 +71,7 @@ impl Recording {
         })
     }
 
-    /// Like [`Recording::load`], from bytes.
+    /// Like [`RunRecording::load`], from bytes.
     ///
     /// # Errors
     /// [`Error`] without the name of the file.
@@ -87,7 +87,7 @@ impl Recording {
     /// # Errors
     /// As [`Scene::parse_written`].
     pub fn scene(&self) -> Result<Scene, BuildError> {
-        Scene::parse_written(&self.scene).map_err(fault)
+        Scene::parse_written(&self.scene).map_err(config_error)
     }
 
     /// Repeats the run until a time, or to its end, bit by bit.
@@ -101,15 +101,15 @@ impl Recording {
                 format!("expected a time of 0 to {:.2} s, where the recording ends, found {until_s}", self.seconds);
             return Err(BuildError::Config { message });
         }
-        self.replay_seen(compiled, until_s, |_, _| Ok(()))
+        self.replay_observed(compiled, until_s, |_, _| Ok(()))
     }
 
-    /// Like [`Recording::replay`]; also calls `look` before the first step and after every step.
-    pub(crate) fn replay_seen(
+    /// Like [`RunRecording::replay`]; also calls `look` before the first step and after every step.
+    pub(crate) fn replay_observed(
         &self,
         compiled: &CompiledScene,
         until_s: Option<f64>,
-        mut look: impl FnMut(&Simulation, Moment) -> Result<(), BuildError>,
+        mut look: impl FnMut(&Simulation, ObservedStep) -> Result<(), BuildError>,
     ) -> Result<Simulation, BuildError> {
         let differs = |what: &str| {
             let message = format!("the recording of \"{}\" cannot be replayed: {what}; record it again", self.name);
@@ -119,9 +119,9 @@ impl Recording {
             return Err(differs("its scene, a bundle or a world is another one now"));
         }
         let until_s = until_s.unwrap_or(self.seconds).clamp(0.0, self.seconds);
-        let mut sim = Simulation::new(compiled).map_err(fault)?;
+        let mut sim = Simulation::new(compiled).map_err(config_error)?;
         let mut seen = 0;
-        play(&mut sim, self.seconds, self.step_hz, until_s, |sim, moment| {
+        play_scene(&mut sim, self.seconds, self.step_hz, until_s, |sim, moment| {
             let time_s = sim.time_s();
             if moment.step > 0 && (time_s >= self.seconds || time_s >= (seen + 1) as f64 - 1e-9) {
                 if self.hashes.get(seen) != Some(&sim.hash()) {

@@ -1,29 +1,29 @@
 //! The loop that runs a scene, and its report.
 
-use super::figures::Figures;
-use super::record::{Record, Recorder};
-use super::recording::Recording;
-use super::watch::{AgentWatch, Watch};
+use super::figures::SceneFigures;
+use super::record::{SceneRecord, SceneRecorder};
+use super::recording::RunRecording;
+use super::watch::{AgentWatch, SceneWatch};
 use serde::Serialize;
 use std::time::Instant;
 use throng_bake::environment::{Environment, PlacedGeometry, PlacedUnit};
-use throng_bake::stitch::Kit;
-use throng_base::clock::thread_ran_s;
+use throng_bake::stitch::StitchKit;
+use throng_base::clock::thread_cpu_s;
 use throng_motion::error::BuildError;
 use throng_runtime::base::limits::{SECONDS, STEP_HZ, THREADS};
 use throng_runtime::crowd::Space;
-use throng_runtime::simulation::agents::Agents;
-use throng_runtime::simulation::{CompiledScene, GroupCast, Kind, Simulation};
-use throng_runtime::{Error, Inline, Rayon, Run};
+use throng_runtime::simulation::agents::SceneAgents;
+use throng_runtime::simulation::{AnyCharacterGroup, CompiledScene, MotionKind, Simulation};
+use throng_runtime::{Error, Executor, Inline, Rayon};
 
 /// Samples of agents a simulated second (Hz).
-pub(super) const LOOK_HZ: f64 = 30.0;
+pub(super) const SAMPLE_HZ: f64 = 30.0;
 /// Running time of a thread above which the system's ticks do not matter (s).
-const TOLD_S: f64 = 0.05;
+const MIN_TIMED_S: f64 = 0.05;
 
 /// Settings of a run of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RunConfig {
+pub struct SceneRunConfig {
     /// Simulated time; that of the scene where `None` (s, 0.001 to 100000).
     pub seconds: Option<f64>,
     /// Steps a simulated second (Hz, 1 to 10000).
@@ -34,7 +34,7 @@ pub struct RunConfig {
     pub trajectories: bool,
 }
 
-impl Default for RunConfig {
+impl Default for SceneRunConfig {
     fn default() -> Self {
         Self { seconds: None, step_hz: 60.0, recorded: false, trajectories: false }
     }
@@ -47,7 +47,7 @@ pub struct SceneReport {
     pub scene: String,
     /// Figures of all groups.
     #[serde(flatten)]
-    pub total: Figures,
+    pub total: SceneFigures,
     /// Figures of each group.
     pub groups: Vec<GroupReport>,
 }
@@ -61,15 +61,15 @@ pub struct GroupReport {
     pub motion: &'static str,
     /// Figures of its characters.
     #[serde(flatten)]
-    pub figures: Figures,
+    pub figures: SceneFigures,
 }
 
 /// Converts an error of the runtime.
-pub(super) fn fault(e: Error) -> BuildError {
+pub(super) fn config_error(e: Error) -> BuildError {
     BuildError::Config { message: e.to_string() }
 }
 
-pub(super) fn wrong(message: String) -> BuildError {
+pub(super) fn scene_error(message: String) -> BuildError {
     BuildError::Stage { stage: "scene", message, help: "`throng run --help` lists what may be given".into() }
 }
 
@@ -79,7 +79,10 @@ pub(super) fn wrong(message: String) -> BuildError {
 ///
 /// # Errors
 /// As [`Simulation::new`] and [`Simulation::step`], or [`BuildError::Stage`] for a config out of range.
-pub fn run(scene: &CompiledScene, config: &RunConfig) -> Result<(SceneReport, Record, Simulation), BuildError> {
+pub fn run(
+    scene: &CompiledScene,
+    config: &SceneRunConfig,
+) -> Result<(SceneReport, SceneRecord, Simulation), BuildError> {
     run_recorded(scene, config, None)
 }
 
@@ -89,25 +92,25 @@ pub fn run(scene: &CompiledScene, config: &RunConfig) -> Result<(SceneReport, Re
 /// As [`run`].
 pub fn run_recorded(
     scene: &CompiledScene,
-    config: &RunConfig,
-    mut recording: Option<&mut Recording>,
-) -> Result<(SceneReport, Record, Simulation), BuildError> {
+    config: &SceneRunConfig,
+    mut recording: Option<&mut RunRecording>,
+) -> Result<(SceneReport, SceneRecord, Simulation), BuildError> {
     let (seconds, hz) = (config.seconds.unwrap_or(scene.scene().seconds), config.step_hz);
-    SECONDS.check("seconds", None, seconds).map_err(fault)?;
-    STEP_HZ.check("step_hz", None, hz).map_err(fault)?;
-    let mut sim = Simulation::new(scene).map_err(fault)?;
+    SECONDS.check("seconds", None, seconds).map_err(config_error)?;
+    STEP_HZ.check("step_hz", None, hz).map_err(config_error)?;
+    let mut sim = Simulation::new(scene).map_err(config_error)?;
     sim.set_timed();
     let all: Vec<usize> = (0..sim.groups().len()).collect();
-    let mut total = Watch::new(&sim, &all)?;
+    let mut total = SceneWatch::new(&sim, &all)?;
     let mut groups = Vec::new();
     if all.len() > 1 {
         for &g in &all {
-            groups.push(Watch::new(&sim, &[g])?);
+            groups.push(SceneWatch::new(&sim, &[g])?);
         }
     }
-    let mut recorder = Recorder::new(config, &sim, seconds);
-    let busy_s = play(&mut sim, seconds, hz, seconds, |sim, moment| {
-        let Moment { step, dt_s, is_last } = moment;
+    let mut recorder = SceneRecorder::new(config, &sim, seconds);
+    let busy_s = play_scene(&mut sim, seconds, hz, seconds, |sim, moment| {
+        let ObservedStep { step, dt_s, is_last } = moment;
         total.observe(sim, dt_s, step, hz);
         groups.iter_mut().for_each(|w| w.observe(sim, dt_s, step, hz));
         recorder.observe(sim, step, hz);
@@ -133,7 +136,7 @@ pub fn run_recorded(
 
 /// A step of a run, as observers see it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Moment {
+pub(crate) struct ObservedStep {
     /// Number of steps so far.
     pub step: usize,
     /// Time since the previous step (s).
@@ -149,12 +152,12 @@ pub(crate) struct Moment {
 ///
 /// # Errors
 /// As [`Simulation::step`], and errors of `look`.
-pub(crate) fn play(
+pub(crate) fn play_scene(
     sim: &mut Simulation,
     seconds: f64,
     hz: f64,
     until_s: f64,
-    mut look: impl FnMut(&Simulation, Moment) -> Result<(), BuildError>,
+    mut look: impl FnMut(&Simulation, ObservedStep) -> Result<(), BuildError>,
 ) -> Result<f64, BuildError> {
     let steps = (seconds * hz).round().max(1.0) as usize;
     let mut busy_s = 0.0;
@@ -167,11 +170,11 @@ pub(crate) fn play(
         let dt_s = (time_s - sim.time_s()) as f32;
         // All characters are posed already: a second step without time would change where feet are planted.
         if step > 0 {
-            sim.step_to(time_s, &Inline).map_err(fault)?;
+            sim.step_to(time_s, &Inline).map_err(config_error)?;
         }
         busy_s += begin.elapsed().as_secs_f64();
         let is_last = step == steps || sim.has_ended();
-        look(sim, Moment { step, dt_s, is_last })?;
+        look(sim, ObservedStep { step, dt_s, is_last })?;
         if is_last {
             break;
         }
@@ -184,19 +187,19 @@ pub(crate) fn play(
 ///
 /// # Errors
 /// As [`run`], and [`BuildError::Stage`] for a scene of other characters, or two runs that differ.
-pub fn run_agents(scene: &CompiledScene, seconds: Option<f64>, threads: usize) -> Result<Figures, BuildError> {
+pub fn run_agents(scene: &CompiledScene, seconds: Option<f64>, threads: usize) -> Result<SceneFigures, BuildError> {
     let seconds = seconds.unwrap_or(scene.scene().seconds);
-    SECONDS.check("seconds", None, seconds).map_err(fault)?;
-    THREADS.check_count("threads", threads).map_err(fault)?;
+    SECONDS.check("seconds", None, seconds).map_err(config_error)?;
+    THREADS.check_count("threads", threads).map_err(config_error)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|e| wrong(e.to_string()))?;
+    let pool = pool.map_err(|e| scene_error(e.to_string()))?;
     let begin = Instant::now();
-    let mut sim = Simulation::new(scene).map_err(fault)?;
+    let mut sim = Simulation::new(scene).map_err(config_error)?;
     let setup_s = begin.elapsed().as_secs_f64();
-    let figures = pool.install(|| match sim.cast_mut(0) {
-        GroupCast::Ground(agents) => measure(agents, &scene.scene().measure, scene, seconds, threads),
-        GroupCast::Air(agents) => measure(agents, &scene.scene().measure, scene, seconds, threads),
-        _ => Err(wrong("expected a scene of agents, with `motion = \"none\"`".into())),
+    let figures = pool.install(|| match sim.character_group_mut(0) {
+        AnyCharacterGroup::Ground(agents) => measure_agents(agents, &scene.scene().measure, scene, seconds, threads),
+        AnyCharacterGroup::Air(agents) => measure_agents(agents, &scene.scene().measure, scene, seconds, threads),
+        _ => Err(scene_error("expected a scene of agents, with `motion = \"none\"`".into())),
     });
     figures.map(|mut figures| {
         figures.crowd.iter_mut().for_each(|c| c.setup_s = Some(setup_s));
@@ -204,23 +207,23 @@ pub fn run_agents(scene: &CompiledScene, seconds: Option<f64>, threads: usize) -
     })
 }
 
-fn measure<V: Space>(
-    live: &mut Agents<V>,
-    config: &throng_runtime::simulation::scene::MeasureConfig,
+fn measure_agents<V: Space>(
+    live: &mut SceneAgents<V>,
+    config: &throng_runtime::simulation::scene::SceneMeasureConfig,
     scene: &CompiledScene,
     seconds: f64,
     threads: usize,
-) -> Result<Figures, BuildError> {
-    let run: &dyn Run = if threads > 1 { &Rayon } else { &Inline };
+) -> Result<SceneFigures, BuildError> {
+    let run: &dyn Executor = if threads > 1 { &Rayon } else { &Inline };
     let mut alone = live.clone();
-    let (begin, running) = (Instant::now(), (threads == 1).then(thread_ran_s).flatten());
-    alone.advance(seconds, run, &mut |_| {}).map_err(fault)?;
+    let (begin, running) = (Instant::now(), (threads == 1).then(thread_cpu_s).flatten());
+    alone.advance(seconds, run, &mut |_| {}).map_err(config_error)?;
     let wall_s = begin.elapsed().as_secs_f64();
-    let ran = running.and_then(|begin| Some(thread_ran_s()? - begin)).filter(|s| *s > TOLD_S);
+    let ran = running.and_then(|begin| Some(thread_cpu_s()? - begin)).filter(|s| *s > MIN_TIMED_S);
     let all: Vec<usize> = (0..live.num_characters()).collect();
     let mut watch = AgentWatch::new(live, config, all);
-    for frame in 0..=(seconds * LOOK_HZ).ceil() as u64 {
-        live.advance((frame as f64 / LOOK_HZ).min(seconds), run, &mut |_| {}).map_err(fault)?;
+    for frame in 0..=(seconds * SAMPLE_HZ).ceil() as u64 {
+        live.advance((frame as f64 / SAMPLE_HZ).min(seconds), run, &mut |_| {}).map_err(config_error)?;
         watch.observe(live);
     }
     let (timed, hash) = (alone.crowd().hash(), live.crowd().hash());
@@ -231,11 +234,11 @@ fn measure<V: Space>(
             help: "This must never happen; please report it with the scene".into(),
         });
     }
-    let mut figures = Figures {
+    let mut figures = SceneFigures {
         agents: Some(live.num_agents()),
         engine: Some(throng_runtime::simulation::scene::engine::name(scene.scene().agents.engine).into()),
         simulated_s: seconds,
-        ..Figures::default()
+        ..SceneFigures::default()
     };
     figures.stuck = Some(watch.stuck());
     figures.crowd = Some(watch.figures(live, seconds, Some((wall_s, ran.unwrap_or(wall_s)))));
@@ -245,13 +248,13 @@ fn measure<V: Space>(
 /// Geometry of the world of a group of patches.
 ///
 /// # Errors
-/// As [`Kit::new`], or [`BuildError::Stage`] for a group without a world.
-pub fn geometry(scene: &CompiledScene, group: usize) -> Result<PlacedGeometry, BuildError> {
-    let bundle = scene.bundle(group).map_err(fault)?;
+/// As [`StitchKit::new`], or [`BuildError::Stage`] for a group without a world.
+pub fn world_geometry(scene: &CompiledScene, group: usize) -> Result<PlacedGeometry, BuildError> {
+    let bundle = scene.bundle(group).map_err(config_error)?;
     let (Some(world), (Some(path), _)) = (scene.world(group), scene.scene().bundle_of(group)) else {
-        return Err(wrong(format!("group {group} is in no world")));
+        return Err(scene_error(format!("group {group} is in no world")));
     };
-    let kit = Kit::new(bundle, path)?;
+    let kit = StitchKit::new(bundle, path)?;
     let units = world.world.view().units.iter();
     let units = units.map(|u| PlacedUnit { unit: u.unit as usize, placement: u.placement }).collect();
     Ok(PlacedGeometry::new(&Environment { name: scene.scene().name.clone(), units }, &kit.geometries))

@@ -1,17 +1,17 @@
 //! Speed of scenes with rules, state graphs and news, timed part by part.
 
-use super::report::fault;
+use super::report::config_error;
 use serde::Serialize;
 use std::time::Instant;
 use throng_motion::error::BuildError;
 use throng_runtime::base::limits::THREADS;
-use throng_runtime::simulation::{CompiledScene, GroupCast, Simulation};
-use throng_runtime::{Inline, Rayon, Run};
+use throng_runtime::simulation::{AnyCharacterGroup, CompiledScene, Simulation};
+use throng_runtime::{Executor, Inline, Rayon};
 
 /// Frames a simulated second (Hz).
 const FRAME_HZ: f64 = 30.0;
 /// Frames between two samples of overlaps and of occupied slots.
-const LOOK_FRAMES: u64 = 3;
+const SAMPLE_FRAMES: u64 = 3;
 
 /// Figures of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
@@ -61,7 +61,7 @@ pub struct ScenarioFigures {
 }
 
 /// Rates of Kim, Kim and Shin (2003b), section 4, with drawing, on a processor of 2.4 GHz (frames a second).
-const PAPER: [(&str, f64); 4] = [("square", 5.0), ("race", 20.0), ("race-100", 10.0), ("park", 5.0)];
+const PAPER_RATES: [(&str, f64); 4] = [("square", 5.0), ("race", 20.0), ("race-100", 10.0), ("park", 5.0)];
 
 /// Runs a scene and times it, without the time to sample agents.
 ///
@@ -69,19 +69,19 @@ const PAPER: [(&str, f64); 4] = [("square", 5.0), ("race", 20.0), ("race-100", 1
 ///
 /// # Errors
 /// As [`Simulation::new`] and [`Simulation::step`].
-pub fn measure(
+pub fn measure_scenario(
     scene: &CompiledScene,
     seconds: Option<f64>,
     threads: usize,
     count: &(dyn Fn() -> Option<u64> + Sync),
 ) -> Result<ScenarioFigures, BuildError> {
-    THREADS.check_count("threads", threads).map_err(fault)?;
+    THREADS.check_count("threads", threads).map_err(config_error)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| BuildError::Config { message: e.to_string() })?;
-    pool.install(|| timed(scene, seconds, threads, count))
+    pool.install(|| measure_in_pool(scene, seconds, threads, count))
 }
 
-fn timed(
+fn measure_in_pool(
     scene: &CompiledScene,
     seconds: Option<f64>,
     threads: usize,
@@ -89,53 +89,53 @@ fn timed(
 ) -> Result<ScenarioFigures, BuildError> {
     let seconds = seconds.unwrap_or(scene.scene().seconds);
     let begin = Instant::now();
-    scene.scene().compile_story().map_err(fault)?;
+    scene.scene().compile_story().map_err(config_error)?;
     let compile_s = begin.elapsed().as_secs_f64();
-    let mut sim = Simulation::new(scene).map_err(fault)?;
+    let mut sim = Simulation::new(scene).map_err(config_error)?;
     sim.set_timed();
-    let run: &dyn Run = if threads > 1 { &Rayon } else { &Inline };
+    let run: &dyn Executor = if threads > 1 { &Rayon } else { &Inline };
     let (mut busy_s, mut taken, mut overlap_m, mut twice) = (0.0, 0, f64::NEG_INFINITY, 0);
     let frames = (seconds * FRAME_HZ).round() as u64;
     let mut last = 0;
     for frame in 1..=frames {
         let (before, begin) = (count(), Instant::now());
-        sim.step_to(frame as f64 / FRAME_HZ, run).map_err(fault)?;
+        sim.step_to(frame as f64 / FRAME_HZ, run).map_err(config_error)?;
         busy_s += begin.elapsed().as_secs_f64();
         taken += count().zip(before).map_or(0, |(now, before)| now - before);
         last = frame;
-        if frame.is_multiple_of(LOOK_FRAMES) {
-            overlap_m = deepest(&sim).max(overlap_m);
-            twice += sim.minds().map_or(0, |m| m.num_holding_twice());
+        if frame.is_multiple_of(SAMPLE_FRAMES) {
+            overlap_m = deepest_overlap_m(&sim).max(overlap_m);
+            twice += sim.brains().map_or(0, |m| m.num_holding_twice());
         }
         if sim.has_ended() {
             break;
         }
     }
-    let spent = sim.casts().iter().find_map(|cast| match cast {
-        GroupCast::Ground(agents) => agents.spent(),
-        GroupCast::Air(agents) => agents.spent(),
+    let spent = sim.character_groups().iter().find_map(|cast| match cast {
+        AnyCharacterGroup::Ground(agents) => agents.timings(),
+        AnyCharacterGroup::Air(agents) => agents.timings(),
         _ => None,
     });
-    let counts = sim.casts().iter().find_map(|cast| match cast {
-        GroupCast::Ground(agents) => Some((agents.crowd().counts(), agents.crowd().bytes_per_agent())),
-        GroupCast::Air(agents) => Some((agents.crowd().counts(), agents.crowd().bytes_per_agent())),
+    let counts = sim.character_groups().iter().find_map(|cast| match cast {
+        AnyCharacterGroup::Ground(agents) => Some((agents.crowd().counts(), agents.crowd().bytes_per_agent())),
+        AnyCharacterGroup::Air(agents) => Some((agents.crowd().counts(), agents.crowd().bytes_per_agent())),
         _ => None,
     });
     let share = |s: f64| s / busy_s.max(1e-12);
     let (spent, simulated_s) = (spent.unwrap_or_default(), sim.time_s());
-    let minds = sim.minds();
-    let spread = minds.map_or_else(Vec::new, |m| m.spread());
+    let minds = sim.brains();
+    let spread = minds.map_or_else(Vec::new, |m| m.event_spreads());
     let frames_per_second = last as f64 / busy_s.max(1e-12);
     let name = scene.scene().name.clone();
-    let paper = PAPER.iter().find(|p| p.0 == name).map(|p| p.1);
+    let paper = PAPER_RATES.iter().find(|p| p.0 == name).map(|p| p.1);
     Ok(ScenarioFigures {
         agents: sim.num_characters(),
         threads,
         simulated_s,
         frames_per_second,
         over_paper: paper.map(|paper| frames_per_second / paper),
-        rules_share: share(spent.minds_s),
-        crowd_share: share(spent.all_s - spent.minds_s),
+        rules_share: share(spent.brains_s),
+        crowd_share: share(spent.all_s - spent.brains_s),
         motion_share: share(spent.bodies_s),
         evaluations_per_second: minds.map_or(0.0, |m| m.evaluations() as f64 / simulated_s.max(1e-9)),
         ns_per_evaluation: ns_per_evaluation(),
@@ -154,7 +154,7 @@ fn timed(
 }
 
 /// Deepest current overlap of two agents; negative if none overlap (m).
-fn deepest(sim: &Simulation) -> f64 {
+fn deepest_overlap_m(sim: &Simulation) -> f64 {
     let mut places: Vec<_> =
         (0..sim.num_characters()).filter_map(|who| sim.disc(who)).map(|d| (d.centre, d.radius)).collect();
     places.sort_by(|a, b| a.0.x.total_cmp(&b.0.x));

@@ -1,20 +1,20 @@
 //! Measures one crowd that several processes move.
 
-use super::report::{fault, wrong};
+use super::report::{config_error, scene_error};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::time::Instant;
 use throng_base::Comm;
-use throng_base::clock::thread_ran_s;
+use throng_base::clock::thread_cpu_s;
 use throng_base::limits::SECONDS;
 use throng_crowd::Crowd;
 use throng_motion::error::BuildError;
 use throng_motion::memory;
 use throng_motion::progress::Progress;
-use throng_runtime::simulation::{CompiledScene, GroupCast, Simulation};
+use throng_runtime::simulation::{AnyCharacterGroup, CompiledScene, Simulation};
 
 /// Samples of overlaps a simulated second (Hz).
-const LOOK_HZ: f64 = 10.0;
+const OVERLAP_HZ: f64 = 10.0;
 
 /// Cost of a crowd that several processes move.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -68,23 +68,23 @@ pub fn run_shared(
     progress: &dyn Progress,
 ) -> Result<Option<SharedFigures>, BuildError> {
     let seconds = seconds.unwrap_or(scene.scene().seconds);
-    SECONDS.check("seconds", None, seconds).map_err(fault)?;
+    SECONDS.check("seconds", None, seconds).map_err(config_error)?;
     let crowd = crowd_of(scene)?;
     let agents = crowd.num_agents();
-    let mut part = crowd.share(comm).map_err(|e| fault(e.into()))?;
-    comm.barrier().map_err(fault)?;
+    let mut part = crowd.share(comm).map_err(|e| config_error(e.into()))?;
+    comm.barrier().map_err(config_error)?;
     let (mut advance_s, mut busy_s, mut ran_s, mut overlaps) = (0.0, 0.0, 0.0, 0);
     let mut before = comm.traffic();
     let moved = before.bytes_moved;
-    let looks = (seconds * LOOK_HZ).ceil() as u64;
+    let looks = (seconds * OVERLAP_HZ).ceil() as u64;
     progress.begin("crowd", looks, "tenths of a second");
     for look in 1..=looks {
-        let (begin, running) = (Instant::now(), thread_ran_s());
-        part.advance((look as f64 / LOOK_HZ).min(seconds), comm).map_err(|e| fault(e.into()))?;
+        let (begin, running) = (Instant::now(), thread_cpu_s());
+        part.advance((look as f64 / OVERLAP_HZ).min(seconds), comm).map_err(|e| config_error(e.into()))?;
         let (wall_s, traffic) = (begin.elapsed().as_secs_f64(), comm.traffic());
         advance_s += wall_s;
         busy_s += wall_s - (traffic.waited_s - before.waited_s);
-        ran_s += thread_ran_s().zip(running).map_or(0.0, |(after, begin)| after - begin);
+        ran_s += thread_cpu_s().zip(running).map_or(0.0, |(after, begin)| after - begin);
         before = traffic;
         overlaps += part.num_overlapping();
         progress.advance(1);
@@ -99,7 +99,7 @@ pub fn run_shared(
     ];
     let mut all: [Vec<f64>; 5] = Default::default();
     for (all, number) in all.iter_mut().zip(mine) {
-        *all = comm.all_numbers(number).map_err(fault)?;
+        *all = comm.all_numbers(number).map_err(config_error)?;
     }
     let of_ranks = (0..comm.num_ranks()).map(|r| RankFigures {
         agents: all[0][r] as usize,
@@ -108,10 +108,10 @@ pub fn run_shared(
         bytes_moved: all[3][r] as u64,
         peak_bytes: all[4][r] as u64,
     });
-    let slowest_s = comm.max(advance_s).map_err(fault)?;
-    let handed_over = comm.sum(part.num_handed_over()).map_err(fault)?;
-    let overlaps = comm.sum(overlaps).map_err(fault)?;
-    let whole = part.gather(comm).map_err(|e| fault(e.into()))?;
+    let slowest_s = comm.max(advance_s).map_err(config_error)?;
+    let handed_over = comm.sum(part.num_handed_over()).map_err(config_error)?;
+    let overlaps = comm.sum(overlaps).map_err(config_error)?;
+    let whole = part.gather(comm).map_err(|e| config_error(e.into()))?;
     Ok(whole.map(|whole| SharedFigures {
         agents,
         ranks: comm.num_ranks(),
@@ -128,30 +128,30 @@ pub fn run_shared(
 /// The crowd of a scene whose agents only have goals.
 fn crowd_of(scene: &CompiledScene) -> Result<Crowd, BuildError> {
     if scene.scenario().is_some() {
-        return Err(wrong("its agents react to what happens, and only one process can move such; leave out happenings, rules and wandering".into()));
+        return Err(scene_error("its agents react to what happens, and only one process can move such; leave out happenings, rules and wandering".into()));
     }
     if !scene.scene().groups.iter().all(|g| g.is_of_agents()) {
-        return Err(wrong("expected a scene of agents, with `motion = \"none\"`".into()));
+        return Err(scene_error("expected a scene of agents, with `motion = \"none\"`".into()));
     }
-    let mut sim = Simulation::new(scene).map_err(fault)?;
-    match sim.cast_mut(0) {
-        GroupCast::Ground(agents) => Ok(agents.crowd().clone()),
-        GroupCast::Air(agents) => Ok(agents.crowd().clone()),
-        _ => Err(wrong("expected a scene of agents, with `motion = \"none\"`".into())),
+    let mut sim = Simulation::new(scene).map_err(config_error)?;
+    match sim.character_group_mut(0) {
+        AnyCharacterGroup::Ground(agents) => Ok(agents.crowd().clone()),
+        AnyCharacterGroup::Air(agents) => Ok(agents.crowd().clone()),
+        _ => Err(scene_error("expected a scene of agents, with `motion = \"none\"`".into())),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::run::own_scene;
-    use throng_base::{Alone, LocalComm};
+    use crate::run::built_in_scene;
+    use throng_base::{LocalComm, SingleRank};
     use throng_motion::progress::Silent;
 
     #[test]
     fn every_plain_scene_ends_as_in_one_process() {
         for (name, agents) in [("lanes", 250), ("circle", 60), ("bottleneck", 80), ("flock", 200)] {
-            let scene = own_scene(name).unwrap().expect("it is there").resized(agents).open().unwrap();
+            let scene = built_in_scene(name).unwrap().expect("it is there").resized(agents).open().unwrap();
             let mut alone = crowd_of(&scene).unwrap();
             alone.advance(60.0, &mut |_| {}).unwrap();
             let hash = format!("{:016x}", alone.hash());
@@ -169,8 +169,8 @@ mod tests {
 
     #[test]
     fn scene_in_which_agents_tell_each_other_is_refused() {
-        let scene = own_scene("square").unwrap().expect("it is there").open().unwrap();
-        let error = run_shared(&scene, None, &Alone, &Silent).unwrap_err();
+        let scene = built_in_scene("square").unwrap().expect("it is there").open().unwrap();
+        let error = run_shared(&scene, None, &SingleRank, &Silent).unwrap_err();
         assert!(error.to_string().contains("only one process"), "{error}");
     }
 }

@@ -1,12 +1,12 @@
 //! A path walked in several styles, for pictures.
 
-use super::report::fault;
+use super::report::config_error;
 use glam::{Vec2, Vec3};
 use throng_motion::error::BuildError;
 use throng_runtime::simulation::CompiledScene;
-use throng_runtime::simulation::scene::ShownStyle;
+use throng_runtime::simulation::scene::PictureStyle;
 use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Bundle, Cast, Inline, NUM_JOINTS};
+use throng_runtime::{Bundle, CharacterGroup, Inline, NUM_JOINTS};
 
 /// One style on the shown path.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ pub fn walk_styles(scene: &CompiledScene, length_m: f32, apart_m: f32) -> Result
 fn walk_style(
     scene: &CompiledScene,
     bundle: &Bundle,
-    (i, style): (usize, &ShownStyle),
+    (i, style): (usize, &PictureStyle),
     length_m: f32,
     apart_m: f32,
 ) -> Result<StyleWalk, BuildError> {
@@ -44,10 +44,11 @@ fn walk_style(
     /// Distance walked before the path begins, so that the gait is steady (m).
     const RUN_UP_M: f32 = 4.0;
     let key = format!("picture.shown[{i}]");
-    let space = bundle.blend(&style.space).map_err(|e| fault(scene.scene().fault(&format!("{key}.space"), e)))?;
-    let wrong = |e: throng_runtime::Error| fault(scene.scene().fault(&key, e));
+    let space =
+        bundle.blend(&style.space).map_err(|e| config_error(scene.scene().fault(&format!("{key}.space"), e)))?;
+    let wrong = |e: throng_runtime::Error| config_error(scene.scene().fault(&key, e));
     let control = |along: f32| {
-        let (position, heading) = if along < 0.0 { (Vec2::new(0.0, along), 0.0) } else { curve(along) };
+        let (position, heading) = if along < 0.0 { (Vec2::new(0.0, along), 0.0) } else { style_path(along) };
         let mut values = Control::default().style;
         values[0] = style.style;
         let velocity = Vec2::new(heading.sin(), heading.cos()) * style.speed;
@@ -77,7 +78,7 @@ fn walk_style(
 ///
 /// - `along`: distance along the path (m).
 /// - returns position and heading (m, rad).
-pub fn curve(along: f32) -> (Vec2, f32) {
+pub fn style_path(along: f32) -> (Vec2, f32) {
     const STEP_M: f32 = 0.02;
     let (mut at, mut heading) = (Vec2::ZERO, 0.0f32);
     let steps = (along / STEP_M).max(0.0);
@@ -102,9 +103,9 @@ mod tests {
 
     #[test]
     fn the_curve_ends_in_the_direction_it_began_with() {
-        let (at, heading) = curve(16.0);
+        let (at, heading) = style_path(16.0);
         assert!(heading.abs() < 1e-3 && at.y > 10.0, "{at} {heading}");
-        assert_eq!(curve(0.0), (Vec2::ZERO, 0.0));
-        assert!((curve(1.01).0.y - 1.01).abs() < 1e-5);
+        assert_eq!(style_path(0.0), (Vec2::ZERO, 0.0));
+        assert!((style_path(1.01).0.y - 1.01).abs() < 1e-5);
     }
 }

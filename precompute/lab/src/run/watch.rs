@@ -4,9 +4,9 @@ mod agents;
 mod partners;
 mod world;
 
-use super::figures::{BlowFigures, Figures, PathFigures};
-use super::report::LOOK_HZ;
-use crate::overlap::{OverlapMeter, Present};
+use super::figures::{BlowFigures, FollowedPathFigures, SceneFigures};
+use super::report::SAMPLE_HZ;
+use crate::overlap::{BodyOverlapMeter, PresentCharacter};
 use crate::slip::SlipMeter;
 use crate::touch::{TouchFigures, TouchMeter};
 use glam::{Vec2, Vec3};
@@ -14,54 +14,54 @@ use partners::PartnerMeter;
 use throng_motion::error::BuildError;
 use throng_runtime::blend::HeightField;
 use throng_runtime::simulation::scene::engine;
-use throng_runtime::simulation::{GroupCast, Motion, Simulation};
+use throng_runtime::simulation::{AnyCharacterGroup, GroupMotion, Simulation};
 use throng_runtime::skeleton::Skeleton;
-use throng_runtime::sparring::Tally;
+use throng_runtime::sparring::BlowTally;
 use throng_runtime::stops::BODY_RADIUS_M;
-use throng_runtime::{Body, Joint, NUM_JOINTS};
+use throng_runtime::{Joint, NUM_JOINTS, PosedBody};
 use world::WorldWatch;
 
 pub(super) use agents::AgentWatch;
-pub use agents::{AgentsMeter, AgentsNow};
+pub use agents::{AgentsMeter, AgentsSummary};
 pub use partners::PartnerFigures;
 
 /// Time between samples of overlaps and penetrations (s).
-pub(super) const LOOK_S: f64 = 0.1;
+pub(super) const SAMPLE_PERIOD_S: f64 = 0.1;
 /// Time that characters have to come together before their greatest distance counts (s).
-const COMING_S: f64 = 5.0;
+const APPROACH_S: f64 = 5.0;
 /// Legs and the joints of their knees.
 const KNEES: [[Joint; 3]; 2] =
     [[Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot], [Joint::RightThigh, Joint::RightShin, Joint::RightFoot]];
 
 /// Measurements of some groups.
-pub struct Watch {
+pub struct SceneWatch {
     /// Numbers of the groups in the simulation.
     groups: Vec<usize>,
     feet: SlipMeter,
-    fights: FightWatch,
+    fights: FightMeter,
     touch: TouchMeter,
     partners: PartnerMeter,
-    paths: PathWatch,
+    paths: PathMeter,
     worlds: Vec<WorldWatch>,
     agents: Option<AgentsMeter>,
-    overlaps: OverlapMeter,
-    present: Vec<Present>,
+    overlaps: BodyOverlapMeter,
+    present: Vec<PresentCharacter>,
     skeletons: Vec<Option<Skeleton>>,
 }
 
-impl Watch {
+impl SceneWatch {
     /// A watch without observations.
     pub fn new(sim: &Simulation, groups: &[usize]) -> Result<Self, BuildError> {
         let mut watch = Self {
             groups: groups.to_vec(),
             feet: SlipMeter::new(sim.num_characters()),
-            fights: FightWatch::default(),
+            fights: FightMeter::default(),
             touch: TouchMeter::default(),
             partners: PartnerMeter::default(),
-            paths: PathWatch::default(),
+            paths: PathMeter::default(),
             worlds: Vec::new(),
             agents: AgentsMeter::of_groups(sim, |g| groups.contains(&g)),
-            overlaps: OverlapMeter::default(),
+            overlaps: BodyOverlapMeter::default(),
             present: Vec::new(),
             skeletons: sim
                 .groups()
@@ -69,8 +69,10 @@ impl Watch {
                 .map(|g| Some(sim.compiled().find_bundle(g.number)?.skeleton().clone()))
                 .collect(),
         };
-        for c in (0..sim.casts().len()).filter(|&c| matches!(sim.casts()[c], GroupCast::Patches(_))) {
-            let of_cast = groups.iter().map(|&g| &sim.groups()[g]).filter(|g| g.cast == c);
+        for c in (0..sim.character_groups().len())
+            .filter(|&c| matches!(sim.character_groups()[c], AnyCharacterGroup::Patches(_)))
+        {
+            let of_cast = groups.iter().map(|&g| &sim.groups()[g]).filter(|g| g.character_group == c);
             let characters: Vec<usize> = of_cast.flat_map(|g| g.characters.clone()).collect();
             if !characters.is_empty() {
                 watch.worlds.push(WorldWatch::new(sim, c, characters)?);
@@ -86,28 +88,30 @@ impl Watch {
         self.fights.time_s += f64::from(dt_s);
         for &g in &self.groups {
             let group = &sim.groups()[g];
-            if let GroupCast::Sparring(bouts) = &sim.casts()[group.cast] {
+            if let AnyCharacterGroup::Sparring(bouts) = &sim.character_groups()[group.character_group] {
                 self.touch.observe(bouts.sparring(), group.characters.start, dt_s);
             }
             for who in group.characters.clone() {
                 match sim.locate(who) {
-                    (GroupCast::Policy(_) | GroupCast::Sparring(_), _) => self.fights.observe(sim, who),
-                    (GroupCast::Paths(p), member) => self.paths.observe(sim, who, p.speed(member), p.ground(), dt_s),
+                    (AnyCharacterGroup::Policy(_) | AnyCharacterGroup::Sparring(_), _) => self.fights.observe(sim, who),
+                    (AnyCharacterGroup::Paths(p), member) => {
+                        self.paths.observe(sim, who, p.speed(member), p.ground(), dt_s)
+                    }
                     _ => {}
                 }
             }
         }
         for world in &self.worlds {
-            if let GroupCast::Patches(people) = &sim.casts()[world.cast] {
-                self.partners.look(people);
+            if let AnyCharacterGroup::Patches(people) = &sim.character_groups()[world.character_group] {
+                self.partners.observe(people);
             }
         }
-        if due(LOOK_S) {
-            self.look_for_overlaps(sim);
-            self.worlds.iter_mut().for_each(|w| w.look(sim));
+        if due(SAMPLE_PERIOD_S) {
+            self.measure_overlaps(sim);
+            self.worlds.iter_mut().for_each(|w| w.observe(sim));
         }
         if let Some(agents) = &mut self.agents {
-            if due(1.0 / LOOK_HZ) {
+            if due(1.0 / SAMPLE_HZ) {
                 agents.observe(sim);
             }
             agents.observe_bodies(sim);
@@ -116,16 +120,17 @@ impl Watch {
 
     /// Figures of opponents, beside the clips of their first group.
     fn touch_figures(&self, sim: &Simulation) -> Option<TouchFigures> {
-        let group = self.groups.iter().find(|&&g| sim.groups()[g].motion == Motion::Sparring)?;
+        let group = self.groups.iter().find(|&&g| sim.groups()[g].motion == GroupMotion::Sparring)?;
         self.touch.figures(sim.compiled().bundle(*group).ok()?)
     }
 
     /// Measures overlaps of characters; scenes of agents only have a meter of their own.
-    fn look_for_overlaps(&mut self, sim: &Simulation) {
+    fn measure_overlaps(&mut self, sim: &Simulation) {
         let groups = || self.groups.iter().map(|&g| &sim.groups()[g]);
-        let is_agents = |cast: &GroupCast| matches!(cast, GroupCast::Ground(_) | GroupCast::Air(_));
+        let is_agents =
+            |cast: &AnyCharacterGroup| matches!(cast, AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_));
         self.present.clear();
-        if groups().all(|g| is_agents(&sim.casts()[g.cast])) {
+        if groups().all(|g| is_agents(&sim.character_groups()[g.character_group])) {
             return;
         }
         for g in groups() {
@@ -134,15 +139,18 @@ impl Watch {
                 let (cast, member) = sim.locate(who);
                 let mut one = match (sim.pose(who), &self.skeletons[g.number]) {
                     (Some(pose), Some(skeleton)) if !is_agents(cast) => {
-                        Present::with_body(who, &Body { root, model: pose }, skeleton)
+                        PresentCharacter::with_body(who, &PosedBody { root, model: pose }, skeleton)
                     }
-                    _ => {
-                        Present { number: who, place: Vec2::new(root.x, root.z), radius_m: BODY_RADIUS_M, trunk: None }
-                    }
+                    _ => PresentCharacter {
+                        number: who,
+                        place: Vec2::new(root.x, root.z),
+                        radius_m: BODY_RADIUS_M,
+                        trunk: None,
+                    },
                 };
                 match cast {
-                    GroupCast::Patches(_) => one.radius_m = 0.0,
-                    GroupCast::Ground(agents) => {
+                    AnyCharacterGroup::Patches(_) => one.radius_m = 0.0,
+                    AnyCharacterGroup::Ground(agents) => {
                         if let Some(disc) = agents.disc(member) {
                             (one.place, one.radius_m) = (Vec2::new(disc.centre.x, disc.centre.z), disc.radius);
                         }
@@ -153,10 +161,12 @@ impl Watch {
             }
         }
         let are_opponents = |a: usize, b: usize| match (sim.locate(a), sim.locate(b)) {
-            ((GroupCast::Sparring(_), i), (GroupCast::Sparring(_), j)) => a.abs_diff(b) == 1 && i / 2 == j / 2,
+            ((AnyCharacterGroup::Sparring(_), i), (AnyCharacterGroup::Sparring(_), j)) => {
+                a.abs_diff(b) == 1 && i / 2 == j / 2
+            }
             _ => false,
         };
-        self.overlaps.observe_but(&self.present, are_opponents);
+        self.overlaps.observe_except(&self.present, are_opponents);
     }
 
     /// Faults that were observed: time (s), character, description.
@@ -167,31 +177,36 @@ impl Watch {
     /// The figures.
     ///
     /// - `rate`: steps of all characters per second, for the total only.
-    pub fn figures(&self, sim: &Simulation, seconds: f64, rate: Option<f64>) -> Figures {
-        let number = |of: &dyn Fn(Motion, &GroupCast) -> bool| {
+    pub fn figures(&self, sim: &Simulation, seconds: f64, rate: Option<f64>) -> SceneFigures {
+        let number = |of: &dyn Fn(GroupMotion, &AnyCharacterGroup) -> bool| {
             let groups = self.groups.iter().map(|&g| &sim.groups()[g]);
-            let num: usize = groups.filter(|g| of(g.motion, &sim.casts()[g.cast])).map(|g| g.characters.len()).sum();
+            let num: usize = groups
+                .filter(|g| of(g.motion, &sim.character_groups()[g.character_group]))
+                .map(|g| g.characters.len())
+                .sum();
             (num > 0).then_some(num)
         };
-        let is_agent = |_: Motion, cast: &GroupCast| matches!(cast, GroupCast::Ground(_) | GroupCast::Air(_));
+        let is_agent = |_: GroupMotion, cast: &AnyCharacterGroup| {
+            matches!(cast, AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_))
+        };
         let characters = number(&|m, c| !is_agent(m, c));
         let has_feet = self.feet.has_seen_feet();
-        let mut figures = Figures {
+        let mut figures = SceneFigures {
             characters,
             agents: number(&is_agent),
             simulated_s: seconds,
             steps_per_second: rate.filter(|_| characters.is_some()),
-            blows: number(&|m, _| matches!(m, Motion::Policy | Motion::Sparring))
+            blows: number(&|m, _| matches!(m, GroupMotion::Policy | GroupMotion::Sparring))
                 .map(|n| self.fights.figures(sim, &self.groups, n, seconds)),
             touch: self.touch_figures(sim),
             partners: self.partners.figures(),
             world: (!self.worlds.is_empty()).then(|| WorldWatch::figures(&self.worlds, sim, seconds)),
-            paths: number(&|_, c| matches!(c, GroupCast::Paths(_))).map(|_| self.paths.figures()),
+            paths: number(&|_, c| matches!(c, AnyCharacterGroup::Paths(_))).map(|_| self.paths.figures()),
             character_overlaps: characters.map(|_| self.overlaps.pairs()),
             deepest_overlap_m: characters.map(|_| f64::from(self.overlaps.deepest_m())),
             foot_slip_mean_mps: has_feet.then(|| self.feet.mean_mps()),
             foot_slip_p95_mps: has_feet.then(|| self.feet.p95_mps()),
-            ..Figures::default()
+            ..SceneFigures::default()
         };
         let mut stuck = (!self.worlds.is_empty()).then(|| self.worlds.iter().map(|w| w.stuck.len()).sum());
         let of_agents = self.agents.as_ref().and_then(|a| a.figures(sim, seconds, rate.is_some()));
@@ -207,7 +222,7 @@ impl Watch {
 
 /// Distances of characters from the targets of their blows.
 #[derive(Default)]
-struct FightWatch {
+struct FightMeter {
     /// Time by the characters' own clocks (s).
     time_s: f64,
     distance_sum: f64,
@@ -215,29 +230,29 @@ struct FightWatch {
     distance_max: Option<f32>,
 }
 
-impl FightWatch {
+impl FightMeter {
     fn observe(&mut self, sim: &Simulation, who: usize) {
         let (Some(root), Some(target)) = (sim.root(who), sim.target(who)) else { return };
         let distance = (root.x - target.x).hypot(root.z - target.z);
         self.distance_sum += f64::from(distance);
         self.distances += 1;
-        if self.time_s > COMING_S {
+        if self.time_s > APPROACH_S {
             self.distance_max = Some(self.distance_max.map_or(distance, |most| most.max(distance)));
         }
     }
 
     fn figures(&self, sim: &Simulation, groups: &[usize], n: usize, seconds: f64) -> BlowFigures {
-        let (mut blows, mut penetration, mut deep_s, mut num_pairs) = (Tally::default(), 0.0f32, 0.0, 0);
+        let (mut blows, mut penetration, mut deep_s, mut num_pairs) = (BlowTally::default(), 0.0f32, 0.0, 0);
         for &g in groups {
-            match &sim.casts()[sim.groups()[g].cast] {
-                GroupCast::Sparring(s) => {
+            match &sim.character_groups()[sim.groups()[g].character_group] {
+                AnyCharacterGroup::Sparring(s) => {
                     let f = s.sparring().figures();
                     blows += f.blows;
                     penetration = penetration.max(f.max_penetration_m);
                     deep_s += f64::from(f.deep_s);
                     num_pairs += s.sparring().num_pairs();
                 }
-                GroupCast::Policy(p) => blows += p.practice().figures().blows,
+                AnyCharacterGroup::Policy(p) => blows += p.practice().figures().blows,
                 _ => {}
             }
         }
@@ -257,15 +272,15 @@ impl FightWatch {
 
 /// Speeds, knees and feet of characters on random paths.
 #[derive(Default)]
-struct PathWatch {
+struct PathMeter {
     speed_sum: f64,
-    looks: u64,
-    figures: PathFigures,
+    num_samples: u64,
+    figures: FollowedPathFigures,
     /// Angles at the knees at the last step, by the character's number.
     knees: Vec<[f32; 2]>,
 }
 
-impl PathWatch {
+impl PathMeter {
     fn observe(&mut self, sim: &Simulation, who: usize, speed: f32, ground: &HeightField, dt_s: f32) {
         let Some(pose) = sim.joint_positions(who) else { return };
         self.knees.resize(self.knees.len().max(who + 1), [0.0; 2]);
@@ -277,15 +292,15 @@ impl PathWatch {
             f.knee_rate_max_radps = f.knee_rate_max_radps.max(f64::from(rate));
         }
         let feet = [Joint::LeftFoot, Joint::LeftToe, Joint::RightFoot, Joint::RightToe].map(|j| pose[j.index()]);
-        let below = feet.map(|p| ground.at(Vec2::new(p.x, p.z)).height - p.y).into_iter().fold(0.0, f32::max);
+        let below = feet.map(|p| ground.ground_at(Vec2::new(p.x, p.z)).height - p.y).into_iter().fold(0.0, f32::max);
         f.below_ground_max_m = f.below_ground_max_m.max(f64::from(below));
         f.speed_max_mps = f.speed_max_mps.max(f64::from(speed));
         self.speed_sum += f64::from(speed);
-        self.looks += 1;
+        self.num_samples += 1;
     }
 
-    fn figures(&self) -> PathFigures {
-        PathFigures { speed_mean_mps: self.speed_sum / self.looks.max(1) as f64, ..self.figures.clone() }
+    fn figures(&self) -> FollowedPathFigures {
+        FollowedPathFigures { speed_mean_mps: self.speed_sum / self.num_samples.max(1) as f64, ..self.figures.clone() }
     }
 }
 

@@ -1,12 +1,12 @@
 //! Observes a trial after every step, and computes its report.
 
-use super::{Share, TrialConfig, TrialFrame, TrialRecord, TrialReport};
-use crate::overlap::{OverlapMeter, Present};
+use super::{ReachShare, TrialConfig, TrialFrame, TrialRecord, TrialReport};
+use crate::overlap::{BodyOverlapMeter, PresentCharacter};
 use crate::quality::{Change, MotionQuality, Track};
 use crate::slip::SlipMeter;
 use glam::{Vec2, Vec3};
 use throng_runtime::characters::{Characters, PolicyCharacters};
-use throng_runtime::{Body, Bundle, Cast, Planar};
+use throng_runtime::{Bundle, CharacterGroup, Planar, PosedBody};
 
 /// Largest movement over [`STILL_S`] that counts as standing still (m).
 const STILL_M: f32 = 0.15;
@@ -21,24 +21,24 @@ const MOST_POSES: usize = 10_000;
 /// Number of target groups by distance.
 const RINGS: usize = 4;
 
-fn place(root: Planar) -> Vec2 {
+fn ground_position(root: Planar) -> Vec2 {
     Vec2::new(root.x, root.z)
 }
 
 /// Shares by distance of the target at the start, from the nearest on.
-fn by_distance(config: &TrialConfig, all: impl Iterator<Item = (f32, bool)> + Clone) -> Vec<Share> {
+fn by_distance(config: &TrialConfig, all: impl Iterator<Item = (f32, bool)> + Clone) -> Vec<ReachShare> {
     let [near, far] = config.distances;
     let step = (far - near) / RINGS as f32;
     let ring = |distance: f32| (((distance - near) / step) as usize).min(RINGS - 1);
     let share = |k: usize| {
         let [low, high] = [k, k + 1].map(|k| near + step * k as f32);
-        share(format!("{low:.0} to {high:.0} m"), all.clone().filter(|a| ring(a.0) == k).map(|a| a.1))
+        reach_share(format!("{low:.0} to {high:.0} m"), all.clone().filter(|a| ring(a.0) == k).map(|a| a.1))
     };
     (0..RINGS).map(share).collect()
 }
 
 /// Shares by direction of the target at the start, a quarter of the circle each.
-fn by_direction(all: impl Iterator<Item = (Vec2, bool)> + Clone) -> Vec<Share> {
+fn by_direction(all: impl Iterator<Item = (Vec2, bool)> + Clone) -> Vec<ReachShare> {
     let quarter = |p: Vec2| match (p.x.abs() > p.y.abs(), p.x > 0.0, p.y > 0.0) {
         (false, _, true) => 0,
         (true, true, _) => 1,
@@ -47,16 +47,16 @@ fn by_direction(all: impl Iterator<Item = (Vec2, bool)> + Clone) -> Vec<Share> {
     };
     let names = ["ahead", "to the left", "to the right", "behind"].into_iter().enumerate();
     let of = |k: usize| all.clone().filter(move |a| quarter(a.0) == k).map(|a| a.1);
-    names.map(|(k, name)| share(name.into(), of(k))).collect()
+    names.map(|(k, name)| reach_share(name.into(), of(k))).collect()
 }
 
-fn share(targets: String, reached: impl Iterator<Item = bool>) -> Share {
+fn reach_share(targets: String, reached: impl Iterator<Item = bool>) -> ReachShare {
     let (characters, arrived) = reached.fold((0, 0), |(n, r), yes| (n + 1, r + usize::from(yes)));
-    Share { targets, characters, reached_fraction: arrived as f64 / characters.max(1) as f64 }
+    ReachShare { targets, characters, reached_fraction: arrived as f64 / characters.max(1) as f64 }
 }
 
 /// Observes characters after every step.
-pub(super) struct Watch<'a> {
+pub(super) struct TrialWatch<'a> {
     tables: &'a Bundle,
     record: TrialRecord,
     slip: SlipMeter,
@@ -64,8 +64,8 @@ pub(super) struct Watch<'a> {
     starts: Vec<Planar>,
     /// Number of choices of each character, and the time of the last one (s).
     choices: Vec<(u32, f32)>,
-    overlaps: OverlapMeter,
-    present: Vec<Present>,
+    overlaps: BodyOverlapMeter,
+    present: Vec<PresentCharacter>,
     /// Roots at the last step.
     before: Vec<Planar>,
     /// Steps of all characters on the way, and the number of them in which they stood.
@@ -78,7 +78,7 @@ pub(super) struct Watch<'a> {
     late: Vec<Vec2>,
 }
 
-impl<'a> Watch<'a> {
+impl<'a> TrialWatch<'a> {
     pub(super) fn new(config: &TrialConfig, tables: &'a Bundle, starts: Vec<Planar>, targets: Vec<Vec3>) -> Self {
         let n = config.characters;
         let record = TrialRecord {
@@ -95,7 +95,7 @@ impl<'a> Watch<'a> {
             before: starts.clone(),
             starts,
             choices,
-            overlaps: OverlapMeter::default(),
+            overlaps: BodyOverlapMeter::default(),
             present: Vec::with_capacity(n),
             on_the_way: [0; 2],
             longest_wait_s: 0.0,
@@ -109,28 +109,32 @@ impl<'a> Watch<'a> {
         let (characters, bodies) = (cast.characters(), cast.bodies());
         self.present.clear();
         let one = |c: usize| {
-            Present::with_body(c, &Body { root: bodies.roots[c], model: &bodies.model[c] }, self.tables.skeleton())
+            PresentCharacter::with_body(
+                c,
+                &PosedBody { root: bodies.roots[c], model: &bodies.model[c] },
+                self.tables.skeleton(),
+            )
         };
         self.present.extend((0..config.characters).map(one));
         self.overlaps.observe(&self.present);
         let time_s = step as f32 * dt;
         if time_s <= config.snapshot_s.min(config.seconds) + 0.5 * dt {
-            self.follow(characters, config, step, time_s, dt);
+            self.extend_trails(characters, config, step, time_s, dt);
         }
         if self.late.is_empty() && time_s >= config.seconds - STILL_S {
-            self.late = (0..config.characters).map(|c| place(characters.root(c))).collect();
+            self.late = (0..config.characters).map(|c| ground_position(characters.root(c))).collect();
         }
         for c in 0..config.characters {
             let (count, since_s) = self.choices[c];
             self.longest_wait_s = self.longest_wait_s.max(time_s - since_s);
             // Renewed searches of a blocked character count as choices.
-            let chosen = characters.num_choices(c).wrapping_add(characters.blocked(c));
+            let chosen = characters.num_choices(c).wrapping_add(characters.num_blocked_choices(c));
             if chosen != count {
                 self.choices[c] = (chosen, time_s);
             }
             let root = characters.root(c);
             if self.record.arrivals_s[c].is_infinite() {
-                let stands = place(root).distance(place(self.before[c])) < STANDING_MPS * dt;
+                let stands = ground_position(root).distance(ground_position(self.before[c])) < STANDING_MPS * dt;
                 self.on_the_way[0] += 1;
                 self.on_the_way[1] += u64::from(stands && step > 0);
             }
@@ -142,7 +146,7 @@ impl<'a> Watch<'a> {
             }
         }
         self.slip.observe_characters(characters, dt);
-        self.track(characters);
+        self.extend_tracks(characters);
         let Some(c) = config.recorded.filter(|_| self.record.frames.len() < MOST_POSES) else { return };
         self.record.frames.push(TrialFrame {
             time_s,
@@ -154,7 +158,7 @@ impl<'a> Watch<'a> {
     }
 
     /// Adds a sample to each track of a character that is still on its way.
-    fn track(&mut self, characters: &Characters) {
+    fn extend_tracks(&mut self, characters: &Characters) {
         let segments = &self.tables.graph().segments;
         for (c, (track, last)) in self.tracks.iter_mut().zip(&mut self.segments).enumerate() {
             if self.record.arrivals_s[c].is_finite() || track.positions.len() == MOST_POSES {
@@ -174,7 +178,7 @@ impl<'a> Watch<'a> {
     }
 
     /// Grows the trails up to the snapshot, and takes it.
-    fn follow(&mut self, characters: &Characters, config: &TrialConfig, step: usize, time_s: f32, dt: f32) {
+    fn extend_trails(&mut self, characters: &Characters, config: &TrialConfig, step: usize, time_s: f32, dt: f32) {
         let trail_every = (config.step_hz / 5.0).round().max(1.0) as usize;
         let (n, r) = (config.characters, &mut self.record);
         let is_last = time_s + dt > config.snapshot_s.min(config.seconds) + 0.5 * dt;
@@ -203,8 +207,9 @@ impl<'a> Watch<'a> {
         let arrived: Vec<f64> =
             self.record.arrivals_s.iter().filter(|t| t.is_finite()).map(|&t| f64::from(t)).collect();
         let near: Vec<usize> = (0..n).filter(|&c| left(c) < 1.5 * f64::from(config.reach_m)).collect();
-        let is_still =
-            |c: &&usize| self.late.get(**c).is_some_and(|p| p.distance(place(characters.root(**c))) < STILL_M);
+        let is_still = |c: &&usize| {
+            self.late.get(**c).is_some_and(|p| p.distance(ground_position(characters.root(**c))) < STILL_M)
+        };
         let standing = near.iter().filter(is_still).count();
         let reached = |c: usize| self.record.arrivals_s[c].is_finite();
         let seen = |c: usize| {

@@ -1,11 +1,11 @@
 //! Measures of a verdict, each with its limits, its word, its sentence and its advice.
 
 use crate::abilities::{Abilities, MOSTLY_BACKWARDS};
-use crate::trial::{Share, TrialReport};
+use crate::trial::{ReachShare, TrialReport};
 use serde::Serialize;
 use throng_bake::examples::{BlendReport, ExampleReport, WIDEST_SEAM};
 use throng_bake::policy::{ENOUGH_KEPT, LEAST_KEPT, Promise, PromisePart};
-use throng_motion::stance::{self, Stance};
+use throng_motion::stance::{self, StanceReport};
 use throng_runtime::Bundle;
 
 /// Words of a measure, from the best.
@@ -13,17 +13,17 @@ pub(super) const WORDS: [&str; 3] = ["good", "fair", "poor"];
 /// Share of reached targets from which on reaching is good.
 pub(super) const GOOD_REACH: f64 = 0.95;
 /// Least number of characters of a meaningful group.
-const FEW: usize = 10;
+const MIN_GROUP: usize = 10;
 /// A group of targets is reported if its share is below the mean by this much.
-const BEHIND: f64 = 0.1;
+const BEHIND_SHARE: f64 = 0.1;
 /// Foot slip below which feet look still, even if those of the clips slip less (m/s).
 const STILL_FEET_MPS: f64 = 0.03;
 /// Speed of low toes that does not catch the eye, even if those of the clips are slower (m/s).
 const SLOW_TOES_MPS: f64 = 0.8;
 /// Share of a wait below which its longest action does not explain it, so that other characters are the reason.
-const HELD_UP: f64 = 0.7;
+const HELD_UP_SHARE: f64 = 0.7;
 /// Most clips that are named.
-const NAMED: usize = 3;
+const MAX_NAMED_CLIPS: usize = 3;
 
 /// One measure of a verdict.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
@@ -46,13 +46,13 @@ pub struct Measure {
 }
 
 /// Inputs of a verdict.
-pub(super) struct Facts<'a> {
+pub(super) struct VerdictInputs<'a> {
     pub trial: &'a TrialReport,
     pub motion: &'a Abilities,
     /// True if the bundle has mirrored copies.
     pub mirrored: bool,
     pub source: SourceFeet,
-    pub longest: Option<Longest>,
+    pub longest: Option<LongestAction>,
     /// Names of policies, the promise of each, and the remedy.
     pub promises: Vec<(&'a str, Promise, String)>,
     pub blends: &'a [BlendReport],
@@ -66,20 +66,20 @@ pub(super) struct SourceFeet {
     /// Mean speed in each clip, the fastest first (m/s).
     pub of_clips: Vec<(String, f64)>,
     /// Stance in all clips; none if heights are kept as captured.
-    pub stance: Option<Stance>,
+    pub stance: Option<StanceReport>,
     /// Stance in a few clips, the farthest from the ground first.
-    pub stances: Vec<(String, Stance)>,
+    pub stances: Vec<(String, StanceReport)>,
 }
 
 /// The longest action, within which no choice is made.
-pub(super) struct Longest {
+pub(super) struct LongestAction {
     pub clip: String,
     pub seconds: f64,
 }
 
-impl Longest {
+impl LongestAction {
     /// The longest of all actions of a bundle.
-    pub fn of(tables: &Bundle) -> Option<Self> {
+    pub fn of_bundle(tables: &Bundle) -> Option<Self> {
         let longest = tables.graph().segments.iter().max_by_key(|s| s.num_frames)?;
         let clip = tables.clips().partition_point(|c| c.first_frame <= longest.start).saturating_sub(1);
         let seconds = f64::from(longest.num_frames) / tables.meta().rate_hz;
@@ -88,20 +88,20 @@ impl Longest {
 }
 
 /// All measures, in the order in which they are reported.
-pub(super) fn all(facts: &Facts<'_>) -> Vec<Measure> {
-    let mut all = vec![reached(facts)];
+pub(super) fn all_measures(facts: &VerdictInputs<'_>) -> Vec<Measure> {
+    let mut all = vec![targets_reached(facts)];
     all.extend(worst_targets(facts.trial));
-    all.extend(staying(facts));
-    all.extend(standing(facts));
-    all.push(backwards(facts));
-    all.push(stopped(facts.trial));
-    all.push(wait(facts));
-    all.extend(slip(facts));
+    all.extend(staying_at_targets(facts));
+    all.extend(standing_at_targets(facts));
+    all.push(walking_backwards(facts));
+    all.push(standing_on_the_way(facts.trial));
+    all.push(longest_wait(facts));
+    all.extend(foot_slip(facts));
     all.extend(source_slip(&facts.source));
-    all.extend(from_ground(&facts.source));
-    all.push(toes(facts.trial));
-    all.extend(promises(facts));
-    all.extend(seam(facts.blends));
+    all.extend(feet_from_ground(&facts.source));
+    all.push(low_toes(facts.trial));
+    all.extend(promises_kept(facts));
+    all.extend(widest_seam(facts.blends));
     all
 }
 
@@ -120,12 +120,12 @@ fn measure(name: &'static str, value: f64, limits: [f64; 2], told: String) -> Me
 }
 
 impl Measure {
-    fn told(self) -> Self {
+    fn always_reported(self) -> Self {
         Self { is_told: true, ..self }
     }
 
     /// Adds advice if the measure is not good.
-    fn advised(mut self, advice: impl FnOnce() -> Vec<String>) -> Self {
+    fn with_advice(mut self, advice: impl FnOnce() -> Vec<String>) -> Self {
         if self.word != WORDS[0] {
             self.advice = advice();
         }
@@ -137,13 +137,13 @@ fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share)
 }
 
-fn reached(facts: &Facts<'_>) -> Measure {
+fn targets_reached(facts: &VerdictInputs<'_>) -> Measure {
     let trial = facts.trial;
     let after = trial.mean_arrival_s.map_or(String::new(), |s| format!(", {s:.1} s on average"));
     let share = percent(trial.reached_fraction);
     let alone = if trial.making_way { "" } else { ", each as if alone" };
     let told = format!("{share} of the targets were reached within {:.0} s{after}{alone}", trial.simulated_s);
-    measure("targets reached", trial.reached_fraction, [GOOD_REACH, 0.8], told).told().advised(|| {
+    measure("targets reached", trial.reached_fraction, [GOOD_REACH, 0.8], told).always_reported().with_advice(|| {
         let mut advice = facts.motion.missing(facts.mirrored);
         if trial.making_way {
             advice.push(
@@ -164,8 +164,8 @@ fn reached(facts: &Facts<'_>) -> Measure {
 
 /// The group of targets of which fewest are reached, by direction and by distance.
 fn worst_targets(trial: &TrialReport) -> impl Iterator<Item = Measure> {
-    let worst = |shares: &[Share]| {
-        let enough = shares.iter().filter(|s| s.characters >= FEW);
+    let worst = |shares: &[ReachShare]| {
+        let enough = shares.iter().filter(|s| s.characters >= MIN_GROUP);
         enough.min_by(|a, b| a.reached_fraction.total_cmp(&b.reached_fraction)).cloned()
     };
     let groups = [
@@ -177,25 +177,25 @@ fn worst_targets(trial: &TrialReport) -> impl Iterator<Item = Measure> {
         let s = share?;
         let told = format!("of those {}: {}", s.targets, percent(s.reached_fraction));
         let m = measure(name, s.reached_fraction, [0.8, 0.5], told);
-        Some(Measure { is_told: m.value < reached - BEHIND, ..m })
+        Some(Measure { is_told: m.value < reached - BEHIND_SHARE, ..m })
     })
 }
 
 /// Share of the characters that stay, of those that have reached their target.
-fn staying(facts: &Facts<'_>) -> Option<Measure> {
-    let (trial, advice) = (facts.trial, || stops(facts));
-    if trial.reached_fraction * (trial.characters as f64) < FEW as f64 {
+fn staying_at_targets(facts: &VerdictInputs<'_>) -> Option<Measure> {
+    let (trial, advice) = (facts.trial, || stop_advice(facts));
+    if trial.reached_fraction * (trial.characters as f64) < MIN_GROUP as f64 {
         return None;
     }
     let share = (trial.stayed_fraction / trial.reached_fraction).min(1.0);
     let told = format!("only {} of those who came are still there at the end", percent(share));
-    Some(measure("staying at targets", share, [0.7, 0.2], told).advised(advice))
+    Some(measure("staying at targets", share, [0.7, 0.2], told).with_advice(advice))
 }
 
 /// Share of the characters that stand, of those that have stayed.
-fn standing(facts: &Facts<'_>) -> Option<Measure> {
+fn standing_at_targets(facts: &VerdictInputs<'_>) -> Option<Measure> {
     let (trial, share) = (facts.trial, facts.trial.standing_fraction);
-    if trial.stayed_fraction * (trial.characters as f64) < FEW as f64 {
+    if trial.stayed_fraction * (trial.characters as f64) < MIN_GROUP as f64 {
         return None;
     }
     let told = match share {
@@ -203,12 +203,12 @@ fn standing(facts: &Facts<'_>) -> Option<Measure> {
         _ => format!("only {} of those who stayed there stand still; the others go on moving", percent(share)),
     };
     // They have reached their targets all the same.
-    let m = measure("standing at targets", share, [0.5, 0.0], told).told();
-    Some(m.advised(|| stops(facts)))
+    let m = measure("standing at targets", share, [0.5, 0.0], told).always_reported();
+    Some(m.with_advice(|| stop_advice(facts)))
 }
 
 /// Advice on motion that lets characters stay and stand.
-fn stops(facts: &Facts<'_>) -> Vec<String> {
+fn stop_advice(facts: &VerdictInputs<'_>) -> Vec<String> {
     let missing = facts.motion.missing(facts.mirrored);
     match missing.is_empty() {
         true => vec!["add clips that come to stand, with both feet on the ground for some seconds".into()],
@@ -217,25 +217,25 @@ fn stops(facts: &Facts<'_>) -> Vec<String> {
 }
 
 /// Share of backwards walking; motion whose front was misread reaches targets as well as any, but backwards.
-fn backwards(facts: &Facts<'_>) -> Measure {
-    let share = facts.motion.backwards();
+fn walking_backwards(facts: &VerdictInputs<'_>) -> Measure {
+    let share = facts.motion.backwards_share();
     let told = format!("{} of the walking is backwards", percent(share));
     let m = measure("walking backwards", share, [MOSTLY_BACKWARDS, 0.75], told);
-    m.advised(|| facts.motion.missing(facts.mirrored))
+    m.with_advice(|| facts.motion.missing(facts.mirrored))
 }
 
-fn stopped(trial: &TrialReport) -> Measure {
+fn standing_on_the_way(trial: &TrialReport) -> Measure {
     let told = format!("on their way they stand for {} of the time", percent(trial.stopped_share));
     // Others may be in the way, which is no fault of the motion.
     measure("standing on the way", trial.stopped_share, [0.25, 1.0], told)
 }
 
-fn wait(facts: &Facts<'_>) -> Measure {
+fn longest_wait(facts: &VerdictInputs<'_>) -> Measure {
     let wait = facts.trial.longest_wait_s;
     let told = format!("a character waits {wait:.1} s for its next choice at the longest");
-    measure("longest wait for a choice (s)", wait, [4.0, 8.0], told).told().advised(|| {
+    measure("longest wait for a choice (s)", wait, [4.0, 8.0], told).always_reported().with_advice(|| {
         // A character that waits for others plays its action more slowly.
-        let own = facts.longest.as_ref().filter(|l| l.seconds > HELD_UP * wait || !facts.trial.making_way);
+        let own = facts.longest.as_ref().filter(|l| l.seconds > HELD_UP_SHARE * wait || !facts.trial.making_way);
         if own.is_none() && facts.longest.is_some() {
             return vec!["others hold it up, and not its clips: fewer characters, or more room".into()];
         }
@@ -249,7 +249,7 @@ fn wait(facts: &Facts<'_>) -> Measure {
 }
 
 /// Foot slip of characters, beside that of the clips.
-fn slip(facts: &Facts<'_>) -> Vec<Measure> {
+fn foot_slip(facts: &VerdictInputs<'_>) -> Vec<Measure> {
     let (here, there) = (facts.trial.foot_slip_mean_mps, facts.source.mean_mps);
     if there <= 0.0 {
         return Vec::new();
@@ -259,8 +259,8 @@ fn slip(facts: &Facts<'_>) -> Vec<Measure> {
     let told = format!("planted feet slip {mm:.0} mm/s, {ratio:.1} times as fast as in the clips ({source_mm:.0})");
     // Relative to the slip of the clips, or to an invisible slip.
     let limit = |times: f64| (times * there).max(STILL_FEET_MPS);
-    let m = measure("foot slip (m/s)", here, [limit(1.5), limit(2.5)], told).told();
-    vec![m.advised(|| {
+    let m = measure("foot slip (m/s)", here, [limit(1.5), limit(2.5)], told).always_reported();
+    vec![m.with_advice(|| {
         let out = "add clips that lie between the poses of the others, so that nearer ones can follow each other, or \
                    lower `graph.max_error`";
         vec![format!("feet slip where clips are joined: {out}")]
@@ -275,9 +275,9 @@ fn source_slip(slip: &SourceFeet) -> Option<Measure> {
     }
     let told = format!("feet that should be planted slip {:.0} mm/s in the clips themselves", 1000.0 * mps);
     let m = measure("foot slip in the clips (m/s)", mps, [0.15, 0.3], told);
-    Some(m.advised(|| {
+    Some(m.with_advice(|| {
         let most: Vec<String> =
-            slip.of_clips.iter().take(NAMED).map(|(clip, mps)| format!("`{clip}` {:.0}", 1000.0 * mps)).collect();
+            slip.of_clips.iter().take(MAX_NAMED_CLIPS).map(|(clip, mps)| format!("`{clip}` {:.0}", 1000.0 * mps)).collect();
         vec![format!(
             "most in {} mm/s: capture them again, smooth them, or leave them out; in-place walks need their root's motion",
             most.join(", ")
@@ -286,13 +286,14 @@ fn source_slip(slip: &SourceFeet) -> Option<Measure> {
 }
 
 /// Distance of standing feet from the ground in the clips.
-fn from_ground(source: &SourceFeet) -> Option<Measure> {
-    let Stance { p95_cm: far, worst_cm, .. } = source.stance?;
+fn feet_from_ground(source: &SourceFeet) -> Option<Measure> {
+    let StanceReport { p95_cm: far, worst_cm, .. } = source.stance?;
     let told = format!("feet stand up to {far:.1} cm from the ground in the clips, {worst_cm:.1} cm at worst");
     let m = measure("feet from the ground (cm)", f64::from(far), stance::FAR_CM.map(f64::from), told);
-    Some(m.advised(|| {
+    Some(m.with_advice(|| {
         let off = source.stances.iter().filter(|(_, s)| s.grade != stance::Grade::Good);
-        let most: Vec<String> = off.take(NAMED).map(|(clip, s)| format!("`{clip}` {:.0}", s.p95_cm)).collect();
+        let most: Vec<String> =
+            off.take(MAX_NAMED_CLIPS).map(|(clip, s)| format!("`{clip}` {:.0}", s.p95_cm)).collect();
         vec![format!(
             "farthest in {} cm: level the floor where it was captured, or leave out what steps onto things",
             most.join(", ")
@@ -300,16 +301,16 @@ fn from_ground(source: &SourceFeet) -> Option<Measure> {
     }))
 }
 
-fn toes(trial: &TrialReport) -> Measure {
+fn low_toes(trial: &TrialReport) -> Measure {
     let (here, there) = (trial.quality.toe_speed_low_p95_mps, trial.quality.source_toe_speed_low_p95_mps);
     let told = format!("toes near the ground move at up to {here:.2} m/s ({there:.2} in the clips)");
     let limit = |times: f64| (times * there).max(times / 1.5 * SLOW_TOES_MPS);
     let m = measure("low toes, 95th percentile (m/s)", here, [limit(1.5), limit(3.0)], told);
-    m.advised(|| vec!["add walks whose steps are alike, or lower `graph.max_error`".into()])
+    m.with_advice(|| vec!["add walks whose steps are alike, or lower `graph.max_error`".into()])
 }
 
 /// Kept share of the policies' promises, in total and at the 5th percentile, each of the policy that keeps least.
-fn promises(facts: &Facts<'_>) -> Vec<Measure> {
+fn promises_kept(facts: &VerdictInputs<'_>) -> Vec<Measure> {
     let least = |of: fn(&Promise) -> Option<f64>, of_part: fn(&PromisePart) -> f64| {
         let all = facts.promises.iter().filter_map(move |(name, p, help)| Some((*name, of(p)?, p, help)));
         let (name, kept, promise, help) = all.min_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -322,20 +323,20 @@ fn promises(facts: &Facts<'_>) -> Vec<Measure> {
     let mut out = Vec::new();
     if let Some((name, kept, advice)) = least(|p| p.kept, |p| p.kept) {
         let told = format!("policy `{name}` collects {} of what its values promise", percent(kept));
-        out.push(measure("promises kept", kept, [ENOUGH_KEPT, 0.5], told).advised(|| vec![advice]));
+        out.push(measure("promises kept", kept, [ENOUGH_KEPT, 0.5], told).with_advice(|| vec![advice]));
     }
     if let Some((name, kept, advice)) = least(|p| p.kept_p05, |p| p.kept_p05) {
         let share = percent(kept.max(0.0));
         let told = format!("for one target in twenty, policy `{name}` collects {share} of what it promises, or less");
         // A policy is not poor because a few targets are unattainable.
         let m = measure("promises kept, 5th percentile", kept, [LEAST_KEPT, f64::MIN], told);
-        out.push(m.advised(|| vec![advice]));
+        out.push(m.with_advice(|| vec![advice]));
     }
     out
 }
 
 /// The widest seam of all blend spaces, over the widest that is accepted by default.
-fn seam(blends: &[BlendReport]) -> Option<Measure> {
+fn widest_seam(blends: &[BlendReport]) -> Option<Measure> {
     let all = blends.iter().flat_map(|b| b.examples.iter().map(move |e| (b, e)));
     let (b, e) = all.max_by(|x, y| x.1.seam().total_cmp(&y.1.seam()))?;
     let ExampleReport { name, closing_m, closing_rad, .. } = e;
@@ -347,7 +348,7 @@ fn seam(blends: &[BlendReport]) -> Option<Measure> {
     );
     let m = measure("widest seam of a blend", e.seam(), [1.0, 2.0], told);
     let (widest_m, widest_deg) = WIDEST_SEAM;
-    Some(m.advised(|| {
+    Some(m.with_advice(|| {
         vec![format!(
             "name other `frames` of `{name}`, or leave it out: steady cycles are within {:.0} cm and {widest_deg:.0} deg",
             100.0 * widest_m

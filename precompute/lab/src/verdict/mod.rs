@@ -8,18 +8,18 @@ use crate::quality::clip_joints;
 use crate::slip::{Feet, SlipMeter};
 use crate::trial::{self, TrialConfig, TrialReport};
 pub use measure::Measure;
-use measure::{Facts, GOOD_REACH, Longest, SourceFeet};
+use measure::{GOOD_REACH, LongestAction, SourceFeet, VerdictInputs};
 use serde::Serialize;
 use throng_bake::config::BuildConfig;
 use throng_bake::examples::BlendReport;
 use throng_bake::policy::{self, BehaviourKind, promise};
 use throng_motion::error::BuildError;
-use throng_motion::stance::{self, Stance};
+use throng_motion::stance::{self, StanceReport};
 use throng_runtime::Bundle;
 use throng_runtime::characters::CharactersConfig;
 
 /// Most unused clips that are named.
-const NAMED: usize = 4;
+const MAX_NAMED_CLIPS: usize = 4;
 /// Number of characters of the short trial at the end of a build.
 const CHARACTERS: usize = 200;
 
@@ -81,23 +81,23 @@ impl Verdict {
     /// - `blends`: reports of its build on blend spaces, as a bundle does not keep their seams.
     pub fn new(tables: &Bundle, trial: &TrialReport, blends: &[BlendReport]) -> Self {
         let mirrored = tables.clips().iter().any(|c| c.mirrored != 0);
-        let (motion, all) = (Abilities::of_played(tables), Abilities::of_bundle(tables));
+        let (motion, all) = (Abilities::of_played_frames(tables), Abilities::of_bundle(tables));
         let unused_s = all.walking_s - motion.walking_s;
         let policies = tables.meta().behaviours.iter().zip(tables.policies().iter());
-        let facts = Facts {
+        let facts = VerdictInputs {
             trial,
             motion: &motion,
             mirrored,
             source: source_feet(tables),
-            longest: Longest::of(tables),
+            longest: LongestAction::of_bundle(tables),
             promises: policies
                 .map(|(name, table)| (name.as_str(), promise(table, name), policy::help(table)))
                 .collect(),
             blends,
         };
-        let mut verdict = Self { walking_unused_s: unused_s, ..Self::of(&facts) };
+        let mut verdict = Self { walking_unused_s: unused_s, ..Self::from_inputs(&facts) };
         if unused_s > verdict.motion.walking_s.max(1.0) {
-            let mut unused = of_unused(unused_s, &unused_clips(tables), &all, mirrored);
+            let mut unused = advice_on_unused(unused_s, &unused_clips(tables), &all, mirrored);
             if trial.reached_fraction >= GOOD_REACH {
                 unused.truncate(1);
             }
@@ -109,8 +109,8 @@ impl Verdict {
         verdict
     }
 
-    fn of(facts: &Facts<'_>) -> Self {
-        let measures = measure::all(facts);
+    fn from_inputs(facts: &VerdictInputs<'_>) -> Self {
+        let measures = measure::all_measures(facts);
         let rank = |m: &Measure| measure::WORDS.iter().position(|w| *w == m.word).unwrap_or(0);
         // The first of the worst ones.
         let worst = (0..measures.len()).rev().max_by_key(|&i| rank(&measures[i])).unwrap_or(0);
@@ -144,9 +144,9 @@ impl Verdict {
 
 /// Advice for a set of which most walking is played by no action, as it leads to no other motion.
 ///
-/// - `all`: abilities in all clips; those that are missing here are not in the unused clips either.
-fn of_unused(unused_s: f64, clips: &[&str], all: &Abilities, mirrored: bool) -> Vec<String> {
-    let named = named(clips);
+/// - `all_measures`: abilities in all clips; those that are missing here are not in the unused clips either.
+fn advice_on_unused(unused_s: f64, clips: &[&str], all: &Abilities, mirrored: bool) -> Vec<String> {
+    let named = clip_names(clips);
     let alone = if unused_s < LITTLE_WALKING_S { "" } else { "build them alone, or " };
     let way = format!(
         "{unused_s:.0} s of walking lead to nothing else and are not used ({named}): {alone}add clips that go from \
@@ -156,9 +156,9 @@ fn of_unused(unused_s: f64, clips: &[&str], all: &Abilities, mirrored: bool) -> 
 }
 
 /// Names of a few clips.
-fn named(clips: &[&str]) -> String {
-    let more = if clips.len() > NAMED { ", ..." } else { "" };
-    clips.iter().take(NAMED).map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ") + more
+fn clip_names(clips: &[&str]) -> String {
+    let more = if clips.len() > MAX_NAMED_CLIPS { ", ..." } else { "" };
+    clips.iter().take(MAX_NAMED_CLIPS).map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ") + more
 }
 
 /// Measures planted heels and toes in the clips, and the distances of standing feet from the ground.
@@ -185,8 +185,8 @@ fn source_feet(tables: &Bundle) -> SourceFeet {
         let (sum, samples) = &mut each[clip];
         *sum += one.mean_mps() * one.samples() as f64;
         *samples += one.samples();
-        let stands = stance::lowest(at.into_iter(), tables.skeleton(), tables.meta().rate_hz);
-        far[clip].extend(stance::distances(&stands, tables.meta().rate_hz));
+        let stands = stance::lowest_feet(at.into_iter(), tables.skeleton(), tables.meta().rate_hz);
+        far[clip].extend(stance::standing_distances(&stands, tables.meta().rate_hz));
     }
     let mut of_clips: Vec<(String, f64)> = each
         .iter()
@@ -196,12 +196,13 @@ fn source_feet(tables: &Bundle) -> SourceFeet {
         .collect();
     of_clips.sort_by(|a, b| b.1.total_cmp(&a.1));
     let names = tables.meta().clips.iter().map(|c| c.name.clone());
-    let mut stances: Vec<(String, Stance)> = names.zip(far.iter().map(|f| Stance::of(f.clone()))).collect();
+    let mut stances: Vec<(String, StanceReport)> =
+        names.zip(far.iter().map(|f| StanceReport::from_distances(f.clone()))).collect();
     stances.sort_by(|a, b| b.1.p95_cm.total_cmp(&a.1.p95_cm));
-    stances.truncate(NAMED);
+    stances.truncate(MAX_NAMED_CLIPS);
     // A config that keeps heights as captured implies terrain.
     let config = BuildConfig::parse(&tables.meta().config, "bundle".as_ref());
-    let stance = config.is_ok_and(|c| c.retarget.align_ground).then(|| Stance::of(far.concat()));
+    let stance = config.is_ok_and(|c| c.retarget.align_ground).then(|| StanceReport::from_distances(far.concat()));
     SourceFeet { mean_mps: all.mean_mps(), of_clips, stance, stances }
 }
 
@@ -212,14 +213,14 @@ mod tests {
     #[test]
     fn walking_that_is_not_used_is_named_with_what_all_clips_lack() {
         let all = Abilities { walking_s: 7.0, stops: 2, turn_left_deg_per_s: 12.0, ..Default::default() };
-        let advice = of_unused(7.0, &["a", "b", "c", "d", "e"], &all, false);
+        let advice = advice_on_unused(7.0, &["a", "b", "c", "d", "e"], &all, false);
         assert!(advice[0].starts_with("7 s of walking lead to nothing else") && advice[0].contains("`d`, ..."));
         assert!(!advice[0].contains("alone"), "so little makes no set of its own: {}", advice[0]);
         for (advice, what) in advice[1..].iter().zip(["only 7 s of walking", "no start", "turns left", "turns right"]) {
             assert!(advice.starts_with(what), "{advice}");
         }
         let enough = Abilities { walking_s: 70.0, starts: 2, turn_left_deg_per_s: 90.0, ..all };
-        let advice = of_unused(65.0, &["a"], &enough, true);
+        let advice = advice_on_unused(65.0, &["a"], &enough, true);
         assert!(advice[0].contains("build them alone") && advice[1].contains("make up for it"), "{advice:?}");
         assert_eq!(advice.len(), 2);
     }

@@ -1,6 +1,6 @@
 //! Foot contacts by height and speed, with hysteresis.
 
-use crate::clip::{Clip, runs};
+use crate::clip::{Clip, runs_where};
 use crate::error::{BuildError, check_ranges};
 use glam::Vec3;
 use schemars::JsonSchema;
@@ -34,7 +34,7 @@ pub struct ContactConfig {
     /// Shorter pauses within a contact are filled (s).
     pub max_gap: f32,
     /// Shape of the ground under the feet.
-    pub ground: Ground,
+    pub ground: GroundShape,
 }
 
 impl Default for ContactConfig {
@@ -48,7 +48,7 @@ impl Default for ContactConfig {
             speed_share: 0.1,
             min_duration: 0.09,
             max_gap: 0.07,
-            ground: Ground::Auto,
+            ground: GroundShape::Auto,
         }
     }
 }
@@ -75,7 +75,7 @@ impl ContactConfig {
 /// Shape of the ground under the feet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Ground {
+pub enum GroundShape {
     /// Uneven where standing feet are found at heights more than 0.1 m apart, flat otherwise; by clip.
     #[default]
     Auto,
@@ -99,7 +99,7 @@ const LOCAL_WINDOW: f32 = 0.33;
 const UNEVEN_SPREAD: f32 = 0.1;
 
 /// Heels and toes, in the order of the bits of [`Contacts`].
-pub const PARTS: [(Joint, Contacts); 4] = [
+pub const FOOT_PARTS: [(Joint, Contacts); 4] = [
     (Joint::LeftFoot, Contacts::LEFT_HEEL),
     (Joint::LeftToe, Contacts::LEFT_TOE),
     (Joint::RightFoot, Contacts::RIGHT_HEEL),
@@ -107,7 +107,7 @@ pub const PARTS: [(Joint, Contacts); 4] = [
 ];
 
 /// Contacts of every frame (num_frames).
-pub fn detect(clip: &Clip, skeleton: &Skeleton, cfg: &ContactConfig) -> Vec<Contacts> {
+pub fn detect_contacts(clip: &Clip, skeleton: &Skeleton, cfg: &ContactConfig) -> Vec<Contacts> {
     let scale = skeleton.leg_length() / REFERENCE_LEG;
     let rest = skeleton.rest_positions();
     let tracks = tracks(clip, skeleton);
@@ -115,12 +115,12 @@ pub fn detect(clip: &Clip, skeleton: &Skeleton, cfg: &ContactConfig) -> Vec<Cont
     let pace = speeds(&path, clip.rate_hz);
     let slow = SLOW * scale;
     let uneven = match cfg.ground {
-        Ground::Flat => false,
-        Ground::Uneven => true,
-        Ground::Auto => spread(&tracks, slow) > UNEVEN_SPREAD * scale,
+        GroundShape::Flat => false,
+        GroundShape::Uneven => true,
+        GroundShape::Auto => height_spread(&tracks, slow) > UNEVEN_SPREAD * scale,
     };
     let mut out = vec![Contacts::NONE; clip.num_frames()];
-    for (track, (joint, bit)) in tracks.iter().zip(PARTS) {
+    for (track, (joint, bit)) in tracks.iter().zip(FOOT_PARTS) {
         let floor = if uneven {
             local_floor(track, (LOCAL_WINDOW as f64 * clip.rate_hz).round() as usize)
         } else {
@@ -143,18 +143,18 @@ pub fn detect(clip: &Clip, skeleton: &Skeleton, cfg: &ContactConfig) -> Vec<Cont
 }
 
 /// Height and speed of one joint over a clip.
-struct Track {
+struct JointHeights {
     heights: Vec<f32>,
     speeds: Vec<f32>,
     vertical_speeds: Vec<f32>,
 }
 
-fn tracks(clip: &Clip, skeleton: &Skeleton) -> Vec<Track> {
+fn tracks(clip: &Clip, skeleton: &Skeleton) -> Vec<JointHeights> {
     let n = clip.num_frames();
-    let mut positions = vec![Vec::with_capacity(n); PARTS.len()];
+    let mut positions = vec![Vec::with_capacity(n); FOOT_PARTS.len()];
     for f in 0..n {
         let p = clip.joint_positions(skeleton, f);
-        for (track, (j, _)) in positions.iter_mut().zip(PARTS) {
+        for (track, (j, _)) in positions.iter_mut().zip(FOOT_PARTS) {
             track.push(p[j.index()]);
         }
     }
@@ -162,7 +162,7 @@ fn tracks(clip: &Clip, skeleton: &Skeleton) -> Vec<Track> {
         .iter()
         .map(|p| {
             let upright: Vec<Vec3> = p.iter().map(|p| Vec3::Y * p.y).collect();
-            Track {
+            JointHeights {
                 heights: p.iter().map(|p| p.y).collect(),
                 speeds: speeds(p, clip.rate_hz),
                 vertical_speeds: speeds(&upright, clip.rate_hz),
@@ -183,7 +183,7 @@ pub fn speeds(positions: &[Vec3], rate_hz: f64) -> Vec<f32> {
 }
 
 /// Sorted heights of the frames in which the joint is slow.
-fn slow_heights(track: &Track, slow: f32) -> Vec<f32> {
+fn slow_heights(track: &JointHeights, slow: f32) -> Vec<f32> {
     let mut h: Vec<f32> =
         track.heights.iter().zip(&track.speeds).filter(|(_, s)| **s < slow).map(|(h, _)| *h).collect();
     h.sort_by(f32::total_cmp);
@@ -192,7 +192,7 @@ fn slow_heights(track: &Track, slow: f32) -> Vec<f32> {
 
 /// Height of the joint while its foot stands: low among the frames in which it is slow, or the rest height where that is
 /// further than `limit` away (a foot that never stands on the ground).
-fn flat_floor(track: &Track, slow: f32, rest: f32, limit: f32) -> f32 {
+fn flat_floor(track: &JointHeights, slow: f32, rest: f32, limit: f32) -> f32 {
     let h = slow_heights(track, slow);
     match h.get(h.len() / 5) {
         Some(&floor) if (floor - rest).abs() < limit => floor,
@@ -201,7 +201,7 @@ fn flat_floor(track: &Track, slow: f32, rest: f32, limit: f32) -> f32 {
 }
 
 /// The joint's lowest height within `window` frames on either side.
-fn local_floor(track: &Track, window: usize) -> Vec<f32> {
+fn local_floor(track: &JointHeights, window: usize) -> Vec<f32> {
     let n = track.heights.len();
     (0..n)
         .map(|f| {
@@ -212,7 +212,7 @@ fn local_floor(track: &Track, window: usize) -> Vec<f32> {
 }
 
 /// Spread of the heights at which toes stand: from the 10th to the 90th percentile, the larger foot's.
-fn spread(tracks: &[Track], slow: f32) -> f32 {
+fn height_spread(tracks: &[JointHeights], slow: f32) -> f32 {
     [1, 3]
         .map(|i: usize| {
             let h = slow_heights(&tracks[i], slow);
@@ -225,17 +225,17 @@ fn spread(tracks: &[Track], slow: f32) -> f32 {
 /// Runs of `weak` that hold a `strong` frame, pauses of up to `max_gap` filled, runs below `min_frames` dropped.
 pub fn hysteresis(weak: &[bool], strong: &[bool], min_frames: usize, max_gap: usize) -> Vec<bool> {
     let mut out = vec![false; weak.len()];
-    for run in runs(0..weak.len(), |f| weak[f]) {
+    for run in runs_where(0..weak.len(), |f| weak[f]) {
         if strong[run.clone()].contains(&true) {
             out[run].fill(true);
         }
     }
-    for gap in runs(0..out.len(), |f| !out[f]) {
+    for gap in runs_where(0..out.len(), |f| !out[f]) {
         if gap.start > 0 && gap.end < out.len() && gap.len() <= max_gap {
             out[gap].fill(true);
         }
     }
-    for run in runs(0..out.len(), |f| out[f]) {
+    for run in runs_where(0..out.len(), |f| out[f]) {
         // Runs that the clip's ends cut may have lasted longer.
         if run.len() < min_frames && run.start > 0 && run.end < out.len() {
             out[run].fill(false);
@@ -246,7 +246,7 @@ pub fn hysteresis(weak: &[bool], strong: &[bool], min_frames: usize, max_gap: us
 
 /// Cuts frames that are not `still` from both ends of every run.
 pub fn trim(planted: &mut [bool], still: impl Fn(usize) -> bool) {
-    for run in runs(0..planted.len(), |f| planted[f]) {
+    for run in runs_where(0..planted.len(), |f| planted[f]) {
         let kept = run.clone().position(&still).map_or(run.end, |k| run.start + k);
         let end = run.clone().rev().find(|&f| still(f)).map_or(kept, |f| f + 1);
         planted[run.start..kept].fill(false);
@@ -301,7 +301,7 @@ mod tests {
 
     #[test]
     fn feet_touch_while_they_stand_and_not_in_the_air() {
-        let c = detect(&hopping(0.3), &Skeleton::default(), &ContactConfig::default());
+        let c = detect_contacts(&hopping(0.3), &Skeleton::default(), &ContactConfig::default());
         let all = Contacts(15);
         for (f, c) in c.iter().enumerate() {
             match f % 30 {
@@ -314,7 +314,7 @@ mod tests {
 
     #[test]
     fn standing_still_is_contact_throughout() {
-        let c = detect(&hopping(0.0), &Skeleton::default(), &ContactConfig::default());
+        let c = detect_contacts(&hopping(0.0), &Skeleton::default(), &ContactConfig::default());
         assert!(c.iter().all(|c| *c == Contacts(15)));
     }
 
@@ -324,7 +324,7 @@ mod tests {
         for p in &mut clip.root_positions[60..] {
             p.y += 0.25;
         }
-        let c = detect(&clip, &Skeleton::default(), &ContactConfig::default());
+        let c = detect_contacts(&clip, &Skeleton::default(), &ContactConfig::default());
         assert_eq!(c[95], Contacts(15));
         assert_eq!(c[5], Contacts(15));
         assert_eq!(c[82], Contacts::NONE);

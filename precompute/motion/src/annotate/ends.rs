@@ -70,7 +70,7 @@ const MIN_HOLD: f32 = 0.1;
 const MAX_WAY_OUT: f32 = 2.0;
 
 /// The frames at the clip's start and end that are no motion.
-pub fn find(clip: &Clip, skeleton: &Skeleton, cfg: &EndsConfig) -> Vec<Exclusion> {
+pub fn find_unusable_ends(clip: &Clip, skeleton: &Skeleton, cfg: &EndsConfig) -> Vec<Exclusion> {
     let n = clip.num_frames();
     let poses: Vec<[Vec3; NUM_JOINTS]> = (0..n).map(|f| clip.joint_positions(skeleton, f)).collect();
     let fastest = fastest_joint(&poses, clip.rate_hz);
@@ -223,14 +223,14 @@ mod tests {
         let angles: Vec<f32> =
             (0..120).map(|f| if f < 30 { 0.0 } else { ((f - 30) as f32 / 20.0).min(1.0) * 1.3 }).collect();
         let c = clip(&angles, &[0.2; 120]);
-        let found = find(&c, &Skeleton::default(), &EndsConfig::default());
+        let found = find_unusable_ends(&c, &Skeleton::default(), &EndsConfig::default());
         assert_eq!(found.len(), 1, "{found:?}");
         assert_eq!(found[0].reason, ExclusionReason::TPose);
         assert_eq!(found[0].range.start, 0);
         assert!((49..=52).contains(&found[0].range.end), "{found:?}");
         let mut back: Vec<f32> = angles;
         back.reverse();
-        let found = find(&clip(&back, &[0.2; 120]), &Skeleton::default(), &EndsConfig::default());
+        let found = find_unusable_ends(&clip(&back, &[0.2; 120]), &Skeleton::default(), &EndsConfig::default());
         assert_eq!((found.len(), found[0].range.end), (1, 120));
         assert!((68..=71).contains(&found[0].range.start), "{found:?}");
     }
@@ -241,7 +241,7 @@ mod tests {
         speed[40..80].fill(1.0);
         speed[120..150].fill(1.0);
         let c = clip(&[1.4; 200], &speed);
-        let found = find(&c, &Skeleton::default(), &EndsConfig::default());
+        let found = find_unusable_ends(&c, &Skeleton::default(), &EndsConfig::default());
         let ranges: Vec<_> = found.iter().map(|e| (e.range.clone(), e.reason)).collect();
         // Speeds are central differences: the frame before the first step moves already.
         assert_eq!(ranges, [(0..30, ExclusionReason::Still), (159..200, ExclusionReason::Still)]);
@@ -251,12 +251,12 @@ mod tests {
     fn a_short_pause_is_kept() {
         let mut speed = [1.0; 60];
         speed[..10].fill(0.0);
-        assert!(find(&clip(&[1.4; 60], &speed), &Skeleton::default(), &EndsConfig::default()).is_empty());
+        assert!(find_unusable_ends(&clip(&[1.4; 60], &speed), &Skeleton::default(), &EndsConfig::default()).is_empty());
     }
 
     #[test]
     fn a_clip_of_nothing_else_is_left_out_once() {
-        let found = find(&clip(&[0.0; 50], &[0.0; 50]), &Skeleton::default(), &EndsConfig::default());
+        let found = find_unusable_ends(&clip(&[0.0; 50], &[0.0; 50]), &Skeleton::default(), &EndsConfig::default());
         assert_eq!(found, [Exclusion { range: 0..50, reason: ExclusionReason::TPose }]);
     }
 }

@@ -9,11 +9,11 @@ pub mod sidecar;
 use crate::clip::{Clip, ClipSet, Exclusion, FrameRange};
 use crate::error::BuildError;
 use crate::mirror;
-pub use contacts::{ContactConfig, Ground};
+pub use contacts::{ContactConfig, GroundShape};
 pub use ends::EndsConfig;
 pub use hits::HitConfig;
 use rayon::prelude::*;
-pub use sanity::{ContactSanity, sanity};
+pub use sanity::{ContactSanity, contact_sanity};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 pub use sidecar::{Sidecar, Sidecars};
@@ -37,9 +37,9 @@ impl AnnotateConfig {
     /// # Errors
     /// [`BuildError::Key`] names the first one out of it.
     pub fn check(&self) -> Result<(), BuildError> {
-        self.contacts.check().map_err(|e| e.within("contacts"))?;
-        self.ends.check().map_err(|e| e.within("ends"))?;
-        self.hits.check().map_err(|e| e.within("hits"))
+        self.contacts.check().map_err(|e| e.within_key("contacts"))?;
+        self.ends.check().map_err(|e| e.within_key("ends"))?;
+        self.hits.check().map_err(|e| e.within_key("hits"))
     }
 }
 
@@ -52,7 +52,7 @@ impl AnnotateConfig {
 /// [`BuildError::Config`] for a setting outside its limits, for a sidecar of a clip that is not there, or of a range
 /// or hit outside its clip.
 pub fn annotate(clips: &ClipSet, cfg: &AnnotateConfig, sidecars: &Sidecars) -> Result<ClipSet, BuildError> {
-    cfg.check().map_err(|e| e.within("annotate"))?;
+    cfg.check().map_err(|e| e.within_key("annotate"))?;
     sidecars.check_names(clips.clips.iter().map(sidecar::original_name))?;
     let annotated: Vec<Clip> = clips
         .clips
@@ -66,7 +66,7 @@ pub fn annotate(clips: &ClipSet, cfg: &AnnotateConfig, sidecars: &Sidecars) -> R
             Some(o) => Clip {
                 contacts: o.contacts.iter().map(|c| c.mirrored()).collect(),
                 excluded: o.excluded.clone(),
-                tags: mirror::tags(&o.tags),
+                tags: mirror::mirror_tags(&o.tags),
                 hits: o.hits.iter().map(mirror::mirror_hit).collect(),
                 ..clip
             },
@@ -86,14 +86,14 @@ fn annotate_clip(
     sidecars: &Sidecars,
 ) -> Result<Clip, BuildError> {
     let mut out = clip.clone();
-    out.contacts = contacts::detect(clip, skeleton, &cfg.contacts);
+    out.contacts = contacts::detect_contacts(clip, skeleton, &cfg.contacts);
     let mut excluded = clip.excluded.clone();
-    excluded.extend(ends::find(clip, skeleton, &cfg.ends));
-    let marked = sidecars.ranges(clip)?;
+    excluded.extend(ends::find_unusable_ends(clip, skeleton, &cfg.ends));
+    let marked = sidecars.annotations_of(clip)?;
     excluded.extend(marked.excluded);
     out.tags.extend(marked.tags);
     out.excluded = disjoint(excluded);
-    out.hits = hits::find(&out, skeleton, &cfg.hits, &marked.hits, marked.automatic_hits)?;
+    out.hits = hits::find_hits(&out, skeleton, &cfg.hits, &marked.hits, marked.automatic_hits)?;
     Ok(out)
 }
 

@@ -1,8 +1,8 @@
 //! Plausibility of contacts: how often the feet stand, and how fast they are while they do.
 
-use super::contacts::PARTS;
+use super::contacts::FOOT_PARTS;
 use crate::clip::Clip;
-use crate::stance::{self, Stance};
+use crate::stance::{self, StanceReport};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_core::{Contacts, Skeleton};
@@ -19,19 +19,19 @@ pub struct ContactSanity {
     /// 95th percentile of that speed (m/s).
     pub p95_speed_mps: f32,
     /// Distance of standing feet from the ground, whether contacts were found there or not.
-    pub stance: Stance,
+    pub stance: StanceReport,
 }
 
 /// Measures the contacts of an annotated clip over its usable frames.
 ///
 /// The speed is that of a heel or toe between neighbouring frames that both have it planted.
-pub fn sanity(clip: &Clip, skeleton: &Skeleton) -> ContactSanity {
+pub fn contact_sanity(clip: &Clip, skeleton: &Skeleton) -> ContactSanity {
     let (mut frames, mut left, mut right) = (0usize, 0usize, 0usize);
     let (mut speeds, mut far) = (Vec::new(), Vec::new());
     for range in clip.usable_ranges() {
         let mut before = None;
         let feet = range.clone().map(|f| clip.joint_positions(skeleton, f)).map(|p| stance::FEET.map(|j| p[j.index()]));
-        far.extend(stance::distances(&stance::lowest(feet, skeleton, clip.rate_hz), clip.rate_hz));
+        far.extend(stance::standing_distances(&stance::lowest_feet(feet, skeleton, clip.rate_hz), clip.rate_hz));
         for f in range {
             let Some(contacts) = clip.contacts.get(f).copied() else { break };
             frames += 1;
@@ -39,7 +39,7 @@ pub fn sanity(clip: &Clip, skeleton: &Skeleton) -> ContactSanity {
             right += usize::from(contacts.any(Contacts::RIGHT));
             let at = clip.joint_positions(skeleton, f);
             if let Some((was, positions)) = before.replace((contacts, at)) {
-                let both = PARTS.iter().filter(|(_, bit)| contacts.any(*bit) && Contacts::any(was, *bit));
+                let both = FOOT_PARTS.iter().filter(|(_, bit)| contacts.any(*bit) && Contacts::any(was, *bit));
                 speeds.extend(both.map(|(j, _)| (at[j.index()] - positions[j.index()]).length() * clip.rate_hz as f32));
             }
         }
@@ -53,7 +53,7 @@ pub fn sanity(clip: &Clip, skeleton: &Skeleton) -> ContactSanity {
         right_share: share(right),
         mean_speed_mps: mean,
         p95_speed_mps: p95,
-        stance: Stance::of(far),
+        stance: StanceReport::from_distances(far),
     }
 }
 
@@ -78,7 +78,7 @@ mod tests {
                 vec![Quat::IDENTITY; 20 * NUM_JOINTS],
             )
         };
-        let r = sanity(&clip, &s);
+        let r = contact_sanity(&clip, &s);
         assert!((r.left_share - 10.0 / 15.0).abs() < 1e-6);
         assert!((r.right_share - 5.0 / 15.0).abs() < 1e-6);
         assert!((r.mean_speed_mps - 1.0).abs() < 1e-4 && (r.p95_speed_mps - 1.0).abs() < 1e-4);
@@ -95,7 +95,7 @@ mod tests {
                 _ => 0.0,
             };
             let roots = (0..100).map(|f| s.offsets[0] + Vec3::Y * up(f)).collect();
-            sanity(&Clip::new("stands", 30.0, roots, vec![Quat::IDENTITY; 100 * NUM_JOINTS]), &s).stance
+            contact_sanity(&Clip::new("stands", 30.0, roots, vec![Quat::IDENTITY; 100 * NUM_JOINTS]), &s).stance
         };
         for (height, share, grade) in
             [(0.0, 0, Grade::Good), (0.2, 5, Grade::Good), (0.05, 50, Grade::Fair), (-0.07, 9, Grade::Poor)]

@@ -24,9 +24,9 @@ mod hit;
 mod tests;
 
 use super::hits::HitMark;
-use crate::clip::{Clip, Exclusion, ExclusionReason, FrameRange, Tag};
+use crate::clip::{Clip, ClipTag, Exclusion, ExclusionReason, FrameRange};
 use crate::error::BuildError;
-use crate::import::{Imported, ImportedSet, archive, clip_in_file};
+use crate::import::{ImportedClip, ImportedSet, archive, clip_in_file};
 use crate::mirror;
 pub use hit::SidecarHit;
 use schemars::JsonSchema;
@@ -35,7 +35,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use throng_base::file::MAX_TEXT_BYTES;
-use throng_base::text::{Source, did_you_mean};
+use throng_base::text::{TomlSource, did_you_mean};
 
 /// Most entries of each list of a sidecar.
 const MOST_ENTRIES: usize = 10_000;
@@ -94,11 +94,11 @@ pub enum TimeUnit {
 /// The sidecars of a build by clip name.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Sidecars {
-    entries: BTreeMap<String, Entry>,
+    entries: BTreeMap<String, SidecarEntry>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
-struct Entry {
+struct SidecarEntry {
     sidecar: Sidecar,
     /// Frames a second of the file.
     source_rate_hz: f64,
@@ -108,14 +108,14 @@ struct Entry {
 
 /// Place in a file at which something about a clip is written.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Place {
+pub struct SidecarPlace {
     /// The sidecar; `None` for the config, whose file the reader of the config adds.
     pub file: Option<PathBuf>,
     /// The key in it.
     pub key: String,
 }
 
-impl Place {
+impl SidecarPlace {
     fn new(file: Option<&Path>, clip_name: &str, key: &str) -> Self {
         let outer = if file.is_none() { format!("clips.{clip_name}.") } else { String::new() };
         Self { file: file.map(Path::to_path_buf), key: format!("{outer}{key}") }
@@ -133,18 +133,18 @@ impl Place {
 
 /// Contents of a sidecar, in the clip's frames.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Marked {
+pub struct SidecarAnnotations {
     /// Ranges to leave out.
     pub excluded: Vec<Exclusion>,
     /// Names.
-    pub tags: Vec<Tag>,
+    pub tags: Vec<ClipTag>,
     /// Hits.
     pub hits: Vec<HitMark>,
     /// True where hits are searched for, too.
     pub automatic_hits: bool,
 }
 
-impl Default for Marked {
+impl Default for SidecarAnnotations {
     fn default() -> Self {
         Self { excluded: Vec::new(), tags: Vec::new(), hits: Vec::new(), automatic_hits: true }
     }
@@ -156,15 +156,15 @@ impl Sidecar {
     /// # Errors
     /// [`BuildError::Config`] with file, line and key.
     pub fn parse(text: &str, origin: &str) -> Result<Self, BuildError> {
-        Self::of(&Source::new(text, Path::new(origin)))
+        Self::from_source(&TomlSource::new(text, Path::new(origin)))
     }
 
-    fn of(source: &Source) -> Result<Self, BuildError> {
+    fn from_source(source: &TomlSource) -> Result<Self, BuildError> {
         let sidecar: Self = source.parse(
             "Expected `unit`, `exclude = [[start, end], ...]`, `[[tags]]` with name, start, end, `[[hits]]` with name, \
              joint, at, and `automatic_hits`.",
         )?;
-        sidecar.check().map_err(|e| e.at(source))?;
+        sidecar.check().map_err(|e| e.with_position(source))?;
         Ok(sidecar)
     }
 
@@ -232,9 +232,10 @@ impl Sidecars {
     ) -> Result<(), BuildError> {
         sidecar.check().map_err(|e| match file {
             Some(file) => e.in_file(file),
-            None => e.within(&format!("clips.{clip_name}")),
+            None => e.within_key(&format!("clips.{clip_name}")),
         })?;
-        self.entries.insert(clip_name.into(), Entry { sidecar, source_rate_hz, file: file.map(Path::to_path_buf) });
+        self.entries
+            .insert(clip_name.into(), SidecarEntry { sidecar, source_rate_hz, file: file.map(Path::to_path_buf) });
         Ok(())
     }
 
@@ -247,7 +248,7 @@ impl Sidecars {
         if archive::split(&path).is_some() {
             return self.insert_packed(clip_name, &path, source_rate_hz);
         }
-        let source = match Source::read(&path, "a sidecar") {
+        let source = match TomlSource::read(&path, "a sidecar") {
             Err(throng_base::Error::Io { source, .. })
                 if matches!(source.kind(), ErrorKind::NotFound | ErrorKind::InvalidFilename) =>
             {
@@ -255,7 +256,7 @@ impl Sidecars {
             }
             source => source?,
         };
-        self.insert(clip_name, Sidecar::of(&source)?, source_rate_hz, Some(&path))?;
+        self.insert(clip_name, Sidecar::from_source(&source)?, source_rate_hz, Some(&path))?;
         Ok(true)
     }
 
@@ -266,7 +267,7 @@ impl Sidecars {
         }
         let bytes = archive::read_file(path, "a sidecar", MAX_TEXT_BYTES)?;
         let text = String::from_utf8_lossy(&bytes);
-        self.insert(clip_name, Sidecar::of(&Source::new(&text, path))?, source_rate_hz, Some(path))?;
+        self.insert(clip_name, Sidecar::from_source(&TomlSource::new(&text, path))?, source_rate_hz, Some(path))?;
         Ok(true)
     }
 
@@ -279,7 +280,7 @@ impl Sidecars {
     pub fn collect(raw: &ImportedSet, names: &[String], table: &BTreeMap<String, Sidecar>) -> Result<Self, BuildError> {
         let mut out = Self::default();
         let mut rates = BTreeMap::new();
-        for (Imported { clip, .. }, name) in raw.clips.iter().zip(names) {
+        for (ImportedClip { clip, .. }, name) in raw.clips.iter().zip(names) {
             match clip_in_file(&clip.path) {
                 Some((file, _)) => refuse_beside(&file, name)?,
                 None => drop(out.insert_beside(name, &clip.path, clip.rate_hz)?),
@@ -294,7 +295,7 @@ impl Sidecars {
     }
 
     /// The sidecar of one clip alone.
-    pub fn of(&self, name: &str) -> Self {
+    pub fn for_clip(&self, name: &str) -> Self {
         Self { entries: self.entries.get_key_value(name).map(|(n, e)| (n.clone(), e.clone())).into_iter().collect() }
     }
 
@@ -316,14 +317,14 @@ impl Sidecars {
     ///
     /// # Errors
     /// [`BuildError::Config`] for a range or hit that begins after the clip's end.
-    pub(super) fn ranges(&self, clip: &Clip) -> Result<Marked, BuildError> {
-        let Some(entry) = self.entries.get(original_name(clip)) else { return Ok(Marked::default()) };
+    pub(super) fn annotations_of(&self, clip: &Clip) -> Result<SidecarAnnotations, BuildError> {
+        let Some(entry) = self.entries.get(original_name(clip)) else { return Ok(SidecarAnnotations::default()) };
         let n = clip.num_frames();
         let per_unit = match entry.sidecar.unit {
             TimeUnit::Seconds => clip.rate_hz,
             TimeUnit::Frames => clip.rate_hz / entry.source_rate_hz,
         };
-        let place = |key: &str| Place::new(entry.file.as_deref(), original_name(clip), key);
+        let place = |key: &str| SidecarPlace::new(entry.file.as_deref(), original_name(clip), key);
         let frames = |start: f64, end: f64, key: &str| -> Result<FrameRange, BuildError> {
             let at = |t: f64| ((t * per_unit - 1e-6).ceil().max(0.0)).min(n as f64) as usize;
             let range = at(start)..at(end);
@@ -337,14 +338,15 @@ impl Sidecars {
             }
             Ok(range)
         };
-        let mut out = Marked { automatic_hits: entry.sidecar.automatic_hits, ..Marked::default() };
+        let mut out =
+            SidecarAnnotations { automatic_hits: entry.sidecar.automatic_hits, ..SidecarAnnotations::default() };
         for (i, [start, end]) in entry.sidecar.exclude.iter().enumerate() {
             let range = frames(*start, *end, &format!("exclude[{i}]"))?;
             out.excluded.push(Exclusion { range, reason: ExclusionReason::Sidecar });
         }
         for (i, t) in entry.sidecar.tags.iter().enumerate() {
             let range = frames(t.start, t.end, &format!("tags[{i}]"))?;
-            out.tags.push(Tag { name: t.name.clone(), range });
+            out.tags.push(ClipTag { name: t.name.clone(), range });
         }
         for (i, h) in entry.sidecar.hits.iter().enumerate() {
             let place = place(&format!("hits[{i}]"));

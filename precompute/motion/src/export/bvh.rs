@@ -13,7 +13,7 @@ const UNITS_PER_METRE: f32 = 100.0;
 const SAME_PLACE: f32 = 1e-6;
 
 /// Order of the joints in a file, and which of them carry position channels.
-struct Layout<'a> {
+struct BvhLayout<'a> {
     joints: &'a [RawJoint],
     children: Vec<Vec<usize>>,
     moves: Vec<bool>,
@@ -25,13 +25,13 @@ struct Layout<'a> {
 ///
 /// # Errors
 /// Errors of `out`.
-pub fn write(clip: &RawClip, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
+pub fn write_clip(clip: &RawClip, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
     let n = clip.joints.len();
     let mut moves = vec![false; n];
     for (i, t) in clip.translations.iter().enumerate() {
         moves[i % n] |= t.distance(clip.joints[i % n].offset) > SAME_PLACE;
     }
-    let layout = Layout::of(&clip.joints, moves);
+    let layout = BvhLayout::from_joints(&clip.joints, moves);
     let order = write_head(&layout, clip.num_frames, clip.rate_hz, out)?;
     for frame in 0..clip.num_frames {
         let of = frame * n..(frame + 1) * n;
@@ -40,7 +40,7 @@ pub fn write(clip: &RawClip, out: &mut (impl Write + ?Sized)) -> io::Result<()> 
     Ok(())
 }
 
-/// Writes an actor of a take, while it is present, as [`write()`] does a clip: joints have the names of their roles.
+/// Writes an actor of a take, while it is present, as [`write_clip()`] does a clip: joints have the names of their roles.
 ///
 /// # Errors
 /// Errors of `out`.
@@ -49,12 +49,12 @@ pub fn write_actor(take: &Take, actor: usize, out: &mut (impl Write + ?Sized)) -
     let joints = super::joints(&who.skeleton);
     let mut moves = who.moves.to_vec();
     moves.resize(joints.len(), false);
-    let layout = Layout::of(&joints, moves);
-    let order = write_head(&layout, who.there.len(), take.rate_hz(), out)?;
+    let layout = BvhLayout::from_joints(&joints, moves);
+    let order = write_head(&layout, who.present_frames.len(), take.rate_hz(), out)?;
     let mut translations: Vec<Vec3> = joints.iter().map(|j| j.offset).collect();
     let mut rotations = vec![Quat::IDENTITY; joints.len()];
     take.poses(actor, |frame, pose, _| {
-        if !who.there.contains(&frame) {
+        if !who.present_frames.contains(&frame) {
             return Ok(());
         }
         translations[..pose.translations.len()].copy_from_slice(&pose.translations);
@@ -63,8 +63,8 @@ pub fn write_actor(take: &Take, actor: usize, out: &mut (impl Write + ?Sized)) -
     })
 }
 
-impl<'a> Layout<'a> {
-    fn of(joints: &'a [RawJoint], mut moves: Vec<bool>) -> Self {
+impl<'a> BvhLayout<'a> {
+    fn from_joints(joints: &'a [RawJoint], mut moves: Vec<bool>) -> Self {
         let mut children = vec![Vec::new(); joints.len()];
         for (j, joint) in joints.iter().enumerate() {
             match joint.parent {
@@ -82,7 +82,7 @@ impl<'a> Layout<'a> {
 
 /// Writes all but the frames; returns the joints that have channels, in order.
 fn write_head(
-    layout: &Layout<'_>,
+    layout: &BvhLayout<'_>,
     frames: usize,
     rate_hz: f64,
     out: &mut (impl Write + ?Sized),
@@ -98,36 +98,36 @@ fn write_head(
 
 /// Writes one tree without recursion; appends the joints that have channels to `order`.
 fn write_hierarchy(
-    layout: &Layout<'_>,
+    layout: &BvhLayout<'_>,
     root: usize,
     order: &mut Vec<usize>,
     out: &mut (impl Write + ?Sized),
 ) -> io::Result<()> {
     // A joint to open, or the depth of a block to close.
-    enum Step {
+    enum HierarchyStep {
         Open(usize, usize),
         Close(usize),
     }
-    let mut stack = vec![Step::Open(root, 0)];
+    let mut stack = vec![HierarchyStep::Open(root, 0)];
     while let Some(step) = stack.pop() {
         match step {
-            Step::Close(depth) => writeln!(out, "{}}}", "\t".repeat(depth))?,
-            Step::Open(j, depth) if layout.is_end_site(j) => write_end_site(layout, Some(j), depth, out)?,
-            Step::Open(j, depth) => {
+            HierarchyStep::Close(depth) => writeln!(out, "{}}}", "\t".repeat(depth))?,
+            HierarchyStep::Open(j, depth) if layout.is_end_site(j) => write_end_site(layout, Some(j), depth, out)?,
+            HierarchyStep::Open(j, depth) => {
                 order.push(j);
                 write_joint(layout, j, depth, out)?;
-                stack.push(Step::Close(depth));
+                stack.push(HierarchyStep::Close(depth));
                 if layout.children[j].is_empty() {
                     write_end_site(layout, None, depth + 1, out)?;
                 }
-                stack.extend(layout.children[j].iter().rev().map(|&c| Step::Open(c, depth + 1)));
+                stack.extend(layout.children[j].iter().rev().map(|&c| HierarchyStep::Open(c, depth + 1)));
             }
         }
     }
     Ok(())
 }
 
-fn write_joint(layout: &Layout<'_>, joint: usize, depth: usize, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
+fn write_joint(layout: &BvhLayout<'_>, joint: usize, depth: usize, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
     let indent = "\t".repeat(depth);
     let RawJoint { name, parent, offset, .. } = &layout.joints[joint];
     let keyword = if parent.is_none() { "ROOT" } else { "JOINT" };
@@ -140,7 +140,7 @@ fn write_joint(layout: &Layout<'_>, joint: usize, depth: usize, out: &mut (impl 
 
 /// Writes an end site, of no length where the joint has no end of its own: readers want every chain to have one.
 fn write_end_site(
-    layout: &Layout<'_>,
+    layout: &BvhLayout<'_>,
     end: Option<usize>,
     depth: usize,
     out: &mut (impl Write + ?Sized),
@@ -153,7 +153,7 @@ fn write_end_site(
 
 /// - `translations`, `rotations`: local transforms of one frame (layout.joints.len()).
 fn write_frame(
-    layout: &Layout<'_>,
+    layout: &BvhLayout<'_>,
     order: &[usize],
     translations: &[Vec3],
     rotations: &[Quat],

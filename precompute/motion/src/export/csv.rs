@@ -34,7 +34,7 @@ pub fn take_csv(take: &Take, out: &mut (impl Write + ?Sized)) -> io::Result<()> 
         let name = if take.is_library() { quoted(&actor.name) } else { actor.number.to_string() };
         take.poses(a, |frame, pose, is_there| {
             let time_s = frame as f64 / take.rate_hz();
-            for (joint, (p, _)) in Joint::ALL.iter().zip(pose.world()).filter(|_| is_there) {
+            for (joint, (p, _)) in Joint::ALL.iter().zip(pose.world_transforms()).filter(|_| is_there) {
                 writeln!(out, "{name},{time_s:.6},{},{:.6},{:.6},{:.6}", joint.name(), p.x, p.y, p.z)?;
             }
             Ok(())

@@ -13,12 +13,12 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// Errors of [`write_atomically`].
-pub fn each_actor(
+pub fn write_each_actor(
     take: &Take,
     out: &Path,
     write: impl Fn(usize, &mut dyn Write) -> io::Result<()>,
 ) -> Result<Vec<PathBuf>, BuildError> {
-    let there = (0..take.actors().len()).filter(|&a| !take.actors()[a].there.is_empty());
+    let there = (0..take.actors().len()).filter(|&a| !take.actors()[a].present_frames.is_empty());
     let file_of = |a: usize| match take.actors() {
         [_] => out.to_path_buf(),
         actors => {

@@ -1,8 +1,8 @@
 //! The clip that plays on each of many characters, for programs that draw a crowd as instances of one figure with a set of
 //! clips.
 
-use super::npz::Arrays;
-use super::scratch::Scratch;
+use super::npz::NpzWriter;
+use super::scratch::TrackScratch;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -11,7 +11,7 @@ const WIDTHS: [usize; 3] = [1, 1, 3];
 
 /// One character at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Instance {
+pub struct CrowdInstance {
     /// Number of the clip; none where no clip plays.
     pub clip: Option<u32>,
     /// Time in the clip (s).
@@ -21,21 +21,21 @@ pub struct Instance {
 }
 
 /// Instances over time, kept in a file.
-pub struct Instances {
+pub struct InstanceRecording {
     rate_hz: f64,
     clips: Vec<String>,
     characters: Vec<usize>,
-    scratch: Scratch,
+    scratch: TrackScratch,
 }
 
-impl Instances {
+impl InstanceRecording {
     /// - `folder`: folder of the file, which has no name and is removed with the program.
     /// - `clips`: names; `characters`: numbers.
     ///
     /// # Errors
     /// Errors of a folder that takes no file.
     pub fn new(folder: &Path, clips: Vec<String>, characters: Vec<usize>, rate_hz: f64) -> io::Result<Self> {
-        let scratch = Scratch::new(folder, characters.len(), &WIDTHS, characters.len())?;
+        let scratch = TrackScratch::new(folder, characters.len(), &WIDTHS, characters.len())?;
         Ok(Self { rate_hz, clips, characters, scratch })
     }
 
@@ -43,7 +43,7 @@ impl Instances {
     ///
     /// # Errors
     /// Errors of the disk.
-    pub fn push(&mut self, character: usize, instance: Instance) -> io::Result<()> {
+    pub fn push(&mut self, character: usize, instance: CrowdInstance) -> io::Result<()> {
         let clip = instance.clip.map_or(-1.0, |c| c as f32);
         let [x, z, heading] = instance.place;
         self.scratch.push(character, &[clip, instance.time_s, x, z, heading])
@@ -79,7 +79,7 @@ impl Instances {
     /// Errors of `out`.
     pub fn npz(&self, out: &mut dyn Write) -> io::Result<()> {
         let (n, frames) = (self.characters.len(), self.num_frames());
-        let mut arrays = Arrays::new(out);
+        let mut arrays = NpzWriter::new(out);
         arrays.number("fps", self.rate_hz)?;
         let numbers: Vec<i64> = self.characters.iter().map(|c| *c as i64).collect();
         arrays.whole("characters", &[n], &numbers)?;

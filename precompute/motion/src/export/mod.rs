@@ -13,12 +13,12 @@ mod usd;
 use crate::clip::Clip;
 use crate::raw::{RawClip, RawJoint, SourceFormat};
 pub use csv::{positions_csv, take_csv};
-pub use each::each_actor;
+pub use each::write_each_actor;
 use glam::{Quat, Vec3};
 pub use glb::Glb;
-pub use instances::{Instance, Instances};
-pub use npz::{amass, npz};
-pub use take::{Actor, Pose, Take, TakeWriter};
+pub use instances::{CrowdInstance, InstanceRecording};
+pub use npz::{write_amass, write_npz};
+pub use take::{ActorPose, Take, TakeActor, TakeWriter};
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 pub use usd::usda;
 

@@ -1,6 +1,6 @@
 //! Writes NumPy arrays in zip files, stored and not compressed: they can be mapped, since numbers begin at multiples of 64.
 
-use super::take::{Pose, THERE, Take};
+use super::take::{ActorPose, PRESENCE_TRACK, Take};
 use crate::smpl::{JOINTS, UPRIGHT};
 use glam::{Quat, Vec3};
 use std::io::{self, Write};
@@ -17,11 +17,11 @@ const AMASS_WIDTH: usize = 156;
 const SHAPE_WIDTH: usize = 16;
 
 /// Writer of arrays, one after the other.
-pub(super) struct Arrays<W: Write> {
+pub(super) struct NpzWriter<W: Write> {
     zip: ZipWriter<StreamWriter<W>>,
 }
 
-impl<W: Write> Arrays<W> {
+impl<W: Write> NpzWriter<W> {
     pub fn new(out: W) -> Self {
         Self { zip: ZipWriter::new_stream(out) }
     }
@@ -94,9 +94,9 @@ impl<W: Write> Arrays<W> {
 ///
 /// # Errors
 /// Errors of `out`.
-pub fn npz(take: &Take, out: &mut dyn Write) -> io::Result<()> {
+pub fn write_npz(take: &Take, out: &mut dyn Write) -> io::Result<()> {
     let (n, frames) = (take.actors().len(), take.longest());
-    let mut arrays = Arrays::new(out);
+    let mut arrays = NpzWriter::new(out);
     let names: Vec<&str> = take.actors().iter().map(|a| a.name.as_str()).collect();
     let numbers: Vec<i64> = take.actors().iter().map(|a| a.number as i64).collect();
     arrays.number("fps", take.rate_hz())?;
@@ -109,20 +109,24 @@ pub fn npz(take: &Take, out: &mut dyn Write) -> io::Result<()> {
     arrays.floats("offsets", &[n, NUM_JOINTS, 3], &offsets)?;
     arrays.begin("present", "|u1", &[n, frames])?;
     for a in 0..n {
-        take.scratch().track(a, THERE, |there| there.iter().try_for_each(|t| arrays.write(&[u8::from(*t > 0.5)])))?;
+        take.scratch()
+            .track(a, PRESENCE_TRACK, |there| there.iter().try_for_each(|t| arrays.write(&[u8::from(*t > 0.5)])))?;
         arrays.write(&vec![0; frames - take.num_frames(a)])?;
     }
     arrays.begin("positions", "<f4", &[n, frames, NUM_JOINTS, 3])?;
-    rows(take, frames, |pose| arrays.write(bytemuck::cast_slice(&pose.world().map(|(p, _)| p.to_array()))))?;
+    write_rows(take, frames, |pose| {
+        arrays.write(bytemuck::cast_slice(&pose.world_transforms().map(|(p, _)| p.to_array())))
+    })?;
     arrays.begin("rotations", "<f4", &[n, frames, NUM_JOINTS, 4])?;
-    rows(take, frames, |pose| arrays.write(bytemuck::cast_slice(&pose.rotations.map(|r| r.to_array()))))?;
+    write_rows(take, frames, |pose| arrays.write(bytemuck::cast_slice(&pose.rotations.map(|r| r.to_array()))))?;
     arrays.finish()
 }
 
 /// Passes the same number of poses of every actor to `row`.
-fn rows(take: &Take, frames: usize, mut row: impl FnMut(&Pose) -> io::Result<()>) -> io::Result<()> {
+fn write_rows(take: &Take, frames: usize, mut row: impl FnMut(&ActorPose) -> io::Result<()>) -> io::Result<()> {
     for (a, actor) in take.actors().iter().enumerate() {
-        let mut last = Pose::of_rotations(&actor.skeleton, actor.skeleton.offsets[0], [Quat::IDENTITY; NUM_JOINTS]);
+        let mut last =
+            ActorPose::from_rotations(&actor.skeleton, actor.skeleton.offsets[0], [Quat::IDENTITY; NUM_JOINTS]);
         take.poses(a, |_, pose, _| {
             last = *pose;
             row(pose)
@@ -137,9 +141,9 @@ fn rows(take: &Take, frames: usize, mut row: impl FnMut(&Pose) -> io::Result<()>
 ///
 /// # Errors
 /// Errors of `out`.
-pub fn amass(take: &Take, actor: usize, out: &mut dyn Write) -> io::Result<()> {
-    let there = take.actors()[actor].there.clone();
-    let mut arrays = Arrays::new(out);
+pub fn write_amass(take: &Take, actor: usize, out: &mut dyn Write) -> io::Result<()> {
+    let there = take.actors()[actor].present_frames.clone();
+    let mut arrays = NpzWriter::new(out);
     arrays.number("mocap_framerate", take.rate_hz())?;
     arrays.words("gender", &[], &["neutral"])?;
     arrays.floats("betas", &[SHAPE_WIDTH], &[0.0; SHAPE_WIDTH])?;

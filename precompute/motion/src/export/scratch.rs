@@ -11,7 +11,7 @@ const BUDGET_BYTES: usize = 24 << 20;
 const MAX_BLOCK: usize = 256;
 
 /// Tracks of several actors. A track is a run of numbers a frame; all actors have the same tracks.
-pub struct Scratch {
+pub struct TrackScratch {
     file: File,
     /// Position of the next block (bytes).
     end: u64,
@@ -31,7 +31,7 @@ struct Blocks {
     open: Vec<f32>,
 }
 
-impl Scratch {
+impl TrackScratch {
     /// - `folder`: folder of the file, which has no name and is removed with the program.
     /// - `widths`: numbers a frame of each track.
     /// - `together`: number of actors that are recorded at the same time.
@@ -137,7 +137,7 @@ impl Scratch {
     /// Passes every frame of an actor to `take`: its number, and the numbers of all tracks (total width).
     ///
     /// # Errors
-    /// Errors of [`Scratch::track`].
+    /// Errors of [`TrackScratch::track`].
     pub fn frames(&self, actor: usize, mut take: impl FnMut(usize, &[f32]) -> io::Result<()>) -> io::Result<()> {
         let width = self.starts[self.starts.len() - 1];
         let (mut turned, mut frame, mut number) = (Vec::new(), vec![0.0; width], 0);
@@ -167,7 +167,7 @@ mod tests {
         let widths = [3, 1, 4];
         // So many at once that a block holds few frames.
         let together = BUDGET_BYTES / 32 / 7;
-        let mut scratch = Scratch::new(&std::env::temp_dir(), 3, &widths, together).unwrap();
+        let mut scratch = TrackScratch::new(&std::env::temp_dir(), 3, &widths, together).unwrap();
         assert_eq!(scratch.block_frames, 7);
         let number = |actor: usize, frame: usize, k: usize| (actor * 10_000 + frame * 10 + k) as f32;
         let lengths = [0, 21, 40];
@@ -205,7 +205,7 @@ mod tests {
 
     #[test]
     fn memory_does_not_grow_with_length() {
-        let mut scratch = Scratch::new(&std::env::temp_dir(), 2, &[4, 3], 2).unwrap();
+        let mut scratch = TrackScratch::new(&std::env::temp_dir(), 2, &[4, 3], 2).unwrap();
         let mut most = 0;
         for frame in 0..20 * MAX_BLOCK {
             scratch.push(frame % 2, &[frame as f32; 7]).unwrap();

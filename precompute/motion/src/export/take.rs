@@ -1,6 +1,6 @@
 //! A take: motion of several characters on one time line. It is kept in a file, so that length costs no memory.
 
-use super::scratch::Scratch;
+use super::scratch::TrackScratch;
 use crate::clip::Clip;
 use glam::{Quat, Vec3};
 use std::io;
@@ -23,7 +23,7 @@ const WIDTHS: [usize; 2 * NUM_JOINTS + 1] = {
 };
 const NUMBERS: usize = 7 * NUM_JOINTS + 1;
 /// The track of the character's presence.
-pub const THERE: usize = 2 * NUM_JOINTS;
+pub const PRESENCE_TRACK: usize = 2 * NUM_JOINTS;
 
 /// The track of a joint's rotations, x, y, z, w.
 pub const fn rotation_track(joint: usize) -> usize {
@@ -37,16 +37,16 @@ pub const fn translation_track(joint: usize) -> usize {
 
 /// A pose: every joint relative to its parent, the hips in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
+pub struct ActorPose {
     /// (m, NUM_JOINTS)
     pub translations: [Vec3; NUM_JOINTS],
     /// Unit (NUM_JOINTS).
     pub rotations: [Quat; NUM_JOINTS],
 }
 
-impl Pose {
+impl ActorPose {
     /// A pose of joints in model space, which the root places in the world.
-    pub fn of_model(root: Planar, model: &[Mat3x4; NUM_JOINTS]) -> Self {
+    pub fn from_model(root: Planar, model: &[Mat3x4; NUM_JOINTS]) -> Self {
         let turned: [Quat; NUM_JOINTS] = std::array::from_fn(|j| model[j].rotation().normalize());
         let (mut translations, mut rotations) = ([Vec3::ZERO; NUM_JOINTS], turned);
         for j in Joint::ALL {
@@ -71,14 +71,14 @@ impl Pose {
     /// A pose of a skeleton whose joints only turn.
     ///
     /// - `root_position`: position of the hips (m).
-    pub fn of_rotations(skeleton: &Skeleton, root_position: Vec3, rotations: [Quat; NUM_JOINTS]) -> Self {
+    pub fn from_rotations(skeleton: &Skeleton, root_position: Vec3, rotations: [Quat; NUM_JOINTS]) -> Self {
         let mut translations = skeleton.offsets;
         translations[0] = root_position;
         Self { translations, rotations }
     }
 
     /// Position and rotation of all joints in the world.
-    pub fn world(&self) -> [(Vec3, Quat); NUM_JOINTS] {
+    pub fn world_transforms(&self) -> [(Vec3, Quat); NUM_JOINTS] {
         let mut out = [(self.translations[0], self.rotations[0]); NUM_JOINTS];
         for j in &Joint::ALL[1..] {
             let (p, r) = out[j.parent().map_or(0, Joint::index)];
@@ -89,7 +89,7 @@ impl Pose {
     }
 
     /// Interpolation from `self` at ratio 0 to `other` at ratio 1.
-    pub fn towards(&self, other: &Self, ratio: f32) -> Self {
+    pub fn lerp(&self, other: &Self, ratio: f32) -> Self {
         Self {
             translations: std::array::from_fn(|j| self.translations[j].lerp(other.translations[j], ratio)),
             rotations: std::array::from_fn(|j| maths::slerp_f32(self.rotations[j], other.rotations[j], ratio)),
@@ -107,7 +107,7 @@ impl Pose {
         out
     }
 
-    fn of_numbers(n: &[f32]) -> Self {
+    fn from_numbers(n: &[f32]) -> Self {
         Self {
             rotations: std::array::from_fn(|j| Quat::from_slice(&n[4 * j..4 * j + 4])),
             translations: std::array::from_fn(|j| Vec3::from_slice(&n[4 * NUM_JOINTS + 3 * j..][..3])),
@@ -117,7 +117,7 @@ impl Pose {
 
 /// A character of a take.
 #[derive(Clone, Debug)]
-pub struct Actor {
+pub struct TakeActor {
     /// Name, unique in the take.
     pub name: String,
     /// Number in the source.
@@ -127,16 +127,16 @@ pub struct Actor {
     /// Joints that leave their rest offsets, the hips among them (NUM_JOINTS).
     pub moves: [bool; NUM_JOINTS],
     /// Frames from the first to past the last one in which it is present; it may be absent in between.
-    pub there: std::ops::Range<usize>,
+    pub present_frames: std::ops::Range<usize>,
     /// True where it is absent in any frame.
     pub is_ever_away: bool,
 }
 
 /// Motion of several characters, frame by frame.
 pub struct Take {
-    actors: Vec<Actor>,
+    actors: Vec<TakeActor>,
     rate_hz: f64,
-    scratch: Scratch,
+    scratch: TrackScratch,
     /// True where actors are one figure that plays one after the other, as the clips of a bundle do.
     is_library: bool,
 }
@@ -144,7 +144,7 @@ pub struct Take {
 /// Records a take.
 pub struct TakeWriter {
     take: Take,
-    before: Vec<Option<Pose>>,
+    before: Vec<Option<ActorPose>>,
 }
 
 impl TakeWriter {
@@ -157,7 +157,7 @@ impl TakeWriter {
     /// Errors of a folder that takes no file.
     pub fn new(folder: &Path, actors: Vec<(usize, String, Skeleton)>, rate_hz: f64) -> io::Result<Self> {
         let together = actors.len();
-        Self::with(folder, actors, rate_hz, together, false)
+        Self::with_layout(folder, actors, rate_hz, together, false)
     }
 
     /// A take of clips of one figure, which are recorded one after the other and ended by [`TakeWriter::finish`].
@@ -165,21 +165,21 @@ impl TakeWriter {
     /// # Errors
     /// Errors of [`TakeWriter::new`].
     pub fn library(folder: &Path, clips: Vec<(usize, String, Skeleton)>, rate_hz: f64) -> io::Result<Self> {
-        Self::with(folder, clips, rate_hz, 1, true)
+        Self::with_layout(folder, clips, rate_hz, 1, true)
     }
 
-    fn with(
+    fn with_layout(
         folder: &Path,
         actors: Vec<(usize, String, Skeleton)>,
         rate_hz: f64,
         together: usize,
         is_library: bool,
     ) -> io::Result<Self> {
-        let scratch = Scratch::new(folder, actors.len(), &WIDTHS, together)?;
+        let scratch = TrackScratch::new(folder, actors.len(), &WIDTHS, together)?;
         let actor = |(number, name, skeleton)| {
             let mut moves = [false; NUM_JOINTS];
             moves[0] = true;
-            Actor { name, number, skeleton, moves, there: 0..0, is_ever_away: false }
+            TakeActor { name, number, skeleton, moves, present_frames: 0..0, is_ever_away: false }
         };
         let before = vec![None; actors.len()];
         let take = Take { actors: actors.into_iter().map(actor).collect(), rate_hz, scratch, is_library };
@@ -190,7 +190,7 @@ impl TakeWriter {
     ///
     /// # Errors
     /// Errors of the disk.
-    pub fn push(&mut self, actor: usize, pose: Option<Pose>) -> io::Result<()> {
+    pub fn push(&mut self, actor: usize, pose: Option<ActorPose>) -> io::Result<()> {
         let Self { take, before } = self;
         let frame = take.scratch.num_frames(actor);
         let who = &mut take.actors[actor];
@@ -198,19 +198,19 @@ impl TakeWriter {
         let Some(mut pose) = pose else {
             // An absent actor keeps its last pose.
             let kept = before[actor].unwrap_or_else(|| {
-                Pose::of_rotations(&who.skeleton, who.skeleton.offsets[0], [Quat::IDENTITY; NUM_JOINTS])
+                ActorPose::from_rotations(&who.skeleton, who.skeleton.offsets[0], [Quat::IDENTITY; NUM_JOINTS])
             });
             return take.scratch.push(actor, &kept.numbers(false));
         };
         match &before[actor] {
-            None => who.settle(&pose, frame),
+            None => who.adopt_offsets(&pose, frame),
             Some(before) => {
                 for (now, then) in pose.rotations.iter_mut().zip(&before.rotations) {
                     *now = if now.dot(*then) < 0.0 { -*now } else { *now };
                 }
             }
         }
-        who.there.end = frame + 1;
+        who.present_frames.end = frame + 1;
         for j in 1..NUM_JOINTS {
             who.moves[j] |= pose.translations[j].distance(who.skeleton.offsets[j]) > SAME_PLACE_M;
         }
@@ -236,10 +236,10 @@ impl TakeWriter {
     }
 }
 
-impl Actor {
+impl TakeActor {
     /// Adopts the offsets of the first pose: bodies may be fitted to skeletons of their own.
-    fn settle(&mut self, pose: &Pose, frame: usize) {
-        self.there = frame..frame + 1;
+    fn adopt_offsets(&mut self, pose: &ActorPose, frame: usize) {
+        self.present_frames = frame..frame + 1;
         let before = self.skeleton.clone();
         for j in 1..NUM_JOINTS {
             let offset = &mut self.skeleton.offsets[j];
@@ -263,14 +263,14 @@ impl Take {
     ///
     /// # Errors
     /// Errors of the disk.
-    pub fn of_clips(folder: &Path, clips: &[Clip], skeleton: &Skeleton) -> io::Result<Self> {
+    pub fn from_clips(folder: &Path, clips: &[Clip], skeleton: &Skeleton) -> io::Result<Self> {
         let actors = clips.iter().enumerate().map(|(i, c)| (i, c.name.clone(), skeleton.clone())).collect();
         let mut writer = TakeWriter::library(folder, actors, clips.first().map_or(30.0, |c| c.rate_hz))?;
         for (i, clip) in clips.iter().enumerate() {
             for frame in 0..clip.num_frames() {
                 let rotations = clip.frame_rotations(frame);
                 let rotations = std::array::from_fn(|j| rotations[j]);
-                writer.push(i, Some(Pose::of_rotations(skeleton, clip.root_positions[frame], rotations)))?;
+                writer.push(i, Some(ActorPose::from_rotations(skeleton, clip.root_positions[frame], rotations)))?;
             }
             writer.finish(i)?;
         }
@@ -278,7 +278,7 @@ impl Take {
     }
 
     /// The characters of the take.
-    pub fn actors(&self) -> &[Actor] {
+    pub fn actors(&self) -> &[TakeActor] {
         &self.actors
     }
 
@@ -307,12 +307,16 @@ impl Take {
     ///
     /// # Errors
     /// Errors of the disk, and of `take`.
-    pub fn poses(&self, actor: usize, mut take: impl FnMut(usize, &Pose, bool) -> io::Result<()>) -> io::Result<()> {
-        self.scratch.frames(actor, |frame, n| take(frame, &Pose::of_numbers(n), n[NUMBERS - 1] > 0.5))
+    pub fn poses(
+        &self,
+        actor: usize,
+        mut take: impl FnMut(usize, &ActorPose, bool) -> io::Result<()>,
+    ) -> io::Result<()> {
+        self.scratch.frames(actor, |frame, n| take(frame, &ActorPose::from_numbers(n), n[NUMBERS - 1] > 0.5))
     }
 
-    /// The numbers as they are kept, by [`rotation_track`], [`translation_track`] and [`THERE`].
-    pub(crate) fn scratch(&self) -> &Scratch {
+    /// The numbers as they are kept, by [`rotation_track`], [`translation_track`] and [`PRESENCE_TRACK`].
+    pub(crate) fn scratch(&self) -> &TrackScratch {
         &self.scratch
     }
 }

@@ -3,7 +3,7 @@
 //! Plain, every character is a skeleton root of its own with its animation, which every reader keeps. Instanced, as
 //! renderers of crowds want it, characters are instances of one model each of which is bound to an animation.
 
-use super::take::{Actor, THERE, Take};
+use super::take::{PRESENCE_TRACK, Take, TakeActor};
 use glam::Vec3;
 use std::fmt::{Display, Write as _};
 use std::io::{self, Write};
@@ -19,7 +19,7 @@ const ROOT: &str = "Crowd";
 /// # Errors
 /// Errors of `out`.
 pub fn usda(take: &Take, instances: bool, out: &mut dyn Write) -> io::Result<()> {
-    let bodies = Bodies::of(take);
+    let bodies = TakeSkeletons::from_take(take);
     let instances = instances && !take.is_library();
     write_head(take, out)?;
     writeln!(out, "def Xform \"{ROOT}\"\n{{")?;
@@ -54,12 +54,12 @@ pub fn usda(take: &Take, instances: bool, out: &mut dyn Write) -> io::Result<()>
 }
 
 /// The distinct skeletons of a take.
-struct Bodies<'a> {
+struct TakeSkeletons<'a> {
     skeletons: Vec<&'a Skeleton>,
 }
 
-impl<'a> Bodies<'a> {
-    fn of(take: &'a Take) -> Self {
+impl<'a> TakeSkeletons<'a> {
+    fn from_take(take: &'a Take) -> Self {
         let mut skeletons: Vec<&Skeleton> = Vec::new();
         for actor in take.actors() {
             if !skeletons.contains(&&actor.skeleton) {
@@ -69,7 +69,7 @@ impl<'a> Bodies<'a> {
         Self { skeletons }
     }
 
-    fn number(&self, actor: &Actor) -> usize {
+    fn number(&self, actor: &TakeActor) -> usize {
         self.skeletons.iter().position(|s| **s == actor.skeleton).unwrap_or(0)
     }
 }
@@ -124,7 +124,7 @@ fn write_visibility(take: &Take, a: usize, out: &mut dyn Write) -> io::Result<()
     }
     writeln!(out, "        token visibility.timeSamples = {{")?;
     let (mut frame, mut before) = (0, None);
-    take.scratch().track(a, THERE, |there| {
+    take.scratch().track(a, PRESENCE_TRACK, |there| {
         for t in there {
             if before.replace(*t) != Some(*t) {
                 let word = if *t > 0.5 { "inherited" } else { "invisible" };
@@ -192,7 +192,7 @@ fn write_body(
 ) -> io::Result<()> {
     // A body without a binding is written for others to refer to.
     let how = if bound.is_some() { "def" } else { "class" };
-    let (tab, body) = (" ".repeat(depth), PlainBody::of(skeleton));
+    let (tab, body) = (" ".repeat(depth), PlainBody::fine(skeleton));
     let vector = |v: &Vec3| format!("({}, {}, {})", v.x, v.y, v.z);
     let low = body.positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
     let high = body.positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);

@@ -2,7 +2,7 @@
 
 use super::archive;
 use super::asf::{Asf, AsfJoint, Dof};
-use super::scan::{Mark, Scanner, parse_count, text};
+use super::scan::{Scanner, TextPosition, parse_count, text};
 use super::source::{FrameSink, SourceClip, content_error};
 use crate::error::{ImportError, Warnings};
 use crate::raw::SourceFormat;
@@ -16,15 +16,15 @@ const HELP: &str = "The file is cut short or damaged: compare it with an intact 
 const DEFAULT_RATE_HZ: f64 = 120.0;
 
 /// Keywords before the first frame.
-struct Header {
+struct AmcHeader {
     rate_hz: Option<f64>,
     degrees: bool,
 }
 
 /// A frame while its lines are read.
-struct Block {
+struct AmcFrame {
     number: u64,
-    mark: Mark,
+    mark: TextPosition,
     /// Frame in which each joint was last given, from 1 (joints.len()).
     given: Vec<u64>,
     count: usize,
@@ -58,15 +58,15 @@ pub fn parse(bytes: &[u8], path: &Path, asf: &Asf) -> Result<SourceClip, ImportE
 }
 
 /// Reads comments and keywords up to the first frame number.
-fn read_header(scan: &mut Scanner, asf: &Asf) -> Result<Header, ImportError> {
-    let mut header = Header { rate_hz: None, degrees: asf.degrees };
+fn read_header(scan: &mut Scanner, asf: &Asf) -> Result<AmcHeader, ImportError> {
+    let mut header = AmcHeader { rate_hz: None, degrees: asf.degrees };
     while scan.skip_space() {
-        let mark = scan.mark();
+        let mark = scan.position();
         let word = scan.word().unwrap_or_default();
         let is = |keyword: &str| word.eq_ignore_ascii_case(keyword.as_bytes());
         if is(":SAMPLES-PER-SECOND") {
             scan.at_line_end();
-            let mark = scan.mark();
+            let mark = scan.position();
             let rate = scan.number("the frames a second", HELP)?;
             if !(0.1..=100_000.0).contains(&rate) {
                 return Err(scan.error(mark, "a rate between 0.1 and 100000 Hz", HELP));
@@ -89,11 +89,11 @@ fn read_frames(scan: &mut Scanner, asf: &Asf, degrees: bool) -> Result<FrameSink
     let by_name: HashMap<&[u8], usize> =
         asf.joints.iter().enumerate().filter(|(_, j)| !j.is_end).map(|(i, j)| (j.name.as_bytes(), i)).collect();
     let scale = if degrees { 1f64.to_radians() } else { 1.0 };
-    let mut block: Option<Block> = None;
+    let mut block: Option<AmcFrame> = None;
     // Lines come in the same order in every frame: the joint expected next is tried before the map.
     let mut order: Vec<usize> = Vec::new();
     while scan.skip_space() {
-        let mark = scan.mark();
+        let mark = scan.position();
         let word = scan.word().unwrap_or_default();
         if word.starts_with(b"#") {
             scan.next_line();
@@ -119,25 +119,25 @@ fn read_frames(scan: &mut Scanner, asf: &Asf, degrees: bool) -> Result<FrameSink
     }
     match block {
         Some(b) => b.finish(scan, asf, &mut sink)?,
-        None => return Err(scan.error(scan.mark(), "at least one frame", HELP)),
+        None => return Err(scan.error(scan.position(), "at least one frame", HELP)),
     }
     Ok(sink)
 }
 
 fn begin_block(
     scan: &Scanner,
-    mark: Mark,
-    previous: Option<Block>,
+    mark: TextPosition,
+    previous: Option<AmcFrame>,
     asf: &Asf,
     sink: &mut FrameSink,
-) -> Result<Block, ImportError> {
-    let mut here = scan.at_mark(mark);
+) -> Result<AmcFrame, ImportError> {
+    let mut here = scan.cursor_at(mark);
     let Some(number) = here.word().and_then(parse_count) else {
         return Err(scan.error(mark, "a frame number", HELP));
     };
     let Some(p) = previous else {
         sink.begin_frame();
-        return Ok(Block { number, mark, given: vec![0; asf.joints.len()], count: 0, index: 1 });
+        return Ok(AmcFrame { number, mark, given: vec![0; asf.joints.len()], count: 0, index: 1 });
     };
     if p.number.checked_add(1) != Some(number) {
         let help = "Frames are missing or out of order: restore them, or number them without gaps.";
@@ -145,11 +145,11 @@ fn begin_block(
     }
     p.finish(scan, asf, sink)?;
     sink.begin_frame();
-    Ok(Block { number, mark, given: p.given, count: 0, index: p.index + 1 })
+    Ok(AmcFrame { number, mark, given: p.given, count: 0, index: p.index + 1 })
 }
 
-impl Block {
-    fn take_joint(&mut self, scan: &Scanner, mark: Mark, joint: usize) -> Result<(), ImportError> {
+impl AmcFrame {
+    fn take_joint(&mut self, scan: &Scanner, mark: TextPosition, joint: usize) -> Result<(), ImportError> {
         if self.given[joint] == self.index {
             let expected = format!("each joint once in frame {}", self.number);
             return Err(scan.error(mark, &expected, HELP));
@@ -183,7 +183,7 @@ fn read_joint(
 ) -> Result<(), ImportError> {
     let (mut t, mut r) = (DVec3::ZERO, DQuat::IDENTITY);
     for dof in &detail.dofs {
-        let mark = scan.mark();
+        let mark = scan.position();
         let Ok(value) = scan.number("", "") else {
             return Err(wrong_count(scan, mark, detail));
         };
@@ -193,7 +193,7 @@ fn read_joint(
         }
     }
     if !scan.at_line_end() {
-        return Err(wrong_count(scan, scan.mark(), detail));
+        return Err(wrong_count(scan, scan.position(), detail));
     }
     let root = sink.is_root(joint);
     sink.translations[joint] += if root { t } else { detail.axis * t };
@@ -202,16 +202,16 @@ fn read_joint(
 }
 
 #[cold]
-fn wrong_count(scan: &Scanner, mark: Mark, detail: &AsfJoint) -> ImportError {
-    let mut here = scan.at_mark(mark);
+fn wrong_count(scan: &Scanner, mark: TextPosition, detail: &AsfJoint) -> ImportError {
+    let mut here = scan.cursor_at(mark);
     here.at_line_end();
     let n = detail.dofs.len();
     let help = "The ASF file lists the numbers of each joint (`dof`): check that it belongs to this AMC file.";
-    scan.error(here.mark(), &format!("{n} number{} on this line", if n == 1 { "" } else { "s" }), help)
+    scan.error(here.position(), &format!("{n} number{} on this line", if n == 1 { "" } else { "s" }), help)
 }
 
 #[cold]
-fn unknown_joint(scan: &Scanner, mark: Mark, word: &[u8], asf: &Asf) -> ImportError {
+fn unknown_joint(scan: &Scanner, mark: TextPosition, word: &[u8], asf: &Asf) -> ImportError {
     let meant = did_you_mean(&text(word), asf.joints.iter().filter(|j| !j.is_end).map(|j| j.name.as_str()));
     let help =
         format!("{} has no such joint.{meant} Name the right skeleton with `asf` in the config.", asf.path.display());

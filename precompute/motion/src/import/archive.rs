@@ -107,13 +107,13 @@ pub fn copy_file(path: &Path, what: &str, max_bytes: u64, out: &mut dyn Write) -
 
 /// An archive file that several readers share.
 #[derive(Clone)]
-struct Shared {
+struct SharedArchive {
     file: Arc<File>,
     length: u64,
     at: u64,
 }
 
-impl Read for Shared {
+impl Read for SharedArchive {
     fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
         #[cfg(unix)]
         let read = std::os::unix::fs::FileExt::read_at(&*self.file, out, self.at)?;
@@ -129,7 +129,7 @@ impl Read for Shared {
     }
 }
 
-impl Seek for Shared {
+impl Seek for SharedArchive {
     fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
         let at = match to {
             SeekFrom::Start(at) => Some(at),
@@ -142,14 +142,14 @@ impl Seek for Shared {
 }
 
 /// The archive that was opened last. A build looks at all files of one, and would read its whole list each time.
-struct Last {
+struct LastArchive {
     path: PathBuf,
     /// Length of the file: another one may have its place by now.
     length: u64,
     written: Option<SystemTime>,
     /// The last bytes, where the list is.
     tail: Vec<u8>,
-    zip: ZipArchive<Shared>,
+    zip: ZipArchive<SharedArchive>,
 }
 
 /// Most bytes that a file of an archive may have for each byte that it takes there, beyond 64 MiB.
@@ -161,15 +161,16 @@ const TAIL: u64 = 32 << 10;
 /// Most files of an archive.
 const MAX_MEMBERS: usize = 100_000;
 
-fn open(archive: &Path) -> Result<ZipArchive<Shared>, ImportError> {
-    static LAST: Mutex<Option<Last>> = Mutex::new(None);
+fn open(archive: &Path) -> Result<ZipArchive<SharedArchive>, ImportError> {
+    static LAST: Mutex<Option<LastArchive>> = Mutex::new(None);
     let (file, length) = open_file(archive, "an archive", MAX_BUNDLE_BYTES).map_err(plain)?;
     let written = file.metadata().and_then(|m| m.modified()).ok();
-    let (file, mut tail) = (Shared { file: Arc::new(file), length, at: length.saturating_sub(TAIL) }, Vec::new());
+    let (file, mut tail) =
+        (SharedArchive { file: Arc::new(file), length, at: length.saturating_sub(TAIL) }, Vec::new());
     let read = file.clone().take(TAIL).read_to_end(&mut tail);
     read.map_err(|source| ImportError::Io { path: archive.to_path_buf(), source })?;
     let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
-    let is_same = |l: &&Last| l.path == archive && l.length == length && l.written == written && l.tail == tail;
+    let is_same = |l: &&LastArchive| l.path == archive && l.length == length && l.written == written && l.tail == tail;
     if let Some(last) = last.as_ref().filter(is_same) {
         return Ok(last.zip.clone());
     }
@@ -193,7 +194,7 @@ fn open(archive: &Path) -> Result<ZipArchive<Shared>, ImportError> {
         let message = "two of its files lie in the same place".to_owned();
         return Err(content_error(archive, message, "Unpack it, or write it anew as an ordinary .zip archive"));
     }
-    *last = Some(Last { path: archive.to_path_buf(), length, written, tail, zip: zip.clone() });
+    *last = Some(LastArchive { path: archive.to_path_buf(), length, written, tail, zip: zip.clone() });
     Ok(zip)
 }
 

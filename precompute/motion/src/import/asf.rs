@@ -4,8 +4,8 @@
 //! become `NAME_end` joints. So every rest rotation is the identity, and a segment's own `axis` C turns its motion R into
 //! global axes: the joint rotates by C R C^-1.
 
-use super::scan::{Mark, Scanner, text};
-use super::source::{Axis, MAX_JOINTS, MAX_NAME};
+use super::scan::{Scanner, TextPosition, text};
+use super::source::{CoordinateAxis, MAX_JOINTS, MAX_NAME};
 use crate::ImportError;
 use crate::raw::RawJoint;
 use glam::{DQuat, DVec3, Quat};
@@ -19,8 +19,8 @@ const INCH: f64 = 0.0254;
 /// A number that an AMC line holds for a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Dof {
-    Translate(Axis),
-    Rotate(Axis),
+    Translate(CoordinateAxis),
+    Rotate(CoordinateAxis),
 }
 
 /// Entry of an ASF file for one joint, beyond its place in the skeleton.
@@ -48,9 +48,9 @@ pub struct Asf {
 }
 
 /// A segment as written in `:bonedata`.
-struct Segment {
+struct AsfSegment {
     name: String,
-    mark: Mark,
+    mark: TextPosition,
     vector: DVec3,
     joint: AsfJoint,
     parent: Option<usize>,
@@ -58,11 +58,11 @@ struct Segment {
 }
 
 /// Everything that is read before the skeleton is put together; segment 0 is the root.
-struct Reader<'a> {
+struct AsfReader<'a> {
     scan: Scanner<'a>,
     length: f64,
     degrees: bool,
-    segments: Vec<Segment>,
+    segments: Vec<AsfSegment>,
     by_name: HashMap<&'a [u8], usize>,
 }
 
@@ -72,27 +72,27 @@ struct Reader<'a> {
 /// [`ImportError::Syntax`] with line and column.
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Asf, ImportError> {
     let scan = Scanner::new(bytes, path)?;
-    let root = Segment {
+    let root = AsfSegment {
         name: "root".into(),
-        mark: scan.mark(),
+        mark: scan.position(),
         vector: DVec3::ZERO,
         joint: AsfJoint { dofs: Vec::new(), axis: DQuat::IDENTITY },
         parent: None,
         children: Vec::new(),
     };
     let by_name = HashMap::from([(&b"root"[..], 0)]);
-    let mut reader = Reader { scan, length: 1.0, degrees: true, segments: vec![root], by_name };
+    let mut reader = AsfReader { scan, length: 1.0, degrees: true, segments: vec![root], by_name };
     let position = reader.read_sections()?;
     reader.assemble(position)
 }
 
-impl<'a> Reader<'a> {
+impl<'a> AsfReader<'a> {
     /// Reads all sections; returns the position of the root.
     fn read_sections(&mut self) -> Result<DVec3, ImportError> {
         let mut position = DVec3::ZERO;
         let mut seen = [false; 3];
         while self.scan.skip_space() {
-            let mark = self.scan.mark();
+            let mark = self.scan.position();
             let word = self.scan.word().unwrap_or_default();
             let is = |keyword: &str| word.eq_ignore_ascii_case(keyword.as_bytes());
             if is(":units") {
@@ -115,7 +115,7 @@ impl<'a> Reader<'a> {
             }
         }
         match seen.iter().zip([":root", ":bonedata", ":hierarchy"]).find(|(seen, _)| !**seen) {
-            Some((_, section)) => Err(self.scan.error(self.scan.mark(), &format!("a section `{section}`"), HELP)),
+            Some((_, section)) => Err(self.scan.error(self.scan.position(), &format!("a section `{section}`"), HELP)),
             None => Ok(position),
         }
     }
@@ -133,7 +133,7 @@ impl<'a> Reader<'a> {
     /// Moves to the next line with text; false where a section starts or the file ends.
     fn next_entry(&mut self) -> bool {
         while self.scan.skip_space() {
-            let mark = self.scan.mark();
+            let mark = self.scan.position();
             let word = self.scan.word().unwrap_or_default();
             if word.starts_with(b"#") {
                 self.scan.next_line();
@@ -150,14 +150,14 @@ impl<'a> Reader<'a> {
             let word = self.scan.word().unwrap_or_default();
             if word.eq_ignore_ascii_case(b"length") {
                 self.scan.at_line_end();
-                let mark = self.scan.mark();
+                let mark = self.scan.position();
                 self.length = self.scan.number("the length of a unit", HELP)?;
                 if self.length <= 1e-9 {
                     return Err(self.scan.error(mark, "a length above 0", HELP));
                 }
             } else if word.eq_ignore_ascii_case(b"angle") {
                 self.scan.at_line_end();
-                let mark = self.scan.mark();
+                let mark = self.scan.position();
                 self.degrees = match self.scan.word().unwrap_or_default().to_ascii_lowercase().as_slice() {
                     b"deg" | b"degrees" => true,
                     b"rad" | b"radians" => false,
@@ -170,7 +170,8 @@ impl<'a> Reader<'a> {
     }
 
     fn read_root(&mut self) -> Result<DVec3, ImportError> {
-        let (mut position, mut orientation, mut axis) = (DVec3::ZERO, [0.0; 3], [Axis::X, Axis::Y, Axis::Z]);
+        let (mut position, mut orientation, mut axis) =
+            (DVec3::ZERO, [0.0; 3], [CoordinateAxis::X, CoordinateAxis::Y, CoordinateAxis::Z]);
         while self.next_entry() {
             let word = self.scan.word().unwrap_or_default().to_ascii_lowercase();
             match word.as_slice() {
@@ -183,7 +184,7 @@ impl<'a> Reader<'a> {
             self.scan.next_line();
         }
         if self.segments[0].joint.dofs.is_empty() {
-            return Err(self.scan.error(self.scan.mark(), "`order` in section `:root`", HELP));
+            return Err(self.scan.error(self.scan.position(), "`order` in section `:root`", HELP));
         }
         self.segments[0].joint.axis = self.axis_rotation(orientation, axis);
         Ok(position)
@@ -195,24 +196,24 @@ impl<'a> Reader<'a> {
             self.read_segment()?;
             if self.segments.len() > MAX_JOINTS {
                 let expected = format!("at most {MAX_JOINTS} segments");
-                return Err(self.scan.error_found(self.scan.mark(), &expected, "one more", HELP));
+                return Err(self.scan.error_found(self.scan.position(), &expected, "one more", HELP));
             }
         }
         Ok(())
     }
 
     fn read_segment(&mut self) -> Result<(), ImportError> {
-        let mut name: Option<(&[u8], Mark)> = None;
+        let mut name: Option<(&[u8], TextPosition)> = None;
         let (mut direction, mut length) = (None, None);
         let mut joint = AsfJoint { dofs: Vec::new(), axis: DQuat::IDENTITY };
         let end = loop {
             if !self.next_entry() {
-                return Err(self.scan.error(self.scan.mark(), "`end` of the segment", HELP));
+                return Err(self.scan.error(self.scan.position(), "`end` of the segment", HELP));
             }
-            let entry = self.scan.mark();
+            let entry = self.scan.position();
             let word = self.scan.word().unwrap_or_default().to_ascii_lowercase();
             self.scan.at_line_end();
-            let mark = self.scan.mark();
+            let mark = self.scan.position();
             match word.as_slice() {
                 b"end" => break entry,
                 b"name" => name = self.scan.word().map(|n| (n, mark)),
@@ -241,7 +242,8 @@ impl<'a> Reader<'a> {
         if self.by_name.insert(name, self.segments.len()).is_some() {
             return Err(self.scan.error(name_mark, "a name that no other segment has", HELP));
         }
-        let segment = Segment { name: text(name), mark: name_mark, vector, joint, parent: None, children: Vec::new() };
+        let segment =
+            AsfSegment { name: text(name), mark: name_mark, vector, joint, parent: None, children: Vec::new() };
         self.segments.push(segment);
         Ok(())
     }
@@ -254,12 +256,12 @@ impl<'a> Reader<'a> {
         Ok(DVec3::from(v))
     }
 
-    fn read_axis_order(&mut self) -> Result<[Axis; 3], ImportError> {
+    fn read_axis_order(&mut self) -> Result<[CoordinateAxis; 3], ImportError> {
         self.scan.at_line_end();
-        let mark = self.scan.mark();
+        let mark = self.scan.position();
         let word = self.scan.word().unwrap_or_default();
-        let axes: Vec<_> = word.iter().take(4).map_while(|&b| Axis::from_letter(b)).collect();
-        match <[Axis; 3]>::try_from(axes) {
+        let axes: Vec<_> = word.iter().take(4).map_while(|&b| CoordinateAxis::from_letter(b)).collect();
+        match <[CoordinateAxis; 3]>::try_from(axes) {
             Ok(axes) if axes[0] != axes[1] && axes[1] != axes[2] && axes[0] != axes[2] => Ok(axes),
             _ => Err(self.scan.error(mark, "an axis order such as `XYZ`", HELP)),
         }
@@ -268,10 +270,10 @@ impl<'a> Reader<'a> {
     fn read_dofs(&mut self) -> Result<Vec<Dof>, ImportError> {
         let mut dofs = Vec::new();
         while !self.scan.at_line_end() {
-            let mark = self.scan.mark();
+            let mark = self.scan.position();
             let dof = match self.scan.word().unwrap_or_default() {
-                [b't' | b'T', axis] => Axis::from_letter(*axis).map(Dof::Translate),
-                [b'r' | b'R', axis] => Axis::from_letter(*axis).map(Dof::Rotate),
+                [b't' | b'T', axis] => CoordinateAxis::from_letter(*axis).map(Dof::Translate),
+                [b'r' | b'R', axis] => CoordinateAxis::from_letter(*axis).map(Dof::Rotate),
                 _ => None,
             };
             match dof.filter(|d| !dofs.contains(d)) {
@@ -286,20 +288,20 @@ impl<'a> Reader<'a> {
     }
 
     /// The rotation of three angles, the first one innermost.
-    fn axis_rotation(&self, angles: [f64; 3], order: [Axis; 3]) -> DQuat {
+    fn axis_rotation(&self, angles: [f64; 3], order: [CoordinateAxis; 3]) -> DQuat {
         let scale = if self.degrees { 1f64.to_radians() } else { 1.0 };
         order.iter().zip(angles).fold(DQuat::IDENTITY, |q, (axis, angle)| axis.rotation(angle * scale) * q)
     }
 
     fn read_hierarchy(&mut self) -> Result<(), ImportError> {
         while self.next_entry() {
-            let line = self.scan.mark();
+            let line = self.scan.position();
             let first = self.scan.word().unwrap_or_default();
             if !first.eq_ignore_ascii_case(b"begin") && !first.eq_ignore_ascii_case(b"end") {
                 self.scan.rewind(line);
                 let parent = self.read_reference()?;
                 while !self.scan.at_line_end() {
-                    let mark = self.scan.mark();
+                    let mark = self.scan.position();
                     let child = self.read_reference()?;
                     if child == 0 || self.segments[child].parent.is_some() {
                         return Err(self.scan.error(mark, "a segment that has no parent yet", HELP));
@@ -315,7 +317,7 @@ impl<'a> Reader<'a> {
 
     fn read_reference(&mut self) -> Result<usize, ImportError> {
         self.scan.at_line_end();
-        let mark = self.scan.mark();
+        let mark = self.scan.position();
         let known = self.scan.word().and_then(|w| self.by_name.get(w).copied());
         known.ok_or_else(|| self.scan.error(mark, "the name of a segment in `:bonedata`, or `root`", HELP))
     }

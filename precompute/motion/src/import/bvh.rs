@@ -5,7 +5,7 @@
 
 use super::archive;
 use super::scan::{Scanner, text};
-use super::source::{Axis, FrameSink, MAX_JOINTS, MAX_NAME, SourceClip, content_error, duplicate_names};
+use super::source::{CoordinateAxis, FrameSink, MAX_JOINTS, MAX_NAME, SourceClip, content_error, duplicate_names};
 use crate::ImportError;
 use crate::raw::{RawJoint, SourceFormat};
 use glam::{Quat, Vec3};
@@ -15,15 +15,15 @@ const HELP_HIERARCHY: &str = "The file is cut short or damaged: export the clip 
 const HELP_MOTION: &str = "Every frame is one line with one number per channel: export the clip again.";
 
 /// A number of a frame, with the joint and the axis that it moves.
-struct Channel {
+struct BvhChannel {
     joint: usize,
-    axis: Axis,
+    axis: CoordinateAxis,
     rotates: bool,
 }
 
 struct Hierarchy {
     joints: Vec<RawJoint>,
-    channels: Vec<Channel>,
+    channels: Vec<BvhChannel>,
     /// The joint whose block is open.
     open: Option<usize>,
 }
@@ -54,7 +54,7 @@ fn read_hierarchy(scan: &mut Scanner) -> Result<Hierarchy, ImportError> {
     let mut h = Hierarchy { joints: Vec::new(), channels: Vec::new(), open: None };
     loop {
         scan.skip_space();
-        let mark = scan.mark();
+        let mark = scan.position();
         let word = scan.word().unwrap_or_default();
         let is = |keyword: &str| word.eq_ignore_ascii_case(keyword.as_bytes());
         match h.open {
@@ -82,7 +82,7 @@ fn read_hierarchy(scan: &mut Scanner) -> Result<Hierarchy, ImportError> {
 
 fn open_joint(scan: &mut Scanner, h: &mut Hierarchy) -> Result<(), ImportError> {
     scan.at_line_end();
-    let mark = scan.mark();
+    let mark = scan.position();
     let name = scan.name();
     if name.is_empty() {
         return Err(scan.error(mark, "the name of a joint", HELP_HIERARCHY));
@@ -108,9 +108,9 @@ fn read_offset(scan: &mut Scanner) -> Result<Vec3, ImportError> {
     Ok(Vec3::from(offset))
 }
 
-fn read_channels(scan: &mut Scanner, joint: usize, channels: &mut Vec<Channel>) -> Result<(), ImportError> {
+fn read_channels(scan: &mut Scanner, joint: usize, channels: &mut Vec<BvhChannel>) -> Result<(), ImportError> {
     scan.at_line_end();
-    let mark = scan.mark();
+    let mark = scan.position();
     let first = channels.len();
     let count = scan.count("a number of channels", HELP_HIERARCHY)?;
     if count > 6 {
@@ -118,7 +118,7 @@ fn read_channels(scan: &mut Scanner, joint: usize, channels: &mut Vec<Channel>) 
     }
     for _ in 0..count {
         scan.skip_space();
-        let mark = scan.mark();
+        let mark = scan.position();
         let channel = scan.word().and_then(|w| channel_of(w, joint));
         let Some(channel) = channel else {
             let expected = "a channel: Xposition, Yposition, Zposition, Xrotation, Yrotation or Zrotation";
@@ -132,11 +132,11 @@ fn read_channels(scan: &mut Scanner, joint: usize, channels: &mut Vec<Channel>) 
     Ok(())
 }
 
-fn channel_of(word: &[u8], joint: usize) -> Option<Channel> {
+fn channel_of(word: &[u8], joint: usize) -> Option<BvhChannel> {
     let (letter, kind) = word.split_first()?;
     let rotates = kind.eq_ignore_ascii_case(b"rotation");
     let known = rotates || kind.eq_ignore_ascii_case(b"position");
-    Axis::from_letter(*letter).filter(|_| known).map(|axis| Channel { joint, axis, rotates })
+    CoordinateAxis::from_letter(*letter).filter(|_| known).map(|axis| BvhChannel { joint, axis, rotates })
 }
 
 fn read_end_site(scan: &mut Scanner, parent: usize, joints: &mut Vec<RawJoint>) -> Result<(), ImportError> {
@@ -156,7 +156,7 @@ fn read_frame_count(scan: &mut Scanner) -> Result<u64, ImportError> {
     scan.expect("Frames", HELP_HIERARCHY)?;
     scan.expect(":", HELP_HIERARCHY)?;
     scan.at_line_end();
-    let mark = scan.mark();
+    let mark = scan.position();
     match scan.count("the number of frames", HELP_HIERARCHY)? {
         0 => Err(scan.error(mark, "at least one frame", "A clip without motion cannot be used.")),
         n => Ok(n),
@@ -168,7 +168,7 @@ fn read_frame_time(scan: &mut Scanner) -> Result<(f64, String), ImportError> {
     scan.expect("Time", HELP_HIERARCHY)?;
     scan.expect(":", HELP_HIERARCHY)?;
     scan.at_line_end();
-    let mark = scan.mark();
+    let mark = scan.position();
     let seconds = scan.number("the seconds of a frame", HELP_HIERARCHY)?;
     if !(1e-5..=10.0).contains(&seconds) {
         return Err(scan.error(
@@ -204,7 +204,7 @@ fn read_frames(scan: &mut Scanner, h: Hierarchy, num_frames: u64) -> Result<Fram
     for frame in 0..num_frames {
         let expected = |what: &str| format!("{what} of frame {} of {num_frames}", frame + 1);
         if !scan.skip_space() {
-            return Err(scan.error(scan.mark(), &expected("the line"), HELP_MOTION));
+            return Err(scan.error(scan.position(), &expected("the line"), HELP_MOTION));
         }
         sink.begin_frame();
         for (k, channel) in h.channels.iter().enumerate() {
@@ -222,7 +222,7 @@ fn read_frames(scan: &mut Scanner, h: Hierarchy, num_frames: u64) -> Result<Fram
     }
     if scan.skip_space() {
         let expected = format!("the end of the file after {num_frames} frames");
-        return Err(scan.error(scan.mark(), &expected, "Correct the number after `Frames:`."));
+        return Err(scan.error(scan.position(), &expected, "Correct the number after `Frames:`."));
     }
     Ok(sink)
 }
@@ -236,7 +236,7 @@ fn with_expectation(error: ImportError, what: String) -> ImportError {
     }
 }
 
-impl Channel {
+impl BvhChannel {
     fn apply(&self, value: f64, sink: &mut FrameSink) {
         if self.rotates {
             let r = &mut sink.rotations[self.joint];

@@ -3,7 +3,9 @@
 //! Units and axes are those that the file names. Rates are, too, unless keys are closer together.
 
 use super::archive;
-use super::nodes::{Animation, FALLBACK_HZ, Node, Scene, Span, Transform, rate_of_keys, without_rounding};
+use super::nodes::{
+    AnimationSpan, FALLBACK_HZ, NodeAnimation, RigNode, RigScene, Transform, rate_of_keys, without_rounding,
+};
 use super::source::{SourceClip, content_error};
 use crate::error::ImportError;
 use crate::raw::SourceFormat;
@@ -44,13 +46,13 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<SourceClip>, ImportError> 
     let stacks = scene.anim_stacks.into_iter().map(|stack| Stack::new(&scene, stack));
     let stacks = stacks.collect::<Result<Vec<_>, _>>();
     let stacks = stacks.map_err(|what| content_error(path, what, "Export it again"))?;
-    Scene {
+    RigScene {
         path,
         format: SourceFormat::Fbx,
         num_bytes: archive::counted_bytes(path, bytes.len()),
         nodes: nodes(&scene),
         skins: skins.collect(),
-        animations: stacks.into_iter().map(|s| Box::new(s) as Box<dyn Animation>).collect(),
+        animations: stacks.into_iter().map(|s| Box::new(s) as Box<dyn NodeAnimation>).collect(),
     }
     .clips()
 }
@@ -74,14 +76,14 @@ fn options(num_bytes: usize) -> LoadOpts<'static> {
     }
 }
 
-fn nodes(scene: &SceneRoot) -> Vec<Node> {
+fn nodes(scene: &SceneRoot) -> Vec<RigNode> {
     let mut out = Vec::new();
     for (i, node) in scene.nodes.into_iter().enumerate() {
         let name = node.element.name.as_ref();
         let name = if name.is_empty() { format!("node {i}") } else { name.to_owned() };
         let parent = node.parent.as_ref().map(|p| p.element.typed_id as usize);
         let shows = node.mesh.is_some() || node.light.is_some() || node.camera.is_some();
-        out.push(Node { name, parent, local: transform(&node.local_transform), bind: None, shows });
+        out.push(RigNode { name, parent, local: transform(&node.local_transform), bind: None, shows });
     }
     let mut bind = |node: &ufbx::Node, world: &ufbx::Matrix| {
         let rotation = transform(&ufbx::matrix_to_transform(world)).rotation;
@@ -163,7 +165,7 @@ impl<'a> Stack<'a> {
     }
 }
 
-impl Animation for Stack<'_> {
+impl NodeAnimation for Stack<'_> {
     fn name(&self) -> String {
         self.stack.element.name.as_ref().to_owned()
     }
@@ -172,9 +174,9 @@ impl Animation for Stack<'_> {
         &self.moved
     }
 
-    fn span(&self, _: &BTreeSet<usize>) -> Span {
+    fn span(&self, _: &BTreeSet<usize>) -> AnimationSpan {
         let Self { begin, end, rate_hz, why, .. } = *self;
-        Span { begin, end, rate_hz, finding: format!("{rate_hz} frames a second: {why}.") }
+        AnimationSpan { begin, end, rate_hz, finding: format!("{rate_hz} frames a second: {why}.") }
     }
 
     fn num_layers(&self) -> usize {

@@ -14,7 +14,7 @@ pub const FORMATS: &str = ".bvh, .amc, .npz, .glb, .gltf or .fbx";
 /// True where this program reads FBX.
 pub const READS_FBX: bool = cfg!(feature = "fbx");
 /// Extensions of files that may hold several clips.
-const OF_SEVERAL: [&str; 4] = ["bvh", "fbx", "glb", "gltf"];
+const MULTI_CLIP_EXTENSIONS: [&str; 4] = ["bvh", "fbx", "glb", "gltf"];
 /// Most levels of folders that are searched; more is a loop.
 const MAX_DEPTH: usize = 64;
 /// Stands for any number of folders in a pattern.
@@ -46,7 +46,7 @@ pub fn clip_in_file(path: &Path) -> Option<(PathBuf, String)> {
 }
 
 pub(super) fn may_hold_several(path: &Path) -> bool {
-    OF_SEVERAL.iter().any(|e| has_extension(path, e))
+    MULTI_CLIP_EXTENSIONS.iter().any(|e| has_extension(path, e))
 }
 
 pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
@@ -58,12 +58,12 @@ pub fn is_motion(path: &Path) -> bool {
     EXTENSIONS.iter().any(|e| has_extension(path, e))
 }
 
-/// The paths of [`find`].
+/// The paths of [`find_motion_files`].
 ///
 /// # Errors
-/// As [`find`].
+/// As [`find_motion_files`].
 pub fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ImportError> {
-    Ok(find(paths)?.into_iter().map(|f| f.path).collect())
+    Ok(find_motion_files(paths)?.into_iter().map(|f| f.path).collect())
 }
 
 /// The motion files of files, folders, `.zip` archives and patterns.
@@ -75,16 +75,16 @@ pub fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ImportError> {
 ///
 /// # Errors
 /// [`ImportError::Io`] for a path that does not exist, [`ImportError::Content`] for one that yields no file.
-pub fn find(paths: &[PathBuf]) -> Result<Vec<MotionFile>, ImportError> {
+pub fn find_motion_files(paths: &[PathBuf]) -> Result<Vec<MotionFile>, ImportError> {
     let mut files = Vec::new();
     for path in paths {
-        let (base, found) = found(path)?;
+        let (base, found) = find_under_path(path)?;
         if found.is_empty() {
             let help =
                 format!("Name a folder, an archive (.zip), a file or a pattern with `*` that holds {FORMATS} files");
             return Err(content_error(path, "no motion file is there", &help));
         }
-        files.extend(found.into_iter().map(|path| MotionFile { name: name(&path, &base), path }));
+        files.extend(found.into_iter().map(|path| MotionFile { name: clip_name_of(&path, &base), path }));
     }
     files.sort_by(|a: &MotionFile, b| a.path.cmp(&b.path));
     files.dedup_by(|a, b| a.path == b.path);
@@ -92,9 +92,9 @@ pub fn find(paths: &[PathBuf]) -> Result<Vec<MotionFile>, ImportError> {
 }
 
 /// The files of one path, and the folder that their names are relative to.
-fn found(path: &Path) -> Result<(PathBuf, Vec<PathBuf>), ImportError> {
+fn find_under_path(path: &Path) -> Result<(PathBuf, Vec<PathBuf>), ImportError> {
     let parent = |of: &Path| of.parent().unwrap_or(Path::new("")).to_path_buf();
-    let mut search = Search::default();
+    let mut search = FileSearch::default();
     // A file may have a star in its name.
     if path.to_string_lossy().contains('*') && !path.exists() {
         let parts: Vec<Component> = path.components().collect();
@@ -105,11 +105,11 @@ fn found(path: &Path) -> Result<(PathBuf, Vec<PathBuf>), ImportError> {
             parts[first..].iter().map(|c| c.as_os_str().to_string_lossy().into_owned()).collect();
         // Several in a row are no more than one.
         pattern.dedup_by(|a, b| a == b && a == ANY_FOLDERS);
-        search.matching(&base, &pattern, 0)?;
+        search.find_matching(&base, &pattern, 0)?;
         return Ok((base, search.found));
     }
     if path.is_dir() {
-        search.everything(path, 0)?;
+        search.find_in_folder(path, 0)?;
         return Ok((path.to_path_buf(), search.found));
     }
     if has_extension(path, archive::EXTENSION) && path.is_file() {
@@ -125,7 +125,7 @@ fn found(path: &Path) -> Result<(PathBuf, Vec<PathBuf>), ImportError> {
 }
 
 /// Name of a clip.
-fn name(path: &Path, base: &Path) -> String {
+fn clip_name_of(path: &Path, base: &Path) -> String {
     let within = |path: &Path| slashed(&path.strip_prefix(base).unwrap_or(path).with_extension(""));
     match clip_in_file(path) {
         Some((file, clip)) => format!("{}/{clip}", within(&file)),
@@ -153,7 +153,7 @@ fn is_hidden(name: &str) -> bool {
 
 /// A search under way.
 #[derive(Default)]
-struct Search {
+struct FileSearch {
     found: Vec<PathBuf>,
     /// Folders that were searched, with links resolved, as links may lead back.
     searched: BTreeSet<PathBuf>,
@@ -162,25 +162,25 @@ struct Search {
     matched: BTreeSet<(PathBuf, usize)>,
 }
 
-impl Search {
+impl FileSearch {
     /// Finds every motion file of a folder.
-    fn everything(&mut self, folder: &Path, depth: usize) -> Result<(), ImportError> {
+    fn find_in_folder(&mut self, folder: &Path, depth: usize) -> Result<(), ImportError> {
         let real = folder.canonicalize().unwrap_or_else(|_| folder.to_path_buf());
         if depth > MAX_DEPTH || !self.searched.insert(real) {
             return Ok(());
         }
-        for path in visible(folder)? {
+        for path in visible_entries(folder)? {
             if path.is_dir() {
-                self.everything(&path, depth + 1)?;
+                self.find_in_folder(&path, depth + 1)?;
             } else {
-                self.file(path);
+                self.keep_file(path);
             }
         }
         Ok(())
     }
 
     /// Keeps a motion file, or those of an archive.
-    fn file(&mut self, path: PathBuf) {
+    fn keep_file(&mut self, path: PathBuf) {
         if has_extension(&path, archive::EXTENSION) && path.is_file() {
             match motion_in(&path) {
                 Ok(all) => self.found.extend(all),
@@ -193,30 +193,30 @@ impl Search {
     }
 
     /// Finds the files that match a pattern, part by part.
-    fn matching(&mut self, folder: &Path, pattern: &[String], depth: usize) -> Result<(), ImportError> {
+    fn find_matching(&mut self, folder: &Path, pattern: &[String], depth: usize) -> Result<(), ImportError> {
         let Some((part, rest)) = pattern.split_first() else { return Ok(()) };
         if !self.matched.insert((folder.to_owned(), pattern.len())) {
             return Ok(());
         }
         if part == ANY_FOLDERS && rest.is_empty() {
-            return self.everything(folder, depth);
+            return self.find_in_folder(folder, depth);
         }
         if part == ANY_FOLDERS {
-            self.matching(folder, rest, depth)?;
+            self.find_matching(folder, rest, depth)?;
         }
-        for path in visible(folder)? {
+        for path in visible_entries(folder)? {
             let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
             let enters = path.is_dir() && depth < MAX_DEPTH;
             if part == ANY_FOLDERS {
                 // Links may lead back: they are not followed over any number of folders.
                 if enters && !path.is_symlink() {
-                    self.matching(&path, pattern, depth + 1)?;
+                    self.find_matching(&path, pattern, depth + 1)?;
                 }
             } else if matches(part, &name) {
                 match rest {
                     [] if path.is_dir() => {}
-                    [] => self.file(path),
-                    _ if enters => self.matching(&path, rest, depth + 1)?,
+                    [] => self.keep_file(path),
+                    _ if enters => self.find_matching(&path, rest, depth + 1)?,
                     _ => {}
                 }
             }
@@ -226,14 +226,14 @@ impl Search {
 }
 
 /// Files and folders in a folder that are not hidden, sorted.
-fn visible(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
-    let mut all = entries(folder)?;
+fn visible_entries(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
+    let mut all = folder_entries(folder)?;
     all.retain(|p| !p.file_name().is_some_and(|n| is_hidden(&n.to_string_lossy())));
     Ok(all)
 }
 
 /// Contents of a folder, or of the same place in an archive, sorted.
-fn entries(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
+fn folder_entries(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
     if let Some((archive, within)) = archive::split(&folder.join("x")) {
         let within = within.strip_suffix('x').unwrap_or_default().to_owned();
         let beside = |m: &String| m.strip_prefix(&within).is_some_and(|name| !name.contains('/'));
@@ -252,7 +252,7 @@ fn entries(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
     Ok(found)
 }
 
-/// True where `name` is `pattern` with every `*` replaced by some text, which may be empty.
+/// True where `clip_name_of` is `pattern` with every `*` replaced by some text, which may be empty.
 pub fn matches(pattern: &str, name: &str) -> bool {
     let Some((first, rest)) = pattern.split_once('*') else { return pattern == name };
     let Some(mut name) = name.strip_prefix(first) else { return false };
@@ -289,7 +289,7 @@ pub fn read_along(path: &Path, asf: Option<&Path>) -> Vec<PathBuf> {
 /// # Errors
 /// [`ImportError::Content`] where there is none or the choice is not clear, naming the candidates.
 pub fn find_asf(amc: &Path) -> Result<PathBuf, ImportError> {
-    let mut found = entries(amc.parent().unwrap_or(Path::new("")))?;
+    let mut found = folder_entries(amc.parent().unwrap_or(Path::new("")))?;
     found.retain(|p| has_extension(p, "asf") && archive::is_file(p));
     let stem = |p: &Path| p.file_stem().map(|s| s.to_string_lossy().to_lowercase()).unwrap_or_default();
     let own = stem(amc);

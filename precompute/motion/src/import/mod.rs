@@ -16,7 +16,7 @@ mod glitches;
 pub mod gltf;
 pub(crate) mod nodes;
 pub mod npz;
-mod odd;
+mod oddities;
 mod performers;
 mod person;
 pub mod profile;
@@ -34,9 +34,9 @@ use crate::progress::Progress;
 use crate::raw::RawClip;
 pub use config::{Forward, ImportConfig, UpAxis};
 pub use files::{
-    EXTENSIONS, FORMATS, MotionFile, READS_FBX, clip_in_file, expand, find, is_motion, matches, read_along,
+    EXTENSIONS, FORMATS, MotionFile, READS_FBX, clip_in_file, expand, find_motion_files, is_motion, matches, read_along,
 };
-pub use glitches::{Glitch, GlitchKind, Glitches, Treated};
+pub use glitches::{Glitch, GlitchKind, GlitchTreatment, Glitches};
 use profile::Profile;
 use rayon::prelude::*;
 pub(crate) use rest::{LEG_DOWN, LEG_SEGMENTS};
@@ -50,7 +50,7 @@ pub use throng_base::file::MAX_MOTION_BYTES;
 
 /// A clip as read, with all findings about it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Imported {
+pub struct ImportedClip {
     /// The motion: metres, Y up, right-handed; the source's own joints.
     pub clip: RawClip,
     /// Source joint of each role.
@@ -79,7 +79,7 @@ pub struct Imported {
 #[derive(Debug)]
 pub struct ImportedSet {
     /// The clips, sorted by path; several of one file in the file's order.
-    pub clips: Vec<Imported>,
+    pub clips: Vec<ImportedClip>,
     /// Files that were skipped and the reasons, sorted by path.
     pub skipped: Vec<ImportError>,
 }
@@ -89,7 +89,7 @@ impl ImportedSet {
     ///
     /// # Errors
     /// The first bad file where no file is good.
-    pub fn some(mut self) -> Result<Self, ImportError> {
+    pub fn require_clips(mut self) -> Result<Self, ImportError> {
         match self.clips.is_empty() && !self.skipped.is_empty() {
             true => Err(self.skipped.swap_remove(0)),
             false => Ok(self),
@@ -105,7 +105,7 @@ impl ImportedSet {
     }
 }
 
-impl Imported {
+impl ImportedClip {
     /// Oddities of the clip, without those of its skeleton.
     pub fn own_warnings(&self) -> impl Iterator<Item = &str> {
         let path = format!("{}: ", self.clip.path.display());
@@ -118,7 +118,7 @@ impl Imported {
 }
 
 /// Oddities of the skeletons of clips, once for all clips that have one.
-pub fn skeleton_warnings(clips: &[Imported]) -> Vec<String> {
+pub fn skeleton_warnings(clips: &[ImportedClip]) -> Vec<String> {
     let mut of = BTreeMap::<&str, Vec<usize>>::new();
     for (i, clip) in clips.iter().enumerate() {
         clip.roles.warnings.iter().for_each(|w| of.entry(w).or_default().push(i));
@@ -153,12 +153,12 @@ pub fn repeated<E>(hashes: &[u64], same: impl Fn(usize, usize) -> Result<bool, E
 }
 
 /// The clips of a motion file, or the reason why there are none.
-pub type Clips = Result<Vec<Imported>, ImportError>;
+pub type ClipsResult = Result<Vec<ImportedClip>, ImportError>;
 
 /// Reads a motion file, or finds the stored result of an earlier reading.
-pub type Reader<'a> = dyn Fn(&MotionFile, &dyn Fn() -> Clips) -> Clips + Sync + 'a;
+pub type ClipReader<'a> = dyn Fn(&MotionFile, &dyn Fn() -> ClipsResult) -> ClipsResult + Sync + 'a;
 
-/// Reads all motion files of `paths` (files, folders, archives, patterns, see [`find`]), in parallel. Clips have the names of
+/// Reads all motion files of `paths` (files, folders, archives, patterns, see [`find_motion_files`]), in parallel. Clips have the names of
 /// their files ([`MotionFile::clip_name`]).
 ///
 /// - `reader`: called for every file, with a function that reads it.
@@ -170,12 +170,12 @@ pub type Reader<'a> = dyn Fn(&MotionFile, &dyn Fn() -> Clips) -> Clips + Sync + 
 /// The first bad file (by path) where `config.strict` is set; a path that yields no file; a bad profile; errors that may not
 /// occur again ([`ImportError::is_passing`]).
 pub fn read_by(
-    reader: &Reader<'_>,
+    reader: &ClipReader<'_>,
     paths: &[PathBuf],
     config: &ImportConfig,
     progress: &dyn Progress,
 ) -> Result<ImportedSet, ImportError> {
-    let files = files::find(paths)?;
+    let files = files::find_motion_files(paths)?;
     let profiles = profile::load_profiles(&config.profiles)?;
     progress.begin("import", files.len() as u64, "files");
     let results: Vec<_> = files
@@ -204,9 +204,9 @@ pub fn read_by(
 /// Reads as [`read_by`] does, with every file read anew.
 ///
 /// # Errors
-/// Errors of [`read_by`] and [`ImportedSet::some`].
+/// Errors of [`read_by`] and [`ImportedSet::require_clips`].
 pub fn read(paths: &[PathBuf], config: &ImportConfig, progress: &dyn Progress) -> Result<ImportedSet, ImportError> {
-    read_by(&|_, read| read(), paths, config, progress)?.some()
+    read_by(&|_, read| read(), paths, config, progress)?.require_clips()
 }
 
 /// Imports clips that were made, not read, in the way of files: each is written as BVH in memory and read again.
@@ -215,13 +215,13 @@ pub fn read(paths: &[PathBuf], config: &ImportConfig, progress: &dyn Progress) -
 ///
 /// # Errors
 /// Errors of [`read`].
-pub fn made(set: &ClipSet, folder: &Path, config: &ImportConfig) -> Result<ImportedSet, ImportError> {
+pub fn import_made(set: &ClipSet, folder: &Path, config: &ImportConfig) -> Result<ImportedSet, ImportError> {
     let profiles = profile::load_profiles(&config.profiles)?;
     let one = |clip: &Clip| {
         let path = folder.join(format!("{}.bvh", clip.name));
         let mut text = Vec::new();
         let failed = |source| ImportError::Io { path: path.clone(), source };
-        export::bvh::write(&to_raw(clip, &set.skeleton), &mut text).map_err(failed)?;
+        export::bvh::write_clip(&to_raw(clip, &set.skeleton), &mut text).map_err(failed)?;
         interpret(bvh::parse(&text, &path)?, config, &profiles)
     };
     Ok(ImportedSet { clips: set.clips.par_iter().map(one).collect::<Result<_, _>>()?, skipped: Vec::new() })
@@ -231,7 +231,7 @@ pub fn made(set: &ClipSet, folder: &Path, config: &ImportConfig) -> Result<Impor
 ///
 /// # Errors
 /// [`ImportError`] naming the file and, for faults of the text, line and column; a file of several clips.
-pub fn read_clip(path: &Path, config: &ImportConfig) -> Result<Imported, ImportError> {
+pub fn read_clip(path: &Path, config: &ImportConfig) -> Result<ImportedClip, ImportError> {
     let mut clips = read_clips(path, config)?;
     match clips.pop() {
         Some(clip) if clips.is_empty() => Ok(clip),
@@ -247,11 +247,11 @@ pub fn read_clip(path: &Path, config: &ImportConfig) -> Result<Imported, ImportE
 ///
 /// # Errors
 /// [`ImportError`] naming the file; where some of several clips are bad, only if all are or `config.strict` is set.
-pub fn read_clips(path: &Path, config: &ImportConfig) -> Clips {
+pub fn read_clips(path: &Path, config: &ImportConfig) -> ClipsResult {
     read_with(path, config, &profile::load_profiles(&config.profiles)?)
 }
 
-fn read_with(path: &Path, config: &ImportConfig, profiles: &[Profile]) -> Clips {
+fn read_with(path: &Path, config: &ImportConfig, profiles: &[Profile]) -> ClipsResult {
     let (mut good, mut bad) = (Vec::new(), Vec::new());
     for source in read_source(path, config.asf.as_deref())? {
         match interpret(source, config, profiles) {
@@ -291,7 +291,7 @@ pub fn read_source(path: &Path, asf: Option<&Path>) -> Result<Vec<SourceClip>, I
 fn read_file(path: &Path, asf: Option<&Path>) -> Result<Vec<SourceClip>, ImportError> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
-        "bvh" => Ok(performers::apart(bvh::parse(&load(path)?, path)?)),
+        "bvh" => Ok(performers::split_performers(bvh::parse(&load(path)?, path)?)),
         "amc" => {
             let asf_path = asf.map_or_else(|| files::find_asf(path), |p| Ok(p.to_owned()))?;
             let skeleton = asf::parse(&load(&asf_path)?, &asf_path)?;
@@ -328,7 +328,11 @@ fn load(path: &Path) -> Result<Vec<u8>, ImportError> {
 ///
 /// # Errors
 /// [`ImportError::Content`] where a required role is missing or the skeleton has no size.
-pub fn interpret(mut source: SourceClip, config: &ImportConfig, profiles: &[Profile]) -> Result<Imported, ImportError> {
+pub fn interpret(
+    mut source: SourceClip,
+    config: &ImportConfig,
+    profiles: &[Profile],
+) -> Result<ImportedClip, ImportError> {
     if source.clip.num_frames == 0 {
         return Err(content_error(&source.clip.path, "it has no frames", "Leave it out"));
     }
@@ -347,12 +351,12 @@ pub fn interpret(mut source: SourceClip, config: &ImportConfig, profiles: &[Prof
     units::normalise(&mut clip, metres_per_unit, up);
     person::check_size(&clip, &roles, metres_per_unit, config.metres_per_unit.is_some())?;
     person::check_place(&clip, &roles, [0, clip.num_frames - 1])?;
-    let glitches = glitches::treat(&mut clip, &roles, config.glitches, &mut warnings);
+    let glitches = glitches::treat_glitches(&mut clip, &roles, config.glitches, &mut warnings);
     // Glitches may be anywhere.
     let at = |f: usize| glitches.partition_point(|g| g.frames.end <= f);
     let is_motion = |f: &usize| glitches.get(at(*f)).is_none_or(|g| !g.frames.contains(f));
     person::check_place(&clip, &roles, (0..clip.num_frames).filter(is_motion))?;
-    odd::tell(&clip, &roles, &mut warnings);
+    oddities::warn_of_oddities(&clip, &roles, &mut warnings);
     let (rest_pose, facing) = rest::find_rest_pose(&clip, &roles, config.forward);
     findings.push(rest_pose.sentence.clone());
     let height = units::body_height(&clip, &roles);
@@ -360,7 +364,19 @@ pub fn interpret(mut source: SourceClip, config: &ImportConfig, profiles: &[Prof
         warnings.push(format!("{}: {warning}", clip.path.display()));
     }
     let forward = config.forward;
-    Ok(Imported { clip, roles, rest_pose, metres_per_unit, up, facing, forward, height, glitches, findings, warnings })
+    Ok(ImportedClip {
+        clip,
+        roles,
+        rest_pose,
+        metres_per_unit,
+        up,
+        facing,
+        forward,
+        height,
+        glitches,
+        findings,
+        warnings,
+    })
 }
 
 #[cfg(test)]

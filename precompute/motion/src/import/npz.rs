@@ -10,7 +10,7 @@ use super::source::{FrameSink, MAX_JOINTS, SourceClip, content_error};
 use crate::error::{ImportError, Warnings};
 use crate::raw::{RawJoint, SourceFormat};
 use crate::smpl::{JOINTS, UPRIGHT};
-use array::{Array, Arrays};
+use array::{NpyArray, NpzArrays};
 use glam::{DQuat, DVec3, Quat, Vec3};
 use std::path::Path;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
@@ -25,7 +25,7 @@ const HELP: &str = "Save the motion anew with `numpy.savez`: `poses`, `trans` an
 /// [`ImportError::Content`] naming the array that is missing, damaged or of another shape.
 pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
     let fail = |message: String| content_error(path, message, HELP);
-    let mut arrays = Arrays::open(bytes).map_err(fail)?;
+    let mut arrays = NpzArrays::open(bytes).map_err(fail)?;
     let trans = arrays.get("trans").map_err(fail)?;
     let poses = poses(&mut arrays).map_err(fail)?;
     let frames = trans.rows(3).map_err(|e| fail(format!("`trans`: {e}")))?;
@@ -68,12 +68,12 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
 
 /// An array of turns, and its number of columns.
 struct Turns {
-    array: Array,
+    array: NpyArray,
     width: usize,
 }
 
 /// `poses`, or the arrays into which newer files part it.
-fn poses(arrays: &mut Arrays<'_>) -> Result<Vec<Turns>, String> {
+fn poses(arrays: &mut NpzArrays<'_>) -> Result<Vec<Turns>, String> {
     let parted = !arrays.has("poses") && arrays.has("pose_body");
     let mut of = |name: &str| -> Result<Turns, String> {
         let array = arrays.get(name)?;
@@ -91,7 +91,7 @@ fn poses(arrays: &mut Arrays<'_>) -> Result<Vec<Turns>, String> {
     }
 }
 
-fn rate(arrays: &mut Arrays<'_>) -> Result<(f64, &'static str), String> {
+fn rate(arrays: &mut NpzArrays<'_>) -> Result<(f64, &'static str), String> {
     let Some(name) = RATES.into_iter().find(|n| arrays.has(n)) else {
         return Err(format!("no frame rate is there: expected `{}`", RATES.join("` or `")));
     };

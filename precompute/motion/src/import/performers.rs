@@ -12,7 +12,7 @@ const LEAST_JOINTS: usize = 10;
 /// The clips of all performers of a file: of each root, or each branch below one, that is a body by itself.
 ///
 /// - returns the clip unchanged where there is no more than one.
-pub(super) fn apart(source: SourceClip) -> Vec<SourceClip> {
+pub(super) fn split_performers(source: SourceClip) -> Vec<SourceClip> {
     let (clip, roots) = (&source.clip, branches(&source.clip.joints));
     // Joints above the roots move them; all roots hang on one joint, or on none.
     let above = roots.first().and_then(|&root| clip.joints[root].parent);

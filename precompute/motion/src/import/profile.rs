@@ -4,7 +4,7 @@ use crate::ImportError;
 use crate::raw::RawJoint;
 use std::collections::BTreeMap;
 use std::path::Path;
-use throng_base::text::{Source, did_you_mean};
+use throng_base::text::{TomlSource, did_you_mean};
 use throng_core::{Joint, NUM_JOINTS};
 
 /// The profiles that are built in.
@@ -25,18 +25,18 @@ const BUILT_IN: [&str; 8] = [
 struct ProfileFile {
     name: String,
     source: String,
-    roles: BTreeMap<String, Names>,
+    roles: BTreeMap<String, JointNames>,
 }
 
 /// One spelling of a joint's name or several.
 #[derive(Clone, Debug, PartialEq, serde::Deserialize)]
 #[serde(untagged)]
-enum Names {
+enum JointNames {
     One(String),
     Several(Vec<String>),
 }
 
-impl Names {
+impl JointNames {
     fn as_slice(&self) -> &[String] {
         match self {
             Self::One(name) => std::slice::from_ref(name),
@@ -52,7 +52,7 @@ pub struct Profile {
     pub name: String,
     /// Source of such files.
     pub source: String,
-    roles: Vec<(Joint, Names)>,
+    roles: Vec<(Joint, JointNames)>,
 }
 
 impl Profile {
@@ -62,22 +62,22 @@ impl Profile {
     /// [`ImportError::Content`] for TOML faults, unknown roles, and a file without roles. Missing roles are reported for the
     /// first clip that the profile fits.
     pub fn parse(toml_text: &str, path: &Path) -> Result<Self, ImportError> {
-        Self::of(&Source::new(toml_text, path))
+        Self::from_source(&TomlSource::new(toml_text, path))
     }
 
-    fn of(source: &Source) -> Result<Self, ImportError> {
+    fn from_source(source: &TomlSource) -> Result<Self, ImportError> {
         let help = "See data/skeletons/README.md for how a profile is written.";
         let file: ProfileFile = source.parse(help)?;
         if file.roles.is_empty() {
             // A profile without roles would fit every skeleton.
-            return Err(source.at("roles", format!("expected at least one role. {help}")).into());
+            return Err(source.error_at_key("roles", format!("expected at least one role. {help}")).into());
         }
         let mut roles = Vec::new();
         for (role, names) in file.roles {
             let Some(joint) = Joint::from_name(&role) else {
                 let meant = did_you_mean(&role, Joint::ALL.into_iter().map(Joint::name));
                 let why = format!("unknown role `{role}`.{meant} {help}");
-                return Err(source.at(&format!("roles.{role}"), why).into());
+                return Err(source.error_at_key(&format!("roles.{role}"), why).into());
             };
             roles.push((joint, names));
         }
@@ -86,17 +86,17 @@ impl Profile {
     }
 
     /// The joint of each role, if the skeleton has one for every role of the profile.
-    pub(super) fn fit(&self, joints: &[RawJoint]) -> Option<[Option<usize>; NUM_JOINTS]> {
+    pub(super) fn match_joints(&self, joints: &[RawJoint]) -> Option<[Option<usize>; NUM_JOINTS]> {
         let mut map = [None; NUM_JOINTS];
         for (role, names) in &self.roles {
-            map[role.index()] = Some(find(joints, names.as_slice())?);
+            map[role.index()] = Some(find_joint(joints, names.as_slice())?);
         }
         Some(map)
     }
 
     /// The first role for which the skeleton has no joint, and the names that were tried.
     pub(super) fn first_misfit(&self, joints: &[RawJoint]) -> Option<(Joint, String)> {
-        let (role, names) = self.roles.iter().find(|(_, names)| find(joints, names.as_slice()).is_none())?;
+        let (role, names) = self.roles.iter().find(|(_, names)| find_joint(joints, names.as_slice()).is_none())?;
         Some((*role, names.as_slice().join("` or `")))
     }
 
@@ -106,7 +106,7 @@ impl Profile {
     }
 }
 
-fn find(joints: &[RawJoint], names: &[String]) -> Option<usize> {
+fn find_joint(joints: &[RawJoint], names: &[String]) -> Option<usize> {
     names.iter().find_map(|n| joints.iter().position(|j| !j.is_end && plain(&j.name).eq_ignore_ascii_case(n)))
 }
 
@@ -122,7 +122,7 @@ pub(super) fn plain(name: &str) -> &str {
 pub fn load_profiles(files: &[std::path::PathBuf]) -> Result<Vec<Profile>, ImportError> {
     let mut profiles = Vec::new();
     for path in files {
-        profiles.push(Profile::of(&Source::read(path, "a skeleton profile")?)?);
+        profiles.push(Profile::from_source(&TomlSource::read(path, "a skeleton profile")?)?);
     }
     for text in BUILT_IN {
         profiles.push(Profile::parse(text, Path::new("built-in skeleton profile"))?);

@@ -69,7 +69,7 @@ pub(super) fn find_rest_pose(clip: &RawClip, roles: &RoleMap, forward: Option<Fo
 }
 
 /// A zero pose that is a standing body.
-struct Stance {
+struct RestStance {
     kind: RestPoseKind,
     /// Heading once upright (rad).
     heading: f32,
@@ -87,7 +87,7 @@ fn body_axes(world: &[(Vec3, Quat)], roles: &RoleMap) -> Option<(Vec3, Vec3)> {
 }
 
 /// The stance of the zero pose, or the reason why it is none.
-fn stance(world: &[(Vec3, Quat)], roles: &RoleMap) -> Result<Stance, String> {
+fn stance(world: &[(Vec3, Quat)], roles: &RoleMap) -> Result<RestStance, String> {
     use Joint::*;
     let (up, left) = body_axes(world, roles).ok_or("its hips, thighs and head are in one line")?;
     let vertical = nearest_axis(up);
@@ -119,7 +119,7 @@ fn stance(world: &[(Vec3, Quat)], roles: &RoleMap) -> Result<Stance, String> {
         if degrees.abs() <= 20.0 { (RestPoseKind::TPose, "a T-pose") } else { (RestPoseKind::APose, "an A-pose") };
     let upright = Quat::from_rotation_arc(nearest_axis(up), Vec3::Y);
     let ahead = (upright * left).cross(Vec3::Y);
-    Ok(Stance {
+    Ok(RestStance {
         kind,
         heading: snap_heading(ahead.x.atan2(ahead.z)),
         sentence: format!("The rest pose is {name}: legs down, arms {:.0} degrees above level", degrees.round() + 0.0),

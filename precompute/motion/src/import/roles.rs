@@ -1,7 +1,7 @@
 //! Finds the role of each joint: by profile where one fits, else by the shape of the skeleton.
 
 use super::profile::Profile;
-use super::shape::{self, NoPerson, Tree};
+use super::shape::{self, NoPerson, SkeletonTree};
 use super::source::content_error;
 use crate::ImportError;
 use crate::raw::{RawClip, RawJoint};
@@ -59,7 +59,7 @@ pub fn assign(clip: &RawClip, profiles: &[Profile], wanted: Option<&str>) -> Res
         let help = "Complete the profile (data/skeletons/README.md says what is needed)";
         return Err(content_error(&clip.path, message, help));
     }
-    match shape::of_roles(&Tree::new(clip), &map) {
+    match shape::check_role_sides(&SkeletonTree::new(clip), &map) {
         Ok(wrong) => wrong.correct(&mut map),
         // A user who names a profile knows its contents.
         Err(e) if wanted.is_some() => map.warnings.push(e.message),
@@ -74,7 +74,7 @@ fn wanted_profile(joints: &[RawJoint], all: &[Profile], name: &str, path: &Path)
         let message = format!("there is no skeleton profile `{name}`, only: {}", names.join(", "));
         return Err(content_error(path, message, "Correct `profile` in the config"));
     };
-    let Some(map) = profile.fit(joints) else {
+    let Some(map) = profile.match_joints(joints) else {
         let (role, names) = profile.first_misfit(joints).map_or_else(Default::default, |(r, n)| (r.name(), n));
         let message = format!("the profile `{name}` does not fit: no joint `{names}` for the role `{role}`");
         return Err(content_error(path, message, "Leave `profile` out of the config to have it chosen"));
@@ -88,7 +88,7 @@ fn best_profile(joints: &[RawJoint], profiles: &[Profile]) -> Option<RoleMap> {
         if best.is_some_and(|(b, _)| b.num_roles() >= profile.num_roles()) {
             continue;
         }
-        if let Some(map) = profile.fit(joints) {
+        if let Some(map) = profile.match_joints(joints) {
             best = Some((profile, map));
         }
     }

@@ -14,7 +14,7 @@ const HELP_COMMA: &str =
 
 /// A position in the text.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Mark {
+pub(crate) struct TextPosition {
     pos: usize,
     line: usize,
     line_start: usize,
@@ -24,7 +24,7 @@ pub(crate) struct Mark {
 pub(crate) struct Scanner<'a> {
     bytes: &'a [u8],
     path: &'a Path,
-    at: Mark,
+    at: TextPosition,
 }
 
 impl<'a> Scanner<'a> {
@@ -41,7 +41,7 @@ impl<'a> Scanner<'a> {
             });
         }
         let pos = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
-        Ok(Self { bytes, path, at: Mark { pos, line: 1, line_start: pos } })
+        Ok(Self { bytes, path, at: TextPosition { pos, line: 1, line_start: pos } })
     }
 
     /// The file, for errors.
@@ -55,17 +55,17 @@ impl<'a> Scanner<'a> {
     }
 
     /// Position of the cursor.
-    pub fn mark(&self) -> Mark {
+    pub fn position(&self) -> TextPosition {
         self.at
     }
 
     /// Another cursor, at an earlier position.
-    pub fn at_mark(&self, mark: Mark) -> Self {
+    pub fn cursor_at(&self, mark: TextPosition) -> Self {
         Self { bytes: self.bytes, path: self.path, at: mark }
     }
 
     /// Goes back to an earlier position.
-    pub fn rewind(&mut self, mark: Mark) {
+    pub fn rewind(&mut self, mark: TextPosition) {
         self.at = mark;
     }
 
@@ -140,7 +140,7 @@ impl<'a> Scanner<'a> {
     }
 
     /// Steps over `keyword` (any case) if it stands here; line ends before it are skipped.
-    pub fn take(&mut self, keyword: &str) -> bool {
+    pub fn take_keyword(&mut self, keyword: &str) -> bool {
         self.skip_space();
         let end = self.at.pos + keyword.len();
         let hit = self.bytes.get(self.at.pos..end).is_some_and(|b| b.eq_ignore_ascii_case(keyword.as_bytes()));
@@ -152,7 +152,7 @@ impl<'a> Scanner<'a> {
 
     /// Steps over `keyword`, or returns an error that it is missing.
     pub fn expect(&mut self, keyword: &str, help: &str) -> Result<(), ImportError> {
-        if self.take(keyword) { Ok(()) } else { Err(self.error(self.at, &format!("`{keyword}`"), help)) }
+        if self.take_keyword(keyword) { Ok(()) } else { Err(self.error(self.at, &format!("`{keyword}`"), help)) }
     }
 
     /// A finite number on this line.
@@ -180,12 +180,12 @@ impl<'a> Scanner<'a> {
     }
 
     /// An error about the text at `mark`.
-    pub fn error(&self, mark: Mark, expected: &str, help: &str) -> ImportError {
+    pub fn error(&self, mark: TextPosition, expected: &str, help: &str) -> ImportError {
         self.error_found(mark, expected, &self.describe(mark), help)
     }
 
     /// An error at `mark` whose finding the caller words.
-    pub fn error_found(&self, mark: Mark, expected: &str, found: &str, help: &str) -> ImportError {
+    pub fn error_found(&self, mark: TextPosition, expected: &str, found: &str, help: &str) -> ImportError {
         let before = &self.bytes[mark.line_start..mark.pos.max(mark.line_start)];
         ImportError::Syntax {
             path: self.path.to_owned(),
@@ -197,8 +197,8 @@ impl<'a> Scanner<'a> {
         }
     }
 
-    fn describe(&self, mark: Mark) -> String {
-        let mut here = self.at_mark(mark);
+    fn describe(&self, mark: TextPosition) -> String {
+        let mut here = self.cursor_at(mark);
         let Some(word) = here.word() else {
             return if here.at_end() { "the end of the file".into() } else { "the end of the line".into() };
         };
@@ -240,7 +240,7 @@ mod tests {
         let mut s = scanner(b"\xef\xbb\xbfone\r\ntwo\rthree\n\nfive");
         let mut lines = Vec::new();
         while s.skip_space() {
-            lines.push((s.mark().line, text(s.word().unwrap())));
+            lines.push((s.position().line, text(s.word().unwrap())));
         }
         let words = lines.iter().map(|(l, w)| (*l, w.as_str())).collect::<Vec<_>>();
         assert_eq!(words, [(1, "one"), (2, "two"), (3, "three"), (5, "five")]);

@@ -4,7 +4,7 @@ use crate::error::{ImportError, Warnings};
 use crate::raw::{RawClip, RawJoint, SourceFormat};
 use glam::{DQuat, DVec3};
 use std::path::Path;
-use throng_base::text::brief;
+use throng_base::text::shorten_message;
 
 /// Joints a skeleton may have; more is a damaged file.
 pub(crate) const MAX_JOINTS: usize = 4096;
@@ -26,13 +26,13 @@ pub struct SourceClip {
 
 /// An axis of a coordinate system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Axis {
+pub(crate) enum CoordinateAxis {
     X,
     Y,
     Z,
 }
 
-impl Axis {
+impl CoordinateAxis {
     /// The axis of a letter of any case.
     pub fn from_letter(letter: u8) -> Option<Self> {
         match letter.to_ascii_lowercase() {
@@ -157,5 +157,5 @@ pub(crate) fn duplicate_names(joints: &[RawJoint], path: &Path) -> Warnings {
 
 /// An error about the content of a file.
 pub(crate) fn content_error(path: &Path, message: impl Into<String>, help: &str) -> ImportError {
-    ImportError::Content { path: path.to_owned(), message: brief(message.into()), help: help.into() }
+    ImportError::Content { path: path.to_owned(), message: shorten_message(message.into()), help: help.into() }
 }

@@ -4,7 +4,7 @@
 //! the body stands in a T-pose. Where the source's rest pose is a standing body it says how trunk and limbs are
 //! turned; the rest of the sources (whose rest pose only lists segment lengths) are aligned by their geometry.
 
-use super::body::{Body, RolePose, Sample};
+use super::body::{PoseSample, RolePose, SourceBody};
 use super::geometry;
 use glam::{Mat3, Quat, Vec3};
 use throng_base::maths;
@@ -34,7 +34,7 @@ const LEGS: [[Joint; 3]; 2] =
     [[Joint::LeftShin, Joint::LeftFoot, Joint::LeftToe], [Joint::RightShin, Joint::RightFoot, Joint::RightToe]];
 
 /// Finds the constant rotation of every role.
-pub fn align(body: &Body) -> Alignment {
+pub fn align(body: &SourceBody) -> Alignment {
     let mut a = match &body.rest {
         Some(_) => from_rest(body),
         None => geometry::from_geometry(body),
@@ -86,10 +86,10 @@ pub fn main_child(j: Joint) -> Option<Joint> {
 }
 
 /// Trunk joints stand as in the rest pose; a limb's rest direction is the T-pose's, reached by the shortest arc.
-fn from_rest(body: &Body) -> Alignment {
+fn from_rest(body: &SourceBody) -> Alignment {
     let mut out = [Quat::IDENTITY; NUM_JOINTS];
     let Some(rest) = &body.rest else { return out };
-    let lean = lean(rest);
+    let lean = trunk_lean(rest);
     let mut arc = [Quat::IDENTITY; NUM_JOINTS];
     for j in Joint::ALL {
         let child = main_child(j).filter(|c| body.has(*c));
@@ -111,7 +111,7 @@ fn from_rest(body: &Body) -> Alignment {
 }
 
 /// The rotation from upright to the lean of a rest pose's trunk, where that is more than that of a standing body.
-fn lean(rest: &RolePose) -> Option<Quat> {
+fn trunk_lean(rest: &RolePose) -> Option<Quat> {
     use Joint::*;
     let at = |j: Joint| rest[j.index()].0;
     let up = ((at(LeftUpperArm) + at(RightUpperArm)) * 0.5 - at(Hips)).try_normalize()?;
@@ -121,7 +121,7 @@ fn lean(rest: &RolePose) -> Option<Quat> {
 /// Turns a limb about its segment so that its hinge lies as in a T-pose, where the motion shows it far from there.
 ///
 /// Rest poses agree on the directions of arms but not on which way the elbows point: CMU's are 30 degrees off.
-fn onto_hinge(body: &Body, j: Joint, a: Quat) -> Quat {
+fn onto_hinge(body: &SourceBody, j: Joint, a: Quat) -> Quat {
     let Some((expected, shown)) = limb_direction(j).and_then(|d| {
         let shown = geometry::hinge_owner(j).and_then(|upper| geometry::hinge(body, j, upper))?;
         Some((geometry::t_pose_hinge(d), (a.inverse() * shown).reject_from_normalized(d).try_normalize()?))
@@ -135,7 +135,7 @@ fn onto_hinge(body: &Body, j: Joint, a: Quat) -> Quat {
 }
 
 /// The foot's frame: up is the vertical while the foot stands, forward leads to the toe.
-fn foot_alignment(body: &Body, side: usize, shin: Joint, foot: Joint, toe: Joint, a: &Alignment) -> Quat {
+fn foot_alignment(body: &SourceBody, side: usize, shin: Joint, foot: Joint, toe: Joint, a: &Alignment) -> Quat {
     let carried = carried(body, shin, foot, a);
     let ahead = if body.has(toe) { body.offsets[toe.index()] } else { carried * Vec3::Z };
     let fallback = match &body.rest {
@@ -145,29 +145,29 @@ fn foot_alignment(body: &Body, side: usize, shin: Joint, foot: Joint, toe: Joint
             Quat::from_axis_angle(left, -0.42) * ahead.cross(left).normalize_or(Vec3::Y)
         }
         // Where the rest pose bends the knee, the foot is flat rather than square to the shin.
-        Some(rest) if knee(rest, shin, foot) > BENT_KNEE => rest[foot.index()].1.inverse() * Vec3::Y,
+        Some(rest) if knee_bend(rest, shin, foot) > BENT_KNEE => rest[foot.index()].1.inverse() * Vec3::Y,
         _ => carried * Vec3::Y,
     };
     let up = sole_normal(body, side, foot).filter(|u| u.dot(fallback) > 0.85).unwrap_or(fallback);
-    frame(up, ahead).unwrap_or(carried)
+    frame_from_up(up, ahead).unwrap_or(carried)
 }
 
 /// Bend of a knee in a rest pose (rad).
-fn knee(rest: &RolePose, shin: Joint, foot: Joint) -> f32 {
+fn knee_bend(rest: &RolePose, shin: Joint, foot: Joint) -> f32 {
     let at = |j: Joint| rest[j.index()].0;
     let thigh = shin.parent().map_or(Vec3::NEG_Y, |thigh| at(shin) - at(thigh));
     thigh.angle_between(at(foot) - at(shin))
 }
 
 /// The toe's frame: up is the vertical while the foot stands, forward that of the foot.
-fn toe_alignment(body: &Body, side: usize, foot: Joint, toe: Joint, a: &Alignment) -> Quat {
+fn toe_alignment(body: &SourceBody, side: usize, foot: Joint, toe: Joint, a: &Alignment) -> Quat {
     let carried = carried(body, foot, toe, a);
     let up = sole_normal(body, side, toe).filter(|u| u.dot(carried * Vec3::Y) > 0.8);
-    frame(up.unwrap_or(carried * Vec3::Y), carried * Vec3::Z).unwrap_or(carried)
+    frame_from_up(up.unwrap_or(carried * Vec3::Y), carried * Vec3::Z).unwrap_or(carried)
 }
 
 /// The alignment `child` would have if it kept its mean rotation relative to `parent` (its rest one where known).
-fn carried(body: &Body, parent: Joint, child: Joint, a: &Alignment) -> Quat {
+fn carried(body: &SourceBody, parent: Joint, child: Joint, a: &Alignment) -> Quat {
     let (p, c) = (parent.index(), child.index());
     match &body.rest {
         Some(rest) => maths::compose(maths::compose(rest[c].1.inverse(), rest[p].1), a[p]).normalize(),
@@ -178,35 +178,35 @@ fn carried(body: &Body, parent: Joint, child: Joint, a: &Alignment) -> Quat {
 }
 
 /// Mean of the world's vertical in the axes of `joint` over the frames in which the foot stands.
-fn sole_normal(body: &Body, side: usize, joint: Joint) -> Option<Vec3> {
-    let standing = standing(body, side);
+fn sole_normal(body: &SourceBody, side: usize, joint: Joint) -> Option<Vec3> {
+    let standing = standing_samples(body, side);
     let sum: Vec3 = standing.iter().map(|s| s.pose[joint.index()].1.inverse() * Vec3::Y).sum();
     if standing.len() < MIN_SAMPLES { None } else { sum.try_normalize() }
 }
 
 /// The frames in which a foot stands flat: hardly moving, the toe about as low as in the lowest quarter of those,
 /// and the shin not leaning sideways, because feet that are tracked by few markers lean with the leg.
-fn standing(body: &Body, side: usize) -> Vec<&Sample> {
+fn standing_samples(body: &SourceBody, side: usize) -> Vec<&PoseSample> {
     let [shin, foot, toe] = LEGS[side].map(Joint::index);
-    let mut heights: Vec<f32> = still(body, side).map(|s| s.pose[toe].0.y).collect();
+    let mut heights: Vec<f32> = still_samples(body, side).map(|s| s.pose[toe].0.y).collect();
     heights.sort_by(f32::total_cmp);
     let Some(limit) = heights.get(heights.len() / 4).map(|h| h + 0.03) else { return Vec::new() };
-    let low: Vec<&Sample> = still(body, side).filter(|s| s.pose[toe].0.y < limit).collect();
-    let leans = |s: &Sample| {
+    let low: Vec<&PoseSample> = still_samples(body, side).filter(|s| s.pose[toe].0.y < limit).collect();
+    let leans = |s: &PoseSample| {
         let left = (s.pose[Joint::LeftThigh.index()].0 - s.pose[Joint::RightThigh.index()].0).with_y(0.0);
         let shin = (s.pose[foot].0 - s.pose[shin].0).normalize_or_zero();
         shin.dot(left.normalize_or_zero()).abs() > UPRIGHT_SHIN
     };
-    let upright: Vec<&Sample> = low.iter().copied().filter(|s| !leans(s)).collect();
+    let upright: Vec<&PoseSample> = low.iter().copied().filter(|s| !leans(s)).collect();
     if upright.len() < MIN_SAMPLES { low } else { upright }
 }
 
-fn still(body: &Body, side: usize) -> impl Iterator<Item = &Sample> {
+fn still_samples(body: &SourceBody, side: usize) -> impl Iterator<Item = &PoseSample> {
     body.samples.iter().filter(move |s| s.still_feet[side])
 }
 
 /// Rotation whose Y axis is `up` and whose Z axis is as near to `forward` as that allows.
-pub fn frame(up: Vec3, forward: Vec3) -> Option<Quat> {
+pub fn frame_from_up(up: Vec3, forward: Vec3) -> Option<Quat> {
     let y = up.try_normalize()?;
     let z = forward.reject_from_normalized(y).try_normalize()?;
     Some(Quat::from_mat3(&Mat3::from_cols(y.cross(z), y, z)).normalize())

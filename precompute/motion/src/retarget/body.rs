@@ -1,6 +1,6 @@
 //! Geometry of a source skeleton: the joints of its roles and their hierarchy, sampled over its clips.
 
-use crate::import::{Forward, Imported, LEG_DOWN, LEG_SEGMENTS};
+use crate::import::{Forward, ImportedClip, LEG_DOWN, LEG_SEGMENTS};
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};
 use throng_base::maths;
@@ -11,7 +11,7 @@ pub type Roles = [Option<usize>; NUM_JOINTS];
 
 /// A clip and the roles of its joints.
 #[derive(Clone, Copy, Debug)]
-pub struct Source<'a> {
+pub struct RetargetSource<'a> {
     /// The motion as read.
     pub clip: &'a RawClip,
     /// Source joint of each role.
@@ -22,8 +22,8 @@ pub struct Source<'a> {
     pub turn: Option<Quat>,
 }
 
-impl<'a> From<&'a Imported> for Source<'a> {
-    fn from(imported: &'a Imported) -> Self {
+impl<'a> From<&'a ImportedClip> for RetargetSource<'a> {
+    fn from(imported: &'a ImportedClip) -> Self {
         let heading = imported.forward.map(Forward::heading);
         Self { clip: &imported.clip, roles: &imported.roles.joints, heading, turn: None }
     }
@@ -40,7 +40,7 @@ const PLANTED_SPEED: f32 = 0.12;
 
 /// A sampled frame.
 #[derive(Clone, Debug)]
-pub struct Sample {
+pub struct PoseSample {
     /// World transforms of the roles.
     pub pose: RolePose,
     /// True where ankle and toe of the left, and of the right foot hardly move.
@@ -49,7 +49,7 @@ pub struct Sample {
 
 /// The geometry of one source skeleton. Retargeting a clip needs only the serialised part.
 #[derive(Clone, Debug, serde::Serialize)]
-pub struct Body {
+pub struct SourceBody {
     /// Source joint of every role.
     pub roles: Roles,
     /// Rest transforms of the roles, turned about the vertical so that the left side is +X.
@@ -65,7 +65,7 @@ pub struct Body {
     pub hand_tips: [Option<Vec3>; 2],
     /// Sampled frames.
     #[serde(skip)]
-    pub samples: Vec<Sample>,
+    pub samples: Vec<PoseSample>,
 }
 
 /// The nearest ancestor of `j` whose role is present; the hips where there is none.
@@ -86,7 +86,7 @@ pub fn role_joint(roles: &Roles, j: Joint) -> usize {
 }
 
 /// World transforms of the roles at one frame; `scratch` is reused between calls.
-pub fn role_pose(source: Source, frame: usize, scratch: &mut Vec<(Vec3, Quat)>) -> RolePose {
+pub fn role_pose(source: RetargetSource, frame: usize, scratch: &mut Vec<(Vec3, Quat)>) -> RolePose {
     let n = source.clip.joints.len();
     let base = frame * n;
     let clip = source.clip;
@@ -98,11 +98,11 @@ pub fn role_pose(source: Source, frame: usize, scratch: &mut Vec<(Vec3, Quat)>) 
 }
 
 /// World transforms of the roles in the rest pose.
-fn rest_pose(source: Source) -> RolePose {
+fn rest_pose(source: RetargetSource) -> RolePose {
     chain(source, &mut Vec::new(), |j| (source.clip.joints[j].offset, source.clip.joints[j].rest_rotation))
 }
 
-fn chain(source: Source, world: &mut Vec<(Vec3, Quat)>, local: impl Fn(usize) -> (Vec3, Quat)) -> RolePose {
+fn chain(source: RetargetSource, world: &mut Vec<(Vec3, Quat)>, local: impl Fn(usize) -> (Vec3, Quat)) -> RolePose {
     world.clear();
     for (j, joint) in source.clip.joints.iter().enumerate() {
         let (t, r) = local(j);
@@ -113,15 +113,15 @@ fn chain(source: Source, world: &mut Vec<(Vec3, Quat)>, local: impl Fn(usize) ->
     Joint::ALL.map(|j| world[role_joint(source.roles, j)])
 }
 
-impl Body {
+impl SourceBody {
     /// Measures the skeleton that all of `sources` share.
-    pub fn measure(sources: &[Source]) -> Self {
+    pub fn measure(sources: &[RetargetSource]) -> Self {
         let first = sources[0];
-        let samples = sample(sources);
+        let samples = sample_frames(sources);
         let tip = |j: Joint| first.roles[j.index()].and_then(|s| tip_of(first.clip, s));
         Self {
             roles: *first.roles,
-            rest: standing(rest_pose(first), first.heading),
+            rest: standing_pose(rest_pose(first), first.heading),
             offsets: mean_offsets(first.roles, &samples),
             tips: [tip(Joint::Head), tip(Joint::LeftToe), tip(Joint::RightToe)],
             hand_tips: [tip(Joint::LeftHand), tip(Joint::RightHand)],
@@ -135,7 +135,7 @@ impl Body {
     }
 
     /// Mean of a world vector in the axes of `j`, over the samples that give one; `None` where they cancel out.
-    pub fn mean_local(&self, j: Joint, world: impl Fn(&Sample) -> Option<Vec3>) -> Option<Vec3> {
+    pub fn mean_local(&self, j: Joint, world: impl Fn(&PoseSample) -> Option<Vec3>) -> Option<Vec3> {
         let sum: Vec3 = self.samples.iter().filter_map(|s| world(s).map(|v| s.pose[j.index()].1.inverse() * v)).sum();
         sum.try_normalize()
     }
@@ -148,7 +148,7 @@ impl Body {
 }
 
 /// Up to [`MAX_SAMPLES`] frames, spread evenly over all clips.
-fn sample(sources: &[Source]) -> Vec<Sample> {
+fn sample_frames(sources: &[RetargetSource]) -> Vec<PoseSample> {
     let total: usize = sources.iter().map(|s| s.clip.num_frames).sum();
     let stride = total.div_ceil(MAX_SAMPLES).max(1);
     let mut scratch = Vec::new();
@@ -162,14 +162,14 @@ fn sample(sources: &[Source]) -> Vec<Sample> {
             let slow = |j: Joint| (ahead[j.index()].0 - pose[j.index()].0).length() * rate < PLANTED_SPEED;
             let still_feet =
                 [slow(Joint::LeftFoot) && slow(Joint::LeftToe), slow(Joint::RightFoot) && slow(Joint::RightToe)];
-            out.push(Sample { pose, still_feet });
+            out.push(PoseSample { pose, still_feet });
         }
     }
     out
 }
 
 /// Mean position of every present role in its anchor's axes.
-fn mean_offsets(roles: &Roles, samples: &[Sample]) -> [Vec3; NUM_JOINTS] {
+fn mean_offsets(roles: &Roles, samples: &[PoseSample]) -> [Vec3; NUM_JOINTS] {
     let mut sums = [glam::DVec3::ZERO; NUM_JOINTS];
     for s in samples {
         for &j in &Joint::ALL[1..] {
@@ -198,7 +198,7 @@ fn tip_of(clip: &RawClip, joint: usize) -> Option<Vec3> {
 
 /// The pose turned so that its left side is +X, or by the heading that is given, where it is a standing body by the rules of
 /// import.
-fn standing(pose: RolePose, heading: Option<f32>) -> Option<RolePose> {
+fn standing_pose(pose: RolePose, heading: Option<f32>) -> Option<RolePose> {
     let at = |j: Joint| pose[j.index()].0;
     use Joint::*;
     let down = |(a, b)| (at(b) - at(a)).normalize_or_zero().y < -LEG_DOWN;

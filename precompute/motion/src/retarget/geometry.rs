@@ -6,7 +6,7 @@
 //! clips happen to show.
 
 use super::align::{Alignment, MIN_SAMPLES, limb_direction, main_child, mean_rotation};
-use super::body::{Body, Sample, anchor};
+use super::body::{PoseSample, SourceBody, anchor};
 use glam::{Mat3, Quat, Vec3};
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS};
@@ -21,7 +21,7 @@ const MIN_SEGMENT: f32 = 0.01;
 const MIN_BEND: f32 = 0.25;
 
 /// Aligns all roles but feet and toes.
-pub fn from_geometry(body: &Body) -> Alignment {
+pub fn from_geometry(body: &SourceBody) -> Alignment {
     use Joint::*;
     let mut out = [Quat::IDENTITY; NUM_JOINTS];
     for j in Joint::ALL {
@@ -38,7 +38,7 @@ pub fn from_geometry(body: &Body) -> Alignment {
         };
         let snapped = snap(found);
         out[j.index()] = match j {
-            Hips => level(body, snapped),
+            Hips => level_hips(body, snapped),
             _ if limb_direction(j).is_some() => aim(body, j, snapped),
             _ => snapped,
         };
@@ -47,7 +47,7 @@ pub fn from_geometry(body: &Body) -> Alignment {
 }
 
 /// The trunk's frame: up leads to its next joint, left follows hips or shoulders.
-fn trunk(body: &Body, j: Joint) -> Quat {
+fn trunk(body: &SourceBody, j: Joint) -> Quat {
     use Joint::*;
     let next = Joint::ALL[..=Head.index()]
         .iter()
@@ -55,7 +55,7 @@ fn trunk(body: &Body, j: Joint) -> Quat {
         .find(|&n| n > j && body.has(n) && distance(body, j, n) > MIN_SEGMENT);
     let up =
         next.and_then(|n| body.mean_local(j, |s| Some(s.pose[n.index()].0 - s.pose[j.index()].0))).unwrap_or(Vec3::Y);
-    let side = |s: &Sample, l: Joint, r: Joint| s.pose[l.index()].0 - s.pose[r.index()].0;
+    let side = |s: &PoseSample, l: Joint, r: Joint| s.pose[l.index()].0 - s.pose[r.index()].0;
     let left = match j {
         Hips => body.mean_local(j, |s| Some(side(s, LeftThigh, RightThigh))),
         UpperChest | Neck => body.mean_local(j, |s| Some(side(s, LeftUpperArm, RightUpperArm))),
@@ -69,13 +69,13 @@ fn trunk(body: &Body, j: Joint) -> Quat {
 }
 
 /// Mean distance between two roles (m).
-fn distance(body: &Body, a: Joint, b: Joint) -> f32 {
+fn distance(body: &SourceBody, a: Joint, b: Joint) -> f32 {
     let sum: f32 = body.samples.iter().map(|s| (s.pose[a.index()].0 - s.pose[b.index()].0).length()).sum();
     sum / body.samples.len().max(1) as f32
 }
 
 /// The alignment that keeps the joint's mean rotation relative to its anchor at the identity.
-fn mean_relative(body: &Body, j: Joint, out: &Alignment) -> Quat {
+fn mean_relative(body: &SourceBody, j: Joint, out: &Alignment) -> Quat {
     let p = anchor(&body.roles, j).index();
     mean_rotation(
         body.samples.iter().map(|s| maths::compose(maths::compose(s.pose[j.index()].1.inverse(), s.pose[p].1), out[p])),
@@ -83,7 +83,7 @@ fn mean_relative(body: &Body, j: Joint, out: &Alignment) -> Quat {
 }
 
 /// The clavicle's frame: outwards leads to the upper arm, up is the trunk's on average.
-fn clavicle(body: &Body, j: Joint, out: &Alignment) -> Quat {
+fn clavicle(body: &SourceBody, j: Joint, out: &Alignment) -> Quat {
     let p = anchor(&body.roles, j).index();
     let (child, sign) =
         if j == Joint::LeftClavicle { (Joint::LeftUpperArm, 1.0) } else { (Joint::RightUpperArm, -1.0) };
@@ -92,7 +92,7 @@ fn clavicle(body: &Body, j: Joint, out: &Alignment) -> Quat {
 }
 
 /// The limb's frame: along the segment, and about it by the hinge at its far (thigh, upper arm) or near end (shin, forearm).
-fn limb(body: &Body, j: Joint, out: &Alignment) -> Quat {
+fn limb(body: &SourceBody, j: Joint, out: &Alignment) -> Quat {
     let Some(t_pose) = limb_direction(j) else { return Quat::IDENTITY };
     let near = mean_relative(body, j, out);
     let along = segment(body, j).unwrap_or(near * t_pose);
@@ -124,11 +124,11 @@ pub fn hinge_owner(j: Joint) -> Option<Joint> {
 }
 
 /// Mean hinge axis in `j`'s axes, where the motion bends the limb often enough.
-pub fn hinge(body: &Body, j: Joint, upper: Joint) -> Option<Vec3> {
+pub fn hinge(body: &SourceBody, j: Joint, upper: Joint) -> Option<Vec3> {
     let lower = main_child(upper)?;
     let end = main_child(lower).filter(|e| body.has(*e))?;
-    let at = |s: &Sample, j: Joint| s.pose[j.index()].0;
-    let axis = |s: &Sample| {
+    let at = |s: &PoseSample, j: Joint| s.pose[j.index()].0;
+    let axis = |s: &PoseSample| {
         let a = (at(s, lower) - at(s, upper)).try_normalize()?;
         let b = (at(s, end) - at(s, lower)).try_normalize()?;
         let n = a.cross(b);
@@ -139,7 +139,7 @@ pub fn hinge(body: &Body, j: Joint, upper: Joint) -> Option<Vec3> {
 }
 
 /// Local direction of the joint's segment.
-fn segment(body: &Body, j: Joint) -> Option<Vec3> {
+fn segment(body: &SourceBody, j: Joint) -> Option<Vec3> {
     let offset = match (j, main_child(j)) {
         (Joint::LeftHand, _) => body.hand_tips[0]?,
         (Joint::RightHand, _) => body.hand_tips[1]?,
@@ -150,7 +150,7 @@ fn segment(body: &Body, j: Joint) -> Option<Vec3> {
 }
 
 /// Turns a snapped limb back onto its segment by the shortest arc.
-fn aim(body: &Body, j: Joint, a: Quat) -> Quat {
+fn aim(body: &SourceBody, j: Joint, a: Quat) -> Quat {
     match (segment(body, j), limb_direction(j)) {
         (Some(to), Some(from)) => maths::compose(Quat::from_rotation_arc((a * from).normalize(), to), a).normalize(),
         _ => a,
@@ -158,7 +158,7 @@ fn aim(body: &Body, j: Joint, a: Quat) -> Quat {
 }
 
 /// Turns snapped hips by the shortest arc so that the thighs keep their places: a tilt would lift one foot.
-fn level(body: &Body, a: Quat) -> Quat {
+fn level_hips(body: &SourceBody, a: Quat) -> Quat {
     let across = body.offsets[Joint::LeftThigh.index()] - body.offsets[Joint::RightThigh.index()];
     match across.try_normalize() {
         Some(across) => maths::compose(Quat::from_rotation_arc((a * Vec3::X).normalize(), across), a).normalize(),

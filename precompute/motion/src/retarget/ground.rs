@@ -4,8 +4,8 @@
 //! volume that was set up tilted, and people in it lean: all is turned upright. Clips whose floor is another one, or
 //! moves up or down as time goes by, have a slope of their own. What no plane fits is terrain, and stays.
 
-use super::transfer::Motion;
-use crate::stance::{self, Stand};
+use super::transfer::RetargetedMotion;
+use crate::stance::{self, FootSample};
 use glam::{DMat3, DVec3, Quat, Vec3};
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
@@ -47,7 +47,7 @@ const MOST_PLACES: usize = 200;
 
 /// Position of a standing foot at one moment.
 #[derive(Clone, Copy, Debug)]
-pub struct Point {
+pub struct FootPoint {
     /// Height above that of the joint when the foot stands flat (m).
     pub height: f32,
     /// Quantities on which heights depend: x and z (m) and time (s).
@@ -55,22 +55,23 @@ pub struct Point {
 }
 
 /// The lowest part of the feet at each frame where it hardly moves; at every frame where there is no such one.
-pub fn standing(motion: &Motion, skeleton: &Skeleton, rate_hz: f64) -> Vec<Point> {
+pub fn standing_points(motion: &RetargetedMotion, skeleton: &Skeleton, rate_hz: f64) -> Vec<FootPoint> {
     let frames = motion.root_positions.iter().zip(motion.rotations.chunks(NUM_JOINTS));
-    let all = stance::lowest(frames.map(|(root, local)| foot_positions(*root, local, skeleton)), skeleton, rate_hz);
-    let point = |s: &Stand| {
+    let all =
+        stance::lowest_feet(frames.map(|(root, local)| foot_positions(*root, local, skeleton)), skeleton, rate_hz);
+    let point = |s: &FootSample| {
         let time_s = (s.frame as f64 / rate_hz) as f32;
-        Point { height: s.at.y, place: Vec3::new(s.at.x, s.at.z, time_s) }
+        FootPoint { height: s.position.y, place: Vec3::new(s.position.x, s.position.z, time_s) }
     };
-    let standing: Vec<Point> = all.iter().filter(|s| s.stands).map(point).collect();
+    let standing: Vec<FootPoint> = all.iter().filter(|s| s.is_still).map(point).collect();
     if standing.is_empty() { all.iter().map(point).collect() } else { standing }
 }
 
 /// Slope of the floor (rise per metre along x and z; none over time) that clips of one source skeleton share, each at a height
 /// of its own. Zero where the ground is no plane.
-pub fn slope(clips: &[&[Point]]) -> Vec3 {
-    let gentle = gentle(clips);
-    let Some(tilt) = tilt(clips, false).filter(|t| is_steep(*t)) else { return gentle.unwrap_or(Vec3::ZERO) };
+pub fn shared_slope(clips: &[&[FootPoint]]) -> Vec3 {
+    let gentle = gentle_slope(clips);
+    let Some(tilt) = steep_slope(clips, false).filter(|t| is_steep(*t)) else { return gentle.unwrap_or(Vec3::ZERO) };
     match gentle {
         Some(gentle) if spread(clips, tilt) > CLEARLY * spread(clips, gentle) => gentle,
         _ => tilt,
@@ -78,7 +79,7 @@ pub fn slope(clips: &[&[Point]]) -> Vec3 {
 }
 
 /// The slope of a nearly level floor: least squares, with steps and other outliers dropped.
-fn gentle(clips: &[&[Point]]) -> Option<Vec3> {
+fn gentle_slope(clips: &[&[FootPoint]]) -> Option<Vec3> {
     let mut slope = Vec3::ZERO;
     for _ in 0..4 {
         let is_plane = slope == Vec3::ZERO || share_within(clips, slope, FLOOR_NOISE) > 0.75;
@@ -89,14 +90,14 @@ fn gentle(clips: &[&[Point]]) -> Option<Vec3> {
 
 /// Slope of the floor of one clip, including its rise over time (m/s): the shared one of its source skeleton, unless that does
 /// not fit and another one does.
-pub fn own_slope(points: &[Point], shared: Vec3) -> Vec3 {
+pub fn own_slope(points: &[FootPoint], shared: Vec3) -> Vec3 {
     let points = &[points];
     let mut best = (shared, spread(points, shared));
     for drifts in [false, true] {
         if best.1 < FLOOR_NOISE {
             break;
         }
-        let found = tilt(points, drifts).map(|s| (s, spread(points, s)));
+        let found = steep_slope(points, drifts).map(|s| (s, spread(points, s)));
         best = found.filter(|f| f.1 < CLEARLY * best.1).unwrap_or(best);
     }
     best.0
@@ -108,16 +109,16 @@ pub fn is_steep(slope: Vec3) -> bool {
 }
 
 /// The rotation that lays a floor level.
-pub fn upright(slope: Vec3) -> Quat {
+pub fn upright_turn(slope: Vec3) -> Quat {
     Quat::from_rotation_arc(Vec3::new(-slope.x, 1.0, -slope.y).normalize(), Vec3::Y)
 }
 
 /// The slope of a floor that may be steep, where enough steps lie on one plane.
-fn tilt(clips: &[&[Point]], drifts: bool) -> Option<Vec3> {
+fn steep_slope(clips: &[&[FootPoint]], drifts: bool) -> Option<Vec3> {
     let found = NEARER.into_iter().try_fold(Vec3::ZERO, |slope, near| fit(clips, slope, (near, TILT_REACH), drifts))?;
     let is_floor = found.truncate().length() < MAX_TILT && found.z.abs() < MAX_DRIFT;
     let fits = || {
-        let places: Vec<_> = clips.iter().map(|c| places(c, drifts && !is_steep(found))).collect();
+        let places: Vec<_> = clips.iter().map(|c| group_by_place(c, drifts && !is_steep(found))).collect();
         let known: usize = places.iter().map(|p| p.len().saturating_sub(1)).sum();
         known >= MIN_PLACES && share_of_places(clips, &places, found) > 0.75
     };
@@ -125,7 +126,7 @@ fn tilt(clips: &[&[Point]], drifts: bool) -> Option<Vec3> {
 }
 
 /// One round of least squares over the points near the present floor (m); time counts where it drifts.
-fn fit(clips: &[&[Point]], slope: Vec3, (near, reach): (f32, f32), drifts: bool) -> Option<Vec3> {
+fn fit(clips: &[&[FootPoint]], slope: Vec3, (near, reach): (f32, f32), drifts: bool) -> Option<Vec3> {
     let (mut squares, mut heights) = (DMat3::ZERO, DVec3::ZERO);
     let mut total = 0usize;
     let counts = if drifts { Vec3::ONE } else { Vec3::new(1.0, 1.0, 0.0) };
@@ -150,7 +151,7 @@ fn fit(clips: &[&[Point]], slope: Vec3, (near, reach): (f32, f32), drifts: bool)
 }
 
 /// Share of the points within a distance of the floors of their clips (m).
-fn share_within(clips: &[&[Point]], slope: Vec3, near: f32) -> f32 {
+fn share_within(clips: &[&[FootPoint]], slope: Vec3, near: f32) -> f32 {
     let (mut kept, mut total) = (0usize, 0usize);
     for points in clips {
         let level = level_of(points, slope);
@@ -161,7 +162,7 @@ fn share_within(clips: &[&[Point]], slope: Vec3, near: f32) -> f32 {
 }
 
 /// Distance from the floors of their clips within which nine in ten points are (m).
-fn spread(clips: &[&[Point]], slope: Vec3) -> f32 {
+fn spread(clips: &[&[FootPoint]], slope: Vec3) -> f32 {
     let mut far = Vec::new();
     for points in clips {
         let level = level_of(points, slope);
@@ -171,17 +172,17 @@ fn spread(clips: &[&[Point]], slope: Vec3) -> f32 {
 }
 
 /// The median height of the points (m).
-fn level_of(points: &[Point], slope: Vec3) -> f32 {
+fn level_of(points: &[FootPoint], slope: Vec3) -> f32 {
     let mut heights: Vec<f32> = points.iter().map(|p| above(p, slope)).collect();
     heights.sort_by(f32::total_cmp);
     heights.get(heights.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// Groups the points by the place at which they stand; over time it is another one where the floor drifts.
-fn places(points: &[Point], drifts: bool) -> Vec<Vec<&Point>> {
-    let mut places: Vec<Vec<&Point>> = Vec::new();
+fn group_by_place(points: &[FootPoint], drifts: bool) -> Vec<Vec<&FootPoint>> {
+    let mut places: Vec<Vec<&FootPoint>> = Vec::new();
     for p in points {
-        let is_near = |place: &Vec<&Point>| {
+        let is_near = |place: &Vec<&FootPoint>| {
             let by = (p.place - place[0].place).abs();
             by.truncate().length() <= APART.0 && !(drifts && by.z > APART.1)
         };
@@ -195,11 +196,11 @@ fn places(points: &[Point], drifts: bool) -> Vec<Vec<&Point>> {
 }
 
 /// Share of the places at which most feet are near to the floor, whatever the time they stand there.
-fn share_of_places(clips: &[&[Point]], places: &[Vec<Vec<&Point>>], slope: Vec3) -> f32 {
+fn share_of_places(clips: &[&[FootPoint]], places: &[Vec<Vec<&FootPoint>>], slope: Vec3) -> f32 {
     let (mut kept, mut total) = (0usize, 0usize);
     for (points, places) in clips.iter().zip(places) {
         let level = level_of(points, slope);
-        let far = |place: &[&Point]| quantile(place.iter().map(|p| (above(p, slope) - level).abs()).collect(), 0.5);
+        let far = |place: &[&FootPoint]| quantile(place.iter().map(|p| (above(p, slope) - level).abs()).collect(), 0.5);
         kept += places.iter().filter(|place| far(place) < TILT_NOISE).count();
         total += places.len();
     }
@@ -208,18 +209,18 @@ fn share_of_places(clips: &[&[Point]], places: &[Vec<Vec<&Point>>], slope: Vec3)
 
 /// Height of the floor of one clip at the origin, given its slope: the lower quartile of the heights of standing feet, which is
 /// robust to bad frames, jumps and steps (m).
-pub fn height(points: &[Point], slope: Vec3) -> f32 {
+pub fn floor_height(points: &[FootPoint], slope: Vec3) -> f32 {
     quantile(points.iter().map(|p| above(p, slope)).collect(), GROUND_QUANTILE)
 }
 
 /// Moves the motion down onto y = 0. The remaining slope is taken out of heights only: it is too small to turn the body for.
-pub fn level(motion: &mut Motion, height: f32, slope: Vec3, rate_hz: f64) {
+pub fn level_motion(motion: &mut RetargetedMotion, height: f32, slope: Vec3, rate_hz: f64) {
     for (f, p) in motion.root_positions.iter_mut().enumerate() {
         p.y -= height + slope.dot(Vec3::new(p.x, p.z, (f as f64 / rate_hz) as f32));
     }
 }
 
-fn above(p: &Point, slope: Vec3) -> f32 {
+fn above(p: &FootPoint, slope: Vec3) -> f32 {
     p.height - slope.dot(p.place)
 }
 
@@ -253,19 +254,19 @@ mod tests {
     use super::*;
 
     /// Feet that stand along a line on a floor of the given slope, and on a box now and then.
-    fn walk(slope: Vec3, offset: f32, boxes: bool) -> Vec<Point> {
+    fn walk(slope: Vec3, offset: f32, boxes: bool) -> Vec<FootPoint> {
         let at = |i: usize| {
             let (x, z) = (i as f32 * 0.03, (i as f32 * 0.11).sin());
             let step = if boxes && i.is_multiple_of(10) { 0.3 } else { 0.0 };
             let place = Vec3::new(x, z, 0.1 * i as f32);
-            Point { height: offset + slope.dot(place) + step + 0.004 * (i as f32 * 1.7).sin(), place }
+            FootPoint { height: offset + slope.dot(place) + step + 0.004 * (i as f32 * 1.7).sin(), place }
         };
         (0..200).map(at).collect()
     }
 
     /// Feet that go forth along x, at heights of their own.
-    fn along(height: impl Fn(f32) -> f32) -> Vec<Point> {
-        let at = |x: f32| Point { height: height(x), place: Vec3::new(x, 0.1 * (7.0 * x).sin(), x) };
+    fn along(height: impl Fn(f32) -> f32) -> Vec<FootPoint> {
+        let at = |x: f32| FootPoint { height: height(x), place: Vec3::new(x, 0.1 * (7.0 * x).sin(), x) };
         (0..200).map(|i| at(i as f32 * 0.02)).collect()
     }
 
@@ -273,9 +274,9 @@ mod tests {
     fn finds_the_floor_that_clips_share_at_different_heights() {
         let truth = Vec3::new(0.01, -0.006, 0.0);
         let clips = [walk(truth, 0.1, false), walk(truth, -0.3, true)];
-        let found = slope(&[&clips[0], &clips[1]]);
+        let found = shared_slope(&[&clips[0], &clips[1]]);
         assert!((found - truth).length() < 0.0015, "{found}");
-        assert!((height(&clips[1], found) + 0.3).abs() < 0.006);
+        assert!((floor_height(&clips[1], found) + 0.3).abs() < 0.006);
     }
 
     #[test]
@@ -284,7 +285,7 @@ mod tests {
             let (degrees, way) = (1.0 + 7.0 * k as f32 / 23.0, 2.4 * k as f32);
             let truth = (Vec3::X * way.cos() + Vec3::Y * way.sin()) * degrees.to_radians().tan();
             let clips = [walk(truth, 0.1, false), walk(truth, -0.3, true)];
-            let found = slope(&[&clips[0], &clips[1]]);
+            let found = shared_slope(&[&clips[0], &clips[1]]);
             // At 4 m, so many millimetres.
             assert!((found - truth).length() < 0.004, "{degrees} degrees: {found} is not {truth}");
         }
@@ -292,10 +293,10 @@ mod tests {
 
     #[test]
     fn stairs_kerbs_and_ramps_are_no_floor() {
-        assert_eq!(slope(&[&walk(Vec3::X * 0.4, 0.0, false)]), Vec3::ZERO);
+        assert_eq!(shared_slope(&[&walk(Vec3::X * 0.4, 0.0, false)]), Vec3::ZERO);
         for (rise, tread) in [(0.17, 0.4), (0.17, 1.0), (0.17, 2.0), (0.1, 1.0), (0.06, 0.6), (0.05, 0.8), (0.3, 2.0)] {
             let stairs = along(|x| (x / tread).floor() * rise);
-            assert_eq!(slope(&[&stairs]), Vec3::ZERO, "{rise} {tread}");
+            assert_eq!(shared_slope(&[&stairs]), Vec3::ZERO, "{rise} {tread}");
             assert_eq!(own_slope(&stairs, Vec3::ZERO), Vec3::ZERO, "{rise} {tread}");
         }
         // Who stands, goes up a step and stands there, for however long, whichever foot is lowest.
@@ -303,21 +304,25 @@ mod tests {
             let stand = |x: f32, y: f32, from: f32| {
                 (0..150).map(move |f| {
                     let side = if f / 10 % 2 == 0 { 0.1 } else { -0.1 };
-                    Point { height: y + 0.002 * (f as f32).sin(), place: Vec3::new(x, side, from + f as f32 / 30.0) }
+                    FootPoint {
+                        height: y + 0.002 * (f as f32).sin(),
+                        place: Vec3::new(x, side, from + f as f32 / 30.0),
+                    }
                 })
             };
             let on_the_way = |k: i32| {
                 let x = way * k as f32 / (between + 1) as f32;
-                (0..10).map(move |f| Point { height: 0.0, place: Vec3::new(x, 0.1, 5.0 + k as f32 + f as f32 / 30.0) })
+                (0..10)
+                    .map(move |f| FootPoint { height: 0.0, place: Vec3::new(x, 0.1, 5.0 + k as f32 + f as f32 / 30.0) })
             };
-            let step: Vec<Point> =
+            let step: Vec<FootPoint> =
                 stand(0.0, 0.0, 0.0).chain((1..=between).flat_map(on_the_way)).chain(stand(way, rise, 10.0)).collect();
-            assert_eq!(own_slope(&step, slope(&[&step])).truncate(), glam::Vec2::ZERO, "{rise} {way} {between}");
+            assert_eq!(own_slope(&step, shared_slope(&[&step])).truncate(), glam::Vec2::ZERO, "{rise} {way} {between}");
         }
         for ramp in [along(|x| 0.2 * (x - 2.0).max(0.0)), along(|x| 0.1 * (3.0 * x).sin())] {
-            assert_eq!(own_slope(&ramp, slope(&[&ramp])), Vec3::ZERO);
+            assert_eq!(own_slope(&ramp, shared_slope(&[&ramp])), Vec3::ZERO);
         }
-        assert_eq!(slope(&[&[]]), Vec3::ZERO);
+        assert_eq!(shared_slope(&[&[]]), Vec3::ZERO);
     }
 
     #[test]
@@ -330,8 +335,8 @@ mod tests {
             assert!(is_steep(found) && share_within(&[&points], found, TILT_NOISE) > 0.85, "{found} is not {truth}");
         }
         // Who stands where he is and sinks is no terrain; a single step tells nothing.
-        let still = |n: usize| -> Vec<Point> {
-            (0..n).map(|i| Point { height: -0.001 * i as f32, place: Vec3::Z * (0.1 * i as f32) }).collect()
+        let still = |n: usize| -> Vec<FootPoint> {
+            (0..n).map(|i| FootPoint { height: -0.001 * i as f32, place: Vec3::Z * (0.1 * i as f32) }).collect()
         };
         assert!((own_slope(&still(200), Vec3::ZERO).z + 0.01).abs() < 1e-3);
         assert_eq!(own_slope(&walk(Vec3::X * 0.08, 0.0, false)[..20], Vec3::ZERO), Vec3::ZERO);
@@ -342,8 +347,8 @@ mod tests {
 
     #[test]
     fn standing_in_place_shows_no_slope() {
-        let at = |i: f32| Point { height: 0.003 * i.sin(), place: Vec3::new(0.01 * i.sin(), 0.0, 0.1 * i) };
-        let points: Vec<Point> = (0..100).map(|i| at(i as f32)).collect();
-        assert!(slope(&[&points]).length() < 0.003);
+        let at = |i: f32| FootPoint { height: 0.003 * i.sin(), place: Vec3::new(0.01 * i.sin(), 0.0, 0.1 * i) };
+        let points: Vec<FootPoint> = (0..100).map(|i| at(i as f32)).collect();
+        assert!(shared_slope(&[&points]).length() < 0.003);
     }
 }

@@ -22,7 +22,7 @@ const UPRIGHT: (f32, f32) = (0.15, 0.45);
 const NEAR: f32 = 1e-5;
 
 /// Transfers the legs of one skeleton to another.
-pub struct Legs<'a> {
+pub struct LegTransfer<'a> {
     target: &'a Skeleton,
     scale: f32,
     has_toes: [bool; 2],
@@ -31,7 +31,7 @@ pub struct Legs<'a> {
     toe: f32,
 }
 
-impl<'a> Legs<'a> {
+impl<'a> LegTransfer<'a> {
     /// - `own`: `target` with the source's proportions.
     pub fn new(own: &Skeleton, target: &'a Skeleton, scale: f32, has_toes: [bool; 2]) -> Self {
         let (from, to) = (own.rest_positions(), target.rest_positions());
@@ -51,7 +51,7 @@ impl<'a> Legs<'a> {
     ///
     /// - `model`: world rotation of every joint.
     /// - `root`: position of the hips.
-    pub fn reach(&self, model: &mut [Quat; NUM_JOINTS], root: Vec3, pose: &RolePose) {
+    pub fn reach_feet(&self, model: &mut [Quat; NUM_JOINTS], root: Vec3, pose: &RolePose) {
         for (leg, has_toe) in LEGS.into_iter().zip(self.has_toes) {
             let [thigh, shin, foot, toe] = leg.map(Joint::index);
             let hip = root + model[0] * self.target.offsets[thigh];
@@ -61,12 +61,12 @@ impl<'a> Legs<'a> {
             let goal = from_ankle.lerp(from_toe, share);
             let turned = hip + model[thigh] * self.target.offsets[shin] + model[shin] * self.target.offsets[foot];
             let up = (pose[shin].0 - pose[foot].0).normalize_or_zero().y;
-            self.bend(model, [thigh, shin, foot], hip, turned.lerp(goal, ramp(up, UPRIGHT)));
+            self.bend_leg(model, [thigh, shin, foot], hip, turned.lerp(goal, ramp(up, UPRIGHT)));
         }
     }
 
     /// Turns one leg so that its ankle is at `goal`, or as near to it as it reaches.
-    fn bend(&self, model: &mut [Quat; NUM_JOINTS], [thigh, shin, foot]: [usize; 3], hip: Vec3, goal: Vec3) {
+    fn bend_leg(&self, model: &mut [Quat; NUM_JOINTS], [thigh, shin, foot]: [usize; 3], hip: Vec3, goal: Vec3) {
         let upper = model[thigh] * self.target.offsets[shin];
         let lower = model[shin] * self.target.offsets[foot];
         if (hip + upper + lower).distance(goal) < NEAR {
@@ -109,10 +109,10 @@ mod tests {
                 target.offsets[side[1].index()] = Vec3::NEG_Y * thigh;
                 target.offsets[side[2].index()] = Vec3::NEG_Y * shin;
             }
-            let legs = Legs::new(&Skeleton::default(), &target, 1.0, [true; 2]);
+            let legs = LegTransfer::new(&Skeleton::default(), &target, 1.0, [true; 2]);
             let pose: RolePose = Skeleton::default().rest_positions().map(|p| (p + Vec3::X * 0.1, Quat::IDENTITY));
             let mut model = [Quat::from_rotation_x(0.3); NUM_JOINTS];
-            legs.reach(&mut model, Vec3::Y, &pose);
+            legs.reach_feet(&mut model, Vec3::Y, &pose);
             assert!(model.iter().all(|q| q.is_finite() && q.is_normalized()), "{thigh} {shin}");
         }
     }

@@ -17,19 +17,19 @@ mod wear;
 
 use crate::clip::ClipSet;
 use crate::error::{BuildError, Warnings};
-use crate::import::Imported;
+use crate::import::ImportedClip;
 use crate::raw::{RawClip, RawJoint};
-use body::Body;
-pub use body::{Roles, Source};
+use body::SourceBody;
+pub use body::{RetargetSource, Roles};
 use glam::Vec3;
-pub use names::tell_from_mirrored;
-pub use plan::{Floor, Lender, Performer, Plan, lend};
+pub use names::rename_mirror_clashes;
+pub use plan::{ClipProvider, Floor, RetargetPlan, SkeletonGroup, provide_from_memory};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_core::{Joint, Skeleton};
-pub use wear::{Fit, Worn};
+pub use wear::{BodyFit, WornPose};
 
 /// Settings by which clips are put onto the database skeleton.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -126,50 +126,58 @@ impl ExplicitProportions {
 /// # Errors
 /// [`BuildError::Stage`] when a clip has no hips, thighs, shins or feet, or no legs to measure, and
 /// [`BuildError::Config`] for explicit proportions that are not a body.
-pub fn onto(clips: &[Imported], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
-    let sources: Vec<Source> = clips.iter().map(Source::from).collect();
-    let mut set = lay_all(&sources, cfg, warnings)?;
+pub fn retarget_clips(
+    clips: &[ImportedClip],
+    cfg: &RetargetConfig,
+    warnings: &mut Warnings,
+) -> Result<ClipSet, BuildError> {
+    let sources: Vec<RetargetSource> = clips.iter().map(RetargetSource::from).collect();
+    let mut set = retarget_sources(&sources, cfg, warnings)?;
     set.clips.iter_mut().zip(clips).for_each(|(clip, imported)| plan::leave_out_glitches(clip, imported));
     Ok(set)
 }
 
-fn lay_all(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
-    let lender = lend(sources);
-    let mut plan = Plan::new(sources, &*lender, cfg, warnings)?;
+fn retarget_sources(
+    sources: &[RetargetSource],
+    cfg: &RetargetConfig,
+    warnings: &mut Warnings,
+) -> Result<ClipSet, BuildError> {
+    let lender = provide_from_memory(sources);
+    let mut plan = RetargetPlan::new(sources, &*lender, cfg, warnings)?;
     for p in 0..plan.performers.len() {
-        plan.lay_floor(p, plan.find_floor(p, &*lender)?, &*lender)?;
+        plan.set_floor(p, plan.find_floor(p, &*lender)?, &*lender)?;
     }
-    let clips = sources.par_iter().enumerate().map(|(i, source)| plan.lay_source(i, source)).collect();
+    let clips = sources.par_iter().enumerate().map(|(i, source)| plan.retarget_source(i, source)).collect();
     Ok(ClipSet { skeleton: plan.skeleton, clips })
 }
 
 /// The clip's own proportions on the database topology.
 ///
-/// [`onto`] with these reproduces the positions of all joints that have a role, as far as 22 joints can: exactly
+/// [`retarget_clips`] with these reproduces the positions of all joints that have a role, as far as 22 joints can: exactly
 /// where each role hangs rigidly from the joint of its parent role.
 ///
 /// # Errors
-/// Errors of [`onto`].
-pub fn skeleton_of(clip: &Imported) -> Result<Skeleton, BuildError> {
+/// Errors of [`retarget_clips`].
+pub fn skeleton_of(clip: &ImportedClip) -> Result<Skeleton, BuildError> {
     own_skeleton(clip.into())
 }
 
-fn own_skeleton(source: Source) -> Result<Skeleton, BuildError> {
-    check(&source)?;
-    let body = Body::measure(&[source]);
+fn own_skeleton(source: RetargetSource) -> Result<Skeleton, BuildError> {
+    check_roles(&source)?;
+    let body = SourceBody::measure(&[source]);
     check_legs(&source, &body)?;
     let a = align::align(&body);
-    Ok(proportions::own(&body, &a))
+    Ok(proportions::source_skeleton(&body, &a))
 }
 
 /// Clips by performer: clips of one source skeleton, with the same joints and lengths, together; in input order.
-pub fn performers(clips: &[Imported]) -> Vec<Vec<usize>> {
-    group(&clips.iter().map(Source::from).collect::<Vec<_>>())
+pub fn performers(clips: &[ImportedClip]) -> Vec<Vec<usize>> {
+    group_by_skeleton(&clips.iter().map(RetargetSource::from).collect::<Vec<_>>())
 }
 
 /// Clips by source skeleton: same joints, rest pose and roles, whatever the ends of chains. Groups and their clips in input
 /// order.
-fn group(sources: &[Source]) -> Vec<Vec<usize>> {
+fn group_by_skeleton(sources: &[RetargetSource]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (i, s) in sources.iter().enumerate() {
         let same = |g: &&mut Vec<usize>| {
@@ -186,7 +194,7 @@ fn group(sources: &[Source]) -> Vec<Vec<usize>> {
 
 /// True for clips of one source skeleton. The rest position of the hips, and their parent, may differ: some exporters write
 /// there where a take begins.
-fn same_rig(a: &Source, b: &Source) -> bool {
+fn same_rig(a: &RetargetSource, b: &RetargetSource) -> bool {
     fn joints(c: &RawClip) -> impl Iterator<Item = (usize, &RawJoint)> {
         c.joints.iter().enumerate().filter(|(_, j)| !j.is_end)
     }
@@ -200,7 +208,7 @@ fn same_rig(a: &Source, b: &Source) -> bool {
 }
 
 /// Checks the roles without which nothing can be retargeted.
-fn check(source: &Source) -> Result<(), BuildError> {
+fn check_roles(source: &RetargetSource) -> Result<(), BuildError> {
     use Joint::*;
     let fail =
         |message: String, help: &str| Err(BuildError::Stage { stage: "retarget", message, help: help.to_string() });
@@ -223,7 +231,7 @@ fn check(source: &Source) -> Result<(), BuildError> {
     )
 }
 
-fn check_legs(source: &Source, body: &Body) -> Result<(), BuildError> {
+fn check_legs(source: &RetargetSource, body: &SourceBody) -> Result<(), BuildError> {
     if body.leg_length() > 0.05 {
         return Ok(());
     }

@@ -1,13 +1,13 @@
 //! Names of clips.
 
-use super::Source;
+use super::RetargetSource;
 use crate::error::Warnings;
 use crate::mirror;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Component;
 
 /// Unique names of the clips; where two are the same, as many of their folders in front as tell them apart.
-pub fn unique_names(sources: &[Source], warnings: &mut Warnings) -> Vec<String> {
+pub fn unique_names(sources: &[RetargetSource], warnings: &mut Warnings) -> Vec<String> {
     let name = |i: usize, depth: usize| {
         let clip = sources[i].clip;
         let above = clip.path.components().count().saturating_sub(clip.name.split('/').count());
@@ -50,7 +50,7 @@ pub fn unique_names(sources: &[Source], warnings: &mut Warnings) -> Vec<String> 
 }
 
 /// Renames clips whose name is that of another one's mirrored copy.
-pub fn tell_from_mirrored(names: &mut [String], warnings: &mut Warnings) {
+pub fn rename_mirror_clashes(names: &mut [String], warnings: &mut Warnings) {
     let mut taken: BTreeSet<String> = names.iter().cloned().collect();
     for i in 0..names.len() {
         let original = names[i].strip_suffix(mirror::SUFFIX).filter(|original| taken.contains(*original));
@@ -75,7 +75,7 @@ mod tests {
     fn no_clip_has_the_name_of_a_mirrored_copy() {
         let mut names = ["walk~mirror", "walk", "walk~1", "run~mirror"].map(str::to_owned);
         let mut warnings = Warnings::default();
-        tell_from_mirrored(&mut names, &mut warnings);
+        rename_mirror_clashes(&mut names, &mut warnings);
         assert_eq!(names, ["walk~2", "walk", "walk~1", "run~mirror"]);
         let mut all: Vec<String> = names.iter().flat_map(|n| [n.clone(), format!("{n}{}", mirror::SUFFIX)]).collect();
         all.sort();

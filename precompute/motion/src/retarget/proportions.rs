@@ -1,7 +1,7 @@
 //! Proportions: the database skeleton with a source's own segment lengths.
 
 use super::align::Alignment;
-use super::body::{Body, anchor};
+use super::body::{SourceBody, anchor};
 use glam::Vec3;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
@@ -9,7 +9,7 @@ use throng_core::{Joint, NUM_JOINTS, Skeleton};
 ///
 /// Joints that are not in the source lie between their neighbours that are (spine, clavicle, neck), or where the default
 /// skeleton scaled by leg length has them (hand, toe, head).
-pub fn own(body: &Body, a: &Alignment) -> Skeleton {
+pub fn source_skeleton(body: &SourceBody, a: &Alignment) -> Skeleton {
     let default = Skeleton::default();
     let scale = body.leg_length() / default.leg_length();
     let present = |j: Joint| a[anchor(&body.roles, j).index()].inverse() * body.offsets[j.index()];
@@ -21,7 +21,7 @@ pub fn own(body: &Body, a: &Alignment) -> Skeleton {
         let base = if body.has(parent) { Vec3::ZERO } else { relative[parent.index()] };
         relative[j.index()] = match (body.has(j), next_present(body, j)) {
             (true, _) => present(j),
-            (false, Some(next)) => present(next) * share(&default, anchor(&body.roles, j), j, next),
+            (false, Some(next)) => present(next) * share_along(&default, anchor(&body.roles, j), j, next),
             (false, None) => base + default.offsets[j.index()] * scale,
         };
         offsets[j.index()] = relative[j.index()] - base;
@@ -37,7 +37,7 @@ pub fn own(body: &Body, a: &Alignment) -> Skeleton {
 }
 
 /// The first descendant the source has.
-fn next_present(body: &Body, j: Joint) -> Option<Joint> {
+fn next_present(body: &SourceBody, j: Joint) -> Option<Joint> {
     Joint::ALL.into_iter().find(|&d| d > j && body.has(d) && descends(d, j))
 }
 
@@ -52,7 +52,7 @@ fn descends(mut d: Joint, from: Joint) -> bool {
 }
 
 /// Position of `j` along the way from `start` to `end` in the default skeleton (0 to 1).
-fn share(default: &Skeleton, start: Joint, j: Joint, end: Joint) -> f32 {
+fn share_along(default: &Skeleton, start: Joint, j: Joint, end: Joint) -> f32 {
     let way = |mut to: Joint| {
         let mut length = 0.0;
         while to != start {

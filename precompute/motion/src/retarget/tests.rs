@@ -89,7 +89,8 @@ fn rig(clip: &Clip, skeleton: &Skeleton, axes: &[Quat; NUM_JOINTS], left_out: &[
 
 fn lay(raw: &RawClip, roles: &Roles, proportions: Proportions, align_ground: bool) -> ClipSet {
     let cfg = RetargetConfig { proportions, align_ground };
-    lay_all(&[Source { clip: raw, roles, heading: None, turn: None }], &cfg, &mut Warnings::default()).unwrap()
+    retarget_sources(&[RetargetSource { clip: raw, roles, heading: None, turn: None }], &cfg, &mut Warnings::default())
+        .unwrap()
 }
 
 /// Largest distance between a role's joint and the source's (m).
@@ -115,11 +116,21 @@ fn a_performer_is_measured_on_the_first_ten_minutes_alone() {
     let mut odd = slow.clone();
     odd.rotations.iter_mut().for_each(|q| *q = q.inverse());
     let plan = |clips: &[&RawClip]| {
-        let sources: Vec<Source> =
-            clips.iter().map(|clip| Source { clip, roles: &roles, heading: None, turn: None }).collect();
-        let mut plan =
-            Plan::new(&sources, &*lend(&sources), &RetargetConfig::default(), &mut Warnings::default()).unwrap();
-        plan.lay_floor(0, plan.find_floor(0, &*lend(&sources)).unwrap(), &*lend(&sources)).unwrap();
+        let sources: Vec<RetargetSource> =
+            clips.iter().map(|clip| RetargetSource { clip, roles: &roles, heading: None, turn: None }).collect();
+        let mut plan = RetargetPlan::new(
+            &sources,
+            &*provide_from_memory(&sources),
+            &RetargetConfig::default(),
+            &mut Warnings::default(),
+        )
+        .unwrap();
+        plan.set_floor(
+            0,
+            plan.find_floor(0, &*provide_from_memory(&sources)).unwrap(),
+            &*provide_from_memory(&sources),
+        )
+        .unwrap();
         (plan.performers[0].telling.clone(), serde_json::to_string(&plan.basis(0)).unwrap())
     };
     let two = plan(&[&slow, &slow]);
@@ -161,7 +172,7 @@ fn a_rig_with_all_segments_along_one_axis_gives_the_same_rotations() {
         };
     }
     let (raw, roles) = rig(&clip, &s, &axes, &[]);
-    let body = Body::measure(&[Source { clip: &raw, roles: &roles, heading: None, turn: None }]);
+    let body = SourceBody::measure(&[RetargetSource { clip: &raw, roles: &roles, heading: None, turn: None }]);
     assert!(body.rest.is_none(), "the rest pose must not be a body");
     let set = lay(&raw, &roles, Proportions::Default, false);
     for f in 0..FRAMES {
@@ -234,8 +245,8 @@ fn a_given_heading_of_the_rest_pose_turns_the_body() {
     let s = Skeleton::default();
     let (raw, roles) = rig(&motion(&s), &s, &PLAIN, &[]);
     let hips = |heading| {
-        let sources = [Source { clip: &raw, roles: &roles, heading, turn: None }];
-        let set = lay_all(&sources, &RetargetConfig::default(), &mut Warnings::default()).unwrap();
+        let sources = [RetargetSource { clip: &raw, roles: &roles, heading, turn: None }];
+        let set = retarget_sources(&sources, &RetargetConfig::default(), &mut Warnings::default()).unwrap();
         set.clips[0].planar(0).heading
     };
     let found = hips(None);
@@ -250,8 +261,8 @@ fn clips_of_one_name_are_told_apart_by_folders() {
     let (raw, roles) = rig(&motion(&s), &s, &PLAIN, &[]);
     let at = |path: &str| RawClip { path: path.into(), ..raw.clone() };
     let clips = [at("a/made.bvh"), at("b/made.bvh"), at("b/made.bvh")];
-    let sources: Vec<Source> =
-        clips.iter().map(|clip| Source { clip, roles: &roles, heading: None, turn: None }).collect();
+    let sources: Vec<RetargetSource> =
+        clips.iter().map(|clip| RetargetSource { clip, roles: &roles, heading: None, turn: None }).collect();
     let mut warnings = Warnings::default();
     let names = unique_names(&sources, &mut warnings);
     assert_eq!(&names[..2], ["a/made", "b/made"]);
@@ -263,8 +274,8 @@ fn clips_of_one_name_are_told_apart_by_folders() {
     // Names are relative to the folder that was given: what tells them apart stands before that.
     let within = |path: &str| RawClip { path: path.into(), name: "slow/made".into(), ..raw.clone() };
     let clips = [within("x/a/slow/made.bvh"), within("y/a/slow/made.bvh"), at("x/a/slow/other.bvh")];
-    let sources: Vec<Source> =
-        clips.iter().map(|clip| Source { clip, roles: &roles, heading: None, turn: None }).collect();
+    let sources: Vec<RetargetSource> =
+        clips.iter().map(|clip| RetargetSource { clip, roles: &roles, heading: None, turn: None }).collect();
     let names = unique_names(&sources, &mut Warnings::default());
     assert_eq!(names, ["x/a/slow/made", "y/a/slow/made", "made"]);
 }
@@ -273,8 +284,8 @@ fn clips_of_one_name_are_told_apart_by_folders() {
 fn refuses_what_has_no_legs() {
     let s = Skeleton::default();
     let (raw, roles) = rig(&motion(&s), &s, &PLAIN, &[Joint::LeftShin]);
-    let sources = [Source { clip: &raw, roles: &roles, heading: None, turn: None }];
-    let e = lay_all(&sources, &RetargetConfig::default(), &mut Warnings::default()).unwrap_err().to_string();
+    let sources = [RetargetSource { clip: &raw, roles: &roles, heading: None, turn: None }];
+    let e = retarget_sources(&sources, &RetargetConfig::default(), &mut Warnings::default()).unwrap_err().to_string();
     assert!(e.contains("made.bvh") && e.contains("left_shin") && e.contains("profile"), "{e}");
     let wrong = ExplicitProportions { offsets: [("left_shine".to_string(), [0.0; 3])].into() };
     assert!(wrong.skeleton().unwrap_err().to_string().contains("left_shine"));
@@ -297,7 +308,7 @@ proptest! {
         let (raw, roles) = rig(&motion(&s), &s, &axes, &[]);
         let set = lay(&raw, &roles, Proportions::Clip, false);
         prop_assert!(worst_distance(&set, &raw, &roles) < 1e-4);
-        let own = own_skeleton(Source { clip: &raw, roles: &roles, heading: None, turn: None }).unwrap();
+        let own = own_skeleton(RetargetSource { clip: &raw, roles: &roles, heading: None, turn: None }).unwrap();
         prop_assert_eq!(&set.skeleton, &own);
         for f in 1..FRAMES {
             let pairs = set.clips[0].frame_rotations(f - 1).iter().zip(set.clips[0].frame_rotations(f));
@@ -322,7 +333,7 @@ proptest! {
         }
         let (raw, roles) = rig(&motion(&s), &s, &PLAIN, &[LeftToe, RightToe]);
         let set = lay(&raw, &roles, Proportions::Default, false);
-        let own = own_skeleton(Source { clip: &raw, roles: &roles, heading: None, turn: None }).unwrap();
+        let own = own_skeleton(RetargetSource { clip: &raw, roles: &roles, heading: None, turn: None }).unwrap();
         let scale = set.skeleton.leg_length() / own.leg_length();
         for foot in [LeftFoot, RightFoot] {
             let off = |f: usize| {
@@ -373,7 +384,7 @@ fn off_ground(set: &ClipSet) -> (f32, f32) {
     let clip = &set.clips[0];
     let lean = |f: usize| (clip.frame_rotations(f)[0] * Vec3::Y).angle_between(Vec3::Y);
     let lean = (0..clip.num_frames()).map(lean).fold(0.0, f32::max);
-    (crate::annotate::sanity(clip, &set.skeleton).stance.p95_cm / 100.0, lean)
+    (crate::annotate::contact_sanity(clip, &set.skeleton).stance.p95_cm / 100.0, lean)
 }
 
 #[test]
@@ -439,7 +450,7 @@ fn rest_poses_that_crouch_or_lean_are_aligned() {
             _ => Quat::from_rotation_x(f32::to_radians(lean)),
         };
         let (raw, roles) = rig(&clip, &s, &Joint::ALL.map(|j| turned(j).inverse()), &[]);
-        let body = Body::measure(&[Source { clip: &raw, roles: &roles, heading: None, turn: None }]);
+        let body = SourceBody::measure(&[RetargetSource { clip: &raw, roles: &roles, heading: None, turn: None }]);
         assert!(body.rest.is_some(), "the rest pose must be a body");
         let set = lay(&raw, &roles, Proportions::Default, false);
         for f in 0..FRAMES {

@@ -1,8 +1,8 @@
 //! Motion of one clip on the target skeleton.
 
 use super::align::{Alignment, main_child};
-use super::body::{Body, RolePose, Source, anchor, role_pose};
-use super::legs::Legs;
+use super::body::{RetargetSource, RolePose, SourceBody, anchor, role_pose};
+use super::legs::LegTransfer;
 use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
@@ -15,7 +15,7 @@ pub const SHOULDERS: [(Joint, Joint); 2] =
     [(Joint::LeftClavicle, Joint::LeftUpperArm), (Joint::RightClavicle, Joint::RightUpperArm)];
 
 /// Root positions and local rotations of a whole clip.
-pub struct Motion {
+pub struct RetargetedMotion {
     /// Hips in the world (m).
     pub root_positions: Vec<Vec3>,
     /// Local rotations, row-major by frame; neighbouring frames have a positive dot product.
@@ -28,14 +28,20 @@ pub struct Motion {
 /// the feet at the places of the source's: feet that stand there stand here, whatever the proportions. Positions are multiplied
 /// by the quotient of the leg lengths. The middle between the thighs is where the source has it, because skeletons disagree
 /// about where the hips joint lies above it.
-pub fn transfer(source: Source, body: &Body, a: &Alignment, own: &Skeleton, target: &Skeleton) -> Motion {
+pub fn transfer_motion(
+    source: RetargetSource,
+    body: &SourceBody,
+    a: &Alignment,
+    own: &Skeleton,
+    target: &Skeleton,
+) -> RetargetedMotion {
     let scale = target.leg_length() / own.leg_length();
     let mut scratch = Vec::new();
     let mut root_positions = Vec::with_capacity(source.clip.num_frames);
     let mut rotations: Vec<Quat> = Vec::with_capacity(source.clip.num_frames * NUM_JOINTS);
     let thighs = [Joint::LeftThigh.index(), Joint::RightThigh.index()];
     let middle = (target.offsets[thighs[0]] + target.offsets[thighs[1]]) * 0.5;
-    let legs = Legs::new(own, target, scale, [Joint::LeftToe, Joint::RightToe].map(|j| body.has(j)));
+    let legs = LegTransfer::new(own, target, scale, [Joint::LeftToe, Joint::RightToe].map(|j| body.has(j)));
     for frame in 0..source.clip.num_frames {
         let pose = role_pose(source, frame, &mut scratch);
         let mut model = model_rotations(&pose, body, a);
@@ -43,13 +49,15 @@ pub fn transfer(source: Source, body: &Body, a: &Alignment, own: &Skeleton, targ
             let i = clavicle.index();
             let chest = model[Joint::UpperChest.index()];
             let local = maths::compose(chest.inverse(), model[i]);
-            model[i] =
-                maths::compose(chest, shoulder(local, own.offsets[arm.index()], target.offsets[arm.index()], scale));
+            model[i] = maths::compose(
+                chest,
+                clavicle_rotation(local, own.offsets[arm.index()], target.offsets[arm.index()], scale),
+            );
         }
         let between = (pose[thighs[0]].0 + pose[thighs[1]].0) * 0.5 * scale + legs.rise();
         let root = between - model[0] * middle;
         root_positions.push(root);
-        legs.reach(&mut model, root, &pose);
+        legs.reach_feet(&mut model, root, &pose);
         for j in Joint::ALL {
             let local = j
                 .parent()
@@ -60,13 +68,13 @@ pub fn transfer(source: Source, body: &Body, a: &Alignment, own: &Skeleton, targ
             rotations.push(if flip { -local } else { local });
         }
     }
-    Motion { root_positions, rotations }
+    RetargetedMotion { root_positions, rotations }
 }
 
 /// The clavicle's rotation that moves the end of `target` as far from rest as `local` moves that of `own`.
 ///
 /// Rigs differ in how much of the shoulder they call clavicle; copying the angle would make a long one droop.
-pub fn shoulder(local: Quat, own: Vec3, target: Vec3, scale: f32) -> Quat {
+pub fn clavicle_rotation(local: Quat, own: Vec3, target: Vec3, scale: f32) -> Quat {
     let moved = target + (local * own - own) * scale;
     match (moved.try_normalize(), (local * target).try_normalize()) {
         (Some(to), Some(from)) => maths::compose(Quat::from_rotation_arc(from, to), local).normalize(),
@@ -75,7 +83,7 @@ pub fn shoulder(local: Quat, own: Vec3, target: Vec3, scale: f32) -> Quat {
 }
 
 /// World rotation of every database joint at one frame.
-fn model_rotations(pose: &RolePose, body: &Body, a: &Alignment) -> [Quat; NUM_JOINTS] {
+fn model_rotations(pose: &RolePose, body: &SourceBody, a: &Alignment) -> [Quat; NUM_JOINTS] {
     let mut model = [Quat::IDENTITY; NUM_JOINTS];
     for j in Joint::ALL {
         let i = j.index();
@@ -83,14 +91,14 @@ fn model_rotations(pose: &RolePose, body: &Body, a: &Alignment) -> [Quat; NUM_JO
             model[i] = model[anchor(&body.roles, j).index()];
             continue;
         }
-        model[i] = maths::compose(maths::compose(aim(pose, body, j), pose[i].1), a[i]).normalize();
+        model[i] = maths::compose(maths::compose(segment_correction(pose, body, j), pose[i].1), a[i]).normalize();
     }
     model
 }
 
 /// The rotation from the segment's direction by the joint's rotation alone to its direction in the source: the identity for a
 /// rigid source, and the bend of joints without a role or with translations of their own otherwise.
-fn aim(pose: &RolePose, body: &Body, j: Joint) -> Quat {
+fn segment_correction(pose: &RolePose, body: &SourceBody, j: Joint) -> Quat {
     let Some(child) = main_child(j).filter(|c| body.has(*c)) else { return Quat::IDENTITY };
     let predicted = pose[j.index()].1 * body.offsets[child.index()];
     let actual = pose[child.index()].0 - pose[j.index()].0;

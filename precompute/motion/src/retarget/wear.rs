@@ -1,19 +1,19 @@
 //! Motion of the database skeleton on a body of another make: the inverse of retargeting, one pose at a time.
 
 use super::align::{self, Alignment};
-use super::body::{Body, Source};
-use super::legs::Legs;
+use super::body::{RetargetSource, SourceBody};
+use super::legs::LegTransfer;
 use super::proportions;
-use super::transfer::{SHOULDERS, shoulder};
-use super::{check, check_legs};
+use super::transfer::{SHOULDERS, clavicle_rotation};
+use super::{check_legs, check_roles};
 use crate::error::BuildError;
-use crate::import::Imported;
+use crate::import::ImportedClip;
 use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
 /// A body that wears motion.
-pub struct Fit {
+pub struct BodyFit {
     alignment: Alignment,
     /// Its own proportions (m).
     skeleton: Skeleton,
@@ -21,7 +21,7 @@ pub struct Fit {
 }
 
 /// A pose of the body that wears the motion.
-pub struct Worn {
+pub struct WornPose {
     /// Position of its hips, where it is as tall as asked for (m).
     pub hips: Vec3,
     /// World rotation of each role's joint relative to its rest (NUM_JOINTS).
@@ -30,23 +30,23 @@ pub struct Worn {
     pub model: [Quat; NUM_JOINTS],
 }
 
-impl Fit {
+impl BodyFit {
     /// Measures a body by its rest pose.
     ///
     /// # Errors
     /// [`BuildError::Stage`] for a body without hips, thighs, shins or feet, or without legs to measure.
-    pub fn new(body: &Imported) -> Result<Self, BuildError> {
-        let source: Source = body.into();
-        check(&source)?;
-        let body = Body::measure(&[source]);
+    pub fn new(body: &ImportedClip) -> Result<Self, BuildError> {
+        let source: RetargetSource = body.into();
+        check_roles(&source)?;
+        let body = SourceBody::measure(&[source]);
         check_legs(&source, &body)?;
         let alignment = align::align(&body);
-        let skeleton = proportions::own(&body, &alignment);
+        let skeleton = proportions::source_skeleton(&body, &alignment);
         Ok(Self { alignment, skeleton, has_toes: [Joint::LeftToe, Joint::RightToe].map(|j| body.has(j)) })
     }
 
     /// A body like the database skeleton, with proportions of its own.
-    pub fn of(skeleton: Skeleton) -> Self {
+    pub fn from_skeleton(skeleton: Skeleton) -> Self {
         Self { alignment: [Quat::IDENTITY; NUM_JOINTS], skeleton, has_toes: [true; 2] }
     }
 
@@ -65,27 +65,29 @@ impl Fit {
     /// Puts a pose on the body: every joint turns as in the pose, but clavicles, which move shoulders as far, and legs, which
     /// put the feet at the same places.
     ///
-    /// - `own`: skeleton of the pose, with legs of equal length; `pose`: world transforms of its joints.
-    pub fn wear(&self, own: &Skeleton, pose: &[(Vec3, Quat); NUM_JOINTS]) -> Worn {
+    /// - `source_skeleton`: skeleton of the pose, with legs of equal length; `pose`: world transforms of its joints.
+    pub fn wear_pose(&self, own: &Skeleton, pose: &[(Vec3, Quat); NUM_JOINTS]) -> WornPose {
         let target = &self.skeleton;
         let mut model = pose.map(|(_, r)| r);
         for (clavicle, arm) in SHOULDERS {
             let (i, chest) = (clavicle.index(), model[Joint::UpperChest.index()]);
             let local = maths::compose(chest.inverse(), model[i]);
-            model[i] =
-                maths::compose(chest, shoulder(local, own.offsets[arm.index()], target.offsets[arm.index()], 1.0));
+            model[i] = maths::compose(
+                chest,
+                clavicle_rotation(local, own.offsets[arm.index()], target.offsets[arm.index()], 1.0),
+            );
         }
         let thighs = [Joint::LeftThigh.index(), Joint::RightThigh.index()];
         let middle = (target.offsets[thighs[0]] + target.offsets[thighs[1]]) * 0.5;
-        let legs = Legs::new(own, target, 1.0, self.has_toes);
+        let legs = LegTransfer::new(own, target, 1.0, self.has_toes);
         let hips = (pose[thighs[0]].0 + pose[thighs[1]].0) * 0.5 + legs.rise() - model[0] * middle;
-        legs.reach(&mut model, hips, pose);
+        legs.reach_feet(&mut model, hips, pose);
         let joints = std::array::from_fn(|j| maths::compose(model[j], self.alignment[j].inverse()).normalize());
-        Worn { hips, joints, model }
+        WornPose { hips, joints, model }
     }
 
     /// The offset of a joint from another one above it in a T-pose (m).
-    pub fn way(&self, from: Joint, to: Joint) -> Vec3 {
+    pub fn t_pose_offset(&self, from: Joint, to: Joint) -> Vec3 {
         let rest = self.skeleton.rest_positions();
         rest[to.index()] - rest[from.index()]
     }

@@ -7,12 +7,12 @@ use mocap::recording;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use throng_base::text::Source;
+use throng_base::text::TomlSource;
 use throng_motion::annotate::{AnnotateConfig, Sidecars, annotate};
 use throng_motion::clip::{Clip, HitKind};
 use throng_motion::import::{ImportConfig, expand, read_clip};
 use throng_motion::resample::{ResampleConfig, resample};
-use throng_motion::retarget::{RetargetConfig, onto};
+use throng_motion::retarget::{RetargetConfig, retarget_clips};
 
 /// A hit belongs to a label of the same limb that is at most so far away (frames at 30 Hz): slow punches land up to a
 /// sixth of a second before the arm is quite straight.
@@ -83,13 +83,13 @@ impl Score {
 
 fn labels() -> Vec<Labelled> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/blows/labels.toml");
-    Source::read(&path, "labels").unwrap().parse::<Labels>("").unwrap().clips
+    TomlSource::read(&path, "labels").unwrap().parse::<Labels>("").unwrap().clips
 }
 
 /// A clip as a build with default settings annotates it.
 fn annotated(file: &Path) -> Clip {
     let clip = read_clip(&expand(&[file.to_path_buf()]).unwrap()[0], &ImportConfig::default()).unwrap();
-    let laid = onto(&[clip], &RetargetConfig::default(), &mut Default::default()).unwrap();
+    let laid = retarget_clips(&[clip], &RetargetConfig::default(), &mut Default::default()).unwrap();
     let resampled = resample(&laid, &ResampleConfig { rate_hz: 30.0, mirror: false }).unwrap();
     annotate(&resampled, &AnnotateConfig::default(), &Sidecars::default()).unwrap().clips.swap_remove(0)
 }

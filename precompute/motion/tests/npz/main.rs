@@ -4,7 +4,7 @@ use std::io::{Cursor, Write};
 use std::path::Path;
 use throng_core::Joint;
 use throng_motion::ImportError;
-use throng_motion::import::{ImportConfig, Imported, UpAxis, interpret, npz, read_clip};
+use throng_motion::import::{ImportConfig, ImportedClip, UpAxis, interpret, npz, read_clip};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
@@ -49,7 +49,7 @@ fn standing() -> Vec<(&'static str, Vec<u8>)> {
     ]
 }
 
-fn read(bytes: &[u8]) -> Result<Imported, ImportError> {
+fn read(bytes: &[u8]) -> Result<ImportedClip, ImportError> {
     interpret(npz::parse(bytes, Path::new("a.npz"))?, &ImportConfig::default(), &[])
 }
 

@@ -19,7 +19,7 @@ fn captured_skeletons_are_recognised_as_their_profiles_have_them() {
             let shaped = interpret(source, &config, &[]).unwrap();
             clips += 1;
             for role in Joint::ALL {
-                let name = |i: &throng_motion::import::Imported| {
+                let name = |i: &throng_motion::import::ImportedClip| {
                     i.roles.get(role).map_or("-".to_owned(), |j| i.clip.joints[j].name.clone())
                 };
                 if name(&named) != name(&shaped) {

@@ -23,7 +23,7 @@ fn files_that_blender_wrote_have_the_joints_of_the_clip_that_it_was_given() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let mut text = Vec::new();
-    export::bvh::write(&walk(), &mut text).unwrap();
+    export::bvh::write_clip(&walk(), &mut text).unwrap();
     std::fs::write(at("walk.bvh"), &text).unwrap();
     if let Err(why) = blender(&[&at("out"), &at("walk.bvh")]) {
         eprintln!("skipped: {why}");

@@ -109,7 +109,7 @@ fn a_skin_tells_the_rest_pose_and_a_body_is_found() {
         &[],
     );
     let of_bvh = of_bvh.unwrap();
-    let names = |i: &throng_motion::import::Imported| {
+    let names = |i: &throng_motion::import::ImportedClip| {
         i.roles.pairs(&i.clip.joints).map(|(role, name)| (role, name.to_owned())).collect::<Vec<_>>()
     };
     assert_eq!(names(&i), names(&of_bvh));
@@ -200,7 +200,7 @@ fn several_animations_and_several_bodies_are_several_clips() {
     let config = ImportConfig::default();
     let read = |path: &Path| read_by(&|_, read| read(), &[path.to_path_buf()], &config, &Silent).unwrap();
     let set = read(&path);
-    let clips = retarget::onto(&set.clips, &RetargetConfig::default(), &mut Warnings::default()).unwrap();
+    let clips = retarget::retarget_clips(&set.clips, &RetargetConfig::default(), &mut Warnings::default()).unwrap();
     let clip_names: Vec<String> = clips.clips.iter().map(|c| c.name.clone()).collect();
     let sidecars = || Sidecars::collect(&set, &clip_names, &BTreeMap::new());
     assert!(sidecars().is_ok());

@@ -3,7 +3,7 @@
 use super::{glb, take};
 use std::path::PathBuf;
 use std::process::Command;
-use throng_motion::export::{Take, amass, bvh, npz, usda};
+use throng_motion::export::{Take, bvh, usda, write_amass, write_npz};
 
 fn script(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scripts").join(name)
@@ -27,14 +27,14 @@ fn numpy_usd_and_blender_find_every_joint_where_it_was() {
     let (take, folder) = (take().0, tempfile::tempdir().unwrap());
     type Writer = fn(&Take, &mut Vec<u8>);
     let writers: [(&str, Writer); 8] = [
-        ("take.npz", |t, w| npz(t, w).unwrap()),
+        ("take.npz", |t, w| write_npz(t, w).unwrap()),
         ("take.glb", |t, w| w.extend(glb(t))),
         ("take.usda", |t, w| usda(t, false, w).unwrap()),
         ("instances.usda", |t, w| usda(t, true, w).unwrap()),
         ("take-11.bvh", |t, w| bvh::write_actor(t, 1, w).unwrap()),
         ("take-12.bvh", |t, w| bvh::write_actor(t, 2, w).unwrap()),
-        ("smpl-11.npz", |t, w| amass(t, 1, w).unwrap()),
-        ("smpl-12.npz", |t, w| amass(t, 2, w).unwrap()),
+        ("smpl-11.npz", |t, w| write_amass(t, 1, w).unwrap()),
+        ("smpl-12.npz", |t, w| write_amass(t, 2, w).unwrap()),
     ];
     let mut check = Command::new(python);
     check.arg(script("check-exports.py")).current_dir(folder.path());

@@ -6,8 +6,8 @@ mod worn;
 use glam::{Quat, Vec3};
 use std::path::Path;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
-use throng_motion::export::{Glb, Pose, Take, TakeWriter, amass, bvh, npz, take_csv, usda};
-use throng_motion::import::{ImportConfig, Imported, read_clip, read_clips};
+use throng_motion::export::{ActorPose, Glb, Take, TakeWriter, bvh, take_csv, usda, write_amass, write_npz};
+use throng_motion::import::{ImportConfig, ImportedClip, read_clip, read_clips};
 
 /// Frames of the takes here: more than one block.
 const FRAMES: usize = 300;
@@ -22,7 +22,7 @@ pub fn sized(by: f32) -> Skeleton {
 }
 
 /// An actor's pose: it walks a curve, swings its limbs and twists its hands.
-pub fn pose(skeleton: &Skeleton, actor: usize, frame: usize) -> Pose {
+pub fn pose(skeleton: &Skeleton, actor: usize, frame: usize) -> ActorPose {
     use Joint::*;
     let (t, a) = (frame as f32 / 30.0, actor as f32);
     let mut rotations = [Quat::IDENTITY; NUM_JOINTS];
@@ -44,7 +44,7 @@ pub fn pose(skeleton: &Skeleton, actor: usize, frame: usize) -> Pose {
         turn(hand, Quat::from_rotation_x(0.8 * (t + a).sin()));
     }
     let root = Vec3::new(4.0 * a + t.cos(), skeleton.offsets[0].y - 0.03, 2.0 * t.sin());
-    Pose::of_rotations(skeleton, root, rotations)
+    ActorPose::from_rotations(skeleton, root, rotations)
 }
 
 /// Three actors of different sizes; the third comes later and leaves earlier.
@@ -62,10 +62,10 @@ pub fn take() -> (Take, Vec<Skeleton>) {
 }
 
 /// How far joints are at most from where they should be, over all roles (m).
-pub fn farthest(read: &Imported, first: usize, expected: impl Fn(usize) -> Pose) -> f32 {
+pub fn farthest(read: &ImportedClip, first: usize, expected: impl Fn(usize) -> ActorPose) -> f32 {
     let mut worst = 0f32;
     for frame in 0..read.clip.num_frames {
-        let (got, want) = (read.clip.world(frame), expected(first + frame).world());
+        let (got, want) = (read.clip.world(frame), expected(first + frame).world_transforms());
         for joint in Joint::ALL {
             let Some(j) = read.roles.get(joint) else { panic!("{}: no {}", read.clip.name, joint.name()) };
             worst = worst.max(got[j].0.distance(want[joint.index()].0));
@@ -84,7 +84,7 @@ pub fn glb(take: &Take) -> Vec<u8> {
 }
 
 /// The clips of a file; who is away at first has no size then, and is no clip.
-pub fn read_all(folder: &Path, name: &str, bytes: &[u8]) -> Vec<Imported> {
+pub fn read_all(folder: &Path, name: &str, bytes: &[u8]) -> Vec<ImportedClip> {
     let path = folder.join(name);
     std::fs::write(&path, bytes).unwrap();
     let config = ImportConfig { metres_per_unit: Some(1.0), ..ImportConfig::default() };
@@ -153,7 +153,7 @@ fn amass_holds_turns_and_ways_of_an_actor() {
     for (a, there) in [(0, 0..FRAMES), (2, THERE)] {
         let path = folder.path().join(format!("{a}.npz"));
         let mut bytes = Vec::new();
-        amass(&take, a, &mut bytes).unwrap();
+        write_amass(&take, a, &mut bytes).unwrap();
         std::fs::write(&path, bytes).unwrap();
         let read = read_clip(&path, &ImportConfig::default()).unwrap();
         assert_eq!((read.clip.num_frames, read.clip.rate_hz), (there.len(), 30.0));
@@ -166,7 +166,7 @@ fn amass_holds_turns_and_ways_of_an_actor() {
 fn arrays_and_tables_hold_all_actors() {
     let (take, skeletons) = take();
     let mut bytes = Vec::new();
-    npz(&take, &mut bytes).unwrap();
+    write_npz(&take, &mut bytes).unwrap();
     let mut zip = zip::ZipArchive::new(std::io::Cursor::new(&bytes)).unwrap();
     let file = zip.by_name("positions.npy").unwrap();
     assert_eq!((file.compression(), file.size()), (zip::CompressionMethod::Stored, file.compressed_size()));
@@ -186,7 +186,7 @@ fn arrays_and_tables_hold_all_actors() {
             if a == 2 && !THERE.contains(&frame) {
                 continue;
             }
-            let world = pose(skeleton, a, frame).world();
+            let world = pose(skeleton, a, frame).world_transforms();
             for joint in Joint::ALL {
                 let at = ((a * FRAMES + frame) * NUM_JOINTS + joint.index()) * 3;
                 let got = Vec3::new(number(at), number(at + 1), number(at + 2));
@@ -235,13 +235,13 @@ fn usd_says_every_turn_and_when_somebody_is_away() {
 fn a_library_is_one_figure_with_an_animation_for_each_clip() {
     let skeleton = Skeleton::default();
     let clip = |name: &str, frames: usize, actor: usize| {
-        let poses: Vec<Pose> = (0..frames).map(|f| pose(&skeleton, actor, f)).collect();
+        let poses: Vec<ActorPose> = (0..frames).map(|f| pose(&skeleton, actor, f)).collect();
         let roots = poses.iter().map(|p| p.translations[0]).collect();
         let turns = poses.iter().flat_map(|p| p.rotations).collect();
         throng_motion::Clip::new(name, 30.0, roots, turns)
     };
     let clips = [clip("a", 20, 0), clip("b", 33, 1)];
-    let take = Take::of_clips(&std::env::temp_dir(), &clips, &skeleton).unwrap();
+    let take = Take::from_clips(&std::env::temp_dir(), &clips, &skeleton).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let read = read_all(folder.path(), "clips.glb", &glb(&take));
     assert_eq!(read.iter().map(|r| r.clip.num_frames).collect::<Vec<_>>(), [20, 33]);

@@ -16,9 +16,9 @@ use throng_core::{Joint, Skeleton};
 use throng_motion::error::BuildError;
 use throng_motion::export::{Take, TakeWriter};
 use throng_motion::import::{ImportConfig, bvh, read_source};
-use throng_motion::onto::{Figure, Wearer};
 use throng_motion::progress::Silent;
 use throng_motion::raw::RawClip;
+use throng_motion::wearer::{SkinnedFigure, Wearer};
 
 /// A skinned character with the joints of a table, each with axes of its own, below an armature in centimetres.
 fn character(folder: &Path, name: &'static str, table: &str, rest: Rest) -> PathBuf {
@@ -93,7 +93,7 @@ fn farthest_limb(clip: &RawClip, parts: &[Part], skeleton: &Skeleton, actor: usi
     let roles: Vec<(Joint, usize)> = roles.collect();
     let mut worst = 0f32;
     for frame in (0..clip.num_frames).step_by(17) {
-        let (got, want) = (clip.world(frame), pose(skeleton, actor, frame).world());
+        let (got, want) = (clip.world(frame), pose(skeleton, actor, frame).world_transforms());
         for (role, joint) in &roles {
             worst = worst.max(got[*joint].0.distance(want[role.index()].0));
         }
@@ -116,7 +116,7 @@ fn twist_joints_take_the_share_of_their_place() {
     for frame in 0..12 {
         let mut rotations = [Quat::IDENTITY; throng_core::NUM_JOINTS];
         rotations[Joint::LeftHand.index()] = Quat::from_rotation_x(angle(frame));
-        let pose = throng_motion::export::Pose::of_rotations(&skeleton, skeleton.offsets[0], rotations);
+        let pose = throng_motion::export::ActorPose::from_rotations(&skeleton, skeleton.offsets[0], rotations);
         writer.push(0, Some(pose)).unwrap();
     }
     let read = worn(folder.path(), &wearer, &writer.into_take().unwrap());
@@ -193,10 +193,10 @@ fn meshes_that_cannot_be_drawn_are_refused_by_name() {
         change(&mut glb);
         let path = folder.path().join("a.glb");
         std::fs::write(&path, glb.glb()).unwrap();
-        Figure::open(&path, &ImportConfig::default()).map_err(|e| e.to_string())
+        SkinnedFigure::open(&path, &ImportConfig::default()).map_err(|e| e.to_string())
     };
     // Parts without a material share one.
-    let surface = |figure: Figure| (figure.surface().corners.len(), figure.surface().materials.len());
+    let surface = |figure: SkinnedFigure| (figure.surface().corners.len(), figure.surface().materials.len());
     assert_eq!(read(&|_| {}).map(surface), Ok((6, 1)));
     type Change<'a> = &'a dyn Fn(&mut glb::Glb);
     let changes: [(Change<'_>, &str); 4] = [

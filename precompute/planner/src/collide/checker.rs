@@ -1,10 +1,10 @@
 //! Collision samples: one pose of a linkage at one time, against everything around it.
 
-use super::kept::Kept;
+use super::sample_cache::SampleCache;
 use crate::linkage::LimbPose;
-use crate::problem::{Hit, Pair, Problem, State, Target};
+use crate::problem::{CollisionHit, CollisionPair, CollisionTarget, LimbState, Problem};
 use crate::rotation::Rigid;
-use crate::shape::{Segment, Shape};
+use crate::shape::{Segment, SolidShape};
 use glam::DVec3;
 use throng_base::maths;
 
@@ -22,12 +22,12 @@ pub struct Checker {
     bodies: Vec<(u64, Segment, DVec3)>,
     solids: Vec<(u64, Rigid)>,
     /// Cached results of earlier samples, by part and mesh.
-    kept: Kept,
+    sample_cache: SampleCache,
     /// Intervals still to be proved, breadth first, and the pairs that are open in each.
-    pub(super) intervals: Vec<super::edge::Interval>,
+    pub(super) intervals: Vec<super::edge::EdgeInterval>,
     pub(super) open: Vec<u16>,
     /// Bound on the travel of each part on half a piece (m).
-    pub(super) ways: Vec<f64>,
+    pub(super) travels: Vec<f64>,
 }
 
 impl Checker {
@@ -39,28 +39,28 @@ impl Checker {
         self.bodies.resize(problem.bodies.len(), (0, nowhere, DVec3::ZERO));
         self.solids.clear();
         self.solids.resize(problem.solids.len(), (0, Rigid::IDENTITY));
-        self.kept.prepare(problem);
+        self.sample_cache.prepare(problem);
     }
 
     /// Computes where the parts of the linkage are for a pose at a time.
-    pub(super) fn look(&mut self, problem: &Problem, pose: &LimbPose, time_s: f64) {
+    pub(super) fn place_parts(&mut self, problem: &Problem, pose: &LimbPose, time_s: f64) {
         self.checks += 1;
-        let placed = problem.chain.place(&problem.base.at(time_s), pose);
+        let placed = problem.chain.place_joints(&problem.base.sample_at(time_s), pose);
         for (core, part) in self.cores.iter_mut().zip(&problem.parts) {
-            let placed = part.core.map(|p| placed[part.link].point(p));
+            let placed = part.core.map(|p| placed[part.link].transform_point(p));
             *core = (placed, placed.middle());
         }
     }
 
-    /// Distance between the surfaces of a pair where it is below `limit`, else infinite; needs [`Checker::look`] first (m).
-    pub(super) fn gap(&mut self, problem: &Problem, pair: &Pair, time_s: f64, limit: f64) -> f64 {
+    /// Distance between the surfaces of a pair where it is below `limit`, else infinite; needs [`Checker::place_parts`] first (m).
+    pub(super) fn pair_gap(&mut self, problem: &Problem, pair: &CollisionPair, time_s: f64, limit: f64) -> f64 {
         let part = &problem.parts[pair.part];
         let (core, middle) = self.cores[pair.part];
         match pair.target {
-            Target::Body(b) => {
+            CollisionTarget::Body(b) => {
                 let body = &problem.bodies[b];
                 let radii = part.radius + body.radius;
-                let (other, other_middle) = self.body(problem, b, time_s);
+                let (other, other_middle) = self.driven_core(problem, b, time_s);
                 // The bounding balls are mostly farther apart than that.
                 let apart = middle.distance_squared(other_middle);
                 let far = limit + radii + part.half_length + body.half_length;
@@ -70,19 +70,19 @@ impl Checker {
                 let gap = core.distance(&other) - radii;
                 if gap < limit { gap } else { f64::INFINITY }
             }
-            Target::Tether => problem.tether.as_ref().map_or(f64::INFINITY, |tether| {
+            CollisionTarget::Tether => problem.tether.as_ref().map_or(f64::INFINITY, |tether| {
                 let [nearest, farthest] = tether.distances_m;
-                let apart = middle.distance(tether.from.at(time_s).position);
+                let apart = middle.distance(tether.from.sample_at(time_s).position);
                 let gap = (farthest - apart).min(apart - nearest);
                 if gap < limit { gap } else { f64::INFINITY }
             }),
-            Target::Level => problem.level.map_or(f64::INFINITY, |level| {
+            CollisionTarget::Upright => problem.upright.map_or(f64::INFINITY, |level| {
                 let up = core.b - core.a;
                 let gap = level.within_rad - maths::atan2(maths::hypot(up.x, up.z), up.y);
                 if gap < limit { gap } else { f64::INFINITY }
             }),
-            Target::Solid(s) => {
-                let Some(local) = self.in_reach(problem, s, pair.part, time_s, limit) else {
+            CollisionTarget::Solid(s) => {
+                let Some(local) = self.core_within_reach(problem, s, pair.part, time_s, limit) else {
                     return f64::INFINITY;
                 };
                 problem.solids[s].solid.shape.distance(&local, limit + part.radius) - part.radius
@@ -90,55 +90,69 @@ impl Checker {
         }
     }
 
-    /// True where the surfaces of a pair are nearer than `limit`; needs [`Checker::look`] first (m).
+    /// True where the surfaces of a pair are nearer than `limit`; needs [`Checker::place_parts`] first (m).
     ///
     /// - `whole`: false tests only the mesh triangle that was near last; a result of `false` then proves nothing.
-    pub(super) fn is_nearer(&mut self, problem: &Problem, pair: &Pair, time_s: f64, limit: f64, whole: bool) -> bool {
-        let Target::Solid(s) = pair.target else { return self.gap(problem, pair, time_s, limit) < limit };
+    pub(super) fn is_nearer(
+        &mut self,
+        problem: &Problem,
+        pair: &CollisionPair,
+        time_s: f64,
+        limit: f64,
+        whole: bool,
+    ) -> bool {
+        let CollisionTarget::Solid(s) = pair.target else { return self.pair_gap(problem, pair, time_s, limit) < limit };
         let radius = problem.parts[pair.part].radius;
-        let Some(local) = self.in_reach(problem, s, pair.part, time_s, limit) else { return false };
+        let Some(local) = self.core_within_reach(problem, s, pair.part, time_s, limit) else { return false };
         match &problem.solids[s].solid.shape {
-            Shape::Mesh(mesh) => {
-                self.kept.is_nearer(problem, (s, pair.part), time_s, mesh, &local, (limit + radius, whole))
+            SolidShape::Mesh(mesh) => {
+                self.sample_cache.is_nearer(problem, (s, pair.part), time_s, mesh, &local, (limit + radius, whole))
             }
             shape => shape.is_nearer(&local, limit + radius),
         }
     }
 
     /// Core of a part in the frame of a solid, `None` where the bounding balls are too far apart.
-    fn in_reach(&mut self, problem: &Problem, s: usize, part: usize, time_s: f64, limit: f64) -> Option<Segment> {
+    fn core_within_reach(
+        &mut self,
+        problem: &Problem,
+        s: usize,
+        part: usize,
+        time_s: f64,
+        limit: f64,
+    ) -> Option<Segment> {
         let (core, middle) = self.cores[part];
         let part = &problem.parts[part];
         let solid = &problem.solids[s];
         let kept = &mut self.solids[s];
         if kept.0 != self.checks {
-            *kept = (self.checks, solid.solid.path.at(time_s));
+            *kept = (self.checks, solid.solid.path.place_at(time_s));
         }
         let place = kept.1;
         let far = limit + part.radius + solid.radius + part.half_length;
-        let apart = middle.distance_squared(place.point(solid.middle));
+        let apart = middle.distance_squared(place.transform_point(solid.middle));
         (far > 0.0 && apart < far * far).then(|| core.map(|p| place.local_point(p)))
     }
 
-    fn body(&mut self, problem: &Problem, b: usize, time_s: f64) -> (Segment, DVec3) {
+    fn driven_core(&mut self, problem: &Problem, b: usize, time_s: f64) -> (Segment, DVec3) {
         let kept = &mut self.bodies[b];
         if kept.0 != self.checks {
-            let core = problem.bodies[b].track.at(time_s);
+            let core = problem.bodies[b].track.sample_at(time_s);
             *kept = (self.checks, core, core.middle());
         }
         (kept.1, kept.2)
     }
 
     /// True where nothing is too near at a state, and limits hold.
-    pub fn is_free(&mut self, problem: &Problem, state: &State) -> bool {
+    pub fn is_free(&mut self, problem: &Problem, state: &LimbState) -> bool {
         self.prepare_if_other(problem);
         let within = |i: usize| problem.limits[i].excess(state.pose.0[i]) <= LIMIT_TOLERANCE;
         (0..problem.chain.len()).all(within) && self.first_hit(problem, state).is_none()
     }
 
     /// The first pair that is too near.
-    fn first_hit(&mut self, problem: &Problem, state: &State) -> Option<usize> {
-        self.look(problem, &state.pose, state.time_s);
+    fn first_hit(&mut self, problem: &Problem, state: &LimbState) -> Option<usize> {
+        self.place_parts(problem, &state.pose, state.time_s);
         (0..problem.pairs.len()).find(|&p| {
             let pair = &problem.pairs[p];
             !pair.may_touch_at(state.time_s) && self.is_nearer(problem, pair, state.time_s, pair.gap, true)
@@ -146,41 +160,41 @@ impl Checker {
     }
 
     /// The pair whose penetration is deepest.
-    pub fn deepest(&mut self, problem: &Problem, state: &State) -> Option<Hit> {
+    pub fn deepest_hit(&mut self, problem: &Problem, state: &LimbState) -> Option<CollisionHit> {
         self.prepare_if_other(problem);
-        self.look(problem, &state.pose, state.time_s);
-        let mut worst: Option<Hit> = None;
+        self.place_parts(problem, &state.pose, state.time_s);
+        let mut worst: Option<CollisionHit> = None;
         for (p, pair) in problem.pairs.iter().enumerate().filter(|(_, pair)| !pair.may_touch_at(state.time_s)) {
-            let depth_m = pair.gap - self.gap(problem, pair, state.time_s, pair.gap);
+            let depth_m = pair.gap - self.pair_gap(problem, pair, state.time_s, pair.gap);
             if depth_m > 0.0 && worst.is_none_or(|w| depth_m > w.depth_m) {
-                worst = Some(Hit { pair: p, depth_m });
+                worst = Some(CollisionHit { pair: p, depth_m });
             }
         }
         worst
     }
 
     /// Least distance from solids and other characters that may not be touched, if it is below `limit` (m).
-    pub fn clearance(&mut self, problem: &Problem, state: &State, limit: f64) -> f64 {
+    pub fn clearance(&mut self, problem: &Problem, state: &LimbState, limit: f64) -> f64 {
         self.prepare_if_other(problem);
-        self.look(problem, &state.pose, state.time_s);
+        self.place_parts(problem, &state.pose, state.time_s);
         let own = |target| match target {
-            Target::Body(b) => problem.bodies[b].of.is_none(),
-            Target::Tether | Target::Level => true,
-            Target::Solid(_) => false,
+            CollisionTarget::Body(b) => problem.bodies[b].character.is_none(),
+            CollisionTarget::Tether | CollisionTarget::Upright => true,
+            CollisionTarget::Solid(_) => false,
         };
         let open = problem.pairs.iter().filter(|p| !own(p.target) && !p.may_touch_at(state.time_s));
-        open.fold(limit, |least, pair| least.min(self.gap(problem, pair, state.time_s, least)))
+        open.fold(limit, |least, pair| least.min(self.pair_gap(problem, pair, state.time_s, least)))
     }
 
     /// Prepares anew where the problem is another one than before.
     pub(super) fn prepare_if_other(&mut self, problem: &Problem) {
-        if !self.kept.is_of(problem) {
+        if !self.sample_cache.belongs_to(problem) {
             self.prepare(problem);
         }
     }
 }
 
-impl Pair {
+impl CollisionPair {
     /// True where they may touch at a time.
     pub(super) fn may_touch_at(&self, time_s: f64) -> bool {
         self.allowed.is_some_and(|[from, to]| (from..=to).contains(&time_s))

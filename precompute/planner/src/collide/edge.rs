@@ -2,8 +2,8 @@
 
 use super::checker::{Checker, LIMIT_TOLERANCE};
 use crate::linkage::{LimbPose, MAX_JOINTS};
-use crate::problem::{Problem, State, Target};
-use crate::rotation::{angle, middle};
+use crate::problem::{CollisionTarget, LimbState, Problem};
+use crate::rotation::{angle_between, mid_rotation};
 
 /// Method by which an edge between two states is checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,9 +20,9 @@ pub enum EdgeCheck {
 
 /// A piece of an edge, and the pairs that are not proved apart on it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Interval {
-    from: State,
-    to: State,
+pub(super) struct EdgeInterval {
+    from: LimbState,
+    to: LimbState,
     /// Range in the list of open pairs.
     first: u32,
     end: u32,
@@ -49,7 +49,7 @@ impl Checker {
     /// # Source
     /// Shapiro, Kallmann and Faloutsos 2007, section 4.1 (bisection); Schwarzer, Saha and Latombe 2002, *Exact Collision
     /// Checking of Robot Paths* (the adaptive bisection that proves; here everything else moves, too).
-    pub fn is_way_free(&mut self, problem: &Problem, from: &State, to: &State, check: EdgeCheck) -> bool {
+    pub fn is_edge_free(&mut self, problem: &Problem, from: &LimbState, to: &LimbState, check: EdgeCheck) -> bool {
         self.prepare_if_other(problem);
         let seconds = to.time_s - from.time_s;
         if seconds.is_nan() || seconds < 0.0 {
@@ -57,28 +57,35 @@ impl Checker {
         }
         let mut turns = [0.0; MAX_JOINTS];
         for i in 0..problem.chain.len() {
-            turns[i] = angle(from.pose.0[i], to.pose.0[i]);
+            turns[i] = angle_between(from.pose.0[i], to.pose.0[i]);
             if turns[i] > problem.limits[i].speed * seconds + 1e-9 {
                 return false;
             }
         }
         match check {
-            EdgeCheck::Bisection { resolution_rad } => self.bisect(problem, from, to, &turns, resolution_rad),
-            EdgeCheck::Conservative => self.prove(problem, from, to, &turns),
+            EdgeCheck::Bisection { resolution_rad } => self.bisect_edge(problem, from, to, &turns, resolution_rad),
+            EdgeCheck::Conservative => self.prove_edge(problem, from, to, &turns),
         }
     }
 
-    fn bisect(
+    fn bisect_edge(
         &mut self,
         problem: &Problem,
-        from: &State,
-        to: &State,
+        from: &LimbState,
+        to: &LimbState,
         turns: &[f64; MAX_JOINTS],
         resolution: f64,
     ) -> bool {
         let most = turns.iter().copied().fold(0.0, f64::max);
         self.intervals.clear();
-        self.intervals.push(Interval { from: *from, to: *to, first: 0, end: 0, level: 0, joints: [true; MAX_JOINTS] });
+        self.intervals.push(EdgeInterval {
+            from: *from,
+            to: *to,
+            first: 0,
+            end: 0,
+            level: 0,
+            joints: [true; MAX_JOINTS],
+        });
         let mut next = 0;
         while let Some(&piece) = self.intervals.get(next) {
             next += 1;
@@ -88,30 +95,30 @@ impl Checker {
             if (turned <= resolution && still) || piece.level > MAX_LEVEL {
                 continue;
             }
-            let at = between(&piece.from, &piece.to, problem.chain.len());
+            let at = edge_midpoint(&piece.from, &piece.to, problem.chain.len());
             if !self.is_free(problem, &at) {
                 return false;
             }
             for (from, to) in [(piece.from, at), (at, piece.to)] {
-                self.intervals.push(Interval { from, to, level: piece.level + 1, ..piece });
+                self.intervals.push(EdgeInterval { from, to, level: piece.level + 1, ..piece });
             }
         }
         true
     }
 
-    fn prove(&mut self, problem: &Problem, from: &State, to: &State, turns: &[f64; MAX_JOINTS]) -> bool {
+    fn prove_edge(&mut self, problem: &Problem, from: &LimbState, to: &LimbState, turns: &[f64; MAX_JOINTS]) -> bool {
         self.open.clear();
         self.open.extend(0..problem.pairs.len() as u16);
         let end = self.open.len() as u32;
         self.intervals.clear();
         let joints = std::array::from_fn(|i| i < problem.chain.len());
-        self.intervals.push(Interval { from: *from, to: *to, first: 0, end, level: 0, joints });
+        self.intervals.push(EdgeInterval { from: *from, to: *to, first: 0, end, level: 0, joints });
         let mut next = 0;
         while let Some(&piece) = self.intervals.get(next) {
             next += 1;
             let half_turns = turns.map(|t| t / f64::from(2u32 << piece.level.min(30)));
             let half_s = 0.5 * (piece.to.time_s - piece.from.time_s);
-            let at = between(&piece.from, &piece.to, problem.chain.len());
+            let at = edge_midpoint(&piece.from, &piece.to, problem.chain.len());
             let Some(joints) = prove_limits(problem, &at.pose, &half_turns, piece.joints) else { return false };
             let first = self.open.len() as u32;
             if !self.prove_pairs(problem, &piece, &at, &half_turns, half_s) {
@@ -125,7 +132,7 @@ impl Checker {
                 return false;
             }
             for (from, to) in [(piece.from, at), (at, piece.to)] {
-                self.intervals.push(Interval { from, to, first, end, level: piece.level + 1, joints });
+                self.intervals.push(EdgeInterval { from, to, first, end, level: piece.level + 1, joints });
             }
         }
         true
@@ -136,16 +143,16 @@ impl Checker {
     fn prove_pairs(
         &mut self,
         problem: &Problem,
-        piece: &Interval,
-        at: &State,
+        piece: &EdgeInterval,
+        at: &LimbState,
         half_turns: &[f64; MAX_JOINTS],
         half_s: f64,
     ) -> bool {
         let (from_s, to_s) = (piece.from.time_s, piece.to.time_s);
-        self.look(problem, &at.pose, at.time_s);
+        self.place_parts(problem, &at.pose, at.time_s);
         // Bound on the travel of each part until the ends of the piece.
-        self.ways.clear();
-        self.ways.extend(problem.parts.iter().map(|part| {
+        self.travels.clear();
+        self.travels.extend(problem.parts.iter().map(|part| {
             let turned: f64 = (0..=part.link).map(|j| half_turns[j] * part.reach[j]).sum();
             turned + problem.base.speed(from_s, to_s, part.base_reach) * half_s
         }));
@@ -159,17 +166,17 @@ impl Checker {
             }
             if last.0 != Some(pair.target) {
                 let speed = match pair.target {
-                    Target::Body(b) => problem.bodies[b].track.speed(from_s, to_s),
-                    Target::Tether => problem.tether.as_ref().map_or(0.0, |t| t.from.speed(from_s, to_s, 0.0)),
-                    Target::Level => 0.0,
-                    Target::Solid(s) => {
+                    CollisionTarget::Body(b) => problem.bodies[b].track.speed(from_s, to_s),
+                    CollisionTarget::Tether => problem.tether.as_ref().map_or(0.0, |t| t.from.speed(from_s, to_s, 0.0)),
+                    CollisionTarget::Upright => 0.0,
+                    CollisionTarget::Solid(s) => {
                         let solid = &problem.solids[s];
                         solid.solid.path.speed(from_s, to_s, solid.reach)
                     }
                 };
                 last = (Some(pair.target), speed * half_s);
             }
-            let way = self.ways[pair.part] + last.1;
+            let way = self.travels[pair.part] + last.1;
             if !self.is_nearer(problem, pair, at.time_s, pair.gap + way, true) {
                 continue;
             }
@@ -207,10 +214,10 @@ fn prove_limits(
 }
 
 /// Midpoint of an edge: the mean of both times and of every joint angle.
-fn between(a: &State, b: &State, len: usize) -> State {
+fn edge_midpoint(a: &LimbState, b: &LimbState, len: usize) -> LimbState {
     let mut pose = a.pose;
     for i in 0..len {
-        pose.0[i] = middle(a.pose.0[i], b.pose.0[i]);
+        pose.0[i] = mid_rotation(a.pose.0[i], b.pose.0[i]);
     }
-    State { pose, time_s: 0.5 * (a.time_s + b.time_s) }
+    LimbState { pose, time_s: 0.5 * (a.time_s + b.time_s) }
 }

@@ -2,7 +2,7 @@
 
 mod checker;
 mod edge;
-mod kept;
+mod sample_cache;
 #[cfg(test)]
 mod tests;
 

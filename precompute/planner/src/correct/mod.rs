@@ -4,15 +4,15 @@ mod spans;
 #[cfg(test)]
 mod tests;
 
-pub use spans::{Span, collisions};
+pub use spans::{CollisionStretch, find_collisions};
 
 use crate::clips::with_motion;
 use crate::collide::Checker;
-use crate::driven::Driven;
+use crate::driven::DrivenMotion;
 use crate::linkage::{Limb, Linkage};
-use crate::planner::{Budget, Outcome, PlanConfig, Planner, Planners};
-use crate::problem::{Problem, State};
-use crate::search::Trees;
+use crate::planner::{Budget, LimbPlanner, PlanConfig, PlanOutcome, Planners};
+use crate::problem::{LimbState, Problem};
+use crate::search::TreeLog;
 use crate::setup::{ProblemError, ProblemSpec};
 use throng_core::Contacts;
 use throng_motion::Clip;
@@ -30,9 +30,9 @@ pub struct CorrectConfig<'a> {
     pub margin_most_s: f64,
     /// Stretch of the clip that is searched for collisions, and in which the limb may give way; the whole clip where `None`
     /// (s).
-    pub within_s: Option<[f64; 2]>,
+    pub search_window_s: Option<[f64; 2]>,
     /// Keeps the trees of every search, for inspection.
-    pub trees: Option<&'a Trees>,
+    pub trees: Option<&'a TreeLog>,
     /// Continues with the trees of the last run.
     pub planners: Option<&'a Planners>,
 }
@@ -45,7 +45,7 @@ impl Default for CorrectConfig<'_> {
             budget,
             margin_s: 0.4,
             margin_most_s: 2.0,
-            within_s: None,
+            search_window_s: None,
             trees: None,
             planners: None,
         }
@@ -54,14 +54,14 @@ impl Default for CorrectConfig<'_> {
 
 impl CorrectConfig<'_> {
     /// Plans, and keeps trees and planner where the configuration asks for it.
-    pub(crate) fn run(&self, planner: &mut Planner, problem: &Problem, rate_hz: f64) -> Outcome {
+    pub(crate) fn run(&self, planner: &mut LimbPlanner, problem: &Problem, rate_hz: f64) -> PlanOutcome {
         let mut budget = Budget { rate_hz, ..self.budget };
-        if let Some(last) = self.planners.and_then(|p| p.take(problem)) {
+        if let Some(last) = self.planners.and_then(|p| p.take_planner(problem)) {
             (*planner, budget.warm) = (last, true);
         }
         let outcome = planner.plan(problem, &self.plan, &budget);
         self.trees.iter().for_each(|trees| trees.keep(problem, planner));
-        self.planners.iter().for_each(|planners| planners.keep(problem, planner));
+        self.planners.iter().for_each(|planners| planners.keep_planner(problem, planner));
         outcome
     }
 }
@@ -69,7 +69,7 @@ impl CorrectConfig<'_> {
 /// Reason why a stretch stays as it was.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum NotCorrected {
+pub enum CorrectionError {
     /// The problem is invalid.
     #[error(transparent)]
     Problem(#[from] ProblemError),
@@ -81,7 +81,7 @@ pub enum NotCorrected {
         /// (s)
         to_s: f64,
         /// Reason of the failure.
-        why: crate::planner::Unsolved,
+        why: crate::planner::PlanError,
     },
     /// The clip begins or ends in the collision.
     #[error("{part} is in {with} up to the clip's {end}: there is no free pose to plan from; move {with}")]
@@ -109,16 +109,16 @@ pub enum NotCorrected {
 
 /// A stretch in which a clip collides, and the result of its correction.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Corrected {
+pub struct CorrectedSpan {
     /// Stretch in which the clip collides.
-    pub span: Span,
+    pub span: CollisionStretch,
     /// Window that was planned anew (s).
     pub window_s: [f64; 2],
     /// The plan, or the reason why there is none.
-    pub outcome: Result<Outcome, NotCorrected>,
+    pub outcome: Result<PlanOutcome, CorrectionError>,
     /// Stretches of that window in which the rest of the body collides by itself: the limb gave way, but no plan of it helps
     /// there.
-    pub driven: Vec<Span>,
+    pub driven: Vec<CollisionStretch>,
 }
 
 /// Corrects one linkage of a clip: finds its collisions, widens each stretch until both ends are free, and plans it in time
@@ -135,41 +135,42 @@ pub struct Corrected {
 ///
 /// # Source
 /// Shapiro, Kallmann and Faloutsos 2007, section 6.1.
-pub fn correct(
+pub fn correct_clip(
     clip: &Clip,
     spec: &ProblemSpec<'_>,
     config: &CorrectConfig<'_>,
-) -> Result<(Clip, Vec<Corrected>), ProblemError> {
+) -> Result<(Clip, Vec<CorrectedSpan>), ProblemError> {
     let mut out = clip.clone();
     let last_s = (clip.num_frames().saturating_sub(1)) as f64 / clip.rate_hz;
-    let [from_s, to_s] = config.within_s.unwrap_or([0.0, last_s]).map(|t| t.clamp(0.0, last_s));
-    let whole = Problem::prepare(&between(spec, spec.motion, [from_s, to_s]))?;
-    let mut planner = Planner::new();
+    let [from_s, to_s] = config.search_window_s.unwrap_or([0.0, last_s]).map(|t| t.clamp(0.0, last_s));
+    let whole = Problem::prepare(&spec_between_poses(spec, spec.motion, [from_s, to_s]))?;
+    let mut planner = LimbPlanner::new();
     let mut report = Vec::new();
     let mut free_from_s = from_s;
-    for span in collisions(&whole) {
+    for span in find_collisions(&whole) {
         if span.to_s <= free_from_s {
             // The plan before already covers this collision.
             continue;
         }
         let last = (to_s * clip.rate_hz + 1e-6) as usize;
-        let mut window = Window { clip, problem: &whole, linkage: spec.linkage, checker: Checker::default(), last };
+        let mut window =
+            CorrectionWindow { clip, problem: &whole, linkage: spec.linkage, checker: Checker::default(), last };
         let mut margin_s = config.margin_s;
         let corrected = loop {
-            let found = window.around(&span, margin_s, free_from_s).and_then(|window_s| {
-                let (motion, outcome, driven) = planned(&mut planner, spec, window_s, config, clip.rate_hz)?;
-                out = with_motion(&out, 0.0, spec.linkage, &motion).map_err(|e| misfit(&e))?;
+            let found = window.window_around(&span, margin_s, free_from_s).and_then(|window_s| {
+                let (motion, outcome, driven) = plan_window(&mut planner, spec, window_s, config, clip.rate_hz)?;
+                out = with_motion(&out, 0.0, spec.linkage, &motion).map_err(|e| misfit_error(&e))?;
                 Ok((window_s, outcome, driven))
             });
             match found {
                 Ok((window_s, outcome, driven)) => {
                     free_from_s = window_s[1];
-                    break Corrected { span: span.clone(), window_s, outcome: Ok(outcome), driven };
+                    break CorrectedSpan { span: span.clone(), window_s, outcome: Ok(outcome), driven };
                 }
                 Err(_) if margin_s < config.margin_most_s => margin_s = (1.5 * margin_s).min(config.margin_most_s),
                 Err(e) => {
                     let window_s = [span.from_s, span.to_s];
-                    break Corrected { window_s, span: span.clone(), outcome: Err(e), driven: Vec::new() };
+                    break CorrectedSpan { window_s, span: span.clone(), outcome: Err(e), driven: Vec::new() };
                 }
             }
         };
@@ -178,36 +179,36 @@ pub fn correct(
     Ok((out, report))
 }
 
-fn misfit(e: &crate::clips::Misfit) -> NotCorrected {
+fn misfit_error(e: &crate::clips::Misfit) -> CorrectionError {
     ProblemError::Value { what: e.to_string(), expected: "a plan on the clip's frames" }.into()
 }
 
-fn planned<'p>(
-    planner: &'p mut Planner,
+fn plan_window<'p>(
+    planner: &'p mut LimbPlanner,
     spec: &ProblemSpec<'_>,
     window_s: [f64; 2],
     config: &CorrectConfig<'_>,
     rate_hz: f64,
-) -> Result<(crate::planner::LimbMotion<'p>, Outcome, Vec<Span>), NotCorrected> {
-    let spec = ProblemSpec { admit_driven: true, ..between(spec, spec.motion, window_s) };
+) -> Result<(crate::planner::LimbMotion<'p>, PlanOutcome, Vec<CollisionStretch>), CorrectionError> {
+    let spec = ProblemSpec { admit_driven: true, ..spec_between_poses(spec, spec.motion, window_s) };
     let problem = Problem::new(&spec)?;
     let outcome = config.run(planner, &problem, rate_hz);
-    let unsolved = |why| NotCorrected::Unsolved { from_s: window_s[0], to_s: window_s[1], why };
+    let unsolved = |why| CorrectionError::Unsolved { from_s: window_s[0], to_s: window_s[1], why };
     match (outcome.why, planner.motion()) {
         (None, Some(motion)) => Ok((motion, outcome, problem.driven_collisions(&spec))),
         (Some(why), _) => Err(unsolved(why)),
-        (None, None) => Err(unsolved(crate::planner::Unsolved::Rate)),
+        (None, None) => Err(unsolved(crate::planner::PlanError::Rate)),
     }
 }
 
 /// The specification from and to the poses of the motion itself.
-fn between<'a>(spec: &ProblemSpec<'a>, motion: &Driven, window_s: [f64; 2]) -> ProblemSpec<'a> {
-    let [init, goal] = window_s.map(|time_s| State { pose: motion.limb_pose(spec.linkage, time_s), time_s });
+fn spec_between_poses<'a>(spec: &ProblemSpec<'a>, motion: &DrivenMotion, window_s: [f64; 2]) -> ProblemSpec<'a> {
+    let [init, goal] = window_s.map(|time_s| LimbState { pose: motion.limb_pose(spec.linkage, time_s), time_s });
     ProblemSpec { init, goal, admit_ends: true, ..spec.clone() }
 }
 
 /// Finds the window in which a limb may give way.
-struct Window<'a> {
+struct CorrectionWindow<'a> {
     clip: &'a Clip,
     problem: &'a Problem,
     linkage: Linkage,
@@ -216,9 +217,14 @@ struct Window<'a> {
     last: usize,
 }
 
-impl Window<'_> {
+impl CorrectionWindow<'_> {
     /// Window from a margin before a collision to a margin behind it, widened to the next frames that are free.
-    fn around(&mut self, span: &Span, margin_s: f64, free_from_s: f64) -> Result<[f64; 2], NotCorrected> {
+    fn window_around(
+        &mut self,
+        span: &CollisionStretch,
+        margin_s: f64,
+        free_from_s: f64,
+    ) -> Result<[f64; 2], CorrectionError> {
         let rate = self.clip.rate_hz;
         let last = self.last;
         let least = (free_from_s * rate - 1e-6).ceil() as usize;
@@ -226,10 +232,10 @@ impl Window<'_> {
             [(span.from_s * rate).floor() as usize, ((span.to_s * rate).ceil() as usize).min(last)];
         if let Some(frame) = (first_hit..=last_hit).find(|f| self.is_planted(*f)) {
             let (part, with) = (span.part.clone(), span.with.clone());
-            return Err(NotCorrected::Planted { part, with, time_s: frame as f64 / rate });
+            return Err(CorrectionError::Planted { part, with, time_s: frame as f64 / rate });
         }
         let margin = (margin_s * rate).ceil() as usize;
-        let end = |end| NotCorrected::NoFreeEnd { part: span.part.clone(), with: span.with.clone(), end };
+        let end = |end| CorrectionError::NoFreeEnd { part: span.part.clone(), with: span.with.clone(), end };
         let from =
             self.free_frame(first_hit, first_hit.saturating_sub(margin).max(least), least).ok_or(end("start"))?;
         let to = self.free_frame(last_hit, (last_hit + margin).min(last), last).ok_or(end("end"))?;
@@ -258,8 +264,8 @@ impl Window<'_> {
 
     fn is_free(&mut self, frame: usize) -> bool {
         let time_s = frame as f64 / self.clip.rate_hz;
-        let pose = self.problem.present_at(time_s);
-        self.checker.deepest(self.problem, &State { pose, time_s }).is_none()
+        let pose = self.problem.external_pose_at(time_s);
+        self.checker.deepest_hit(self.problem, &LimbState { pose, time_s }).is_none()
     }
 
     /// True where the limb is a leg whose foot is planted.

@@ -1,13 +1,13 @@
 //! Stretches of a motion that collide.
 
 use crate::collide::Checker;
-use crate::problem::{PRESENT_STEP_S, Problem, State};
+use crate::problem::{EXTERNAL_STEP_S, LimbState, Problem};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A stretch of time in which a limb collides by the motion itself. The names of the fields are keys of JSON reports.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct Span {
+pub struct CollisionStretch {
     /// Begin (s).
     pub from_s: f64,
     /// End (s).
@@ -25,28 +25,28 @@ pub struct Span {
 const NEGLIGIBLE_M: f64 = 1e-4;
 
 /// Stretches in which the external motion's own poses of the linkage collide, sampled 120 times a second.
-pub fn collisions(problem: &Problem) -> Vec<Span> {
+pub fn find_collisions(problem: &Problem) -> Vec<CollisionStretch> {
     let mut checker = Checker::default();
-    let mut spans: Vec<Span> = Vec::new();
+    let mut spans: Vec<CollisionStretch> = Vec::new();
     let mut inside = false;
     let [from, to] = [problem.init.time_s, problem.goal.time_s];
-    for step in 0..problem.present.len() {
-        let time_s = (from + step as f64 * PRESENT_STEP_S).min(to);
-        let state = State { pose: problem.present_at(time_s), time_s };
-        let hit = checker.deepest(problem, &state).filter(|h| h.depth_m > NEGLIGIBLE_M);
+    for step in 0..problem.external_poses.len() {
+        let time_s = (from + step as f64 * EXTERNAL_STEP_S).min(to);
+        let state = LimbState { pose: problem.external_pose_at(time_s), time_s };
+        let hit = checker.deepest_hit(problem, &state).filter(|h| h.depth_m > NEGLIGIBLE_M);
         match (&hit, inside) {
             (Some(hit), true) => {
                 if let Some(span) = spans.last_mut() {
                     span.to_s = time_s;
                     if hit.depth_m > span.depth_m {
-                        let [part, with] = problem.names(hit);
+                        let [part, with] = problem.hit_names(hit);
                         (span.part, span.with, span.depth_m) = (part, with, hit.depth_m);
                     }
                 }
             }
             (Some(hit), false) => {
-                let [part, with] = problem.names(hit);
-                spans.push(Span { from_s: time_s, to_s: time_s, part, with, depth_m: hit.depth_m });
+                let [part, with] = problem.hit_names(hit);
+                spans.push(CollisionStretch { from_s: time_s, to_s: time_s, part, with, depth_m: hit.depth_m });
             }
             (None, _) => {}
         }

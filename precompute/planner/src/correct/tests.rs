@@ -1,41 +1,41 @@
 use super::*;
 use crate::linkage::Limb;
-use crate::problem::Solid;
+use crate::problem::MovingSolid;
 use crate::recheck::Recheck;
-use crate::setup::Allowed;
-use crate::shape::Shape;
+use crate::setup::AllowedContact;
+use crate::shape::SolidShape;
 use crate::testing::solid;
-use crate::{body::BodyShape, limits::BodyLimits};
+use crate::{body::BodyCapsules, limits::BodyLimits};
 use glam::DVec3;
 use throng_core::{Joint, Skeleton};
-use throng_synth::{SynthConfig, SynthSet, make};
+use throng_synth::{SynthConfig, SynthSet, make_set};
 
 struct Walk {
     skeleton: Skeleton,
     clip: Clip,
-    motion: Driven,
+    motion: DrivenMotion,
     limits: BodyLimits,
-    shape: BodyShape,
+    shape: BodyCapsules,
 }
 
 fn walk() -> Walk {
     let config = SynthConfig { minutes: 0.2, clip_seconds: 12.0, ..SynthConfig::default() };
-    let set = make(SynthSet::Walk, &config).expect("a walk");
+    let set = make_set(SynthSet::Walk, &config).expect("a walk");
     let mut clip = set.clips[0].clone();
     let rate = clip.rate_hz;
     clip.root_positions.truncate((10.0 * rate) as usize + 1);
     clip.rotations.truncate(clip.root_positions.len() * throng_core::NUM_JOINTS);
     clip.contacts.clear();
-    let motion = Driven::of_clip(&clip, &set.skeleton, 0.0, 10.0);
+    let motion = DrivenMotion::from_clip(&clip, &set.skeleton, 0.0, 10.0);
     let limits = BodyLimits::built_in(&set.skeleton);
-    let shape = BodyShape::fitted(&set.skeleton);
+    let shape = BodyCapsules::fitted(&set.skeleton);
     Walk { skeleton: set.skeleton, clip, motion, limits, shape }
 }
 
 impl Walk {
     fn spec(&self, limb: Limb) -> ProblemSpec<'_> {
         let linkage = Linkage::limb(limb);
-        let state = State { pose: self.motion.limb_pose(linkage, 0.0), time_s: 0.0 };
+        let state = LimbState { pose: self.motion.limb_pose(linkage, 0.0), time_s: 0.0 };
         ProblemSpec::new(&self.skeleton, linkage, &self.limits, &self.motion, &self.shape, [state; 2])
     }
 
@@ -50,7 +50,7 @@ impl Walk {
         let good = frames.clone().filter(|f| {
             Limb::ALL.into_iter().all(|limb| {
                 let linkage = Linkage::limb(limb);
-                let limits = self.limits.of_linkage(linkage).expect("limits");
+                let limits = self.limits.linkage_limits(linkage).expect("limits");
                 let pose = self.motion.limb_pose(linkage, *f as f64 / self.clip.rate_hz);
                 (0..3).all(|i| limits[i].excess(pose.0[i]) < 0.0)
             })
@@ -64,13 +64,13 @@ fn a_walk_is_within_limits_and_does_not_collide_with_itself() {
     let walk = walk();
     assert!(walk.within_limits() > 0.99, "{}", walk.within_limits());
     for limb in Limb::ALL {
-        let (same, report) = correct(&walk.clip, &walk.spec(limb), &CorrectConfig::default()).expect("a problem");
+        let (same, report) = correct_clip(&walk.clip, &walk.spec(limb), &CorrectConfig::default()).expect("a problem");
         assert_eq!((same, report), (walk.clip.clone(), Vec::new()), "{limb:?}");
     }
 }
 
 /// The limb may not touch; the rest of the body is not asked.
-fn only_the(limb: Limb, with: &str) -> Vec<Allowed> {
+fn only_the(limb: Limb, with: &str) -> Vec<AllowedContact> {
     let others = Joint::ALL.into_iter().filter(|j| {
         let mut at = Some(*j);
         while let Some(k) = at {
@@ -81,7 +81,7 @@ fn only_the(limb: Limb, with: &str) -> Vec<Allowed> {
         }
         true
     });
-    others.map(|j| Allowed { part: Some(j.name().into()), with: with.into(), window_s: None }).collect()
+    others.map(|j| AllowedContact { part: Some(j.name().into()), other: with.into(), window_s: None }).collect()
 }
 
 #[test]
@@ -91,19 +91,19 @@ fn a_walking_arm_gives_way_to_a_post_and_all_else_stays() {
     let hand = walk.joint(Joint::LeftHand, 5.0);
     let hips = walk.joint(Joint::Hips, 5.0);
     let aside = (hand - hips).with_y(0.0).normalize();
-    let post = Shape::Round { core: crate::shape::Segment::new(DVec3::ZERO, DVec3::Y * 2.0), radius: 0.03 };
+    let post = SolidShape::Round { core: crate::shape::Segment::new(DVec3::ZERO, DVec3::Y * 2.0), radius: 0.03 };
     let solids = [solid("post", post, (hand + aside * 0.04).with_y(0.0))];
     let allowed = only_the(limb, "post");
     let spec = ProblemSpec { solids: &solids, allowed: &allowed, ..walk.spec(limb) };
     for seed in 0..5 {
         let budget = Budget { seed, ..CorrectConfig::default().budget };
         let config = CorrectConfig { budget, ..CorrectConfig::default() };
-        let (after, report) = correct(&walk.clip, &spec, &config).expect("a problem");
+        let (after, report) = correct_clip(&walk.clip, &spec, &config).expect("a problem");
         assert_eq!(report.len(), 1, "{report:?}");
         let done = &report[0];
         assert!(done.outcome.is_ok() && done.span.with == "post" && done.span.depth_m > 0.01, "{done:?}");
         assert!((done.span.from_s..done.span.to_s).contains(&5.0) && done.window_s[1] - done.window_s[0] < 3.0);
-        let ends = between(&spec, &walk.motion, done.window_s);
+        let ends = spec_between_poses(&spec, &walk.motion, done.window_s);
         let problem = Problem::new(&ends).expect("a problem");
         let planned: Vec<_> = limb.joints().into_iter().zip(*problem.limits()).collect();
         let recheck = Recheck {
@@ -123,9 +123,9 @@ fn a_walking_arm_gives_way_to_a_post_and_all_else_stays() {
         let found = recheck.run();
         assert_eq!(found.violations, []);
         assert!(found.clearance_min_m > 0.0 && found.clearance_min_m < 0.2);
-        let again = correct(
+        let again = correct_clip(
             &after,
-            &ProblemSpec { motion: &Driven::of_clip(&after, &walk.skeleton, 0.0, 10.0), ..spec.clone() },
+            &ProblemSpec { motion: &DrivenMotion::from_clip(&after, &walk.skeleton, 0.0, 10.0), ..spec.clone() },
             &config,
         );
         assert!(again.expect("a problem").1.is_empty());
@@ -137,20 +137,20 @@ fn planted_feet_never_move_and_ends_have_to_be_free() {
     let mut walk = walk();
     let limb = Limb::RightLeg;
     let foot = walk.joint(Joint::RightFoot, 5.0);
-    let solids = [solid("stone", Shape::ball(0.06), foot)];
+    let solids = [solid("stone", SolidShape::ball(0.06), foot)];
     let allowed = only_the(limb, "stone");
     walk.clip.contacts = vec![throng_core::Contacts::RIGHT; walk.clip.num_frames()];
     let spec = ProblemSpec { solids: &solids, allowed: &allowed, ..walk.spec(limb) };
-    let (same, report) = correct(&walk.clip, &spec, &CorrectConfig::default()).expect("a problem");
+    let (same, report) = correct_clip(&walk.clip, &spec, &CorrectConfig::default()).expect("a problem");
     assert_eq!(same, walk.clip);
-    assert!(report.iter().all(|c| matches!(c.outcome, Err(NotCorrected::Planted { .. }))) && !report.is_empty());
+    assert!(report.iter().all(|c| matches!(c.outcome, Err(CorrectionError::Planted { .. }))) && !report.is_empty());
     // Around the whole of the clip there is no free end.
     let limb = Limb::LeftArm;
-    let everywhere: Vec<Solid> = vec![solid("fog", Shape::ball(50.0), DVec3::ZERO)];
+    let everywhere: Vec<MovingSolid> = vec![solid("fog", SolidShape::ball(50.0), DVec3::ZERO)];
     let allowed = only_the(limb, "fog");
     let spec = ProblemSpec { solids: &everywhere, allowed: &allowed, ..walk.spec(limb) };
-    let (_, report) = correct(&walk.clip, &spec, &CorrectConfig::default()).expect("a problem");
-    assert!(matches!(&report[0].outcome, Err(NotCorrected::NoFreeEnd { with, .. }) if with == "fog"));
+    let (_, report) = correct_clip(&walk.clip, &spec, &CorrectConfig::default()).expect("a problem");
+    assert!(matches!(&report[0].outcome, Err(CorrectionError::NoFreeEnd { with, .. }) if with == "fog"));
 }
 
 /// A bar across the way at the height of a swinging foot: the leg steps over it.
@@ -165,12 +165,12 @@ fn a_leg_steps_over_a_bar() {
     let foot = walk.joint(Joint::LeftFoot, time_s);
     let ahead = (walk.joint(Joint::LeftFoot, time_s + 0.04) - foot).with_y(0.0).normalize();
     let across = ahead.cross(DVec3::Y) * 0.12;
-    let bar = Shape::Round { core: crate::shape::Segment::new(-across, across), radius: 0.015 };
+    let bar = SolidShape::Round { core: crate::shape::Segment::new(-across, across), radius: 0.015 };
     let solids = [solid("bar", bar, foot.with_y(foot.y - 0.05))];
     let allowed = only_the(limb, "bar");
     let spec = ProblemSpec { solids: &solids, allowed: &allowed, ..walk.spec(limb) };
-    let (after, report) =
-        correct(&walk.clip, &spec, &CorrectConfig { margin_s: 0.2, ..CorrectConfig::default() }).expect("a problem");
+    let (after, report) = correct_clip(&walk.clip, &spec, &CorrectConfig { margin_s: 0.2, ..CorrectConfig::default() })
+        .expect("a problem");
     assert!(!report.is_empty() && report.iter().all(|c| c.outcome.is_ok()), "{report:?}");
     assert_ne!(after, walk.clip);
 }

@@ -1,7 +1,7 @@
 //! The hinge in the middle of a limb: the flexion that brings the wrist to a distance from the shoulder.
 
-use crate::limits::{Interval, JointLimits, Swing};
-use crate::rotation::about;
+use crate::limits::{AngleInterval, JointLimits, SwingLimit};
+use crate::rotation::rotation_about;
 use glam::{DQuat, DVec3};
 use throng_base::maths;
 
@@ -19,8 +19,8 @@ pub struct Elbow {
     pub along: DVec3,
     /// Hinge axis, at right angles to `fore` (unit).
     pub axis: DVec3,
-    flexion: Interval,
-    twist: Interval,
+    flexion: AngleInterval,
+    twist: AngleInterval,
     mirrored: bool,
     /// The upper arm along the straight forearm and across it, times the forearm's length (m^2).
     cos: f64,
@@ -34,7 +34,7 @@ pub struct Elbow {
 impl Elbow {
     /// `None` where the limits are not a hinge's.
     pub fn new(upper: DVec3, fore: DVec3, limits: &JointLimits) -> Option<Self> {
-        let Swing::Hinge { flexion, .. } = limits.swing else { return None };
+        let SwingLimit::Hinge { flexion, .. } = limits.swing else { return None };
         let [axis, _] = limits.axes;
         // A mirror reverses axes of rotations, except for their part along its normal.
         let axis = if limits.mirrored { DVec3::new(axis.x, -axis.y, -axis.z) } else { axis };
@@ -45,15 +45,15 @@ impl Elbow {
         let straightest = maths::atan2(sin, cos);
         let distances = [0.0; 2];
         let mut out = Self { upper, fore, along, axis, flexion, twist, mirrored, cos, sin, straightest, distances };
-        let ends = [flexion.least, flexion.most].map(|f| out.square(f).sqrt());
-        let farthest = if flexion.excess(straightest) <= 0.0 { out.square(straightest).sqrt() } else { 0.0 };
+        let ends = [flexion.least, flexion.most].map(|f| out.squared_distance(f).sqrt());
+        let farthest = if flexion.excess(straightest) <= 0.0 { out.squared_distance(straightest).sqrt() } else { 0.0 };
         out.distances = [ends[0].min(ends[1]), ends[0].max(ends[1]).max(farthest)];
         Some(out)
     }
 
     /// Rotation of the joint without twist.
     pub fn rotation(&self, flexion: f64) -> DQuat {
-        about(self.axis, flexion)
+        rotation_about(self.axis, flexion)
     }
 
     /// Excess of flexion and twist about the forearm over their limits (rad).
@@ -67,7 +67,7 @@ impl Elbow {
     }
 
     /// Squared distance from shoulder to wrist (m^2).
-    fn square(&self, flexion: f64) -> f64 {
+    fn squared_distance(&self, flexion: f64) -> f64 {
         let (sin, cos) = maths::sin_cos(flexion);
         let straight = self.upper.length_squared() + self.fore.length_squared();
         (straight + 2.0 * (self.cos * cos + self.sin * sin)).max(0.0)

@@ -1,22 +1,22 @@
 //! Analytic inverse kinematics of arms and legs: a place and a rotation for hand or foot, within limits and free.
 
 mod elbow;
+mod ik_error;
 mod swivel;
+mod swivel_limits;
 #[cfg(test)]
 mod tests;
-mod unreached;
-mod within;
 
 use crate::limits::JointLimits;
 use crate::linkage::{Chain, LimbPose, MAX_JOINTS};
-use crate::rotation::{Rigid, between, twist_about};
+use crate::rotation::{Rigid, rotation_between, twist_about};
 use elbow::Elbow;
 use glam::{DQuat, DVec3};
-use swivel::{half, refined};
+pub use ik_error::IkError;
+use swivel::{half_angle, search_finely};
+use swivel_limits::{HALVES, LimitFit, QuickLimits, SwivelLimits, TwistBounds, widest_swing_square};
 use throng_base::maths;
 use throng_core::Joint;
-pub use unreached::Unreached;
-use within::{Fit, HALVES, Quick, Swivels, Twist, widest};
 
 /// Excess below which a pose counts as within limits (rad).
 const ON_LIMIT: f64 = 1e-7;
@@ -45,9 +45,9 @@ pub struct LimbIk {
     limits: [JointLimits; 3],
     joints: [Joint; 3],
     elbow: Elbow,
-    elbow_twist: Twist,
+    elbow_twist: TwistBounds,
     /// Quick limits of shoulder and wrist.
-    quick: [Quick; 2],
+    quick: [QuickLimits; 2],
     /// Squares of the least cosine of half a swing, of shoulder and wrist.
     widest: [f64; 2],
 }
@@ -58,7 +58,7 @@ fn unit([a, b]: [f64; 2]) -> [f64; 2] {
 }
 
 /// Parts of a reach that do not depend on the swivel.
-struct Reach {
+struct ReachGeometry {
     /// Direction from shoulder to wrist, in the base's frame (unit).
     line: DVec3,
     /// Rotation that takes the folded arm onto that line.
@@ -84,7 +84,7 @@ pub enum Swivel {
 
 /// A pose, and the joint that is farthest outside its limits.
 #[derive(Clone, Copy)]
-struct Tried {
+struct SwivelPose {
     pose: [DQuat; 3],
     excess: f64,
     joint: usize,
@@ -101,9 +101,9 @@ impl LimbIk {
         let limits: [JointLimits; 3] = std::array::from_fn(|i| limits[first + i]);
         let elbow = Elbow::new(chain.offsets[first + 1], chain.offsets[first + 2], &limits[1])
             .expect("elbows and knees have flexion");
-        let elbow_twist = Twist::new(&limits[1], limits[1].mirrored);
-        let quick = [Quick::new(&limits[0]), Quick::new(&limits[2])];
-        let widest = [widest(&limits[0], None), widest(&limits[2], Some(elbow.along))];
+        let elbow_twist = TwistBounds::new(&limits[1], limits[1].mirrored);
+        let quick = [QuickLimits::new(&limits[0]), QuickLimits::new(&limits[2])];
+        let widest = [widest_swing_square(&limits[0], None), widest_swing_square(&limits[2], Some(elbow.along))];
         Self { chain: *chain, limits, joints, elbow, elbow_twist, quick, widest }
     }
 
@@ -115,7 +115,7 @@ impl LimbIk {
     /// - `blocked`: the obstacle of a pose, if it collides.
     ///
     /// # Errors
-    /// [`Unreached`]: distance out of reach, excess over which joint's limits at the best swivel, or the obstacle of the first
+    /// [`IkError`]: distance out of reach, excess over which joint's limits at the best swivel, or the obstacle of the first
     /// swivel within limits.
     pub fn solve<B>(
         &self,
@@ -124,9 +124,9 @@ impl LimbIk {
         present: &LimbPose,
         from: Swivel,
         mut blocked: impl FnMut(&LimbPose) -> Option<B>,
-    ) -> Result<LimbPose, Unreached<B>> {
+    ) -> Result<LimbPose, IkError<B>> {
         let first = self.chain.len() - 3;
-        let reach = self.reach_of(base, goal, present).map_err(|by_m| Unreached::OutOfReach { by_m })?;
+        let reach = self.reach_geometry(base, goal, present).map_err(|by_m| IkError::OutOfReach { by_m })?;
         let [c, s] = self.first_swivel(&reach, present.0[first], from);
         // The swivel with the least excess over limits.
         let mut best = (f64::INFINITY, [c, s]);
@@ -144,23 +144,23 @@ impl LimbIk {
             }
         };
         let exactly = |half: [f64; 2]| {
-            let tried = self.tried(&reach, half);
+            let tried = self.pose_at_half_swivel(&reach, half);
             (tried.excess, (tried.excess <= ON_LIMIT).then_some(tried.pose))
         };
-        let swivels = Swivels::new(self, &reach);
+        let swivels = SwivelLimits::new(self, &reach);
         let from_present = |[cos, sin]: [f64; 2]| [c * cos - s * sin, s * cos + c * sin];
         for offset in HALVES.iter() {
             let half = from_present(*offset);
-            let turns = match swivels.look(half) {
-                (Fit::Outside, _) => None,
-                (Fit::Inside, turns) => Some(turns),
-                (Fit::OnEdge, _) => exactly(half).1,
+            let turns = match swivels.check_swivel(half) {
+                (LimitFit::Outside, _) => None,
+                (LimitFit::Inside, turns) => Some(turns),
+                (LimitFit::OnEdge, _) => exactly(half).1,
             };
             if let Some(pose) = turns.and_then(|t| free(&t)) {
                 return Ok(pose);
             }
         }
-        let found = refined(|offset| {
+        let found = search_finely(|offset| {
             let half = from_present(offset);
             let about = swivels.excess(half, f64::max(best.0, FAR_OUTSIDE));
             let (excess, turns) = if about > WELL_OUTSIDE { (about, None) } else { exactly(half) };
@@ -173,10 +173,10 @@ impl LimbIk {
             return Ok(pose);
         }
         Err(match in_the_way {
-            Some(by) => Unreached::Blocked { by },
+            Some(by) => IkError::Blocked { by },
             None => {
-                let nearest = self.tried(&reach, best.1);
-                Unreached::OutOfLimits { joint: self.joints[nearest.joint], by_rad: nearest.excess.max(0.0) }
+                let nearest = self.pose_at_half_swivel(&reach, best.1);
+                IkError::OutOfLimits { joint: self.joints[nearest.joint], by_rad: nearest.excess.max(0.0) }
             }
         })
     }
@@ -185,8 +185,14 @@ impl LimbIk {
     ///
     /// - `present`: a clavicle keeps its rotation.
     /// - `swivel`: as [`LimbIk::swivel_of`] defines it (rad).
-    pub(crate) fn at_swivel(&self, base: &Rigid, goal: &Rigid, present: &LimbPose, swivel: f64) -> Option<LimbPose> {
-        let tried = self.tried(&self.reach_of(base, goal, present).ok()?, half(swivel));
+    pub(crate) fn solve_at_swivel(
+        &self,
+        base: &Rigid,
+        goal: &Rigid,
+        present: &LimbPose,
+        swivel: f64,
+    ) -> Option<LimbPose> {
+        let tried = self.pose_at_half_swivel(&self.reach_geometry(base, goal, present).ok()?, half_angle(swivel));
         let first = self.chain.len() - 3;
         let mut pose = *present;
         pose.0[first..first + 3].copy_from_slice(&tried.pose);
@@ -195,7 +201,7 @@ impl LimbIk {
 
     /// The swivel of a pose on its path to a goal: it changes evenly where the pose moves evenly (rad).
     pub(crate) fn swivel_of(&self, base: &Rigid, goal: &Rigid, pose: &LimbPose) -> Option<f64> {
-        let reach = self.reach_of(base, goal, pose).ok()?;
+        let reach = self.reach_geometry(base, goal, pose).ok()?;
         let [cos, sin] = self.first_swivel(&reach, pose.0[self.chain.len() - 3], Swivel::Present);
         Some(2.0 * maths::atan2(sin, cos))
     }
@@ -203,39 +209,39 @@ impl LimbIk {
     /// Solves as [`LimbIk::solve`] does, without obstacles.
     ///
     /// # Errors
-    /// [`Unreached::OutOfReach`] and [`Unreached::OutOfLimits`].
-    pub fn solve_free(&self, base: &Rigid, goal: &Rigid, present: &LimbPose) -> Result<LimbPose, Unreached<String>> {
+    /// [`IkError::OutOfReach`] and [`IkError::OutOfLimits`].
+    pub fn solve_free(&self, base: &Rigid, goal: &Rigid, present: &LimbPose) -> Result<LimbPose, IkError<String>> {
         self.solve(base, goal, present, Swivel::Present, |_| None)
     }
 
     /// Nearest and farthest distances from shoulder to wrist that the elbow allows (m).
-    pub fn distances(&self) -> [f64; 2] {
+    pub fn reach_distances(&self) -> [f64; 2] {
         self.elbow.distances()
     }
 
-    fn reach_of(&self, base: &Rigid, goal: &Rigid, present: &LimbPose) -> Result<Reach, f64> {
+    fn reach_geometry(&self, base: &Rigid, goal: &Rigid, present: &LimbPose) -> Result<ReachGeometry, f64> {
         let first = self.chain.len() - 3;
         let base = if first > 0 {
-            base.then(Rigid { position: self.chain.offsets[0], rotation: present.0[0] })
+            base.compose(Rigid { position: self.chain.offsets[0], rotation: present.0[0] })
         } else {
             *base
         };
-        self.reach(&base.local(*goal), first)
+        self.local_reach_geometry(&base.to_local(*goal), first)
     }
 
-    fn reach(&self, local: &Rigid, first: usize) -> Result<Reach, f64> {
+    fn local_reach_geometry(&self, local: &Rigid, first: usize) -> Result<ReachGeometry, f64> {
         let to_wrist = local.position - self.chain.offsets[first];
         let distance = to_wrist.length();
         let flexion = self.elbow.flexion(distance)?;
         let bent = self.elbow.rotation(flexion);
         let folded = (self.elbow.upper + bent * self.elbow.fore).normalize_or(DVec3::X);
         let line = to_wrist.try_normalize().unwrap_or(folded);
-        Ok(Reach { line, onto: between(folded, line), flexion, bent, hand: local.rotation })
+        Ok(ReachGeometry { line, onto: rotation_between(folded, line), flexion, bent, hand: local.rotation })
     }
 
     /// The swivel that keeps the elbow's axis as near as possible to the present pose's, or to that turned down: cosine and
     /// sine of half of it.
-    fn first_swivel(&self, reach: &Reach, shoulder: DQuat, first: Swivel) -> [f64; 2] {
+    fn first_swivel(&self, reach: &ReachGeometry, shoulder: DQuat, first: Swivel) -> [f64; 2] {
         let across = |v: DVec3| v - reach.line * v.dot(reach.line);
         let from = across(reach.onto * self.elbow.axis);
         let to = across(shoulder * self.elbow.axis);
@@ -265,8 +271,8 @@ impl LimbIk {
         unit([0.5 * sin / half, half])
     }
 
-    /// - `half`: cosine and sine of half the swivel.
-    fn tried(&self, reach: &Reach, [cos, sin]: [f64; 2]) -> Tried {
+    /// - `half_angle`: cosine and sine of half the swivel.
+    fn pose_at_half_swivel(&self, reach: &ReachGeometry, [cos, sin]: [f64; 2]) -> SwivelPose {
         let v = reach.line * sin;
         let shoulder = DQuat::from_xyzw(v.x, v.y, v.z, cos) * reach.onto;
         // The remainder is for twist and wrist: twist about the forearm first, then the hand's swing.
@@ -277,6 +283,6 @@ impl LimbIk {
         let excess =
             [self.limits[0].excess(pose[0]), self.elbow.excess(reach.flexion, twist), self.limits[2].excess(pose[2])];
         let joint = (0..3).max_by(|a, b| excess[*a].total_cmp(&excess[*b])).unwrap_or(0);
-        Tried { pose, excess: excess[joint], joint }
+        SwivelPose { pose, excess: excess[joint], joint }
     }
 }

@@ -26,16 +26,16 @@ pub fn offsets() -> impl Iterator<Item = f64> {
 const STEP: f64 = 2.0 * PI / FINE as f64;
 
 /// Cosine and sine of half of an offset.
-pub fn half(offset: f64) -> [f64; 2] {
+pub fn half_angle(offset: f64) -> [f64; 2] {
     let (sin, cos) = maths::sin_cos(0.5 * offset);
     [cos, sin]
 }
 
 /// Cosines and sines of the fine search: from the present swivel outwards, to both sides in turn.
-static FINELY: LazyLock<[[f64; 2]; FINE]> = LazyLock::new(|| {
+static FINE_HALVES: LazyLock<[[f64; 2]; FINE]> = LazyLock::new(|| {
     std::array::from_fn(|i| {
         let side = if i % 2 == 0 { -0.5 } else { 0.5 };
-        half(side * (i + i % 2) as f64 * STEP)
+        half_angle(side * (i + i % 2) as f64 * STEP)
     })
 });
 
@@ -43,9 +43,9 @@ static FINELY: LazyLock<[[f64; 2]; FINE]> = LazyLock::new(|| {
 ///
 /// - `try_at`: excess of a swivel over limits (rad), and its pose if that is good; the swivel is given by cosine and sine of
 ///   half of its offset from the present one.
-pub fn refined<P>(mut try_at: impl FnMut([f64; 2]) -> (f64, Option<P>)) -> Option<P> {
+pub fn search_finely<P>(mut try_at: impl FnMut([f64; 2]) -> (f64, Option<P>)) -> Option<P> {
     let mut outside = [0.0; FINE];
-    for (half, out) in FINELY.iter().zip(&mut outside) {
+    for (half, out) in FINE_HALVES.iter().zip(&mut outside) {
         let (excess, pose) = try_at(*half);
         if pose.is_some() {
             return pose;
@@ -67,7 +67,9 @@ pub fn refined<P>(mut try_at: impl FnMut([f64; 2]) -> (f64, Option<P>)) -> Optio
         let [before, here, after] = [outside[at(k + FINE - 1)], outside[at(k)], outside[at(k + 1)]];
         if here > 0.0 && here <= before && here <= after {
             let middle = k as f64 * STEP;
-            if let Some(pose) = golden(middle - STEP, middle + STEP, &mut |offset| try_at(half(offset))) {
+            if let Some(pose) =
+                golden_section_search(middle - STEP, middle + STEP, &mut |offset| try_at(half_angle(offset)))
+            {
                 return Some(pose);
             }
         }
@@ -76,7 +78,11 @@ pub fn refined<P>(mut try_at: impl FnMut([f64; 2]) -> (f64, Option<P>)) -> Optio
 }
 
 /// Golden-section search for the swivel with the least excess, until one is good.
-fn golden<P>(mut low: f64, mut high: f64, try_at: &mut impl FnMut(f64) -> (f64, Option<P>)) -> Option<P> {
+fn golden_section_search<P>(
+    mut low: f64,
+    mut high: f64,
+    try_at: &mut impl FnMut(f64) -> (f64, Option<P>),
+) -> Option<P> {
     const SHARE: f64 = 0.618_033_988_749_894_9;
     let inner = |low: f64, high: f64| [high - SHARE * (high - low), low + SHARE * (high - low)];
     let [mut a, mut b] = inner(low, high);
@@ -112,7 +118,7 @@ mod tests {
     fn a_window_between_two_tries_is_found() {
         // Good only within 1e-4 of a swivel that no try hits.
         let good = 1.2345;
-        let found = refined(|[cos, sin]: [f64; 2]| {
+        let found = search_finely(|[cos, sin]: [f64; 2]| {
             let s = 2.0 * maths::atan2(sin, cos);
             let away = (s - good + PI).rem_euclid(2.0 * PI) - PI;
             (away.abs() - 1e-4, (away.abs() < 1e-4).then_some(s))

@@ -1,13 +1,13 @@
 //! Limits as files: `*.limits.toml`.
 
-use super::joint::{Interval, JointLimits, MAX_SWING, Swing};
+use super::joint::{AngleInterval, JointLimits, MAX_SWING, SwingLimit};
 use crate::linkage::{Linkage, MAX_JOINTS};
 use crate::rotation::exp;
 use glam::{DQuat, DVec3};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
-use throng_base::text::{Source, did_you_mean};
+use throng_base::text::{TomlSource, did_you_mean};
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
 /// Error of a limits file: [`throng_base::Error::Text`] with file, line and column, or the reason why it was not read.
@@ -29,7 +29,7 @@ struct LimitsFile {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct JointEntry {
-    kind: Kind,
+    kind: JointLimitKind,
     centre_deg: Option<[f64; 3]>,
     swing_deg: Option<[f64; 2]>,
     axis: Option<[f64; 3]>,
@@ -41,7 +41,7 @@ struct JointEntry {
 
 #[derive(Clone, Copy, Deserialize, PartialEq)]
 #[serde(rename_all = "snake_case")]
-enum Kind {
+enum JointLimitKind {
     SwingTwist,
     FlexionTwist,
     Swing,
@@ -70,7 +70,7 @@ impl BodyLimits {
     /// # Errors
     /// As [`BodyLimits::parse`], or why the file cannot be read.
     pub fn read(path: &Path, skeleton: &Skeleton) -> Result<Self, LimitsError> {
-        Self::of(&Source::read(path, "limits of joints")?, skeleton)
+        Self::from_source(&TomlSource::read(path, "limits of joints")?, skeleton)
     }
 
     /// Reads limits from TOML text; `path` is what errors name.
@@ -81,15 +81,16 @@ impl BodyLimits {
     /// # Errors
     /// With file and line: unknown joints and keys, missing keys, numbers that are not finite or out of range.
     pub fn parse(toml_text: &str, path: &Path, skeleton: &Skeleton) -> Result<Self, LimitsError> {
-        Self::of(&Source::new(toml_text, path), skeleton)
+        Self::from_source(&TomlSource::new(toml_text, path), skeleton)
     }
 
-    fn of(source: &Source, skeleton: &Skeleton) -> Result<Self, LimitsError> {
+    fn from_source(source: &TomlSource, skeleton: &Skeleton) -> Result<Self, LimitsError> {
         let file: LimitsFile = source.parse(HELP)?;
         let mut joints = [None; NUM_JOINTS];
         for (name, entry) in &file.joints {
-            let fail =
-                |key: &str, why: String| source.at(&format!("joints.{name}{key}"), format!("{name}: {why}. {HELP}"));
+            let fail = |key: &str, why: String| {
+                source.error_at_key(&format!("joints.{name}{key}"), format!("{name}: {why}. {HELP}"))
+            };
             let Some(joint) = Joint::from_name(name) else {
                 let meant = did_you_mean(name, Joint::ALL.into_iter().map(Joint::name));
                 return Err(fail("", format!("there is no such joint.{meant}")));
@@ -107,7 +108,7 @@ impl BodyLimits {
 
     /// The limits of a linkage's joints, from the trunk outwards; the last one's repeated behind it. `None` where one of
     /// them has none.
-    pub fn of_linkage(&self, linkage: Linkage) -> Option<[JointLimits; MAX_JOINTS]> {
+    pub fn linkage_limits(&self, linkage: Linkage) -> Option<[JointLimits; MAX_JOINTS]> {
         let mut out = [None; MAX_JOINTS];
         for (to, joint) in out.iter_mut().zip(linkage.joints()) {
             *to = self.joints[joint.index()];
@@ -119,12 +120,12 @@ impl BodyLimits {
 
 /// Direction of the segment behind a joint, at rest; for a swing, which has no segment behind it, that of the segment before
 /// it.
-fn segment(joint: Joint, kind: Kind, skeleton: &Skeleton) -> Option<DVec3> {
+fn segment_direction(joint: Joint, kind: JointLimitKind, skeleton: &Skeleton) -> Option<DVec3> {
     let main_child = match joint {
         Joint::UpperChest => Some(Joint::Neck),
         _ => Joint::ALL.into_iter().find(|c| c.parent() == Some(joint)),
     };
-    let end = if kind == Kind::Swing { Some(joint) } else { main_child };
+    let end = if kind == JointLimitKind::Swing { Some(joint) } else { main_child };
     end.map(|j| skeleton.offsets[j.index()].as_dvec3()).and_then(DVec3::try_normalize)
 }
 
@@ -134,26 +135,26 @@ impl JointEntry {
     fn limits(&self, joint: Joint, skeleton: &Skeleton) -> Result<JointLimits, Fault> {
         let kind = ("kind", "the skeleton has no segment to turn there".to_owned());
         let mirrored = joint.name().starts_with("right");
-        let bone = segment(joint, self.kind, skeleton).ok_or(kind)?;
+        let bone = segment_direction(joint, self.kind, skeleton).ok_or(kind)?;
         let bone = if mirrored { DVec3::new(-bone.x, bone.y, bone.z) } else { bone };
         let axes = match self.kind {
-            Kind::FlexionTwist => {
+            JointLimitKind::FlexionTwist => {
                 let axis = DVec3::from(self.axis.ok_or(("", "a hinge needs `axis`".into()))?);
                 let across = (axis - bone * axis.dot(bone)).try_normalize().filter(|_| axis.is_finite());
                 let across = across.ok_or(("axis", "expected a direction that is not along the segment".to_owned()))?;
                 [across, bone.cross(across)]
             }
-            Kind::SwingTwist | Kind::Swing => across(bone),
+            JointLimitKind::SwingTwist | JointLimitKind::Swing => perpendicular_axes(bone),
         };
         let twist = match (self.kind, self.twist_deg) {
-            (Kind::Swing, None) => Interval::around_zero(self.play()?),
-            (Kind::Swing, Some(_)) => return Err(("twist_deg", "a swing has none; say `play_deg`".into())),
+            (JointLimitKind::Swing, None) => AngleInterval::around_zero(self.play()?),
+            (JointLimitKind::Swing, Some(_)) => return Err(("twist_deg", "a swing has none; say `play_deg`".into())),
             (_, Some([least, most])) => interval("twist_deg", least, most, 179.0)?,
             (_, None) => return Err(("", "expected `twist_deg`".into())),
         };
         let limits = JointLimits {
             centre: self.centre()?,
-            bone,
+            segment: bone,
             axes,
             swing: self.swing()?,
             twist,
@@ -175,20 +176,20 @@ impl JointEntry {
         Ok(exp(v * (std::f64::consts::PI / 180.0)))
     }
 
-    fn swing(&self) -> Result<Swing, Fault> {
-        if self.kind == Kind::FlexionTwist {
+    fn swing(&self) -> Result<SwingLimit, Fault> {
+        if self.kind == JointLimitKind::FlexionTwist {
             if self.swing_deg.is_some() || self.centre_deg.is_some() {
                 return Err(("", "a hinge has `flexion_deg`, neither `swing_deg` nor `centre_deg`".into()));
             }
             let [least, most] = self.flexion_deg.ok_or(("", "expected `flexion_deg`".into()))?;
-            return Ok(Swing::Hinge { flexion: interval("flexion_deg", least, most, 160.0)?, play: self.play()? });
+            return Ok(SwingLimit::Hinge { flexion: interval("flexion_deg", least, most, 160.0)?, play: self.play()? });
         }
         if self.axis.is_some() || self.flexion_deg.is_some() {
             return Err(("", "only `flexion_twist` has `axis` and `flexion_deg`".into()));
         }
         let radii = self.swing_deg.ok_or(("", "expected `swing_deg`, the two radii".into()))?;
         let [first, second] = radii.map(|r| in_range("swing_deg", r, 0.1, 160.0));
-        Ok(Swing::Ellipse([first?.to_radians(), second?.to_radians()]))
+        Ok(SwingLimit::Ellipse([first?.to_radians(), second?.to_radians()]))
     }
 
     fn play(&self) -> Result<f64, Fault> {
@@ -197,7 +198,7 @@ impl JointEntry {
 }
 
 /// Two directions at right angles to a segment, near two of the model's axes, in the order of their letters.
-fn across(bone: DVec3) -> [DVec3; 2] {
+fn perpendicular_axes(bone: DVec3) -> [DVec3; 2] {
     let along = bone.abs().max_position();
     let first = if along == 0 { DVec3::Y } else { DVec3::X };
     let first = (first - bone * first.dot(bone)).normalize();
@@ -211,12 +212,12 @@ fn in_range(key: &'static str, value: f64, least: f64, most: f64) -> Result<f64,
     inside.then_some(value).ok_or_else(|| (key, format!("expected {least} to {most}, found {value}")))
 }
 
-fn interval(key: &'static str, least: f64, most: f64, widest: f64) -> Result<Interval, Fault> {
+fn interval(key: &'static str, least: f64, most: f64, widest: f64) -> Result<AngleInterval, Fault> {
     let (a, b) = (in_range(key, least, -widest, widest)?, in_range(key, most, -widest, widest)?);
     if a > b {
         return Err((key, format!("expected the least angle first, found {least} before {most}")));
     }
-    Ok(Interval::new(a.to_radians(), b.to_radians()))
+    Ok(AngleInterval::new(a.to_radians(), b.to_radians()))
 }
 
 #[cfg(test)]
@@ -233,8 +234,8 @@ mod tests {
         let limits = BodyLimits::built_in(&Skeleton::default());
         for limb in Limb::ALL {
             for with_clavicle in [false, true] {
-                let of = limits.of_linkage(Linkage { limb, with_clavicle }).expect("all joints");
-                assert!(of.iter().all(|l| (l.bone.dot(l.axes[0])).abs() < 1e-9 && l.excess(DQuat::IDENTITY) <= 0.0));
+                let of = limits.linkage_limits(Linkage { limb, with_clavicle }).expect("all joints");
+                assert!(of.iter().all(|l| (l.segment.dot(l.axes[0])).abs() < 1e-9 && l.excess(DQuat::IDENTITY) <= 0.0));
             }
         }
         assert_eq!(limits.joints[Joint::Head.index()], None);
@@ -242,9 +243,9 @@ mod tests {
 
     #[test]
     fn axes_of_swings_are_across_the_segment() {
-        assert_eq!(across(DVec3::X), [DVec3::Y, DVec3::Z]);
-        assert_eq!(across(DVec3::NEG_Y), [DVec3::X, DVec3::Z]);
-        assert_eq!(across(DVec3::Z), [DVec3::X, DVec3::Y]);
+        assert_eq!(perpendicular_axes(DVec3::X), [DVec3::Y, DVec3::Z]);
+        assert_eq!(perpendicular_axes(DVec3::NEG_Y), [DVec3::X, DVec3::Z]);
+        assert_eq!(perpendicular_axes(DVec3::Z), [DVec3::X, DVec3::Y]);
     }
 
     #[test]

@@ -1,19 +1,19 @@
 //! The limits of one joint.
 
-use crate::rotation::{about, exp, log, mirrored, swing_twist};
+use crate::rotation::{exp, log, mirror_rotation_x, rotation_about, swing_twist};
 use glam::{DQuat, DVec3};
 use throng_base::maths;
 
 /// Interval from the least to the greatest angle (rad).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interval {
+pub struct AngleInterval {
     /// Least angle (rad).
     pub least: f64,
     /// Greatest angle (rad, >= least).
     pub most: f64,
 }
 
-impl Interval {
+impl AngleInterval {
     /// From `least` to `most` (rad).
     pub const fn new(least: f64, most: f64) -> Self {
         Self { least, most }
@@ -30,13 +30,13 @@ impl Interval {
     }
 
     /// Intersection with another interval; the nearest end where there is none.
-    pub fn within(self, other: Self) -> Self {
+    pub fn intersection(self, other: Self) -> Self {
         let least = self.least.max(other.least).min(other.most);
         Self { least, most: self.most.min(other.most).max(least) }
     }
 
     /// Angle at a share of the interval.
-    pub fn at(self, share: f64) -> f64 {
+    pub fn angle_at(self, share: f64) -> f64 {
         self.least + share * (self.most - self.least)
     }
 
@@ -45,20 +45,20 @@ impl Interval {
         self.most - self.least
     }
 
-    fn grown_to(self, angle: f64) -> Self {
+    fn extended_to(self, angle: f64) -> Self {
         Self { least: self.least.min(angle), most: self.most.max(angle) }
     }
 }
 
 /// Directions that a segment may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Swing {
+pub enum SwingLimit {
     /// Rotation vectors in an ellipse around the middle: its radii about the first and the second axis (rad).
     Ellipse([f64; 2]),
     /// A hinge about the first axis, with a little play about the second one (rad).
     Hinge {
         /// Flexion about the first axis.
-        flexion: Interval,
+        flexion: AngleInterval,
         /// Play to either side about the second axis.
         play: f64,
     },
@@ -85,13 +85,13 @@ pub struct JointLimits {
     /// Middle of the range, relative to the rest pose.
     pub centre: DQuat,
     /// Direction of the segment at rest; twist is about it (unit).
-    pub bone: DVec3,
+    pub segment: DVec3,
     /// Axes about which swings are measured, at right angles to the segment (unit).
     pub axes: [DVec3; 2],
     /// Range of swings.
-    pub swing: Swing,
+    pub swing: SwingLimit,
     /// Range of twists.
-    pub twist: Interval,
+    pub twist: AngleInterval,
     /// Greatest turning speed (rad/s).
     pub speed: f64,
     /// True for a joint of the right side: all other fields are those of its mirror image.
@@ -104,8 +104,8 @@ pub const MAX_SWING: f64 = 2.8;
 impl JointLimits {
     /// Coordinates of a rotation within the joint.
     pub fn coordinates(&self, q: DQuat) -> Coordinates {
-        let q = if self.mirrored { mirrored(q) } else { q };
-        let (swing, twist) = swing_twist(self.centre.inverse() * q, self.bone);
+        let q = if self.mirrored { mirror_rotation_x(q) } else { q };
+        let (swing, twist) = swing_twist(self.centre.inverse() * q, self.segment);
         let vector = log(swing);
         Coordinates { swing: self.axes.map(|a| vector.dot(a)), twist }
     }
@@ -113,25 +113,25 @@ impl JointLimits {
     /// The rotation of coordinates.
     pub fn rotation(&self, c: Coordinates) -> DQuat {
         let swing = exp(self.axes[0] * c.swing[0] + self.axes[1] * c.swing[1]);
-        let q = self.centre * swing * about(self.bone, c.twist);
-        if self.mirrored { mirrored(q) } else { q }
+        let q = self.centre * swing * rotation_about(self.segment, c.twist);
+        if self.mirrored { mirror_rotation_x(q) } else { q }
     }
 
     /// Excess of coordinates over the limits; where negative, they are inside by at least that (rad).
-    pub fn excess_of(&self, c: Coordinates) -> f64 {
+    pub fn coordinate_excess(&self, c: Coordinates) -> f64 {
         let swing = match self.swing {
-            Swing::Ellipse(radii) => {
+            SwingLimit::Ellipse(radii) => {
                 let [x, y] = [c.swing[0] / radii[0], c.swing[1] / radii[1]];
                 ((x * x + y * y).sqrt() - 1.0) * radii[0].min(radii[1])
             }
-            Swing::Hinge { flexion, play } => flexion.excess(c.swing[0]).max(c.swing[1].abs() - play),
+            SwingLimit::Hinge { flexion, play } => flexion.excess(c.swing[0]).max(c.swing[1].abs() - play),
         };
         swing.max(self.twist.excess(c.twist))
     }
 
     /// Excess of a rotation over the limits; where negative, it is inside by at least that (rad).
     pub fn excess(&self, q: DQuat) -> f64 {
-        self.excess_of(self.coordinates(q))
+        self.coordinate_excess(self.coordinates(q))
     }
 
     /// Bound on the growth of [`JointLimits::excess`] for each radian that the joint turns inside its limits.
@@ -146,53 +146,53 @@ impl JointLimits {
     /// The largest angle from the middle to the segment (rad).
     pub fn widest_swing(&self) -> f64 {
         match self.swing {
-            Swing::Ellipse(radii) => radii[0].max(radii[1]),
-            Swing::Hinge { flexion, play } => maths::hypot(flexion.least.abs().max(flexion.most.abs()), play),
+            SwingLimit::Ellipse(radii) => radii[0].max(radii[1]),
+            SwingLimit::Hinge { flexion, play } => maths::hypot(flexion.least.abs().max(flexion.most.abs()), play),
         }
     }
 
     /// These limits, widened until a rotation is within them, with a little room: a clip's poses are admitted even where its
     /// performer bent farther. A swing beyond 2.8 rad stays outside.
-    pub fn admitting(&self, q: DQuat) -> Self {
+    pub fn widened_to_admit(&self, q: DQuat) -> Self {
         /// Room beyond the rotation (rad).
         const ROOM: f64 = 1e-3;
         let c = self.coordinates(q);
         let mut out = *self;
         if self.twist.excess(c.twist) > -ROOM {
-            out.twist = self.twist.grown_to(c.twist - ROOM).grown_to(c.twist + ROOM);
+            out.twist = self.twist.extended_to(c.twist - ROOM).extended_to(c.twist + ROOM);
         }
         out.swing = match self.swing {
-            Swing::Ellipse(radii) => {
+            SwingLimit::Ellipse(radii) => {
                 let [x, y] = [c.swing[0] / radii[0], c.swing[1] / radii[1]];
                 let grow = ((x * x + y * y).sqrt() + ROOM / radii[0].min(radii[1])).max(1.0);
-                Swing::Ellipse(radii.map(|r| (r * grow).min(MAX_SWING)))
+                SwingLimit::Ellipse(radii.map(|r| (r * grow).min(MAX_SWING)))
             }
-            Swing::Hinge { flexion, play } => {
+            SwingLimit::Hinge { flexion, play } => {
                 let wide = |angle: f64| angle.clamp(-MAX_SWING, MAX_SWING);
-                Swing::Hinge {
-                    flexion: flexion.grown_to(wide(c.swing[0] - ROOM)).grown_to(wide(c.swing[0] + ROOM)),
+                SwingLimit::Hinge {
+                    flexion: flexion.extended_to(wide(c.swing[0] - ROOM)).extended_to(wide(c.swing[0] + ROOM)),
                     play: play.max(c.swing[1].abs() + ROOM).min(1.0),
                 }
             }
         };
-        if self.excess_of(c) <= -ROOM { *self } else { out }
+        if self.coordinate_excess(c) <= -ROOM { *self } else { out }
     }
 }
 
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::rotation::angle;
+    use crate::rotation::angle_between;
     use proptest::prelude::*;
 
     /// A shoulder that looks ahead, with an ellipse of 1.5 by 0.8.
     pub fn shoulder() -> JointLimits {
         JointLimits {
-            centre: about(DVec3::Y, -0.7),
-            bone: DVec3::X,
+            centre: rotation_about(DVec3::Y, -0.7),
+            segment: DVec3::X,
             axes: [DVec3::Y, DVec3::Z],
-            swing: Swing::Ellipse([1.5, 0.8]),
-            twist: Interval::new(-1.0, 1.5),
+            swing: SwingLimit::Ellipse([1.5, 0.8]),
+            twist: AngleInterval::new(-1.0, 1.5),
             speed: 10.0,
             mirrored: false,
         }
@@ -202,7 +202,7 @@ pub(super) mod tests {
         JointLimits {
             centre: DQuat::IDENTITY,
             axes: [DVec3::NEG_Y, DVec3::Z],
-            swing: Swing::Hinge { flexion: Interval::new(0.0, 2.6), play: 0.2 },
+            swing: SwingLimit::Hinge { flexion: AngleInterval::new(0.0, 2.6), play: 0.2 },
             ..shoulder()
         }
     }
@@ -210,7 +210,7 @@ pub(super) mod tests {
     #[test]
     fn an_ellipse_holds_what_was_worked_out_by_hand() {
         let s = shoulder();
-        let at = |x: f64, y: f64| s.excess_of(Coordinates { swing: [x, y], twist: 0.0 });
+        let at = |x: f64, y: f64| s.coordinate_excess(Coordinates { swing: [x, y], twist: 0.0 });
         assert!((at(1.5, 0.0)).abs() < 1e-12 && (at(0.0, -0.8)).abs() < 1e-12);
         // On the ellipse at 60 degrees: 1.5 cos, 0.8 sin.
         assert!(at(0.75, 0.8 * 0.75f64.sqrt()).abs() < 1e-12);
@@ -218,7 +218,7 @@ pub(super) mod tests {
         assert!((at(0.75, 0.0) + 0.4).abs() < 1e-12);
         assert!((at(0.0, 1.6) - 0.8).abs() < 1e-12);
         let twisted = Coordinates { swing: [0.0; 2], twist: 1.7 };
-        assert!((s.excess_of(twisted) - 0.2).abs() < 1e-12);
+        assert!((s.coordinate_excess(twisted) - 0.2).abs() < 1e-12);
         // The arm at rest is 0.7 rad from the middle, about the first axis.
         let rest = s.coordinates(DQuat::IDENTITY);
         assert!((rest.swing[0] - 0.7).abs() < 1e-12 && rest.swing[1].abs() < 1e-12 && rest.twist.abs() < 1e-12);
@@ -267,7 +267,7 @@ pub(super) mod tests {
         fn admitted_rotations_are_inside(x in -2.2f64..2.2, y in -0.9f64..0.9, twist in -3.0f64..3.0) {
             for limits in [shoulder(), elbow()] {
                 let q = limits.rotation(Coordinates { swing: [x, y], twist });
-                let wide = limits.admitting(q);
+                let wide = limits.widened_to_admit(q);
                 prop_assert!(wide.excess(q) < 0.0, "{}", wide.excess(q));
                 if limits.excess(q) < -1e-2 {
                     prop_assert_eq!(wide, limits);
@@ -281,7 +281,7 @@ pub(super) mod tests {
                 let b = exp(DVec3::from(turn)) * a;
                 let [from, to] = [a, b].map(|q| limits.excess(q));
                 if from < 0.0 && to < 0.0 {
-                    prop_assert!((to - from).abs() <= limits.stiffness() * angle(a, b) * 1.02 + 1e-9);
+                    prop_assert!((to - from).abs() <= limits.stiffness() * angle_between(a, b) * 1.02 + 1e-9);
                 }
             }
         }

@@ -5,5 +5,5 @@ mod joint;
 mod sample;
 
 pub use file::{BodyLimits, LimitsError};
-pub use joint::{Coordinates, Interval, JointLimits, Swing};
-pub use sample::{Bias, Sampler, Style};
+pub use joint::{AngleInterval, Coordinates, JointLimits, SwingLimit};
+pub use sample::{Bias, PoseSampler, Style};

@@ -1,6 +1,6 @@
 //! Random poses within limits: bent elbows first, all of the range as the search goes on.
 
-use super::joint::{Coordinates, Interval, JointLimits, Swing};
+use super::joint::{AngleInterval, Coordinates, JointLimits, SwingLimit};
 use crate::linkage::{LimbPose, Linkage, MAX_JOINTS};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -12,9 +12,9 @@ use rand_pcg::Pcg64Mcg;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Style {
     /// About the first and the second axis of each joint of the linkage.
-    pub swing: [[Option<Interval>; 2]; MAX_JOINTS],
+    pub swing: [[Option<AngleInterval>; 2]; MAX_JOINTS],
     /// Twist of each joint.
-    pub twist: [Option<Interval>; MAX_JOINTS],
+    pub twist: [Option<AngleInterval>; MAX_JOINTS],
 }
 
 /// Share of its range from which a joint is sampled at first.
@@ -30,17 +30,17 @@ pub enum Bias {
 
 /// Draws poses of a linkage.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sampler {
+pub struct PoseSampler {
     linkage: Linkage,
     limits: [JointLimits; MAX_JOINTS],
     bias: [Bias; MAX_JOINTS],
     /// Coordinates around which narrow joints are sampled.
-    around: [Coordinates; MAX_JOINTS],
+    centres: [Coordinates; MAX_JOINTS],
     style: Style,
     widen_over: f64,
 }
 
-impl Sampler {
+impl PoseSampler {
     /// The paper's heuristics: flexion of elbow and knee from 90 to 100 % of its range at first, wrist, ankle and clavicle
     /// from half of theirs around the present pose, shoulder and hip from all of it.
     ///
@@ -54,18 +54,18 @@ impl Sampler {
     ) -> Self {
         let last = linkage.len() - 1;
         let bias = std::array::from_fn(|i| match limits[i].swing {
-            Swing::Hinge { .. } => Bias::Flexed(0.1),
-            Swing::Ellipse(_) if i == last || (i == 0 && linkage.len() == MAX_JOINTS) => Bias::Narrow(0.5),
-            Swing::Ellipse(_) => Bias::None,
+            SwingLimit::Hinge { .. } => Bias::Flexed(0.1),
+            SwingLimit::Ellipse(_) if i == last || (i == 0 && linkage.len() == MAX_JOINTS) => Bias::Narrow(0.5),
+            SwingLimit::Ellipse(_) => Bias::None,
         });
         let around = std::array::from_fn(|i| limits[i].coordinates(present.0[i]));
-        Self { linkage, limits, bias, around, style, widen_over: f64::from(widen_over.max(1)) }
+        Self { linkage, limits, bias, centres: around, style, widen_over: f64::from(widen_over.max(1)) }
     }
 
     /// A pose within limits.
     ///
     /// - `draw`: number of draws before: intervals widen with it.
-    pub fn draw(&self, rng: &mut Pcg64Mcg, draw: u32) -> LimbPose {
+    pub fn draw_pose(&self, rng: &mut Pcg64Mcg, draw: u32) -> LimbPose {
         let widened = (f64::from(draw) / self.widen_over).min(1.0);
         let mut pose = LimbPose::REST;
         for i in 0..self.linkage.len() {
@@ -77,33 +77,34 @@ impl Sampler {
     fn coordinates(&self, i: usize, rng: &mut Pcg64Mcg, widened: f64) -> Coordinates {
         let limits = &self.limits[i];
         let from = |least: f64| least + (1.0 - least) * widened;
-        let narrow = |whole: Interval, middle: f64| match self.bias[i] {
+        let narrow = |whole: AngleInterval, middle: f64| match self.bias[i] {
             Bias::Narrow(share) => {
                 let half = 0.5 * from(share) * whole.length();
-                Interval::new(middle - half, middle + half).within(whole)
+                AngleInterval::new(middle - half, middle + half).intersection(whole)
             }
             Bias::None | Bias::Flexed(_) => whole,
         };
-        let wanted = |style: Option<Interval>, whole: Interval| style.map_or(whole, |s| s.within(whole));
-        let twist = narrow(limits.twist, self.around[i].twist);
+        let wanted =
+            |style: Option<AngleInterval>, whole: AngleInterval| style.map_or(whole, |s| s.intersection(whole));
+        let twist = narrow(limits.twist, self.centres[i].twist);
         // Wrist and ankle only swing: the little twist that they have in clips is play.
         let swings_only = i + 1 == self.linkage.len();
-        let twist = if swings_only { 0.0 } else { uniform(rng, wanted(self.style.twist[i], twist)) };
+        let twist = if swings_only { 0.0 } else { draw_angle(rng, wanted(self.style.twist[i], twist)) };
         let [first, second] = self.style.swing[i];
         let swing = match limits.swing {
-            Swing::Hinge { flexion, .. } => {
+            SwingLimit::Hinge { flexion, .. } => {
                 let share = match self.bias[i] {
                     Bias::Flexed(share) => from(share),
                     Bias::None | Bias::Narrow(_) => 1.0,
                 };
-                let flexed = Interval::new(flexion.at(1.0 - share), flexion.most);
+                let flexed = AngleInterval::new(flexion.angle_at(1.0 - share), flexion.most);
                 // Angles that the user wants come before those that look best.
-                [uniform(rng, first.map_or(flexed, |s| s.within(flexion))), 0.0]
+                [draw_angle(rng, first.map_or(flexed, |s| s.intersection(flexion))), 0.0]
             }
-            Swing::Ellipse(radii) => {
+            SwingLimit::Ellipse(radii) => {
                 let box_of = |k: usize, style| {
-                    let whole = Interval::around_zero(radii[k]);
-                    wanted(style, narrow(whole, self.around[i].swing[k]))
+                    let whole = AngleInterval::around_zero(radii[k]);
+                    wanted(style, narrow(whole, self.centres[i].swing[k]))
                 };
                 in_ellipse(rng, radii, [box_of(0, first), box_of(1, second)])
             }
@@ -114,27 +115,27 @@ impl Sampler {
 
 /// Uniform sample of the intersection of an ellipse and a box; a point of the ellipse's rim behind one of the box where they
 /// hardly meet.
-fn in_ellipse(rng: &mut Pcg64Mcg, radii: [f64; 2], within: [Interval; 2]) -> [f64; 2] {
+fn in_ellipse(rng: &mut Pcg64Mcg, radii: [f64; 2], within: [AngleInterval; 2]) -> [f64; 2] {
     const TRIES: usize = 32;
     let mut point = [0.0; 2];
     for _ in 0..TRIES {
-        point = within.map(|i| uniform(rng, i));
-        if distance(point, radii) <= 1.0 {
+        point = within.map(|i| draw_angle(rng, i));
+        if ellipse_distance(point, radii) <= 1.0 {
             return point;
         }
     }
-    let far = distance(point, radii);
+    let far = ellipse_distance(point, radii);
     point.map(|x| x / far)
 }
 
 /// Distance from the middle of an ellipse, 1 on its rim.
-fn distance(point: [f64; 2], radii: [f64; 2]) -> f64 {
+fn ellipse_distance(point: [f64; 2], radii: [f64; 2]) -> f64 {
     let [x, y] = [point[0] / radii[0], point[1] / radii[1]];
     (x * x + y * y).sqrt()
 }
 
-fn uniform(rng: &mut Pcg64Mcg, interval: Interval) -> f64 {
-    interval.at(rng.random_range(0.0..1.0))
+fn draw_angle(rng: &mut Pcg64Mcg, interval: AngleInterval) -> f64 {
+    interval.angle_at(rng.random_range(0.0..1.0))
 }
 
 #[cfg(test)]
@@ -145,10 +146,10 @@ mod tests {
     use rand::SeedableRng;
     use throng_core::Skeleton;
 
-    fn sampler(limb: Limb, style: Style) -> (Sampler, [JointLimits; MAX_JOINTS]) {
+    fn sampler(limb: Limb, style: Style) -> (PoseSampler, [JointLimits; MAX_JOINTS]) {
         let linkage = Linkage { limb, with_clavicle: true };
-        let limits = BodyLimits::built_in(&Skeleton::default()).of_linkage(linkage).expect("limits");
-        (Sampler::new(linkage, limits, &LimbPose::REST, style, 100), limits)
+        let limits = BodyLimits::built_in(&Skeleton::default()).linkage_limits(linkage).expect("limits");
+        (PoseSampler::new(linkage, limits, &LimbPose::REST, style, 100), limits)
     }
 
     #[test]
@@ -157,7 +158,7 @@ mod tests {
             let (s, limits) = sampler(limb, Style::default());
             let mut rng = Pcg64Mcg::seed_from_u64(1);
             for draw in 0..2000 {
-                let pose = s.draw(&mut rng, draw);
+                let pose = s.draw_pose(&mut rng, draw);
                 for i in 0..s.linkage.len() {
                     assert!(limits[i].excess(pose.0[i]) < 1e-9, "{limb:?} {i}");
                 }
@@ -171,7 +172,7 @@ mod tests {
         let mut rng = Pcg64Mcg::seed_from_u64(2);
         let most = 150f64.to_radians();
         let mut least = |draw: u32| {
-            let flexion = (0..500).map(|_| limits[2].coordinates(s.draw(&mut rng, draw).0[2]).swing[0]);
+            let flexion = (0..500).map(|_| limits[2].coordinates(s.draw_pose(&mut rng, draw).0[2]).swing[0]);
             flexion.fold(f64::INFINITY, f64::min)
         };
         assert!(least(0) >= 0.9 * most - 1e-9);
@@ -182,12 +183,12 @@ mod tests {
     #[test]
     fn a_style_is_kept() {
         let mut style = Style::default();
-        style.swing[1][1] = Some(Interval::new(0.5, 1.0));
-        style.swing[2][0] = Some(Interval::new(0.2, 0.4));
+        style.swing[1][1] = Some(AngleInterval::new(0.5, 1.0));
+        style.swing[2][0] = Some(AngleInterval::new(0.2, 0.4));
         let (s, limits) = sampler(Limb::RightArm, style);
         let mut rng = Pcg64Mcg::seed_from_u64(3);
         for draw in 0..500 {
-            let pose = s.draw(&mut rng, draw);
+            let pose = s.draw_pose(&mut rng, draw);
             assert!((0.5 - 1e-9..=1.0 + 1e-9).contains(&limits[1].coordinates(pose.0[1]).swing[1]));
             assert!((0.2 - 1e-9..=0.4 + 1e-9).contains(&limits[2].coordinates(pose.0[2]).swing[0]));
         }
@@ -197,7 +198,7 @@ mod tests {
     fn samples_fill_an_ellipse_evenly() {
         let mut rng = Pcg64Mcg::seed_from_u64(4);
         let radii = [1.4, 0.7];
-        let whole = radii.map(Interval::around_zero);
+        let whole = radii.map(AngleInterval::around_zero);
         let inner = (0..20_000).filter(|_| {
             let [x, y] = in_ellipse(&mut rng, radii, whole);
             (x / 1.4).powi(2) + (y / 0.7).powi(2) < 0.25
@@ -210,7 +211,7 @@ mod tests {
     #[test]
     fn the_seed_decides() {
         let (s, _) = sampler(Limb::LeftLeg, Style::default());
-        let drawn = |seed| s.draw(&mut Pcg64Mcg::seed_from_u64(seed), 7);
+        let drawn = |seed| s.draw_pose(&mut Pcg64Mcg::seed_from_u64(seed), 7);
         assert_eq!(drawn(5), drawn(5));
         assert_ne!(drawn(5), drawn(6));
     }

@@ -6,17 +6,17 @@ mod tests;
 use crate::clips::{Misfit, with_motion};
 use crate::collide::Checker;
 use crate::correct::CorrectConfig;
-use crate::ik::Unreached;
+use crate::ik::IkError;
 use crate::linkage::LimbPose;
-use crate::planner::{LimbMotion, Outcome, Planner, Unsolved};
-use crate::problem::{Problem, State};
+use crate::planner::{LimbMotion, LimbPlanner, PlanError, PlanOutcome};
+use crate::problem::{LimbState, Problem};
 use crate::rotation::Rigid;
 use crate::setup::{ProblemError, ProblemSpec};
 use throng_motion::Clip;
 
 /// A target to reach in time.
 #[derive(Clone, Copy, Debug)]
-pub struct Reach<'a> {
+pub struct ReachTask<'a> {
     /// Transforms allowed for hand or foot at t_b, in the order in which they are tried.
     pub targets: &'a [Rigid],
     /// Times at which the limb leaves the clip, reaches and is back: t_a < t_b < t_c of the paper, taken to the nearest frames
@@ -25,24 +25,24 @@ pub struct Reach<'a> {
     /// Time after t_b for which the limb keeps its pose, in the frame of the joint that carries it (s).
     pub hold_s: f64,
     /// Surroundings on the path back, where they differ: a grasped object is in the hand.
-    pub back: Option<&'a ProblemSpec<'a>>,
+    pub return_spec: Option<&'a ProblemSpec<'a>>,
 }
 
 /// Result of a reach.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Reached {
+pub struct ReachOutcome {
     /// Index of the target.
     pub target: usize,
     /// The times, on frames (s).
     pub times_s: [f64; 3],
     /// Plans of the paths there and back.
-    pub outcomes: [Outcome; 2],
+    pub outcomes: [PlanOutcome; 2],
 }
 
 /// Reason why no target was reached.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum NotReached {
+pub enum ReachError {
     /// Times that do not ascend or lie outside of the clip.
     #[error(
         "expected three ascending times within the clip's 0 to {end_s:.2} s, at least a frame apart, found {times_s:?}"
@@ -67,7 +67,7 @@ pub enum NotReached {
         /// (s)
         time_s: f64,
         /// Failure of the nearest target: limits and obstacles count as nearer than a distance out of reach.
-        why: Unreached<String>,
+        why: IkError<String>,
     },
     /// The problem is invalid.
     #[error(transparent)]
@@ -78,7 +78,7 @@ pub enum NotReached {
         /// "there" or "back".
         what: &'static str,
         /// Reason of the failure.
-        why: Unsolved,
+        why: PlanError,
     },
 }
 
@@ -90,64 +90,68 @@ pub enum NotReached {
 /// - `spec`: the surroundings; its motion is the clip's, its ends are not used.
 ///
 /// # Errors
-/// [`NotReached`]; the clip stays as it was.
+/// [`ReachError`]; the clip stays as it was.
 ///
 /// # Source
 /// Shapiro, Kallmann and Faloutsos 2007, section 6.2.
-pub fn reach(
+pub fn reach_target(
     clip: &Clip,
     spec: &ProblemSpec<'_>,
-    task: &Reach<'_>,
+    task: &ReachTask<'_>,
     config: &CorrectConfig<'_>,
-) -> Result<(Clip, Reached), NotReached> {
+) -> Result<(Clip, ReachOutcome), ReachError> {
     let times_s = on_frames(clip, task.times_s)?;
     let [there_s, reach_s, back_s] = times_s;
     let held_s = ((reach_s + task.hold_s) * clip.rate_hz).round() / clip.rate_hz;
     if !(held_s >= reach_s && held_s < back_s) {
-        return Err(NotReached::Hold { hold_s: task.hold_s, most_s: back_s - reach_s });
+        return Err(ReachError::Hold { hold_s: task.hold_s, most_s: back_s - reach_s });
     }
-    let present = |time_s: f64| State { pose: spec.motion.limb_pose(spec.linkage, time_s), time_s };
-    let whole = Problem::prepare(&between(spec, present(there_s), present(back_s)))?;
-    let (target, pose) = reached(&whole, task, reach_s)?;
-    let at_target = State { pose, time_s: reach_s };
-    let mut planner = Planner::new();
-    let there = between(spec, present(there_s), at_target);
-    let (out, first) = planned(clip, &mut planner, &there, config, "there")?;
+    let present = |time_s: f64| LimbState { pose: spec.motion.limb_pose(spec.linkage, time_s), time_s };
+    let whole = Problem::prepare(&spec_between_states(spec, present(there_s), present(back_s)))?;
+    let (target, pose) = first_reached_target(&whole, task, reach_s)?;
+    let at_target = LimbState { pose, time_s: reach_s };
+    let mut planner = LimbPlanner::new();
+    let there = spec_between_states(spec, present(there_s), at_target);
+    let (out, first) = plan_into_clip(clip, &mut planner, &there, config, "there")?;
     let kept = vec![pose; ((held_s - reach_s) * clip.rate_hz).round() as usize + 1];
     let kept = LimbMotion { start_s: reach_s, step_s: 1.0 / clip.rate_hz, frames: &kept };
-    let out = with_motion(&out, 0.0, spec.linkage, &kept).map_err(misfit)?;
-    let back = between(task.back.unwrap_or(spec), State { time_s: held_s, ..at_target }, present(back_s));
-    let (out, second) = planned(&out, &mut planner, &back, config, "back")?;
-    Ok((out, Reached { target, times_s, outcomes: [first, second] }))
+    let out = with_motion(&out, 0.0, spec.linkage, &kept).map_err(misfit_error)?;
+    let back = spec_between_states(
+        task.return_spec.unwrap_or(spec),
+        LimbState { time_s: held_s, ..at_target },
+        present(back_s),
+    );
+    let (out, second) = plan_into_clip(&out, &mut planner, &back, config, "back")?;
+    Ok((out, ReachOutcome { target, times_s, outcomes: [first, second] }))
 }
 
-pub(crate) fn between<'a>(spec: &ProblemSpec<'a>, init: State, goal: State) -> ProblemSpec<'a> {
+pub(crate) fn spec_between_states<'a>(spec: &ProblemSpec<'a>, init: LimbState, goal: LimbState) -> ProblemSpec<'a> {
     ProblemSpec { init, goal, admit_ends: true, ..spec.clone() }
 }
 
-fn on_frames(clip: &Clip, times_s: [f64; 3]) -> Result<[f64; 3], NotReached> {
+fn on_frames(clip: &Clip, times_s: [f64; 3]) -> Result<[f64; 3], ReachError> {
     let last = clip.num_frames().saturating_sub(1) as f64;
     let frames = times_s.map(|t| (t * clip.rate_hz).round());
     let ascend = frames[0] >= 0.0 && frames[0] < frames[1] && frames[1] < frames[2] && frames[2] <= last;
     if !ascend {
-        return Err(NotReached::Times { times_s, end_s: last / clip.rate_hz });
+        return Err(ReachError::Times { times_s, end_s: last / clip.rate_hz });
     }
     Ok(frames.map(|f| f / clip.rate_hz))
 }
 
 /// The first target that is reached, and the pose that reaches it.
-fn reached(problem: &Problem, task: &Reach<'_>, time_s: f64) -> Result<(usize, LimbPose), NotReached> {
+fn first_reached_target(problem: &Problem, task: &ReachTask<'_>, time_s: f64) -> Result<(usize, LimbPose), ReachError> {
     let mut checker = Checker::default();
-    let present = problem.present_at(time_s);
-    let mut nearest: Option<Unreached<String>> = None;
+    let present = problem.external_pose_at(time_s);
+    let mut nearest: Option<IkError<String>> = None;
     for (i, target) in task.targets.iter().enumerate() {
-        match problem.reach(&mut checker, target, time_s, &present) {
+        match problem.solve_reach(&mut checker, target, time_s, &present) {
             Ok(pose) => return Ok((i, pose)),
             Err(why) => {
                 let is_nearer = match (&nearest, &why) {
-                    (Some(Unreached::OutOfReach { by_m: a }), Unreached::OutOfReach { by_m: b }) => b < a,
-                    (Some(Unreached::OutOfLimits { by_rad: a, .. }), Unreached::OutOfLimits { by_rad: b, .. }) => b < a,
-                    (Some(Unreached::OutOfReach { .. }) | None, _) => true,
+                    (Some(IkError::OutOfReach { by_m: a }), IkError::OutOfReach { by_m: b }) => b < a,
+                    (Some(IkError::OutOfLimits { by_rad: a, .. }), IkError::OutOfLimits { by_rad: b, .. }) => b < a,
+                    (Some(IkError::OutOfReach { .. }) | None, _) => true,
                     (Some(_), _) => false,
                 };
                 if is_nearer {
@@ -156,26 +160,26 @@ fn reached(problem: &Problem, task: &Reach<'_>, time_s: f64) -> Result<(usize, L
             }
         }
     }
-    let why = nearest.unwrap_or(Unreached::OutOfReach { by_m: f64::INFINITY });
-    Err(NotReached::Target { time_s, why })
+    let why = nearest.unwrap_or(IkError::OutOfReach { by_m: f64::INFINITY });
+    Err(ReachError::Target { time_s, why })
 }
 
 /// Plans from a spec's start to its goal, and writes the motion into the clip.
-pub(crate) fn planned(
+pub(crate) fn plan_into_clip(
     clip: &Clip,
-    planner: &mut Planner,
+    planner: &mut LimbPlanner,
     spec: &ProblemSpec<'_>,
     config: &CorrectConfig<'_>,
     what: &'static str,
-) -> Result<(Clip, Outcome), NotReached> {
+) -> Result<(Clip, PlanOutcome), ReachError> {
     let problem = Problem::new(spec)?;
     let outcome = config.run(planner, &problem, clip.rate_hz);
     match (outcome.why, planner.motion()) {
-        (None, Some(motion)) => Ok((with_motion(clip, 0.0, spec.linkage, &motion).map_err(misfit)?, outcome)),
-        (why, _) => Err(NotReached::Unsolved { what, why: why.unwrap_or(Unsolved::Rate) }),
+        (None, Some(motion)) => Ok((with_motion(clip, 0.0, spec.linkage, &motion).map_err(misfit_error)?, outcome)),
+        (why, _) => Err(ReachError::Unsolved { what, why: why.unwrap_or(PlanError::Rate) }),
     }
 }
 
-pub(crate) fn misfit(e: Misfit) -> ProblemError {
+pub(crate) fn misfit_error(e: Misfit) -> ProblemError {
     ProblemError::Value { what: e.to_string(), expected: "the clip's frames" }
 }

@@ -1,17 +1,17 @@
 //! The planner: search, then smoothing, within a budget.
 
-mod again;
 #[cfg(test)]
 mod tests;
+mod warm_start;
 
-pub use again::Planners;
+pub use warm_start::Planners;
 
 use crate::collide::Checker;
 use crate::linkage::{LimbPose, MAX_JOINTS};
 use crate::problem::Problem;
-use crate::rotation::angle;
-use crate::search::{Found, Quest, Search, SearchConfig, TimeGrid};
-use crate::smooth::{Roughness, SmoothConfig, Smoother, Window, roughness};
+use crate::rotation::angle_between;
+use crate::search::{SearchConfig, SearchOutcome, SearchRequest, TimeGrid, TreeSearch};
+use crate::smooth::{Roughness, RoundingWindow, SmoothConfig, Smoother, roughness};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -53,7 +53,7 @@ impl Default for Budget<'_> {
 /// Reason why there is no plan.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Unsolved {
+pub enum PlanError {
     /// The budget was spent.
     #[error("no way found with {draws} samples; the nearest that both ends came was {nearest_m:.3} m; give more time")]
     Spent {
@@ -74,15 +74,15 @@ pub enum Unsolved {
 }
 
 /// Random generator of a seed.
-pub fn seeded(seed: u64) -> Pcg64Mcg {
+pub fn seeded_rng(seed: u64) -> Pcg64Mcg {
     Pcg64Mcg::seed_from_u64(seed)
 }
 
 /// Result of a plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outcome {
+pub struct PlanOutcome {
     /// `None` where there is a motion.
-    pub why: Option<Unsolved>,
+    pub why: Option<PlanError>,
     /// Nodes of both trees.
     pub nodes: usize,
     /// Collision samples.
@@ -99,7 +99,7 @@ pub struct Outcome {
     pub roughness: [Roughness; 2],
 }
 
-impl Outcome {
+impl PlanOutcome {
     /// True where there is a motion.
     pub fn is_solved(&self) -> bool {
         self.why.is_none()
@@ -110,30 +110,30 @@ impl Outcome {
 ///
 /// Buffers are kept from plan to plan: nothing is allocated after the first one of its size.
 #[derive(Clone, Debug, Default)]
-pub struct Planner {
+pub struct LimbPlanner {
     checker: Checker,
-    search: Search,
-    spare_way: Vec<crate::problem::State>,
+    search: TreeSearch,
+    spare_path: Vec<crate::problem::LimbState>,
     frames: Vec<LimbPose>,
     spare: Vec<LimbPose>,
-    windows: Vec<Window>,
+    windows: Vec<RoundingWindow>,
     /// Time grid of the last plan.
     grid: Option<TimeGrid>,
 }
 
-impl Planner {
+impl LimbPlanner {
     /// A planner without a plan.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Plans a motion from the start to the goal, which [`Planner::motion`] then returns.
-    pub fn plan(&mut self, problem: &Problem, config: &PlanConfig, budget: &Budget<'_>) -> Outcome {
+    /// Plans a motion from the start to the goal, which [`LimbPlanner::motion`] then returns.
+    pub fn plan(&mut self, problem: &Problem, config: &PlanConfig, budget: &Budget<'_>) -> PlanOutcome {
         let began = Instant::now();
         let checks = self.checker.checks;
         self.grid = None;
         self.frames.clear();
-        let mut outcome = Outcome {
+        let mut outcome = PlanOutcome {
             why: None,
             nodes: 0,
             checks: 0,
@@ -144,30 +144,30 @@ impl Planner {
             roughness: [Roughness::default(); 2],
         };
         if !(1.0..=1000.0).contains(&budget.rate_hz) {
-            return Outcome { why: Some(Unsolved::Rate), ..outcome };
+            return PlanOutcome { why: Some(PlanError::Rate), ..outcome };
         }
         let is_cancelled = || budget.cancel.is_some_and(|c| c.load(Ordering::Relaxed));
         let is_late = || budget.seconds.is_some_and(|s| began.elapsed().as_secs_f64() > s);
         let keep_on = || match (is_cancelled(), is_late()) {
-            (true, _) => Some(Found::Cancelled),
-            (_, true) => Some(Found::Nothing),
+            (true, _) => Some(SearchOutcome::Cancelled),
+            (_, true) => Some(SearchOutcome::NoPath),
             _ => None,
         };
         let grid = TimeGrid::new(problem.init.time_s, problem.goal.time_s, budget.rate_hz);
-        let mut rng = seeded(budget.seed);
+        let mut rng = seeded_rng(budget.seed);
         let search = &mut self.search;
-        let quest = Quest { problem, config: &config.search, grid, draws: budget.draws, warm: budget.warm };
+        let quest = SearchRequest { problem, config: &config.search, grid, draws: budget.draws, warm: budget.warm };
         let found = search.run(quest, &mut self.checker, &mut rng, keep_on);
         outcome.nodes = search.num_nodes();
         outcome.first_solution_s = began.elapsed().as_secs_f64();
         let (draws, nearest_m) = (search.draws, search.nearest_m);
         match found {
-            Found::Way => {
+            SearchOutcome::Path => {
                 self.grid = Some(grid);
                 self.smooth(problem, config, grid, &mut rng, &mut outcome, || keep_on().is_none());
             }
-            Found::Nothing => outcome.why = Some(Unsolved::Spent { draws, nearest_m }),
-            Found::Cancelled => outcome.why = Some(Unsolved::Cancelled { draws }),
+            SearchOutcome::NoPath => outcome.why = Some(PlanError::Spent { draws, nearest_m }),
+            SearchOutcome::Cancelled => outcome.why = Some(PlanError::Cancelled { draws }),
         }
         outcome.checks = self.checker.checks - checks;
         outcome.total_s = began.elapsed().as_secs_f64();
@@ -180,17 +180,17 @@ impl Planner {
         config: &PlanConfig,
         grid: TimeGrid,
         rng: &mut Pcg64Mcg,
-        outcome: &mut Outcome,
+        outcome: &mut PlanOutcome,
         keep_on: impl Fn() -> bool,
     ) {
         let (smooth, len) = (&config.smooth, problem.chain.len());
         let frames_in = |seconds: f64| (seconds.max(0.0) / grid.step_s()).round().min(grid.steps as f64) as usize;
-        let (way, frames, spare) = (&mut self.search.way, &mut self.frames, &mut self.spare);
+        let (way, frames, spare) = (&mut self.search.path, &mut self.frames, &mut self.spare);
         let mut smoother = Smoother { problem, grid, check: config.search.edge, checker: &mut self.checker };
-        smoother.frames(way, frames);
+        smoother.fill_frames(way, frames);
         outcome.roughness[0] = roughness(frames, len, grid.step_s());
-        smoother.straighten(way, &mut self.spare_way, smooth.straighten, rng, &keep_on);
-        smoother.frames(way, frames);
+        smoother.straighten_path(way, &mut self.spare_path, smooth.straighten, rng, &keep_on);
+        smoother.fill_frames(way, frames);
         // Easing speeds up what lies between the ends; where corners cannot be rounded there, even time is smoother.
         for is_eased in [true, false] {
             if !keep_on() {
@@ -198,9 +198,9 @@ impl Planner {
             }
             outcome.eased = 0.0;
             if is_eased {
-                outcome.eased = smoother.ease(way, frames);
+                outcome.eased = smoother.ease_ends(way, frames);
             } else {
-                smoother.frames(way, frames);
+                smoother.fill_frames(way, frames);
             }
             smoother.round_corners(frames, frames_in(smooth.round_s), spare, &mut self.windows);
             std::mem::swap(frames, spare);
@@ -222,7 +222,7 @@ impl Planner {
     }
 
     /// The search trees of the last plan, for inspection.
-    pub fn search(&self) -> &Search {
+    pub fn search(&self) -> &TreeSearch {
         &self.search
     }
 }
@@ -245,7 +245,7 @@ impl LimbMotion<'_> {
         let pairs = || self.frames.iter().zip(other.frames);
         let differs = |i: usize| pairs().any(|(a, b)| a.0[i] != b.0[i]);
         let joints: Vec<usize> = (0..MAX_JOINTS).filter(|i| differs(*i)).collect();
-        let sum: f64 = pairs().flat_map(|(a, b)| joints.iter().map(|i| angle(a.0[*i], b.0[*i]))).sum();
+        let sum: f64 = pairs().flat_map(|(a, b)| joints.iter().map(|i| angle_between(a.0[*i], b.0[*i]))).sum();
         sum / (joints.len() * pairs().count()).max(1) as f64
     }
 }

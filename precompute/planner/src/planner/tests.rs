@@ -1,17 +1,17 @@
 use super::*;
-use crate::problem::{Solid, State};
-use crate::rotation::{Rigid, angle};
-use crate::shape::Shape;
-use crate::testing::{Somebody, solid, stuck};
-use crate::track::Path;
+use crate::problem::{LimbState, MovingSolid};
+use crate::rotation::{Rigid, angle_between};
+use crate::shape::SolidShape;
+use crate::testing::{TestCharacter, solid, stuck};
+use crate::track::RigidPath;
 use glam::DVec3;
 use throng_base::maths::slerp;
 
 /// A hand below a table that has to come above it: the straight way leads through the plate.
 fn table() -> Problem {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let ends = [(s.pose(0.0, -1.2, 0.2), 0.0), (s.pose(0.0, 0.1, 0.3), 1.5)];
-    let plate = Shape::cuboid(DVec3::new(0.9, 0.03, 0.6));
+    let plate = SolidShape::cuboid(DVec3::new(0.9, 0.03, 0.6));
     s.problem(ends, &[solid("table", plate, DVec3::new(0.65, 1.2, 0.55))]).expect("a problem")
 }
 
@@ -22,14 +22,14 @@ fn assert_free(problem: &Problem, motion: &LimbMotion<'_>) {
     let last = motion.frames.len() - 1;
     assert!((motion.start_s + last as f64 * motion.step_s - problem.goal().time_s).abs() < 1e-9);
     for i in 0..len {
-        assert!(angle(motion.frames[0].0[i], problem.init().pose.0[i]) < 1e-9);
-        assert!(angle(motion.frames[last].0[i], problem.goal().pose.0[i]) < 1e-9);
+        assert!(angle_between(motion.frames[0].0[i], problem.init().pose.0[i]) < 1e-9);
+        assert!(angle_between(motion.frames[last].0[i], problem.goal().pose.0[i]) < 1e-9);
     }
     let parts = (motion.step_s * 1000.0).ceil();
     for f in 0..last {
         let (a, b) = (&motion.frames[f], &motion.frames[f + 1]);
         for i in 0..len {
-            assert!(angle(a.0[i], b.0[i]) / motion.step_s <= problem.limits()[i].speed + 1e-6);
+            assert!(angle_between(a.0[i], b.0[i]) / motion.step_s <= problem.limits()[i].speed + 1e-6);
         }
         for k in 0..parts as usize {
             let share = k as f64 / parts;
@@ -38,20 +38,20 @@ fn assert_free(problem: &Problem, motion: &LimbMotion<'_>) {
                 pose.0[i] = slerp(a.0[i], b.0[i], share);
                 assert!(problem.limits()[i].excess(pose.0[i]) < 2e-3);
             }
-            let state = State { pose, time_s: motion.start_s + (f as f64 + share) * motion.step_s };
-            let hit = checker.deepest(problem, &state);
+            let state = LimbState { pose, time_s: motion.start_s + (f as f64 + share) * motion.step_s };
+            let hit = checker.deepest_hit(problem, &state);
             assert!(
                 hit.is_none_or(|h| h.depth_m < 1e-6),
                 "{:?} at {}",
-                hit.map(|h| (problem.names(&h), h)),
+                hit.map(|h| (problem.hit_names(&h), h)),
                 state.time_s
             );
         }
     }
 }
 
-fn solved(problem: &Problem, seed: u64) -> (Planner, Outcome) {
-    let mut planner = Planner::new();
+fn solved(problem: &Problem, seed: u64) -> (LimbPlanner, PlanOutcome) {
+    let mut planner = LimbPlanner::new();
     let outcome = planner.plan(problem, &PlanConfig::default(), &Budget { seed, ..Budget::default() });
     assert!(outcome.is_solved(), "seed {seed}: {outcome:?}");
     assert_free(problem, &planner.motion().expect("a motion"));
@@ -60,7 +60,7 @@ fn solved(problem: &Problem, seed: u64) -> (Planner, Outcome) {
 
 #[test]
 fn an_empty_world_is_crossed_straight() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let problem = s.problem([(s.pose(0.3, 0.3, 0.6), 0.0), (s.pose(-0.3, -0.3, 0.9), 1.0)], &[]).expect("a problem");
     let (_, outcome) = solved(&problem, 1);
     assert_eq!(outcome.nodes, 2);
@@ -82,21 +82,21 @@ fn a_hand_comes_round_a_table() {
 fn a_search_cancelled_after_any_node_leaves_what_was() {
     let problem = table();
     let fresh = solved(&problem, 5);
-    let motion = |planner: &Planner| planner.motion().expect("a motion").frames.to_vec();
+    let motion = |planner: &LimbPlanner| planner.motion().expect("a motion").frames.to_vec();
     let (mut planner, mut asked_most) = (fresh.0.clone(), 0);
     for stop in 1.. {
         let grid = TimeGrid::new(0.0, 1.5, 30.0);
         let config = PlanConfig::default();
-        let quest = Quest { problem: &problem, config: &config.search, grid, draws: 20_000, warm: false };
+        let quest = SearchRequest { problem: &problem, config: &config.search, grid, draws: 20_000, warm: false };
         let mut asked = 0;
-        let found = planner.search.run(quest, &mut planner.checker, &mut seeded(5), || {
+        let found = planner.search.run(quest, &mut planner.checker, &mut seeded_rng(5), || {
             asked += 1;
-            (asked == stop).then_some(Found::Cancelled)
+            (asked == stop).then_some(SearchOutcome::Cancelled)
         });
-        if found == Found::Way {
+        if found == SearchOutcome::Path {
             break;
         }
-        assert_eq!((found, asked), (Found::Cancelled, stop));
+        assert_eq!((found, asked), (SearchOutcome::Cancelled, stop));
         asked_most = stop;
         let again = planner.plan(&problem, &PlanConfig::default(), &Budget { seed: 5, ..Budget::default() });
         assert_eq!((motion(&planner), again.nodes), (motion(&fresh.0), fresh.1.nodes));
@@ -105,16 +105,16 @@ fn a_search_cancelled_after_any_node_leaves_what_was() {
     let cancel = AtomicBool::new(true);
     let outcome =
         planner.plan(&problem, &PlanConfig::default(), &Budget { cancel: Some(&cancel), ..Budget::default() });
-    assert!(matches!(outcome.why, Some(Unsolved::Cancelled { draws: 0 })) && planner.motion().is_none());
+    assert!(matches!(outcome.why, Some(PlanError::Cancelled { draws: 0 })) && planner.motion().is_none());
 }
 
 /// The table is moved a little at a time: what is left of the trees is gone on with.
 #[test]
 fn a_warm_start_goes_on_with_the_last_trees() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let ends = [(s.pose(0.0, -1.2, 0.2), 0.0), (s.pose(0.0, 0.1, 0.3), 1.5)];
     let at = |moved: f64| {
-        let plate = Shape::cuboid(DVec3::new(0.9, 0.03, 0.6));
+        let plate = SolidShape::cuboid(DVec3::new(0.9, 0.03, 0.6));
         s.problem(ends, &[solid("table", plate, DVec3::new(0.65, 1.2, 0.55 + moved))]).expect("a problem")
     };
     let (mut cold_checks, mut warm_checks) = (0, 0);
@@ -130,7 +130,7 @@ fn a_warm_start_goes_on_with_the_last_trees() {
             assert!(outcome.is_solved(), "{seed} {k}: {outcome:?}");
             assert_free(&problem, &planner.motion().expect("a motion"));
             warm_checks += planner.search().draws;
-            let mut cold = Planner::new();
+            let mut cold = LimbPlanner::new();
             cold.plan(&problem, &PlanConfig::default(), &Budget { seed, ..Budget::default() });
             cold_checks += cold.search().draws;
         }
@@ -149,39 +149,43 @@ fn bisection_solves_it_too() {
     let problem = table();
     let mut config = PlanConfig::default();
     config.search.edge = crate::collide::EdgeCheck::Bisection { resolution_rad: 0.02 };
-    let outcome = Planner::new().plan(&problem, &config, &Budget::default());
+    let outcome = LimbPlanner::new().plan(&problem, &config, &Budget::default());
     assert!(outcome.is_solved());
 }
 
 /// A wall before the hand has a hole only from 0.6 to 0.8 s.
 #[test]
 fn a_gate_that_opens_for_a_moment_is_passed_in_that_moment() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     // From beside the gate, through where it is, to the other side: the whole sheet moves up for 0.2 s.
     let ends = [(s.pose(0.9, -0.1, 0.1), 0.0), (s.pose(-0.5, -0.1, 0.1), 1.5)];
     let open = s.problem(ends, &[]).expect("a problem");
-    let middle = open.place(&State { pose: s.pose(0.2, -0.1, 0.1), time_s: 0.0 });
+    let middle = open.place_chain(&LimbState { pose: s.pose(0.2, -0.1, 0.1), time_s: 0.0 });
     let along = (middle[2].position - middle[0].position).normalize();
     let normal = along.cross(DVec3::Y).normalize();
     // The plate stands along the arm, from near the body to far out; nothing gets round it.
-    let rotation = crate::rotation::between(DVec3::X, normal);
+    let rotation = crate::rotation::rotation_between(DVec3::X, normal);
     let closed = Rigid { position: middle[0].position + along * 0.8, rotation };
     let up = Rigid { position: closed.position + DVec3::Y * 8.0, rotation };
     let keys = [(0.0, closed), (0.55, closed), (0.6, up), (0.8, up), (0.85, closed), (2.0, closed)];
-    let gate = Solid { name: "gate".into(), shape: Shape::cuboid(DVec3::new(0.02, 4.0, 1.2)), path: Path::keys(&keys) };
+    let gate = MovingSolid {
+        name: "gate".into(),
+        shape: SolidShape::cuboid(DVec3::new(0.02, 4.0, 1.2)),
+        path: RigidPath::from_keys(&keys),
+    };
     let problem = s.problem(ends, &[gate]).expect("a problem");
     let mut config = PlanConfig::default();
     config.search.widen_over = 50;
     for seed in 0..5 {
-        let mut planner = Planner::new();
+        let mut planner = LimbPlanner::new();
         let outcome = planner.plan(&problem, &config, &Budget { seed, ..Budget::default() });
         assert!(outcome.is_solved(), "seed {seed}: {outcome:?}");
         let motion = planner.motion().expect("a motion");
         assert_free(&problem, &motion);
         // The hand changes sides while the gate is up, and at no other time.
         let side = |f: usize| {
-            let state = State { pose: motion.frames[f], time_s: motion.start_s + f as f64 * motion.step_s };
-            (problem.place(&state)[2].position - closed.position).dot(normal) > 0.0
+            let state = LimbState { pose: motion.frames[f], time_s: motion.start_s + f as f64 * motion.step_s };
+            (problem.place_chain(&state)[2].position - closed.position).dot(normal) > 0.0
         };
         for f in (1..motion.frames.len()).filter(|&f| side(f) != side(f - 1)) {
             let time_s = motion.start_s + f as f64 * motion.step_s;
@@ -192,17 +196,17 @@ fn a_gate_that_opens_for_a_moment_is_passed_in_that_moment() {
 
 #[test]
 fn a_goal_that_is_the_start_is_kept_or_left_and_found_again() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let pose = s.pose(0.0, -0.2, 0.4);
     let still = s.problem([(pose, 0.0), (pose, 1.0)], &[]).expect("a problem");
     let (planner, _) = solved(&still, 1);
     let motion = planner.motion().expect("a motion");
-    assert!(motion.frames.iter().all(|f| angle(f.0[0], pose.0[0]) < 1e-6));
+    assert!(motion.frames.iter().all(|f| angle_between(f.0[0], pose.0[0]) < 1e-6));
     // A ball comes by: the hand gives way and comes back.
-    let hand = still.place(still.init())[2].position;
+    let hand = still.place_chain(still.init())[2].position;
     let away = DVec3::new(0.0, 0.0, 2.0);
-    let keys = [(0.0, hand + away), (0.5, hand), (0.9, hand + away)].map(|(t, p)| (t, Rigid::at(p)));
-    let ball = Solid { name: "ball".into(), shape: Shape::ball(0.08), path: Path::keys(&keys) };
+    let keys = [(0.0, hand + away), (0.5, hand), (0.9, hand + away)].map(|(t, p)| (t, Rigid::from_position(p)));
+    let ball = MovingSolid { name: "ball".into(), shape: SolidShape::ball(0.08), path: RigidPath::from_keys(&keys) };
     let problem = s.problem([(pose, 0.0), (pose, 1.0)], &[ball]).expect("a problem");
     for seed in 0..5 {
         let (_, outcome) = solved(&problem, seed);
@@ -214,7 +218,7 @@ fn a_goal_that_is_the_start_is_kept_or_left_and_found_again() {
 fn the_seed_decides_at_any_number_of_threads() {
     let problem = table();
     let plan = |seed: u64| {
-        let mut planner = Planner::new();
+        let mut planner = LimbPlanner::new();
         let outcome = planner.plan(&problem, &PlanConfig::default(), &Budget { seed, ..Budget::default() });
         (outcome.checks, planner.motion().map(|m| m.frames.to_vec()))
     };
@@ -227,7 +231,7 @@ fn the_seed_decides_at_any_number_of_threads() {
         assert_eq!(together, alone);
     }
     // A planner that planned something else before plans the same.
-    let mut used = Planner::new();
+    let mut used = LimbPlanner::new();
     let budget = |seed| Budget { seed, ..Budget::default() };
     used.plan(&problem, &PlanConfig::default(), &budget(7));
     used.plan(&problem, &PlanConfig::default(), &budget(0));
@@ -236,10 +240,11 @@ fn the_seed_decides_at_any_number_of_threads() {
 
 #[test]
 fn what_cannot_be_done_ends_with_the_budget_and_says_how_near_it_came() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let problem = stuck(&s);
-    let outcome = Planner::new().plan(&problem, &PlanConfig::default(), &Budget { draws: 300, ..Budget::default() });
-    let Some(Unsolved::Spent { draws, nearest_m }) = outcome.why else { panic!("{outcome:?}") };
+    let outcome =
+        LimbPlanner::new().plan(&problem, &PlanConfig::default(), &Budget { draws: 300, ..Budget::default() });
+    let Some(PlanError::Spent { draws, nearest_m }) = outcome.why else { panic!("{outcome:?}") };
     assert!(draws == 300 && nearest_m > 0.01 && nearest_m < 1.0, "{nearest_m}");
 }
 
@@ -247,13 +252,13 @@ fn what_cannot_be_done_ends_with_the_budget_and_says_how_near_it_came() {
 fn cancelled_or_without_time_it_stops_and_can_go_on_later() {
     let problem = table();
     let cancel = AtomicBool::new(true);
-    let mut planner = Planner::new();
+    let mut planner = LimbPlanner::new();
     let outcome =
         planner.plan(&problem, &PlanConfig::default(), &Budget { cancel: Some(&cancel), ..Budget::default() });
-    assert_eq!(outcome.why, Some(Unsolved::Cancelled { draws: 0 }));
+    assert_eq!(outcome.why, Some(PlanError::Cancelled { draws: 0 }));
     assert!(planner.motion().is_none());
     let outcome = planner.plan(&problem, &PlanConfig::default(), &Budget { seconds: Some(0.0), ..Budget::default() });
-    assert!(matches!(outcome.why, Some(Unsolved::Spent { .. })));
+    assert!(matches!(outcome.why, Some(PlanError::Spent { .. })));
     // After any number of samples it leaves nothing behind that matters.
     let whole = solved(&problem, 3).0.motion().map(|m| m.frames.to_vec());
     for draws in [1, 2, 5, 17] {
@@ -262,7 +267,7 @@ fn cancelled_or_without_time_it_stops_and_can_go_on_later() {
         assert_eq!(planner.motion().map(|m| m.frames.to_vec()), whole);
     }
     let rate = planner.plan(&problem, &PlanConfig::default(), &Budget { rate_hz: f64::NAN, ..Budget::default() });
-    assert_eq!(rate.why, Some(Unsolved::Rate));
+    assert_eq!(rate.why, Some(PlanError::Rate));
 }
 
 #[test]
@@ -270,15 +275,15 @@ fn styles_give_low_and_high_arms() {
     let problem = table();
     let highest = |low: f64, high: f64| {
         let mut config = PlanConfig::default();
-        config.search.style.swing[0][1] = Some(crate::limits::Interval::new(low, high));
+        config.search.style.swing[0][1] = Some(crate::limits::AngleInterval::new(low, high));
         config.smooth.straighten = 0;
         let mut most = f64::NEG_INFINITY;
         for seed in 0..5 {
-            let mut planner = Planner::new();
+            let mut planner = LimbPlanner::new();
             assert!(planner.plan(&problem, &config, &Budget { seed, ..Budget::default() }).is_solved());
             let motion = planner.motion().expect("a motion");
             for pose in motion.frames {
-                let elbow = problem.place(&State { pose: *pose, time_s: 0.5 })[1].position.y;
+                let elbow = problem.place_chain(&LimbState { pose: *pose, time_s: 0.5 })[1].position.y;
                 most = f64::max(most, elbow);
             }
         }
@@ -291,18 +296,18 @@ fn styles_give_low_and_high_arms() {
 /// Two plates with a slit between them that a hand is too thick for: the way leads below both.
 #[test]
 fn a_slit_too_narrow_is_gone_round() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let ends = [(s.pose(0.9, -0.1, 0.1), 0.0), (s.pose(-0.5, -0.1, 0.1), 1.5)];
     let open = s.problem(ends, &[]).expect("a problem");
-    let middle = open.place(&State { pose: s.pose(0.2, -0.1, 0.1), time_s: 0.0 });
+    let middle = open.place_chain(&LimbState { pose: s.pose(0.2, -0.1, 0.1), time_s: 0.0 });
     let along = (middle[2].position - middle[0].position).with_y(0.0).normalize();
     let normal = along.cross(DVec3::Y).normalize();
-    let rotation = crate::rotation::between(DVec3::X, normal);
+    let rotation = crate::rotation::rotation_between(DVec3::X, normal);
     let at = middle[0].position + along * 0.85;
-    let plate = |name: &str, low: f64, high: f64| Solid {
+    let plate = |name: &str, low: f64, high: f64| MovingSolid {
         name: name.into(),
-        shape: Shape::cuboid(DVec3::new(0.02, high - low, 1.3)),
-        path: Path::Still(Rigid { position: at.with_y(0.5 * (low + high)), rotation }),
+        shape: SolidShape::cuboid(DVec3::new(0.02, high - low, 1.3)),
+        path: RigidPath::Still(Rigid { position: at.with_y(0.5 * (low + high)), rotation }),
     };
     // Slit at the height at which the hand swings across, 4 cm wide.
     let height = middle[2].position.y;
@@ -311,7 +316,7 @@ fn a_slit_too_narrow_is_gone_round() {
     for seed in 0..5 {
         let (planner, _) = solved(&problem, seed);
         let motion = planner.motion().expect("a motion");
-        let hands = motion.frames.iter().map(|p| problem.place(&State { pose: *p, time_s: 0.0 })[2].position);
+        let hands = motion.frames.iter().map(|p| problem.place_chain(&LimbState { pose: *p, time_s: 0.0 })[2].position);
         let hands: Vec<DVec3> = hands.collect();
         let side = |p: DVec3| (p - at).dot(normal) > 0.0;
         for w in hands.windows(2).filter(|w| side(w[0]) != side(w[1])) {
@@ -323,13 +328,13 @@ fn a_slit_too_narrow_is_gone_round() {
 
 #[test]
 fn a_reach_from_rest_to_rest_has_one_peak_of_speed() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let problem = s.problem([(s.pose(0.5, -0.6, 1.2), 0.0), (s.pose(-0.3, 0.2, 0.4), 1.2)], &[]).expect("a problem");
-    let mut planner = Planner::new();
+    let mut planner = LimbPlanner::new();
     let budget = Budget { rate_hz: 60.0, ..Budget::default() };
     assert!(planner.plan(&problem, &PlanConfig::default(), &budget).is_solved());
     let motion = planner.motion().expect("a motion");
-    let hand = |f: usize| problem.place(&State { pose: motion.frames[f], time_s: 0.0 })[2].position;
+    let hand = |f: usize| problem.place_chain(&LimbState { pose: motion.frames[f], time_s: 0.0 })[2].position;
     let speeds: Vec<f64> = (1..motion.frames.len()).map(|f| hand(f).distance(hand(f - 1))).collect();
     let peak = speeds.iter().copied().fold(0.0, f64::max);
     // Starting and stopping gently, and never slow in between.
@@ -341,8 +346,9 @@ fn a_reach_from_rest_to_rest_has_one_peak_of_speed() {
 #[test]
 fn variants_differ_by_what_is_said() {
     let problem = table();
-    let motions: Vec<Planner> = (0..3).map(|seed| solved(&problem, seed).0).collect();
-    let apart = |a: &Planner, b: &Planner| a.motion().expect("a motion").distance_rad(&b.motion().expect("a motion"));
+    let motions: Vec<LimbPlanner> = (0..3).map(|seed| solved(&problem, seed).0).collect();
+    let apart =
+        |a: &LimbPlanner, b: &LimbPlanner| a.motion().expect("a motion").distance_rad(&b.motion().expect("a motion"));
     assert_eq!(apart(&motions[0], &motions[0]), 0.0);
     assert!(apart(&motions[0], &motions[1]) > 0.05 && apart(&motions[1], &motions[2]) > 0.05);
     assert_eq!(apart(&motions[0], &motions[1]), apart(&motions[1], &motions[0]));

@@ -1,19 +1,19 @@
 //! Distances by search: the distance from a convex shape is convex along a segment, and so is its least over another one.
 
-use crate::problem::Solid;
-use crate::shape::Shape;
+use crate::problem::MovingSolid;
+use crate::shape::SolidShape;
 use glam::{DVec3, Vec3};
 
 /// A capsule in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Core {
+pub(super) struct RecheckCapsule {
     pub a: DVec3,
     pub b: DVec3,
     pub radius: f64,
 }
 
 /// The least of a convex function over [0, 1], by golden section (Kiefer, 1953, "Sequential minimax search for a maximum").
-fn least(f: impl Fn(f64) -> f64) -> f64 {
+fn minimise(f: impl Fn(f64) -> f64) -> f64 {
     let golden = 0.5 * (5f64.sqrt() - 1.0);
     let (mut low, mut high) = (0.0, 1.0);
     let (mut left, mut right) = (1.0 - golden, golden);
@@ -40,8 +40,8 @@ fn point_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
 }
 
 /// Distance from surface to surface; negative where they penetrate (m).
-pub(super) fn to_capsule(c: &Core, other: &Core) -> f64 {
-    least(|u| point_segment(c.a.lerp(c.b, u), other.a, other.b)) - c.radius - other.radius
+pub(super) fn capsule_distance(c: &RecheckCapsule, other: &RecheckCapsule) -> f64 {
+    minimise(|u| point_segment(c.a.lerp(c.b, u), other.a, other.b)) - c.radius - other.radius
 }
 
 fn point_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
@@ -60,21 +60,21 @@ fn point_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
 const BALL_TRIANGLES: usize = 32;
 
 /// A solid, with bounds of its triangles.
-pub(super) struct Bounded<'a> {
-    pub solid: &'a Solid,
-    /// Middle and radius of a ball around each run of triangles, as [`to_solid`] goes through them; none but of a mesh (m).
+pub(super) struct BoundedSolid<'a> {
+    pub solid: &'a MovingSolid,
+    /// Middle and radius of a ball around each run of triangles, as [`solid_distance`] goes through them; none but of a mesh (m).
     balls: Vec<(DVec3, f64)>,
 }
 
-impl<'a> Bounded<'a> {
-    pub fn new(solid: &'a Solid) -> Self {
+impl<'a> BoundedSolid<'a> {
+    pub fn new(solid: &'a MovingSolid) -> Self {
         let ball = |triangles: &[[Vec3; 3]]| {
             let points = || triangles.as_flattened().iter().map(|p| p.as_dvec3());
             let middle = points().sum::<DVec3>() / points().count() as f64;
             (middle, points().map(|p| p.distance(middle)).fold(0.0, f64::max))
         };
         let balls = match &solid.shape {
-            Shape::Mesh(mesh) => mesh.corners().chunks(BALL_TRIANGLES).map(ball).collect(),
+            SolidShape::Mesh(mesh) => mesh.corners().chunks(BALL_TRIANGLES).map(ball).collect(),
             _ => Vec::new(),
         };
         Self { solid, balls }
@@ -84,21 +84,26 @@ impl<'a> Bounded<'a> {
 /// Distance from surface to surface; negative where they penetrate (m).
 ///
 /// - `far`: distances beyond it may be returned as infinity (m).
-pub(super) fn to_solid(c: &Core, Bounded { solid, balls }: &Bounded, time_s: f64, far: f64) -> f64 {
-    let place = solid.path.at(time_s);
+pub(super) fn solid_distance(
+    c: &RecheckCapsule,
+    BoundedSolid { solid, balls }: &BoundedSolid,
+    time_s: f64,
+    far: f64,
+) -> f64 {
+    let place = solid.path.place_at(time_s);
     let inverse = place.rotation.inverse();
     let [a, b] = [c.a, c.b].map(|p| inverse * (p - place.position));
     let at = |u: f64| a.lerp(b, u);
     let (middle, half_length) = (at(0.5), 0.5 * a.distance(b));
     // The nearest point of the segment is at most half its length nearer than its midpoint.
     let within = |limit: f64, from: &dyn Fn(DVec3) -> f64| {
-        if from(middle) - half_length > limit { f64::INFINITY } else { least(|u| from(at(u))) }
+        if from(middle) - half_length > limit { f64::INFINITY } else { minimise(|u| from(at(u))) }
     };
     let limit = c.radius + far;
     let core = match &solid.shape {
-        Shape::Round { core, radius } => within(limit + radius, &|p| point_segment(p, core.a, core.b)) - radius,
-        Shape::Cuboid { half } => within(limit, &|p| p.distance(p.clamp(-*half, *half))),
-        Shape::Mesh(mesh) => {
+        SolidShape::Round { core, radius } => within(limit + radius, &|p| point_segment(p, core.a, core.b)) - radius,
+        SolidShape::Cuboid { half } => within(limit, &|p| p.distance(p.clamp(-*half, *half))),
+        SolidShape::Mesh(mesh) => {
             let mut nearest = f64::INFINITY;
             for (triangles, (centre, radius)) in mesh.corners().chunks(BALL_TRIANGLES).zip(balls) {
                 if middle.distance(*centre) - radius - half_length > nearest.min(limit) {

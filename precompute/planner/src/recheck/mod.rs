@@ -10,12 +10,12 @@ mod tests;
 
 use crate::body::BodyCapsule;
 use crate::limits::JointLimits;
-use crate::problem::Solid;
+use crate::problem::MovingSolid;
 use crate::rotation::Rigid;
-use crate::setup::{Allowed, Held};
-use distance::{Bounded, Core, to_capsule, to_solid};
+use crate::setup::{AllowedContact, HeldCapsule};
+use distance::{BoundedSolid, RecheckCapsule, capsule_distance, solid_distance};
 use glam::{Quat, Vec3};
-pub(crate) use limits::outside;
+pub(crate) use limits::limit_excess;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 use throng_motion::Clip;
 use throng_motion::clip::joint_transforms;
@@ -56,13 +56,13 @@ pub struct Recheck<'a> {
     /// Capsules of the body.
     pub capsules: &'a [BodyCapsule],
     /// Capsules that the last of the planned joints carries.
-    pub held: &'a [Held],
+    pub held: &'a [HeldCapsule],
     /// Solids around.
-    pub solids: &'a [Solid],
+    pub solids: &'a [MovingSolid],
     /// Other characters around.
     pub others: &'a [OtherClip<'a>],
     /// Contacts that are allowed.
-    pub allowed: &'a [Allowed],
+    pub allowed: &'a [AllowedContact],
     /// Tolerated depth in solids and other characters (m).
     pub penetration_m: f64,
     /// Tolerated depth of parts of the own body in each other (m).
@@ -71,7 +71,7 @@ pub struct Recheck<'a> {
 
 /// A fault that was found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Violation {
+pub struct RecheckViolation {
     /// Time (s).
     pub time_s: f64,
     /// Description.
@@ -82,7 +82,7 @@ pub struct Violation {
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecheckReport {
     /// All faults.
-    pub violations: Vec<Violation>,
+    pub violations: Vec<RecheckViolation>,
     /// Largest depth in solids and other characters; 0 where there is none (m).
     pub penetration_max_m: f64,
     /// Least distance from solids and other characters; infinite without any (m).
@@ -98,7 +98,7 @@ pub struct RecheckReport {
     /// Largest distance of the second hand at an object from where it holds it, between the clip's frames, too (m).
     pub second_hand_off_m: f64,
     /// Number of samples.
-    pub looks: usize,
+    pub samples: usize,
 }
 
 impl Default for RecheckReport {
@@ -113,7 +113,7 @@ impl Default for RecheckReport {
             gaze_off_rad: 0.0,
             off_balance_m: 0.0,
             second_hand_off_m: 0.0,
-            looks: 0,
+            samples: 0,
         }
     }
 }
@@ -121,10 +121,10 @@ impl Default for RecheckReport {
 /// Checks that everything outside of spans is as it was, to the bit (but for the sign of a quaternion).
 ///
 /// - `spans`: joints, and the times from and to which they may differ (s).
-pub fn unchanged(before: &Clip, after: &Clip, spans: &[(Joint, [f64; 2])], report: &mut RecheckReport) {
+pub fn check_unchanged(before: &Clip, after: &Clip, spans: &[(Joint, [f64; 2])], report: &mut RecheckReport) {
     let (a, b) = (before, after);
     let mut wrong = |frame: usize, what: String| {
-        report.violations.push(Violation { time_s: frame as f64 / a.rate_hz, what });
+        report.violations.push(RecheckViolation { time_s: frame as f64 / a.rate_hz, what });
     };
     if a.num_frames() != b.num_frames() || a.rate_hz != b.rate_hz {
         return wrong(0, "frames or rate differ".into());
@@ -151,28 +151,28 @@ impl Recheck<'_> {
     pub fn run(&self) -> RecheckReport {
         let mut report = RecheckReport::default();
         let spans: Vec<(Joint, [f64; 2])> = self.planned.iter().map(|(j, _)| (*j, self.span_s)).collect();
-        unchanged(self.before, self.after, &spans, &mut report);
-        self.look_at_span(&mut report);
+        check_unchanged(self.before, self.after, &spans, &mut report);
+        self.check_span(&mut report);
         report
     }
 
     /// Checks the span alone; adds to a report.
-    pub fn look_at_span(&self, report: &mut RecheckReport) {
-        self.speeds(report);
-        let solids: Vec<Bounded> = self.solids.iter().map(Bounded::new).collect();
+    pub fn check_span(&self, report: &mut RecheckReport) {
+        self.check_speeds(report);
+        let solids: Vec<BoundedSolid> = self.solids.iter().map(BoundedSolid::new).collect();
         let looks = ((self.span_s[1] - self.span_s[0]) * RATE_HZ).round() as usize;
         for look in 0..=looks {
             let time_s = self.span_s[0] + look as f64 / RATE_HZ;
-            self.look(time_s.min(self.span_s[1]), &solids, report);
+            self.check_moment(time_s.min(self.span_s[1]), &solids, report);
         }
-        report.looks += looks + 1;
+        report.samples += looks + 1;
     }
 
     fn is_planned(&self, joint: Joint) -> bool {
         self.planned.iter().any(|(j, _)| *j == joint)
     }
 
-    fn speeds(&self, report: &mut RecheckReport) {
+    fn check_speeds(&self, report: &mut RecheckReport) {
         let clip = self.after;
         for frame in 1..clip.num_frames() {
             let time_s = frame as f64 / clip.rate_hz;
@@ -185,63 +185,65 @@ impl Recheck<'_> {
                 report.speed_share = report.speed_share.max(speed / limits.speed);
                 if speed > limits.speed * (1.0 + SPEED_TOLERANCE) {
                     let what = format!("{} turns at {speed:.2} rad/s, at most {:.2}", joint.name(), limits.speed);
-                    report.violations.push(Violation { time_s, what });
+                    report.violations.push(RecheckViolation { time_s, what });
                 }
             }
         }
     }
 
-    fn look(&self, time_s: f64, solids: &[Bounded], report: &mut RecheckReport) {
+    fn check_moment(&self, time_s: f64, solids: &[BoundedSolid], report: &mut RecheckReport) {
         let turns = turns_at(self.after, time_s);
         let joints = transforms_at(self.after, self.skeleton, time_s, &turns);
         for (joint, limits) in self.planned {
-            let by = outside(limits, turns[joint.index()]);
+            let by = limit_excess(limits, turns[joint.index()]);
             report.outside_limits_rad = report.outside_limits_rad.max(by);
             if by > LIMIT_TOLERANCE {
                 let what = format!("{} is out of limits by {by:.4} rad", joint.name());
-                report.violations.push(Violation { time_s, what });
+                report.violations.push(RecheckViolation { time_s, what });
             }
         }
-        let parts = self.moved(&joints);
+        let parts = self.planned_capsules(&joints);
         for (name, core) in &parts {
             for bounded in solids.iter().filter(|b| !self.may_touch(name, &b.solid.name, time_s)) {
-                let gap = to_solid(core, bounded, time_s, report.clearance_min_m.max(0.01));
-                self.note(name, &bounded.solid.name, gap, time_s, report);
+                let gap = solid_distance(core, bounded, time_s, report.clearance_min_m.max(0.01));
+                self.record_gap(name, &bounded.solid.name, gap, time_s, report);
             }
             for other in self.others.iter().filter(|o| !self.may_touch(name, o.name, time_s)) {
                 let theirs = transforms_at(other.clip, other.skeleton, time_s, &turns_at(other.clip, time_s));
                 for c in other.capsules {
-                    let gap = to_capsule(core, &placed(c, &theirs));
-                    self.note(name, other.name, gap, time_s, report);
+                    let gap = capsule_distance(core, &place_capsule(c, &theirs));
+                    self.record_gap(name, other.name, gap, time_s, report);
                 }
             }
         }
-        self.look_at_itself(&parts, &joints, time_s, report);
+        self.check_self_collision(&parts, &joints, time_s, report);
     }
 
-    fn note(&self, part: &str, with: &str, gap: f64, time_s: f64, report: &mut RecheckReport) {
+    fn record_gap(&self, part: &str, with: &str, gap: f64, time_s: f64, report: &mut RecheckReport) {
         report.clearance_min_m = report.clearance_min_m.min(gap);
         report.penetration_max_m = report.penetration_max_m.max(-gap);
         if gap < -self.penetration_m {
-            report.violations.push(Violation { time_s, what: format!("{part} is {:.4} m deep in {with}", -gap) });
+            report
+                .violations
+                .push(RecheckViolation { time_s, what: format!("{part} is {:.4} m deep in {with}", -gap) });
         }
     }
 
     /// Capsules that the planned joints carry.
-    fn moved(&self, joints: &[(Vec3, Quat); NUM_JOINTS]) -> Vec<(String, Core)> {
-        let of = |c: &&BodyCapsule| self.carried(c.joint);
-        let mut parts: Vec<(String, Core)> =
-            self.capsules.iter().filter(of).map(|c| (c.joint.name().to_owned(), placed(c, joints))).collect();
+    fn planned_capsules(&self, joints: &[(Vec3, Quat); NUM_JOINTS]) -> Vec<(String, RecheckCapsule)> {
+        let of = |c: &&BodyCapsule| self.is_carried(c.joint);
+        let mut parts: Vec<(String, RecheckCapsule)> =
+            self.capsules.iter().filter(of).map(|c| (c.joint.name().to_owned(), place_capsule(c, joints))).collect();
         if let Some((joint, _)) = self.planned.last() {
             for h in self.held {
                 let c = BodyCapsule { joint: *joint, core: h.core, radius: h.radius };
-                parts.push((h.name.clone(), placed(&c, joints)));
+                parts.push((h.name.clone(), place_capsule(&c, joints)));
             }
         }
         parts
     }
 
-    fn carried(&self, joint: Joint) -> bool {
+    fn is_carried(&self, joint: Joint) -> bool {
         let mut at = Some(joint);
         while let Some(j) = at {
             if self.is_planned(j) {
@@ -253,28 +255,28 @@ impl Recheck<'_> {
     }
 
     /// Checks parts of the limb against the rest of the body, but for neighbours and parts that overlap in the rest pose.
-    fn look_at_itself(
+    fn check_self_collision(
         &self,
-        parts: &[(String, Core)],
+        parts: &[(String, RecheckCapsule)],
         joints: &[(Vec3, Quat); NUM_JOINTS],
         time_s: f64,
         report: &mut RecheckReport,
     ) {
         let rest = self.skeleton.rest_positions().map(|p| (p, Quat::IDENTITY));
-        let rest_parts = self.moved(&rest);
+        let rest_parts = self.planned_capsules(&rest);
         let near = |name: &str, joint: Joint| {
             let own = Joint::from_name(name).or(self.planned.last().map(|p| p.0));
             own.is_some_and(|j| self.next_inwards(j) == Some(joint) || self.next_inwards(joint) == Some(j))
         };
         for ((name, core), (_, at_rest)) in parts.iter().zip(&rest_parts) {
-            for c in self.capsules.iter().filter(|c| !self.carried(c.joint)) {
+            for c in self.capsules.iter().filter(|c| !self.is_carried(c.joint)) {
                 let fills = self.capsules.iter().filter(|d| d.joint == c.joint);
-                let fused = || fills.clone().any(|d| to_capsule(at_rest, &placed(d, &rest)) < 0.0);
-                let gap = to_capsule(core, &placed(c, joints));
+                let fused = || fills.clone().any(|d| capsule_distance(at_rest, &place_capsule(d, &rest)) < 0.0);
+                let gap = capsule_distance(core, &place_capsule(c, joints));
                 let too_deep = gap < -self.self_press_m - self.penetration_m;
                 if too_deep && !near(name, c.joint) && !fused() && !self.may_touch(name, c.joint.name(), time_s) {
                     let what = format!("{name} is {:.4} m deep in {}", -gap, c.joint.name());
-                    report.violations.push(Violation { time_s, what });
+                    report.violations.push(RecheckViolation { time_s, what });
                 }
             }
         }
@@ -292,7 +294,7 @@ impl Recheck<'_> {
     fn may_touch(&self, part: &str, with: &str, time_s: f64) -> bool {
         self.allowed.iter().any(|a| {
             let here = a.window_s.is_none_or(|[from, to]| from <= time_s && time_s <= to);
-            here && a.with == with && a.part.as_deref().is_none_or(|p| p == part)
+            here && a.other == with && a.part.as_deref().is_none_or(|p| p == part)
         })
     }
 }
@@ -327,8 +329,8 @@ fn transforms_at(
     joint_transforms(skeleton, root, |j| turns[j])
 }
 
-fn placed(c: &BodyCapsule, joints: &[(Vec3, Quat); NUM_JOINTS]) -> Core {
+fn place_capsule(c: &BodyCapsule, joints: &[(Vec3, Quat); NUM_JOINTS]) -> RecheckCapsule {
     let (at, turn) = joints[c.joint.index()];
     let end = |p: glam::DVec3| at.as_dvec3() + turn.as_dquat().normalize() * p;
-    Core { a: end(c.core.a), b: end(c.core.b), radius: c.radius }
+    RecheckCapsule { a: end(c.core.a), b: end(c.core.b), radius: c.radius }
 }

@@ -1,14 +1,14 @@
-use super::distance::{Bounded, Core, to_capsule, to_solid};
+use super::distance::{BoundedSolid, RecheckCapsule, capsule_distance, solid_distance};
 use super::*;
 use crate::clips::with_motion;
-use crate::driven::Driven;
+use crate::driven::DrivenMotion;
 use crate::linkage::LimbPose;
-use crate::planner::{Budget, PlanConfig, Planner};
-use crate::problem::{Problem, State};
+use crate::planner::{Budget, LimbPlanner, PlanConfig};
+use crate::problem::{LimbState, Problem};
 use crate::rotation::{Rigid, exp};
 use crate::setup::ProblemSpec;
-use crate::shape::{Segment, Shape};
-use crate::testing::{Somebody, solid};
+use crate::shape::{Segment, SolidShape};
+use crate::testing::{TestCharacter, solid};
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use rand::SeedableRng;
@@ -16,7 +16,7 @@ use rand_pcg::Pcg64Mcg;
 use std::sync::Arc;
 
 /// A still clip of 60 frames with the arm somewhere.
-fn clip(s: &Somebody, arm: &LimbPose) -> Clip {
+fn clip(s: &TestCharacter, arm: &LimbPose) -> Clip {
     let mut row = vec![Quat::IDENTITY; NUM_JOINTS];
     for (i, j) in s.linkage.limb.joints().into_iter().enumerate() {
         row[j.index()] = arm.0[i].as_quat();
@@ -25,20 +25,24 @@ fn clip(s: &Somebody, arm: &LimbPose) -> Clip {
 }
 
 /// The hand gives way to a ball that comes by, and a table is in the way.
-fn planned(s: &Somebody) -> (Clip, Clip, Vec<Solid>, Problem) {
+fn planned(s: &TestCharacter) -> (Clip, Clip, Vec<MovingSolid>, Problem) {
     let arm = s.pose(0.0, -0.2, 0.4);
     let before = clip(s, &arm);
-    let motion = Driven::of_clip(&before, &s.skeleton, 0.0, 2.0);
-    let ends = [0.5, 1.5].map(|t| State { pose: motion.limb_pose(s.linkage, t), time_s: t });
+    let motion = DrivenMotion::from_clip(&before, &s.skeleton, 0.0, 2.0);
+    let ends = [0.5, 1.5].map(|t| LimbState { pose: motion.limb_pose(s.linkage, t), time_s: t });
     let spec = ProblemSpec::new(&s.skeleton, s.linkage, &s.limits, &motion, &s.shape, ends);
     let free = Problem::new(&spec).expect("a problem");
-    let hand = free.place(&ends[0])[2].position;
-    let keys = [(0.6, 2.0), (1.0, 0.0), (1.4, 2.0)].map(|(t, z)| (t, Rigid::at(hand + DVec3::Z * z)));
-    let ball = Solid { name: "ball".into(), shape: Shape::ball(0.08), path: crate::track::Path::keys(&keys) };
-    let hills = Shape::Mesh(Arc::new(crate::shape::tests::hills(30)));
+    let hand = free.place_chain(&ends[0])[2].position;
+    let keys = [(0.6, 2.0), (1.0, 0.0), (1.4, 2.0)].map(|(t, z)| (t, Rigid::from_position(hand + DVec3::Z * z)));
+    let ball = MovingSolid {
+        name: "ball".into(),
+        shape: SolidShape::ball(0.08),
+        path: crate::track::RigidPath::from_keys(&keys),
+    };
+    let hills = SolidShape::Mesh(Arc::new(crate::shape::tests::hills(30)));
     let solids = vec![ball, solid("hills", hills, hand - DVec3::Y * 0.45 + DVec3::Z * 1.1)];
     let problem = Problem::new(&ProblemSpec { solids: &solids, ..spec }).expect("a problem");
-    let mut planner = Planner::new();
+    let mut planner = LimbPlanner::new();
     let outcome = planner.plan(&problem, &PlanConfig::default(), &Budget::default());
     assert!(outcome.is_solved(), "{outcome:?}");
     let after = with_motion(&before, 0.0, s.linkage, &planner.motion().expect("a motion")).expect("it fits");
@@ -46,9 +50,9 @@ fn planned(s: &Somebody) -> (Clip, Clip, Vec<Solid>, Problem) {
 }
 
 fn check<'a>(
-    s: &'a Somebody,
+    s: &'a TestCharacter,
     clips: [&'a Clip; 2],
-    solids: &'a [Solid],
+    solids: &'a [MovingSolid],
     planned: &'a [(Joint, JointLimits)],
 ) -> Recheck<'a> {
     Recheck {
@@ -69,18 +73,18 @@ fn check<'a>(
 
 #[test]
 fn a_plan_passes_and_what_is_damaged_does_not() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let (before, after, solids, problem) = planned(&s);
     let joints = s.linkage.limb.joints();
     let planned: Vec<_> = (0..3).map(|i| (joints[i], problem.limits()[i])).collect();
     let report = check(&s, [&before, &after], &solids, &planned).run();
     assert_eq!(report.violations, []);
-    assert!(report.looks == 1001 && report.clearance_min_m > 0.003 && report.penetration_max_m == 0.0, "{report:?}");
+    assert!(report.samples == 1001 && report.clearance_min_m > 0.003 && report.penetration_max_m == 0.0, "{report:?}");
     // The clip as it was has the ball in its hand.
     let report = check(&s, [&before, &before], &solids, &planned).run();
     assert!(report.penetration_max_m > 0.05 && report.violations.iter().any(|v| v.what.contains("deep in ball")));
     // Allowed, nothing is wrong.
-    let allowed = [Allowed { part: None, with: "ball".into(), window_s: None }];
+    let allowed = [AllowedContact { part: None, other: "ball".into(), window_s: None }];
     let touching = Recheck { allowed: &allowed, ..check(&s, [&before, &before], &solids, &planned) };
     assert_eq!(touching.run().violations, []);
     // Something else moved; a joint jumps; another is bent backwards.
@@ -99,16 +103,16 @@ fn a_plan_passes_and_what_is_damaged_does_not() {
 
 #[test]
 fn limits_are_those_of_the_planner_by_another_way() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let mut rng = Pcg64Mcg::seed_from_u64(5);
     for limb in crate::linkage::Limb::ALL {
         let linkage = crate::linkage::Linkage::limb(limb);
-        let limits = s.limits.of_linkage(linkage).expect("limits");
+        let limits = s.limits.linkage_limits(linkage).expect("limits");
         for _ in 0..300 {
             let v: [f64; 3] = std::array::from_fn(|_| rand::RngExt::random_range(&mut rng, -1.2..1.2));
             let q = exp(DVec3::from(v));
             for l in &limits {
-                let [a, b] = [outside(l, q.as_quat()), l.excess(q.as_quat().as_dquat().normalize())];
+                let [a, b] = [limit_excess(l, q.as_quat()), l.excess(q.as_quat().as_dquat().normalize())];
                 assert!((a - b).abs() < 1e-5, "{a} {b}");
             }
         }
@@ -119,38 +123,38 @@ proptest! {
     #[test]
     fn distances_agree_with_the_planners(v in prop::array::uniform9(-0.6f64..0.6), turn in prop::array::uniform3(-1.0f64..1.0)) {
         let p = |i: usize| DVec3::new(v[i], v[i + 1], v[i + 2]);
-        let core = Core { a: p(0), b: p(3), radius: 0.04 };
+        let core = RecheckCapsule { a: p(0), b: p(3), radius: 0.04 };
         let s = Segment::new(core.a, core.b);
-        let other = Core { a: p(6), b: p(2), radius: 0.03 };
+        let other = RecheckCapsule { a: p(6), b: p(2), radius: 0.03 };
         let gap = s.distance(&Segment::new(other.a, other.b)) - 0.07;
-        prop_assert!((to_capsule(&core, &other) - gap).abs() < 1e-6);
+        prop_assert!((capsule_distance(&core, &other) - gap).abs() < 1e-6);
         let place = Rigid { position: p(6), rotation: exp(DVec3::from(turn)) };
         let local = s.map(|x| place.local_point(x));
-        let hills = Shape::Mesh(Arc::new(crate::shape::tests::hills(8)));
-        for shape in [Shape::ball(0.1), Shape::cuboid(DVec3::new(0.2, 0.3, 0.1)), hills] {
+        let hills = SolidShape::Mesh(Arc::new(crate::shape::tests::hills(8)));
+        for shape in [SolidShape::ball(0.1), SolidShape::cuboid(DVec3::new(0.2, 0.3, 0.1)), hills] {
             let gap = shape.distance(&local, 9.0) - 0.04;
-            let solid = Solid { name: String::new(), shape, path: crate::track::Path::Still(place) };
-            prop_assert!((to_solid(&core, &Bounded::new(&solid), 0.0, 9.0) - gap).abs() < 1e-5);
+            let solid = MovingSolid { name: String::new(), shape, path: crate::track::RigidPath::Still(place) };
+            prop_assert!((solid_distance(&core, &BoundedSolid::new(&solid), 0.0, 9.0) - gap).abs() < 1e-5);
         }
     }
 }
 
 #[test]
 fn a_stick_in_the_hand_counts_and_so_does_somebody_else() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let arm = s.pose(0.0, -0.2, 0.4);
     let before = clip(&s, &arm);
     let planned: Vec<_> =
-        s.linkage.limb.joints().into_iter().zip(s.limits.of_linkage(s.linkage).expect("limits")).collect();
-    let hand = crate::driven::placed(&s.skeleton, s.skeleton.offsets[0].as_dvec3(), &{
+        s.linkage.limb.joints().into_iter().zip(s.limits.linkage_limits(s.linkage).expect("limits")).collect();
+    let hand = crate::driven::place_joints(&s.skeleton, s.skeleton.offsets[0].as_dvec3(), &{
         let mut turns = [DQuat::IDENTITY; NUM_JOINTS];
         for (i, j) in s.linkage.limb.joints().into_iter().enumerate() {
             turns[j.index()] = arm.0[i];
         }
         turns
     })[Joint::LeftHand.index()];
-    let solids = [solid("lamp", Shape::ball(0.05), hand.point(DVec3::X * 0.8))];
-    let held = [Held { name: "stick".into(), core: Segment::new(DVec3::ZERO, DVec3::X), radius: 0.01 }];
+    let solids = [solid("lamp", SolidShape::ball(0.05), hand.transform_point(DVec3::X * 0.8))];
+    let held = [HeldCapsule { name: "stick".into(), core: Segment::new(DVec3::ZERO, DVec3::X), radius: 0.01 }];
     let with = Recheck { held: &held, ..check(&s, [&before, &before], &solids, &planned) }.run();
     assert!(with.violations.iter().all(|v| v.what.contains("stick is")) && with.violations.len() == 1001);
     assert_eq!(check(&s, [&before, &before], &solids, &planned).run().violations, []);

@@ -1,12 +1,12 @@
 //! The bidirectional search: algorithm 1 of the paper.
 
 use super::grid::TimeGrid;
-use super::tree::{Node, Tree, Weights};
+use super::tree::{MetricWeights, SearchNode, SearchTree};
 use crate::collide::{Checker, EdgeCheck};
 use crate::ik::LimbIk;
-use crate::limits::{Sampler, Style};
-use crate::problem::{Problem, State};
-use crate::rotation::{Rigid, between};
+use crate::limits::{PoseSampler, Style};
+use crate::problem::{LimbState, Problem};
+use crate::rotation::{Rigid, rotation_between};
 use glam::DVec3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -18,7 +18,7 @@ pub struct SearchConfig {
     /// How far a tree grows at a time, in the metric (m, > 0).
     pub epsilon_m: f64,
     /// Weights of the metric.
-    pub weights: Weights,
+    pub weights: MetricWeights,
     /// Method by which edges are checked.
     pub edge: EdgeCheck,
     /// Number of draws after which poses are sampled from all of their ranges (> 0).
@@ -31,7 +31,7 @@ impl Default for SearchConfig {
     fn default() -> Self {
         Self {
             epsilon_m: 0.25,
-            weights: Weights { time: 0.3, place: 1.0 },
+            weights: MetricWeights { time: 0.3, place: 1.0 },
             edge: EdgeCheck::Conservative,
             widen_over: 200,
             style: Style::default(),
@@ -41,21 +41,21 @@ impl Default for SearchConfig {
 
 /// Result of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Found {
+pub enum SearchOutcome {
     /// A path was found.
-    Way,
+    Path,
     /// No path was found within the draws and time that there were.
-    Nothing,
+    NoPath,
     /// The search was cancelled.
     Cancelled,
 }
 
 /// Two trees; kept from search to search, so that nothing is allocated after the first one of its size.
 #[derive(Clone, Debug, Default)]
-pub struct Search {
-    trees: [Tree; 2],
+pub struct TreeSearch {
+    trees: [SearchTree; 2],
     /// Landmarks of the path that was found, from the start to the goal.
-    pub way: Vec<State>,
+    pub path: Vec<LimbState>,
     /// Samples drawn.
     pub draws: u32,
     /// Least distance between the trees where one could have gone on in the other, by places alone (m).
@@ -63,13 +63,13 @@ pub struct Search {
     /// Nodes in which the trees met: of the tree at the start, and of that at the goal.
     met: Option<[u32; 2]>,
     /// A tree of the last search, and the new index of each of its nodes.
-    old: Vec<Node>,
-    kept: Vec<Option<u32>>,
+    old_nodes: Vec<SearchNode>,
+    kept_nodes: Vec<Option<u32>>,
 }
 
 /// Inputs of a search.
 #[derive(Clone, Copy)]
-pub(crate) struct Quest<'a> {
+pub(crate) struct SearchRequest<'a> {
     pub problem: &'a Problem,
     pub config: &'a SearchConfig,
     pub grid: TimeGrid,
@@ -80,27 +80,27 @@ pub(crate) struct Quest<'a> {
 }
 
 /// Inputs shared by all steps of one search.
-struct Step<'a> {
-    quest: Quest<'a>,
+struct SearchContext<'a> {
+    request: SearchRequest<'a>,
     problem: &'a Problem,
-    sampler: Sampler,
+    sampler: PoseSampler,
     /// Inverse kinematics of the limb whose object stays upright.
     ik: Option<LimbIk>,
 }
 
-impl Search {
+impl TreeSearch {
     /// Number of nodes of both trees.
     pub fn num_nodes(&self) -> usize {
         self.trees.iter().map(|t| t.nodes.len()).sum()
     }
 
     /// Nodes of the tree at the start and of that at the goal: states, and indices of their parents.
-    pub fn trees(&self) -> [impl Iterator<Item = (&State, usize)>; 2] {
+    pub fn trees(&self) -> [impl Iterator<Item = (&LimbState, usize)>; 2] {
         self.nodes().map(|nodes| nodes.iter().map(|n| (&n.state, n.parent as usize)))
     }
 
     /// Nodes of the tree at the start and of that at the goal.
-    pub(crate) fn nodes(&self) -> [&[Node]; 2] {
+    pub(crate) fn nodes(&self) -> [&[SearchNode]; 2] {
         let [a, b] = &self.trees;
         let (init, goal) = if a.from_goal { (b, a) } else { (a, b) };
         [init, goal].map(|t| &t.nodes[..])
@@ -116,61 +116,62 @@ impl Search {
     /// would be left.
     pub(crate) fn run(
         &mut self,
-        quest: Quest<'_>,
+        quest: SearchRequest<'_>,
         checker: &mut Checker,
         rng: &mut Pcg64Mcg,
-        mut keep_on: impl FnMut() -> Option<Found>,
-    ) -> Found {
-        let Quest { problem, config, draws, .. } = quest;
+        mut keep_on: impl FnMut() -> Option<SearchOutcome>,
+    ) -> SearchOutcome {
+        let SearchRequest { problem, config, draws, .. } = quest;
         let limits = *problem.limits();
-        let sampler = Sampler::new(problem.chain.linkage, limits, &problem.init.pose, config.style, config.widen_over);
-        let ik = problem.level.map(|_| LimbIk::new(&problem.chain, &limits));
-        let step = Step { quest, problem, sampler, ik };
+        let sampler =
+            PoseSampler::new(problem.chain.linkage, limits, &problem.init.pose, config.style, config.widen_over);
+        let ik = problem.upright.map(|_| LimbIk::new(&problem.chain, &limits));
+        let step = SearchContext { request: quest, problem, sampler, ik };
         let [init, goal] = [&problem.init, &problem.goal].map(|s| step.node(*s, 0));
-        self.way.clear();
-        (self.draws, self.nearest_m) = (0, init.apart(&goal));
+        self.path.clear();
+        (self.draws, self.nearest_m) = (0, init.end_distance(&goal));
         let met = self.met.take().filter(|_| quest.warm);
         if quest.warm {
-            let met = self.replant(&step, [init, goal], met, checker);
+            let met = self.reuse_trees(&step, [init, goal], met, checker);
             if let Some([a, b]) = met
                 && self.connect(&step, a, b, checker)
             {
-                return Found::Way;
+                return SearchOutcome::Path;
             }
         } else {
-            self.trees[0].plant(init, false);
-            self.trees[1].plant(goal, true);
+            self.trees[0].reset(init, false);
+            self.trees[1].reset(goal, true);
         }
         while self.draws < draws {
             if let Some(stop) = keep_on() {
                 return stop;
             }
-            let Some(sample) = step.sample(&mut self.draws, checker, rng) else { return Found::Nothing };
+            let Some(sample) = step.sample_node(&mut self.draws, checker, rng) else { return SearchOutcome::NoPath };
             let [a, b] = &mut self.trees;
-            let (near_a, near_b) = (a.nearest(&sample, &config.weights), b.nearest(&sample, &config.weights));
+            let (near_a, near_b) = (a.nearest_node(&sample, &config.weights), b.nearest_node(&sample, &config.weights));
             if self.connect(&step, near_a, near_b, checker) {
-                return Found::Way;
+                return SearchOutcome::Path;
             }
             let [a, _] = &mut self.trees;
             if let Some(grown) = step.expand(a, near_a, &sample, checker) {
                 let grown = a.add(grown);
                 if self.connect(&step, grown, near_b, checker) {
-                    return Found::Way;
+                    return SearchOutcome::Path;
                 }
             }
             self.trees.swap(0, 1);
         }
-        Found::Nothing
+        SearchOutcome::NoPath
     }
 
     /// Keeps the part of the last trees that still holds: nodes that are free, in time, and reached from a node that is kept.
     ///
     /// - `met`: nodes in which the last trees met.
     /// - returns these nodes in the new trees, where both are kept.
-    fn replant(
+    fn reuse_trees(
         &mut self,
-        step: &Step<'_>,
-        roots: [Node; 2],
+        step: &SearchContext<'_>,
+        roots: [SearchNode; 2],
         met: Option<[u32; 2]>,
         checker: &mut Checker,
     ) -> Option<[usize; 2]> {
@@ -179,22 +180,22 @@ impl Search {
         }
         let mut ends = met;
         for (k, (tree, root)) in self.trees.iter_mut().zip(roots).enumerate() {
-            std::mem::swap(&mut self.old, &mut tree.nodes);
-            tree.plant(root, k == 1);
-            self.kept.clear();
+            std::mem::swap(&mut self.old_nodes, &mut tree.nodes);
+            tree.reset(root, k == 1);
+            self.kept_nodes.clear();
             // A tree with another start or goal is not reused.
-            let is_same = self.old.first().is_some_and(|n| n.state == root.state);
-            self.kept.push(is_same.then_some(0));
-            for node in self.old.iter().skip(1) {
-                let kept = self.kept[node.parent as usize].and_then(|parent| {
+            let is_same = self.old_nodes.first().is_some_and(|n| n.state == root.state);
+            self.kept_nodes.push(is_same.then_some(0));
+            for node in self.old_nodes.iter().skip(1) {
+                let kept = self.kept_nodes[node.parent as usize].and_then(|parent| {
                     let from = tree.nodes[parent as usize].state;
-                    let holds = step.holds(&from, &node.state, k == 1, checker);
+                    let holds = step.is_still_valid(&from, &node.state, k == 1, checker);
                     holds.then(|| tree.add(step.node(node.state, parent)) as u32)
                 });
-                self.kept.push(kept);
+                self.kept_nodes.push(kept);
             }
             ends = ends.and_then(|mut ends| {
-                ends[k] = *self.kept.get(ends[k] as usize)?.as_ref()?;
+                ends[k] = *self.kept_nodes.get(ends[k] as usize)?.as_ref()?;
                 Some(ends)
             });
         }
@@ -202,71 +203,72 @@ impl Search {
     }
 
     /// Joins a node of the first tree with one of the second, if the edge between them is free.
-    fn connect(&mut self, step: &Step<'_>, in_first: usize, in_second: usize, checker: &mut Checker) -> bool {
+    fn connect(&mut self, step: &SearchContext<'_>, in_first: usize, in_second: usize, checker: &mut Checker) -> bool {
         let [a, b] = &self.trees;
         let (first, second) = (&a.nodes[in_first], &b.nodes[in_second]);
         let (from, to) = if a.from_goal { (second, first) } else { (first, second) };
         if from.state.time_s > to.state.time_s || !step.is_slow_enough(&from.state, &to.state) {
             return false;
         }
-        self.nearest_m = self.nearest_m.min(from.apart(to));
-        if !checker.is_way_free(step.problem, &from.state, &to.state, step.quest.config.edge) {
+        self.nearest_m = self.nearest_m.min(from.end_distance(to));
+        if !checker.is_edge_free(step.problem, &from.state, &to.state, step.request.config.edge) {
             return false;
         }
         let ((init, init_node), (goal, goal_node)) =
             if a.from_goal { ((b, in_second), (a, in_first)) } else { ((a, in_first), (b, in_second)) };
         self.met = Some([init_node as u32, goal_node as u32]);
-        init.to_root(init_node, &mut self.way);
-        self.way.reverse();
-        goal.to_root(goal_node, &mut self.way);
+        init.append_path_to_root(init_node, &mut self.path);
+        self.path.reverse();
+        goal.append_path_to_root(goal_node, &mut self.path);
         true
     }
 }
 
-impl Step<'_> {
-    fn node(&self, state: State, parent: u32) -> Node {
+impl SearchContext<'_> {
+    fn node(&self, state: LimbState, parent: u32) -> SearchNode {
         let chain = &self.problem.chain;
-        Node { state, ends: chain.ends(&self.problem.place(&state)), parent }
+        SearchNode { state, ends: chain.segment_ends(&self.problem.place_chain(&state)), parent }
     }
 
     /// True where a node of the last search is still valid: it is free, and so is the edge from its parent.
-    fn holds(&self, parent: &State, state: &State, from_goal: bool, checker: &mut Checker) -> bool {
-        let grid = &self.quest.grid;
-        let is_on_grid = (grid.at(grid.nearest(state.time_s)) - state.time_s).abs() < 1e-9;
+    fn is_still_valid(&self, parent: &LimbState, state: &LimbState, from_goal: bool, checker: &mut Checker) -> bool {
+        let grid = &self.request.grid;
+        let is_on_grid = (grid.time_at(grid.nearest_frame(state.time_s)) - state.time_s).abs() < 1e-9;
         let (a, b) = if from_goal { (state, parent) } else { (parent, state) };
         is_on_grid
             && self.is_slow_enough(a, b)
             && checker.is_free(self.problem, state)
-            && checker.is_way_free(self.problem, a, b, self.quest.config.edge)
+            && checker.is_edge_free(self.problem, a, b, self.request.config.edge)
     }
 
-    fn is_slow_enough(&self, from: &State, to: &State) -> bool {
+    fn is_slow_enough(&self, from: &LimbState, to: &LimbState) -> bool {
         self.problem.least_time(&from.pose, &to.pose).0 <= to.time_s - from.time_s + 1e-9
     }
 
     /// The state with the hand at the same place, turned until the object that it holds is upright; `None` where no pose does
     /// that. Unchanged where nothing has to be upright.
-    fn upright(&self, state: State) -> Option<State> {
-        let (Some(level), Some(ik)) = (self.problem.level, &self.ik) else { return Some(state) };
+    fn make_upright(&self, state: LimbState) -> Option<LimbState> {
+        let (Some(level), Some(ik)) = (self.problem.upright, &self.ik) else { return Some(state) };
         let base = self.problem.base_at(state.time_s);
-        let hand = self.problem.place(&state)[self.problem.chain.len() - 1];
-        let turn = between(hand.rotation * level.up, DVec3::Y);
+        let hand = self.problem.place_chain(&state)[self.problem.chain.len() - 1];
+        let turn = rotation_between(hand.rotation * level.up, DVec3::Y);
         let upright = Rigid { rotation: turn * hand.rotation, ..hand };
-        Some(State { pose: ik.solve_free(&base, &upright, &state.pose).ok()?, ..state })
+        Some(LimbState { pose: ik.solve_free(&base, &upright, &state.pose).ok()?, ..state })
     }
 
     /// A free state at random: a pose within limits, at a time at which it can be reached and left (4.2 of the paper).
-    fn sample(&self, draws: &mut u32, checker: &mut Checker, rng: &mut Pcg64Mcg) -> Option<Node> {
+    fn sample_node(&self, draws: &mut u32, checker: &mut Checker, rng: &mut Pcg64Mcg) -> Option<SearchNode> {
         let (init, goal) = (&self.problem.init, &self.problem.goal);
-        while *draws < self.quest.draws {
-            let pose = self.sampler.draw(rng, *draws);
+        while *draws < self.request.draws {
+            let pose = self.sampler.draw_pose(rng, *draws);
             let share: f64 = rng.random_range(0.0..1.0);
             *draws += 1;
-            let first = self.quest.grid.from(init.time_s + self.problem.least_time(&init.pose, &pose).0);
-            let last = self.quest.grid.until(goal.time_s - self.problem.least_time(&pose, &goal.pose).0);
+            let first = self.request.grid.first_frame_from(init.time_s + self.problem.least_time(&init.pose, &pose).0);
+            let last = self.request.grid.last_frame_until(goal.time_s - self.problem.least_time(&pose, &goal.pose).0);
             let Some(last) = last.filter(|last| *last >= first) else { continue };
             let frame = first + (share * (last - first + 1) as f64) as usize;
-            let Some(state) = self.upright(State { pose, time_s: self.quest.grid.at(frame.min(last)) }) else {
+            let Some(state) = self.make_upright(LimbState { pose, time_s: self.request.grid.time_at(frame.min(last)) })
+            else {
                 continue;
             };
             if checker.is_free(self.problem, &state) {
@@ -277,10 +279,10 @@ impl Step<'_> {
     }
 
     /// A new node on the edge from a node of a tree towards a sample, if that edge is free.
-    fn expand(&self, tree: &Tree, near: usize, sample: &Node, checker: &mut Checker) -> Option<Node> {
+    fn expand(&self, tree: &SearchTree, near: usize, sample: &SearchNode, checker: &mut Checker) -> Option<SearchNode> {
         let from = &tree.nodes[near];
-        let d = from.distance(sample, &self.quest.config.weights);
-        let share = if d > 0.0 { (self.quest.config.epsilon_m / d).min(1.0) } else { 1.0 };
+        let d = from.distance(sample, &self.request.config.weights);
+        let share = if d > 0.0 { (self.request.config.epsilon_m / d).min(1.0) } else { 1.0 };
         let mut pose = sample.state.pose;
         if share < 1.0 {
             for i in 0..self.problem.chain.len() {
@@ -292,19 +294,24 @@ impl Step<'_> {
         let least = self.problem.least_time(&from.state.pose, &pose).0;
         let (init, goal) = (&self.problem.init, &self.problem.goal);
         let frame = if tree.from_goal {
-            let latest = self.quest.grid.until(from.state.time_s - least)?;
-            let frame = self.quest.grid.nearest(even).min(latest);
+            let latest = self.request.grid.last_frame_until(from.state.time_s - least)?;
+            let frame = self.request.grid.nearest_frame(even).min(latest);
             let needed = self.problem.least_time(&init.pose, &pose).0;
-            (self.quest.grid.at(frame) - init.time_s + 1e-9 >= needed).then_some(frame)?
+            (self.request.grid.time_at(frame) - init.time_s + 1e-9 >= needed).then_some(frame)?
         } else {
-            let frame = self.quest.grid.nearest(even).max(self.quest.grid.from(from.state.time_s + least));
+            let frame = self
+                .request
+                .grid
+                .nearest_frame(even)
+                .max(self.request.grid.first_frame_from(from.state.time_s + least));
             let needed = self.problem.least_time(&pose, &goal.pose).0;
-            (frame <= self.quest.grid.steps && goal.time_s - self.quest.grid.at(frame) + 1e-9 >= needed)
+            (frame <= self.request.grid.steps && goal.time_s - self.request.grid.time_at(frame) + 1e-9 >= needed)
                 .then_some(frame)?
         };
-        let state = self.upright(State { pose, time_s: self.quest.grid.at(frame) })?;
+        let state = self.make_upright(LimbState { pose, time_s: self.request.grid.time_at(frame) })?;
         let (a, b) = if tree.from_goal { (&state, &from.state) } else { (&from.state, &state) };
-        if !checker.is_free(self.problem, &state) || !checker.is_way_free(self.problem, a, b, self.quest.config.edge) {
+        if !checker.is_free(self.problem, &state) || !checker.is_edge_free(self.problem, a, b, self.request.config.edge)
+        {
             return None;
         }
         Some(self.node(state, near as u32))

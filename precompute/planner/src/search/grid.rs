@@ -24,22 +24,22 @@ impl TimeGrid {
     }
 
     /// Time of a frame (s).
-    pub fn at(&self, frame: usize) -> f64 {
+    pub fn time_at(&self, frame: usize) -> f64 {
         if frame >= self.steps { self.goal_s } else { self.start_s + frame as f64 * self.step_s() }
     }
 
     /// The nearest frame to a time.
-    pub fn nearest(&self, time_s: f64) -> usize {
+    pub fn nearest_frame(&self, time_s: f64) -> usize {
         ((time_s - self.start_s) / self.step_s()).round().clamp(0.0, self.steps as f64) as usize
     }
 
     /// The first frame that is not before a time, but for rounding; may lie behind the last one.
-    pub fn from(&self, time_s: f64) -> usize {
+    pub fn first_frame_from(&self, time_s: f64) -> usize {
         ((time_s - self.start_s) / self.step_s() - 1e-9).ceil().max(0.0) as usize
     }
 
     /// The last frame that is not after a time, but for rounding; `None` before the first.
-    pub fn until(&self, time_s: f64) -> Option<usize> {
+    pub fn last_frame_until(&self, time_s: f64) -> Option<usize> {
         let at = ((time_s - self.start_s) / self.step_s() + 1e-9).floor();
         (at >= 0.0).then_some((at as usize).min(self.steps))
     }
@@ -52,11 +52,17 @@ mod tests {
     #[test]
     fn frames_are_those_of_the_clip() {
         let g = TimeGrid::new(1.0, 2.0, 30.0);
-        assert_eq!((g.steps, g.at(30), g.nearest(1.5), g.from(1.1), g.until(1.1)), (30, 2.0, 15, 3, Some(3)));
-        assert_eq!((g.from(1.11), g.until(1.11), g.until(0.9), g.from(2.02)), (4, Some(3), None, 31));
+        assert_eq!(
+            (g.steps, g.time_at(30), g.nearest_frame(1.5), g.first_frame_from(1.1), g.last_frame_until(1.1)),
+            (30, 2.0, 15, 3, Some(3))
+        );
+        assert_eq!(
+            (g.first_frame_from(1.11), g.last_frame_until(1.11), g.last_frame_until(0.9), g.first_frame_from(2.02)),
+            (4, Some(3), None, 31)
+        );
         // Not whole frames away: a little denser.
         let g = TimeGrid::new(0.0, 0.95, 10.0);
-        assert_eq!((g.steps, g.at(10)), (10, 0.95));
+        assert_eq!((g.steps, g.time_at(10)), (10, 0.95));
         assert_eq!(TimeGrid::new(0.0, 0.001, 30.0).steps, 1);
     }
 }

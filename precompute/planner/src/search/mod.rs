@@ -2,13 +2,13 @@
 
 mod algorithm;
 mod grid;
-mod grown;
 #[cfg(test)]
 mod tests;
 mod tree;
+mod tree_log;
 
-pub(crate) use algorithm::Quest;
-pub use algorithm::{Found, Search, SearchConfig};
+pub(crate) use algorithm::SearchRequest;
+pub use algorithm::{SearchConfig, SearchOutcome, TreeSearch};
 pub(crate) use grid::TimeGrid;
-pub use grown::{Grown, GrownNode, Trees};
-pub use tree::Weights;
+pub use tree::MetricWeights;
+pub use tree_log::{LoggedNode, LoggedTrees, TreeLog};

@@ -1,12 +1,12 @@
 //! A tree of states, with the nearest node to a state.
 
 use crate::linkage::MAX_JOINTS;
-use crate::problem::State;
+use crate::problem::LimbState;
 use glam::DVec3;
 
 /// Weights of the metric: w_t |t1 - t2| + w_a max_i |p_i1 - p_i2| (Shapiro, Kallmann and Faloutsos 2007, section 4.1).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Weights {
+pub struct MetricWeights {
     /// Weight of time (m/s, >= 0).
     pub time: f64,
     /// Weight of positions (> 0).
@@ -15,21 +15,21 @@ pub struct Weights {
 
 /// A state, the ends of its joints' segments, and the node that it was reached from.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Node {
-    pub state: State,
+pub(crate) struct SearchNode {
+    pub state: LimbState,
     /// Ends of the segments in the world (m).
     pub ends: [DVec3; MAX_JOINTS],
     pub parent: u32,
 }
 
-impl Node {
+impl SearchNode {
     /// Distance in the paper's metric (m).
-    pub fn distance(&self, other: &Self, weights: &Weights) -> f64 {
-        weights.time * (self.state.time_s - other.state.time_s).abs() + weights.place * self.apart(other)
+    pub fn distance(&self, other: &Self, weights: &MetricWeights) -> f64 {
+        weights.time * (self.state.time_s - other.state.time_s).abs() + weights.place * self.end_distance(other)
     }
 
     /// Largest distance between ends: max_i |p_i1 - p_i2| (m).
-    pub fn apart(&self, other: &Self) -> f64 {
+    pub fn end_distance(&self, other: &Self) -> f64 {
         let squares = self.ends.iter().zip(&other.ends).map(|(a, b)| a.distance_squared(*b));
         squares.fold(0.0, f64::max).sqrt()
     }
@@ -37,32 +37,32 @@ impl Node {
 
 /// A tree that grows from one end of the problem.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Tree {
-    pub nodes: Vec<Node>,
+pub(crate) struct SearchTree {
+    pub nodes: Vec<SearchNode>,
     /// True for the tree at the goal, which grows backwards in time.
     pub from_goal: bool,
 }
 
-impl Tree {
+impl SearchTree {
     /// Clears the tree, and sets its root.
-    pub fn plant(&mut self, root: Node, from_goal: bool) {
+    pub fn reset(&mut self, root: SearchNode, from_goal: bool) {
         self.nodes.clear();
-        self.nodes.push(Node { parent: 0, ..root });
+        self.nodes.push(SearchNode { parent: 0, ..root });
         self.from_goal = from_goal;
     }
 
-    pub fn add(&mut self, node: Node) -> usize {
+    pub fn add(&mut self, node: SearchNode) -> usize {
         self.nodes.push(node);
         self.nodes.len() - 1
     }
 
     /// True where `at` lies on the side of a node in time to which the tree grows.
-    pub fn may_grow(&self, node: &Node, at: &Node) -> bool {
+    pub fn may_grow(&self, node: &SearchNode, at: &SearchNode) -> bool {
         if self.from_goal { at.state.time_s <= node.state.time_s } else { at.state.time_s >= node.state.time_s }
     }
 
     /// The nearest node to `at` among those from which it can be reached in time; the root is always one.
-    pub fn nearest(&self, at: &Node, weights: &Weights) -> usize {
+    pub fn nearest_node(&self, at: &SearchNode, weights: &MetricWeights) -> usize {
         let mut best = (f64::INFINITY, 0);
         for (i, node) in self.nodes.iter().enumerate().filter(|(_, n)| self.may_grow(n, at)) {
             // Time alone often shows that a node is farther.
@@ -77,7 +77,7 @@ impl Tree {
     }
 
     /// Appends the states from a node to the root.
-    pub fn to_root(&self, mut node: usize, out: &mut Vec<State>) {
+    pub fn append_path_to_root(&self, mut node: usize, out: &mut Vec<LimbState>) {
         loop {
             out.push(self.nodes[node].state);
             if node == 0 {

@@ -1,15 +1,17 @@
 //! Checks and prepares problems.
 
-use super::{Allowed, ProblemError, ProblemSpec, Tether};
-use crate::body::{BodyCapsule, BodyShape};
+use super::{AllowedContact, ProblemError, ProblemSpec, Tether};
+use crate::body::{BodyCapsule, BodyCapsules};
 use crate::collide::Checker;
-use crate::correct::Span;
-use crate::driven::Driven;
+use crate::correct::CollisionStretch;
+use crate::driven::DrivenMotion;
 use crate::limits::JointLimits;
 use crate::linkage::{Chain, Limb, MAX_JOINTS};
-use crate::problem::{BodyPart, PRESENT_STEP_S, Pair, Part, PlacedSolid, Problem, Solid, Target, TetherTrack};
+use crate::problem::{
+    BodyPart, CollisionPair, CollisionTarget, EXTERNAL_STEP_S, LimbPart, MovingSolid, PlacedSolid, Problem, TetherTrack,
+};
 use crate::shape::Segment;
-use crate::track::Track;
+use crate::track::MotionTrack;
 use glam::DVec3;
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -51,38 +53,44 @@ impl Problem {
         Self::check_names(spec)?;
         let chain = Chain::new(spec.linkage, spec.skeleton);
         let mut parts = limb_parts(spec, &chain);
-        parts.extend(spec.held.iter().map(|h| part(&chain, h.name.clone(), chain.len() - 1, h.core, h.radius)));
+        parts.extend(spec.held.iter().map(|h| limb_part(&chain, h.name.clone(), chain.len() - 1, h.core, h.radius)));
         let tether = spec.tether.map(|t| {
-            parts.push(part(&chain, "the other hand".into(), chain.len() - 1, Segment::new(t.at, t.at), 0.0));
+            parts.push(limb_part(
+                &chain,
+                "the other hand".into(),
+                chain.len() - 1,
+                Segment::new(t.wrist, t.wrist),
+                0.0,
+            ));
             let name = format!("the reach from {}", t.from.name());
-            let from = Track::rigid(spec.motion.clock(), spec.motion.of_joint(t.from));
+            let from = MotionTrack::rigid(spec.motion.clock(), spec.motion.joint_places(t.from));
             TetherTrack { name, from, distances_m: t.distances_m }
         });
-        parts.extend(spec.level.map(|level| Part {
+        parts.extend(spec.upright.map(|level| LimbPart {
             reach: [1.0; MAX_JOINTS],
             base_reach: 1.0,
-            ..part(&chain, "what is held".into(), chain.len() - 1, Segment::new(DVec3::ZERO, level.up), 0.0)
+            ..limb_part(&chain, "what is held".into(), chain.len() - 1, Segment::new(DVec3::ZERO, level.up), 0.0)
         }));
         let solids = spec.solids.iter().map(placed_solid).collect();
         let mut bodies = driven_parts(None, spec.motion, spec.shape, |j| chain_link(&chain, j).is_none());
         for o in spec.others {
             bodies.extend(driven_parts(Some(o.name), o.motion, o.shape, |_| true));
         }
-        let steps = ((spec.goal.time_s - spec.init.time_s) / PRESENT_STEP_S).ceil() as usize + 1;
+        let steps = ((spec.goal.time_s - spec.init.time_s) / EXTERNAL_STEP_S).ceil() as usize + 1;
         let present =
-            (0..steps).map(|i| spec.motion.limb_pose(spec.linkage, spec.init.time_s + i as f64 * PRESENT_STEP_S));
+            (0..steps).map(|i| spec.motion.limb_pose(spec.linkage, spec.init.time_s + i as f64 * EXTERNAL_STEP_S));
         let mut problem = Self {
             number: NUMBERS.fetch_add(1, Ordering::Relaxed),
             chain,
             limits: limits_of(spec, &chain)?,
-            base: Track::rigid(spec.motion.clock(), spec.motion.of_joint(spec.linkage.base())),
+            base: MotionTrack::rigid(spec.motion.clock(), spec.motion.joint_places(spec.linkage.base())),
             parts,
             solids,
             bodies,
             tether,
-            level: spec.level,
+            upright: spec.upright,
             pairs: Vec::new(),
-            present: present.collect(),
+            external_poses: present.collect(),
             init: spec.init,
             goal: spec.goal,
         };
@@ -99,7 +107,7 @@ impl Problem {
         targets.extend(spec.solids.iter().map(|s| s.name.as_str()));
         targets.extend(spec.others.iter().map(|o| o.name));
         for a in spec.allowed {
-            let known = [(a.part.as_deref(), &parts), (Some(a.with.as_str()), &targets)];
+            let known = [(a.part.as_deref(), &parts), (Some(a.other.as_str()), &targets)];
             for (name, known) in known.into_iter().filter_map(|(name, known)| Some((name?, known))) {
                 if !known.contains(&name) {
                     let meant = did_you_mean(name, known.iter().copied());
@@ -110,22 +118,24 @@ impl Problem {
         Ok(())
     }
 
-    fn all_pairs(&self, spec: &ProblemSpec<'_>) -> Vec<Pair> {
+    fn all_pairs(&self, spec: &ProblemSpec<'_>) -> Vec<CollisionPair> {
         let others_bend = spec.others.iter().map(|o| o.motion.bend_m(|_| true)).fold(0.0, f64::max);
         // The joint that carries the limb counts as trunk.
-        let own_bend = spec.motion.bend_m(|j| Limb::ALL.iter().all(|l| !l.moves(j)));
+        let own_bend = spec.motion.bend_m(|j| Limb::ALL.iter().all(|l| !l.moves_joint(j)));
         let mut pairs = Vec::new();
         // Collisions of the other hand are checked for itself; here only its reach counts. An upright constraint has no body.
-        let asked = [self.tether.as_ref().map(|_| Target::Tether), self.level.map(|_| Target::Level)];
-        let asked: Vec<Target> = asked.into_iter().flatten().collect();
+        let asked =
+            [self.tether.as_ref().map(|_| CollisionTarget::Tether), self.upright.map(|_| CollisionTarget::Upright)];
+        let asked: Vec<CollisionTarget> = asked.into_iter().flatten().collect();
         let bodies = self.parts.len() - asked.len();
-        let targets = (0..self.solids.len()).map(Target::Solid).chain((0..self.bodies.len()).map(Target::Body));
+        let targets =
+            (0..self.solids.len()).map(CollisionTarget::Solid).chain((0..self.bodies.len()).map(CollisionTarget::Body));
         for target in targets {
             for (i, part) in self.parts[..bodies].iter().enumerate() {
                 let (with, gap) = match target {
-                    Target::Tether | Target::Level => continue,
-                    Target::Solid(s) => (self.solids[s].solid.name.as_str(), spec.clearance_m + own_bend),
-                    Target::Body(b) => match &self.bodies[b].of {
+                    CollisionTarget::Tether | CollisionTarget::Upright => continue,
+                    CollisionTarget::Solid(s) => (self.solids[s].solid.name.as_str(), spec.clearance_m + own_bend),
+                    CollisionTarget::Body(b) => match &self.bodies[b].character {
                         Some(who) => (who.as_str(), spec.clearance_m + own_bend + others_bend),
                         None => {
                             let joint = self.bodies[b].joint;
@@ -133,23 +143,23 @@ impl Problem {
                         }
                     },
                 };
-                let allowance = spec.allowed.iter().find(|a| names(a, &part.name, with));
+                let allowance = spec.allowed.iter().find(|a| allows_contact(a, &part.name, with));
                 let allowed = allowance.map(|a| a.window_s.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]));
                 let always = allowed.is_some_and(|[a, b]| a <= spec.init.time_s && b >= spec.goal.time_s);
-                let own = matches!(target, Target::Body(b) if self.bodies[b].of.is_none());
-                if !(always || own && self.touch_at_rest(spec, part, target)) {
-                    pairs.push(Pair { part: i, target, gap, allowed });
+                let own = matches!(target, CollisionTarget::Body(b) if self.bodies[b].character.is_none());
+                if !(always || own && self.touches_at_rest(spec, part, target)) {
+                    pairs.push(CollisionPair { part: i, target, gap, allowed });
                 }
             }
         }
         let more = asked.into_iter().enumerate();
-        pairs.extend(more.map(|(i, target)| Pair { part: bodies + i, target, gap: 0.0, allowed: None }));
+        pairs.extend(more.map(|(i, target)| CollisionPair { part: bodies + i, target, gap: 0.0, allowed: None }));
         pairs
     }
 
     /// True for neighbours along the body, and for parts that overlap in the rest pose.
-    fn touch_at_rest(&self, spec: &ProblemSpec<'_>, part: &Part, target: Target) -> bool {
-        let Target::Body(b) = target else { return false };
+    fn touches_at_rest(&self, spec: &ProblemSpec<'_>, part: &LimbPart, target: CollisionTarget) -> bool {
+        let CollisionTarget::Body(b) = target else { return false };
         let body = &self.bodies[b];
         let joints = self.chain.linkage.joints();
         let joint = joints[part.link];
@@ -183,19 +193,26 @@ impl Problem {
 
     /// Stretches in which the driven part of the body collides by itself, each part with each thing apart, sampled 60 times a
     /// second from the start to the goal.
-    pub fn driven_collisions(&self, spec: &ProblemSpec<'_>) -> Vec<Span> {
-        let mut spans: Vec<Span> = Vec::new();
+    pub fn driven_collisions(&self, spec: &ProblemSpec<'_>) -> Vec<CollisionStretch> {
+        let mut spans: Vec<CollisionStretch> = Vec::new();
         self.each_driven(spec, |joint, with, time_s, depth_m| {
             if depth_m <= 0.0 {
                 return;
             }
             let with = with.name();
-            let goes_on =
-                |s: &&mut Span| s.part == joint.name() && s.with == with && time_s - s.to_s < 1.5 * DRIVEN_STEP_S;
+            let goes_on = |s: &&mut CollisionStretch| {
+                s.part == joint.name() && s.with == with && time_s - s.to_s < 1.5 * DRIVEN_STEP_S
+            };
             match spans.iter_mut().rev().find(goes_on) {
                 Some(span) => (span.to_s, span.depth_m) = (time_s, span.depth_m.max(depth_m)),
                 None => {
-                    spans.push(Span { from_s: time_s, to_s: time_s, part: joint.name().into(), with, depth_m });
+                    spans.push(CollisionStretch {
+                        from_s: time_s,
+                        to_s: time_s,
+                        part: joint.name().into(),
+                        with,
+                        depth_m,
+                    });
                 }
             }
         });
@@ -204,25 +221,25 @@ impl Problem {
 
     /// Reports how deep each driven part is in each solid and each other character, time by time; where it is in none, or only
     /// by rounding, there is no call, or one with a depth of at most 0.
-    fn each_driven(&self, spec: &ProblemSpec<'_>, mut tell: impl FnMut(Joint, Met<'_>, f64, f64)) {
+    fn each_driven(&self, spec: &ProblemSpec<'_>, mut tell: impl FnMut(Joint, DrivenObstacle<'_>, f64, f64)) {
         let [from, to] = [spec.init.time_s, spec.goal.time_s];
         let steps = ((to - from) / DRIVEN_STEP_S).ceil() as usize;
         for step in 0..=steps {
             let time_s = (from + step as f64 * DRIVEN_STEP_S).min(to);
-            for body in self.bodies.iter().filter(|b| b.of.is_none()) {
-                let core = body.track.at(time_s);
+            for body in self.bodies.iter().filter(|b| b.character.is_none()) {
+                let core = body.track.sample_at(time_s);
                 for solid in &self.solids {
                     if !may_touch(spec, body.joint, &solid.solid.name, time_s) {
-                        let place = solid.solid.path.at(time_s);
+                        let place = solid.solid.path.place_at(time_s);
                         let local = core.map(|p| place.local_point(p));
                         let gap = solid.solid.shape.distance(&local, body.radius) - body.radius;
-                        tell(body.joint, Met::Solid(solid), time_s, -gap);
+                        tell(body.joint, DrivenObstacle::Solid(solid), time_s, -gap);
                     }
                 }
-                for other in self.bodies.iter().filter(|b| b.of.is_some()) {
-                    if !may_touch(spec, body.joint, other.of.as_deref().unwrap_or_default(), time_s) {
-                        let gap = core.distance(&other.track.at(time_s)) - body.radius - other.radius;
-                        tell(body.joint, Met::Body(other), time_s, -gap);
+                for other in self.bodies.iter().filter(|b| b.character.is_some()) {
+                    if !may_touch(spec, body.joint, other.character.as_deref().unwrap_or_default(), time_s) {
+                        let gap = core.distance(&other.track.sample_at(time_s)) - body.radius - other.radius;
+                        tell(body.joint, DrivenObstacle::Body(other), time_s, -gap);
                     }
                 }
             }
@@ -239,8 +256,8 @@ impl Problem {
                     return Err(ProblemError::EndOutOfLimits { end, joint: joints[i].name().into(), by_rad });
                 }
             }
-            if let Some(hit) = checker.deepest(self, state) {
-                let [part, with] = self.names(&hit);
+            if let Some(hit) = checker.deepest_hit(self, state) {
+                let [part, with] = self.hit_names(&hit);
                 return Err(ProblemError::EndCollides { end, part, with, depth_m: hit.depth_m });
             }
         }
@@ -255,12 +272,12 @@ impl Problem {
 
 /// Thing that a driven part collides with.
 #[derive(Clone, Copy)]
-enum Met<'a> {
+enum DrivenObstacle<'a> {
     Solid(&'a PlacedSolid),
     Body(&'a BodyPart),
 }
 
-impl Met<'_> {
+impl DrivenObstacle<'_> {
     fn name(self) -> String {
         match self {
             Self::Solid(s) => s.solid.name.clone(),
@@ -270,12 +287,12 @@ impl Met<'_> {
 }
 
 fn may_touch(spec: &ProblemSpec<'_>, joint: Joint, with: &str, time_s: f64) -> bool {
-    let open = |a: &Allowed| a.window_s.is_none_or(|[from, to]| (from..=to).contains(&time_s));
-    spec.allowed.iter().any(|a| names(a, joint.name(), with) && open(a))
+    let open = |a: &AllowedContact| a.window_s.is_none_or(|[from, to]| (from..=to).contains(&time_s));
+    spec.allowed.iter().any(|a| allows_contact(a, joint.name(), with) && open(a))
 }
 
-fn names(allowed: &Allowed, part: &str, with: &str) -> bool {
-    allowed.part.as_ref().is_none_or(|p| p == part) && allowed.with == with
+fn allows_contact(allowed: &AllowedContact, part: &str, with: &str) -> bool {
+    allowed.part.as_ref().is_none_or(|p| p == part) && allowed.other == with
 }
 
 fn check_numbers(spec: &ProblemSpec<'_>) -> Result<(), ProblemError> {
@@ -311,12 +328,12 @@ fn check_numbers(spec: &ProblemSpec<'_>) -> Result<(), ProblemError> {
             return wrong(format!("what is held: `{}`", h.name), "finite ends and a positive radius");
         }
     }
-    if let Some(Tether { at, distances_m: [nearest, farthest], .. }) = spec.tether
+    if let Some(Tether { wrist: at, distances_m: [nearest, farthest], .. }) = spec.tether
         && !(at.is_finite() && 0.0 <= nearest && nearest < farthest)
     {
         return wrong("where the other hand is".into(), "a finite place and ascending distances");
     }
-    if let Some(level) = spec.level
+    if let Some(level) = spec.upright
         && !((level.up.length() - 1.0).abs() < 1e-6 && level.within_rad > 0.0 && level.within_rad < PI)
     {
         return wrong("what stays upright".into(), "a unit direction, and an angle of 0 to half a turn");
@@ -336,11 +353,13 @@ fn check_numbers(spec: &ProblemSpec<'_>) -> Result<(), ProblemError> {
 fn limits_of(spec: &ProblemSpec<'_>, chain: &Chain) -> Result<[JointLimits; MAX_JOINTS], ProblemError> {
     let joints = chain.linkage.joints();
     let missing = || joints.into_iter().find(|j| spec.limits.joints[j.index()].is_none());
-    let mut limits =
-        spec.limits.of_linkage(chain.linkage).ok_or_else(|| ProblemError::no_limits(missing().unwrap_or(joints[0])))?;
+    let mut limits = spec
+        .limits
+        .linkage_limits(chain.linkage)
+        .ok_or_else(|| ProblemError::no_limits(missing().unwrap_or(joints[0])))?;
     if spec.admit_ends {
         for i in 0..chain.len() {
-            limits[i] = limits[i].admitting(spec.init.pose.0[i]).admitting(spec.goal.pose.0[i]);
+            limits[i] = limits[i].widened_to_admit(spec.init.pose.0[i]).widened_to_admit(spec.goal.pose.0[i]);
         }
     }
     Ok(limits)
@@ -350,7 +369,7 @@ fn limits_of(spec: &ProblemSpec<'_>, chain: &Chain) -> Result<[JointLimits; MAX_
 fn chain_link(chain: &Chain, joint: Joint) -> Option<usize> {
     let mut at = Some(joint);
     while let Some(j) = at {
-        if let Some(link) = chain.linkage.position_of(j) {
+        if let Some(link) = chain.linkage.index_of(j) {
             return Some(link);
         }
         at = j.parent();
@@ -359,37 +378,42 @@ fn chain_link(chain: &Chain, joint: Joint) -> Option<usize> {
 }
 
 /// Capsules of the body that move with the linkage.
-fn limb_parts(spec: &ProblemSpec<'_>, chain: &Chain) -> Vec<Part> {
+fn limb_parts(spec: &ProblemSpec<'_>, chain: &Chain) -> Vec<LimbPart> {
     let rest = spec.skeleton.rest_positions();
     let of = |c: &BodyCapsule| {
         let link = chain_link(chain, c.joint)?;
         let carrier = chain.linkage.joints()[link];
         // Toes stay in their rest pose.
         let shift = (rest[c.joint.index()] - rest[carrier.index()]).as_dvec3();
-        Some(part(chain, c.joint.name().into(), link, c.core.map(|p| p + shift), c.radius))
+        Some(limb_part(chain, c.joint.name().into(), link, c.core.map(|p| p + shift), c.radius))
     };
     spec.shape.capsules.iter().filter_map(of).collect()
 }
 
-fn part(chain: &Chain, name: String, link: usize, core: Segment, radius: f64) -> Part {
+fn limb_part(chain: &Chain, name: String, link: usize, core: Segment, radius: f64) -> LimbPart {
     let end = core.a.length().max(core.b.length());
-    let reach = std::array::from_fn(|i| if i <= link { chain.span(i, link) + end } else { 0.0 });
+    let reach = std::array::from_fn(|i| if i <= link { chain.longest_span(i, link) + end } else { 0.0 });
     let base_reach = chain.offsets[0].length() + reach[0];
-    Part { name, link, core, half_length: core.half_length(), radius, reach, base_reach }
+    LimbPart { name, link, core, half_length: core.half_length(), radius, reach, base_reach }
 }
 
-fn driven_parts(of: Option<&str>, motion: &Driven, shape: &BodyShape, keep: impl Fn(Joint) -> bool) -> Vec<BodyPart> {
+fn driven_parts(
+    of: Option<&str>,
+    motion: &DrivenMotion,
+    shape: &BodyCapsules,
+    keep: impl Fn(Joint) -> bool,
+) -> Vec<BodyPart> {
     let one = |c: &BodyCapsule| {
-        let places = motion.places().iter().map(|p| c.core.map(|x| p[c.joint.index()].point(x)));
-        let track = Track::segment(motion.clock(), places.collect());
+        let places = motion.places().iter().map(|p| c.core.map(|x| p[c.joint.index()].transform_point(x)));
+        let track = MotionTrack::segment(motion.clock(), places.collect());
         // Ends that move in straight lines are never farther apart than at samples, but for rounding.
         let half_length = c.core.half_length() * (1.0 + 1e-9) + 1e-9;
-        BodyPart { of: of.map(Into::into), joint: c.joint, track, half_length, radius: c.radius }
+        BodyPart { character: of.map(Into::into), joint: c.joint, track, half_length, radius: c.radius }
     };
     shape.capsules.iter().filter(|c| keep(c.joint)).map(one).collect()
 }
 
-fn placed_solid(solid: &Solid) -> PlacedSolid {
+fn placed_solid(solid: &MovingSolid) -> PlacedSolid {
     let (middle, radius) = solid.shape.ball_around();
     PlacedSolid { solid: solid.clone(), middle, radius, reach: middle.length() + radius }
 }

@@ -6,6 +6,6 @@ mod spec;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub use crate::problem::Level;
+pub use crate::problem::UprightConstraint;
 pub use error::ProblemError;
-pub use spec::{Allowed, Held, Other, ProblemSpec, Tether};
+pub use spec::{AllowedContact, HeldCapsule, OtherCharacter, ProblemSpec, Tether};

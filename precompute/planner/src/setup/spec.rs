@@ -1,28 +1,28 @@
 //! Specifications of problems, as applications write them.
 
-use crate::body::BodyShape;
-use crate::driven::Driven;
+use crate::body::BodyCapsules;
+use crate::driven::DrivenMotion;
 use crate::limits::BodyLimits;
 use crate::linkage::Linkage;
-use crate::problem::{Level, Solid, State};
+use crate::problem::{LimbState, MovingSolid, UprightConstraint};
 use crate::shape::Segment;
 use glam::DVec3;
 use throng_core::{Joint, Skeleton};
 
 /// Another character.
 #[derive(Clone, Copy, Debug)]
-pub struct Other<'a> {
+pub struct OtherCharacter<'a> {
     /// Name in messages and allowances.
     pub name: &'a str,
     /// Motion.
-    pub motion: &'a Driven,
+    pub motion: &'a DrivenMotion,
     /// Capsules of its body.
-    pub shape: &'a BodyShape,
+    pub shape: &'a BodyCapsules,
 }
 
 /// A capsule that hand or foot carries: a stick, a rib of an umbrella.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Held {
+pub struct HeldCapsule {
     /// Name in messages and allowances.
     pub name: String,
     /// Core in the frame of the linkage's last joint (m).
@@ -33,11 +33,11 @@ pub struct Held {
 
 /// Two things that may touch.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Allowed {
+pub struct AllowedContact {
     /// Name of a joint or of a held capsule; `None` for all of the own body and what it holds.
     pub part: Option<String>,
     /// Name of a solid, of another character, or of a joint of the own body.
-    pub with: String,
+    pub other: String,
     /// Time in which they may touch (s); `None` for always.
     pub window_s: Option<[f64; 2]>,
 }
@@ -48,7 +48,7 @@ pub struct Tether {
     /// The joint from which it is reached: the other shoulder.
     pub from: Joint,
     /// The other wrist, in the frame of the linkage's last joint (m).
-    pub at: DVec3,
+    pub wrist: DVec3,
     /// Least and greatest distance between both (m).
     pub distances_m: [f64; 2],
 }
@@ -63,25 +63,25 @@ pub struct ProblemSpec<'a> {
     /// Limits of angles and speeds.
     pub limits: &'a BodyLimits,
     /// Motion of all joints, the planned ones as they are before.
-    pub motion: &'a Driven,
+    pub motion: &'a DrivenMotion,
     /// Capsules of the body.
-    pub shape: &'a BodyShape,
+    pub shape: &'a BodyCapsules,
     /// Start of the plan.
-    pub init: State,
+    pub init: LimbState,
     /// Goal of the plan.
-    pub goal: State,
+    pub goal: LimbState,
     /// Solids around.
-    pub solids: &'a [Solid],
+    pub solids: &'a [MovingSolid],
     /// Other characters around.
-    pub others: &'a [Other<'a>],
+    pub others: &'a [OtherCharacter<'a>],
     /// Capsules that hand or foot carries.
-    pub held: &'a [Held],
+    pub held: &'a [HeldCapsule],
     /// Contacts that are allowed.
-    pub allowed: &'a [Allowed],
+    pub allowed: &'a [AllowedContact],
     /// Constraint of the other hand at the held object.
     pub tether: Option<Tether>,
     /// Constraint that keeps the held object upright.
-    pub level: Option<Level>,
+    pub upright: Option<UprightConstraint>,
     /// Least distance from solids and other characters (m, >= 0).
     pub clearance_m: f64,
     /// Depth to which parts of the own body may press into each other, as flesh does (m, >= 0).
@@ -98,9 +98,9 @@ impl<'a> ProblemSpec<'a> {
         skeleton: &'a Skeleton,
         linkage: Linkage,
         limits: &'a BodyLimits,
-        motion: &'a Driven,
-        shape: &'a BodyShape,
-        [init, goal]: [State; 2],
+        motion: &'a DrivenMotion,
+        shape: &'a BodyCapsules,
+        [init, goal]: [LimbState; 2],
     ) -> Self {
         Self {
             skeleton,
@@ -115,7 +115,7 @@ impl<'a> ProblemSpec<'a> {
             held: &[],
             allowed: &[],
             tether: None,
-            level: None,
+            upright: None,
             clearance_m: 0.005,
             self_press_m: 0.02,
             admit_ends: false,

@@ -1,7 +1,7 @@
 //! Surfaces of triangles with a tree of boxes over them.
 
 use super::segment::Segment;
-use super::tree::Tree;
+use super::tree::BoxTree;
 use super::triangle::{is_farther, square_distance};
 use glam::{DVec3, Vec3};
 
@@ -26,13 +26,13 @@ pub enum MeshError {
 
 /// A surface of triangles, which need not be closed: there is no inside, and nothing passes through its surface.
 #[derive(Clone)]
-pub struct Mesh {
+pub struct TriangleMesh {
     corners: Vec<[Vec3; 3]>,
-    tree: Tree,
+    tree: BoxTree,
     ball: (DVec3, f64),
 }
 
-impl std::fmt::Debug for Mesh {
+impl std::fmt::Debug for TriangleMesh {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Mesh({} triangles)", self.corners.len())
     }
@@ -41,7 +41,7 @@ impl std::fmt::Debug for Mesh {
 /// Coordinates are smaller than this (m).
 const MAX_POSITION: f32 = 1e5;
 
-impl Mesh {
+impl TriangleMesh {
     /// A mesh of triangles; those without an area are lines or points, and count.
     ///
     /// - `corners`: (m)
@@ -57,7 +57,7 @@ impl Mesh {
                 return Err(MeshError::Corner { triangle, corner, limit: MAX_POSITION });
             }
         }
-        let tree = Tree::new(&corners);
+        let tree = BoxTree::new(&corners);
         let all = || corners.iter().flatten();
         let (low, high) =
             (all().fold(Vec3::INFINITY, |a, c| a.min(*c)), all().fold(Vec3::NEG_INFINITY, |a, c| a.max(*c)));
@@ -80,7 +80,7 @@ impl Mesh {
     pub fn distance(&self, s: &Segment, limit: f64) -> f64 {
         let mut best = f64::INFINITY;
         let mut nearest = limit;
-        self.visit(s, limit, |_, d2| {
+        self.visit_near_triangles(s, limit, |_, d2| {
             let d = d2.sqrt();
             if d < nearest {
                 (best, nearest) = (d, d);
@@ -98,7 +98,7 @@ impl Mesh {
     /// A triangle that is nearer to a segment than `limit` (m).
     pub fn first_nearer(&self, s: &Segment, limit: f64) -> Option<u32> {
         let mut found = None;
-        self.visit(s, limit, |triangle, d2| {
+        self.visit_near_triangles(s, limit, |triangle, d2| {
             found = (d2 < limit * limit).then_some(triangle);
             found.is_none().then_some(limit)
         });
@@ -113,14 +113,14 @@ impl Mesh {
 
     /// Calls `look` with the squared distances of triangles that may be within a limit; it returns the new limit, or `None` to
     /// stop.
-    fn visit(&self, s: &Segment, limit: f64, mut look: impl FnMut(u32, f64) -> Option<f64>) {
+    fn visit_near_triangles(&self, s: &Segment, limit: f64, mut look: impl FnMut(u32, f64) -> Option<f64>) {
         if limit.is_nan() || limit <= 0.0 {
             return;
         }
         let length = (s.b - s.a).length_squared();
         let over = if length > 1e-18 { 1.0 / length } else { 0.0 };
         let mut limit = limit;
-        self.tree.visit(s, limit, |i| {
+        self.tree.visit_near_triangles(s, limit, |i| {
             let triangle = self.corners[i as usize].map(|c| c.as_dvec3());
             if !is_farther(s, over, &triangle, limit * limit) {
                 limit = look(i, square_distance(s, &triangle))?;
@@ -137,7 +137,7 @@ pub(crate) mod tests {
     use proptest::prelude::*;
 
     /// A hilly sheet, `n` by `n` squares of two triangles, 2 m wide.
-    pub fn hills(n: usize) -> Mesh {
+    pub fn hills(n: usize) -> TriangleMesh {
         let at = |i: usize, j: usize| {
             let (x, z) = (2.0 * i as f32 / n as f32 - 1.0, 2.0 * j as f32 / n as f32 - 1.0);
             Vec3::new(x, 0.2 * (3.0 * x).sin() * (4.0 * z).cos(), z)
@@ -147,7 +147,7 @@ pub(crate) mod tests {
             let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
             [[a, b, c], [a, c, d]]
         });
-        Mesh::new(corners.collect()).expect("a mesh")
+        TriangleMesh::new(corners.collect()).expect("a mesh")
     }
 
     proptest! {
@@ -165,14 +165,15 @@ pub(crate) mod tests {
 
     #[test]
     fn what_is_no_mesh_is_refused() {
-        assert_eq!(Mesh::new(Vec::new()).unwrap_err(), MeshError::Empty);
-        let nan = Mesh::new(vec![[Vec3::ZERO; 3], [Vec3::ZERO, Vec3::X, Vec3::new(0.0, f32::NAN, 0.0)]]).unwrap_err();
+        assert_eq!(TriangleMesh::new(Vec::new()).unwrap_err(), MeshError::Empty);
+        let nan =
+            TriangleMesh::new(vec![[Vec3::ZERO; 3], [Vec3::ZERO, Vec3::X, Vec3::new(0.0, f32::NAN, 0.0)]]).unwrap_err();
         assert!(nan.to_string().starts_with("triangle 1: expected finite corners"), "{nan}");
         // One triangle, and one without an area.
-        let one = Mesh::new(vec![[Vec3::ZERO, Vec3::X, Vec3::Y]]).expect("a mesh");
+        let one = TriangleMesh::new(vec![[Vec3::ZERO, Vec3::X, Vec3::Y]]).expect("a mesh");
         let s = Segment::new(DVec3::new(0.2, 0.2, 0.5), DVec3::new(0.2, 0.2, 1.0));
         assert_eq!((one.distance(&s, 1.0), one.is_nearer(&s, 0.4)), (0.5, false));
-        let line = Mesh::new(vec![[Vec3::ZERO, Vec3::X, Vec3::X]]).expect("a mesh");
+        let line = TriangleMesh::new(vec![[Vec3::ZERO, Vec3::X, Vec3::X]]).expect("a mesh");
         assert!((line.distance(&s, 1.0) - (0.04f64 + 0.25).sqrt()).abs() < 1e-12);
     }
 }

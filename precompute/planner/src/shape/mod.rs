@@ -6,7 +6,7 @@ mod segment;
 mod tree;
 mod triangle;
 
-pub use mesh::{Mesh, MeshError};
+pub use mesh::{MeshError, TriangleMesh};
 pub use segment::Segment;
 
 use cuboid::segment_cuboid;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// A shape in its own frame.
 #[derive(Clone, Debug)]
-pub enum Shape {
+pub enum SolidShape {
     /// A ball or a capsule: all points within a radius of a segment.
     Round {
         /// From end to end (m).
@@ -29,10 +29,10 @@ pub enum Shape {
         half: DVec3,
     },
     /// A surface of triangles, without an inside.
-    Mesh(Arc<Mesh>),
+    Mesh(Arc<TriangleMesh>),
 }
 
-impl Shape {
+impl SolidShape {
     /// A ball around the origin (m).
     pub const fn ball(radius: f64) -> Self {
         Self::Round { core: Segment { a: DVec3::ZERO, b: DVec3::ZERO }, radius }

@@ -8,7 +8,7 @@ const TRIANGLE: u32 = 1 << 31;
 
 /// A node: four boxes, and the content of each; the last ones may be empty.
 #[derive(Clone, Copy)]
-struct Four {
+struct BoxNode {
     /// By axis (m).
     low: [Vec4; 3],
     high: [Vec4; 3],
@@ -19,14 +19,14 @@ struct Four {
 /// Tree that halves triangles along the longest side, over and over: its depth is at most the logarithm of their number to base
 /// 4.
 #[derive(Clone)]
-pub(super) struct Tree {
-    nodes: Vec<Four>,
+pub(super) struct BoxTree {
+    nodes: Vec<BoxNode>,
 }
 
 /// Most nodes that wait: three of each of 16 levels, and one.
 const MAX_WAITING: usize = 64;
 
-impl Tree {
+impl BoxTree {
     /// - `triangles`: at least one, fewer than 2^31 (m).
     pub fn new(triangles: &[[Vec3; 3]]) -> Self {
         let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
@@ -37,7 +37,7 @@ impl Tree {
 
     /// Appends a node over some triangles, and its descendants; returns its index.
     fn grow(&mut self, triangles: &[[Vec3; 3]], order: &mut [u32]) -> u32 {
-        let nothing = Four { low: [Vec4::INFINITY; 3], high: [Vec4::NEG_INFINITY; 3], inner: [TRIANGLE; 4] };
+        let nothing = BoxNode { low: [Vec4::INFINITY; 3], high: [Vec4::NEG_INFINITY; 3], inner: [TRIANGLE; 4] };
         let at = self.nodes.len();
         self.nodes.push(nothing);
         let (first, second) = halves(triangles, order);
@@ -58,15 +58,15 @@ impl Tree {
     }
 
     /// Calls `look` with triangles whose boxes may be within a limit; it returns the new limit, or `None` to stop (m).
-    pub fn visit(&self, s: &Segment, limit: f64, mut look: impl FnMut(u32) -> Option<f64>) {
-        let core = Core::new(s);
+    pub fn visit_near_triangles(&self, s: &Segment, limit: f64, mut look: impl FnMut(u32) -> Option<f64>) {
+        let core = WideSegment::new(s);
         let mut square = core.square(limit);
         let mut waiting = [0; MAX_WAITING];
         let mut len = 1;
         while len > 0 {
             len -= 1;
             let node = &self.nodes[waiting[len] as usize];
-            let mut near = core.near(node, square);
+            let mut near = core.near_boxes(node, square);
             while near != 0 {
                 let inner = node.inner[near.trailing_zeros() as usize];
                 near &= near - 1;
@@ -98,7 +98,7 @@ fn halves<'a>(triangles: &[[Vec3; 3]], order: &'a mut [u32]) -> (&'a mut [u32], 
 }
 
 /// A segment in floats, as boxes are, repeated four times, with a bound on what rounding takes away from a distance.
-struct Core {
+struct WideSegment {
     a: [Vec4; 3],
     d: [Vec4; 3],
     low: [Vec4; 3],
@@ -108,7 +108,7 @@ struct Core {
     slack: f32,
 }
 
-impl Core {
+impl WideSegment {
     fn new(s: &Segment) -> Self {
         let (a, b) = (s.a.as_vec3(), s.b.as_vec3());
         let four = |v: Vec3| v.to_array().map(Vec4::splat);
@@ -127,7 +127,7 @@ impl Core {
 
     /// Bits of the boxes that may be within a limit: by the box around the segment, and along the line from the segment to the
     /// box's middle.
-    fn near(&self, node: &Four, square: f32) -> u32 {
+    fn near_boxes(&self, node: &BoxNode, square: f32) -> u32 {
         let square = Vec4::splat(square);
         let sum = |v: [Vec4; 3]| v[0] + v[1] + v[2];
         let out = by_axis(|k| (node.low[k] - self.high[k]).max(self.low[k] - node.high[k]).max(Vec4::ZERO));

@@ -21,7 +21,7 @@ impl Smoother<'_> {
         eased: bool,
     ) -> [usize; 2] {
         [false, true].map(|at_goal| {
-            let come_to_rest = eased && !self.end(at_goal).follows;
+            let come_to_rest = eased && !self.path_end(at_goal).follows;
             let mut length = if come_to_rest { 0 } else { blend.min((frames.len() - 1) / 2) };
             while length > 1 && !self.blend_end(frames, spare, length, at_goal) {
                 length /= 2;
@@ -40,13 +40,13 @@ impl Smoother<'_> {
     ) -> bool {
         let problem = self.problem;
         let end = if at_goal { &problem.goal } else { &problem.init };
-        let follows = self.end(at_goal).follows;
+        let follows = self.path_end(at_goal).follows;
         let last = frames.len() - 1;
         spare.clear();
         spare.extend_from_slice(frames);
         for k in 1..length {
             let f = if at_goal { last - k } else { k };
-            let there = if follows { problem.present_at(self.grid.at(f)) } else { end.pose };
+            let there = if follows { problem.external_pose_at(self.grid.time_at(f)) } else { end.pose };
             let share = smoothstep(k as f64 / length as f64);
             for i in 0..problem.chain.len() {
                 spare[f].0[i] = slerp(there.0[i], frames[f].0[i], share);

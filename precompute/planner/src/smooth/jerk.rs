@@ -1,7 +1,7 @@
 //! Roughness of a motion.
 
 use crate::linkage::{LimbPose, MAX_JOINTS};
-use crate::rotation::{angle, log};
+use crate::rotation::{angle_between, log};
 use glam::DVec3;
 
 /// Figures of a limb's motion, over all of its joints.
@@ -25,7 +25,7 @@ pub fn roughness(frames: &[LimbPose], num_joints: usize, step_s: f64) -> Roughne
         let velocity = |f: usize| log(frames[f + 1].0[i] * frames[f].0[i].inverse()) / step_s;
         let acceleration = |f: usize| (velocity(f + 1) - velocity(f)) / step_s;
         for f in 0..frames.len().saturating_sub(1) {
-            let turn = angle(frames[f].0[i], frames[f + 1].0[i]);
+            let turn = angle_between(frames[f].0[i], frames[f + 1].0[i]);
             out.length_rad += turn;
             out.speed_max = out.speed_max.max(turn / step_s);
         }

@@ -10,11 +10,11 @@ mod tests;
 
 pub(crate) use ease::smoothstep;
 pub use jerk::{Roughness, roughness};
-pub(crate) use round::Window;
+pub(crate) use round::RoundingWindow;
 
 use crate::collide::{Checker, EdgeCheck};
 use crate::linkage::LimbPose;
-use crate::problem::{Problem, State};
+use crate::problem::{LimbState, Problem};
 use crate::search::TimeGrid;
 use throng_base::maths::slerp;
 
@@ -45,30 +45,30 @@ pub(crate) struct Smoother<'a> {
 
 impl Smoother<'_> {
     /// State of the path at a time.
-    fn way_at(&self, way: &[State], time_s: f64) -> State {
+    fn state_at(&self, way: &[LimbState], time_s: f64) -> LimbState {
         let next = way.partition_point(|s| s.time_s <= time_s);
         let (Some(to), Some(from)) = (way.get(next), next.checked_sub(1).map(|i| &way[i])) else {
-            return State { pose: way[next.saturating_sub(1)].pose, time_s };
+            return LimbState { pose: way[next.saturating_sub(1)].pose, time_s };
         };
         let share = (time_s - from.time_s) / (to.time_s - from.time_s);
         let mut pose = from.pose;
         for i in 0..self.problem.chain.len() {
             pose.0[i] = slerp(from.pose.0[i], to.pose.0[i], share);
         }
-        State { pose, time_s }
+        LimbState { pose, time_s }
     }
 
     /// Poses of all frames of a path.
-    pub fn frames(&self, way: &[State], out: &mut Vec<LimbPose>) {
+    pub fn fill_frames(&self, way: &[LimbState], out: &mut Vec<LimbPose>) {
         out.clear();
-        out.extend((0..=self.grid.steps).map(|f| self.way_at(way, self.grid.at(f)).pose));
+        out.extend((0..=self.grid.steps).map(|f| self.state_at(way, self.grid.time_at(f)).pose));
     }
 
     /// True where the edge from one frame to the next is free, and the next frame, too.
     fn is_edge_free(&mut self, frames: &[LimbPose], f: usize) -> bool {
-        let [from, to] = [f, f + 1].map(|k| State { pose: frames[k], time_s: self.grid.at(k) });
+        let [from, to] = [f, f + 1].map(|k| LimbState { pose: frames[k], time_s: self.grid.time_at(k) });
         // A proof of an edge covers its ends.
         let end_is_free = self.check == EdgeCheck::Conservative || self.checker.is_free(self.problem, &to);
-        end_is_free && self.checker.is_way_free(self.problem, &from, &to, self.check)
+        end_is_free && self.checker.is_edge_free(self.problem, &from, &to, self.check)
     }
 }

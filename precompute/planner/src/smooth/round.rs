@@ -6,14 +6,14 @@ use glam::DQuat;
 
 /// Number of frames to either side over which a frame becomes a mean.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Window {
+pub(crate) struct RoundingWindow {
     reach: usize,
     /// True where the window has changed since its frame was made.
     is_new: bool,
     is_too_wide: bool,
 }
 
-impl Window {
+impl RoundingWindow {
     const NEW: Self = Self { reach: 0, is_new: true, is_too_wide: false };
 
     fn narrow(&mut self, most: usize) {
@@ -35,16 +35,18 @@ impl Smoother<'_> {
         frames: &[LimbPose],
         window: usize,
         out: &mut Vec<LimbPose>,
-        windows: &mut Vec<Window>,
+        windows: &mut Vec<RoundingWindow>,
     ) {
         let last = frames.len() - 1;
         windows.clear();
-        windows.extend((0..=last).map(|f| Window { reach: window.min(f / 2).min((last - f) / 2), ..Window::NEW }));
+        windows.extend(
+            (0..=last).map(|f| RoundingWindow { reach: window.min(f / 2).min((last - f) / 2), ..RoundingWindow::NEW }),
+        );
         out.clear();
         out.extend_from_slice(frames);
         loop {
             for f in (0..=last).filter(|f| windows[*f].is_new) {
-                out[f] = self.mean(frames, f, windows[f].reach);
+                out[f] = self.mean_pose(frames, f, windows[f].reach);
             }
             let mut is_free = true;
             // Where neither end has changed, no new proof is needed.
@@ -79,7 +81,7 @@ impl Smoother<'_> {
     }
 
     /// Mean rotations of the frames around a frame, weighted less with distance.
-    fn mean(&self, frames: &[LimbPose], f: usize, window: usize) -> LimbPose {
+    fn mean_pose(&self, frames: &[LimbPose], f: usize, window: usize) -> LimbPose {
         let mut pose = frames[f];
         if window == 0 {
             return pose;

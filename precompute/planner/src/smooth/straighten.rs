@@ -1,8 +1,8 @@
 //! Straightens a path between any two points of it.
 
 use super::Smoother;
-use crate::problem::State;
-use crate::rotation::angle;
+use crate::problem::LimbState;
+use crate::rotation::angle_between;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
@@ -17,10 +17,10 @@ impl Smoother<'_> {
     ///
     /// # Source
     /// Shapiro, Kallmann and Faloutsos 2007, section 4.1, path smoothing.
-    pub fn straighten(
+    pub fn straighten_path(
         &mut self,
-        way: &mut Vec<State>,
-        spare: &mut Vec<State>,
+        way: &mut Vec<LimbState>,
+        spare: &mut Vec<LimbState>,
         times: u32,
         rng: &mut Pcg64Mcg,
         keep_on: impl Fn() -> bool,
@@ -31,16 +31,16 @@ impl Smoother<'_> {
                 return;
             }
             let [from, to] =
-                [frames[0].min(frames[1]), frames[0].max(frames[1])].map(|f| self.way_at(way, self.grid.at(f)));
-            let inner = |s: &&State| s.time_s > from.time_s && s.time_s < to.time_s;
+                [frames[0].min(frames[1]), frames[0].max(frames[1])].map(|f| self.state_at(way, self.grid.time_at(f)));
+            let inner = |s: &&LimbState| s.time_s > from.time_s && s.time_s < to.time_s;
             let mut turned = 0.0;
             let mut last = &from;
             for next in way.iter().filter(inner).chain([&to]) {
-                turned += self.turn(last, next);
+                turned += self.total_turn(last, next);
                 last = next;
             }
-            if turned - self.turn(&from, &to) < LEAST_GAIN
-                || !self.checker.is_way_free(self.problem, &from, &to, self.check)
+            if turned - self.total_turn(&from, &to) < LEAST_GAIN
+                || !self.checker.is_edge_free(self.problem, &from, &to, self.check)
             {
                 continue;
             }
@@ -53,7 +53,7 @@ impl Smoother<'_> {
     }
 
     /// Sum of the turns of all joints (rad).
-    fn turn(&self, from: &State, to: &State) -> f64 {
-        (0..self.problem.chain.len()).map(|i| angle(from.pose.0[i], to.pose.0[i])).sum()
+    fn total_turn(&self, from: &LimbState, to: &LimbState) -> f64 {
+        (0..self.problem.chain.len()).map(|i| angle_between(from.pose.0[i], to.pose.0[i])).sum()
     }
 }

@@ -2,13 +2,13 @@
 
 use super::gaze;
 use super::lean;
-use super::stage::{Actor, Leaned, Pin, Planned, Stage, Whereabouts, hand};
-use crate::balance::off_feet;
+use super::stage::{Pin, PlannedLimb, StageActor, TaskStage, ThingPlacement, TrunkLean, hand_joint};
+use crate::balance::distance_off_feet;
 use crate::limits::JointLimits;
 use crate::linkage::Linkage;
-use crate::recheck::{OtherClip, RATE_HZ, Recheck, RecheckReport, Violation, outside, place_at};
-use crate::rotation::{Rigid, angle};
-use crate::setup::Allowed;
+use crate::recheck::{OtherClip, RATE_HZ, Recheck, RecheckReport, RecheckViolation, limit_excess, place_at};
+use crate::rotation::{Rigid, angle_between};
+use crate::setup::AllowedContact;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 use throng_base::maths;
@@ -33,66 +33,76 @@ const LEAN_RAD: f64 = 5e-3;
 const PENETRATION_M: f64 = 1e-3;
 
 /// Checks every limb that was planned, grips and targets, and that all else is unchanged.
-pub(super) fn check(stage: &Stage<'_>) -> RecheckReport {
+pub(super) fn check_stage(stage: &TaskStage<'_>) -> RecheckReport {
     let mut report = RecheckReport::default();
     for (who, actor) in stage.actors.iter().enumerate() {
-        let planned: Vec<&Planned> = stage.planned.iter().filter(|p| p.character == who).collect();
+        let planned: Vec<&PlannedLimb> = stage.planned_limbs.iter().filter(|p| p.character == who).collect();
         let spans: Vec<(Joint, [f64; 2])> =
             planned.iter().flat_map(|p| p.limb.joints().map(|j| (j, p.window_s))).collect();
-        let looks = stage.looked.iter().filter(|l| l.character == who);
+        let looks = stage.gazes.iter().filter(|l| l.character == who);
         let heads = looks.flat_map(|l| gaze::JOINTS.map(|j| (j, [l.times_s[0], l.times_s[2]])));
-        let leans = || stage.leaned.iter().filter(|l| l.character == who);
-        let trunks = leans().flat_map(|l| lean::joints(l).map(|j| (j, l.window_s)));
+        let leans = || stage.leans.iter().filter(|l| l.character == who);
+        let trunks = leans().flat_map(|l| lean::leaned_joints(l).map(|j| (j, l.window_s)));
         let hips = leans().filter(|l| l.moves_hips).map(|l| (Joint::Hips, l.window_s));
         let spans: Vec<(Joint, [f64; 2])> = spans.into_iter().chain(heads).chain(trunks).chain(hips).collect();
-        leans().for_each(|l| trunk(actor, l, &mut report));
-        crate::recheck::unchanged(&actor.before, &actor.clip, &spans, &mut report);
+        leans().for_each(|l| check_trunk(actor, l, &mut report));
+        crate::recheck::check_unchanged(&actor.before, &actor.clip, &spans, &mut report);
         for piece in pieces(stage, who) {
-            look(stage, who, actor, &piece, &mut report);
+            recheck_piece(stage, who, actor, &piece, &mut report);
         }
-        planted(actor, &mut report);
+        check_planted_feet(actor, &mut report);
         if stage.task.balance {
-            balance(actor, &planned, &mut report);
+            check_balance(actor, &planned, &mut report);
         }
     }
-    grips(stage, &mut report);
-    tilts(stage, &mut report);
-    gazes(stage, &mut report);
+    check_grips(stage, &mut report);
+    check_tilts(stage, &mut report);
+    check_gazes(stage, &mut report);
     report
 }
 
 /// Windows of planned limbs: overlapping ones of a limb are merged, and cut where the limb takes or lays down something.
-fn pieces(stage: &Stage<'_>, who: usize) -> Vec<Planned> {
-    let mut out: Vec<Planned> = Vec::new();
+fn pieces(stage: &TaskStage<'_>, who: usize) -> Vec<PlannedLimb> {
+    let mut out: Vec<PlannedLimb> = Vec::new();
     for limb in crate::linkage::Limb::ALL {
-        let of = |p: &&Planned| p.character == who && p.limb == limb;
-        let mut cuts: Vec<f64> = stage.planned.iter().filter(of).flat_map(|p| p.window_s).collect();
+        let of = |p: &&PlannedLimb| p.character == who && p.limb == limb;
+        let mut cuts: Vec<f64> = stage.planned_limbs.iter().filter(of).flat_map(|p| p.window_s).collect();
         cuts.sort_by(f64::total_cmp);
         cuts.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
         for w in cuts.windows(2) {
             let middle = 0.5 * (w[0] + w[1]);
-            let inside = |p: &&Planned| of(p) && p.window_s[0] < middle && middle < p.window_s[1];
-            if let Some(p) = stage.planned.iter().find(inside) {
-                out.push(Planned { window_s: [w[0], w[1]], ..p.clone() });
+            let inside = |p: &&PlannedLimb| of(p) && p.window_s[0] < middle && middle < p.window_s[1];
+            if let Some(p) = stage.planned_limbs.iter().find(inside) {
+                out.push(PlannedLimb { window_s: [w[0], w[1]], ..p.clone() });
             }
         }
     }
     out
 }
 
-fn look(stage: &Stage<'_>, who: usize, actor: &Actor, piece: &Planned, report: &mut RecheckReport) {
+fn recheck_piece(
+    stage: &TaskStage<'_>,
+    who: usize,
+    actor: &StageActor,
+    piece: &PlannedLimb,
+    report: &mut RecheckReport,
+) {
     let linkage = Linkage::limb(piece.limb);
-    let Some(limits) = actor.limits.of_linkage(linkage) else { return };
+    let Some(limits) = actor.limits.linkage_limits(linkage) else { return };
     // Poses of the clip at the ends of any plan of the limb are admitted.
-    let ends = stage.planned.iter().filter(|p| p.character == who && p.limb == piece.limb).flat_map(|p| p.ends);
-    let admitted = |i: usize| ends.clone().fold(limits[i], |l: JointLimits, end| l.admitting(end.0[i]));
+    let ends = stage.planned_limbs.iter().filter(|p| p.character == who && p.limb == piece.limb).flat_map(|p| p.ends);
+    let admitted = |i: usize| ends.clone().fold(limits[i], |l: JointLimits, end| l.widened_to_admit(end.0[i]));
     let planned: Vec<(Joint, JointLimits)> =
         piece.limb.joints().into_iter().enumerate().map(|(i, j)| (j, admitted(i))).collect();
-    let mut around = stage.around(who, piece.limb, piece.window_s);
+    let mut around = stage.surroundings_of_limb(who, piece.limb, piece.window_s);
     // Contacts that another character is allowed with this one hold both ways.
     let name = |i: usize| stage.task.characters[i].name.as_str();
-    let touched = stage.contacts.iter().filter(|(by, _, a)| *by != who && a.with == name(who));
-    around.allowed.extend(touched.map(|(by, _, a)| Allowed { part: None, with: name(*by).into(), ..a.clone() }));
+    let touched = stage.contacts.iter().filter(|(by, _, a)| *by != who && a.other == name(who));
+    around.allowed.extend(touched.map(|(by, _, a)| AllowedContact {
+        part: None,
+        other: name(*by).into(),
+        ..a.clone()
+    }));
     let others: Vec<OtherClip<'_>> = (0..stage.actors.len())
         .filter(|i| *i != who && stage.actors[*i].worn.is_none())
         .map(|i| OtherClip {
@@ -116,24 +126,24 @@ fn look(stage: &Stage<'_>, who: usize, actor: &Actor, piece: &Planned, report: &
         penetration_m: PENETRATION_M,
         self_press_m: 0.02,
     };
-    recheck.look_at_span(report);
+    recheck.check_span(report);
 }
 
 /// Checks that bending trunks stay within limits, and within speed limits or the clip's speed.
-fn trunk(actor: &Actor, leaned: &Leaned, report: &mut RecheckReport) {
+fn check_trunk(actor: &StageActor, leaned: &TrunkLean, report: &mut RecheckReport) {
     let rate_hz = actor.clip.rate_hz;
     let frames = leaned.window_s.map(|t| ((t * rate_hz).round() as usize).min(actor.clip.num_frames() - 1));
     for joint in lean::SPINE {
         let Some(limits) = actor.limits.joints[joint.index()] else { continue };
         let of = |clip: &Clip, f: usize| clip.frame_rotations(f)[joint.index()];
         for f in frames[0]..=frames[1] {
-            let [was, is] = [&actor.before, &actor.clip].map(|c| outside(&limits, of(c, f)));
+            let [was, is] = [&actor.before, &actor.clip].map(|c| limit_excess(&limits, of(c, f)));
             let speed = |c: &Clip| match f {
                 0 => 0.0,
-                _ => angle(of(c, f - 1).as_dquat().normalize(), of(c, f).as_dquat().normalize()) * rate_hz,
+                _ => angle_between(of(c, f - 1).as_dquat().normalize(), of(c, f).as_dquat().normalize()) * rate_hz,
             };
             let [was_at, is_at] = [&actor.before, &actor.clip].map(speed);
-            let mut wrong = |what| report.violations.push(Violation { time_s: f as f64 / rate_hz, what });
+            let mut wrong = |what| report.violations.push(RecheckViolation { time_s: f as f64 / rate_hz, what });
             if is > was.max(0.0) + LEAN_RAD {
                 wrong(format!("{} bends {is:.3} rad past its limits", joint.name()));
             }
@@ -145,12 +155,12 @@ fn trunk(actor: &Actor, leaned: &Leaned, report: &mut RecheckReport) {
 }
 
 /// Measures how much farther the weight is off the feet than in the clip, while something was planned.
-fn balance(actor: &Actor, planned: &[&Planned], report: &mut RecheckReport) {
+fn check_balance(actor: &StageActor, planned: &[&PlannedLimb], report: &mut RecheckReport) {
     let off = |clip: &Clip, f: usize| {
         let rigid =
             |(at, turn): (Vec3, glam::Quat)| Rigid { position: at.as_dvec3(), rotation: turn.as_dquat().normalize() };
         let places = clip.joint_transforms(&actor.skeleton, f).map(rigid);
-        off_feet(&actor.skeleton, &places, actor.before.contacts.get(f).copied().unwrap_or_default())
+        distance_off_feet(&actor.skeleton, &places, actor.before.contacts.get(f).copied().unwrap_or_default())
     };
     for f in 0..actor.clip.num_frames() {
         let t = f as f64 / actor.clip.rate_hz;
@@ -163,7 +173,7 @@ fn balance(actor: &Actor, planned: &[&Planned], report: &mut RecheckReport) {
 }
 
 /// Checks that planted feet stay in place.
-fn planted(actor: &Actor, report: &mut RecheckReport) {
+fn check_planted_feet(actor: &StageActor, report: &mut RecheckReport) {
     let feet = [(Joint::LeftFoot, Contacts::LEFT), (Joint::RightFoot, Contacts::RIGHT)];
     for (frame, contacts) in actor.before.contacts.iter().enumerate() {
         for (foot, _) in feet.into_iter().filter(|(_, mask)| contacts.any(*mask)) {
@@ -174,7 +184,7 @@ fn planted(actor: &Actor, report: &mut RecheckReport) {
             let moved = f64::from(a.0.distance(b.0));
             if moved > PLANTED_M {
                 let what = format!("{} stands and moved by {moved:.4} m", foot.name());
-                report.violations.push(Violation { time_s: frame as f64 / actor.before.rate_hz, what });
+                report.violations.push(RecheckViolation { time_s: frame as f64 / actor.before.rate_hz, what });
             }
         }
     }
@@ -182,8 +192,8 @@ fn planted(actor: &Actor, report: &mut RecheckReport) {
 
 /// Checks that heads which look aside stay where necks allow, turn no faster than heads do, and face their target as far as
 /// that goes.
-fn gazes(stage: &Stage<'_>, report: &mut RecheckReport) {
-    for look in &stage.looked {
+fn check_gazes(stage: &TaskStage<'_>, report: &mut RecheckReport) {
+    for look in &stage.gazes {
         let actor = &stage.actors[look.character];
         let rate_hz = actor.clip.rate_hz;
         let frames = look.times_s.map(|t| (t * rate_hz).round() as usize);
@@ -196,18 +206,18 @@ fn gazes(stage: &Stage<'_>, report: &mut RecheckReport) {
             maths::compose(a.inverse(), b).normalize().as_dquat()
         };
         let mut violation = |frame: usize, what: String| {
-            report.violations.push(Violation { time_s: frame as f64 / rate_hz, what });
+            report.violations.push(RecheckViolation { time_s: frame as f64 / rate_hz, what });
         };
         for frame in frames[0] + 1..=frames[2].min(actor.clip.num_frames() - 1) {
             let [before, after] = [frame - 1, frame].map(turned);
-            let speed = angle(before.normalize(), after.normalize()) * rate_hz;
+            let speed = angle_between(before.normalize(), after.normalize()) * rate_hz;
             if speed > HEAD_RATE {
                 violation(frame, format!("head turns aside at {speed:.2} rad/s, at most {HEAD_RATE}"));
             }
         }
         let all = actor.clip.joint_transforms(&actor.skeleton, frames[1]);
         let [chest, head] = [Joint::UpperChest, Joint::Head].map(|j| all[j.index()]);
-        let to = (look.at.as_vec3() - head.0).normalize_or(Vec3::Z);
+        let to = (look.target.as_vec3() - head.0).normalize_or(Vec3::Z);
         let face = head.1 * Vec3::Z;
         let off = f64::from(face.angle_between(to));
         // Turn of the neck from the chest to the sides, up and down; a target behind that is not faced.
@@ -224,19 +234,21 @@ fn gazes(stage: &Stage<'_>, report: &mut RecheckReport) {
 }
 
 /// Checks that objects which have to stay upright do so, all the way to their place.
-fn tilts(stage: &Stage<'_>, report: &mut RecheckReport) {
+fn check_tilts(stage: &TaskStage<'_>, report: &mut RecheckReport) {
     for step in &stage.task.steps {
         let (Some(level_rad), Some(thing)) = (step.level_rad, step.object) else { continue };
         let actor = &stage.actors[step.character];
         let [from_s, at_s, _] = step.times_s.map(|t| (t * actor.clip.rate_hz).round() / actor.clip.rate_hz);
         let there = |p: &Pin| (p.character, p.limb) == (step.character, step.limb) && (p.time_s - at_s).abs() < 1e-6;
-        let Whereabouts::On { joint, offset, .. } = stage.stretch(thing, 0.5 * (from_s + at_s)) else { continue };
+        let ThingPlacement::OnJoint { joint, offset, .. } = stage.placement_at(thing, 0.5 * (from_s + at_s)) else {
+            continue;
+        };
         if !stage.pins.iter().any(there) {
             continue;
         }
         let tilt = |look: usize| {
             let time_s = from_s + look as f64 / RATE_HZ;
-            let up = place_at(&actor.clip, &actor.skeleton, *joint, time_s).then(*offset).rotation * DVec3::Y;
+            let up = place_at(&actor.clip, &actor.skeleton, *joint, time_s).compose(*offset).rotation * DVec3::Y;
             (up.angle_between(DVec3::Y), time_s)
         };
         let (most, time_s) = (0..=((at_s - from_s) * RATE_HZ) as usize)
@@ -245,60 +257,62 @@ fn tilts(stage: &Stage<'_>, report: &mut RecheckReport) {
         if most > level_rad + TILT_RAD {
             let name = &stage.task.things[thing].name;
             let what = format!("`{name}` tilts by {most:.3} rad, {level_rad:.3} rad at most");
-            report.violations.push(Violation { time_s, what });
+            report.violations.push(RecheckViolation { time_s, what });
         }
     }
 }
 
 /// Checks that hands are at their targets, and things where they are taken, let go and passed on.
-fn grips(stage: &Stage<'_>, report: &mut RecheckReport) {
+fn check_grips(stage: &TaskStage<'_>, report: &mut RecheckReport) {
     let mut compare = |time_s: f64, what: String, a: &Rigid, b: &Rigid| {
-        let (apart, turned) = (a.position.distance(b.position), angle(a.rotation, b.rotation));
+        let (apart, turned) = (a.position.distance(b.position), angle_between(a.rotation, b.rotation));
         if apart > GRIP_M || turned > GRIP_RAD {
             let what = format!("{what} is off by {apart:.5} m and {turned:.4} rad");
-            report.violations.push(Violation { time_s, what });
+            report.violations.push(RecheckViolation { time_s, what });
         }
     };
     for pin in &stage.pins {
-        let at = in_clip(&stage.actors[pin.character], hand(pin.limb), pin.time_s);
-        compare(pin.time_s, format!("{} at its target", hand(pin.limb).name()), &at, &pin.target);
+        let at = joint_in_clip(&stage.actors[pin.character], hand_joint(pin.limb), pin.time_s);
+        compare(pin.time_s, format!("{} at its target", hand_joint(pin.limb).name()), &at, &pin.target);
     }
-    for (thing, life) in stage.task.things.iter().zip(&stage.lives) {
+    for (thing, life) in stage.task.things.iter().zip(&stage.placements) {
         for pair in life.windows(2) {
             let time_s = pair[1].from_s;
-            let [a, b] = [&pair[0].at, &pair[1].at].map(|at| match at {
-                Whereabouts::On { character, joint, offset, .. } => {
-                    in_clip(&stage.actors[*character], *joint, time_s).then(*offset)
+            let [a, b] = [&pair[0].placement, &pair[1].placement].map(|at| match at {
+                ThingPlacement::OnJoint { character, joint, offset, .. } => {
+                    joint_in_clip(&stage.actors[*character], *joint, time_s).compose(*offset)
                 }
-                at => stage.place_in(at, time_s, 0),
+                at => stage.resolve_placement(at, time_s, 0),
             });
             compare(time_s, format!("`{}` as it changes hands", thing.name), &a, &b);
         }
         for (k, stretch) in life.iter().enumerate() {
-            let Whereabouts::On { character, joint, second: Some(second), .. } = &stretch.at else { continue };
+            let ThingPlacement::OnJoint { character, joint, second: Some(second), .. } = &stretch.placement else {
+                continue;
+            };
             let actor = &stage.actors[*character];
             let (rate_hz, end_s) = (actor.clip.rate_hz, life.get(k + 1).map_or(actor.end_s(), |next| next.from_s));
             let frames = [stretch.from_s, end_s].map(|t| (t * rate_hz).round() as usize);
             for frame in frames[0]..=frames[1].min(actor.clip.num_frames() - 1) {
                 let time_s = frame as f64 / rate_hz;
-                let [first, other] = [*joint, hand(second.limb)].map(|j| in_clip(actor, j, time_s));
-                let what = format!("{} at `{}`", hand(second.limb).name(), thing.name);
-                compare(time_s, what, &first.then(second.grip), &other);
+                let [first, other] = [*joint, hand_joint(second.limb)].map(|j| joint_in_clip(actor, j, time_s));
+                let what = format!("{} at `{}`", hand_joint(second.limb).name(), thing.name);
+                compare(time_s, what, &first.compose(second.grip), &other);
             }
             let looks = ((end_s - stretch.from_s) * RATE_HZ) as usize;
             for look in 0..=looks {
                 let time_s = stretch.from_s + look as f64 / RATE_HZ;
                 let [first, other] =
-                    [*joint, hand(second.limb)].map(|j| place_at(&actor.clip, &actor.skeleton, j, time_s));
+                    [*joint, hand_joint(second.limb)].map(|j| place_at(&actor.clip, &actor.skeleton, j, time_s));
                 report.second_hand_off_m =
-                    report.second_hand_off_m.max(first.point(second.grip.position).distance(other.position));
+                    report.second_hand_off_m.max(first.transform_point(second.grip.position).distance(other.position));
             }
         }
     }
 }
 
 /// Transform of a joint by the clip's own kinematics, at the nearest frame.
-fn in_clip(actor: &Actor, joint: Joint, time_s: f64) -> Rigid {
+fn joint_in_clip(actor: &StageActor, joint: Joint, time_s: f64) -> Rigid {
     let frame = ((time_s * actor.clip.rate_hz).round().max(0.0) as usize).min(actor.clip.num_frames() - 1);
     let (at, turn) = actor.clip.joint_transforms(&actor.skeleton, frame)[joint.index()];
     Rigid { position: at.as_dvec3(), rotation: turn.as_dquat().normalize() }

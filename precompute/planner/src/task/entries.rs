@@ -121,8 +121,8 @@ struct ClipTable {
 
 impl<'de> Deserialize<'de> for ClipEntry {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Either;
-        impl<'de> Visitor<'de> for Either {
+        struct ClipEntryVisitor;
+        impl<'de> Visitor<'de> for ClipEntryVisitor {
             type Value = ClipEntry;
             fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
                 f.write_str("a motion file, or a table with `file` or `synth`")
@@ -136,7 +136,7 @@ impl<'de> Deserialize<'de> for ClipEntry {
                 Ok(ClipEntry { file, synth, clip, walk, from_s, to_s })
             }
         }
-        deserializer.deserialize_any(Either)
+        deserializer.deserialize_any(ClipEntryVisitor)
     }
 }
 
@@ -306,7 +306,7 @@ pub(super) struct TaskEntry {
     pub limb: Limb,
     /// Action.
     #[serde(rename = "do")]
-    pub deed: Deed,
+    pub deed: TaskAction,
     /// Object of the action.
     pub object: Option<String>,
     /// Time at which the target is reached (s); a walking character may leave it out, and goes there first.
@@ -354,7 +354,7 @@ pub(super) struct StyleEntry {
 /// Action of a limb.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Deed {
+pub enum TaskAction {
     /// Give way where it collides.
     Correct,
     /// Come to an object without touching it, and back.
@@ -373,7 +373,7 @@ pub enum Deed {
     HandOver,
 }
 
-impl Deed {
+impl TaskAction {
     /// Name in tasks.
     pub const fn name(self) -> &'static str {
         match self {
@@ -389,7 +389,7 @@ impl Deed {
     }
 
     /// True where the object has to be in the hand before.
-    pub(super) const fn holds(self) -> bool {
+    pub(super) const fn needs_held_object(self) -> bool {
         matches!(self, Self::Carry | Self::Drop | Self::HandOver)
     }
 }

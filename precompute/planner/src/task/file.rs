@@ -1,24 +1,24 @@
 //! Checked contents of `TASK.toml`.
 
-use super::entries::{CharacterEntry, Deed, PlannerEntry, ShapeEntry, TaskFile, ThingEntry, WalkEntry};
+use super::entries::{CharacterEntry, PlannerEntry, ShapeEntry, TaskAction, TaskFile, ThingEntry, WalkEntry};
 use super::mesh;
-use super::step::{Step, steps};
+use super::step::{TaskStep, steps};
 use crate::collide::EdgeCheck;
 use crate::correct::CorrectConfig;
 use crate::linkage::Limb;
 use crate::planner::{Budget, PlanConfig};
-use crate::rotation::{Rigid, about, exp};
-use crate::shape::{Segment, Shape};
-use crate::track::Path as Motion;
-use crate::worn::Worn;
+use crate::rotation::{Rigid, exp, rotation_about};
+use crate::shape::{Segment, SolidShape};
+use crate::stiff_mesh::StiffMesh;
+use crate::track::RigidPath as Motion;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use throng_base::Result;
-use throng_base::text::Source;
+use throng_base::text::TomlSource;
 use throng_core::{Joint, Skeleton};
 use throng_motion::import::ImportConfig;
-use throng_motion::onto::Figure;
+use throng_motion::wearer::SkinnedFigure;
 
 pub use super::entries::ClipEntry;
 
@@ -33,7 +33,7 @@ pub(super) const MOST: usize = 1000;
 
 /// A character of a task.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Character {
+pub struct TaskCharacter {
     /// Name in tasks and messages.
     pub name: String,
     /// Motion; the path of a file includes the task's folder.
@@ -41,58 +41,58 @@ pub struct Character {
     /// Offset and turn of its motion.
     pub placed: Rigid,
     /// Figure that it wears.
-    pub body: Option<Body>,
+    pub body: Option<WornFigure>,
 }
 
 /// A figure with a skin that a character wears.
 #[derive(Clone)]
-pub struct Body {
+pub struct WornFigure {
     /// Its file.
     pub path: PathBuf,
     /// Contents of the file.
-    pub figure: Arc<Figure>,
+    pub figure: Arc<SkinnedFigure>,
 }
 
-impl std::fmt::Debug for Body {
+impl std::fmt::Debug for WornFigure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Body").field("path", &self.path).finish_non_exhaustive()
     }
 }
 
-impl PartialEq for Body {
+impl PartialEq for WornFigure {
     fn eq(&self, other: &Self) -> bool {
         self.path == other.path
     }
 }
 
-impl Body {
+impl WornFigure {
     fn read(path: &Path) -> std::result::Result<Self, String> {
-        let figure = Figure::open(path, &ImportConfig::default()).map_err(|e| e.to_string())?;
-        Worn::of(&figure, &Skeleton::default()).map_err(|e| format!("{}: {e}", path.display()))?;
+        let figure = SkinnedFigure::open(path, &ImportConfig::default()).map_err(|e| e.to_string())?;
+        StiffMesh::from_figure(&figure, &Skeleton::default()).map_err(|e| format!("{}: {e}", path.display()))?;
         Ok(Self { path: path.to_path_buf(), figure: Arc::new(figure) })
     }
 }
 
 /// An obstacle or an object.
 #[derive(Clone, Debug)]
-pub struct Thing {
+pub struct TaskThing {
     /// Name in tasks and messages.
     pub name: String,
     /// Shapes, all of them in its frame.
-    pub shapes: Vec<Shape>,
+    pub shapes: Vec<SolidShape>,
     /// Place until it is taken.
-    pub start: Start,
+    pub start: ThingStart,
     /// True where it can be taken.
     pub is_object: bool,
 }
 
 /// Place of a thing at first.
 #[derive(Clone, Debug)]
-pub enum Start {
+pub enum ThingStart {
     /// Motion of its own.
     Path(Motion),
     /// Carried by a joint of a character.
-    On {
+    OnJoint {
         /// Index of the character.
         character: usize,
         /// Its joint.
@@ -106,9 +106,9 @@ pub enum Start {
 #[derive(Clone, Debug)]
 pub struct Task {
     /// Characters: first the one whose clip the task is about.
-    pub characters: Vec<Character>,
+    pub characters: Vec<TaskCharacter>,
     /// Obstacles and objects.
-    pub things: Vec<Thing>,
+    pub things: Vec<TaskThing>,
     /// Settings of plans; the rate of the budget is the clip's.
     pub config: CorrectConfig<'static>,
     /// Least distance of everything from things (m).
@@ -119,7 +119,7 @@ pub struct Task {
     pub lean: bool,
     /// True keeps the weight over planted feet where trunks bend, and reports how far it is off them.
     pub balance: bool,
-    pub(super) steps: Vec<Step>,
+    pub(super) steps: Vec<TaskStep>,
 }
 
 impl Task {
@@ -128,7 +128,7 @@ impl Task {
     /// # Errors
     /// Errors with file and line: faults of TOML, unknown names, numbers that are not finite, invalid meshes.
     pub fn read(path: &Path) -> Result<Self> {
-        Self::of(&Source::read(path, "a task")?)
+        Self::from_source(&TomlSource::read(path, "a task")?)
     }
 
     /// Reads a task from its text; meshes and clips are looked for beside `path`.
@@ -136,7 +136,7 @@ impl Task {
     /// # Errors
     /// As [`Task::read`].
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
-        Self::of(&Source::new(text, path))
+        Self::from_source(&TomlSource::new(text, path))
     }
 
     /// The schema of task files.
@@ -156,17 +156,17 @@ impl Task {
 
     /// Time at which each step reaches its target; none for corrections, and before the character has walked there (s).
     pub fn times_s(&self) -> Vec<Option<f64>> {
-        let one = |s: &Step| (s.deed != Deed::Correct && s.is_timed()).then_some(s.times_s[1]);
+        let one = |s: &TaskStep| (s.action != TaskAction::Correct && s.is_timed()).then_some(s.times_s[1]);
         self.steps.iter().map(one).collect()
     }
 
     /// Character and limb of each step that has a time, with the window in which the limb moves to its target (s).
-    pub fn ways_there(&self) -> impl Iterator<Item = (usize, Limb, [f64; 2])> + '_ {
-        let timed = self.steps.iter().filter(|s| s.deed != Deed::Correct && s.is_timed());
+    pub fn reach_windows(&self) -> impl Iterator<Item = (usize, Limb, [f64; 2])> + '_ {
+        let timed = self.steps.iter().filter(|s| s.action != TaskAction::Correct && s.is_timed());
         timed.map(|s| (s.character, s.limb, [s.times_s[0], s.times_s[1]]))
     }
 
-    fn of(source: &Source) -> Result<Self> {
+    fn from_source(source: &TomlSource) -> Result<Self> {
         let file: TaskFile = source.parse(HELP)?;
         let folder = source.path().parent().unwrap_or(Path::new(""));
         let numbers = [
@@ -176,31 +176,31 @@ impl Task {
             ("tasks", file.tasks.len()),
         ];
         if let Some((key, n)) = numbers.into_iter().find(|(_, n)| *n > MOST) {
-            return Err(source.at(key, format!("expected {MOST} at most, found {n}")));
+            return Err(source.error_at_key(key, format!("expected {MOST} at most, found {n}")));
         }
-        let clip = clip(&file.clip, folder).map_err(|why| source.at("clip", why))?;
+        let clip = resolve_clip(&file.clip, folder).map_err(|why| source.error_at_key("clip", why))?;
         let mut names = vec![file.name.clone()];
-        let body = file.body.as_ref().map(|b| Body::read(&folder.join(b))).transpose();
-        let body = body.map_err(|why| source.at("body", why))?;
-        let mut characters = vec![Character { name: file.name.clone(), clip, placed: Rigid::IDENTITY, body }];
+        let body = file.body.as_ref().map(|b| WornFigure::read(&folder.join(b))).transpose();
+        let body = body.map_err(|why| source.error_at_key("body", why))?;
+        let mut characters = vec![TaskCharacter { name: file.name.clone(), clip, placed: Rigid::IDENTITY, body }];
         for (i, c) in file.characters.iter().enumerate() {
             let key = format!("characters[{i}]");
-            new_name(&mut names, &c.name).map_err(|why| source.at(&key, why))?;
-            characters.push(c.character(folder).map_err(|why| source.at(&key, why))?);
+            new_name(&mut names, &c.name).map_err(|why| source.error_at_key(&key, why))?;
+            characters.push(c.character(folder).map_err(|why| source.error_at_key(&key, why))?);
         }
-        let mut things: Vec<Thing> = Vec::new();
+        let mut things: Vec<TaskThing> = Vec::new();
         let lists = [("obstacles", &file.scene.obstacles, false), ("objects", &file.scene.objects, true)];
         for (list, entries, is_object) in lists {
             for (i, o) in entries.iter().enumerate() {
                 let key = format!("scene.{list}[{i}]");
-                new_name(&mut names, &o.name).map_err(|why| source.at(&key, why))?;
+                new_name(&mut names, &o.name).map_err(|why| source.error_at_key(&key, why))?;
                 let thing = o.thing(folder, &characters, is_object);
-                things.push(thing.map_err(|why| source.at(&key, format!("`{}`: {why}", o.name)))?);
+                things.push(thing.map_err(|why| source.error_at_key(&key, format!("`{}`: {why}", o.name)))?);
             }
         }
-        let steps =
-            steps(&file.tasks, &characters, &things).map_err(|(i, why)| source.at(&format!("tasks[{i}]"), why))?;
-        let config = file.planner.config().map_err(|(key, why)| source.at(&format!("planner.{key}"), why))?;
+        let steps = steps(&file.tasks, &characters, &things)
+            .map_err(|(i, why)| source.error_at_key(&format!("tasks[{i}]"), why))?;
+        let config = file.planner.config().map_err(|(key, why)| source.error_at_key(&format!("planner.{key}"), why))?;
         let PlannerEntry { clearance_m, gaze, lean, balance, .. } = file.planner;
         Ok(Self { characters, things, config, clearance_m, gaze, lean, balance, steps })
     }
@@ -217,13 +217,13 @@ fn new_name(names: &mut Vec<String>, name: &str) -> std::result::Result<(), Stri
     Ok(())
 }
 
-fn clip(entry: &ClipEntry, folder: &Path) -> std::result::Result<ClipEntry, String> {
+fn resolve_clip(entry: &ClipEntry, folder: &Path) -> std::result::Result<ClipEntry, String> {
     let kinds = [entry.file.is_some(), entry.synth.is_some(), entry.walk.is_some()];
     if kinds.iter().filter(|k| **k).count() != 1 || (entry.clip.is_some() && entry.synth.is_none()) {
         return Err("expected `file`, or `synth` with or without `clip`, or `walk`".into());
     }
     if let Some(walk) = &entry.walk {
-        return walked(entry, walk, folder);
+        return resolve_walk(entry, walk, folder);
     }
     let to_s = entry.to_s.unwrap_or(f64::INFINITY);
     if !(entry.from_s >= 0.0 && entry.from_s < to_s) {
@@ -233,7 +233,7 @@ fn clip(entry: &ClipEntry, folder: &Path) -> std::result::Result<ClipEntry, Stri
     Ok(ClipEntry { file, ..entry.clone() })
 }
 
-fn walked(entry: &ClipEntry, walk: &WalkEntry, folder: &Path) -> std::result::Result<ClipEntry, String> {
+fn resolve_walk(entry: &ClipEntry, walk: &WalkEntry, folder: &Path) -> std::result::Result<ClipEntry, String> {
     if entry.from_s != 0.0 || entry.to_s.is_some() {
         return Err("`walk` goes on until everything is done: expected no `from_s` and no `to_s`".into());
     }
@@ -267,27 +267,28 @@ pub(super) fn not_many(list: &str, len: usize) -> std::result::Result<(), String
 }
 
 /// True for a position that is finite and within [`MOST_M`].
-pub(super) fn is_near(at: &Rigid) -> bool {
+pub(super) fn is_within_scene(at: &Rigid) -> bool {
     at.is_valid() && at.position.abs().max_element() <= MOST_M
 }
 
-pub(super) fn placed(at: [f64; 3], turn_deg: [f64; 3]) -> Rigid {
+pub(super) fn rigid_of_entry(at: [f64; 3], turn_deg: [f64; 3]) -> Rigid {
     Rigid { position: DVec3::from(at), rotation: exp(DVec3::from(turn_deg) * (std::f64::consts::PI / 180.0)) }
 }
 
 impl CharacterEntry {
-    fn character(&self, folder: &Path) -> std::result::Result<Character, String> {
-        let placed = Rigid { position: DVec3::from(self.at), rotation: about(DVec3::Y, self.heading_deg.to_radians()) };
-        if !is_near(&placed) {
+    fn character(&self, folder: &Path) -> std::result::Result<TaskCharacter, String> {
+        let placed =
+            Rigid { position: DVec3::from(self.at), rotation: rotation_about(DVec3::Y, self.heading_deg.to_radians()) };
+        if !is_within_scene(&placed) {
             return Err(format!("expected a finite `heading_deg`, and `at` within {MOST_M} m"));
         }
-        let body = self.body.as_ref().map(|b| Body::read(&folder.join(b))).transpose()?;
-        Ok(Character { name: self.name.clone(), clip: clip(&self.clip, folder)?, placed, body })
+        let body = self.body.as_ref().map(|b| WornFigure::read(&folder.join(b))).transpose()?;
+        Ok(TaskCharacter { name: self.name.clone(), clip: resolve_clip(&self.clip, folder)?, placed, body })
     }
 }
 
 /// Character and joint of `CHARACTER.JOINT`.
-pub(super) fn joint_of(name: &str, characters: &[Character]) -> std::result::Result<(usize, Joint), String> {
+pub(super) fn joint_of(name: &str, characters: &[TaskCharacter]) -> std::result::Result<(usize, Joint), String> {
     let wrong = || {
         let known: Vec<&str> = characters.iter().map(|c| c.name.as_str()).collect();
         format!(
@@ -302,46 +303,51 @@ pub(super) fn joint_of(name: &str, characters: &[Character]) -> std::result::Res
 }
 
 impl ThingEntry {
-    fn thing(&self, folder: &Path, characters: &[Character], is_object: bool) -> std::result::Result<Thing, String> {
+    fn thing(
+        &self,
+        folder: &Path,
+        characters: &[TaskCharacter],
+        is_object: bool,
+    ) -> std::result::Result<TaskThing, String> {
         let entries: Vec<&ShapeEntry> = self.shape.iter().chain(&self.shapes).collect();
         if entries.is_empty() || entries.len() > MOST {
             return Err(format!("expected `shape`, or 1 to {MOST} `shapes`"));
         }
-        let shapes: Vec<Shape> = entries.iter().map(|s| s.shape(folder)).collect::<std::result::Result<_, _>>()?;
-        if !shapes.iter().all(Shape::is_valid) {
+        let shapes: Vec<SolidShape> = entries.iter().map(|s| s.shape(folder)).collect::<std::result::Result<_, _>>()?;
+        if !shapes.iter().all(SolidShape::is_valid) {
             return Err("expected finite numbers and positive sizes".into());
         }
-        let here = placed(self.at, self.turn_deg);
-        let keys: Vec<(f64, Rigid)> = self.keys.iter().map(|k| (k.t_s, placed(k.at, k.turn_deg))).collect();
+        let here = rigid_of_entry(self.at, self.turn_deg);
+        let keys: Vec<(f64, Rigid)> = self.keys.iter().map(|k| (k.t_s, rigid_of_entry(k.at, k.turn_deg))).collect();
         let start = match (&self.attached_to, keys.is_empty()) {
             (Some(_), _) if !is_object => return Err("obstacles are attached to nothing; list it in `objects`".into()),
             (Some(_), false) => return Err("expected `keys` or `attached_to`, found both".into()),
             (Some(name), true) => {
                 let (character, joint) = joint_of(name, characters)?;
-                Start::On { character, joint, offset: here }
+                ThingStart::OnJoint { character, joint, offset: here }
             }
-            (None, false) => Start::Path(Motion::keys(&keys)),
-            (None, true) => Start::Path(Motion::Still(here)),
+            (None, false) => ThingStart::Path(Motion::from_keys(&keys)),
+            (None, true) => ThingStart::Path(Motion::Still(here)),
         };
-        let ascends = if let Start::Path(path) = &start { path.is_valid(0.0, 0.0) } else { true };
-        if !(ascends && is_near(&here) && keys.iter().all(|(_, at)| is_near(at))) {
+        let ascends = if let ThingStart::Path(path) = &start { path.is_valid(0.0, 0.0) } else { true };
+        if !(ascends && is_within_scene(&here) && keys.iter().all(|(_, at)| is_within_scene(at))) {
             return Err(format!("expected finite places within {MOST_M} m, and keys whose times ascend"));
         }
-        Ok(Thing { name: self.name.clone(), shapes, start, is_object })
+        Ok(TaskThing { name: self.name.clone(), shapes, start, is_object })
     }
 }
 
 impl ShapeEntry {
-    fn shape(&self, folder: &Path) -> std::result::Result<Shape, String> {
+    fn shape(&self, folder: &Path) -> std::result::Result<SolidShape, String> {
         Ok(match self {
             Self::Ball { radius, at } => {
-                Shape::Round { core: Segment::new(DVec3::from(*at), DVec3::from(*at)), radius: *radius }
+                SolidShape::Round { core: Segment::new(DVec3::from(*at), DVec3::from(*at)), radius: *radius }
             }
-            Self::Box { size } => Shape::cuboid(DVec3::from(*size)),
+            Self::Box { size } => SolidShape::cuboid(DVec3::from(*size)),
             Self::Capsule { from, to, radius } => {
-                Shape::Round { core: Segment::new(DVec3::from(*from), DVec3::from(*to)), radius: *radius }
+                SolidShape::Round { core: Segment::new(DVec3::from(*from), DVec3::from(*to)), radius: *radius }
             }
-            Self::Mesh { file, unit_m, open } => mesh::read(&folder.join(file), *unit_m, *open)?,
+            Self::Mesh { file, unit_m, open } => mesh::read_mesh(&folder.join(file), *unit_m, *open)?,
         })
     }
 }

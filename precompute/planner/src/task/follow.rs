@@ -3,8 +3,8 @@
 use crate::collide::{Checker, EdgeCheck};
 use crate::ik::{LimbIk, Swivel};
 use crate::linkage::LimbPose;
-use crate::problem::{Problem, State};
-use crate::rotation::{Rigid, middle, wrap};
+use crate::problem::{LimbState, Problem};
+use crate::rotation::{Rigid, mid_rotation, wrap_angle};
 use std::f64::consts::TAU;
 
 /// Number of swivels that are tried on each frame.
@@ -17,7 +17,7 @@ const LEAP_RAD: f64 = 0.1;
 const SMOOTH: usize = 6;
 
 /// Targets of the second hand, frame by frame.
-pub(super) struct Followed<'a> {
+pub(super) struct HandPath<'a> {
     pub problem: &'a Problem,
     /// One for each frame, the first one included.
     pub targets: &'a [Rigid],
@@ -26,11 +26,11 @@ pub(super) struct Followed<'a> {
 }
 
 /// Time at which the hand cannot follow (s), and the reason.
-pub(super) type Stuck = (f64, String);
+pub(super) type FollowError = (f64, String);
 
-impl Followed<'_> {
-    fn state(&self, k: usize, pose: LimbPose) -> State {
-        State { pose, time_s: self.start_s + k as f64 / self.rate_hz }
+impl HandPath<'_> {
+    fn state(&self, k: usize, pose: LimbPose) -> LimbState {
+        LimbState { pose, time_s: self.start_s + k as f64 / self.rate_hz }
     }
 
     /// Poses of all frames: with the elbow as near as possible to the frame before, or, where it would leap or that fails,
@@ -40,30 +40,30 @@ impl Followed<'_> {
     ///
     /// # Errors
     /// Time at which the elbow as near as possible to the frame before cannot go on, and the reason.
-    pub fn poses(&self, first: &LimbPose) -> Result<Vec<LimbPose>, Stuck> {
+    pub fn poses(&self, first: &LimbPose) -> Result<Vec<LimbPose>, FollowError> {
         let (mut checker, limits) = (Checker::default(), self.problem.limits());
         let ik = LimbIk::new(self.problem.chain(), limits);
-        let near = self.nearest(first, &mut checker);
+        let near = self.nearest_swivel_poses(first, &mut checker);
         let swivel = |k: usize, pose: &LimbPose| ik.swivel_of(&self.base(k), &self.targets[k], pose);
         let leaps = |poses: &[LimbPose]| {
             let all: Vec<f64> = poses.iter().enumerate().filter_map(|(k, p)| swivel(k, p)).collect();
-            all.windows(2).any(|w| wrap(w[1] - w[0]).abs() > LEAP_RAD)
+            all.windows(2).any(|w| wrap_angle(w[1] - w[0]).abs() > LEAP_RAD)
         };
         match near {
             Ok(poses) if !leaps(&poses) => Ok(poses),
-            near => self.searched(first, &ik, &mut checker).map_or(near, Ok),
+            near => self.searched_swivel_poses(first, &ik, &mut checker).map_or(near, Ok),
         }
     }
 
     /// Largest offset of the hand halfway between two frames (m), and its time (s).
     ///
     /// - `target`: transform that the hand should have.
-    pub fn most_off(&self, poses: &[LimbPose], target: impl Fn(f64) -> Rigid) -> (f64, f64) {
+    pub fn largest_offset(&self, poses: &[LimbPose], target: impl Fn(f64) -> Rigid) -> (f64, f64) {
         let last = self.problem.chain().len() - 1;
         let off = |k: usize| {
             let time_s = self.start_s + (k as f64 + 0.5) / self.rate_hz;
-            let pose = LimbPose(std::array::from_fn(|i| middle(poses[k].0[i], poses[k + 1].0[i])));
-            let hand = self.problem.place(&State { pose, time_s })[last];
+            let pose = LimbPose(std::array::from_fn(|i| mid_rotation(poses[k].0[i], poses[k + 1].0[i])));
+            let hand = self.problem.place_chain(&LimbState { pose, time_s })[last];
             (hand.position.distance(target(time_s).position), time_s)
         };
         (1..poses.len()).map(|k| off(k - 1)).fold((0.0, self.start_s), |a, b| if b.0 > a.0 { b } else { a })
@@ -73,22 +73,22 @@ impl Followed<'_> {
         self.problem.base_at(self.start_s + k as f64 / self.rate_hz)
     }
 
-    fn nearest(&self, first: &LimbPose, checker: &mut Checker) -> Result<Vec<LimbPose>, Stuck> {
+    fn nearest_swivel_poses(&self, first: &LimbPose, checker: &mut Checker) -> Result<Vec<LimbPose>, FollowError> {
         let mut poses = vec![*first];
         for (k, target) in self.targets.iter().enumerate().skip(1) {
             let time_s = self.state(k, *first).time_s;
-            let pose = self.problem.reach_from(checker, target, time_s, &poses[k - 1], Swivel::Present);
+            let pose = self.problem.solve_reach_from(checker, target, time_s, &poses[k - 1], Swivel::Present);
             poses.push(pose.map_err(|why| (time_s, why.to_string()))?);
         }
-        self.free_all_along(poses, checker)
+        self.keep_if_free(poses, checker)
     }
 
     /// Poses along the swivels over time that turn the elbow the least, by dynamic programming, and smoothed.
-    fn searched(&self, first: &LimbPose, ik: &LimbIk, checker: &mut Checker) -> Option<Vec<LimbPose>> {
+    fn searched_swivel_poses(&self, first: &LimbPose, ik: &LimbIk, checker: &mut Checker) -> Option<Vec<LimbPose>> {
         let step = TAU / SWIVELS as f64;
         let mut at = |k: usize, swivel: f64| {
-            let pose = ik.at_swivel(&self.base(k), &self.targets[k], first, swivel)?;
-            checker.deepest(self.problem, &self.state(k, pose)).is_none().then_some(pose)
+            let pose = ik.solve_at_swivel(&self.base(k), &self.targets[k], first, swivel)?;
+            checker.deepest_hit(self.problem, &self.state(k, pose)).is_none().then_some(pose)
         };
         let start = ik.swivel_of(&self.base(0), &self.targets[0], first)?;
         let mut costs = [f64::INFINITY; SWIVELS];
@@ -118,7 +118,7 @@ impl Followed<'_> {
         let mut turns = vec![s as f64 * step];
         for from in before.iter().rev() {
             s = from[s];
-            turns.push(turns[turns.len() - 1] + wrap(s as f64 * step - turns[turns.len() - 1]));
+            turns.push(turns[turns.len() - 1] + wrap_angle(s as f64 * step - turns[turns.len() - 1]));
         }
         turns.reverse();
         let last = turns.len() - 1;
@@ -130,30 +130,30 @@ impl Followed<'_> {
         for k in 1..=last {
             poses.push(at(k, start + smooth(k)).or_else(|| at(k, start + turns[k]))?);
         }
-        self.free_all_along(poses, checker).ok()
+        self.keep_if_free(poses, checker).ok()
     }
 
     /// Passes on poses whose motion is free in between, too.
-    fn free_all_along(&self, poses: Vec<LimbPose>, checker: &mut Checker) -> Result<Vec<LimbPose>, Stuck> {
-        let way = free_all_along(self.problem, checker, &poses, self.start_s, self.rate_hz);
+    fn keep_if_free(&self, poses: Vec<LimbPose>, checker: &mut Checker) -> Result<Vec<LimbPose>, FollowError> {
+        let way = check_free_all_along(self.problem, checker, &poses, self.start_s, self.rate_hz);
         way.map(|()| poses).map_err(|(t, with)| (t, format!("{with} is in the way")))
     }
 }
 
 /// Checks that a motion is free; else returns when it collides, or a joint is too fast, and the obstacle or joint.
-pub(super) fn free_all_along(
+pub(super) fn check_free_all_along(
     problem: &Problem,
     checker: &mut Checker,
     poses: &[LimbPose],
     start_s: f64,
     rate_hz: f64,
-) -> Result<(), Stuck> {
-    let state = |k: usize| State { pose: poses[k], time_s: start_s + k as f64 / rate_hz };
+) -> Result<(), FollowError> {
+    let state = |k: usize| LimbState { pose: poses[k], time_s: start_s + k as f64 / rate_hz };
     for k in 0..poses.len() {
-        if let Some(hit) = checker.deepest(problem, &state(k)) {
-            return Err((state(k).time_s, problem.names(&hit)[1].clone()));
+        if let Some(hit) = checker.deepest_hit(problem, &state(k)) {
+            return Err((state(k).time_s, problem.hit_names(&hit)[1].clone()));
         }
-        if k > 0 && !checker.is_way_free(problem, &state(k - 1), &state(k), EdgeCheck::Conservative) {
+        if k > 0 && !checker.is_edge_free(problem, &state(k - 1), &state(k), EdgeCheck::Conservative) {
             let (least_s, joint) = problem.least_time(&poses[k - 1], &poses[k]);
             let is_fast = least_s > 1.0 / rate_hz + 1e-9;
             let what = if is_fast { format!("the speed of {}", joint.name()) } else { "something thin".into() };

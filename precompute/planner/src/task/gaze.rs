@@ -1,10 +1,10 @@
 //! Head and neck turn to the target of a limb, and back.
 
-use super::ahead::target;
 use super::lean::ease;
-use super::stage::{Looked, Stage, Whereabouts};
-use super::step::{Anchor, Step};
-use crate::rotation::{about, wrap};
+use super::preview::object_target;
+use super::stage::{TaskGaze, TaskStage, ThingPlacement};
+use super::step::{Anchor, TaskStep};
+use crate::rotation::{rotation_about, wrap_angle};
 use glam::{DQuat, DVec3};
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS};
@@ -41,13 +41,13 @@ pub(super) const JOINTS: [Joint; 2] = [Joint::Neck, Joint::Head];
 ///
 /// # Source
 /// Shapiro, Kallmann and Faloutsos 2007 leave the gaze to the application; angles and shares are those of walkers.
-pub(super) fn look(stage: &mut Stage<'_>, step: &Step) {
+pub(super) fn look_at_target(stage: &mut TaskStage<'_>, step: &TaskStep) {
     let (who, [from_s, at_s, to_s]) = (step.character, step.times_s);
     if is_on_own_head(stage, step) {
         return;
     }
     // Gazes follow one another.
-    let others = || stage.looked.iter().filter(|l| l.character == who);
+    let others = || stage.gazes.iter().filter(|l| l.character == who);
     if others().any(|l| (l.times_s[1] - at_s).abs() < HELD_S) {
         return;
     }
@@ -61,7 +61,7 @@ pub(super) fn look(stage: &mut Stage<'_>, step: &Step) {
         return;
     }
     let time_of = |frame: usize| frame as f64 / rate_hz;
-    let offs: Vec<[f64; 2]> = frames.clone().map(|f| off(stage, step, time_of(f))).collect();
+    let offs: Vec<[f64; 2]> = frames.clone().map(|f| head_offset(stage, step, time_of(f))).collect();
     let most = offs.iter().flatten().fold(0.0f64, |m, o| m.max(o.abs()));
     if most < 1e-3 {
         return;
@@ -77,16 +77,16 @@ pub(super) fn look(stage: &mut Stage<'_>, step: &Step) {
     let (actor, skeleton) = (&stage.actors[who], &stage.actors[who].skeleton);
     let known = |frame: usize| {
         let before = actor.before.joint_transforms(skeleton, frame)[Joint::Head.index()].1.as_dquat();
-        let now = actor.joint(Joint::Head, time_of(frame)).rotation;
+        let now = actor.joint_place(Joint::Head, time_of(frame)).rotation;
         let [before, now] = [before, now].map(|q| direction(q * DVec3::Z));
-        [wrap(now[0] - before[0]), now[1] - before[1]]
+        [wrap_angle(now[0] - before[0]), now[1] - before[1]]
     };
     let now: Vec<[f64; 2]> = frames.clone().map(known).collect();
     let wanted = frames.clone().zip(&now).zip(&offs).map(|((f, now), off)| {
         let share = share(time_of(f));
         [now[0] + off[0] * share, now[1] + off[1] * share]
     });
-    let turns = slowed(wanted.collect(), [now[0], now[now.len() - 1]], TOP_RATE / rate_hz);
+    let turns = limit_turn_rate(wanted.collect(), [now[0], now[now.len() - 1]], TOP_RATE / rate_hz);
     let k = frame_of(at_s) - frames.start();
     let left = [0, 1].map(|i| offs[k][i] - (turns[k][i] - now[k][i]));
     if maths::hypot(left[0], left[1]) > NEAR_ENOUGH {
@@ -99,12 +99,15 @@ pub(super) fn look(stage: &mut Stage<'_>, step: &Step) {
             continue;
         }
         let row = frame * NUM_JOINTS;
-        let at = |j: Joint| stage.actors[who].joint(j, time_of(frame)).rotation;
+        let at = |j: Joint| stage.actors[who].joint_place(j, time_of(frame)).rotation;
         let [chest, neck, head] = [Joint::UpperChest, Joint::Neck, Joint::Head].map(at);
         let facing = direction(head * DVec3::Z)[0];
         let turned = |part: f64, q: DQuat| {
             let [yaw, pitch] = by.map(|o| o * part);
-            about(DVec3::Y, facing + yaw) * about(DVec3::X, -pitch) * about(DVec3::Y, -facing) * q
+            rotation_about(DVec3::Y, facing + yaw)
+                * rotation_about(DVec3::X, -pitch)
+                * rotation_about(DVec3::Y, -facing)
+                * q
         };
         let (neck, head) = (turned(NECK, neck), turned(1.0, head));
         for (joint, local) in [(Joint::Neck, chest.inverse() * neck), (Joint::Head, neck.inverse() * head)] {
@@ -113,16 +116,20 @@ pub(super) fn look(stage: &mut Stage<'_>, step: &Step) {
             clip.rotations[i] = if new.dot(clip.rotations[i]) < 0.0 { -new } else { new };
         }
     }
-    stage.actors[who].change(clip);
-    let at = target(stage, step, at_s).position;
-    stage.looked.push(Looked { character: who, times_s: [time_of(*frames.start()), at_s, time_of(*frames.end())], at });
+    stage.actors[who].replace_clip(clip);
+    let at = object_target(stage, step, at_s).position;
+    stage.gazes.push(TaskGaze {
+        character: who,
+        times_s: [time_of(*frames.start()), at_s, time_of(*frames.end())],
+        target: at,
+    });
 }
 
 /// True for an object on the character's own head, or brought there: it turns along and is out of sight.
-fn is_on_own_head(stage: &Stage<'_>, step: &Step) -> bool {
+fn is_on_own_head(stage: &TaskStage<'_>, step: &TaskStep) -> bool {
     let is_own = |character: usize, joint: Joint| character == step.character && JOINTS.contains(&joint);
-    let carried = |thing: usize| match stage.stretch(thing, step.times_s[0]) {
-        Whereabouts::On { character, joint, .. } => is_own(*character, *joint),
+    let carried = |thing: usize| match stage.placement_at(thing, step.times_s[0]) {
+        ThingPlacement::OnJoint { character, joint, .. } => is_own(*character, *joint),
         _ => false,
     };
     match (step.to.map(|to| to.on), step.object) {
@@ -133,7 +140,7 @@ fn is_on_own_head(stage: &Stage<'_>, step: &Step) -> bool {
 }
 
 /// Turns that change by at most a step from frame to frame, near the wanted ones; both ends are kept.
-fn slowed(wanted: Vec<[f64; 2]>, ends: [[f64; 2]; 2], step: f64) -> Vec<[f64; 2]> {
+fn limit_turn_rate(wanted: Vec<[f64; 2]>, ends: [[f64; 2]; 2], step: f64) -> Vec<[f64; 2]> {
     let toward = |from: [f64; 2], to: [f64; 2]| {
         let [a, b] = [to[0] - from[0], to[1] - from[1]];
         let length = maths::hypot(a, b);
@@ -165,18 +172,18 @@ fn slowed(wanted: Vec<[f64; 2]>, ends: [[f64; 2]; 2], step: f64) -> Vec<[f64; 2]
 }
 
 /// Turn of the head that would face a thing, within what necks allow (rad to the left and up).
-fn off(stage: &Stage<'_>, step: &Step, time_s: f64) -> [f64; 2] {
+fn head_offset(stage: &TaskStage<'_>, step: &TaskStep, time_s: f64) -> [f64; 2] {
     let actor = &stage.actors[step.character];
-    let [chest, head] = [Joint::UpperChest, Joint::Head].map(|j| actor.joint(j, time_s));
-    let to = target(stage, step, time_s).position - head.position;
+    let [chest, head] = [Joint::UpperChest, Joint::Head].map(|j| actor.joint_place(j, time_s));
+    let to = object_target(stage, step, time_s).position - head.position;
     let [facing, wanted] = [chest.rotation * DVec3::Z, to].map(direction);
     let [yaw, pitch] = direction(head.rotation * DVec3::Z);
-    let aside = wrap(wanted[0] - facing[0]);
+    let aside = wrap_angle(wanted[0] - facing[0]);
     if to.length() < NEAR_M || aside.abs() > BEHIND {
         return [0.0; 2];
     }
     let yaw_to = facing[0] + aside.clamp(-FARTHEST[0], FARTHEST[0]);
-    [wrap(yaw_to - yaw), wanted[1].clamp(-FARTHEST[1], FARTHEST[1]) - pitch]
+    [wrap_angle(yaw_to - yaw), wanted[1].clamp(-FARTHEST[1], FARTHEST[1]) - pitch]
 }
 
 /// Angles to the left and up (rad).
@@ -197,7 +204,7 @@ mod tests {
             let ends = [wanted[0], wanted[wanted.len() - 1]];
             let enough = maths::hypot(ends[0][0] - ends[1][0], ends[0][1] - ends[1][1]) <= step * (wanted.len() - 1) as f64;
             prop_assume!(enough);
-            let out = slowed(wanted.clone(), ends, step);
+            let out = limit_turn_rate(wanted.clone(), ends, step);
             let apart = |a: [f64; 2], b: [f64; 2]| maths::hypot(a[0] - b[0], a[1] - b[1]);
             prop_assert!(apart(out[0], ends[0]) < 1e-9 && apart(out[out.len() - 1], ends[1]) < 1e-9);
             for w in out.windows(2) {
@@ -209,7 +216,7 @@ mod tests {
     #[test]
     fn slow_turns_stay_as_they_are_but_for_their_corners() {
         let wanted: Vec<[f64; 2]> = (0..40).map(|i| [0.02 * f64::from(i), -0.01 * f64::from(i)]).collect();
-        let out = slowed(wanted.clone(), [wanted[0], wanted[39]], 0.1);
+        let out = limit_turn_rate(wanted.clone(), [wanted[0], wanted[39]], 0.1);
         assert!(out.iter().zip(&wanted).all(|(a, b)| (a[0] - b[0]).abs() < 1e-9 && (a[1] - b[1]).abs() < 1e-9));
     }
 }

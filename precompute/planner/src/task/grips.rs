@@ -1,9 +1,9 @@
 //! Places of hands for grips.
 
-use super::stage::{Actor, hand, palm};
-use super::step::Grip;
+use super::stage::{StageActor, hand_joint, palm};
+use super::step::ObjectGrip;
 use crate::linkage::{Chain, Limb, LimbPose, MAX_JOINTS};
-use crate::rotation::{Rigid, about, angle, between};
+use crate::rotation::{Rigid, angle_between, rotation_about, rotation_between};
 use glam::{DQuat, DVec3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -14,7 +14,7 @@ const ROLLS: [f64; 7] = [0.0, FRAC_PI_4, -FRAC_PI_4, FRAC_PI_2, -FRAC_PI_2, 0.75
 
 /// A place for a hand, with the object where it is then.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Goal {
+pub(super) struct HandTarget {
     /// Rank: goals of a lower one are preferred; within one rank, the most natural pose.
     pub rank: usize,
     pub hand: Rigid,
@@ -22,14 +22,20 @@ pub(super) struct Goal {
 }
 
 /// Goals of hands for grips on something at `object`: each grip has its own rank.
-pub(super) fn goals(grips: &[Grip], object: &Rigid, actor: &Actor, limb: Limb, time_s: f64) -> Vec<Goal> {
+pub(super) fn hand_targets(
+    grips: &[ObjectGrip],
+    object: &Rigid,
+    actor: &StageActor,
+    limb: Limb,
+    time_s: f64,
+) -> Vec<HandTarget> {
     let mut out = Vec::new();
     for (rank, grip) in grips.iter().enumerate() {
         let hands = match grip {
-            Grip::Turned(wrist) => vec![object.then(*wrist)],
-            Grip::Any(middle) => any_turn(object.point(*middle), actor, limb, time_s),
+            ObjectGrip::Turned(wrist) => vec![object.compose(*wrist)],
+            ObjectGrip::Any(middle) => turned_hands(object.transform_point(*middle), actor, limb, time_s),
         };
-        out.extend(hands.into_iter().map(|hand| Goal { rank, hand, object: *object }));
+        out.extend(hands.into_iter().map(|hand| HandTarget { rank, hand, object: *object }));
     }
     out
 }
@@ -41,25 +47,25 @@ pub(super) fn awkwardness(chain: &Chain, placed: &[Rigid; MAX_JOINTS], pose: &Li
         return 0.0;
     }
     let [shoulder, elbow, wrist, _] = placed.map(|p| p.position.y);
-    angle(pose.0[2], DQuat::IDENTITY) + 5.0 * (elbow - 0.5 * (shoulder + wrist))
+    angle_between(pose.0[2], DQuat::IDENTITY) + 5.0 * (elbow - 0.5 * (shoulder + wrist))
 }
 
 /// Transforms of a hand whose middle is at a place, with many turns; the least turned first, relative to the motion.
-fn any_turn(middle: DVec3, actor: &Actor, limb: Limb, time_s: f64) -> Vec<Rigid> {
-    let present = actor.joint(hand(limb), time_s).rotation;
+fn turned_hands(middle: DVec3, actor: &StageActor, limb: Limb, time_s: f64) -> Vec<Rigid> {
+    let present = actor.joint_place(hand_joint(limb), time_s).rotation;
     let palm = palm(&actor.skeleton, limb);
-    let from = actor.joint(limb.joints()[0], time_s).position;
+    let from = actor.joint_place(limb.joints()[0], time_s).position;
     let ahead = (middle - from).normalize_or(DVec3::Z);
-    let straight = between(present * palm.normalize_or(DVec3::X), ahead) * present;
+    let straight = rotation_between(present * palm.normalize_or(DVec3::X), ahead) * present;
     let side = ahead.cross(DVec3::Y).normalize_or(DVec3::X);
     let up = side.cross(ahead);
     let mut turns: Vec<DQuat> = Vec::new();
     for tilt in TILTS {
         for axis in [side, up] {
-            turns.extend(ROLLS.map(|roll| about(axis, tilt) * about(ahead, roll) * straight));
+            turns.extend(ROLLS.map(|roll| rotation_about(axis, tilt) * rotation_about(ahead, roll) * straight));
         }
     }
-    turns.sort_by(|a, b| angle(*a, present).total_cmp(&angle(*b, present)));
+    turns.sort_by(|a, b| angle_between(*a, present).total_cmp(&angle_between(*b, present)));
     turns.into_iter().map(|rotation| Rigid { position: middle - rotation * palm, rotation }).collect()
 }
 
@@ -68,21 +74,20 @@ mod tests {
     use super::*;
     use crate::task::stage::ActorClip;
     use crate::task::tests::{TASK, parse, stand};
-    use crate::testing::Somebody;
+    use crate::testing::TestCharacter;
 
     #[test]
     fn the_middle_of_the_hand_comes_to_the_grip_whichever_way_it_is_turned() {
-        let s = Somebody::standing();
+        let s = TestCharacter::standing();
         let task = parse(TASK).expect("a task");
         let clips = [ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }];
-        let stage = super::super::stage::Stage::new(&task, &clips);
-        let object = Rigid::at(DVec3::new(0.3, 1.3, 0.4));
-        let grip = Grip::Any(DVec3::Y * 0.1);
-        let found = goals(&[grip], &object, &stage.actors[0], Limb::LeftArm, 0.5);
+        let stage = super::super::stage::TaskStage::new(&task, &clips);
+        let object = Rigid::from_position(DVec3::new(0.3, 1.3, 0.4));
+        let grip = ObjectGrip::Any(DVec3::Y * 0.1);
+        let found = hand_targets(&[grip], &object, &stage.actors[0], Limb::LeftArm, 0.5);
         let palm = palm(&s.skeleton, Limb::LeftArm);
         assert_eq!(found.len(), 70);
-        assert!(
-            found.iter().all(|g| g.hand.is_valid() && g.hand.point(palm).distance(object.point(DVec3::Y * 0.1)) < 1e-9)
-        );
+        assert!(found.iter().all(|g| g.hand.is_valid()
+            && g.hand.transform_point(palm).distance(object.transform_point(DVec3::Y * 0.1)) < 1e-9));
     }
 }

@@ -1,15 +1,15 @@
 //! Bending of the trunk where an arm cannot reach otherwise; hips move with it, so that the weight stays over the feet.
 
-use super::ahead::target;
-use super::deeds::Problems;
-use super::stage::{Leaned, Stage};
-use super::step::Step;
+use super::actions::StepFailure;
+use super::preview::object_target;
+use super::stage::{TaskStage, TrunkLean};
+use super::step::TaskStep;
 use crate::balance::centre_of_mass;
-use crate::driven::placed;
+use crate::driven::place_joints;
 use crate::ik::{LimbIk, Swivel};
 use crate::limits::BodyLimits;
 use crate::linkage::{Chain, Limb, LimbPose, Linkage};
-use crate::rotation::{Rigid, about, angle};
+use crate::rotation::{Rigid, angle_between, rotation_about};
 use crate::smooth::smoothstep;
 use glam::{DQuat, DVec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
@@ -36,7 +36,7 @@ const LOWER_M: f64 = 0.1;
 const LOWER_STEP_M: f64 = 0.01;
 
 /// Position of the hips, and rotations of all joints.
-pub(super) type Pose = (DVec3, [DQuat; NUM_JOINTS]);
+pub(super) type RootPose = (DVec3, [DQuat; NUM_JOINTS]);
 
 /// A bend of the trunk.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,17 +51,17 @@ pub(super) struct Bend {
 
 /// A character that bends.
 #[derive(Clone, Copy)]
-pub(super) struct Trunk<'a> {
+pub(super) struct BendingTrunk<'a> {
     pub skeleton: &'a Skeleton,
     pub limits: &'a BodyLimits,
     /// True keeps the weight where it was: both feet are planted.
     pub balances: bool,
 }
 
-impl Trunk<'_> {
+impl BendingTrunk<'_> {
     /// The least bend that brings a shoulder within a distance of a target, and the lowering by bent knees (m).
-    pub fn needed(&self, pose: &Pose, shoulder: Joint, target: DVec3, far_m: f64) -> Option<(Bend, f64)> {
-        let places = placed(self.skeleton, pose.0, &pose.1);
+    pub fn least_bend(&self, pose: &RootPose, shoulder: Joint, target: DVec3, far_m: f64) -> Option<(Bend, f64)> {
+        let places = place_joints(self.skeleton, pose.0, &pose.1);
         let (pivot, from) = (places[Joint::Spine.index()].position, places[shoulder.index()].position);
         let across = (from - pivot).cross(target - from).try_normalize()?;
         let axis = pose.1[0].inverse() * across;
@@ -69,7 +69,7 @@ impl Trunk<'_> {
         let mut angle = STEP_RAD;
         while angle <= MOST_RAD {
             let bend = Bend { axis, angle, hips: if self.balances { HIPS } else { 0.0 } };
-            let bent = bent(&pose.1, &bend, 1.0);
+            let bent = bent_rotations(&pose.1, &bend, 1.0);
             let is_within = SPINE.into_iter().all(|j| {
                 let [a, b] = [pose.1[j.index()], bent[j.index()]];
                 limit(j).is_none_or(|l| l.excess(b) <= l.excess(a).max(0.0) + 1e-6)
@@ -79,8 +79,8 @@ impl Trunk<'_> {
             }
             let mut lower_m = 0.0;
             while lower_m <= LOWER_M {
-                if let Some((root, turns)) = self.posed(pose, &bend, 1.0, lower_m) {
-                    let at = placed(self.skeleton, root, &turns)[shoulder.index()].position;
+                if let Some((root, turns)) = self.bent_pose(pose, &bend, 1.0, lower_m) {
+                    let at = place_joints(self.skeleton, root, &turns)[shoulder.index()].position;
                     if at.distance(target) <= far_m {
                         return Some((bend, lower_m));
                     }
@@ -94,33 +94,33 @@ impl Trunk<'_> {
     }
 
     /// A pose with a share of a bend; `None` where legs do not reach the ground then.
-    pub fn posed(&self, pose: &Pose, bend: &Bend, share: f64, lower_m: f64) -> Option<Pose> {
-        let turns = bent(&pose.1, bend, share);
+    pub fn bent_pose(&self, pose: &RootPose, bend: &Bend, share: f64, lower_m: f64) -> Option<RootPose> {
+        let turns = bent_rotations(&pose.1, bend, share);
         if !self.balances {
             return Some((pose.0, turns));
         }
-        let before = placed(self.skeleton, pose.0, &pose.1);
+        let before = place_joints(self.skeleton, pose.0, &pose.1);
         let weight = centre_of_mass(&before);
         let mut out = (pose.0 - DVec3::Y * lower_m * share, turns);
         for _ in 0..4 {
-            out = self.on_feet(out, &before)?;
-            let off = (weight - centre_of_mass(&placed(self.skeleton, out.0, &out.1))).with_y(0.0);
+            out = self.place_feet(out, &before)?;
+            let off = (weight - centre_of_mass(&place_joints(self.skeleton, out.0, &out.1))).with_y(0.0);
             out.0 += off;
         }
         if (out.0 - pose.0).with_y(0.0).length() > HIPS_M {
             return None;
         }
-        self.on_feet(out, &before)
+        self.place_feet(out, &before)
     }
 
     /// Moves the legs so that feet stay where they were.
-    fn on_feet(&self, (root, mut turns): Pose, before: &[Rigid; NUM_JOINTS]) -> Option<Pose> {
+    fn place_feet(&self, (root, mut turns): RootPose, before: &[Rigid; NUM_JOINTS]) -> Option<RootPose> {
         for limb in [Limb::LeftLeg, Limb::RightLeg] {
             let (linkage, joints) = (Linkage::limb(limb), limb.joints());
-            let limits = self.limits.of_linkage(linkage)?;
+            let limits = self.limits.linkage_limits(linkage)?;
             let mut present = LimbPose::REST;
             (0..3).for_each(|i| present.0[i] = turns[joints[i].index()]);
-            let admitted = std::array::from_fn(|i| limits[i].admitting(present.0[i]));
+            let admitted = std::array::from_fn(|i| limits[i].widened_to_admit(present.0[i]));
             let ik = LimbIk::new(&Chain::new(linkage, self.skeleton), &admitted);
             let base = Rigid { position: root, rotation: turns[0] };
             let pose = ik.solve(&base, &before[joints[2].index()], &present, Swivel::Present, |_| None::<()>).ok()?;
@@ -131,14 +131,14 @@ impl Trunk<'_> {
 }
 
 /// Rotations with a share of a bend.
-fn bent(turns: &[DQuat; NUM_JOINTS], bend: &Bend, share: f64) -> [DQuat; NUM_JOINTS] {
+fn bent_rotations(turns: &[DQuat; NUM_JOINTS], bend: &Bend, share: f64) -> [DQuat; NUM_JOINTS] {
     let mut world = [turns[0]; NUM_JOINTS];
     for joint in &Joint::ALL[1..] {
         let parent = joint.parent().map_or(0, Joint::index);
         world[joint.index()] = world[parent] * turns[joint.index()];
     }
     let axis = turns[0] * bend.axis;
-    let turn = |part: f64| about(axis, bend.angle * share * part);
+    let turn = |part: f64| rotation_about(axis, bend.angle * share * part);
     let mut out = *turns;
     let mut to = world;
     to[0] = (turn(bend.hips) * world[0]).normalize();
@@ -162,18 +162,18 @@ fn bent(turns: &[DQuat; NUM_JOINTS], bend: &Bend, share: f64) -> [DQuat; NUM_JOI
 /// Bends a character towards the target of a step, from when the limb leaves the clip until it is back.
 ///
 /// - `by_m`: distance of the target out of reach (m).
-pub(super) fn lean(stage: &mut Stage<'_>, step: &Step, by_m: f64) -> Result<(), Problems> {
+pub(super) fn lean_to_target(stage: &mut TaskStage<'_>, step: &TaskStep, by_m: f64) -> Result<(), StepFailure> {
     let (who, limb, [from_s, at_s, to_s]) = (step.character, step.limb, step.times_s);
     let held_s = at_s + step.hold_s;
-    let is_busy = |p: &super::stage::Planned| {
+    let is_busy = |p: &super::stage::PlannedLimb| {
         p.character == who && p.limb != limb && p.window_s[0] < to_s - 1e-6 && p.window_s[1] > from_s + 1e-6
     };
-    let before = stage.leaned.iter().any(|l| l.character == who && l.window_s[0] < to_s && l.window_s[1] > from_s);
-    let own = |p: &super::stage::Planned| {
+    let before = stage.leans.iter().any(|l| l.character == who && l.window_s[0] < to_s && l.window_s[1] > from_s);
+    let own = |p: &super::stage::PlannedLimb| {
         p.character == who && p.limb == limb && p.window_s[0] < to_s - 1e-6 && p.window_s[1] > from_s + 1e-6
     };
-    if before || stage.planned.iter().any(|p| is_busy(p) || own(p)) {
-        return Err(Problems::new("nobody leans while another task of the same body is done"));
+    if before || stage.planned_limbs.iter().any(|p| is_busy(p) || own(p)) {
+        return Err(StepFailure::new("nobody leans while another task of the same body is done"));
     }
     let actor = &stage.actors[who];
     let rate_hz = actor.clip.rate_hz;
@@ -184,18 +184,18 @@ pub(super) fn lean(stage: &mut Stage<'_>, step: &Step, by_m: f64) -> Result<(), 
         c.any(Contacts::LEFT) && c.any(Contacts::RIGHT)
     };
     let balances = stage.task.balance && frames.clone().all(both);
-    let trunk = Trunk { skeleton: &actor.skeleton, limits: &actor.limits, balances };
-    let pose = |f: usize| -> Pose {
+    let trunk = BendingTrunk { skeleton: &actor.skeleton, limits: &actor.limits, balances };
+    let pose = |f: usize| -> RootPose {
         let row = f * NUM_JOINTS;
         let turn = |j: usize| actor.clip.rotations[row + j].as_dquat().normalize();
         (actor.clip.root_positions[f].as_dvec3(), std::array::from_fn(turn))
     };
-    let at = target(stage, step, at_s).position;
+    let at = object_target(stage, step, at_s).position;
     let there = pose(frame_of(at_s));
     let shoulder = limb.joints()[0];
-    let far_m = placed(&actor.skeleton, there.0, &there.1)[shoulder.index()].position.distance(at) - by_m;
-    let Some((bend, lower_m)) = trunk.needed(&there, shoulder, at, far_m) else {
-        return Err(Problems::new("out of reach, as far as the trunk bends"));
+    let far_m = place_joints(&actor.skeleton, there.0, &there.1)[shoulder.index()].position.distance(at) - by_m;
+    let Some((bend, lower_m)) = trunk.least_bend(&there, shoulder, at, far_m) else {
+        return Err(StepFailure::new("out of reach, as far as the trunk bends"));
     };
     let share = |t: f64| ease((t - from_s) / (at_s - from_s)) * ease((to_s - t) / (to_s - held_s));
     let mut clip = actor.clip.clone();
@@ -204,14 +204,14 @@ pub(super) fn lean(stage: &mut Stage<'_>, step: &Step, by_m: f64) -> Result<(), 
         if share == 0.0 {
             continue;
         }
-        let Some((root, turns)) = trunk.posed(&old, &bend, share, lower_m) else {
-            return Err(Problems::new("who leans there does not stand"));
+        let Some((root, turns)) = trunk.bent_pose(&old, &bend, share, lower_m) else {
+            return Err(StepFailure::new("who leans there does not stand"));
         };
         if trunk.balances {
             clip.root_positions[f] = root.as_vec3();
         }
         for (j, (a, b)) in old.1.iter().zip(&turns).enumerate() {
-            if angle(*a, *b) > 1e-9 {
+            if angle_between(*a, *b) > 1e-9 {
                 let (i, new) = (f * NUM_JOINTS + j, b.as_quat().normalize());
                 clip.rotations[i] = if new.dot(clip.rotations[i]) < 0.0 { -new } else { new };
             }
@@ -220,19 +220,19 @@ pub(super) fn lean(stage: &mut Stage<'_>, step: &Step, by_m: f64) -> Result<(), 
     for f in frames.clone().skip(1) {
         for j in SPINE {
             let turn = |f: usize| clip.rotations[f * NUM_JOINTS + j.index()].as_dquat().normalize();
-            let speed = angle(turn(f - 1), turn(f)) * rate_hz;
+            let speed = angle_between(turn(f - 1), turn(f)) * rate_hz;
             if actor.limits.joints[j.index()].is_some_and(|l| speed > l.speed) {
-                return Err(Problems::new(format!("{} has no time to lean so far; give more time", j.name())));
+                return Err(StepFailure::new(format!("{} has no time to lean so far; give more time", j.name())));
             }
         }
     }
-    stage.actors[who].change(clip);
-    stage.leaned.push(Leaned { character: who, window_s: [from_s, to_s], moves_hips: balances });
+    stage.actors[who].replace_clip(clip);
+    stage.leans.push(TrunkLean { character: who, window_s: [from_s, to_s], moves_hips: balances });
     Ok(())
 }
 
 /// Joints that a lean changes.
-pub(super) fn joints(leaned: &Leaned) -> impl Iterator<Item = Joint> {
+pub(super) fn leaned_joints(leaned: &TrunkLean) -> impl Iterator<Item = Joint> {
     let legs = if leaned.moves_hips { &LEGS[..] } else { &[] };
     SPINE.into_iter().chain(BACK.map(|b| b.0)).chain(legs.iter().copied())
 }

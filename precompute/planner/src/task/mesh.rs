@@ -1,7 +1,7 @@
 //! Meshes of tasks: OBJ and glTF files.
 
 use super::obj;
-use crate::shape::{Mesh, Shape};
+use crate::shape::{SolidShape, TriangleMesh};
 use glam::Vec3;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -16,7 +16,7 @@ use throng_motion::import::gltf;
 ///
 /// # Errors
 /// The file, and the line of a text, with the fault and the way out.
-pub(super) fn read(path: &Path, unit_m: f64, open: bool) -> Result<Shape, String> {
+pub(super) fn read_mesh(path: &Path, unit_m: f64, open: bool) -> Result<SolidShape, String> {
     let is = |e: &str| path.extension().is_some_and(|x| x.eq_ignore_ascii_case(e));
     let mut triangles = if is("obj") {
         let bytes = read_file(path, "a mesh", MAX_TEXT_BYTES).map_err(|e| e.to_string())?;
@@ -33,7 +33,7 @@ pub(super) fn read(path: &Path, unit_m: f64, open: bool) -> Result<Shape, String
     for corner in triangles.iter_mut().flatten() {
         *corner *= unit_m as f32;
     }
-    once_each(&mut triangles);
+    remove_duplicates(&mut triangles);
     let holes = if open { 0 } else { open_edges(&triangles) };
     if holes > 0 {
         return Err(format!(
@@ -42,22 +42,22 @@ pub(super) fn read(path: &Path, unit_m: f64, open: bool) -> Result<Shape, String
             path.display()
         ));
     }
-    let mesh = Mesh::new(triangles).map_err(|e| format!("{}: {e}", path.display()))?;
-    Ok(Shape::Mesh(Arc::new(mesh)))
+    let mesh = TriangleMesh::new(triangles).map_err(|e| format!("{}: {e}", path.display()))?;
+    Ok(SolidShape::Mesh(Arc::new(mesh)))
 }
 
 /// Keeps the first of triangles that have the same corners in the same order: others would cost time, and hide holes.
-pub(super) fn once_each(triangles: &mut Vec<[Vec3; 3]>) {
+pub(super) fn remove_duplicates(triangles: &mut Vec<[Vec3; 3]>) {
     let mut seen = HashSet::new();
     triangles.retain(|t| {
-        let corners = t.map(place);
+        let corners = t.map(corner_key);
         let first = (0..3).min_by_key(|&k| corners[k]).unwrap_or(0);
         seen.insert([0, 1, 2].map(|k| corners[(first + k) % 3]))
     });
 }
 
 /// Key of a corner for comparison: zero and minus zero are one place.
-fn place(corner: Vec3) -> [u32; 3] {
+fn corner_key(corner: Vec3) -> [u32; 3] {
     (corner + Vec3::ZERO).to_array().map(f32::to_bits)
 }
 
@@ -65,7 +65,7 @@ fn place(corner: Vec3) -> [u32; 3] {
 pub(super) fn open_edges(triangles: &[[Vec3; 3]]) -> usize {
     let mut odd: HashMap<[[u32; 3]; 2], bool> = HashMap::new();
     for t in triangles {
-        let corners = t.map(place);
+        let corners = t.map(corner_key);
         if corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0] {
             continue;
         }

@@ -1,18 +1,18 @@
 //! Tasks as files: characters, things, and actions of limbs.
 
-mod ahead;
-mod both;
+mod actions;
+mod both_hands;
 mod check;
-mod deeds;
 mod entries;
 mod file;
 mod follow;
 mod gaze;
 mod grips;
-mod held;
+mod held_capsules;
 mod lean;
 mod mesh;
 mod obj;
+mod preview;
 mod run;
 mod scenery;
 mod stage;
@@ -21,13 +21,13 @@ mod step;
 mod tests;
 mod visit;
 mod walk;
-mod written;
+mod write_back;
 
-pub use ahead::{Ahead, MeshAhead};
 pub use entries::{PaceEntry, WalkEntry};
-pub use file::{Body, Character, ClipEntry, Start, Task, Thing};
+pub use file::{ClipEntry, Task, TaskCharacter, TaskThing, ThingStart, WornFigure};
 pub use obj::triangles as obj_triangles;
-pub use run::{Attachment, Done, Event, Left, NoClips, TaskOutcome, Watch};
-pub use scenery::{Handle, Scenery};
-pub use stage::{ActorClip, Looked};
-pub use walk::{NoWalk, Source, Walked};
+pub use preview::{MeshPreview, StepPreview};
+pub use run::{Attachment, ClipMismatch, RunOptions, StepOutcome, TaskEvent, TaskOutcome, UnresolvedSpan};
+pub use scenery::{Handle, TaskScenery};
+pub use stage::{ActorClip, TaskGaze};
+pub use walk::{ActorSource, WalkError, WalkedTask};

@@ -1,23 +1,23 @@
 //! Runs the steps of a task, one after the other.
 
-use super::both;
-use super::deeds::{Problems, do_step};
-use super::entries::Deed;
+use super::actions::{StepFailure, run_step};
+use super::both_hands;
+use super::entries::TaskAction;
 use super::file::Task;
-use super::scenery::Scenery;
-use super::stage::{ActorClip, Looked, Stage, Whereabouts, hand};
-use crate::correct::{CorrectConfig, Span};
+use super::scenery::TaskScenery;
+use super::stage::{ActorClip, TaskGaze, TaskStage, ThingPlacement, hand_joint};
+use crate::correct::{CollisionStretch, CorrectConfig};
 use crate::linkage::Limb;
-use crate::planner::{Outcome, Planners, Unsolved};
+use crate::planner::{PlanError, PlanOutcome, Planners};
 use crate::recheck::RecheckReport;
-use crate::search::{Grown, Trees};
+use crate::search::{LoggedTrees, TreeLog};
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use throng_motion::Clip;
 
 /// Result of one step.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Done {
+pub struct StepOutcome {
     /// The task's name.
     pub name: String,
     /// Index of the character.
@@ -25,28 +25,28 @@ pub struct Done {
     /// The limb.
     pub limb: Limb,
     /// Every plan that was made.
-    pub plans: Vec<Outcome>,
+    pub plans: Vec<PlanOutcome>,
     /// Stretches in which the clip collided, of corrections.
-    pub spans: Vec<Span>,
+    pub spans: Vec<CollisionStretch>,
     /// Stretches that stay in a collision, and why: limbs cannot mend them, or found no path.
-    pub left: Vec<Left>,
+    pub unresolved: Vec<UnresolvedSpan>,
     /// Reason why it was not done.
-    pub why: Option<String>,
+    pub reason: Option<String>,
     /// Nearest distance to a solution, where it was not done (m).
     pub nearest_m: Option<f64>,
-    /// Trees of its searches, where [`Watch::keeps_trees`] is set.
-    pub trees: Vec<Grown>,
+    /// Trees of its searches, where [`RunOptions::keeps_trees`] is set.
+    pub trees: Vec<LoggedTrees>,
 }
 
 /// Options of a run.
 #[derive(Clone, Copy, Default)]
-pub struct Watch<'a> {
+pub struct RunOptions<'a> {
     /// Random seed in place of the file's.
     pub seed: Option<u64>,
     /// Stops the run as soon as it is true: steps that are not done by then leave everything as it was, and say so.
     pub cancel: Option<&'a AtomicBool>,
     /// Called with the number of steps that were done or tried.
-    pub tell: Option<&'a dyn Fn(usize)>,
+    pub on_progress: Option<&'a dyn Fn(usize)>,
     /// True keeps the trees of all searches.
     pub keeps_trees: bool,
     /// Planners of the last run, with whose trees plans go on: things have moved a little since. Results then depend on that
@@ -56,39 +56,40 @@ pub struct Watch<'a> {
 
 /// A stretch of a clip that stays in a collision.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Left {
+pub struct UnresolvedSpan {
     /// The stretch, and the collision.
-    pub span: Span,
+    pub span: CollisionStretch,
     /// Reason why it stays so, and the way out.
     pub why: String,
     /// True where a part collides that is not the limb's: no motion of the limb helps.
     pub is_driven: bool,
 }
 
-impl Done {
+impl StepOutcome {
     /// Adds the results of the first try of a correction that was tried again.
-    fn after(&mut self, first: Self) {
+    fn merge_first_try(&mut self, first: Self) {
         let mut plans = first.plans;
         plans.append(&mut self.plans);
         self.plans = plans;
-        let mut spans: Vec<Span> = first.spans.into_iter().filter(|s| !self.spans.contains(s)).collect();
+        let mut spans: Vec<CollisionStretch> = first.spans.into_iter().filter(|s| !self.spans.contains(s)).collect();
         spans.append(&mut self.spans);
         self.spans = spans;
         let mut trees = first.trees;
         trees.append(&mut self.trees);
         self.trees = trees;
-        let mut left: Vec<Left> = first.left.into_iter().filter(|l| l.is_driven && !self.left.contains(l)).collect();
-        left.append(&mut self.left);
+        let mut left: Vec<UnresolvedSpan> =
+            first.unresolved.into_iter().filter(|l| l.is_driven && !self.unresolved.contains(l)).collect();
+        left.append(&mut self.unresolved);
         if !left.is_empty() {
-            self.why = Some(Left::why(&left));
+            self.reason = Some(UnresolvedSpan::describe_all(&left));
         }
-        self.left = left;
+        self.unresolved = left;
     }
 }
 
-impl Left {
+impl UnresolvedSpan {
     /// Reasons of all stretches in one line.
-    pub(super) fn why(all: &[Self]) -> String {
+    pub(super) fn describe_all(all: &[Self]) -> String {
         let each: Vec<&str> = all.iter().map(|l| l.why.as_str()).collect();
         each.join("; ")
     }
@@ -119,7 +120,7 @@ pub struct Attachment {
 
 /// An event: something was touched or switched.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Event {
+pub struct TaskEvent {
     /// The thing.
     pub object: String,
     /// "touch" or "switch".
@@ -136,23 +137,23 @@ pub struct TaskOutcome {
     /// Clips of every character, placed in the scene: before and after.
     pub clips: Vec<[Clip; 2]>,
     /// Results of the steps, in the file's order.
-    pub done: Vec<Done>,
+    pub done: Vec<StepOutcome>,
     /// Placements of things that were taken or carried.
     pub attachments: Vec<Attachment>,
     /// Things that were touched and switched.
-    pub events: Vec<Event>,
+    pub events: Vec<TaskEvent>,
     /// Gazes of characters whose heads turn to targets.
-    pub looks: Vec<Looked>,
+    pub gazes: Vec<TaskGaze>,
     /// Result of a check by independent means.
     pub recheck: RecheckReport,
     /// Places of everything, before and after, for drawing.
-    pub scenery: [Scenery; 2],
+    pub scenery: [TaskScenery; 2],
 }
 
 impl TaskOutcome {
     /// True where all steps were done.
     pub fn is_solved(&self) -> bool {
-        self.done.iter().all(|d| d.why.is_none())
+        self.done.iter().all(|d| d.reason.is_none())
     }
 
     /// Difference from the motion of another outcome of the same task: the mean angle between the joints that either changed,
@@ -162,7 +163,7 @@ impl TaskOutcome {
         for ([before, a], [_, b]) in self.clips.iter().zip(&other.clips) {
             for ((p, q), r) in a.rotations.iter().zip(&b.rotations).zip(&before.rotations) {
                 if p != r || q != r {
-                    sum += crate::rotation::angle(p.as_dquat().normalize(), q.as_dquat().normalize());
+                    sum += crate::rotation::angle_between(p.as_dquat().normalize(), q.as_dquat().normalize());
                     count += 1;
                 }
             }
@@ -173,7 +174,7 @@ impl TaskOutcome {
 
 /// Reason why a task cannot use clips.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NoClips {
+pub enum ClipMismatch {
     /// The number of clips is not that of the characters.
     #[error("expected {expected} clips, one for each character, found {found}")]
     Number {
@@ -217,20 +218,20 @@ impl Task {
     /// - `seed`: random seed in place of the file's.
     ///
     /// # Errors
-    /// [`NoClips`].
-    pub fn run(&self, clips: &[ActorClip], seed: Option<u64>) -> Result<TaskOutcome, NoClips> {
-        self.run_watched(clips, &Watch { seed, ..Watch::default() })
+    /// [`ClipMismatch`].
+    pub fn run(&self, clips: &[ActorClip], seed: Option<u64>) -> Result<TaskOutcome, ClipMismatch> {
+        self.run_watched(clips, &RunOptions { seed, ..RunOptions::default() })
     }
 
     /// Runs a task as [`Task::run`] does, with options.
     ///
     /// # Errors
-    /// [`NoClips`].
-    pub fn run_watched(&self, clips: &[ActorClip], watch: &Watch<'_>) -> Result<TaskOutcome, NoClips> {
+    /// [`ClipMismatch`].
+    pub fn run_watched(&self, clips: &[ActorClip], watch: &RunOptions<'_>) -> Result<TaskOutcome, ClipMismatch> {
         self.check_clips(clips)?;
-        let mut stage = Stage::new(self, clips);
-        let before = Scenery::of(&stage);
-        let trees = Trees::default();
+        let mut stage = TaskStage::new(self, clips);
+        let before = TaskScenery::from_stage(&stage);
+        let trees = TreeLog::default();
         let mut config =
             CorrectConfig { trees: watch.keeps_trees.then_some(&trees), planners: watch.planners, ..self.config };
         config.budget.seed = watch.seed.unwrap_or(config.budget.seed);
@@ -239,69 +240,73 @@ impl Task {
         let mut num_tried = 0;
         let mut order: Vec<usize> = (0..self.steps.len()).collect();
         order.sort_by_key(|i| self.steps[*i].priority);
-        let mut done: Vec<Option<Done>> = vec![None; self.steps.len()];
+        let mut done: Vec<Option<StepOutcome>> = vec![None; self.steps.len()];
         let (mut failed, mut late) = (Vec::new(), false);
         for round in 0..3 {
             for i in std::mem::take(if round == 0 { &mut order } else { &mut failed }) {
-                let mut one = attempt(&mut stage, i, &config, is_cancelled());
+                let mut one = attempt_step(&mut stage, i, &config, is_cancelled());
                 one.trees = trees.take();
                 num_tried += 1;
-                watch.tell.iter().for_each(|tell| tell(num_tried));
-                if one.why.is_some() && round == 0 {
+                watch.on_progress.iter().for_each(|tell| tell(num_tried));
+                if one.reason.is_some() && round == 0 {
                     failed.push(i);
                 }
-                late |= round == 1 && one.why.is_none() && self.steps[i].deed != Deed::Correct;
-                if let Some(first) = done[i].take().filter(|_| self.steps[i].deed == Deed::Correct) {
-                    one.after(first);
+                late |= round == 1 && one.reason.is_none() && self.steps[i].action != TaskAction::Correct;
+                if let Some(first) = done[i].take().filter(|_| self.steps[i].action == TaskAction::Correct) {
+                    one.merge_first_try(first);
                 }
                 done[i] = Some(one);
             }
             if round == 1 && late {
                 // Hands hold other things now than when they were corrected.
-                failed = (0..self.steps.len()).filter(|i| self.steps[*i].deed == Deed::Correct).collect();
+                failed = (0..self.steps.len()).filter(|i| self.steps[*i].action == TaskAction::Correct).collect();
             }
         }
-        let recheck = super::check::check(&stage);
+        let recheck = super::check::check_stage(&stage);
         let attachments = attachments(&stage);
-        let done: Vec<Done> = done.into_iter().flatten().collect();
+        let done: Vec<StepOutcome> = done.into_iter().flatten().collect();
         let events = events(self, &done);
-        let scenery = [before, Scenery::of(&stage)];
+        let scenery = [before, TaskScenery::from_stage(&stage)];
         let clips = stage.actors.into_iter().map(|a| [a.before, a.clip]).collect();
-        Ok(TaskOutcome { clips, done, attachments, events, looks: stage.looked, recheck, scenery })
+        Ok(TaskOutcome { clips, done, attachments, events, gazes: stage.gazes, recheck, scenery })
     }
 
     /// Collisions of a character's limbs with the scene: each limb, and a stretch of its clip.
     ///
     /// # Errors
-    /// [`NoClips`]; invalid problems, as text.
-    pub fn collisions(&self, clips: &[ActorClip], who: usize) -> Result<Vec<(Limb, Span)>, Box<dyn std::error::Error>> {
+    /// [`ClipMismatch`]; invalid problems, as text.
+    pub fn collisions(
+        &self,
+        clips: &[ActorClip],
+        who: usize,
+    ) -> Result<Vec<(Limb, CollisionStretch)>, Box<dyn std::error::Error>> {
         self.check_clips(clips)?;
-        let stage = Stage::new(self, clips);
+        let stage = TaskStage::new(self, clips);
         let mut out = Vec::new();
         for limb in Limb::ALL {
-            let around = stage.around(who, limb, [0.0, stage.actors[who].end_s()]);
+            let around = stage.surroundings_of_limb(who, limb, [0.0, stage.actors[who].end_s()]);
             let others = stage.other_bodies(who);
-            let problem = crate::problem::Problem::prepare(&stage.spec(who, limb, &around, &others))?;
-            out.extend(crate::correct::collisions(&problem).into_iter().map(|span| (limb, span)));
+            let problem = crate::problem::Problem::prepare(&stage.limb_spec(who, limb, &around, &others))?;
+            out.extend(crate::correct::find_collisions(&problem).into_iter().map(|span| (limb, span)));
         }
         Ok(out)
     }
 
-    pub(super) fn check_clips(&self, clips: &[ActorClip]) -> Result<(), NoClips> {
+    pub(super) fn check_clips(&self, clips: &[ActorClip]) -> Result<(), ClipMismatch> {
         let (expected, found) = (self.characters.len(), clips.len());
         if expected != found {
-            return Err(NoClips::Number { expected, found });
+            return Err(ClipMismatch::Number { expected, found });
         }
         if let Some(step) = self.steps.iter().find(|s| !s.is_timed()) {
-            return Err(NoClips::NotWalked { name: self.characters[step.character].name.clone() });
+            return Err(ClipMismatch::NotWalked { name: self.characters[step.character].name.clone() });
         }
         for (clip, who) in clips.iter().map(|c| &c.clip).zip(&self.characters) {
             let (expected_hz, found_hz) = (clips[0].clip.rate_hz, clip.rate_hz);
             if expected_hz != found_hz {
-                return Err(NoClips::Rate { name: who.name.clone(), expected_hz, found_hz });
+                return Err(ClipMismatch::Rate { name: who.name.clone(), expected_hz, found_hz });
             }
             if clip.num_frames() < 2 {
-                return Err(NoClips::Short { name: who.name.clone(), found: clip.num_frames() });
+                return Err(ClipMismatch::Short { name: who.name.clone(), found: clip.num_frames() });
             }
         }
         Ok(())
@@ -309,63 +314,64 @@ impl Task {
 }
 
 /// Runs a step, or leaves everything as it was.
-fn attempt(stage: &mut Stage<'_>, i: usize, config: &CorrectConfig<'_>, is_cancelled: bool) -> Done {
+fn attempt_step(stage: &mut TaskStage<'_>, i: usize, config: &CorrectConfig<'_>, is_cancelled: bool) -> StepOutcome {
     let step = &stage.task.steps[i];
-    let mut done = Done {
+    let mut done = StepOutcome {
         name: step.name.clone(),
         character: step.character,
         limb: step.limb,
         plans: Vec::new(),
         spans: Vec::new(),
-        left: Vec::new(),
-        why: None,
+        unresolved: Vec::new(),
+        reason: None,
         nearest_m: None,
         trees: Vec::new(),
     };
     if is_cancelled {
-        return Done { why: Some("cancelled before it was begun".into()), ..done };
+        return StepOutcome { reason: Some("cancelled before it was begun".into()), ..done };
     }
     let before = stage.clone();
-    match do_step(stage, step, config) {
+    match run_step(stage, step, config) {
         Ok((plans, spans)) => (done.plans, done.spans) = (plans, spans),
-        Err(Problems { why, nearest_m, plans, spans, left, keep, .. }) => {
+        Err(StepFailure { reason: why, nearest_m, plans, spans, unresolved: left, keep, .. }) => {
             if !keep {
                 *stage = before;
-                both::stay(stage, step);
+                both_hands::hold_until_end(stage, step);
             }
-            (done.why, done.nearest_m, done.plans) = (Some(why), nearest_m, plans);
-            (done.spans, done.left) = (spans, left);
+            (done.reason, done.nearest_m, done.plans) = (Some(why), nearest_m, plans);
+            (done.spans, done.unresolved) = (spans, left);
         }
     }
     done
 }
 
 /// Nearest distance of a search to a solution (m).
-pub(super) fn nearest_of(why: &Unsolved) -> Option<f64> {
+pub(super) fn nearest_distance(why: &PlanError) -> Option<f64> {
     match why {
-        Unsolved::Spent { nearest_m, .. } => Some(*nearest_m),
-        Unsolved::Cancelled { .. } | Unsolved::Rate => None,
+        PlanError::Spent { nearest_m, .. } => Some(*nearest_m),
+        PlanError::Cancelled { .. } | PlanError::Rate => None,
     }
 }
 
-fn attachments(stage: &Stage<'_>) -> Vec<Attachment> {
+fn attachments(stage: &TaskStage<'_>) -> Vec<Attachment> {
     let mut out = Vec::new();
-    for (thing, life) in stage.task.things.iter().zip(&stage.lives) {
+    for (thing, life) in stage.task.things.iter().zip(&stage.placements) {
         if let [one] = &life[..]
-            && matches!(one.at, Whereabouts::Path(_))
+            && matches!(one.placement, ThingPlacement::Path(_))
         {
             continue;
         }
         for (i, s) in life.iter().enumerate() {
             let to_s = life.get(i + 1).map_or(stage.end_s(), |next| next.from_s);
-            let (on, place) = match &s.at {
-                Whereabouts::Path(path) => ([None, None, None, None], path.at(s.from_s.max(0.0))),
-                Whereabouts::On { character, joint, offset, second, .. } => {
+            let (on, place) = match &s.placement {
+                ThingPlacement::Path(path) => ([None, None, None, None], path.place_at(s.from_s.max(0.0))),
+                ThingPlacement::OnJoint { character, joint, offset, second, .. } => {
                     let who = stage.task.characters[*character].name.clone();
-                    let [joint, second] = [Some(*joint), second.map(|s| hand(s.limb))].map(|j| Some(j?.name().into()));
+                    let [joint, second] =
+                        [Some(*joint), second.map(|s| hand_joint(s.limb))].map(|j| Some(j?.name().into()));
                     ([Some(who), joint, second, None], *offset)
                 }
-                Whereabouts::OnThing { thing, offset } => {
+                ThingPlacement::OnThing { thing, offset } => {
                     ([None, None, None, Some(stage.task.things[*thing].name.clone())], *offset)
                 }
             };
@@ -387,13 +393,13 @@ fn attachments(stage: &Stage<'_>) -> Vec<Attachment> {
     out
 }
 
-fn events(task: &Task, done: &[Done]) -> Vec<Event> {
-    let all = task.steps.iter().zip(done).filter(|(_, d)| d.why.is_none());
-    let touches = all.filter(|(s, _)| matches!(s.deed, Deed::Touch | Deed::Switch));
-    let event = |(s, _): (&super::step::Step, &Done)| {
-        Some(Event {
+fn events(task: &Task, done: &[StepOutcome]) -> Vec<TaskEvent> {
+    let all = task.steps.iter().zip(done).filter(|(_, d)| d.reason.is_none());
+    let touches = all.filter(|(s, _)| matches!(s.action, TaskAction::Touch | TaskAction::Switch));
+    let event = |(s, _): (&super::step::TaskStep, &StepOutcome)| {
+        Some(TaskEvent {
             object: task.things[s.object?].name.clone(),
-            what: s.deed.name().into(),
+            what: s.action.name().into(),
             character: task.characters[s.character].name.clone(),
             at_s: s.times_s[1],
         })

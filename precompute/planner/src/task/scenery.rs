@@ -1,19 +1,19 @@
 //! Places of everything in a task, for drawing and for moving things.
 
-use super::file::{Start, Task};
-use super::run::NoClips;
-use super::stage::{ActorClip, Stage};
+use super::file::{Task, ThingStart};
+use super::run::ClipMismatch;
+use super::stage::{ActorClip, TaskStage};
 use super::step::Anchor;
 use crate::rotation::Rigid;
-use crate::track::Path;
+use crate::track::RigidPath;
 use glam::DVec3;
 use throng_motion::Clip;
 
 /// Places of everything in a task.
 #[derive(Clone, Debug, Default)]
-pub struct Scenery {
+pub struct TaskScenery {
     /// Motion of every thing, by its index in the task.
-    pub paths: Vec<Path>,
+    pub paths: Vec<RigidPath>,
     /// Frame from which the place (`to`) of each step is seen when it is reached; `None` where there is no such place.
     pub bases: Vec<Option<Rigid>>,
 }
@@ -27,14 +27,14 @@ pub enum Handle {
     Place(usize),
 }
 
-impl Scenery {
+impl TaskScenery {
     /// Follows a move by [`Task::move_by`].
     pub fn move_by(&mut self, task: &Task, handle: Handle, by: DVec3) {
         let Handle::Thing(thing) = handle else { return };
-        if !matches!(task.things[thing].start, Start::Path(_)) {
+        if !matches!(task.things[thing].start, ThingStart::Path(_)) {
             return;
         }
-        self.paths.iter_mut().skip(thing).take(1).for_each(|path| *path = path.moved(by));
+        self.paths.iter_mut().skip(thing).take(1).for_each(|path| *path = path.moved_by(by));
         for (base, step) in self.bases.iter_mut().zip(&task.steps) {
             if step.to.is_some_and(|to| to.on == Anchor::Thing(thing)) {
                 base.iter_mut().for_each(|base| base.position += by);
@@ -42,13 +42,13 @@ impl Scenery {
         }
     }
 
-    pub(super) fn of(stage: &Stage<'_>) -> Self {
-        let base = |step: &super::step::Step| {
+    pub(super) fn from_stage(stage: &TaskStage<'_>) -> Self {
+        let base = |step: &super::step::TaskStep| {
             let to = step.to.filter(|_| step.is_timed())?;
             Some(stage.base_of(&to, step.times_s[1]))
         };
         Self {
-            paths: (0..stage.task.things.len()).map(|i| stage.path(i)).collect(),
+            paths: (0..stage.task.things.len()).map(|i| stage.thing_path(i)).collect(),
             bases: stage.task.steps.iter().map(base).collect(),
         }
     }
@@ -58,11 +58,11 @@ impl Task {
     /// Places of everything before anything was planned, and the clips placed in the scene.
     ///
     /// # Errors
-    /// [`NoClips`].
-    pub fn scenery(&self, clips: &[ActorClip]) -> Result<(Scenery, Vec<Clip>), NoClips> {
+    /// [`ClipMismatch`].
+    pub fn scenery(&self, clips: &[ActorClip]) -> Result<(TaskScenery, Vec<Clip>), ClipMismatch> {
         self.check_clips(clips)?;
-        let stage = Stage::new(self, clips);
-        let scenery = Scenery::of(&stage);
+        let stage = TaskStage::new(self, clips);
+        let scenery = TaskScenery::from_stage(&stage);
         Ok((scenery, stage.actors.into_iter().map(|a| a.clip).collect()))
     }
 
@@ -75,14 +75,14 @@ impl Task {
     /// Everything that can be moved: all things that no character carries from the beginning, and all places that things are
     /// brought to.
     pub fn handles(&self) -> Vec<Handle> {
-        let is_free = |i: &usize| matches!(self.things[*i].start, Start::Path(_));
+        let is_free = |i: &usize| matches!(self.things[*i].start, ThingStart::Path(_));
         let things = (0..self.things.len()).filter(is_free).map(Handle::Thing);
         let places = (0..self.steps.len()).filter(|i| self.steps[*i].to.is_some()).map(Handle::Place);
         things.chain(places).collect()
     }
 
     /// Name of a handle.
-    pub fn name_of(&self, handle: Handle) -> String {
+    pub fn handle_name(&self, handle: Handle) -> String {
         match handle {
             Handle::Thing(i) => self.things[i].name.clone(),
             Handle::Place(i) => format!("place of {}", self.steps[i].name),
@@ -92,10 +92,10 @@ impl Task {
     /// Transform of a handle before anything was planned.
     ///
     /// - `scenery`: of this task, before anything was planned.
-    pub fn place_of(&self, handle: Handle, scenery: &Scenery, time_s: f64) -> Option<Rigid> {
+    pub fn handle_place(&self, handle: Handle, scenery: &TaskScenery, time_s: f64) -> Option<Rigid> {
         match handle {
-            Handle::Thing(i) => Some(scenery.paths.get(i)?.at(time_s)),
-            Handle::Place(i) => Some((*scenery.bases.get(i)?)?.then(self.steps.get(i)?.to?.offset)),
+            Handle::Thing(i) => Some(scenery.paths.get(i)?.place_at(time_s)),
+            Handle::Place(i) => Some((*scenery.bases.get(i)?)?.compose(self.steps.get(i)?.to?.offset)),
         }
     }
 
@@ -103,11 +103,11 @@ impl Task {
     ///
     /// - `by`: offset in the world (m).
     /// - `scenery`: of this task, before anything was planned.
-    pub fn move_by(&mut self, handle: Handle, by: DVec3, scenery: &Scenery) {
+    pub fn move_by(&mut self, handle: Handle, by: DVec3, scenery: &TaskScenery) {
         match handle {
             Handle::Thing(i) => {
-                if let Start::Path(path) = &mut self.things[i].start {
-                    *path = path.moved(by);
+                if let ThingStart::Path(path) = &mut self.things[i].start {
+                    *path = path.moved_by(by);
                 }
             }
             Handle::Place(i) => {
@@ -121,11 +121,11 @@ impl Task {
 
     /// Position of a handle as the file has it, relative to what it stands on: `at` of its table; the first key's for a thing
     /// that moves through keys (m).
-    pub fn at_of(&self, handle: Handle) -> DVec3 {
+    pub fn written_position(&self, handle: Handle) -> DVec3 {
         match handle {
             Handle::Thing(i) => match &self.things[i].start {
-                Start::Path(path) => path.at(f64::NEG_INFINITY).position,
-                Start::On { offset, .. } => offset.position,
+                ThingStart::Path(path) => path.place_at(f64::NEG_INFINITY).position,
+                ThingStart::OnJoint { offset, .. } => offset.position,
             },
             Handle::Place(i) => self.steps[i].to.map_or(DVec3::ZERO, |to| to.offset.position),
         }
@@ -136,11 +136,11 @@ impl Task {
 mod tests {
     use super::*;
     use crate::task::tests::{ERRANDS, TASK, parse, stand};
-    use crate::testing::Somebody;
+    use crate::testing::TestCharacter;
 
     #[test]
     fn things_and_places_move_by_what_is_asked_for() {
-        let s = Somebody::standing();
+        let s = TestCharacter::standing();
         let clips = [ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }];
         for text in [TASK, ERRANDS] {
             let mut task = parse(text).expect("a task");
@@ -149,18 +149,18 @@ mod tests {
             assert_eq!((handles.len() > places, places > 0), (true, text == ERRANDS));
             for handle in handles {
                 let (mut before, _) = task.scenery(&clips).expect("clips");
-                let at = |task: &Task, s: &Scenery| task.place_of(handle, s, 0.7).expect("a place").position;
+                let at = |task: &Task, s: &TaskScenery| task.handle_place(handle, s, 0.7).expect("a place").position;
                 let (was, by) = (at(&task, &before), DVec3::new(0.1, -0.02, 0.3));
-                let first = task.at_of(handle);
+                let first = task.written_position(handle);
                 task.move_by(handle, by, &before);
                 before.move_by(&task, handle, by);
                 let (after, _) = task.scenery(&clips).expect("clips");
-                assert!(at(&task, &after).distance(was + by) < 1e-9, "{}", task.name_of(handle));
+                assert!(at(&task, &after).distance(was + by) < 1e-9, "{}", task.handle_name(handle));
                 for other in task.handles() {
-                    let [a, b] = [&before, &after].map(|s| task.place_of(other, s, 0.7));
-                    assert_eq!(a, b, "{}", task.name_of(other));
+                    let [a, b] = [&before, &after].map(|s| task.handle_place(other, s, 0.7));
+                    assert_eq!(a, b, "{}", task.handle_name(other));
                 }
-                assert!((task.at_of(handle).distance(first) - by.length()).abs() < 1e-9);
+                assert!((task.written_position(handle).distance(first) - by.length()).abs() < 1e-9);
             }
         }
     }

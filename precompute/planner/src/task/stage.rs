@@ -1,19 +1,19 @@
 //! State of a task while it is worked on: clips as they are by now, and the place of every thing at every time.
 
-use super::file::{Character, Start, Task};
-use super::held::capsules;
-use super::step::{Anchor, Place};
-use crate::body::BodyShape;
-use crate::correct::{Span, collisions};
-use crate::driven::Driven;
+use super::file::{Task, TaskCharacter, ThingStart};
+use super::held_capsules::capsules_around;
+use super::step::{Anchor, TaskPlace};
+use crate::body::BodyCapsules;
+use crate::correct::{CollisionStretch, find_collisions};
+use crate::driven::DrivenMotion;
 use crate::limits::BodyLimits;
 use crate::linkage::{Limb, LimbPose, Linkage};
-use crate::problem::{PRESENT_STEP_S, Problem, Solid, State};
-use crate::rotation::{Rigid, about};
-use crate::setup::{Allowed, Held, Level, Other, ProblemSpec};
-use crate::shape::Shape;
-use crate::track::{Clock, Path as Motion, Track};
-use crate::worn::Worn;
+use crate::problem::{EXTERNAL_STEP_S, LimbState, MovingSolid, Problem};
+use crate::rotation::{Rigid, rotation_about};
+use crate::setup::{AllowedContact, HeldCapsule, OtherCharacter, ProblemSpec, UprightConstraint};
+use crate::shape::SolidShape;
+use crate::stiff_mesh::StiffMesh;
+use crate::track::{MotionTrack, RigidPath as Motion, SampleTimes};
 use glam::{DVec3, Quat};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -26,7 +26,7 @@ const NUM_TURNS: u32 = 24;
 /// Most things that stand on one another.
 const MAX_STACK: usize = 8;
 /// Most passes over a clip that search for collisions of a limb by itself.
-const MOST_LOOKS: usize = 64;
+const MAX_SAMPLES: usize = 64;
 /// Depth below which a limb may stay in an obstacle (m).
 const PRESS_M: f64 = 0.03;
 /// Time before and after such a collision in which it may stay (s).
@@ -43,39 +43,39 @@ pub struct ActorClip {
 
 /// A character in its present state.
 #[derive(Clone, Debug)]
-pub(super) struct Actor {
+pub(super) struct StageActor {
     /// The clip as it was, placed in the scene.
     pub before: Clip,
     /// The clip with what was planned.
     pub clip: Clip,
     pub skeleton: Skeleton,
     pub limits: BodyLimits,
-    pub shape: BodyShape,
-    pub motion: Driven,
+    pub shape: BodyCapsules,
+    pub motion: DrivenMotion,
     /// Mesh that it wears, which others collide with in place of its capsules.
-    pub worn: Option<Worn>,
+    pub worn: Option<StiffMesh>,
     /// Collisions of limbs by the clip itself, in which they stay.
-    pub pressed: Vec<(Limb, Allowed)>,
+    pub pressed: Vec<(Limb, AllowedContact)>,
 }
 
 /// Placement of a thing from a time on.
 #[derive(Clone, Debug)]
-pub(super) struct Stretch {
+pub(super) struct PlacementSpan {
     pub from_s: f64,
-    pub at: Whereabouts,
+    pub placement: ThingPlacement,
 }
 
 /// Placement of a thing.
 #[derive(Clone, Debug)]
-pub(super) enum Whereabouts {
+pub(super) enum ThingPlacement {
     Path(Motion),
     /// Carried by a joint; `holder` is the arm whose hand it is, `second` the other one that holds it, too.
-    On {
+    OnJoint {
         character: usize,
         joint: Joint,
         offset: Rigid,
         holder: Option<Limb>,
-        second: Option<Follower>,
+        second: Option<SecondHand>,
     },
     OnThing {
         thing: usize,
@@ -85,7 +85,7 @@ pub(super) enum Whereabouts {
 
 /// The second hand at a thing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Follower {
+pub(super) struct SecondHand {
     pub limb: Limb,
     /// Transform of its hand, relative to the first one.
     pub grip: Rigid,
@@ -93,7 +93,7 @@ pub(super) struct Follower {
 
 /// A limb that was planned.
 #[derive(Clone, Debug)]
-pub(super) struct Planned {
+pub(super) struct PlannedLimb {
     pub character: usize,
     pub limb: Limb,
     pub window_s: [f64; 2],
@@ -103,18 +103,18 @@ pub(super) struct Planned {
 
 /// A gaze of a character at the target of a limb.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Looked {
+pub struct TaskGaze {
     /// Index of the character.
     pub character: usize,
     /// Times at which the head leaves the clip, the limb is at its target, and the head is back (s).
     pub times_s: [f64; 3],
     /// Position of the target when the limb is there (m).
-    pub at: DVec3,
+    pub target: DVec3,
 }
 
 /// A bend of a character's trunk for a limb.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Leaned {
+pub(super) struct TrunkLean {
     pub character: usize,
     pub window_s: [f64; 2],
     /// True where hips and legs move, too.
@@ -132,76 +132,76 @@ pub(super) struct Pin {
 
 /// State of everything in a task.
 #[derive(Clone, Debug)]
-pub(super) struct Stage<'a> {
+pub(super) struct TaskStage<'a> {
     pub task: &'a Task,
-    pub actors: Vec<Actor>,
+    pub actors: Vec<StageActor>,
     /// Placements of every thing.
-    pub lives: Vec<Vec<Stretch>>,
+    pub placements: Vec<Vec<PlacementSpan>>,
     /// Contacts that limbs are allowed by their actions.
-    pub contacts: Vec<(usize, Limb, Allowed)>,
-    pub planned: Vec<Planned>,
+    pub contacts: Vec<(usize, Limb, AllowedContact)>,
+    pub planned_limbs: Vec<PlannedLimb>,
     pub pins: Vec<Pin>,
-    pub looked: Vec<Looked>,
-    pub leaned: Vec<Leaned>,
+    pub gazes: Vec<TaskGaze>,
+    pub leans: Vec<TrunkLean>,
 }
 
 /// Surroundings of a limb in a stretch of time.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Surroundings {
-    pub solids: Vec<Solid>,
-    pub held: Vec<Held>,
-    pub allowed: Vec<Allowed>,
-    pub level: Option<Level>,
+pub(super) struct LimbSurroundings {
+    pub solids: Vec<MovingSolid>,
+    pub held: Vec<HeldCapsule>,
+    pub allowed: Vec<AllowedContact>,
+    pub level: Option<UprightConstraint>,
 }
 
-impl Actor {
-    fn new(actor: &ActorClip, character: &Character) -> Self {
+impl StageActor {
+    fn new(actor: &ActorClip, character: &TaskCharacter) -> Self {
         let placed = &character.placed;
         let (mut clip, skeleton) = (actor.clip.clone(), actor.skeleton.clone());
         if *placed != Rigid::IDENTITY {
             let turn: Quat = placed.rotation.as_quat();
-            clip.root_positions.iter_mut().for_each(|p| *p = placed.point(p.as_dvec3()).as_vec3());
+            clip.root_positions.iter_mut().for_each(|p| *p = placed.transform_point(p.as_dvec3()).as_vec3());
             clip.rotations.iter_mut().step_by(NUM_JOINTS).for_each(|q| *q = maths::compose(turn, *q).normalize());
         }
-        let motion = driven(&clip, &skeleton);
+        let motion = driven_motion(&clip, &skeleton);
         let limits = BodyLimits::built_in(&skeleton);
         // What was read fits one skeleton, and so all.
-        let worn = character.body.as_ref().and_then(|b| Worn::of(&b.figure, &skeleton).ok());
-        let shape = worn.as_ref().map_or_else(|| BodyShape::fitted(&skeleton), |w| w.capsules(&skeleton));
+        let worn = character.body.as_ref().and_then(|b| StiffMesh::from_figure(&b.figure, &skeleton).ok());
+        let shape = worn.as_ref().map_or_else(|| BodyCapsules::fitted(&skeleton), |w| w.capsules(&skeleton));
         let mut actor = Self { before: clip.clone(), clip, skeleton, limits, shape, motion, worn, pressed: Vec::new() };
-        actor.pressed = Limb::ALL.iter().flat_map(|l| actor.presses(*l)).collect();
+        actor.pressed = Limb::ALL.iter().flat_map(|l| actor.initial_contacts(*l)).collect();
         actor
     }
 
     /// Collisions of a limb by the clip itself, in which it stays: an upper arm or thigh in the trunk, as flesh gives way;
     /// other parts where they are hardly in it, or where the clip begins or ends so, as there is no free pose to come from.
-    fn presses(&self, limb: Limb) -> Vec<(Limb, Allowed)> {
-        let mut allowed: Vec<Allowed> = Vec::new();
+    fn initial_contacts(&self, limb: Limb) -> Vec<(Limb, AllowedContact)> {
+        let mut allowed: Vec<AllowedContact> = Vec::new();
         let first = limb.joints()[0].name();
         // Times up to which a collision at the beginning lasts, and from which one at the end does.
         let mut ends = [f64::NEG_INFINITY, f64::INFINITY];
         // Each pass finds the deepest collision of a part: the one behind it comes next.
-        for _ in 0..MOST_LOOKS {
-            let spec = ProblemSpec { allowed: &allowed, ..self.spec(limb) };
+        for _ in 0..MAX_SAMPLES {
+            let spec = ProblemSpec { allowed: &allowed, ..self.limb_spec(limb) };
             let Ok(problem) = Problem::prepare(&spec) else { break };
-            let found = collisions(&problem);
+            let found = find_collisions(&problem);
             if allowed.is_empty() {
-                let reaches = |s: &&Span| [s.from_s < PRESS_S, s.to_s > self.end_s() - PRESS_S];
+                let reaches = |s: &&CollisionStretch| [s.from_s < PRESS_S, s.to_s > self.end_s() - PRESS_S];
                 ends[0] = found.iter().filter(|s| reaches(s)[0]).fold(ends[0], |t, s| t.max(s.to_s + PRESS_S));
                 ends[1] = found.iter().filter(|s| reaches(s)[1]).fold(ends[1], |t, s| t.min(s.from_s - PRESS_S));
             }
-            let at_an_end = |s: &Span| s.to_s < ends[0] || s.from_s > ends[1];
-            let stays = |s: &Span| s.part == first || s.depth_m < PRESS_M || at_an_end(s);
+            let at_an_end = |s: &CollisionStretch| s.to_s < ends[0] || s.from_s > ends[1];
+            let stays = |s: &CollisionStretch| s.part == first || s.depth_m < PRESS_M || at_an_end(s);
             let before = allowed.clone();
-            for Span { from_s, to_s, part, with, .. } in found.into_iter().filter(stays) {
+            for CollisionStretch { from_s, to_s, part, with, .. } in found.into_iter().filter(stays) {
                 let window = (part != first).then_some([from_s - PRESS_S, to_s + PRESS_S]);
                 let part = Some(part);
-                match allowed.iter_mut().find(|a| a.part == part && a.with == with) {
+                match allowed.iter_mut().find(|a| a.part == part && a.other == with) {
                     Some(known) => {
                         let both = known.window_s.zip(window);
                         known.window_s = both.map(|(a, b)| [a[0].min(b[0]), a[1].max(b[1])]);
                     }
-                    None => allowed.push(Allowed { part, with, window_s: window }),
+                    None => allowed.push(AllowedContact { part, other: with, window_s: window }),
                 }
             }
             if allowed == before {
@@ -212,15 +212,15 @@ impl Actor {
     }
 
     /// Specification of a limb over the whole clip, in an empty world.
-    fn spec(&self, limb: Limb) -> ProblemSpec<'_> {
+    fn limb_spec(&self, limb: Limb) -> ProblemSpec<'_> {
         let linkage = Linkage::limb(limb);
-        let ends = [0.0, self.end_s()].map(|time_s| State { pose: self.motion.limb_pose(linkage, time_s), time_s });
+        let ends = [0.0, self.end_s()].map(|time_s| LimbState { pose: self.motion.limb_pose(linkage, time_s), time_s });
         ProblemSpec::new(&self.skeleton, linkage, &self.limits, &self.motion, &self.shape, ends)
     }
 
     /// Replaces the clip.
-    pub fn change(&mut self, clip: Clip) {
-        self.motion = driven(&clip, &self.skeleton);
+    pub fn replace_clip(&mut self, clip: Clip) {
+        self.motion = driven_motion(&clip, &self.skeleton);
         self.clip = clip;
     }
 
@@ -229,7 +229,7 @@ impl Actor {
     }
 
     /// Transform of a joint at a time.
-    pub fn joint(&self, joint: Joint, time_s: f64) -> Rigid {
+    pub fn joint_place(&self, joint: Joint, time_s: f64) -> Rigid {
         let places = self.motion.places();
         let [from, to] = self.motion.window_s();
         let at =
@@ -240,81 +240,96 @@ impl Actor {
     }
 }
 
-fn driven(clip: &Clip, skeleton: &Skeleton) -> Driven {
-    Driven::of_clip(clip, skeleton, 0.0, clip.num_frames().saturating_sub(1) as f64 / clip.rate_hz)
+fn driven_motion(clip: &Clip, skeleton: &Skeleton) -> DrivenMotion {
+    DrivenMotion::from_clip(clip, skeleton, 0.0, clip.num_frames().saturating_sub(1) as f64 / clip.rate_hz)
 }
 
-impl<'a> Stage<'a> {
+impl<'a> TaskStage<'a> {
     /// The state of a task before anything was planned.
     pub fn new(task: &'a Task, clips: &[ActorClip]) -> Self {
-        let actors = clips.iter().zip(&task.characters).map(|(c, who)| Actor::new(c, who)).collect();
-        let life = |start: &Start| {
+        let actors = clips.iter().zip(&task.characters).map(|(c, who)| StageActor::new(c, who)).collect();
+        let life = |start: &ThingStart| {
             let at = match start {
-                Start::Path(path) => Whereabouts::Path(path.clone()),
-                Start::On { character, joint, offset } => {
-                    let holder = [Limb::LeftArm, Limb::RightArm].into_iter().find(|l| hand(*l) == *joint);
-                    Whereabouts::On { character: *character, joint: *joint, offset: *offset, holder, second: None }
+                ThingStart::Path(path) => ThingPlacement::Path(path.clone()),
+                ThingStart::OnJoint { character, joint, offset } => {
+                    let holder = [Limb::LeftArm, Limb::RightArm].into_iter().find(|l| hand_joint(*l) == *joint);
+                    ThingPlacement::OnJoint {
+                        character: *character,
+                        joint: *joint,
+                        offset: *offset,
+                        holder,
+                        second: None,
+                    }
                 }
             };
-            vec![Stretch { from_s: f64::NEG_INFINITY, at }]
+            vec![PlacementSpan { from_s: f64::NEG_INFINITY, placement: at }]
         };
         let lives = task.things.iter().map(|t| life(&t.start)).collect();
         let (contacts, planned, pins) = (Vec::new(), Vec::new(), Vec::new());
-        Self { task, actors, lives, contacts, planned, pins, looked: Vec::new(), leaned: Vec::new() }
+        Self {
+            task,
+            actors,
+            placements: lives,
+            contacts,
+            planned_limbs: planned,
+            pins,
+            gazes: Vec::new(),
+            leans: Vec::new(),
+        }
     }
 
     /// The end of the last clip (s).
     pub fn end_s(&self) -> f64 {
-        self.actors.iter().map(Actor::end_s).fold(0.0, f64::max)
+        self.actors.iter().map(StageActor::end_s).fold(0.0, f64::max)
     }
 
     /// Placement of a thing at a time; at a change, the one after it.
-    pub fn stretch(&self, thing: usize, time_s: f64) -> &Whereabouts {
-        let life = &self.lives[thing];
+    pub fn placement_at(&self, thing: usize, time_s: f64) -> &ThingPlacement {
+        let life = &self.placements[thing];
         let i = life.iter().rposition(|s| s.from_s <= time_s + 1e-6).unwrap_or(0);
-        &life[i].at
+        &life[i].placement
     }
 
     /// Transform of a thing at a time.
-    pub fn place(&self, thing: usize, time_s: f64) -> Rigid {
-        self.place_in(self.stretch(thing, time_s), time_s, 0)
+    pub fn thing_place(&self, thing: usize, time_s: f64) -> Rigid {
+        self.resolve_placement(self.placement_at(thing, time_s), time_s, 0)
     }
 
     /// Transform of a thing with a placement.
-    pub fn place_in(&self, at: &Whereabouts, time_s: f64, depth: usize) -> Rigid {
+    pub fn resolve_placement(&self, at: &ThingPlacement, time_s: f64, depth: usize) -> Rigid {
         match at {
-            Whereabouts::Path(path) => path.at(time_s),
-            Whereabouts::On { character, joint, offset, .. } => {
-                self.actors[*character].joint(*joint, time_s).then(*offset)
+            ThingPlacement::Path(path) => path.place_at(time_s),
+            ThingPlacement::OnJoint { character, joint, offset, .. } => {
+                self.actors[*character].joint_place(*joint, time_s).compose(*offset)
             }
-            Whereabouts::OnThing { thing, offset } if depth < MAX_STACK => {
-                self.place_in(self.stretch(*thing, time_s), time_s, depth + 1).then(*offset)
+            ThingPlacement::OnThing { thing, offset } if depth < MAX_STACK => {
+                self.resolve_placement(self.placement_at(*thing, time_s), time_s, depth + 1).compose(*offset)
             }
-            Whereabouts::OnThing { offset, .. } => *offset,
+            ThingPlacement::OnThing { offset, .. } => *offset,
         }
     }
 
     /// Frame from which a place is seen.
-    pub fn base_of(&self, place: &Place, time_s: f64) -> Rigid {
+    pub fn base_of(&self, place: &TaskPlace, time_s: f64) -> Rigid {
         match place.on {
             Anchor::World => Rigid::IDENTITY,
-            Anchor::Thing(thing) => self.place(thing, time_s),
-            Anchor::Joint(who, joint) => self.actors[who].joint(joint, time_s),
+            Anchor::Thing(thing) => self.thing_place(thing, time_s),
+            Anchor::Joint(who, joint) => self.actors[who].joint_place(joint, time_s),
         }
     }
 
     /// Transforms of a place: one, or many upright ones where its turn is open.
-    pub fn resolve(&self, place: &Place, time_s: f64) -> Vec<Rigid> {
-        let at = self.base_of(place, time_s).then(place.offset);
+    pub fn resolve_place(&self, place: &TaskPlace, time_s: f64) -> Vec<Rigid> {
+        let at = self.base_of(place, time_s).compose(place.offset);
         let turns = if place.any_turn { NUM_TURNS } else { 1 };
-        let turn = |k: u32| about(DVec3::Y, TAU * f64::from(k) / f64::from(turns));
-        (0..turns).map(|k| at.then(Rigid { position: DVec3::ZERO, rotation: turn(k) })).collect()
+        let turn = |k: u32| rotation_about(DVec3::Y, TAU * f64::from(k) / f64::from(turns));
+        (0..turns).map(|k| at.compose(Rigid { position: DVec3::ZERO, rotation: turn(k) })).collect()
     }
 
     /// The thing in a hand at a time, and its transform relative to the hand.
     pub fn held_by(&self, who: usize, limb: Limb, time_s: f64) -> Option<(usize, Rigid)> {
-        (0..self.lives.len()).find_map(|thing| match self.stretch(thing, time_s) {
-            Whereabouts::On { character, holder, offset, .. } if *character == who && *holder == Some(limb) => {
+        (0..self.placements.len()).find_map(|thing| match self.placement_at(thing, time_s) {
+            ThingPlacement::OnJoint { character, holder, offset, .. } if *character == who && *holder == Some(limb) => {
                 Some((thing, *offset))
             }
             _ => None,
@@ -323,10 +338,10 @@ impl<'a> Stage<'a> {
 
     /// The thing that two hands hold, one of which is a limb's, at some time of a stretch; the leading hand, and the following
     /// one.
-    pub fn held_by_both(&self, who: usize, limb: Limb, [from_s, to_s]: [f64; 2]) -> Option<(usize, Limb, Follower)> {
-        self.lives.iter().enumerate().find_map(|(thing, life)| {
-            life.iter().enumerate().find_map(|(i, s)| match &s.at {
-                Whereabouts::On { character, holder: Some(lead), second: Some(second), .. }
+    pub fn held_by_both(&self, who: usize, limb: Limb, [from_s, to_s]: [f64; 2]) -> Option<(usize, Limb, SecondHand)> {
+        self.placements.iter().enumerate().find_map(|(thing, life)| {
+            life.iter().enumerate().find_map(|(i, s)| match &s.placement {
+                ThingPlacement::OnJoint { character, holder: Some(lead), second: Some(second), .. }
                     if *character == who && [*lead, second.limb].contains(&limb) =>
                 {
                     let end_s = life.get(i + 1).map_or(f64::INFINITY, |next| next.from_s);
@@ -338,78 +353,83 @@ impl<'a> Stage<'a> {
     }
 
     /// Motion of a thing over all of the task.
-    pub fn path(&self, thing: usize) -> Motion {
-        if let [Stretch { at: Whereabouts::Path(path), .. }] = &self.lives[thing][..] {
+    pub fn thing_path(&self, thing: usize) -> Motion {
+        if let [PlacementSpan { placement: ThingPlacement::Path(path), .. }] = &self.placements[thing][..] {
             return path.clone();
         }
         // Samples of a clip, if one moves the thing.
-        let even = |a: &Actor| match a.motion.clock() {
-            Clock::Even { step_s, .. } if a.motion.places().len() > 1 => Some(step_s),
+        let even = |a: &StageActor| match a.motion.clock() {
+            SampleTimes::Even { step_s, .. } if a.motion.places().len() > 1 => Some(step_s),
             _ => None,
         };
-        let step_s = self.actors.iter().find_map(even).unwrap_or(PRESENT_STEP_S);
-        let clock = Clock::Even { start_s: 0.0, step_s };
+        let step_s = self.actors.iter().find_map(even).unwrap_or(EXTERNAL_STEP_S);
+        let clock = SampleTimes::Even { start_s: 0.0, step_s };
         let count = (self.end_s() / step_s).ceil() as usize + 1;
-        let samples = (0..count).map(|i| self.place(thing, i as f64 * step_s)).collect();
-        Motion::Track(Arc::new(Track::rigid(clock, samples)))
+        let samples = (0..count).map(|i| self.thing_place(thing, i as f64 * step_s)).collect();
+        Motion::Track(Arc::new(MotionTrack::rigid(clock, samples)))
     }
 
     /// Surroundings of a limb, and contacts that it is allowed.
-    pub fn around(&self, who: usize, limb: Limb, [from_s, to_s]: [f64; 2]) -> Surroundings {
-        let mut out = Surroundings::default();
+    pub fn surroundings_of_limb(&self, who: usize, limb: Limb, [from_s, to_s]: [f64; 2]) -> LimbSurroundings {
+        let mut out = LimbSurroundings::default();
         let middle = 0.5 * (from_s + to_s);
         for (i, thing) in self.task.things.iter().enumerate() {
-            match self.stretch(i, middle) {
-                Whereabouts::On { character, holder, offset, .. } if *character == who && *holder == Some(limb) => {
-                    let all = thing.shapes.iter().flat_map(capsules);
-                    out.held.extend(all.map(|(core, radius)| Held {
+            match self.placement_at(i, middle) {
+                ThingPlacement::OnJoint { character, holder, offset, .. }
+                    if *character == who && *holder == Some(limb) =>
+                {
+                    let all = thing.shapes.iter().flat_map(capsules_around);
+                    out.held.extend(all.map(|(core, radius)| HeldCapsule {
                         name: thing.name.clone(),
-                        core: core.map(|p| offset.point(p)),
+                        core: core.map(|p| offset.transform_point(p)),
                         radius,
                     }));
                 }
                 at => {
-                    let path = self.path(i);
-                    let solid = |s: &crate::shape::Shape| Solid {
+                    let path = self.thing_path(i);
+                    let solid = |s: &crate::shape::SolidShape| MovingSolid {
                         name: thing.name.clone(),
                         shape: s.clone(),
                         path: path.clone(),
                     };
                     out.solids.extend(thing.shapes.iter().map(solid));
-                    if matches!(at, Whereabouts::On { character, .. } if *character == who) {
-                        let driven = Joint::ALL.into_iter().filter(|j| !limb.moves(*j));
-                        out.allowed.extend(driven.map(|j| may(j, &thing.name)));
+                    if matches!(at, ThingPlacement::OnJoint { character, .. } if *character == who) {
+                        let driven = Joint::ALL.into_iter().filter(|j| !limb.moves_joint(*j));
+                        out.allowed.extend(driven.map(|j| allow_contact(j, &thing.name)));
                     }
                 }
             }
         }
         for (name, other) in self.others(who) {
             let pieces = other.worn.iter().flat_map(|w| &w.pieces);
-            out.solids.extend(pieces.map(|(joint, mesh)| Solid {
+            out.solids.extend(pieces.map(|(joint, mesh)| MovingSolid {
                 name: name.clone(),
-                shape: Shape::Mesh(Arc::clone(mesh)),
-                path: Motion::Track(Arc::new(Track::rigid(other.motion.clock(), other.motion.of_joint(*joint)))),
+                shape: SolidShape::Mesh(Arc::clone(mesh)),
+                path: Motion::Track(Arc::new(MotionTrack::rigid(
+                    other.motion.clock(),
+                    other.motion.joint_places(*joint),
+                ))),
             }));
         }
         out.allowed.extend(self.actors[who].pressed.iter().filter(|(l, _)| *l == limb).map(|(_, a)| a.clone()));
         self.leave_to_others(who, limb, &mut out);
-        let known = |a: &Allowed| {
+        let known = |a: &AllowedContact| {
             let part =
                 a.part.as_ref().is_none_or(|p| Joint::from_name(p).is_some() || out.held.iter().any(|h| h.name == *p));
-            let with = Joint::from_name(&a.with).is_some()
-                || out.solids.iter().any(|s| s.name == a.with)
-                || self.others(who).any(|(name, _)| *name == a.with);
+            let with = Joint::from_name(&a.other).is_some()
+                || out.solids.iter().any(|s| s.name == a.other)
+                || self.others(who).any(|(name, _)| *name == a.other);
             part && with
         };
-        let overlaps = |a: &Allowed| a.window_s.is_none_or(|[a, b]| a < to_s && b > from_s);
+        let overlaps = |a: &AllowedContact| a.window_s.is_none_or(|[a, b]| a < to_s && b > from_s);
         let own = self.contacts.iter().filter(|(w, l, a)| *w == who && *l == limb && overlaps(a)).map(|c| c.2.clone());
-        let allowed: Vec<Allowed> = own.chain(out.allowed.iter().cloned()).filter(known).collect();
+        let allowed: Vec<AllowedContact> = own.chain(out.allowed.iter().cloned()).filter(known).collect();
         out.allowed = allowed;
         out
     }
 
     /// Allows contacts of the character's other limbs that have steps of their own: those steps check them.
-    fn leave_to_others(&self, who: usize, limb: Limb, out: &mut Surroundings) {
+    fn leave_to_others(&self, who: usize, limb: Limb, out: &mut LimbSurroundings) {
         let receivers = self.task.steps.iter().filter_map(|s| s.receiver.as_ref()).map(|r| (r.character, r.limb));
         let seconds = self.task.steps.iter().filter_map(|s| Some((s.character, s.second.as_ref()?.limb)));
         let limbs = self.task.steps.iter().map(|s| (s.character, s.limb)).chain(receivers).chain(seconds);
@@ -418,59 +438,59 @@ impl<'a> Stage<'a> {
         others.dedup();
         let mut names: Vec<&str> = self.task.things.iter().map(|t| t.name.as_str()).collect();
         names.extend(self.others(who).map(|(name, _)| name.as_str()));
-        for joint in Joint::ALL.into_iter().filter(|j| others.iter().any(|l| l.moves(*j))) {
-            out.allowed.extend(names.iter().map(|name| may(joint, name)));
+        for joint in Joint::ALL.into_iter().filter(|j| others.iter().any(|l| l.moves_joint(*j))) {
+            out.allowed.extend(names.iter().map(|name| allow_contact(joint, name)));
         }
     }
 
-    fn others(&self, who: usize) -> impl Iterator<Item = (&String, &Actor)> {
+    fn others(&self, who: usize) -> impl Iterator<Item = (&String, &StageActor)> {
         let all = self.task.characters.iter().zip(&self.actors).enumerate();
         all.filter(move |(i, _)| *i != who).map(|(_, (c, actor))| (&c.name, actor))
     }
 
-    /// All other characters whose meshes are not part of the [surroundings](Stage::around).
-    pub fn other_bodies(&self, who: usize) -> Vec<Other<'_>> {
+    /// All other characters whose meshes are not part of the [surroundings](TaskStage::around).
+    pub fn other_bodies(&self, who: usize) -> Vec<OtherCharacter<'_>> {
         let all = self.others(who).filter(|(_, a)| a.worn.is_none());
-        all.map(|(name, a)| Other { name, motion: &a.motion, shape: &a.shape }).collect()
+        all.map(|(name, a)| OtherCharacter { name, motion: &a.motion, shape: &a.shape }).collect()
     }
 
     /// All other characters, as capsules.
-    pub fn other_capsules(&self, who: usize) -> Vec<Other<'_>> {
-        self.others(who).map(|(name, a)| Other { name, motion: &a.motion, shape: &a.shape }).collect()
+    pub fn other_capsules(&self, who: usize) -> Vec<OtherCharacter<'_>> {
+        self.others(who).map(|(name, a)| OtherCharacter { name, motion: &a.motion, shape: &a.shape }).collect()
     }
 
     /// Specification of a limb's problem, without ends.
-    pub fn spec<'s>(
+    pub fn limb_spec<'s>(
         &'s self,
         who: usize,
         limb: Limb,
-        around: &'s Surroundings,
-        others: &'s [Other<'s>],
+        around: &'s LimbSurroundings,
+        others: &'s [OtherCharacter<'s>],
     ) -> ProblemSpec<'s> {
-        let spec = self.actors[who].spec(limb);
-        let Surroundings { solids, held, allowed, level } = around;
-        ProblemSpec { solids, held, allowed, level: *level, others, clearance_m: self.task.clearance_m, ..spec }
+        let spec = self.actors[who].limb_spec(limb);
+        let LimbSurroundings { solids, held, allowed, level } = around;
+        ProblemSpec { solids, held, allowed, upright: *level, others, clearance_m: self.task.clearance_m, ..spec }
     }
 
     /// Records that a limb was planned.
-    pub fn note(&mut self, character: usize, limb: Limb, window_s: [f64; 2]) {
+    pub fn record_planned(&mut self, character: usize, limb: Limb, window_s: [f64; 2]) {
         let motion = &self.actors[character].motion;
         let ends = window_s.map(|t| motion.limb_pose(Linkage::limb(limb), t));
-        self.planned.push(Planned { character, limb, window_s, ends });
+        self.planned_limbs.push(PlannedLimb { character, limb, window_s, ends });
     }
 }
 
-fn may(joint: Joint, with: &str) -> Allowed {
-    Allowed { part: Some(joint.name().into()), with: with.into(), window_s: None }
+fn allow_contact(joint: Joint, with: &str) -> AllowedContact {
+    AllowedContact { part: Some(joint.name().into()), other: with.into(), window_s: None }
 }
 
 /// The joint that holds things.
-pub(super) fn hand(limb: Limb) -> Joint {
+pub(super) fn hand_joint(limb: Limb) -> Joint {
     limb.joints()[2]
 }
 
 /// Middle of the hand in the hand's frame: where a fist closes (m).
 pub(super) fn palm(skeleton: &Skeleton, limb: Limb) -> DVec3 {
-    let fore = skeleton.offsets[hand(limb).index()].as_dvec3();
+    let fore = skeleton.offsets[hand_joint(limb).index()].as_dvec3();
     0.3 * fore
 }

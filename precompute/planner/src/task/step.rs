@@ -1,8 +1,8 @@
 //! Steps of a task, checked.
 
-use super::entries::{Deed, GripEntry, PlaceEntry, SecondEntry, StyleEntry, TaskEntry};
-use super::file::{Character, MOST_M, MOST_S, Thing, is_near, joint_of, not_many, placed};
-use crate::limits::{Interval, Style};
+use super::entries::{GripEntry, PlaceEntry, SecondEntry, StyleEntry, TaskAction, TaskEntry};
+use super::file::{MOST_M, MOST_S, TaskCharacter, TaskThing, is_within_scene, joint_of, not_many, rigid_of_entry};
+use crate::limits::{AngleInterval, Style};
 use crate::linkage::{Limb, Linkage};
 use crate::rotation::Rigid;
 use glam::DVec3;
@@ -12,20 +12,20 @@ use throng_core::Joint;
 
 /// A step of a task.
 #[derive(Clone, Debug)]
-pub(super) struct Step {
+pub(super) struct TaskStep {
     pub name: String,
     pub character: usize,
     pub limb: Limb,
-    pub deed: Deed,
+    pub action: TaskAction,
     /// Index of the object.
     pub object: Option<usize>,
     /// Times at which the limb leaves the clip, reaches its target and is back (s); of corrections, the stretch that is
     /// searched.
     pub times_s: [f64; 3],
     pub hold_s: f64,
-    pub grips: Vec<Grip>,
-    pub second: Option<Second>,
-    pub to: Option<Place>,
+    pub grips: Vec<ObjectGrip>,
+    pub second: Option<SecondGrip>,
+    pub to: Option<TaskPlace>,
     /// Largest tilt of the held object on the way there (rad).
     pub level_rad: Option<f64>,
     pub receiver: Option<Receiver>,
@@ -37,7 +37,7 @@ pub(super) struct Step {
 /// Times of a step before its character has walked there.
 const UNTIMED: [f64; 3] = [f64::NAN; 3];
 
-impl Step {
+impl TaskStep {
     /// False where the character has to walk there first.
     pub fn is_timed(&self) -> bool {
         !self.times_s[1].is_nan()
@@ -46,7 +46,7 @@ impl Step {
 
 /// A grip: the place of a hand at an object, relative to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Grip {
+pub(super) enum ObjectGrip {
     /// Transform of the wrist.
     Turned(Rigid),
     /// Position of the middle of the hand, with any turn (m).
@@ -55,7 +55,7 @@ pub(super) enum Grip {
 
 /// A place relative to something.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
+pub(super) struct TaskPlace {
     pub on: Anchor,
     pub offset: Rigid,
     /// True for any turn about the vertical.
@@ -72,9 +72,9 @@ pub(super) enum Anchor {
 
 /// The other hand, which takes the object, too.
 #[derive(Clone, Debug)]
-pub(super) struct Second {
+pub(super) struct SecondGrip {
     pub limb: Limb,
-    pub grips: Vec<Grip>,
+    pub grips: Vec<ObjectGrip>,
 }
 
 /// Receiver of an object.
@@ -82,29 +82,29 @@ pub(super) struct Second {
 pub(super) struct Receiver {
     pub character: usize,
     pub limb: Limb,
-    pub grips: Vec<Grip>,
+    pub grips: Vec<ObjectGrip>,
 }
 
 /// Checks all tasks of a file; an error has the index of the task.
 pub(super) fn steps(
     tasks: &[TaskEntry],
-    characters: &[Character],
-    things: &[Thing],
-) -> Result<Vec<Step>, (usize, String)> {
-    let scene = Names { characters, things };
+    characters: &[TaskCharacter],
+    things: &[TaskThing],
+) -> Result<Vec<TaskStep>, (usize, String)> {
+    let scene = NameTable { characters, things };
     tasks.iter().enumerate().map(|(i, t)| scene.step(t).map_err(|why| (i, why))).collect()
 }
 
-struct Names<'a> {
-    characters: &'a [Character],
-    things: &'a [Thing],
+struct NameTable<'a> {
+    characters: &'a [TaskCharacter],
+    things: &'a [TaskThing],
 }
 
-impl Names<'_> {
-    fn step(&self, t: &TaskEntry) -> Result<Step, String> {
+impl NameTable<'_> {
+    fn step(&self, t: &TaskEntry) -> Result<TaskStep, String> {
         let object = t.object.as_ref().map(|name| self.thing(name)).transpose()?;
-        let needs_object = t.deed != Deed::Correct;
-        let (is_grab, is_brought) = (t.deed == Deed::Grab, t.deed.holds());
+        let needs_object = t.deed != TaskAction::Correct;
+        let (is_grab, is_brought) = (t.deed == TaskAction::Grab, t.deed.needs_held_object());
         let is_object = object.is_some_and(|o| self.things[o].is_object);
         if needs_object != object.is_some() {
             let expected = if needs_object { "expected `object`" } else { "`correct` needs no `object`" };
@@ -121,10 +121,10 @@ impl Names<'_> {
             let need = if is_brought { "expected `to`, where the object is brought" } else { "needs no `to`" };
             return Err(format!("`{}`: {need}", t.deed.name()));
         }
-        if (t.deed == Deed::HandOver) != t.receiver.is_some() {
+        if (t.deed == TaskAction::HandOver) != t.receiver.is_some() {
             return Err("`hand_over`, and nothing else, has a `receiver`".into());
         }
-        if is_brought || t.deed == Deed::Correct {
+        if is_brought || t.deed == TaskAction::Correct {
             if !t.grips.is_empty() {
                 return Err(format!("`{}` needs no `grips`: the limb keeps the one it has", t.deed.name()));
             }
@@ -145,11 +145,11 @@ impl Names<'_> {
             }
             Ok(receiver)
         });
-        Ok(Step {
+        Ok(TaskStep {
             name: t.name.clone().unwrap_or_else(|| name_of(t)),
             character: self.character(t.character.as_deref())?,
             limb: t.limb,
-            deed: t.deed,
+            action: t.deed,
             object,
             times_s: times(t, walks)?,
             hold_s: t.hold_s,
@@ -195,9 +195,9 @@ impl Names<'_> {
         Err(format!("contacts: there is no `{name}`.{}", did_you_mean(name, all)))
     }
 
-    fn place(&self, p: &PlaceEntry) -> Result<Place, String> {
-        let offset = placed(p.at, p.turn_deg.unwrap_or_default());
-        if !is_near(&offset) {
+    fn place(&self, p: &PlaceEntry) -> Result<TaskPlace, String> {
+        let offset = rigid_of_entry(p.at, p.turn_deg.unwrap_or_default());
+        if !is_within_scene(&offset) {
             return Err(format!("to: expected a finite place within {MOST_M} m"));
         }
         let on = match &p.on {
@@ -208,7 +208,7 @@ impl Names<'_> {
             }
             Some(name) => Anchor::Thing(self.thing(name)?),
         };
-        Ok(Place { on, offset, any_turn: p.turn_deg.is_none() })
+        Ok(TaskPlace { on, offset, any_turn: p.turn_deg.is_none() })
     }
 }
 
@@ -219,9 +219,9 @@ fn name_of(t: &TaskEntry) -> String {
 
 fn times(t: &TaskEntry, walks: bool) -> Result<[f64; 3], String> {
     match (t.deed, t.at_s, t.window_s) {
-        (Deed::Correct, None, None) => Ok([0.0, 0.0, f64::INFINITY]),
-        (Deed::Correct, None, Some([from, to])) if from < to => Ok([from, from, to]),
-        (Deed::Correct, ..) => Err("`correct` finds collisions by itself: expected no `at_s`, and an ascending \
+        (TaskAction::Correct, None, None) => Ok([0.0, 0.0, f64::INFINITY]),
+        (TaskAction::Correct, None, Some([from, to])) if from < to => Ok([from, from, to]),
+        (TaskAction::Correct, ..) => Err("`correct` finds collisions by itself: expected no `at_s`, and an ascending \
                                     `window_s` or none"
             .into()),
         (_, None, None) if walks => Ok(UNTIMED),
@@ -233,28 +233,30 @@ fn times(t: &TaskEntry, walks: bool) -> Result<[f64; 3], String> {
 
 fn level(t: &TaskEntry) -> Result<Option<f64>, String> {
     match t.level_deg {
-        Some(_) if !t.deed.holds() => Err(format!("`{}` needs no `level_deg`: it brings nothing", t.deed.name())),
+        Some(_) if !t.deed.needs_held_object() => {
+            Err(format!("`{}` needs no `level_deg`: it brings nothing", t.deed.name()))
+        }
         Some(deg) if !(deg > 0.0 && deg < 180.0) => Err(format!("level_deg: expected 0 to 180, found {deg}")),
         deg => Ok(deg.map(f64::to_radians)),
     }
 }
 
-fn grips(entries: &[GripEntry]) -> Result<Vec<Grip>, String> {
+fn grips(entries: &[GripEntry]) -> Result<Vec<ObjectGrip>, String> {
     not_many("grips", entries.len())?;
     let one = |g: &GripEntry| match g.turn_deg {
-        Some(turn) => Grip::Turned(placed(g.at, turn)),
-        None => Grip::Any(DVec3::from(g.at)),
+        Some(turn) => ObjectGrip::Turned(rigid_of_entry(g.at, turn)),
+        None => ObjectGrip::Any(DVec3::from(g.at)),
     };
-    let all: Vec<Grip> = entries.iter().map(one).collect();
-    let is_valid = |g: &Grip| match g {
-        Grip::Turned(at) => at.is_valid(),
-        Grip::Any(at) => at.is_finite(),
+    let all: Vec<ObjectGrip> = entries.iter().map(one).collect();
+    let is_valid = |g: &ObjectGrip| match g {
+        ObjectGrip::Turned(at) => at.is_valid(),
+        ObjectGrip::Any(at) => at.is_finite(),
     };
     if all.iter().all(is_valid) { Ok(all) } else { Err("grips: expected finite numbers".into()) }
 }
 
-fn second(t: &TaskEntry, second: &SecondEntry, walks: bool) -> Result<Second, String> {
-    if t.deed != Deed::Grab {
+fn second(t: &TaskEntry, second: &SecondEntry, walks: bool) -> Result<SecondGrip, String> {
+    if t.deed != TaskAction::Grab {
         return Err(format!(
             "`{}`: expected `second` in `grab` alone: it goes along with what it holds",
             t.deed.name()
@@ -266,7 +268,7 @@ fn second(t: &TaskEntry, second: &SecondEntry, walks: bool) -> Result<Second, St
     if walks {
         return Err("second: who walks up to something takes it with one hand; give it a clip".into());
     }
-    Ok(Second { limb: second.limb, grips: grips(&second.grips)? })
+    Ok(SecondGrip { limb: second.limb, grips: grips(&second.grips)? })
 }
 
 fn style(entries: &BTreeMap<String, StyleEntry>, limb: Limb) -> Result<Style, String> {
@@ -274,12 +276,12 @@ fn style(entries: &BTreeMap<String, StyleEntry>, limb: Limb) -> Result<Style, St
     for (name, s) in entries {
         let joints = limb.joints().map(Joint::name);
         let i = Joint::from_name(name)
-            .and_then(|j| linkage.position_of(j))
+            .and_then(|j| linkage.index_of(j))
             .ok_or_else(|| format!("style: `{}` has no joint `{name}`; it has {}", limb.name(), joints.join(", ")))?;
         let radians = |[from, to]: [f64; 2]| {
             let is_range = from.is_finite() && to.is_finite() && from <= to;
             let wrong = || format!("style: {name}: expected two ascending angles (degrees), found {from} and {to}");
-            is_range.then(|| Interval::new(from.to_radians(), to.to_radians())).ok_or_else(wrong)
+            is_range.then(|| AngleInterval::new(from.to_radians(), to.to_radians())).ok_or_else(wrong)
         };
         if let Some([first, second]) = s.swing_deg {
             out.swing[i] = [Some(radians(first)?), Some(radians(second)?)];

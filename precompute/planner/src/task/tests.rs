@@ -6,8 +6,8 @@ mod read;
 mod worn;
 
 use super::*;
-use crate::search::Grown;
-use crate::testing::Somebody;
+use crate::search::LoggedTrees;
+use crate::testing::TestCharacter;
 use glam::Quat;
 use proptest::prelude::*;
 use std::cell::Cell;
@@ -54,7 +54,7 @@ pub fn parse(text: &str) -> Result<Task, String> {
     Task::parse(text, Path::new("folder/t.toml")).map_err(|e| e.to_string())
 }
 
-pub fn stand(s: &Somebody) -> Clip {
+pub fn stand(s: &TestCharacter) -> Clip {
     let arm = s.pose(0.0, -0.7, 0.6);
     let mut row = vec![Quat::IDENTITY; NUM_JOINTS];
     for (i, j) in s.linkage.limb.joints().into_iter().enumerate() {
@@ -63,19 +63,19 @@ pub fn stand(s: &Somebody) -> Clip {
     Clip::new("stand", 30.0, vec![s.skeleton.offsets[0]; 151], row.repeat(151))
 }
 
-fn run(text: &str, s: &Somebody) -> TaskOutcome {
+fn run(text: &str, s: &TestCharacter) -> TaskOutcome {
     let task = parse(text).unwrap_or_else(|e| panic!("{e}"));
     let clips = vec![ActorClip { clip: stand(s), skeleton: s.skeleton.clone() }; task.characters.len()];
     task.run(&clips, None).unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn why(outcome: &TaskOutcome, i: usize) -> &str {
-    outcome.done[i].why.as_deref().unwrap_or("it was done")
+    outcome.done[i].reason.as_deref().unwrap_or("it was done")
 }
 
 #[test]
 fn a_task_is_done_in_its_order() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let task = parse(TASK).expect("a task");
     assert_eq!(task.characters[0].clip.file.as_deref(), Some(Path::new("folder/stand.bvh")));
     let clip = stand(&s);
@@ -95,7 +95,7 @@ fn a_task_is_done_in_its_order() {
 
 #[test]
 fn what_is_cancelled_is_as_it_was() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let task = parse(TASK).expect("a task");
     let clips = [ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }];
     let whole = run(TASK, &s);
@@ -106,10 +106,11 @@ fn what_is_cancelled_is_as_it_was() {
             told.set(n);
             cancel.fetch_or(n >= stop, Ordering::Relaxed);
         };
-        let watch = Watch { cancel: Some(&cancel), tell: Some(&tell), keeps_trees: true, ..Watch::default() };
+        let watch =
+            RunOptions { cancel: Some(&cancel), on_progress: Some(&tell), keeps_trees: true, ..RunOptions::default() };
         let outcome = task.run_watched(&clips, &watch).expect("clips");
         for (i, done) in outcome.done.iter().enumerate() {
-            assert_eq!(done.why.as_deref().is_some_and(|why| why.contains("cancelled")), i >= stop, "{stop} {i}");
+            assert_eq!(done.reason.as_deref().is_some_and(|why| why.contains("cancelled")), i >= stop, "{stop} {i}");
             // There and back, or one correction.
             assert_eq!(done.trees.len(), if i < stop { done.plans.len() } else { 0 });
         }
@@ -121,13 +122,13 @@ fn what_is_cancelled_is_as_it_was() {
 
 #[test]
 fn the_trees_of_a_task_begin_and_end_where_the_hand_is() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let task = parse(TASK).expect("a task");
     let clips = [ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }];
-    let outcome = task.run_watched(&clips, &Watch { keeps_trees: true, ..Watch::default() }).expect("clips");
+    let outcome = task.run_watched(&clips, &RunOptions { keeps_trees: true, ..RunOptions::default() }).expect("clips");
     let [there, back] = &outcome.done[0].trees[..] else { panic!("{:?}", outcome.done[0].trees.len()) };
     assert_eq!((there.window_s, back.window_s), ([0.5, 1.4], [1.4, 2.3]));
-    let roots = |g: &Grown| g.trees.each_ref().map(|t| (t[0].at, t[0].time_s, t[0].parent));
+    let roots = |g: &LoggedTrees| g.trees.each_ref().map(|t| (t[0].tip, t[0].time_s, t[0].parent));
     assert_eq!(roots(there)[1].0, roots(back)[0].0);
     assert!(
         there.is_solved && roots(there).iter().all(|r| r.2 == 0) && roots(there)[0].0.distance(roots(back)[1].0) < 1e-6
@@ -140,7 +141,7 @@ fn the_trees_of_a_task_begin_and_end_where_the_hand_is() {
 
 #[test]
 fn what_cannot_be_done_is_said_and_leaves_the_clip() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let far = run(&TASK.replace("0.42] }", "0.9] }"), &s);
     assert!(why(&far, 0).contains("out of reach by 0.") && far.done[0].nearest_m.is_some_and(|m| m > 0.1));
     assert!(!far.is_solved() && far.recheck.violations.is_empty() && far.attachments.is_empty());
@@ -198,7 +199,7 @@ window_s = [2.8, 4.4]
 
 #[test]
 fn a_cup_goes_from_hand_to_hand_and_is_laid_down() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let outcome = run(ERRANDS, &s);
     assert!(outcome.is_solved(), "{:?}", outcome.done);
     assert_eq!(outcome.recheck.violations, []);
@@ -211,7 +212,7 @@ fn a_cup_goes_from_hand_to_hand_and_is_laid_down() {
     ];
     assert_eq!(who, expected);
     // Where the cup is, hand by hand, it is where it was brought.
-    let at = |t: f64| outcome.scenery[1].paths[1].at(t).position;
+    let at = |t: f64| outcome.scenery[1].paths[1].place_at(t).position;
     assert!(at(2.0).distance(glam::DVec3::new(0.0, 1.4, 0.45)) < 1e-4, "{}", at(2.0));
     assert!(at(4.9).distance(glam::DVec3::new(-0.3, 1.09, 0.45)) < 1e-9, "{}", at(4.9));
     // What was planned earlier is not undone by what comes later.
@@ -221,7 +222,7 @@ fn a_cup_goes_from_hand_to_hand_and_is_laid_down() {
 
 #[test]
 fn a_failed_task_is_tried_again_after_the_others() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     // The second task of the file comes first, and needs what the first one does.
     let text = ERRANDS.replace("do = \"grab\"", "do = \"grab\"\npriority = 1");
     let outcome = run(&text, &s);
@@ -231,7 +232,7 @@ fn a_failed_task_is_tried_again_after_the_others() {
 
 #[test]
 fn seeds_differ_and_one_seed_does_not() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let task = parse(TASK).expect("a task");
     let clips = [ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }];
     let of = |seed: u64| task.run(&clips, Some(seed)).expect("clips");
@@ -242,23 +243,23 @@ fn seeds_differ_and_one_seed_does_not() {
 
 #[test]
 fn clips_that_do_not_fit_are_refused() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let task = parse(&format!("{TASK}\n[[characters]]\nname = \"Bo\"\nclip = \"b.bvh\"\n")).expect("a task");
     let one = ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() };
     let fast = ActorClip { clip: Clip { rate_hz: 60.0, ..one.clip.clone() }, ..one.clone() };
-    assert!(matches!(task.run(std::slice::from_ref(&one), None), Err(NoClips::Number { expected: 2, found: 1 })));
-    assert!(matches!(task.run(&[one.clone(), fast], None), Err(NoClips::Rate { .. })));
+    assert!(matches!(task.run(std::slice::from_ref(&one), None), Err(ClipMismatch::Number { expected: 2, found: 1 })));
+    assert!(matches!(task.run(&[one.clone(), fast], None), Err(ClipMismatch::Rate { .. })));
     let short = Clip::new("s", 30.0, vec![glam::Vec3::Y], vec![Quat::IDENTITY; NUM_JOINTS]);
     let short = ActorClip { clip: short, ..one.clone() };
-    assert!(matches!(task.run(&[one, short], None), Err(NoClips::Short { .. })));
+    assert!(matches!(task.run(&[one, short], None), Err(ClipMismatch::Short { .. })));
 }
 
 #[test]
 fn what_no_search_can_mend_is_known_before() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let ahead = |text: &str| {
         let task = parse(text).unwrap_or_else(|e| panic!("{e}"));
-        task.ahead(&[ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }]).expect("clips")
+        task.preview_steps(&[ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }]).expect("clips")
     };
     let good = ahead(TASK);
     assert!(good.iter().all(|a| a.faults.is_empty()), "{good:?}");
@@ -280,13 +281,13 @@ fn who_walks_needs_no_times_and_says_so_where_it_was_not_walked() {
     let walk = "clip = { walk = { bundle = \"w.throng\", config = \"w.toml\", from = [1.0, -2.0] } }";
     let text = TASK.replace("clip = \"stand.bvh\"", walk).replace("at_s = 1.4\nwindow_s = [0.5, 2.3]\n", "");
     let task = parse(&text).expect("a task");
-    assert!(task.walks());
+    assert!(task.needs_walking());
     let entry = task.characters[0].clip.walk.as_ref().expect("it walks");
     assert_eq!((entry.bundle.as_path(), entry.speed_mps), (Path::new("folder/w.throng"), 1.2));
     assert_eq!(task.times_s(), [None, None]);
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let clips = [ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }];
-    assert!(matches!(task.run(&clips, None), Err(NoClips::NotWalked { name }) if name == "main"));
+    assert!(matches!(task.run(&clips, None), Err(ClipMismatch::NotWalked { name }) if name == "main"));
     for (from, to, why) in [
         ("from = [1.0, -2.0]", "from = [nan, 0.0]", "expected `from` within"),
         ("from = [1.0, -2.0]", "speed_mps = 9.0", "expected 0.3 to 4, found 9"),

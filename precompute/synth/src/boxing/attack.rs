@@ -1,13 +1,13 @@
 //! Target of a combination, and adaptation of a blow's technique to it.
 
-use super::moves::{Blow, Punch};
-use super::posture::Posture;
+use super::moves::{HandPunch, Punch};
+use super::posture::BoxingPosture;
 use super::technique::Technique;
 use rand::{Rng, RngExt};
 
 /// Height at which a blow is meant to land.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Level {
+pub enum BlowLevel {
     /// Below the chest.
     Body,
     /// Chest to chin.
@@ -30,13 +30,20 @@ pub struct Attack {
 impl Attack {
     /// Adapts the posture of a technique, or a share of the way to it, to a height and a direction: low blows come from
     /// low knees, long ones from a lean over the lead foot, and the trunk turns with the direction.
-    pub fn aimed(&self, technique: &Technique, p: Posture, height: f64, azimuth: f64, share: f64) -> Posture {
+    pub fn aim_posture(
+        &self,
+        technique: &Technique,
+        p: BoxingPosture,
+        height: f64,
+        azimuth: f64,
+        share: f64,
+    ) -> BoxingPosture {
         let lower = (1.3 - height).clamp(0.0, 0.2);
         let higher = (height - 1.55).clamp(0.0, 0.15);
         let lunge = self.reach.max(0.0) * if technique.load.is_none() { 1.0 } else { 0.5 };
         let close = (-self.reach).max(0.0);
-        let onward = (p.chest - Posture::GUARD.chest).signum();
-        Posture {
+        let onward = (p.chest - BoxingPosture::GUARD.chest).signum();
+        BoxingPosture {
             flexion: (p.flexion + share * (4.0 * lower - 0.8 * higher)).max(0.36),
             pitch: p.pitch + share * (0.9 * lower + 0.48 * lunge - 0.12 * close - 0.4 * higher),
             hips: p.hips + 0.5 * share * azimuth,
@@ -48,14 +55,14 @@ impl Attack {
     }
 
     /// Height of the wrist at the hit. A long blow is level, from a low shoulder (m).
-    pub fn height(&self, punch: Punch, level: Level, rng: &mut impl Rng) -> f64 {
+    pub fn height(&self, punch: Punch, level: BlowLevel, rng: &mut impl Rng) -> f64 {
         let range = match (punch, level) {
-            (Punch::Uppercut, Level::Body) => 1.18..1.28,
-            (Punch::Uppercut, Level::Head) => 1.3..1.4,
-            (Punch::Uppercut, Level::High) => 1.4..1.48,
-            (_, Level::Body) => 1.2..1.32,
-            (_, Level::Head) => 1.36..1.5,
-            (_, Level::High) => 1.5..1.64,
+            (Punch::Uppercut, BlowLevel::Body) => 1.18..1.28,
+            (Punch::Uppercut, BlowLevel::Head) => 1.3..1.4,
+            (Punch::Uppercut, BlowLevel::High) => 1.4..1.48,
+            (_, BlowLevel::Body) => 1.2..1.32,
+            (_, BlowLevel::Head) => 1.36..1.5,
+            (_, BlowLevel::High) => 1.5..1.64,
         };
         rng.random_range(range) - 0.1 * self.reach.max(0.0)
     }
@@ -67,7 +74,7 @@ impl Attack {
 }
 
 /// Time from hit to hit (s).
-pub fn gap(earlier: Blow, blow: Blow) -> f64 {
+pub fn seconds_between_hits(earlier: HandPunch, blow: HandPunch) -> f64 {
     if earlier.lead == blow.lead {
         return if blow.punch == Punch::Straight { 0.46 } else { 0.56 };
     }
@@ -87,19 +94,19 @@ mod tests {
     #[test]
     fn the_same_hand_is_back_before_it_strikes_again() {
         for pair in COMBINATIONS.iter().flat_map(|c| c.windows(2)).filter(|p| p[0].lead == p[1].lead) {
-            let (first, second) = (technique::of(pair[0]), technique::of(pair[1]));
+            let (first, second) = (technique::technique_of(pair[0]), technique::technique_of(pair[1]));
             let out = first.braking(first.speed) + second.extend;
-            assert!(gap(pair[0], pair[1]) > out + 0.15, "{pair:?}");
+            assert!(seconds_between_hits(pair[0], pair[1]) > out + 0.15, "{pair:?}");
         }
     }
 
     #[test]
     fn low_and_long_blows_lower_and_lean_the_body() {
         let blow = COMBINATIONS[0][1];
-        let technique = technique::of(blow);
+        let technique = technique::technique_of(blow);
         let aimed = |reach: f64, height: f64| {
             let attack = Attack { azimuth: 0.0, reach, tempo: 1.0 };
-            attack.aimed(&technique, technique.strike, height, 0.0, 1.0)
+            attack.aim_posture(&technique, technique.strike, height, 0.0, 1.0)
         };
         assert_eq!(aimed(0.0, 1.4), technique.strike);
         assert!(aimed(0.0, 1.15).flexion > technique.strike.flexion + 0.3);

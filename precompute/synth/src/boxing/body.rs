@@ -4,11 +4,11 @@ use super::super::attitude::Attitude;
 use super::super::foot::FootPose;
 use super::super::leg::LegShape;
 use super::super::pendulum::pendulum;
-use super::super::side::{Side, forward, leftward};
+use super::super::side::{LateralSide, forward, leftward};
 use super::super::signal::{smooth, smooth_below};
-use super::foot::Stance;
-use super::posture::Posture;
-use super::script::Script;
+use super::foot::DesiredFoot;
+use super::posture::BoxingPosture;
+use super::script::BoxingScript;
 use glam::{DQuat, DVec2, DVec3};
 use throng_core::{Joint, Skeleton};
 
@@ -24,7 +24,7 @@ const HEEL_SPEED: f64 = 0.015;
 
 /// Body of a boxer at one sample, in the world.
 #[derive(Clone, Copy, Debug)]
-pub struct Body {
+pub struct BoxerBody {
     /// The facing (rad).
     pub facing: f64,
     /// Hips joint (m).
@@ -46,9 +46,19 @@ pub struct Body {
 /// Moves the body through a script.
 ///
 /// - `rhythm`: strength of the bouncing at every sample, 1 on average.
-pub fn follow(script: &Script, skeleton: &Skeleton, times: &[f64], dt: f64, rhythm: &[f64]) -> Vec<Body> {
-    let mut postures: Vec<Posture> =
-        script.body.sample(times, &Posture::AHEAD, 0.022, dt).into_iter().map(Posture::of).collect();
+pub fn follow_script(
+    script: &BoxingScript,
+    skeleton: &Skeleton,
+    times: &[f64],
+    dt: f64,
+    rhythm: &[f64],
+) -> Vec<BoxerBody> {
+    let mut postures: Vec<BoxingPosture> = script
+        .body
+        .sample(times, &BoxingPosture::AHEAD, 0.022, dt)
+        .into_iter()
+        .map(BoxingPosture::from_channels)
+        .collect();
     let facing: Vec<f64> = script.facing.sample(times, &[0.0], 0.06, dt).iter().map(|f| f[0]).collect();
     for ((p, t), r) in postures.iter_mut().zip(times).zip(rhythm) {
         let beat = (t * std::f64::consts::TAU * BOUNCE.1).sin();
@@ -56,10 +66,10 @@ pub fn follow(script: &Script, skeleton: &Skeleton, times: &[f64], dt: f64, rhyt
         p.heels[1] += 0.04 * r * beat;
     }
     let feet = feet(script, &postures, times, dt);
-    let mass = pendulum(&pressure(script, &postures, &feet, times, dt), dt);
-    let mut bodies: Vec<Body> =
-        (0..times.len()).map(|i| placed(&postures[i], facing[i], mass[i], feet[i], skeleton)).collect();
-    let height = height(&bodies, &postures, skeleton, dt);
+    let mass = pendulum(&centre_of_pressure(script, &postures, &feet, times, dt), dt);
+    let mut bodies: Vec<BoxerBody> =
+        (0..times.len()).map(|i| body_over_mass(&postures[i], facing[i], mass[i], feet[i], skeleton)).collect();
+    let height = hips_heights(&bodies, &postures, skeleton, dt);
     for (body, height) in bodies.iter_mut().zip(height) {
         for point in [&mut body.root, &mut body.chest, &mut body.neck] {
             point.y += height;
@@ -68,13 +78,13 @@ pub fn follow(script: &Script, skeleton: &Skeleton, times: &[f64], dt: f64, rhyt
     bodies
 }
 
-fn feet(script: &Script, postures: &[Posture], times: &[f64], dt: f64) -> Vec<[FootPose; 2]> {
+fn feet(script: &BoxingScript, postures: &[BoxingPosture], times: &[f64], dt: f64) -> Vec<[FootPose; 2]> {
     let yaws = [0, 1].map(|i: usize| script.feet[i].yaws(times, dt));
     let mut feet: Vec<[FootPose; 2]> = (0..times.len())
         .map(|k| {
             [0, 1].map(|i: usize| {
                 let p = &postures[k];
-                let stance = Stance { yaw: yaws[i][k] + p.pivots[i], heel: p.heels[i].max(0.0) };
+                let stance = DesiredFoot { yaw: yaws[i][k] + p.pivots[i], heel: p.heels[i].max(0.0) };
                 script.feet[i].pose(times[k], stance)
             })
         })
@@ -97,7 +107,13 @@ fn lift_turning_heels(feet: &mut [[FootPose; 2]], i: usize, dt: f64) {
 }
 
 /// Centre of pressure: under the standing foot while the other one flies, otherwise shared as in the posture.
-fn pressure(script: &Script, postures: &[Posture], feet: &[[FootPose; 2]], times: &[f64], dt: f64) -> Vec<DVec2> {
+fn centre_of_pressure(
+    script: &BoxingScript,
+    postures: &[BoxingPosture],
+    feet: &[[FootPose; 2]],
+    times: &[f64],
+    dt: f64,
+) -> Vec<DVec2> {
     let share: Vec<f64> = times
         .iter()
         .zip(postures)
@@ -116,7 +132,7 @@ fn pressure(script: &Script, postures: &[Posture], feet: &[[FootPose; 2]], times
 }
 
 /// Body over its centre of mass, with the hips at height 0. The hips move back against the lean of the trunk.
-fn placed(p: &Posture, facing: f64, mass: DVec2, feet: [FootPose; 2], skeleton: &Skeleton) -> Body {
+fn body_over_mass(p: &BoxingPosture, facing: f64, mass: DVec2, feet: [FootPose; 2], skeleton: &Skeleton) -> BoxerBody {
     let ahead = 0.02 - 0.3 * p.pitch.sin() + p.shift[1];
     let aside = 0.14 * p.list.sin() + p.shift[0];
     let ground = mass + forward(facing) * ahead + leftward(facing) * aside;
@@ -137,23 +153,23 @@ fn placed(p: &Posture, facing: f64, mass: DVec2, feet: [FootPose; 2], skeleton: 
     let chest_at = lower + trunk[1] * offset(Joint::UpperChest);
     let neck_at = chest_at + trunk[2] * offset(Joint::Neck);
     let guard = turned(Attitude { yaw: 0.55 * p.chest, pitch: 0.7 * p.pitch, list: 0.7 * p.list });
-    Body { facing, root, hips: hips_world, trunk, chest: chest_at, neck: neck_at, guard, feet }
+    BoxerBody { facing, root, hips: hips_world, trunk, chest: chest_at, neck: neck_at, guard, feet }
 }
 
 /// Height of the hips joint: given by the straighter knee, with no leg overstretched and no knee bent too far (m).
-fn height(bodies: &[Body], postures: &[Posture], skeleton: &Skeleton, dt: f64) -> Vec<f64> {
-    let leg = LegShape::of(skeleton);
+fn hips_heights(bodies: &[BoxerBody], postures: &[BoxingPosture], skeleton: &Skeleton, dt: f64) -> Vec<f64> {
+    let leg = LegShape::from_skeleton(skeleton);
     let limit: Vec<f64> = bodies
         .iter()
         .zip(postures)
         .map(|(body, p)| {
-            let under = |side: Side, flexion: f64| {
+            let under = |side: LateralSide, flexion: f64| {
                 let hip = body.root + body.hips * skeleton.offsets[side.thigh().index()].as_dvec3();
                 let to = body.feet[side.index()].ankle - hip;
                 let reach = leg.reach(flexion);
                 to.y + (reach * reach - to.x * to.x - to.z * to.z).max(0.01).sqrt()
             };
-            let [left, right] = Side::BOTH.map(|side| (under(side, p.flexion), under(side, DEEPEST)));
+            let [left, right] = LateralSide::BOTH.map(|side| (under(side, p.flexion), under(side, DEEPEST)));
             left.0.min(right.0).max(left.1.max(right.1))
         })
         .collect();

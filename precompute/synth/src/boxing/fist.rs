@@ -4,12 +4,12 @@
 //! straight one leaves straight and a bent one swings around, while the guard moves on underneath.
 
 use super::super::arm::ArmShape;
-use super::super::side::{Side, forward};
-use super::super::signal::{End, quintic};
-use super::body::Body;
+use super::super::side::{LateralSide, forward};
+use super::super::signal::{PieceEnd, quintic};
+use super::body::BoxerBody;
 use super::moves::Punch;
-use super::posture::HandPose;
-use super::script::Strike;
+use super::posture::BoxingHandPose;
+use super::script::ScriptedBlow;
 use super::technique::{self, Technique};
 use glam::{DQuat, DVec3};
 use throng_core::{Joint, Skeleton};
@@ -17,24 +17,24 @@ use throng_core::{Joint, Skeleton};
 /// Inputs of an arm's motion.
 pub struct ArmTrack<'a> {
     /// Side of the arm.
-    pub side: Side,
+    pub side: LateralSide,
     /// Pose of the hand without blows, at every sample.
-    pub hands: &'a [HandPose],
+    pub hands: &'a [BoxingHandPose],
     /// The body at every sample.
-    pub bodies: &'a [Body],
+    pub bodies: &'a [BoxerBody],
     /// Time between samples (s).
     pub dt: f64,
 }
 
 /// Lengths and origin of an arm.
-struct Build {
+struct ArmBuild {
     shape: ArmShape,
     clavicle: DVec3,
     shoulder: DVec3,
 }
 
-impl Build {
-    fn of(skeleton: &Skeleton, side: Side) -> Self {
+impl ArmBuild {
+    fn from_skeleton(skeleton: &Skeleton, side: LateralSide) -> Self {
         let [clavicle, upper, fore, hand] = side.arm();
         let offset = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
         let shape = ArmShape { upper_arm: offset(fore).length(), forearm: offset(hand).length() };
@@ -58,17 +58,17 @@ pub struct ArmGoal {
 }
 
 /// The arm at every sample.
-pub fn follow(track: &ArmTrack, strikes: &[Strike], skeleton: &Skeleton) -> Vec<ArmGoal> {
-    let build = Build::of(skeleton, track.side);
+pub fn follow_track(track: &ArmTrack, strikes: &[ScriptedBlow], skeleton: &Skeleton) -> Vec<ArmGoal> {
+    let build = ArmBuild::from_skeleton(skeleton, track.side);
     let mut goals: Vec<ArmGoal> =
         track.bodies.iter().zip(track.hands).map(|(b, h)| on_guard(track.side, b, h, &build)).collect();
     let guard: Vec<DVec3> = goals.iter().map(|g| g.wrist).collect();
     for strike in strikes.iter().filter(|s| s.blow.side() == track.side) {
-        let way = Way::of(strike, &goals, &guard, track, &build.shape);
+        let way = BlowPath::from_strike(strike, &goals, &guard, track, &build.shape);
         let (first, last) = (sample(strike.start, track.dt), sample(strike.back, track.dt) + 1);
         let last = last.min(goals.len());
         for (i, goal) in goals.iter_mut().enumerate().take(last).skip(first) {
-            goal.wrist = guard[i] + way.at(i as f64 * track.dt);
+            goal.wrist = guard[i] + way.displacement_at(i as f64 * track.dt);
         }
     }
     goals
@@ -78,7 +78,7 @@ fn sample(t: f64, dt: f64) -> usize {
     (t / dt).round().max(0.0) as usize
 }
 
-fn on_guard(side: Side, body: &Body, hand: &HandPose, build: &Build) -> ArmGoal {
+fn on_guard(side: LateralSide, body: &BoxerBody, hand: &BoxingHandPose, build: &ArmBuild) -> ArmGoal {
     let s = side.sign();
     let clavicle = DQuat::from_rotation_y(-s * hand.reach) * DQuat::from_rotation_z(s * hand.shrug);
     let chest = body.trunk[2];
@@ -92,22 +92,28 @@ fn on_guard(side: Side, body: &Body, hand: &HandPose, build: &Build) -> ArmGoal 
 }
 
 /// A blow, as displacements from the guard.
-struct Way {
-    strike: Strike,
+struct BlowPath {
+    strike: ScriptedBlow,
     hit: DVec3,
     velocity: DVec3,
     longest: DVec3,
 }
 
-impl Way {
-    fn of(strike: &Strike, goals: &[ArmGoal], guard: &[DVec3], track: &ArmTrack, arm: &ArmShape) -> Self {
-        let technique = technique::of(strike.blow);
+impl BlowPath {
+    fn from_strike(
+        strike: &ScriptedBlow,
+        goals: &[ArmGoal],
+        guard: &[DVec3],
+        track: &ArmTrack,
+        arm: &ArmShape,
+    ) -> Self {
+        let technique = technique::technique_of(strike.blow);
         let last = goals.len() - 1;
         let (hit, longest) = (sample(strike.hit, track.dt).min(last), sample(strike.longest, track.dt).min(last));
-        let aim = Aim::of(strike, &technique, goals[hit].shoulder, track.bodies[hit].facing, arm);
+        let aim = BlowAim::from_strike(strike, &technique, goals[hit].shoulder, track.bodies[hit].facing, arm);
         let guard_velocity = (guard[(hit + 1).min(last)] - guard[hit.saturating_sub(1)]) / (2.0 * track.dt);
         let target = goals[hit].shoulder + aim.to_target;
-        let end = goals[longest].shoulder + aim.end(strike.blow.punch, technique.follow, arm);
+        let end = goals[longest].shoulder + aim.wrist_at_end(strike.blow.punch, technique.follow, arm);
         Self {
             strike: *strike,
             hit: target - guard[hit],
@@ -117,11 +123,11 @@ impl Way {
     }
 
     /// Displacement from the guard at `t` seconds (m).
-    fn at(&self, t: f64) -> DVec3 {
+    fn displacement_at(&self, t: f64) -> DVec3 {
         let s = &self.strike;
         let piece = |from: [DVec3; 2], to: [DVec3; 2], begin: f64, end: f64| {
             let axis = |i: usize| {
-                let ends = [from, to].map(|[value, rate]| End::moving(value[i], rate[i]));
+                let ends = [from, to].map(|[value, rate]| PieceEnd::moving(value[i], rate[i]));
                 quintic(ends[0], ends[1], end - begin, t.clamp(begin, end) - begin)
             };
             DVec3::new(axis(0), axis(1), axis(2))
@@ -138,7 +144,7 @@ impl Way {
 }
 
 /// Target of a blow, relative to the shoulder.
-struct Aim {
+struct BlowAim {
     to_target: DVec3,
     velocity: DVec3,
 }
@@ -146,8 +152,8 @@ struct Aim {
 /// Steepest direction from the shoulder to a target (sine).
 const STEEPEST: f64 = 0.6;
 
-impl Aim {
-    fn of(strike: &Strike, technique: &Technique, shoulder: DVec3, facing: f64, arm: &ArmShape) -> Self {
+impl BlowAim {
+    fn from_strike(strike: &ScriptedBlow, technique: &Technique, shoulder: DVec3, facing: f64, arm: &ArmShape) -> Self {
         let length = strike.stretch * arm.length();
         let rise = ((strike.height - shoulder.y) / length).clamp(-STEEPEST, STEEPEST);
         let ahead = forward(facing + strike.azimuth);
@@ -162,7 +168,7 @@ impl Aim {
 
     /// Position of the wrist at the end of a blow, relative to the shoulder: straights stretch the arm, bent blows
     /// continue around the shoulder.
-    fn end(&self, punch: Punch, follow: f64, arm: &ArmShape) -> DVec3 {
+    fn wrist_at_end(&self, punch: Punch, follow: f64, arm: &ArmShape) -> DVec3 {
         let away = self.to_target.normalize_or(DVec3::Z);
         if punch == Punch::Straight {
             return away * (0.975 * arm.length());

@@ -3,12 +3,12 @@
 use super::super::foot::{FootPose, FootShape};
 use super::super::side::forward;
 use super::super::signal::{bump, cruise};
-use super::super::track::Track;
+use super::super::track::KeyTrack;
 use glam::{DVec2, DVec3};
 
 /// Contact of the ball of a foot with the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stay {
+pub struct BallContact {
     /// The ball meets the ground (s).
     pub land: f64,
     /// The ball leaves the ground (s).
@@ -20,13 +20,13 @@ pub struct Stay {
 /// All contacts of one foot, in order, and its heading.
 pub struct BoxerFoot {
     shape: FootShape,
-    stays: Vec<Stay>,
-    yaw: Track<1>,
+    stays: Vec<BallContact>,
+    yaw: KeyTrack<1>,
 }
 
 /// Heading and heel of a foot at an instant, as given by the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stance {
+pub struct DesiredFoot {
     /// Heading of the foot (rad).
     pub yaw: f64,
     /// Lift of the heel (rad).
@@ -44,7 +44,11 @@ impl BoxerFoot {
     /// A foot standing with its ankle at `ankle` and heading `yaw`.
     pub fn new(shape: FootShape, ankle: DVec2, yaw: f64) -> Self {
         let ball = ankle + forward(yaw) * shape.ball;
-        Self { shape, stays: vec![Stay { land: f64::NEG_INFINITY, lift: f64::INFINITY, ball }], yaw: Track::new([yaw]) }
+        Self {
+            shape,
+            stays: vec![BallContact { land: f64::NEG_INFINITY, lift: f64::INFINITY, ball }],
+            yaw: KeyTrack::new([yaw]),
+        }
     }
 
     /// Steps to an ankle and a heading. Steps come in order and do not overlap.
@@ -55,7 +59,7 @@ impl BoxerFoot {
         self.yaw.hold(lift);
         self.yaw.push(land, [yaw]);
         let ball = ankle + forward(yaw) * self.shape.ball;
-        self.stays.push(Stay { land, lift: f64::INFINITY, ball });
+        self.stays.push(BallContact { land, lift: f64::INFINITY, ball });
     }
 
     /// Turns on the ball to a heading.
@@ -77,14 +81,14 @@ impl BoxerFoot {
 
     /// Ratio of the current flight at `t`; `None` while the foot stands.
     pub fn flight(&self, t: f64) -> Option<f64> {
-        let (a, b) = self.around(t);
+        let (a, b) = self.stays_around(t);
         let b = b.filter(|_| t > a.lift)?;
         Some((t - a.lift) / (b.land - a.lift))
     }
 
     /// Pose of the foot at `t` seconds.
-    pub fn pose(&self, t: f64, stance: Stance) -> FootPose {
-        let (a, next) = self.around(t);
+    pub fn pose(&self, t: f64, stance: DesiredFoot) -> FootPose {
+        let (a, next) = self.stays_around(t);
         let (mut ball, mut pitch, mut toe_pitch) = (a.ball, stance.heel, 0.0);
         let mut up = self.shape.ball_height;
         if let Some(b) = next.filter(|_| t > a.lift - PEEL) {
@@ -99,12 +103,12 @@ impl BoxerFoot {
             }
         }
         let planted = next.is_none_or(|_| t <= a.lift);
-        let posed = self.shape.posed(DVec3::new(ball.x, up, ball.y), stance.yaw, stance.yaw, pitch, toe_pitch);
+        let posed = self.shape.contact_pose(DVec3::new(ball.x, up, ball.y), stance.yaw, stance.yaw, pitch, toe_pitch);
         FootPose { toe_down: planted, heel_down: planted && pitch < HEEL_DOWN, ..posed }
     }
 
     /// Contact at or before `t`, and the next one.
-    fn around(&self, t: f64) -> (&Stay, Option<&Stay>) {
+    fn stays_around(&self, t: f64) -> (&BallContact, Option<&BallContact>) {
         let i = self.stays.partition_point(|s| s.land <= t).saturating_sub(1);
         (&self.stays[i], self.stays.get(i + 1))
     }
@@ -116,7 +120,7 @@ mod tests {
     use throng_core::Skeleton;
 
     fn foot() -> BoxerFoot {
-        let mut foot = BoxerFoot::new(FootShape::of(&Skeleton::default()), DVec2::ZERO, 0.2);
+        let mut foot = BoxerFoot::new(FootShape::from_skeleton(&Skeleton::default()), DVec2::ZERO, 0.2);
         foot.step(1.0, 1.25, DVec2::new(0.1, 0.3), -0.2);
         foot
     }
@@ -126,8 +130,8 @@ mod tests {
         let foot = foot();
         for k in 0..20 {
             let k = f64::from(k);
-            let p = foot.pose(0.05 * k, Stance { yaw: 0.03 * k, heel: 0.02 * k });
-            assert!((p.ball - foot.pose(0.0, Stance { yaw: 0.2, heel: 0.0 }).ball).length() < 1e-12);
+            let p = foot.pose(0.05 * k, DesiredFoot { yaw: 0.03 * k, heel: 0.02 * k });
+            assert!((p.ball - foot.pose(0.0, DesiredFoot { yaw: 0.2, heel: 0.0 }).ball).length() < 1e-12);
             assert!(p.toe_down && p.heel_down == (k == 0.0));
         }
     }
@@ -135,7 +139,7 @@ mod tests {
     #[test]
     fn a_flight_is_smooth_and_clears_the_ground() {
         let (foot, h) = (foot(), 1e-3);
-        let at = |t: f64| foot.pose(t, Stance { yaw: 0.0, heel: 0.1 });
+        let at = |t: f64| foot.pose(t, DesiredFoot { yaw: 0.0, heel: 0.1 });
         for k in 0..1500 {
             let t = f64::from(k) * h;
             let (a, b, c) = (at(t).ankle, at(t + h).ankle, at(t + 2.0 * h).ankle);

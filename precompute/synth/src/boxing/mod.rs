@@ -18,16 +18,16 @@ mod technique;
 use super::SynthConfig;
 use super::arm::ArmShape;
 use super::frame::{self, ArmPose, BodyPose, Samples};
-use super::side::Side;
+use super::side::LateralSide;
 use super::signal::{interpolate, smooth};
-use body::Body;
+use body::BoxerBody;
 use fist::{ArmGoal, ArmTrack};
 use glam::DQuat;
-use plan::Boxer;
-use posture::HandPose;
+use plan::BoxingDealer;
+use posture::BoxingHandPose;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use script::Script;
+use script::BoxingScript;
 use throng_core::{Joint, Skeleton, planar::wrap_angle};
 use throng_motion::clip::{Clip, ClipSet};
 
@@ -42,49 +42,59 @@ const HANDS_AHEAD: [f64; posture::HAND] = [0.0, 0.0, 0.0, 0.03, 0.03, 0.03, 0.0,
 pub fn boxing(cfg: &SynthConfig) -> ClipSet {
     let skeleton = Skeleton::default();
     let mut rng = Pcg64Mcg::seed_from_u64(cfg.seed);
-    let mut boxer = Boxer::new(cfg.variation);
+    let mut boxer = BoxingDealer::new(cfg.variation);
     let (mut clips, mut seconds) = (Vec::new(), 0.0);
     while seconds < cfg.minutes * 60.0 {
         let wanted = (cfg.minutes * 60.0 - seconds).min(cfg.clip_seconds * rng.random_range(0.7..1.4));
         let script = boxer.shadow_box(wanted, &skeleton, &mut rng);
         seconds += script.duration;
         let name = format!("boxing_{:02}", clips.len());
-        clips.push(perform(name, &script, &skeleton, cfg, &mut rng));
+        clips.push(perform_script(name, &script, &skeleton, cfg, &mut rng));
     }
     ClipSet { skeleton, clips }
 }
 
 /// Makes a clip from a script.
-fn perform(name: String, script: &Script, skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Clip {
-    let samples = Samples::of(script.duration, cfg.rate_hz);
-    let rhythm = rhythm(script.duration, &samples, cfg.variation, rng);
-    let bodies = body::follow(script, skeleton, &samples.times, samples.dt, &rhythm);
-    let arms = Side::BOTH.map(|side| {
+fn perform_script(
+    name: String,
+    script: &BoxingScript,
+    skeleton: &Skeleton,
+    cfg: &SynthConfig,
+    rng: &mut impl Rng,
+) -> Clip {
+    let samples = Samples::for_clip(script.duration, cfg.rate_hz);
+    let rhythm = bounce_rhythm(script.duration, &samples, cfg.variation, rng);
+    let bodies = body::follow_script(script, skeleton, &samples.times, samples.dt, &rhythm);
+    let arms = LateralSide::BOTH.map(|side| {
         let keys = &script.hands[side.index()];
         let sampled = keys.sample(&samples.times, &HANDS_AHEAD, 0.02, samples.dt);
-        let hands: Vec<HandPose> = sampled.into_iter().map(HandPose::of).collect();
-        fist::follow(&ArmTrack { side, hands: &hands, bodies: &bodies, dt: samples.dt }, &script.strikes, skeleton)
+        let hands: Vec<BoxingHandPose> = sampled.into_iter().map(BoxingHandPose::from_channels).collect();
+        fist::follow_track(
+            &ArmTrack { side, hands: &hands, bodies: &bodies, dt: samples.dt },
+            &script.strikes,
+            skeleton,
+        )
     });
     let mut clip = frame::empty_clip(name, "boxing", cfg);
     for i in samples.frames() {
-        frame::push(&mut clip, &pose(&bodies[i], [&arms[0][i], &arms[1][i]], skeleton), skeleton);
+        frame::push_pose(&mut clip, &pose(&bodies[i], [&arms[0][i], &arms[1][i]], skeleton), skeleton);
     }
     frame::add_tags(&mut clip, script.tags.iter().copied());
     clip
 }
 
 /// Strength of the bouncing at every sample, which varies slowly.
-fn rhythm(duration: f64, samples: &Samples, variation: f64, rng: &mut impl Rng) -> Vec<f64> {
+fn bounce_rhythm(duration: f64, samples: &Samples, variation: f64, rng: &mut impl Rng) -> Vec<f64> {
     let (mut t, mut knots) = (0.0, Vec::new());
     while t < duration + 2.0 {
         knots.push((t, 0.8 + variation * rng.random_range(-0.7..0.7)));
         t += rng.random_range(0.8..2.0);
     }
     let raw: Vec<f64> = samples.times.iter().map(|&t| interpolate(&knots, t).max(0.0)).collect();
-    smooth(&raw, samples.within(0.1))
+    smooth(&raw, samples.count_within(0.1))
 }
 
-fn pose(body: &Body, arms: [&ArmGoal; 2], skeleton: &Skeleton) -> BodyPose {
+fn pose(body: &BoxerBody, arms: [&ArmGoal; 2], skeleton: &Skeleton) -> BodyPose {
     let knees = body.feet.map(|foot| {
         let hips = body.facing
             + f64::from(throng_core::planar::twist_about_y(
@@ -96,13 +106,13 @@ fn pose(body: &Body, arms: [&ArmGoal; 2], skeleton: &Skeleton) -> BodyPose {
         root: body.root,
         hips: body.hips,
         trunk: body.trunk,
-        arms: [0, 1].map(|i: usize| arm(Side::BOTH[i], body, arms[i], skeleton)),
+        arms: [0, 1].map(|i: usize| arm(LateralSide::BOTH[i], body, arms[i], skeleton)),
         feet: body.feet,
         knees,
     }
 }
 
-fn arm(side: Side, body: &Body, goal: &ArmGoal, skeleton: &Skeleton) -> ArmPose {
+fn arm(side: LateralSide, body: &BoxerBody, goal: &ArmGoal, skeleton: &Skeleton) -> ArmPose {
     let [_, _, fore, hand] = side.arm();
     let length = |j: Joint| f64::from(skeleton.offsets[j.index()].length());
     let shape = ArmShape { upper_arm: length(fore), forearm: length(hand) };

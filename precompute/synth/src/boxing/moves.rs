@@ -1,6 +1,6 @@
 //! Repertoire of a boxer: punches and their combinations, defences, footwork.
 
-use super::super::side::Side;
+use super::super::side::LateralSide;
 
 /// Kind of punch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -15,17 +15,17 @@ pub enum Punch {
 
 /// A punch of one hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Blow {
+pub struct HandPunch {
     /// Kind of punch.
     pub punch: Punch,
     /// True for the lead hand, which is the left one.
     pub lead: bool,
 }
 
-impl Blow {
+impl HandPunch {
     /// Side of the hand.
-    pub fn side(self) -> Side {
-        if self.lead { Side::Left } else { Side::Right }
+    pub fn side(self) -> LateralSide {
+        if self.lead { LateralSide::Left } else { LateralSide::Right }
     }
 
     /// The tag of the blow in a clip.
@@ -41,15 +41,15 @@ impl Blow {
     }
 }
 
-const JAB: Blow = Blow { punch: Punch::Straight, lead: true };
-const CROSS: Blow = Blow { punch: Punch::Straight, lead: false };
-const LEAD_HOOK: Blow = Blow { punch: Punch::Hook, lead: true };
-const REAR_HOOK: Blow = Blow { punch: Punch::Hook, lead: false };
-const LEAD_UPPER: Blow = Blow { punch: Punch::Uppercut, lead: true };
-const REAR_UPPER: Blow = Blow { punch: Punch::Uppercut, lead: false };
+const JAB: HandPunch = HandPunch { punch: Punch::Straight, lead: true };
+const CROSS: HandPunch = HandPunch { punch: Punch::Straight, lead: false };
+const LEAD_HOOK: HandPunch = HandPunch { punch: Punch::Hook, lead: true };
+const REAR_HOOK: HandPunch = HandPunch { punch: Punch::Hook, lead: false };
+const LEAD_UPPER: HandPunch = HandPunch { punch: Punch::Uppercut, lead: true };
+const REAR_UPPER: HandPunch = HandPunch { punch: Punch::Uppercut, lead: false };
 
 /// Combinations of two to four punches. Consecutive hooks and uppercuts change hands, as the hips do.
-pub const COMBINATIONS: [&[Blow]; 22] = [
+pub const COMBINATIONS: [&[HandPunch]; 22] = [
     &[JAB, CROSS],
     &[JAB, JAB],
     &[JAB, JAB, CROSS],
@@ -148,7 +148,7 @@ const fn shuffle(forward: f64, aside: f64, turn: f64, tag: &'static str) -> Shuf
     Shuffle { forward, aside, turn, tag: Some(tag) }
 }
 
-const fn settle(forward: f64, aside: f64, turn: f64) -> Shuffle {
+const fn settling_shuffle(forward: f64, aside: f64, turn: f64) -> Shuffle {
     Shuffle { forward, aside, turn, tag: None }
 }
 
@@ -168,8 +168,8 @@ pub const FOOTWORK: [Shuffle; 16] = [
     shuffle(-0.05, -0.34, 0.0, "side_step_right"),
     shuffle(0.0, 0.0, -0.7, "pivot_right"),
     shuffle(0.0, 0.0, 0.6, "pivot_left"),
-    settle(0.07, 0.03, 0.08),
-    settle(-0.07, -0.03, -0.08),
+    settling_shuffle(0.07, 0.03, 0.08),
+    settling_shuffle(-0.07, -0.03, -0.08),
 ];
 
 #[cfg(test)]

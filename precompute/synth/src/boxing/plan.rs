@@ -1,10 +1,10 @@
 //! Intentions of the boxer: footwork, combinations and defences, dealt in equal numbers.
 
-use super::super::deck::Deck;
-use super::attack::{self, Attack, Level};
-use super::moves::{Blow, COMBINATIONS, Defence, FOOTWORK, Shuffle};
-use super::posture::{HandPose, Posture};
-use super::script::{Script, Strike};
+use super::super::deck::CardDeck;
+use super::attack::{self, Attack, BlowLevel};
+use super::moves::{COMBINATIONS, Defence, FOOTWORK, HandPunch, Shuffle};
+use super::posture::{BoxingHandPose, BoxingPosture};
+use super::script::{BoxingScript, ScriptedBlow};
 use super::technique;
 use glam::DVec2;
 use rand::{Rng, RngExt};
@@ -20,40 +20,40 @@ const THROUGH: f64 = 0.1;
 const IN_BETWEEN: f64 = 0.17;
 
 /// Dealer of moves. One serves all clips of a set, so that moves are spread evenly over it.
-pub struct Boxer {
-    combinations: Deck<&'static [Blow]>,
-    footwork: Deck<Shuffle>,
-    defences: Deck<Defence>,
-    levels: [Deck<Level>; 3],
-    azimuths: Deck<f64>,
-    reaches: Deck<f64>,
-    moves: Deck<usize>,
+pub struct BoxingDealer {
+    combinations: CardDeck<&'static [HandPunch]>,
+    footwork: CardDeck<Shuffle>,
+    defences: CardDeck<Defence>,
+    levels: [CardDeck<BlowLevel>; 3],
+    azimuths: CardDeck<f64>,
+    reaches: CardDeck<f64>,
+    moves: CardDeck<usize>,
     variation: f64,
 }
 
-impl Boxer {
+impl BoxingDealer {
     /// A dealer whose moves vary by `variation` times the usual amount.
     pub fn new(variation: f64) -> Self {
-        use Level::{Body, Head, High};
+        use BlowLevel::{Body, Head, High};
         Self {
-            combinations: Deck::new(&COMBINATIONS),
-            footwork: Deck::new(&FOOTWORK),
-            defences: Deck::new(&Defence::ALL),
+            combinations: CardDeck::new(&COMBINATIONS),
+            footwork: CardDeck::new(&FOOTWORK),
+            defences: CardDeck::new(&Defence::ALL),
             levels: [
-                Deck::new(&[Body, Head, Head, Head, High]),
-                Deck::new(&[Body, Head, Head, High]),
-                Deck::new(&[Body, Head, Head, High]),
+                CardDeck::new(&[Body, Head, Head, Head, High]),
+                CardDeck::new(&[Body, Head, Head, High]),
+                CardDeck::new(&[Body, Head, Head, High]),
             ],
-            azimuths: Deck::new(&[-0.38, -0.26, -0.14, -0.07, 0.0, 0.0, 0.07, 0.14, 0.26, 0.38]),
-            reaches: Deck::new(&[-1.0, -0.5, 0.0, 0.2, 0.4, 0.6, 0.8, 1.0]),
-            moves: Deck::new(&[1, 1, 2, 2, 3]),
+            azimuths: CardDeck::new(&[-0.38, -0.26, -0.14, -0.07, 0.0, 0.0, 0.07, 0.14, 0.26, 0.38]),
+            reaches: CardDeck::new(&[-1.0, -0.5, 0.0, 0.2, 0.4, 0.6, 0.8, 1.0]),
+            moves: CardDeck::new(&[1, 1, 2, 2, 3]),
             variation,
         }
     }
 
     /// Script of shadow-boxing for about `seconds`, from guard to guard.
-    pub fn shadow_box(&mut self, seconds: f64, skeleton: &Skeleton, rng: &mut impl Rng) -> Script {
-        let mut script = Script::new(skeleton);
+    pub fn shadow_box(&mut self, seconds: f64, skeleton: &Skeleton, rng: &mut impl Rng) -> BoxingScript {
+        let mut script = BoxingScript::new(skeleton);
         let mut now = STAND;
         while now < seconds - STAND {
             now = self.move_about(&mut script, now, rng);
@@ -72,12 +72,12 @@ impl Boxer {
     }
 
     /// Random factor around 1.
-    fn vary(&self, amount: f64, rng: &mut impl Rng) -> f64 {
+    fn random_factor(&self, amount: f64, rng: &mut impl Rng) -> f64 {
         1.0 + self.variation * amount * rng.random_range(-1.0..1.0)
     }
 
     /// Some footwork, with short rests between.
-    fn move_about(&mut self, script: &mut Script, mut now: f64, rng: &mut impl Rng) -> f64 {
+    fn move_about(&mut self, script: &mut BoxingScript, mut now: f64, rng: &mut impl Rng) -> f64 {
         for _ in 0..self.moves.deal(rng) {
             now = self.shuffle(script, now, rng);
             if rng.random_bool(0.5) {
@@ -87,18 +87,18 @@ impl Boxer {
         now
     }
 
-    fn shuffle(&mut self, script: &mut Script, now: f64, rng: &mut impl Rng) -> f64 {
+    fn shuffle(&mut self, script: &mut BoxingScript, now: f64, rng: &mut impl Rng) -> f64 {
         let mut shuffle = self.footwork.deal(rng);
-        let scale = self.vary(0.2, rng);
+        let scale = self.random_factor(0.2, rng);
         shuffle.forward *= scale;
         shuffle.aside *= scale;
-        shuffle.turn *= self.vary(0.2, rng);
+        shuffle.turn *= self.random_factor(0.2, rng);
         let start = now.max(script.feet_free());
         let end = self.step(script, now, &shuffle, rng);
         if shuffle.turn.abs() > 0.5 {
             // The lead foot turns on its ball with its heel lifted.
             let (_, body) = script.body.last();
-            let mut up = Posture::of(body);
+            let mut up = BoxingPosture::from_channels(body);
             up.heels[0] = 0.14;
             script.body.hold(start - 0.03);
             script.body.push(start + 0.1, up.channels());
@@ -110,8 +110,8 @@ impl Boxer {
         end
     }
 
-    fn step(&self, script: &mut Script, at: f64, shuffle: &Shuffle, rng: &mut impl Rng) -> f64 {
-        let quickness = self.vary(0.1, rng);
+    fn step(&self, script: &mut BoxingScript, at: f64, shuffle: &Shuffle, rng: &mut impl Rng) -> f64 {
+        let quickness = self.random_factor(0.1, rng);
         let error = [0, 1].map(|_| {
             let mut miss = || self.variation * rng.random_range(-0.014..0.014);
             DVec2::new(miss(), miss())
@@ -120,10 +120,10 @@ impl Boxer {
     }
 
     /// Returns to guard, with random variation.
-    fn recover(&self, script: &mut Script, t: f64, rng: &mut impl Rng) {
+    fn recover(&self, script: &mut BoxingScript, t: f64, rng: &mut impl Rng) {
         let mut by = |amount: f64| self.variation * amount * rng.random_range(-1.0..1.0);
-        let guard = Posture::GUARD;
-        let body = Posture {
+        let guard = BoxingPosture::GUARD;
+        let body = BoxingPosture {
             hips: guard.hips + by(0.05),
             chest: guard.chest + by(0.06),
             pitch: guard.pitch + by(0.025),
@@ -134,15 +134,15 @@ impl Boxer {
             ..guard
         };
         script.body.push(t, body.channels());
-        for (track, mut hand) in script.hands.iter_mut().zip(HandPose::GUARD) {
+        for (track, mut hand) in script.hands.iter_mut().zip(BoxingHandPose::GUARD) {
             hand.guard += glam::DVec3::new(by(0.012), by(0.015), by(0.016));
             track.push(t, hand.channels());
         }
     }
 
-    fn defend(&mut self, script: &mut Script, now: f64, rng: &mut impl Rng) -> f64 {
+    fn defend(&mut self, script: &mut BoxingScript, now: f64, rng: &mut impl Rng) -> f64 {
         let defence = self.defences.deal(rng);
-        let pace = self.vary(0.12, rng);
+        let pace = self.random_factor(0.12, rng);
         script.body.hold(now);
         script.hands.iter_mut().for_each(|h| h.hold(now));
         let mut end = now;
@@ -164,16 +164,19 @@ impl Boxer {
     }
 
     /// Adds a combination, often with a step into it.
-    fn attack(&mut self, script: &mut Script, now: f64, rng: &mut impl Rng) -> f64 {
+    fn attack(&mut self, script: &mut BoxingScript, now: f64, rng: &mut impl Rng) -> f64 {
         let combination = self.combinations.deal(rng);
-        let attack =
-            Attack { azimuth: self.azimuths.deal(rng), reach: self.reaches.deal(rng), tempo: self.vary(0.1, rng) };
-        let mut hit = self.enter(script, now, combination[0], &attack, rng);
+        let attack = Attack {
+            azimuth: self.azimuths.deal(rng),
+            reach: self.reaches.deal(rng),
+            tempo: self.random_factor(0.1, rng),
+        };
+        let mut hit = self.step_in(script, now, combination[0], &attack, rng);
         script.body.hold(now);
-        let mut earlier: Option<Blow> = None;
+        let mut earlier: Option<HandPunch> = None;
         for &blow in combination {
             if let Some(earlier) = earlier {
-                hit += attack.tempo * self.vary(0.06, rng) * attack::gap(earlier, blow);
+                hit += attack.tempo * self.random_factor(0.06, rng) * attack::seconds_between_hits(earlier, blow);
             }
             self.strike(script, blow, hit, earlier.is_none(), &attack, rng);
             earlier = Some(blow);
@@ -187,8 +190,15 @@ impl Boxer {
     /// Steps in before a long attack.
     ///
     /// - returns the time of the first hit.
-    fn enter(&self, script: &mut Script, now: f64, first: Blow, attack: &Attack, rng: &mut impl Rng) -> f64 {
-        let technique = technique::of(first);
+    fn step_in(
+        &self,
+        script: &mut BoxingScript,
+        now: f64,
+        first: HandPunch,
+        attack: &Attack,
+        rng: &mut impl Rng,
+    ) -> f64 {
+        let technique = technique::technique_of(first);
         let ready = technique.load.map_or(technique.extend, |(before, _)| technique.extend.max(before + 0.14));
         if attack.reach < 0.3 {
             return now + ready;
@@ -200,16 +210,24 @@ impl Boxer {
         (now + ready).max(start + 0.25)
     }
 
-    fn strike(&mut self, script: &mut Script, blow: Blow, hit: f64, first: bool, attack: &Attack, rng: &mut impl Rng) {
-        let technique = technique::of(blow);
+    fn strike(
+        &mut self,
+        script: &mut BoxingScript,
+        blow: HandPunch,
+        hit: f64,
+        first: bool,
+        attack: &Attack,
+        rng: &mut impl Rng,
+    ) {
+        let technique = technique::technique_of(blow);
         let level = self.levels[blow.punch as usize].deal(rng);
         let height = attack.height(blow.punch, level, rng);
-        let speed = technique.speed * self.vary(0.16, rng);
+        let speed = technique.speed * self.random_factor(0.16, rng);
         let azimuth = attack.azimuth + self.variation * rng.random_range(-0.06..0.06);
         let longest = hit + technique.braking(speed);
         let (start, back) = (hit - technique.extend, longest + technique.retract);
         let side = blow.side().index();
-        let aimed = |p: Posture, share: f64| attack.aimed(&technique, p, height, azimuth, share);
+        let aimed = |p: BoxingPosture, share: f64| attack.aim_posture(&technique, p, height, azimuth, share);
         if let Some((before, load)) = technique.load {
             let before = if first { before } else { before.min(IN_BETWEEN) };
             script.body.push(hit - before, aimed(load, 0.5).channels());
@@ -218,12 +236,12 @@ impl Boxer {
         let hand = &mut script.hands[side];
         hand.hold(start);
         hand.push(hit, technique.arm.channels());
-        hand.push(longest + 0.55 * technique.retract, HandPose::GUARD[side].channels());
+        hand.push(longest + 0.55 * technique.retract, BoxingHandPose::GUARD[side].channels());
         if let Some(last) = script.strikes.iter_mut().rev().find(|s| s.blow.side() == blow.side()) {
             last.back = last.back.min(start);
         }
         let stretch = technique.stretch * attack.stretch(blow.punch);
-        script.strikes.push(Strike { blow, start, hit, longest, back, azimuth, height, stretch, speed });
+        script.strikes.push(ScriptedBlow { blow, start, hit, longest, back, azimuth, height, stretch, speed });
         script.tags.push((blow.tag(), start, back));
     }
 }

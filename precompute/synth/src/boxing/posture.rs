@@ -5,14 +5,14 @@
 
 use glam::DVec3;
 
-/// Number of channels of a [`Posture`].
+/// Number of channels of a [`BoxingPosture`].
 pub const BODY: usize = 13;
-/// Number of channels of a [`HandPose`].
+/// Number of channels of a [`BoxingHandPose`].
 pub const HAND: usize = 9;
 
 /// Posture of the body over the feet.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Posture {
+pub struct BoxingPosture {
     /// Heading of the hips (rad).
     pub hips: f64,
     /// Heading of the upper chest (rad).
@@ -35,7 +35,7 @@ pub struct Posture {
     pub pivots: [f64; 2],
 }
 
-impl Posture {
+impl BoxingPosture {
     /// On guard: bladed, chin down, knees soft, a little more weight behind, the rear heel off the ground.
     pub const GUARD: Self = Self {
         hips: -0.52,
@@ -62,7 +62,7 @@ impl Posture {
     }
 
     /// Posture with given channels.
-    pub fn of(c: [f64; BODY]) -> Self {
+    pub fn from_channels(c: [f64; BODY]) -> Self {
         let [hips, chest, pitch, list, flexion, weight, aside, forward, chin, lh, rh, lp, rp] = c;
         let shift = [aside, forward];
         Self { hips, chest, pitch, list, flexion, weight, shift, chin, heels: [lh, rh], pivots: [lp, rp] }
@@ -71,7 +71,7 @@ impl Posture {
 
 /// Pose of a hand that does not strike, and of its arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HandPose {
+pub struct BoxingHandPose {
     /// Wrist relative to the neck, in a frame that turns with the head and chest (m).
     pub guard: DVec3,
     /// Direction of the elbow.
@@ -84,7 +84,7 @@ pub struct HandPose {
     pub shrug: f64,
 }
 
-impl HandPose {
+impl BoxingHandPose {
     /// Hands on guard, left and right: the lead one in front of the cheek, the rear one at the chin, elbows in.
     pub const GUARD: [Self; 2] = [
         Self {
@@ -110,7 +110,7 @@ impl HandPose {
     }
 
     /// Pose with given channels.
-    pub fn of(c: [f64; HAND]) -> Self {
+    pub fn from_channels(c: [f64; HAND]) -> Self {
         let [x, y, z, px, py, pz, twist, reach, shrug] = c;
         Self { guard: DVec3::new(x, y, z), pole: DVec3::new(px, py, pz), twist, reach, shrug }
     }
@@ -123,8 +123,8 @@ mod tests {
     #[test]
     fn channels_and_back() {
         let body: [f64; BODY] = std::array::from_fn(|i| i as f64);
-        assert_eq!(Posture::of(body).channels(), body);
+        assert_eq!(BoxingPosture::from_channels(body).channels(), body);
         let hand: [f64; HAND] = std::array::from_fn(|i| i as f64);
-        assert_eq!(HandPose::of(hand).channels(), hand);
+        assert_eq!(BoxingHandPose::from_channels(hand).channels(), hand);
     }
 }

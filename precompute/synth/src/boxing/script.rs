@@ -1,11 +1,11 @@
 //! Timeline of a clip: the keys, steps and blows of a plan.
 
 use super::super::foot::FootShape;
-use super::super::side::{Side, forward, leftward};
-use super::super::track::Track;
+use super::super::side::{LateralSide, forward, leftward};
+use super::super::track::KeyTrack;
 use super::foot::BoxerFoot;
-use super::moves::{Blow, Shuffle};
-use super::posture::{BODY, HAND, HandPose, Posture};
+use super::moves::{HandPunch, Shuffle};
+use super::posture::{BODY, BoxingHandPose, BoxingPosture, HAND};
 use glam::DVec2;
 use throng_core::Skeleton;
 
@@ -18,9 +18,9 @@ const BETWEEN: f64 = 0.035;
 
 /// A blow with its time and target.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Strike {
+pub struct ScriptedBlow {
     /// Kind of the blow.
-    pub blow: Blow,
+    pub blow: HandPunch,
     /// The hand leaves the guard (s).
     pub start: f64,
     /// The fist hits (s).
@@ -40,17 +40,17 @@ pub struct Strike {
 }
 
 /// Timeline of a clip, as planned.
-pub struct Script {
+pub struct BoxingScript {
     /// Keys of the body.
-    pub body: Track<BODY>,
+    pub body: KeyTrack<BODY>,
     /// Keys of the left and right hand, without blows.
-    pub hands: [Track<HAND>; 2],
+    pub hands: [KeyTrack<HAND>; 2],
     /// Heading towards the opponent (rad).
-    pub facing: Track<1>,
+    pub facing: KeyTrack<1>,
     /// Left and right foot.
     pub feet: [BoxerFoot; 2],
     /// Blows in the order of their hits.
-    pub strikes: Vec<Strike>,
+    pub strikes: Vec<ScriptedBlow>,
     /// Names of ranges: name, beginning, end (s).
     pub tags: Vec<(&'static str, f64, f64)>,
     /// Length (s).
@@ -59,15 +59,15 @@ pub struct Script {
     feet_free: f64,
 }
 
-impl Script {
+impl BoxingScript {
     /// A timeline that begins on guard at the origin, facing +Z.
     pub fn new(skeleton: &Skeleton) -> Self {
-        let shape = FootShape::of(skeleton);
+        let shape = FootShape::from_skeleton(skeleton);
         Self {
-            body: Track::new(Posture::GUARD.channels()),
-            hands: HandPose::GUARD.map(|h| Track::new(h.channels())),
-            facing: Track::new([0.0]),
-            feet: [0, 1].map(|i: usize| BoxerFoot::new(shape, placed(DVec2::ZERO, 0.0, ANKLES[i]), YAWS[i])),
+            body: KeyTrack::new(BoxingPosture::GUARD.channels()),
+            hands: BoxingHandPose::GUARD.map(|h| KeyTrack::new(h.channels())),
+            facing: KeyTrack::new([0.0]),
+            feet: [0, 1].map(|i: usize| BoxerFoot::new(shape, place_in_stance(DVec2::ZERO, 0.0, ANKLES[i]), YAWS[i])),
             strikes: Vec::new(),
             tags: Vec::new(),
             duration: 0.0,
@@ -111,9 +111,9 @@ impl Script {
         end
     }
 
-    fn step(&mut self, side: Side, lift: f64, land: f64, heading: f64, error: DVec2) -> f64 {
+    fn step(&mut self, side: LateralSide, lift: f64, land: f64, heading: f64, error: DVec2) -> f64 {
         let i = side.index();
-        self.feet[i].step(lift, land, placed(self.centre, heading, ANKLES[i] + error), heading + YAWS[i]);
+        self.feet[i].step(lift, land, place_in_stance(self.centre, heading, ANKLES[i] + error), heading + YAWS[i]);
         land
     }
 
@@ -123,19 +123,19 @@ impl Script {
         let turned = heading + YAWS[0];
         self.feet[0].turn(at, land, turned);
         let ankle = self.feet[0].last().0;
-        self.centre = ankle - placed(DVec2::ZERO, heading, ANKLES[0]);
-        self.step(Side::Right, at + 0.05, land, heading, DVec2::ZERO)
+        self.centre = ankle - place_in_stance(DVec2::ZERO, heading, ANKLES[0]);
+        self.step(LateralSide::Right, at + 0.05, land, heading, DVec2::ZERO)
     }
 }
 
 /// The foot that moves first: the lead one forward and to its side, the rear one back and to its own.
-fn first_foot(shuffle: &Shuffle) -> Side {
+fn first_foot(shuffle: &Shuffle) -> LateralSide {
     let towards_lead = if shuffle.aside.abs() > shuffle.forward.abs() { shuffle.aside } else { shuffle.forward };
-    if towards_lead >= 0.0 { Side::Left } else { Side::Right }
+    if towards_lead >= 0.0 { LateralSide::Left } else { LateralSide::Right }
 }
 
 /// Position in the stance, on the ground plane (m).
-fn placed(centre: DVec2, heading: f64, offset: DVec2) -> DVec2 {
+fn place_in_stance(centre: DVec2, heading: f64, offset: DVec2) -> DVec2 {
     centre + leftward(heading) * offset.x + forward(heading) * offset.y
 }
 
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn feet_never_cross_and_one_always_stands() {
-        let mut script = Script::new(&Skeleton::default());
+        let mut script = BoxingScript::new(&Skeleton::default());
         let mut t = 0.5;
         for shuffle in FOOTWORK.iter().chain(FOOTWORK.iter().rev()) {
             let heading = script.facing.last().1[0];
@@ -168,11 +168,11 @@ mod tests {
     #[test]
     fn the_foot_on_the_side_of_the_move_goes_first() {
         let first = |forward, aside| {
-            let mut script = Script::new(&Skeleton::default());
+            let mut script = BoxingScript::new(&Skeleton::default());
             script.shuffle(1.0, &Shuffle { forward, aside, turn: 0.0, tag: None }, 1.0, [DVec2::ZERO; 2]);
-            if script.feet[0].flight(1.1).is_some() { Side::Left } else { Side::Right }
+            if script.feet[0].flight(1.1).is_some() { LateralSide::Left } else { LateralSide::Right }
         };
-        assert_eq!([first(0.3, 0.0), first(0.0, 0.3)], [Side::Left; 2]);
-        assert_eq!([first(-0.3, 0.0), first(0.05, -0.3)], [Side::Right; 2]);
+        assert_eq!([first(0.3, 0.0), first(0.0, 0.3)], [LateralSide::Left; 2]);
+        assert_eq!([first(-0.3, 0.0), first(0.05, -0.3)], [LateralSide::Right; 2]);
     }
 }

@@ -1,20 +1,20 @@
 //! Technique of each punch and each defence: its postures, and the turn of the striking arm.
 
-use super::moves::{Blow, Defence, Punch};
-use super::posture::{HandPose, Posture};
+use super::moves::{Defence, HandPunch, Punch};
+use super::posture::{BoxingHandPose, BoxingPosture};
 use glam::DVec3;
 
-const GUARD: Posture = Posture::GUARD;
+const GUARD: BoxingPosture = BoxingPosture::GUARD;
 
 /// Technique of a blow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Technique {
     /// Time before the hit and posture in which the body gathers; straights have none (s).
-    pub load: Option<(f64, Posture)>,
+    pub load: Option<(f64, BoxingPosture)>,
     /// Posture of the body with the arm at its longest.
-    pub strike: Posture,
+    pub strike: BoxingPosture,
     /// Pose of the striking arm at the hit.
-    pub arm: HandPose,
+    pub arm: BoxingHandPose,
     /// Time from the guard to the hit (s).
     pub extend: f64,
     /// Time from the arm at its longest back to the guard (s).
@@ -38,7 +38,7 @@ impl Technique {
 }
 
 /// The technique of a blow.
-pub fn of(blow: Blow) -> Technique {
+pub fn technique_of(blow: HandPunch) -> Technique {
     match (blow.punch, blow.lead) {
         (Punch::Straight, true) => jab(),
         (Punch::Straight, false) => cross(),
@@ -50,7 +50,7 @@ pub fn of(blow: Blow) -> Technique {
 fn jab() -> Technique {
     Technique {
         load: None,
-        strike: Posture {
+        strike: BoxingPosture {
             hips: -0.64,
             chest: -0.86,
             pitch: 0.22,
@@ -59,7 +59,13 @@ fn jab() -> Technique {
             heels: [0.0, 0.34],
             ..GUARD
         },
-        arm: HandPose { pole: DVec3::new(0.65, -1.0, 0.1), twist: 1.15, reach: 0.5, shrug: 0.22, ..HandPose::GUARD[0] },
+        arm: BoxingHandPose {
+            pole: DVec3::new(0.65, -1.0, 0.1),
+            twist: 1.15,
+            reach: 0.5,
+            shrug: 0.22,
+            ..BoxingHandPose::GUARD[0]
+        },
         extend: 0.17,
         retract: 0.27,
         stretch: 0.72,
@@ -72,7 +78,7 @@ fn jab() -> Technique {
 fn cross() -> Technique {
     Technique {
         load: None,
-        strike: Posture {
+        strike: BoxingPosture {
             hips: 0.2,
             chest: 0.5,
             pitch: 0.25,
@@ -83,7 +89,13 @@ fn cross() -> Technique {
             pivots: [0.0, 0.72],
             ..GUARD
         },
-        arm: HandPose { pole: DVec3::new(-0.7, -1.0, 0.1), twist: 1.1, reach: 0.5, shrug: 0.22, ..HandPose::GUARD[1] },
+        arm: BoxingHandPose {
+            pole: DVec3::new(-0.7, -1.0, 0.1),
+            twist: 1.1,
+            reach: 0.5,
+            shrug: 0.22,
+            ..BoxingHandPose::GUARD[1]
+        },
         extend: 0.18,
         retract: 0.31,
         stretch: 0.71,
@@ -96,8 +108,8 @@ fn cross() -> Technique {
 fn hook(lead: bool) -> Technique {
     let (gather, strike, pole) = if lead {
         (
-            Posture { hips: -0.36, chest: -0.12, list: -0.07, weight: 0.6, flexion: 0.66, ..GUARD },
-            Posture {
+            BoxingPosture { hips: -0.36, chest: -0.12, list: -0.07, weight: 0.6, flexion: 0.66, ..GUARD },
+            BoxingPosture {
                 hips: -0.95,
                 chest: -1.0,
                 list: 0.05,
@@ -111,8 +123,8 @@ fn hook(lead: bool) -> Technique {
         )
     } else {
         (
-            Posture { hips: -0.6, chest: -0.66, list: 0.06, weight: 0.42, flexion: 0.62, ..GUARD },
-            Posture {
+            BoxingPosture { hips: -0.6, chest: -0.66, list: 0.06, weight: 0.42, flexion: 0.62, ..GUARD },
+            BoxingPosture {
                 hips: 0.28,
                 chest: 0.66,
                 list: -0.05,
@@ -130,7 +142,7 @@ fn hook(lead: bool) -> Technique {
     Technique {
         load: Some((0.2, gather)),
         strike,
-        arm: HandPose { pole, twist: 0.1, reach: 0.42, shrug: 0.3, ..HandPose::GUARD[side] },
+        arm: BoxingHandPose { pole, twist: 0.1, reach: 0.42, shrug: 0.3, ..BoxingHandPose::GUARD[side] },
         extend: 0.22,
         retract: 0.34,
         stretch: 0.72,
@@ -143,8 +155,8 @@ fn hook(lead: bool) -> Technique {
 fn uppercut(lead: bool) -> Technique {
     let (gather, strike, pole) = if lead {
         (
-            Posture { hips: -0.36, chest: -0.2, pitch: 0.27, list: -0.16, weight: 0.58, flexion: 0.86, ..GUARD },
-            Posture {
+            BoxingPosture { hips: -0.36, chest: -0.2, pitch: 0.27, list: -0.16, weight: 0.58, flexion: 0.86, ..GUARD },
+            BoxingPosture {
                 hips: -0.78,
                 chest: -0.74,
                 pitch: 0.1,
@@ -158,8 +170,8 @@ fn uppercut(lead: bool) -> Technique {
         )
     } else {
         (
-            Posture { hips: -0.6, chest: -0.64, pitch: 0.27, list: 0.17, weight: 0.44, flexion: 0.86, ..GUARD },
-            Posture {
+            BoxingPosture { hips: -0.6, chest: -0.64, pitch: 0.27, list: 0.17, weight: 0.44, flexion: 0.86, ..GUARD },
+            BoxingPosture {
                 hips: 0.14,
                 chest: 0.42,
                 pitch: 0.12,
@@ -177,7 +189,7 @@ fn uppercut(lead: bool) -> Technique {
     Technique {
         load: Some((0.2, gather)),
         strike,
-        arm: HandPose { pole, twist: -1.1, reach: 0.42, shrug: 0.12, ..HandPose::GUARD[side] },
+        arm: BoxingHandPose { pole, twist: -1.1, reach: 0.42, shrug: 0.12, ..BoxingHandPose::GUARD[side] },
         extend: 0.25,
         retract: 0.34,
         stretch: 0.56,
@@ -189,19 +201,19 @@ fn uppercut(lead: bool) -> Technique {
 
 /// One moment of a defence.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment {
+pub struct DefenceMoment {
     /// Time since the defence began (s).
     pub time: f64,
     /// Posture of the body.
-    pub body: Posture,
+    pub body: BoxingPosture,
     /// Poses of both hands.
-    pub hands: [HandPose; 2],
+    pub hands: [BoxingHandPose; 2],
 }
 
 /// Moments of a defence. The last one is held for a moment before the guard comes back.
-pub fn defend(defence: Defence) -> Vec<Moment> {
-    let on_guard = |time: f64, body: Posture| Moment { time, body, hands: HandPose::GUARD };
-    let lean = |list: f64, hips: f64, chest: f64, weight: f64| Posture {
+pub fn defend(defence: Defence) -> Vec<DefenceMoment> {
+    let on_guard = |time: f64, body: BoxingPosture| DefenceMoment { time, body, hands: BoxingHandPose::GUARD };
+    let lean = |list: f64, hips: f64, chest: f64, weight: f64| BoxingPosture {
         list,
         hips,
         chest,
@@ -210,34 +222,37 @@ pub fn defend(defence: Defence) -> Vec<Moment> {
         flexion: 0.78,
         ..GUARD
     };
-    let low = Posture { flexion: 1.55, pitch: 0.52, chin: 0.05, heels: [0.0, 0.5], ..GUARD };
+    let low = BoxingPosture { flexion: 1.55, pitch: 0.52, chin: 0.05, heels: [0.0, 0.5], ..GUARD };
     match defence {
         Defence::SlipLeft => vec![on_guard(0.2, lean(-0.43, -0.34, -0.1, 0.63))],
         Defence::SlipRight => vec![on_guard(0.2, lean(0.43, -0.66, -0.8, 0.35))],
         Defence::Duck => vec![on_guard(0.27, low)],
         Defence::RollLeft => vec![
-            on_guard(0.16, Posture { flexion: 0.95, ..lean(0.2, -0.6, -0.6, 0.38) }),
+            on_guard(0.16, BoxingPosture { flexion: 0.95, ..lean(0.2, -0.6, -0.6, 0.38) }),
             on_guard(0.33, low),
-            on_guard(0.52, Posture { flexion: 0.85, ..lean(-0.38, -0.34, -0.15, 0.62) }),
+            on_guard(0.52, BoxingPosture { flexion: 0.85, ..lean(-0.38, -0.34, -0.15, 0.62) }),
         ],
         Defence::RollRight => vec![
-            on_guard(0.16, Posture { flexion: 0.95, ..lean(-0.2, -0.36, -0.25, 0.6) }),
+            on_guard(0.16, BoxingPosture { flexion: 0.95, ..lean(-0.2, -0.36, -0.25, 0.6) }),
             on_guard(0.33, low),
-            on_guard(0.52, Posture { flexion: 0.85, ..lean(0.38, -0.64, -0.75, 0.36) }),
+            on_guard(0.52, BoxingPosture { flexion: 0.85, ..lean(0.38, -0.64, -0.75, 0.36) }),
         ],
         Defence::PullBack => {
-            vec![on_guard(0.22, Posture { pitch: -0.16, weight: 0.22, shift: [0.0, -0.05], flexion: 0.62, ..GUARD })]
+            vec![on_guard(
+                0.22,
+                BoxingPosture { pitch: -0.16, weight: 0.22, shift: [0.0, -0.05], flexion: 0.62, ..GUARD },
+            )]
         }
-        Defence::Block => vec![covered(0.0)],
-        Defence::CoverLeft => vec![covered(1.0)],
-        Defence::CoverRight => vec![covered(-1.0)],
+        Defence::Block => vec![cover(0.0)],
+        Defence::CoverLeft => vec![cover(1.0)],
+        Defence::CoverRight => vec![cover(-1.0)],
         Defence::Parry => vec![parry()],
     }
 }
 
 /// Cover behind both gloves; `side` is 1 if the left arm takes the blow, -1 for the right one, 0 for both.
-fn covered(side: f64) -> Moment {
-    let [mut left, mut right] = HandPose::GUARD;
+fn cover(side: f64) -> DefenceMoment {
+    let [mut left, mut right] = BoxingHandPose::GUARD;
     let (at_left, at_right) = (side.max(0.0), (-side).max(0.0));
     let front = 1.0 - side.abs();
     left.guard = DVec3::new(0.055 + 0.065 * at_left, 0.07 + 0.06 * at_left, 0.19 - 0.12 * at_left);
@@ -248,7 +263,7 @@ fn covered(side: f64) -> Moment {
         hand.twist = -0.25;
         hand.shrug = 0.26;
     }
-    let body = Posture {
+    let body = BoxingPosture {
         pitch: 0.24 + 0.08 * front,
         list: 0.1 * side,
         chest: GUARD.chest + 0.22 * side,
@@ -257,17 +272,17 @@ fn covered(side: f64) -> Moment {
         chin: 0.3,
         ..GUARD
     };
-    Moment { time: 0.17, body, hands: [left, right] }
+    DefenceMoment { time: 0.17, body, hands: [left, right] }
 }
 
-fn parry() -> Moment {
-    let [left, mut right] = HandPose::GUARD;
+fn parry() -> DefenceMoment {
+    let [left, mut right] = BoxingHandPose::GUARD;
     right.guard = DVec3::new(0.03, -0.01, 0.3);
     right.pole = DVec3::new(-0.5, -1.0, -0.1);
     right.twist = 0.7;
     right.reach = 0.42;
-    let body = Posture { chest: GUARD.chest + 0.14, weight: 0.4, pitch: 0.13, ..GUARD };
-    Moment { time: 0.15, body, hands: [left, right] }
+    let body = BoxingPosture { chest: GUARD.chest + 0.14, weight: 0.4, pitch: 0.13, ..GUARD };
+    DefenceMoment { time: 0.15, body, hands: [left, right] }
 }
 
 #[cfg(test)]
@@ -278,7 +293,7 @@ mod tests {
     #[test]
     fn a_rear_blow_turns_the_hips_forward_and_lifts_the_heel() {
         for blow in COMBINATIONS.iter().flat_map(|c| c.iter()).filter(|b| !b.lead) {
-            let strike = of(*blow).strike;
+            let strike = technique_of(*blow).strike;
             assert!(strike.hips > GUARD.hips + 0.5 && strike.chest > GUARD.chest + 0.7);
             assert!(strike.heels[1] > 0.5 && strike.pivots[1] > 0.5 && strike.weight > GUARD.weight);
         }
@@ -289,7 +304,7 @@ mod tests {
         for defence in Defence::ALL {
             let moments = defend(defence);
             assert!(moments.windows(2).all(|m| m[0].time < m[1].time));
-            let moved = |m: &Moment| {
+            let moved = |m: &DefenceMoment| {
                 let b = m.body;
                 (b.list.abs() + (b.pitch - GUARD.pitch).abs() + 0.3 * (b.flexion - GUARD.flexion).abs()) > 0.1
             };

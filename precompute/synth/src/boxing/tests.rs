@@ -2,15 +2,15 @@
 
 use super::*;
 use crate::checks::*;
-use crate::{SynthSet, make};
+use crate::{SynthSet, make_set};
 use glam::Vec3;
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::LazyLock;
 use throng_core::{Contacts, NUM_JOINTS};
 use throng_motion::annotate::{AnnotateConfig, Sidecars, annotate};
-use throng_motion::clip::Hit;
-use throng_motion::clip::Tag;
+use throng_motion::clip::ClipHit;
+use throng_motion::clip::ClipTag;
 
 const BLOWS: [&str; 6] = ["left_jab", "right_straight", "left_hook", "right_hook", "left_uppercut", "right_uppercut"];
 
@@ -24,7 +24,7 @@ static ANNOTATED: LazyLock<ClipSet> = LazyLock::new(|| {
 });
 
 fn short(seed: u64, variation: f64) -> ClipSet {
-    make(SynthSet::Boxing, &SynthConfig { seed, variation, minutes: 0.4, ..SynthConfig::default() }).unwrap()
+    make_set(SynthSet::Boxing, &SynthConfig { seed, variation, minutes: 0.4, ..SynthConfig::default() }).unwrap()
 }
 
 /// Speed of a joint by central differences (m/s).
@@ -71,11 +71,11 @@ proptest! {
 }
 
 /// Tags whose names say a blow, by clip.
-fn blows(clip: &Clip) -> impl Iterator<Item = &Tag> {
+fn blows(clip: &Clip) -> impl Iterator<Item = &ClipTag> {
     clip.tags.iter().filter(|t| BLOWS.contains(&t.name.as_str()))
 }
 
-fn hand(tag: &Tag) -> Joint {
+fn hand(tag: &ClipTag) -> Joint {
     if tag.name.starts_with("left") { Joint::LeftHand } else { Joint::RightHand }
 }
 
@@ -103,8 +103,8 @@ fn twenty_combinations_occur() {
     let mut different = BTreeSet::new();
     for clip in &SET.clips {
         for whole in clip.tags.iter().filter(|t| t.name == "combination") {
-            let inside = |t: &&Tag| t.range.start >= whole.range.start && t.range.end <= whole.range.end + 8;
-            let mut within: Vec<&Tag> = blows(clip).filter(inside).collect();
+            let inside = |t: &&ClipTag| t.range.start >= whole.range.start && t.range.end <= whole.range.end + 8;
+            let mut within: Vec<&ClipTag> = blows(clip).filter(inside).collect();
             within.sort_by_key(|t| t.range.start);
             assert!((2..=4).contains(&within.len()), "{} at {:?}", clip.name, whole.range);
             different.insert(within.iter().map(|t| t.name.as_str()).collect::<Vec<_>>());
@@ -152,7 +152,7 @@ fn the_other_hand_stays_on_guard() {
 fn hits_are_found_where_blows_are_and_nowhere_else() {
     let (mut found, mut all) = (0, 0);
     for clip in &ANNOTATED.clips {
-        let of = |h: &Hit, t: &Tag| hand(t) == h.joint && t.range.contains(&h.frame);
+        let of = |h: &ClipHit, t: &ClipTag| hand(t) == h.joint && t.range.contains(&h.frame);
         assert!(clip.hits.iter().all(|h| blows(clip).any(|t| of(h, t))), "{}", clip.name);
         all += blows(clip).count();
         found += blows(clip).filter(|t| clip.hits.iter().any(|h| of(h, t))).count();

@@ -36,7 +36,7 @@ impl Bounce {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::signal::End;
+    use super::super::super::signal::PieceEnd;
     use super::*;
     use proptest::prelude::*;
 
@@ -46,10 +46,10 @@ mod tests {
             let b = Bounce { period, contact: share * period };
             prop_assert!(b.height(period).abs() < 1e-9 && b.height(0.0).abs() < 1e-12);
             let flight = period - b.contact;
-            let air = End::of(|t| b.height(t), b.contact + 0.5 * flight);
+            let air = PieceEnd::from_function(|t| b.height(t), b.contact + 0.5 * flight);
             prop_assert!((air.acceleration + GRAVITY).abs() < 1e-3 && air.rate.abs() < 1e-6);
-            let up = End::of(|t| b.height(t), b.contact);
-            let down = End::of(|t| b.height(t), 2e-4);
+            let up = PieceEnd::from_function(|t| b.height(t), b.contact);
+            let down = PieceEnd::from_function(|t| b.height(t), 2e-4);
             prop_assert!((up.rate - 0.5 * GRAVITY * flight).abs() < 1e-3);
             prop_assert!((down.rate + 0.5 * GRAVITY * flight).abs() < 0.01);
         }

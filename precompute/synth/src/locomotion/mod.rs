@@ -22,13 +22,13 @@ mod walker;
 
 use super::SynthConfig;
 use super::frame;
-use motion_set::{Act, Gait};
+use motion_set::{GaitKind, LocomotionAct};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
-use scene::Scene;
+use scene::ActTimes;
 use throng_core::Skeleton;
-use throng_motion::clip::{Clip, ClipSet, Tag};
+use throng_motion::clip::{Clip, ClipSet, ClipTag};
 
 /// Number of clips of the whole motion set.
 pub const NUM_ACTS: usize = 225;
@@ -42,31 +42,34 @@ pub const CLIP_SECONDS: f64 = 4.0;
 /// further takes from its beginning after its end. A clip is steady throughout, begins at a random phase, and is tagged
 /// with its gait and its manner.
 ///
-/// - returns clips such as `walk_neutral_v110_gl08`; see [`Act::name`].
+/// - returns clips such as `walk_neutral_v110_gl08`; see [`LocomotionAct::name`].
 pub fn locomotion(cfg: &SynthConfig) -> ClipSet {
     let skeleton = Skeleton::default();
-    let acts = Act::all();
+    let acts = LocomotionAct::all();
     let count = (cfg.minutes * 60.0 / cfg.clip_seconds - 1e-6).ceil().max(1.0) as usize;
     let clip = |k: usize| clip(&acts[k % acts.len()], k, k / acts.len(), cfg, &skeleton);
     let clips = (0..count).into_par_iter().map(clip).collect();
     ClipSet { skeleton, clips }
 }
 
-fn clip(act: &Act, number: usize, take: usize, cfg: &SynthConfig, skeleton: &Skeleton) -> Clip {
+fn clip(act: &LocomotionAct, number: usize, take: usize, cfg: &SynthConfig, skeleton: &Skeleton) -> Clip {
     // Each clip has its own generator, so that the result does not depend on the number of threads.
     let mut rng = Pcg64Mcg::seed_from_u64(cfg.seed.wrapping_add((number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)));
-    let scene = Scene::new(skeleton.clone(), cfg.clip_seconds, cfg.rate_hz, cfg.variation);
+    let scene = ActTimes::new(skeleton.clone(), cfg.clip_seconds, cfg.rate_hz, cfg.variation);
     let poses = match act.gait {
-        Gait::Jog | Gait::Run => runner::run(act, &scene, &mut rng),
-        Gait::Idle => walker::stand(act, &scene, &mut rng),
-        Gait::Turn | Gait::Side | Gait::Back | Gait::Walk => walker::step(act, &scene, &mut rng),
+        GaitKind::Jog | GaitKind::Run => runner::poses_of_running(act, &scene, &mut rng),
+        GaitKind::Idle => walker::poses_of_standing(act, &scene, &mut rng),
+        GaitKind::Turn | GaitKind::Side | GaitKind::Back | GaitKind::Walk => {
+            walker::poses_of_stepping(act, &scene, &mut rng)
+        }
     };
     let mut clip = frame::empty_clip(act.name(take), "locomotion", cfg);
     for &i in scene.frames() {
-        frame::push(&mut clip, &poses[i], skeleton);
+        frame::push_pose(&mut clip, &poses[i], skeleton);
     }
     let whole = 0..clip.num_frames();
-    clip.tags = [act.gait.name(), act.manner.name].map(|name| Tag { name: name.into(), range: whole.clone() }).to_vec();
+    clip.tags =
+        [act.gait.name(), act.manner.name].map(|name| ClipTag { name: name.into(), range: whole.clone() }).to_vec();
     clip
 }
 

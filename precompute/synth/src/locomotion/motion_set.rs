@@ -5,7 +5,7 @@ use super::manner::{MANNERS, Manner};
 
 /// A gait.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Gait {
+pub enum GaitKind {
     /// Standing at ease.
     Idle,
     /// Turning on the spot, step by step.
@@ -22,7 +22,7 @@ pub enum Gait {
     Run,
 }
 
-impl Gait {
+impl GaitKind {
     /// Name in names and tags of clips.
     pub fn name(self) -> &'static str {
         match self {
@@ -44,9 +44,9 @@ impl Gait {
 
 /// Motion of one clip.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Act {
+pub struct LocomotionAct {
     /// Gait.
-    pub gait: Gait,
+    pub gait: GaitKind,
     /// Manner.
     pub manner: &'static Manner,
     /// Velocity and turning rate.
@@ -54,10 +54,10 @@ pub struct Act {
 }
 
 /// Speeds and turning rates of forward gaits (m/s, rad/s).
-const AHEAD: [(Gait, [f64; 4], [f64; 2]); 3] = [
-    (Gait::Walk, [0.7, 1.1, 1.5, 1.9], [0.4, 0.8]),
-    (Gait::Jog, [2.0, 2.35, 2.7, 3.0], [0.4, 0.8]),
-    (Gait::Run, [3.2, 3.8, 4.4, 5.0], [0.3, 0.6]),
+const AHEAD: [(GaitKind, [f64; 4], [f64; 2]); 3] = [
+    (GaitKind::Walk, [0.7, 1.1, 1.5, 1.9], [0.4, 0.8]),
+    (GaitKind::Jog, [2.0, 2.35, 2.7, 3.0], [0.4, 0.8]),
+    (GaitKind::Run, [3.2, 3.8, 4.4, 5.0], [0.3, 0.6]),
 ];
 /// Turning rates on the spot (rad/s).
 const TURNS: [f64; 2] = [0.7, 1.3];
@@ -66,7 +66,7 @@ const SIDE: [f64; 2] = [0.3, 0.6];
 /// Speeds backwards, and the turning rate (m/s, rad/s).
 const BACK: ([f64; 2], f64) = ([0.4, 0.8], 0.4);
 
-impl Act {
+impl LocomotionAct {
     /// All acts of the set, one manner after the other.
     pub fn all() -> Vec<Self> {
         MANNERS.iter().flat_map(Self::in_manner).collect()
@@ -79,17 +79,17 @@ impl Act {
         };
         for (gait, speeds, rates) in AHEAD {
             for speed in speeds {
-                for rate in both_ways(&rates) {
+                for rate in mirror_rates(&rates) {
                     add(gait, 0.0, speed, rate);
                 }
             }
         }
-        add(Gait::Idle, 0.0, 0.0, 0.0);
-        TURNS.iter().flat_map(|r| [*r, -r]).for_each(|rate| add(Gait::Turn, 0.0, 0.0, rate));
-        SIDE.iter().flat_map(|v| [*v, -v]).for_each(|speed| add(Gait::Side, speed, 0.0, 0.0));
+        add(GaitKind::Idle, 0.0, 0.0, 0.0);
+        TURNS.iter().flat_map(|r| [*r, -r]).for_each(|rate| add(GaitKind::Turn, 0.0, 0.0, rate));
+        SIDE.iter().flat_map(|v| [*v, -v]).for_each(|speed| add(GaitKind::Side, speed, 0.0, 0.0));
         for speed in BACK.0 {
-            for rate in both_ways(&[BACK.1]) {
-                add(Gait::Back, 0.0, -speed, rate);
+            for rate in mirror_rates(&[BACK.1]) {
+                add(GaitKind::Back, 0.0, -speed, rate);
             }
         }
         out
@@ -103,12 +103,12 @@ impl Act {
         let side = |x: f64| if x > 0.0 { "l" } else { "r" };
         let cm = |v: f64| (v.abs() * 100.0).round();
         match gait {
-            Gait::Idle | Gait::Turn => {}
-            Gait::Side => name += &format!("_{}{:03}", side(drive.left), cm(drive.left)),
+            GaitKind::Idle | GaitKind::Turn => {}
+            GaitKind::Side => name += &format!("_{}{:03}", side(drive.left), cm(drive.left)),
             _ => name += &format!("_v{:03}", cm(drive.ahead)),
         }
         match gait {
-            Gait::Idle | Gait::Side => {}
+            GaitKind::Idle | GaitKind::Side => {}
             _ if drive.gyration == 0.0 => name += "_g00",
             _ => name += &format!("_g{}{:02}", side(drive.gyration), (drive.gyration.abs() * 10.0).round()),
         }
@@ -117,7 +117,7 @@ impl Act {
 }
 
 /// Zero, and each rate to the left and to the right.
-fn both_ways(rates: &[f64]) -> Vec<f64> {
+fn mirror_rates(rates: &[f64]) -> Vec<f64> {
     std::iter::once(0.0).chain(rates.iter().flat_map(|r| [*r, -r])).collect()
 }
 
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn every_gait_ahead_has_four_speeds_and_five_turning_rates_in_every_manner() {
-        let all = Act::all();
+        let all = LocomotionAct::all();
         for (manner, gait) in MANNERS.iter().flat_map(|m| AHEAD.map(|a| (m, a.0))) {
             let of: Vec<_> = all.iter().filter(|a| a.manner.name == manner.name && a.gait == gait).collect();
             let speeds: BTreeSet<u64> = of.iter().map(|a| a.drive.ahead.to_bits()).collect();
@@ -140,8 +140,8 @@ mod tests {
     #[test]
     fn names_say_what_is_shown_and_are_all_different() {
         let names: BTreeSet<String> =
-            (0..2).flat_map(|take| Act::all().into_iter().map(move |a| a.name(take))).collect();
-        assert_eq!(names.len(), 2 * Act::all().len());
+            (0..2).flat_map(|take| LocomotionAct::all().into_iter().map(move |a| a.name(take))).collect();
+        assert_eq!(names.len(), 2 * LocomotionAct::all().len());
         for name in
             ["walk_neutral_v110_gl08", "turn_tired_gr13", "side_proud_l060", "back_neutral_v040_g00", "idle_proud_t2"]
         {

@@ -1,7 +1,7 @@
 //! Application of a manner to the body: trunk, shoulders and arms.
 
 use super::super::frame::{ArmPose, BodyPose};
-use super::super::side::{Side, forward};
+use super::super::side::{LateralSide, forward};
 use super::manner::Manner;
 use glam::{DQuat, DVec3};
 use throng_core::Planar;
@@ -14,7 +14,7 @@ const BALANCE: f64 = 0.09;
 const HANG: f64 = 0.85;
 
 /// Applies a manner to the pose of a neutral body. The feet are unchanged.
-pub fn carry(pose: &mut BodyPose, manner: &Manner) {
+pub fn apply_manner(pose: &mut BodyPose, manner: &Manner) {
     let heading = f64::from(Planar::split(pose.root.as_vec3(), pose.hips.as_quat()).0.heading);
     let back = forward(heading) * (BALANCE * manner.slouch);
     pose.root -= DVec3::new(back.x, manner.crouch, back.y);
@@ -22,12 +22,12 @@ pub fn carry(pose: &mut BodyPose, manner: &Manner) {
         *segment *= DQuat::from_rotation_x(share * manner.slouch);
     }
     pose.trunk[4] *= DQuat::from_rotation_x(manner.nod);
-    for side in Side::BOTH {
-        carry_arm(&mut pose.arms[side.index()], side, manner);
+    for side in LateralSide::BOTH {
+        apply_manner_to_arm(&mut pose.arms[side.index()], side, manner);
     }
 }
 
-fn carry_arm(arm: &mut ArmPose, side: Side, manner: &Manner) {
+fn apply_manner_to_arm(arm: &mut ArmPose, side: LateralSide, manner: &Manner) {
     let s = side.sign();
     arm.clavicle =
         DQuat::from_rotation_y(-s * manner.protraction) * DQuat::from_rotation_z(s * manner.shrug) * arm.clavicle;
@@ -49,9 +49,10 @@ mod tests {
     use throng_core::Skeleton;
 
     fn upright() -> BodyPose {
-        let shape = FootShape::of(&Skeleton::default());
-        let arms = Side::BOTH.map(|s| ArmAngles { flexion: 0.3, ..ArmAngles::default() }.pose(s));
-        let feet = Side::BOTH.map(|s| shape.posed(DVec3::new(0.1 * s.sign(), 0.03, 0.13), 0.0, 0.0, 0.0, 0.0));
+        let shape = FootShape::from_skeleton(&Skeleton::default());
+        let arms = LateralSide::BOTH.map(|s| ArmAngles { flexion: 0.3, ..ArmAngles::default() }.pose(s));
+        let feet =
+            LateralSide::BOTH.map(|s| shape.contact_pose(DVec3::new(0.1 * s.sign(), 0.03, 0.13), 0.0, 0.0, 0.0, 0.0));
         let trunk = [DQuat::IDENTITY; 5];
         BodyPose { root: DVec3::Y, hips: DQuat::IDENTITY, trunk, arms, feet, knees: [0.0; 2] }
     }
@@ -59,7 +60,7 @@ mod tests {
     #[test]
     fn the_neutral_manner_changes_nothing() {
         let mut pose = upright();
-        carry(&mut pose, &NEUTRAL);
+        apply_manner(&mut pose, &NEUTRAL);
         assert_eq!(pose.root, upright().root);
         assert!(pose.trunk.iter().all(|q| q.angle_between(DQuat::IDENTITY) < 1e-12));
     }
@@ -68,7 +69,7 @@ mod tests {
     fn the_tired_hang_and_the_proud_hold_themselves_up() {
         let of = |name: &str| {
             let mut pose = upright();
-            carry(&mut pose, MANNERS.iter().find(|m| m.name == name).unwrap());
+            apply_manner(&mut pose, MANNERS.iter().find(|m| m.name == name).unwrap());
             pose
         };
         let face = |pose: &BodyPose| (pose.trunk[4] * DVec3::Z).y;
@@ -76,7 +77,7 @@ mod tests {
         let (tired, proud) = (of("tired"), of("proud"));
         assert!(face(&tired) < -0.2 && face(&proud) > 0.05);
         assert!(top(&tired) > 0.2 && top(&proud) < -0.05 && tired.root.y < 0.98);
-        for side in Side::BOTH {
+        for side in LateralSide::BOTH {
             let arm = &tired.arms[side.index()];
             let hanging = tired.trunk[2] * arm.clavicle * arm.upper_arm * DVec3::X * side.sign();
             assert!(hanging.y < -0.97, "{hanging}");

@@ -4,19 +4,19 @@ use super::super::attitude::Attitude;
 use super::super::foot::FootShape;
 use super::super::frame::{ArmPose, BodyPose};
 use super::super::leg::LegShape;
-use super::super::side::Side;
+use super::super::side::LateralSide;
 use super::super::walk::arms::ArmAngles;
 use super::super::walk::assemble::{drift, knees};
 use super::super::walk::roll::{Footfall, standing};
 use super::super::walk::trunk::{Drift, TrunkPose};
 use super::bounce::{Bounce, GRAVITY};
-use super::falls::Falls;
+use super::falls::AlternatingFootfalls;
 use super::manner::Manner;
-use super::motion_set::Act;
-use super::posture::carry;
-use super::scene::Scene;
+use super::motion_set::LocomotionAct;
+use super::posture::apply_manner;
+use super::scene::ActTimes;
 use super::stride::Stride;
-use super::swing::{Key, RunnerFoot, Swing};
+use super::swing::{LegKey, RunnerFoot, RunnerSwing};
 use glam::{DVec2, DVec3};
 use rand::Rng;
 use std::f64::consts::TAU;
@@ -35,30 +35,30 @@ const LEFT_LEG_AHEAD: f64 = 0.93;
 const ON_LEFT_LEG: f64 = 0.17;
 
 /// Poses of running.
-pub fn run(act: &Act, scene: &Scene, rng: &mut impl Rng) -> Vec<BodyPose> {
-    let stride = Stride::of(act);
-    let outward = -act.drive.pull() / GRAVITY * LEANING_HEIGHT;
-    let falls = Falls::lay(&act.drive, &stride, outward, scene.time(), scene.variation, rng);
+pub fn poses_of_running(act: &LocomotionAct, scene: &ActTimes, rng: &mut impl Rng) -> Vec<BodyPose> {
+    let stride = Stride::for_act(act);
+    let outward = -act.drive.centripetal_acceleration() / GRAVITY * LEANING_HEIGHT;
+    let falls = AlternatingFootfalls::generate(&act.drive, &stride, outward, scene.time(), scene.variation, rng);
     let bounce = Bounce { period: stride.period, contact: stride.stance };
-    let mut body = Body { act, falls, bounce, level: 0.0 };
-    let shape = FootShape::of(&scene.skeleton);
+    let mut body = RunnerBody { act, falls, bounce, level: 0.0 };
+    let shape = FootShape::from_skeleton(&scene.skeleton);
     body.level = body.highest(scene, &shape) - CROUCH * act.manner.crouch;
     let manner = Manner { crouch: 0.0, ..*act.manner };
-    let leg = LegShape::of(&scene.skeleton);
+    let leg = LegShape::from_skeleton(&scene.skeleton);
     let hip = |side, t| body.hip(scene, side, t);
-    let keys = keys(act.drive.ahead, act.manner.knee_lift);
-    let swing = Swing { drive: act.drive, keys, hip: &hip, bank: body.bank(), leg };
-    let feet = Side::BOTH.map(|s| RunnerFoot::new(s, shape, body.falls.feet[s.index()].clone(), &swing));
+    let keys = leg_keys(act.drive.ahead, act.manner.knee_lift);
+    let swing = RunnerSwing { drive: act.drive, keys, hip: &hip, bank: body.bank(), leg };
+    let feet = LateralSide::BOTH.map(|s| RunnerFoot::new(s, shape, body.falls.feet[s.index()].clone(), &swing));
     let speed = vec![act.drive.ahead; scene.times.len()];
     let drift = drift(scene.time().end, &scene.times, scene.dt, &speed, CALM * scene.variation, rng);
     let pose = |(i, &t): (usize, &f64)| {
         let (attitude, root) = (body.hips(t), body.position(t));
-        let (hips, feet) = (attitude.rotation(), Side::BOTH.map(|s| feet[s.index()].pose(t, hip(s, t))));
+        let (hips, feet) = (attitude.rotation(), LateralSide::BOTH.map(|s| feet[s.index()].pose(t, hip(s, t))));
         let trunk = body.trunk(t, attitude, &drift, i);
-        let arms = Side::BOTH.map(|s| body.arm(t, s, trunk.upper_chest().pitch, &drift, i));
+        let arms = LateralSide::BOTH.map(|s| body.arm(t, s, trunk.upper_chest().pitch, &drift, i));
         let knees = knees(root, hips, &feet);
         let mut pose = BodyPose { root, hips, trunk: trunk.segments.map(Attitude::rotation), arms, feet, knees };
-        carry(&mut pose, &manner);
+        apply_manner(&mut pose, &manner);
         pose
     };
     scene.times.iter().enumerate().map(pose).collect()
@@ -69,59 +69,59 @@ pub fn run(act: &Act, scene: &Scene, rng: &mut impl Rng) -> Vec<BodyPose> {
 /// # Source
 /// Sizes of the angles as in Novacheck 1998, *The biomechanics of running*. Differs: the thigh's are relative to the
 /// vertical here, not to the pelvis.
-fn keys(speed: f64, lift: f64) -> [Key; 3] {
+fn leg_keys(speed: f64, lift: f64) -> [LegKey; 3] {
     let faster = speed - 2.0;
     let fold = (1.45 + 0.18 * faster) * lift;
     let knee_up = (0.54 + 0.06 * faster) * lift;
     [
-        Key { at: 0.26, thigh: -0.16, knee: 0.8 * fold, ankle: 0.2 },
-        Key { at: 0.48, thigh: 0.5 * knee_up, knee: fold, ankle: 0.05 },
-        Key { at: 0.74, thigh: knee_up, knee: 0.76 * fold, ankle: -0.05 },
+        LegKey { at: 0.26, thigh: -0.16, knee: 0.8 * fold, ankle: 0.2 },
+        LegKey { at: 0.48, thigh: 0.5 * knee_up, knee: fold, ankle: 0.05 },
+        LegKey { at: 0.74, thigh: knee_up, knee: 0.76 * fold, ankle: -0.05 },
     ]
 }
 
 /// The body of a runner over time.
-struct Body<'a> {
-    act: &'a Act,
-    falls: Falls,
+struct RunnerBody<'a> {
+    act: &'a LocomotionAct,
+    falls: AlternatingFootfalls,
     bounce: Bounce,
     /// Height of the hips at landing (m).
     level: f64,
 }
 
-impl Body<'_> {
+impl RunnerBody<'_> {
     /// Cosine wave over the cycle with its crest at `peak`.
-    fn wave(&self, t: f64, peak: f64) -> f64 {
-        (TAU * (self.falls.phase(t) - peak)).cos()
+    fn cosine_wave(&self, t: f64, peak: f64) -> f64 {
+        (TAU * (self.falls.phase_at(t) - peak)).cos()
     }
 
     /// Lean from the vertical on the arc, to the left (rad).
     fn bank(&self) -> f64 {
-        (self.act.drive.pull().x / GRAVITY).atan()
+        (self.act.drive.centripetal_acceleration().x / GRAVITY).atan()
     }
 
     /// Height of the hips joint (m).
     fn height(&self, t: f64) -> f64 {
-        self.level + self.bounce.height(self.falls.step(t).fract() * self.bounce.period)
+        self.level + self.bounce.height(self.falls.step_at(t).fract() * self.bounce.period)
     }
 
     /// Position of the hips joint (m).
     fn position(&self, t: f64) -> DVec3 {
-        let p = self.act.drive.place(t, 0.011 * self.wave(t, ON_LEFT_LEG), 0.0);
+        let p = self.act.drive.point_at(t, 0.011 * self.cosine_wave(t, ON_LEFT_LEG), 0.0);
         DVec3::new(p.x, self.height(t), p.y)
     }
 
     /// Hip joint of a side (m).
-    fn hip(&self, scene: &Scene, side: Side, t: f64) -> DVec3 {
+    fn hip(&self, scene: &ActTimes, side: LateralSide, t: f64) -> DVec3 {
         self.position(t) + self.hips(t).rotation() * scene.skeleton.offsets[side.thigh().index()].as_dvec3()
     }
 
     fn hips(&self, t: f64) -> Attitude {
         let sway = self.act.manner.sway;
         Attitude {
-            yaw: self.act.drive.heading(t) - 0.1 * sway * self.wave(t, LEFT_LEG_AHEAD),
+            yaw: self.act.drive.heading_at(t) - 0.1 * sway * self.cosine_wave(t, LEFT_LEG_AHEAD),
             pitch: 0.1 + 0.015 * self.act.drive.ahead,
-            list: 0.055 * sway * self.wave(t, ON_LEFT_LEG) - self.bank(),
+            list: 0.055 * sway * self.cosine_wave(t, ON_LEFT_LEG) - self.bank(),
         }
     }
 
@@ -129,12 +129,12 @@ impl Body<'_> {
     fn trunk(&self, t: f64, hips: Attitude, drift: &Drift, i: usize) -> TrunkPose {
         let (drive, speed) = (self.act.drive, self.act.drive.ahead);
         let chest = Attitude {
-            yaw: drive.heading(t) + 0.15 * self.wave(t, LEFT_LEG_AHEAD + 0.02) + 0.15 * drift.gaze[i],
+            yaw: drive.heading_at(t) + 0.15 * self.cosine_wave(t, LEFT_LEG_AHEAD + 0.02) + 0.15 * drift.gaze[i],
             pitch: 0.08 + 0.03 * speed - 0.012 * drift.breath[i],
-            list: -0.9 * self.bank() - 0.03 * self.wave(t, ON_LEFT_LEG),
+            list: -0.9 * self.bank() - 0.03 * self.cosine_wave(t, ON_LEFT_LEG),
         };
         let head = Attitude {
-            yaw: drive.heading(t) + 0.3 * drive.gyration + drift.gaze[i],
+            yaw: drive.heading_at(t) + 0.3 * drive.gyration + drift.gaze[i],
             pitch: 0.05 + drift.nod[i] + 0.7 * (self.height(t) - self.level),
             list: -0.45 * self.bank(),
         };
@@ -143,17 +143,17 @@ impl Body<'_> {
     }
 
     /// Bent arm that swings against the legs; the elbow closes in front and opens behind.
-    fn arm(&self, t: f64, side: Side, chest_pitch: f64, drift: &Drift, i: usize) -> ArmPose {
+    fn arm(&self, t: f64, side: LateralSide, chest_pitch: f64, drift: &Drift, i: usize) -> ArmPose {
         let faster = self.act.drive.ahead - 2.0;
-        let ahead = LEFT_LEG_AHEAD + if side == Side::Left { 0.5 } else { 0.0 };
-        let wave = self.wave(t, ahead + 0.03);
+        let ahead = LEFT_LEG_AHEAD + if side == LateralSide::Left { 0.5 } else { 0.0 };
+        let wave = self.cosine_wave(t, ahead + 0.03);
         let lively = self.act.manner.arm_swing.sqrt();
         let swing = -0.3 + (0.36 + 0.07 * faster) * lively * wave + drift.arms[side.index()][i];
         ArmAngles {
             swing: swing + 0.45 * chest_pitch,
             abduction: 0.26,
             turn_in: 0.27 + 0.12 * wave,
-            flexion: 1.5 + 0.22 * lively * self.wave(t, ahead + 0.07),
+            flexion: 1.5 + 0.22 * lively * self.cosine_wave(t, ahead + 0.07),
             protraction: 0.1 * wave,
             shrug: -0.03 + 0.015 * drift.breath[i],
             wrist: 0.15 + 0.08 * wave,
@@ -162,14 +162,14 @@ impl Body<'_> {
     }
 
     /// Largest height at landing at which both legs reach the ground, over all contacts (m).
-    fn highest(&self, scene: &Scene, shape: &FootShape) -> f64 {
-        let reach = LegShape::of(&scene.skeleton).reach(FLEXION);
-        let limit = |side: Side, fall: &Footfall, t: f64| {
+    fn highest(&self, scene: &ActTimes, shape: &FootShape) -> f64 {
+        let reach = LegShape::from_skeleton(&scene.skeleton).reach(FLEXION);
+        let limit = |side: LateralSide, fall: &Footfall, t: f64| {
             let (ankle, hip) = (standing(shape, fall, t).ankle, self.hip(scene, side, t));
             let across = DVec2::new(ankle.x - hip.x, ankle.z - hip.z).length_squared();
             ankle.y + (reach * reach - across).max(0.01).sqrt() - hip.y + self.level
         };
-        let limits = Side::BOTH.into_iter().flat_map(|side| {
+        let limits = LateralSide::BOTH.into_iter().flat_map(|side| {
             let within = self.falls.feet[side.index()].iter().filter(|f| scene.time().contains(&f.land));
             within.map(move |fall| {
                 let moments = (0..=24).map(|k| fall.land + (fall.lift - fall.land) * f64::from(k) / 24.0);

@@ -8,7 +8,7 @@ use throng_core::Skeleton;
 const MARGIN: f64 = 2.5;
 
 /// Sample times of an act: the clip begins at 0, and the margins before and after it are cut off.
-pub struct Scene {
+pub struct ActTimes {
     /// The body.
     pub skeleton: Skeleton,
     /// Times of the samples (s).
@@ -21,13 +21,13 @@ pub struct Scene {
     frames: Vec<usize>,
 }
 
-impl Scene {
+impl ActTimes {
     /// Samples of a clip of `seconds`, both ends included.
     pub fn new(skeleton: Skeleton, seconds: f64, rate_hz: f64, variation: f64) -> Self {
         let margin = (MARGIN * rate_hz).ceil() as usize;
         let wanted = (seconds * rate_hz).round() as usize + 1;
         let before = margin as f64 / rate_hz;
-        let samples = Samples::of((wanted + 2 * margin) as f64 / rate_hz, rate_hz);
+        let samples = Samples::for_clip((wanted + 2 * margin) as f64 / rate_hz, rate_hz);
         let times = samples.times.iter().map(|t| t - before).collect();
         let frames = samples.frames().skip(margin).take(wanted).collect();
         Self { skeleton, times, dt: samples.dt, variation, frames }
@@ -51,7 +51,7 @@ mod tests {
     #[test]
     fn the_clip_begins_at_zero_and_has_both_its_ends() {
         for rate_hz in [24.0, 30.0, 60.0] {
-            let scene = Scene::new(Skeleton::default(), 4.0, rate_hz, 1.0);
+            let scene = ActTimes::new(Skeleton::default(), 4.0, rate_hz, 1.0);
             let times: Vec<f64> = scene.frames().iter().map(|&i| scene.times[i]).collect();
             assert!(times[0].abs() < 1e-9 && (times[times.len() - 1] - 4.0).abs() < 1e-9);
             assert_eq!(times.len(), (4.0 * rate_hz) as usize + 1);

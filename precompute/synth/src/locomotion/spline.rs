@@ -32,7 +32,7 @@ impl Spline {
     }
 
     /// Value at a time; extrapolated by the outer pieces.
-    pub fn at(&self, t: f64) -> f64 {
+    pub fn value_at(&self, t: f64) -> f64 {
         let i = self.knots.partition_point(|k| k.0 <= t).clamp(1, self.knots.len() - 1) - 1;
         let (a, b) = (self.knots[i], self.knots[i + 1]);
         let h = b.0 - a.0;
@@ -46,7 +46,7 @@ impl Spline {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::signal::End;
+    use super::super::super::signal::PieceEnd;
     use super::*;
     use proptest::prelude::*;
 
@@ -57,7 +57,7 @@ mod tests {
         let spline = Spline::new([0.0, 0.3, 0.7, 1.5].map(|t| (t, f(t))).to_vec(), rate(0.0), rate(1.5));
         for k in 0..=30 {
             let t = 0.05 * f64::from(k);
-            assert!((spline.at(t) - f(t)).abs() < 1e-12);
+            assert!((spline.value_at(t) - f(t)).abs() < 1e-12);
         }
     }
 
@@ -67,14 +67,14 @@ mod tests {
             let times = [0.0, 0.25, 0.5, 0.8, 1.0];
             let spline = Spline::new(times.into_iter().zip(values).collect(), first, 1.0);
             for (t, v) in times.into_iter().zip(values) {
-                prop_assert!((spline.at(t) - v).abs() < 1e-12);
+                prop_assert!((spline.value_at(t) - v).abs() < 1e-12);
             }
             for t in &times[1..4] {
-                let (before, after) = (End::of(|t| spline.at(t), t - 2e-4), End::of(|t| spline.at(t), t + 2e-4));
+                let (before, after) = (PieceEnd::from_function(|t| spline.value_at(t), t - 2e-4), PieceEnd::from_function(|t| spline.value_at(t), t + 2e-4));
                 prop_assert!((before.acceleration - after.acceleration).abs() < 2.0);
                 prop_assert!((before.rate - after.rate).abs() < 0.2);
             }
-            prop_assert!((End::of(|t| spline.at(t), 0.0).rate - first).abs() < 1e-4);
+            prop_assert!((PieceEnd::from_function(|t| spline.value_at(t), 0.0).rate - first).abs() < 1e-4);
         }
     }
 }

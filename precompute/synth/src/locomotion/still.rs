@@ -1,6 +1,6 @@
 //! Standing at ease: periodic breath, weight and gaze.
 
-use super::super::side::Side;
+use super::super::side::LateralSide;
 use super::super::walk::roll::Footfall;
 use super::super::walk::trunk::Drift;
 use super::stride::Stride;
@@ -12,13 +12,13 @@ use std::f64::consts::TAU;
 pub const PERIOD: f64 = 4.0;
 
 /// State of standing at ease.
-pub struct Ease {
+pub struct StandingEase {
     variation: f64,
     /// Phases of weight, gaze, nod, arms and breath (rad).
     phases: [f64; 6],
 }
 
-impl Ease {
+impl StandingEase {
     /// Begins at random phases.
     ///
     /// - `variation`: factor on the usual amount of shifting and looking.
@@ -27,7 +27,7 @@ impl Ease {
     }
 
     /// Share of the weight on the left foot.
-    pub fn load(&self, t: f64) -> f64 {
+    pub fn left_foot_load(&self, t: f64) -> f64 {
         0.5 + 0.09 * self.variation * self.wave(0, t)
     }
 
@@ -52,7 +52,7 @@ impl Ease {
 }
 
 /// Contact of a standing foot, from before `start` to the end.
-pub fn fall(side: Side, stride: &Stride, start: f64) -> Footfall {
+pub fn standing_footfall(side: LateralSide, stride: &Stride, start: f64) -> Footfall {
     Footfall {
         land: start - 2.0,
         flat: start - 1.9,

@@ -2,7 +2,7 @@
 
 use super::super::walk::gait::step_at;
 use super::super::walk::wander::{STANDING_WIDTH, TOE_OUT, WALKING_WIDTH};
-use super::motion_set::{Act, Gait};
+use super::motion_set::{GaitKind, LocomotionAct};
 
 /// Steps of a steady gait, equal for both feet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,14 +29,14 @@ pub struct Stride {
 
 impl Stride {
     /// Stride of an act that travels or turns.
-    pub fn of(act: &Act) -> Self {
+    pub fn for_act(act: &LocomotionAct) -> Self {
         let speed = act.drive.speed();
         let neutral = match act.gait {
-            Gait::Idle | Gait::Turn => pivot(),
-            Gait::Side => side(speed),
-            Gait::Back => back(speed),
-            Gait::Walk => walk(speed),
-            Gait::Jog | Gait::Run => run(speed),
+            GaitKind::Idle | GaitKind::Turn => pivot_stride(),
+            GaitKind::Side => side_stride(speed),
+            GaitKind::Back => back_stride(speed),
+            GaitKind::Walk => walk_stride(speed),
+            GaitKind::Jog | GaitKind::Run => run_stride(speed),
         };
         let m = act.manner;
         // Runners vary less.
@@ -50,7 +50,7 @@ impl Stride {
         Self {
             period,
             stance,
-            width: neutral.width * if act.gait == Gait::Side { 1.0 } else { m.width },
+            width: neutral.width * if act.gait == GaitKind::Side { 1.0 } else { m.width },
             landing: neutral.landing * scale,
             rise: neutral.rise * scale,
             strike: neutral.strike * roll,
@@ -61,7 +61,7 @@ impl Stride {
     }
 }
 
-fn walk(speed: f64) -> Stride {
+fn walk_stride(speed: f64) -> Stride {
     let step = step_at(speed);
     Stride {
         period: step.period,
@@ -76,7 +76,7 @@ fn walk(speed: f64) -> Stride {
     }
 }
 
-fn pivot() -> Stride {
+fn pivot_stride() -> Stride {
     Stride {
         period: 0.58,
         stance: 0.74,
@@ -90,12 +90,12 @@ fn pivot() -> Stride {
     }
 }
 
-fn side(speed: f64) -> Stride {
+fn side_stride(speed: f64) -> Stride {
     let period = 0.64 - 0.25 * speed;
-    Stride { period, stance: period + 0.14, width: 0.15 + speed * period, push: 0.24, ..pivot() }
+    Stride { period, stance: period + 0.14, width: 0.15 + speed * period, push: 0.24, ..pivot_stride() }
 }
 
-fn back(speed: f64) -> Stride {
+fn back_stride(speed: f64) -> Stride {
     let period = 0.72 - 0.17 * speed;
     Stride {
         period,
@@ -104,14 +104,14 @@ fn back(speed: f64) -> Stride {
         landing: 0.14,
         strike: -0.1 - 0.25 * speed,
         push: 0.2,
-        ..pivot()
+        ..pivot_stride()
     }
 }
 
 /// # Source
 /// Cadence, contact times and the angles of the swing (see `swing`) follow Novacheck 1998, *The biomechanics of
 /// running*. Differs: a contact ends here when the ball of the foot leaves the ground, some 20 ms before the toes.
-fn run(speed: f64) -> Stride {
+fn run_stride(speed: f64) -> Stride {
     let faster = speed - 2.0;
     let period = 0.385 - 0.0175 * faster - 0.0015 * faster * faster;
     let travel = 0.64 + 0.12 * faster - 0.011 * faster * faster;
@@ -135,19 +135,19 @@ mod tests {
 
     #[test]
     fn walkers_are_always_on_the_ground_and_runners_fly_longer_the_faster_they_are() {
-        for act in Act::all().iter().filter(|a| a.gait != Gait::Idle) {
-            let s = Stride::of(act);
+        for act in LocomotionAct::all().iter().filter(|a| a.gait != GaitKind::Idle) {
+            let s = Stride::for_act(act);
             assert_eq!(s.stance < s.period, act.gait.flies(), "{}", act.name(0));
             assert!(s.landing + s.rise < s.stance && s.stance < 1.9 * s.period, "{}: {s:?}", act.name(0));
         }
-        let flight = |speed| run(speed).period - run(speed).stance;
+        let flight = |speed| run_stride(speed).period - run_stride(speed).stance;
         assert!((0.04..0.08).contains(&flight(2.0)) && flight(3.5) > flight(2.5) && flight(5.0) > 0.1);
     }
 
     #[test]
     fn the_toes_of_runners_leave_at_about_a_third_of_the_cycle() {
         for speed in [3.2, 3.8, 4.4, 5.0] {
-            let s = run(speed);
+            let s = run_stride(speed);
             assert!((0.28..0.37).contains(&(s.stance / (2.0 * s.period))), "{speed}: {s:?}");
         }
     }

@@ -2,8 +2,8 @@
 
 use super::super::foot::{FootPose, FootShape};
 use super::super::leg::LegShape;
-use super::super::side::Side;
-use super::super::signal::{End, early_bump, quintic};
+use super::super::side::LateralSide;
+use super::super::signal::{PieceEnd, early_bump, quintic};
 use super::super::walk::roll::{Footfall, standing};
 use super::drive::Drive;
 use super::spline::Spline;
@@ -11,7 +11,7 @@ use glam::{DQuat, DVec2, DVec3};
 
 /// Key of the leg during the swing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Key {
+pub struct LegKey {
     /// Ratio of the swing.
     pub at: f64,
     /// Forward angle of the thigh from the vertical (rad).
@@ -23,13 +23,13 @@ pub struct Key {
 }
 
 /// Inputs of a runner's swings.
-pub struct Swing<'a> {
+pub struct RunnerSwing<'a> {
     /// Motion of the body.
     pub drive: Drive,
     /// Keys of the leg between lift and landing, in order.
-    pub keys: [Key; 3],
+    pub keys: [LegKey; 3],
     /// Hip joint of a side at a time (m).
-    pub hip: &'a dyn Fn(Side, f64) -> DVec3,
+    pub hip: &'a dyn Fn(LateralSide, f64) -> DVec3,
     /// Lean of the body to the left (rad).
     pub bank: f64,
     /// Lengths of the leg.
@@ -37,7 +37,7 @@ pub struct Swing<'a> {
 }
 
 /// One flight: the leg relative to the moving body, and the pitch of the foot.
-struct Flight {
+struct RunnerFlight {
     /// Offset of the ankle to the left of the hip (m).
     left: Spline,
     /// Angle of the line from the hip to the ankle, forward from the vertical (rad).
@@ -56,7 +56,7 @@ pub struct RunnerFoot {
     shape: FootShape,
     leg: LegShape,
     falls: Vec<Footfall>,
-    flights: Vec<Flight>,
+    flights: Vec<RunnerFlight>,
 }
 
 /// Share of a flight after which the toes are in line with the foot.
@@ -71,7 +71,7 @@ const KNEE_RATE: f64 = 5.0;
 
 impl RunnerFoot {
     /// A foot that stands on `falls` in turn.
-    pub fn new(side: Side, shape: FootShape, falls: Vec<Footfall>, swing: &Swing) -> Self {
+    pub fn new(side: LateralSide, shape: FootShape, falls: Vec<Footfall>, swing: &RunnerSwing) -> Self {
         let flights = falls.windows(2).map(|w| flight(side, &shape, &w[0], &w[1], swing)).collect();
         let mut foot = Self { drive: swing.drive, shape, leg: swing.leg, falls, flights };
         for i in 0..foot.flights.len() {
@@ -86,7 +86,7 @@ impl RunnerFoot {
         let moments = (1..40).map(|k| f64::from(k) / 40.0).filter(|u| passing(*u) > 0.4);
         let missing = |u: f64| {
             let t = from.lift + u * (to.land - from.lift);
-            let foot = self.flying(from, to, &self.flights[i], t, hip(t));
+            let foot = self.pose_in_flight(from, to, &self.flights[i], t, hip(t));
             (CLEARANCE - self.shape.sole(&foot, |_| 0.0)) / passing(u)
         };
         moments.map(missing).fold(0.0, f64::max)
@@ -99,28 +99,30 @@ impl RunnerFoot {
         let i = self.falls.partition_point(|f| f.land <= t).saturating_sub(1);
         let fall = &self.falls[i];
         match (self.falls.get(i + 1), self.flights.get(i)) {
-            (Some(next), Some(flight)) if t > fall.lift => self.flying(fall, next, flight, t, hip),
+            (Some(next), Some(flight)) if t > fall.lift => self.pose_in_flight(fall, next, flight, t, hip),
             _ => standing(&self.shape, fall, t),
         }
     }
 
-    fn flying(&self, from: &Footfall, to: &Footfall, flight: &Flight, t: f64, hip: DVec3) -> FootPose {
+    fn pose_in_flight(&self, from: &Footfall, to: &Footfall, flight: &RunnerFlight, t: f64, hip: DVec3) -> FootPose {
         let (since, duration) = (t - from.lift, to.land - from.lift);
-        let turned = |a: f64, b: f64| quintic(End::still(a), End::still(b), duration, since);
+        let turned = |a: f64, b: f64| quintic(PieceEnd::at_rest(a), PieceEnd::at_rest(b), duration, since);
         let (yaw, heading) = (turned(from.yaw, to.yaw), turned(from.heading, to.heading));
-        let pitch = flight.pitch.at(t);
-        let toe_pitch = pitch * quintic(End::still(0.0), End::still(1.0), TOES, (since / duration).min(TOES));
-        let (left, angle, length) = (flight.left.at(t), flight.angle.at(t), self.leg.reach(flight.knee.at(t)));
+        let pitch = flight.pitch.value_at(t);
+        let toe_pitch =
+            pitch * quintic(PieceEnd::at_rest(0.0), PieceEnd::at_rest(1.0), TOES, (since / duration).min(TOES));
+        let (left, angle, length) =
+            (flight.left.value_at(t), flight.angle.value_at(t), self.leg.reach(flight.knee.value_at(t)));
         let (sin, cos) = angle.sin_cos();
         let along = (length * length - left * left).max(0.0).sqrt();
-        let seen = self.drive.seen(t, DVec2::new(hip.x, hip.z));
-        let on_ground = self.drive.place(t, seen.x + left, seen.y + along * sin);
+        let seen = self.drive.to_body_frame(t, DVec2::new(hip.x, hip.z));
+        let on_ground = self.drive.point_at(t, seen.x + left, seen.y + along * sin);
         let height = hip.y - along * cos + flight.clear * passing(since / duration);
         let ankle = DVec3::new(on_ground.x, height, on_ground.y);
         let rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
         let ball =
             ankle - rotation * DVec3::new(0.0, self.shape.ankle_height - self.shape.ball_height, -self.shape.ball);
-        self.shape.posed(ball, yaw, heading, pitch, toe_pitch)
+        self.shape.contact_pose(ball, yaw, heading, pitch, toe_pitch)
     }
 }
 
@@ -130,29 +132,36 @@ fn passing(u: f64) -> f64 {
 }
 
 /// The flight from one contact to the next.
-fn flight(side: Side, shape: &FootShape, from: &Footfall, to: &Footfall, swing: &Swing) -> Flight {
+fn flight(side: LateralSide, shape: &FootShape, from: &Footfall, to: &Footfall, swing: &RunnerSwing) -> RunnerFlight {
     let (start, end) = (from.lift, to.land);
     let keys = swing.keys.map(|key| (start + key.at * (end - start), key.channels(side, swing)));
     let seen = |fall: &Footfall, t: f64| {
         let (foot, hip) = (standing(shape, fall, t), (swing.hip)(side, t));
         let away = foot.ankle - hip;
-        let ground = |p: DVec3| swing.drive.seen(t, DVec2::new(p.x, p.z));
+        let ground = |p: DVec3| swing.drive.to_body_frame(t, DVec2::new(p.x, p.z));
         let from_hip = ground(foot.ankle) - ground(hip);
         [from_hip.x, from_hip.y.atan2(-away.y), swing.leg.flexion(away.length()), foot.pitch]
     };
     let curve = |channel: usize, most: f64| {
-        let [first, last] = [(from, start), (to, end)].map(|(fall, t)| End::of(|t| seen(fall, t)[channel], t));
+        let [first, last] =
+            [(from, start), (to, end)].map(|(fall, t)| PieceEnd::from_function(|t| seen(fall, t)[channel], t));
         let inner = keys.iter().map(|(t, values)| (*t, values[channel]));
         let knots = std::iter::once((start, first.value)).chain(inner).chain([(end, last.value)]).collect();
         Spline::new(knots, first.rate.clamp(-most, most), last.rate.clamp(-most, most))
     };
     let free = f64::INFINITY;
-    Flight { left: curve(0, free), angle: curve(1, free), knee: curve(2, KNEE_RATE), pitch: curve(3, free), clear: 0.0 }
+    RunnerFlight {
+        left: curve(0, free),
+        angle: curve(1, free),
+        knee: curve(2, KNEE_RATE),
+        pitch: curve(3, free),
+        clear: 0.0,
+    }
 }
 
-impl Key {
+impl LegKey {
     /// Left, angle, knee and pitch, as channels of a flight.
-    fn channels(&self, side: Side, swing: &Swing) -> [f64; 4] {
+    fn channels(&self, side: LateralSide, swing: &RunnerSwing) -> [f64; 4] {
         let shank = self.thigh - self.knee;
         let ahead = swing.leg.thigh * self.thigh.sin() + swing.leg.shin * shank.sin();
         let down = swing.leg.thigh * self.thigh.cos() + swing.leg.shin * shank.cos();
@@ -170,27 +179,27 @@ mod tests {
 
     fn fall(land: f64) -> Footfall {
         let (flat, heel_off, lift) = (land + 0.05, land + 0.09, land + 0.22);
-        let ankle = DRIVE.place(land + 0.11, 0.05, -0.16);
+        let ankle = DRIVE.point_at(land + 0.11, 0.05, -0.16);
         Footfall { land, flat, heel_off, lift, ankle, ground: 0.0, heading: 0.0, yaw: 0.1, strike: 0.12, push: 1.1 }
     }
 
     /// A left hip that goes along evenly.
     fn hip(t: f64) -> DVec3 {
-        let p = DRIVE.place(t, 0.092, 0.0);
+        let p = DRIVE.point_at(t, 0.092, 0.0);
         DVec3::new(p.x, 0.84, p.y)
     }
 
     fn foot() -> RunnerFoot {
         let keys = [(0.26, -0.16, 1.4, 0.2), (0.48, 0.3, 1.7, 0.0), (0.74, 0.6, 1.3, 0.0)];
         let skeleton = Skeleton::default();
-        let swing = Swing {
+        let swing = RunnerSwing {
             drive: DRIVE,
-            keys: keys.map(|(at, thigh, knee, ankle)| Key { at, thigh, knee, ankle }),
+            keys: keys.map(|(at, thigh, knee, ankle)| LegKey { at, thigh, knee, ankle }),
             hip: &|_, t| hip(t),
             bank: 0.0,
-            leg: LegShape::of(&skeleton),
+            leg: LegShape::from_skeleton(&skeleton),
         };
-        RunnerFoot::new(Side::Left, FootShape::of(&skeleton), vec![fall(0.0), fall(0.7)], &swing)
+        RunnerFoot::new(LateralSide::Left, FootShape::from_skeleton(&skeleton), vec![fall(0.0), fall(0.7)], &swing)
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use throng_core::planar::{twist_about_y, wrap_angle};
 use throng_core::{Contacts, Joint, NUM_JOINTS};
 use throng_motion::annotate::{AnnotateConfig, Sidecars, annotate};
-use throng_motion::clip::runs;
+use throng_motion::clip::runs_where;
 
 /// At a rate at which the contacts of runners, of a fifth of a second, are well seen.
 static SET: LazyLock<ClipSet> =
@@ -18,19 +18,19 @@ static FOUND: LazyLock<ClipSet> =
     LazyLock::new(|| annotate(&SET, &AnnotateConfig::default(), &Sidecars::default()).unwrap());
 
 /// Acts and their clips.
-fn acts(set: &ClipSet) -> impl Iterator<Item = (Act, &Clip)> {
-    Act::all().into_iter().zip(&set.clips)
+fn acts(set: &ClipSet) -> impl Iterator<Item = (LocomotionAct, &Clip)> {
+    LocomotionAct::all().into_iter().zip(&set.clips)
 }
 
 /// Times at which a foot touches the ground with any part, first and last frames alike (frames).
 fn stays(clip: &Clip, foot: usize) -> Vec<std::ops::Range<usize>> {
     let any = Contacts(FEET[foot].3.0 | FEET[foot].4.0);
-    runs(0..clip.num_frames(), |f| clip.contacts[f].any(any))
+    runs_where(0..clip.num_frames(), |f| clip.contacts[f].any(any))
 }
 
 #[test]
 fn the_set_is_the_repertoire_once() {
-    assert_eq!(Act::all().len(), NUM_ACTS);
+    assert_eq!(LocomotionAct::all().len(), NUM_ACTS);
     assert_eq!(SET.clips.len(), NUM_ACTS);
     for (act, clip) in acts(&SET) {
         assert_eq!(clip.name, act.name(0));
@@ -47,7 +47,7 @@ fn more_minutes_are_further_takes_and_fewer_the_first_acts() {
         few.clips.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(),
         ["walk_neutral_v070_g00", "walk_neutral_v070_gl04", "walk_neutral_v070_gr04"]
     );
-    let take = clip(&Act::all()[0], NUM_ACTS, 1, &SynthConfig::for_set(SynthSet::Locomotion), &few.skeleton);
+    let take = clip(&LocomotionAct::all()[0], NUM_ACTS, 1, &SynthConfig::for_set(SynthSet::Locomotion), &few.skeleton);
     assert_eq!(take.name, "walk_neutral_v070_g00_t2");
     assert_ne!(take.rotations, few.clips[0].rotations);
 }
@@ -68,8 +68,8 @@ fn feet_stand_on_the_ground_knees_never_lock_and_nothing_pops() {
 }
 
 /// Speed along the arc and turning rate over every window of one cycle.
-fn fitted(act: &Act, clip: &Clip) -> Vec<(f32, f32)> {
-    let cycle = (2.0 * stride::Stride::of(act).period * clip.rate_hz).round() as usize;
+fn fitted(act: &LocomotionAct, clip: &Clip) -> Vec<(f32, f32)> {
+    let cycle = (2.0 * stride::Stride::for_act(act).period * clip.rate_hz).round() as usize;
     let seconds = cycle as f32 / clip.rate_hz as f32;
     let heading = |f: usize| twist_about_y(clip.frame_rotations(f)[0]);
     let ground = |f: usize| Vec2::new(clip.root_positions[f].x, clip.root_positions[f].z);
@@ -84,7 +84,7 @@ fn fitted(act: &Act, clip: &Clip) -> Vec<(f32, f32)> {
 
 #[test]
 fn speed_and_turning_are_what_was_asked() {
-    for (act, clip) in acts(&SET).filter(|(a, _)| a.gait != Gait::Idle) {
+    for (act, clip) in acts(&SET).filter(|(a, _)| a.gait != GaitKind::Idle) {
         let windows = fitted(&act, clip);
         let n = windows.len() as f32;
         let speed = windows.iter().map(|w| w.0).sum::<f32>() / n;
@@ -97,7 +97,7 @@ fn speed_and_turning_are_what_was_asked() {
 
 #[test]
 fn speed_and_turning_are_steady_from_first_to_last() {
-    for (act, clip) in acts(&SET).filter(|(a, _)| a.gait != Gait::Idle) {
+    for (act, clip) in acts(&SET).filter(|(a, _)| a.gait != GaitKind::Idle) {
         for (speed, gyration) in fitted(&act, clip) {
             // The body sways from side to side, which on a narrow arc is a little forward and back.
             assert!((speed - act.drive.speed() as f32).abs() < 0.12, "{}: {speed} m/s", clip.name);
@@ -107,14 +107,14 @@ fn speed_and_turning_are_steady_from_first_to_last() {
 }
 
 fn assert_landings_alternate(set: &ClipSet) {
-    for (act, clip) in acts(set).filter(|(a, _)| a.gait != Gait::Idle) {
+    for (act, clip) in acts(set).filter(|(a, _)| a.gait != GaitKind::Idle) {
         let mut landings: Vec<(usize, usize)> = (0..2)
             .flat_map(|foot| stays(clip, foot).into_iter().map(move |r| (r.start, foot)))
             .filter(|e| e.0 > 0)
             .collect();
         landings.sort_unstable();
         assert!(landings.windows(2).all(|w| w[0].1 != w[1].1), "{} at {} Hz: {landings:?}", clip.name, clip.rate_hz);
-        let steps = clip.num_frames() as f64 / clip.rate_hz / stride::Stride::of(&act).period;
+        let steps = clip.num_frames() as f64 / clip.rate_hz / stride::Stride::for_act(&act).period;
         assert!((landings.len() as f64 - steps).abs() < 1.6, "{}: {landings:?}, {steps} steps", clip.name);
     }
 }
@@ -128,9 +128,9 @@ fn every_step_is_found_as_one_contact_and_feet_alternate() {
 
 #[test]
 fn contacts_are_found_when_they_are() {
-    for (act, clip) in acts(&FOUND).filter(|(a, _)| a.gait != Gait::Idle) {
+    for (act, clip) in acts(&FOUND).filter(|(a, _)| a.gait != GaitKind::Idle) {
         // Slow feet are seen to stand a little before and after they do.
-        let stance = stride::Stride::of(&act).stance * clip.rate_hz;
+        let stance = stride::Stride::for_act(&act).stance * clip.rate_hz;
         for foot in 0..2 {
             for stay in stays(clip, foot).iter().filter(|r| r.start > 0 && r.end < clip.num_frames()) {
                 let late = stance - stay.len() as f64;
@@ -145,8 +145,8 @@ fn runners_fly_and_walkers_do_not() {
     for (act, clip) in acts(&FOUND) {
         let up = clip.contacts.iter().filter(|c| **c == Contacts::NONE).count() as f32 / clip.num_frames() as f32;
         let wanted = match act.gait {
-            Gait::Run => 0.2..0.62,
-            Gait::Jog => 0.04..0.5,
+            GaitKind::Run => 0.2..0.62,
+            GaitKind::Jog => 0.04..0.5,
             _ => 0.0..0.12,
         };
         assert!(wanted.contains(&up), "{}: {up} of the time in the air", clip.name);
@@ -155,7 +155,7 @@ fn runners_fly_and_walkers_do_not() {
 
 #[test]
 fn bodies_in_the_air_fall_freely() {
-    for (_, clip) in acts(&SET).filter(|(a, _)| a.gait == Gait::Run) {
+    for (_, clip) in acts(&SET).filter(|(a, _)| a.gait == GaitKind::Run) {
         let mut falling = 0;
         for f in 2..clip.num_frames() - 2 {
             if clip.contacts[f - 2..f + 3].iter().all(|c| *c == Contacts::NONE) {
@@ -171,7 +171,7 @@ fn bodies_in_the_air_fall_freely() {
 
 #[test]
 fn standing_keeps_both_feet_down_and_returns_to_its_place() {
-    for (act, clip) in acts(&FOUND).filter(|(a, _)| a.gait == Gait::Idle) {
+    for (act, clip) in acts(&FOUND).filter(|(a, _)| a.gait == GaitKind::Idle) {
         assert!(clip.contacts.iter().all(|c| c.all(Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0))), "{}", clip.name);
         let (first, last) = (clip.frame_rotations(0), clip.frame_rotations(clip.num_frames() - 1));
         for (j, (a, b)) in first.iter().zip(last).enumerate() {

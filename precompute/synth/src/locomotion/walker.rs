@@ -4,18 +4,18 @@ use super::super::attitude::Attitude;
 use super::super::foot::FootShape;
 use super::super::frame::BodyPose;
 use super::super::pendulum;
-use super::super::side::Side;
+use super::super::side::LateralSide;
 use super::super::walk::arms::{self, ArmInput};
 use super::super::walk::assemble::{drift, knees};
 use super::super::walk::foot::FootTrack;
 use super::super::walk::footsteps::Footsteps;
 use super::super::walk::pelvis::{self, PelvisInput};
 use super::super::walk::trunk::{self, Drift};
-use super::falls::Falls;
+use super::falls::AlternatingFootfalls;
 use super::manner::Manner;
-use super::motion_set::Act;
-use super::posture::carry;
-use super::scene::Scene;
+use super::motion_set::LocomotionAct;
+use super::posture::apply_manner;
+use super::scene::ActTimes;
 use super::still;
 use super::stride::Stride;
 use rand::Rng;
@@ -24,15 +24,16 @@ use rand::Rng;
 const CALM: f64 = 0.3;
 
 /// Poses of steps that travel or turn.
-pub fn step(act: &Act, scene: &Scene, rng: &mut impl Rng) -> Vec<BodyPose> {
+pub fn poses_of_stepping(act: &LocomotionAct, scene: &ActTimes, rng: &mut impl Rng) -> Vec<BodyPose> {
     // The feet are outside an arc by as much as the centre of mass falls towards its middle.
-    let outward = -act.drive.pull() / pendulum::FREQUENCY.powi(2);
-    let falls = Falls::lay(&act.drive, &Stride::of(act), outward, scene.time(), scene.variation, rng);
-    let load = falls.load();
-    let shape = FootShape::of(&scene.skeleton);
+    let outward = -act.drive.centripetal_acceleration() / pendulum::FREQUENCY.powi(2);
+    let falls =
+        AlternatingFootfalls::generate(&act.drive, &Stride::for_act(act), outward, scene.time(), scene.variation, rng);
+    let load = falls.left_foot_load();
+    let shape = FootShape::from_skeleton(&scene.skeleton);
     let [left, right] = &falls.feet;
     let track = |side, own: &Vec<_>, other: &Vec<_>| FootTrack::new(side, shape, own.clone(), other, |_| 0.0);
-    let feet = [track(Side::Left, left, right), track(Side::Right, right, left)];
+    let feet = [track(LateralSide::Left, left, right), track(LateralSide::Right, right, left)];
     let steps = Footsteps { feet, load, duration: scene.time().end };
     let speed = vec![act.drive.speed(); scene.times.len()];
     let drift = drift(steps.duration, &scene.times, scene.dt, &speed, CALM * scene.variation, rng);
@@ -40,24 +41,24 @@ pub fn step(act: &Act, scene: &Scene, rng: &mut impl Rng) -> Vec<BodyPose> {
 }
 
 /// Poses of standing at ease: weight, gaze and breath repeat after [`still::PERIOD`].
-pub fn stand(act: &Act, scene: &Scene, rng: &mut impl Rng) -> Vec<BodyPose> {
-    let stride = Stride::of(act);
-    let shape = FootShape::of(&scene.skeleton);
-    let feet = Side::BOTH.map(|side| {
-        let fall = still::fall(side, &stride, scene.time().start);
+pub fn poses_of_standing(act: &LocomotionAct, scene: &ActTimes, rng: &mut impl Rng) -> Vec<BodyPose> {
+    let stride = Stride::for_act(act);
+    let shape = FootShape::from_skeleton(&scene.skeleton);
+    let feet = LateralSide::BOTH.map(|side| {
+        let fall = still::standing_footfall(side, &stride, scene.time().start);
         FootTrack::new(side, shape, vec![fall], &[], |_| 0.0)
     });
-    let ease = still::Ease::new(scene.variation, rng);
-    let load = scene.times.iter().map(|&t| (t, ease.load(t))).collect();
+    let ease = still::StandingEase::new(scene.variation, rng);
+    let load = scene.times.iter().map(|&t| (t, ease.left_foot_load(t))).collect();
     let steps = Footsteps { feet, load, duration: scene.time().end };
     poses(act, scene, &steps, &ease.drift(&scene.times))
 }
 
-fn poses(act: &Act, scene: &Scene, steps: &Footsteps, drift: &Drift) -> Vec<BodyPose> {
-    let Scene { skeleton, times, dt, .. } = scene;
+fn poses(act: &LocomotionAct, scene: &ActTimes, steps: &Footsteps, drift: &Drift) -> Vec<BodyPose> {
+    let ActTimes { skeleton, times, dt, .. } = scene;
     let input = PelvisInput::new(steps, skeleton, times, *dt);
     let ahead = vec![act.drive.ahead; times.len()];
-    let mut pelvis = pelvis::follow(&input, &ahead);
+    let mut pelvis = pelvis::follow_feet(&input, &ahead);
     let sway = act.manner.sway;
     pelvis.yaw.iter_mut().chain(&mut pelvis.list).for_each(|angle| *angle *= sway);
     let trunk = trunk::balance(&pelvis, &ahead, &input.mass, drift, *dt);
@@ -84,7 +85,7 @@ fn poses(act: &Act, scene: &Scene, steps: &Footsteps, drift: &Drift) -> Vec<Body
             feet: input.feet[i],
             knees: knees(root, hips, &input.feet[i]),
         };
-        carry(&mut pose, &manner);
+        apply_manner(&mut pose, &manner);
         pose
     };
     (0..times.len()).map(pose).collect()

@@ -4,17 +4,17 @@ use super::super::SynthConfig;
 use super::super::attitude::Attitude;
 use super::super::foot::FootShape;
 use super::super::frame::{self, ArmPose, BodyPose, Samples};
-use super::super::side::{Side, forward, leftward};
+use super::super::side::{LateralSide, forward, leftward};
 use super::super::walk::arms::{self, ArmInput};
 use super::super::walk::assemble::{drift, knees, speed};
 use super::super::walk::footsteps::{self, Footsteps};
 use super::super::walk::pelvis::{self, Pelvis, PelvisInput};
 use super::super::walk::trunk::{self, TrunkPose};
 use super::desk::SEAT;
-use super::hands::{self, Held};
-use super::posture::{HandPose, Posture};
-use super::script::Script;
-use super::seat::Seated;
+use super::hands::{self, HandFrame};
+use super::posture::{KeyedHandPose, KeyedPosture};
+use super::script::MotionScript;
+use super::seat::SeatedShare;
 use glam::{DQuat, DVec3};
 use rand::{Rng, RngExt};
 use throng_core::{Contacts, Skeleton};
@@ -28,46 +28,53 @@ const SHARED: [f64; 2] = [0.5, 0.5];
 const SOFT: [f64; 2] = [0.06, 0.035];
 
 /// Values of the keys at every sample.
-struct Keyed {
-    body: Vec<Posture>,
+struct KeyedSamples {
+    body: Vec<KeyedPosture>,
     head: Vec<Attitude>,
-    hands: [Vec<HandPose>; 2],
-    seated: Vec<Seated>,
+    hands: [Vec<KeyedHandPose>; 2],
+    seated: Vec<SeatedShare>,
 }
 
-impl Keyed {
-    fn of(script: &Script, samples: &Samples) -> Self {
+impl KeyedSamples {
+    fn sample_script(script: &MotionScript, samples: &Samples) -> Self {
         let (times, dt) = (&samples.times, samples.dt);
-        let body = script.body.sample(times, &[0.0; 9], SOFT[0], dt).into_iter().map(Posture::of).collect();
+        let body =
+            script.body.sample(times, &[0.0; 9], SOFT[0], dt).into_iter().map(KeyedPosture::from_channels).collect();
         let head = script.head.sample(times, &[0.0; 3], SOFT[0], dt).into_iter();
         let head = head.map(|[yaw, pitch, list]| Attitude { yaw, pitch, list }).collect();
         let hands = [0, 1].map(|i: usize| {
             let sampled = script.hands[i].sample(times, &[0.0; 15], SOFT[1], dt);
-            sampled.into_iter().map(HandPose::of).collect()
+            sampled.into_iter().map(KeyedHandPose::from_channels).collect()
         });
-        Self { body, head, hands, seated: times.iter().map(|&t| seated(script, t)).collect() }
+        Self { body, head, hands, seated: times.iter().map(|&t| seated_at(script, t)).collect() }
     }
 }
 
-fn seated(script: &Script, t: f64) -> Seated {
+fn seated_at(script: &MotionScript, t: f64) -> SeatedShare {
     let next = script.sittings.partition_point(|s| s.down[0] <= t);
-    next.checked_sub(1).map_or(Seated::default(), |i| script.sittings[i].at(t))
+    next.checked_sub(1).map_or(SeatedShare::default(), |i| script.sittings[i].state_at(t))
 }
 
 /// Makes a clip of a set from a script.
 pub fn clip(
     (set, name): (&str, String),
-    script: &Script,
+    script: &MotionScript,
     skeleton: &Skeleton,
     cfg: &SynthConfig,
     rng: &mut impl Rng,
 ) -> Clip {
-    let steps = footsteps::place(FootShape::of(skeleton), script.start, &script.steps, script.last_stand(), rng);
-    let samples = Samples::of(steps.duration, cfg.rate_hz);
+    let steps = footsteps::place_footsteps(
+        FootShape::from_skeleton(skeleton),
+        script.start,
+        &script.steps,
+        script.last_stand(),
+        rng,
+    );
+    let samples = Samples::for_clip(steps.duration, cfg.rate_hz);
     let poses = poses(script, &steps, &samples, skeleton, cfg.variation, rng);
     let mut clip = frame::empty_clip(name, set, cfg);
     for i in samples.frames() {
-        frame::push(&mut clip, &poses[i], skeleton);
+        frame::push_pose(&mut clip, &poses[i], skeleton);
         let frame = clip.contacts.len() - 1;
         clip.contacts[frame].insert(contacts(script, samples.times[i]));
     }
@@ -77,9 +84,9 @@ pub fn clip(
 }
 
 /// Contacts of seat and hands at a time.
-fn contacts(script: &Script, t: f64) -> Contacts {
+fn contacts(script: &MotionScript, t: f64) -> Contacts {
     let mut out = Contacts::NONE;
-    if seated(script, t).carried {
+    if seated_at(script, t).carried {
         out.insert(Contacts::SEAT);
     }
     for (rests, bit) in script.rests.iter().zip([Contacts::LEFT_HAND, Contacts::RIGHT_HAND]) {
@@ -91,7 +98,7 @@ fn contacts(script: &Script, t: f64) -> Contacts {
 }
 
 fn poses(
-    script: &Script,
+    script: &MotionScript,
     steps: &Footsteps,
     samples: &Samples,
     skeleton: &Skeleton,
@@ -99,10 +106,10 @@ fn poses(
     rng: &mut impl Rng,
 ) -> Vec<BodyPose> {
     let (times, dt) = (&samples.times, samples.dt);
-    let keyed = Keyed::of(script, samples);
+    let keyed = KeyedSamples::sample_script(script, samples);
     let input = PelvisInput::new(steps, skeleton, times, dt);
     let speed = speed(&input.mass, dt);
-    let mut pelvis = pelvis::follow(&input, &speed);
+    let mut pelvis = pelvis::follow_feet(&input, &speed);
     move_hips(&mut pelvis, &input, &keyed);
     let drift = drift(steps.duration, times, dt, &speed, variation, rng);
     let mut trunk = trunk::balance(&pelvis, &speed, &input.mass, &drift, dt);
@@ -123,7 +130,7 @@ fn poses(
 }
 
 /// Turns and moves the hips as keyed, over the feet, and then towards the seat.
-fn move_hips(pelvis: &mut Pelvis, input: &PelvisInput, keyed: &Keyed) {
+fn move_hips(pelvis: &mut Pelvis, input: &PelvisInput, keyed: &KeyedSamples) {
     for (i, body) in keyed.body.iter().enumerate() {
         let h = pelvis.heading[i];
         let shift = leftward(h) * body.shift[0] + forward(h) * body.shift[1];
@@ -144,7 +151,7 @@ fn move_hips(pelvis: &mut Pelvis, input: &PelvisInput, keyed: &Keyed) {
 }
 
 /// Bends the trunk by the keys: the spine shares the turn of the chest, the neck lies between chest and head.
-fn bend(pose: &mut TrunkPose, body: &Posture, head: Attitude, lean: f64) {
+fn bend(pose: &mut TrunkPose, body: &KeyedPosture, head: Attitude, lean: f64) {
     let add = |a: Attitude, b: Attitude, share: f64| Attitude {
         yaw: a.yaw + share * b.yaw,
         pitch: a.pitch + share * b.pitch,
@@ -166,13 +173,13 @@ fn pose(
     trunk: &TrunkPose,
     hanging: [ArmPose; 2],
     feet: [super::super::foot::FootPose; 2],
-    keyed: [&HandPose; 2],
+    keyed: [&KeyedHandPose; 2],
     i: usize,
     skeleton: &Skeleton,
 ) -> BodyPose {
     let (root, hips) = (pelvis.position[i], pelvis.rotation(i));
     let world: [DQuat; 5] = trunk.segments.map(Attitude::rotation);
-    let held = Held::over(root, hips, world, trunk.upper_chest(), skeleton);
-    let arms = [0, 1].map(|k: usize| hands::arm(Side::BOTH[k], &held, &hanging[k], keyed[k], skeleton));
+    let held = HandFrame::chest_over_hips(root, hips, world, trunk.upper_chest(), skeleton);
+    let arms = [0, 1].map(|k: usize| hands::arm(LateralSide::BOTH[k], &held, &hanging[k], keyed[k], skeleton));
     BodyPose { root, hips, trunk: world, arms, feet, knees: knees(root, hips, &feet) }
 }

@@ -16,7 +16,7 @@ const BLOCKED: [[DVec2; 2]; 2] =
 const ROOM: [f64; 2] = [0.4, 0.32];
 
 /// Depth of a point of a path in a blocked area; 0 if free (m).
-pub fn blocked(at: DVec2) -> f64 {
+pub fn is_blocked(at: DVec2) -> f64 {
     let depth = |[low, high]: [DVec2; 2], room: f64| {
         let inside = (at - low + room).min(high + room - at);
         inside.min_element().max(0.0)
@@ -30,9 +30,9 @@ mod tests {
 
     #[test]
     fn the_middle_of_chair_and_desk_is_blocked_and_the_room_around_is_free() {
-        assert!(blocked(DVec2::ZERO) > 0.5 && blocked(DVec2::new(0.3, 0.8)) > 0.5);
+        assert!(is_blocked(DVec2::ZERO) > 0.5 && is_blocked(DVec2::new(0.3, 0.8)) > 0.5);
         for free in [(0.66, 0.1), (-0.66, 0.1), (0.0, -0.7), (1.1, 0.8)] {
-            assert_eq!(blocked(free.into()), 0.0, "{free:?}");
+            assert_eq!(is_blocked(free.into()), 0.0, "{free:?}");
         }
     }
 }

@@ -3,13 +3,13 @@
 use super::super::arm::ArmShape;
 use super::super::attitude::Attitude;
 use super::super::frame::ArmPose;
-use super::super::side::Side;
-use super::posture::HandPose;
+use super::super::side::LateralSide;
+use super::posture::KeyedHandPose;
 use glam::{DQuat, DVec3};
 use throng_core::{Joint, Skeleton};
 
 /// Reference frames of held hands, at one sample.
-pub struct Held {
+pub struct HandFrame {
     /// Upper chest joint (m).
     chest: DVec3,
     /// World rotation of the upper chest.
@@ -20,11 +20,11 @@ pub struct Held {
     frame: DQuat,
 }
 
-impl Held {
+impl HandFrame {
     /// Frames of the chest over the hips.
     ///
     /// - `trunk`: world rotations from the spine to the head.
-    pub fn over(root: DVec3, hips: DQuat, trunk: [DQuat; 5], chest: Attitude, skeleton: &Skeleton) -> Self {
+    pub fn chest_over_hips(root: DVec3, hips: DQuat, trunk: [DQuat; 5], chest: Attitude, skeleton: &Skeleton) -> Self {
         let offset = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
         let spine = root + hips * offset(Joint::Spine);
         let lower = spine + trunk[0] * offset(Joint::Chest);
@@ -41,7 +41,13 @@ const HANGING: (f64, DVec3) = (0.15, DVec3::NEG_Z);
 const TAKEN: f64 = 0.25;
 
 /// Pose of an arm: hanging if the hand is not held, reaching for its wrist if it is, blended in between.
-pub fn arm(side: Side, held: &Held, hanging: &ArmPose, hand: &HandPose, skeleton: &Skeleton) -> ArmPose {
+pub fn arm(
+    side: LateralSide,
+    held: &HandFrame,
+    hanging: &ArmPose,
+    hand: &KeyedHandPose,
+    skeleton: &Skeleton,
+) -> ArmPose {
     if hand.held <= 0.0 {
         return *hanging;
     }
@@ -56,7 +62,7 @@ pub fn arm(side: Side, held: &Held, hanging: &ArmPose, hand: &HandPose, skeleton
     }
 }
 
-fn reach(side: Side, held: &Held, hanging: &ArmPose, hand: &HandPose, skeleton: &Skeleton) -> ArmPose {
+fn reach(side: LateralSide, held: &HandFrame, hanging: &ArmPose, hand: &KeyedHandPose, skeleton: &Skeleton) -> ArmPose {
     let [clavicle_at, shoulder_at, fore, wrist] = side.arm().map(|j| skeleton.offsets[j.index()].as_dvec3());
     let (s, share) = (side.sign(), hand.held.min(1.0));
     let clavicle = DQuat::from_rotation_y(-s * hand.reach) * DQuat::from_rotation_z(s * (hand.shrug - 0.05));
@@ -89,16 +95,16 @@ mod tests {
     fn a_held_wrist_is_where_it_is_held_on_both_sides() {
         let skeleton = Skeleton::default();
         let upright = [DQuat::IDENTITY; 5];
-        let held = Held::over(DVec3::Y, DQuat::IDENTITY, upright, Attitude::default(), &skeleton);
+        let held = HandFrame::chest_over_hips(DVec3::Y, DQuat::IDENTITY, upright, Attitude::default(), &skeleton);
         let still = ArmPose {
             clavicle: DQuat::IDENTITY,
             upper_arm: DQuat::IDENTITY,
             forearm: DQuat::IDENTITY,
             hand: DQuat::IDENTITY,
         };
-        for side in Side::BOTH {
-            let pose = HandPose { held: 1.0, body: DVec3::new(0.1, -0.3, 0.3), ..HandPose::HANGING };
-            let pose = if side == Side::Left { pose } else { pose.mirrored() };
+        for side in LateralSide::BOTH {
+            let pose = KeyedHandPose { held: 1.0, body: DVec3::new(0.1, -0.3, 0.3), ..KeyedHandPose::HANGING };
+            let pose = if side == LateralSide::Left { pose } else { pose.mirrored() };
             let arm = arm(side, &held, &still, &pose, &skeleton);
             let [c, u, f, h] = side.arm().map(|j| skeleton.offsets[j.index()].as_dvec3());
             let upper = arm.clavicle * arm.upper_arm;

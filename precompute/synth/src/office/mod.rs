@@ -20,14 +20,14 @@ pub(super) mod visit;
 mod work;
 
 use super::SynthConfig;
-use partners::{Together, together};
+use partners::{PairActivity, pair_scripts};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use script::Script;
+use script::MotionScript;
 use stand::Stander;
 use throng_core::Skeleton;
 use throng_motion::clip::ClipSet;
-use visit::Visitor;
+use visit::DeskVisitor;
 
 /// Share of the set at the desk.
 const AT_DESK: f64 = 7.0 / 13.0;
@@ -44,15 +44,15 @@ const MINUTES_A_PAIR: f64 = 6.0;
 pub fn office(cfg: &SynthConfig) -> ClipSet {
     let mut set = ClipSet { skeleton: Skeleton::default(), clips: Vec::new() };
     let mut rng = Pcg64Mcg::seed_from_u64(cfg.seed);
-    let (mut visitor, mut stander) = (Visitor::new(), Stander::new());
+    let (mut visitor, mut stander) = (DeskVisitor::new(), Stander::new());
     let whole = cfg.minutes * 60.0;
     let mut visits = |seconds: f64, rng: &mut Pcg64Mcg| visitor.visits(seconds, cfg.variation, rng);
-    let spent = fill(&mut set, "office_desk", AT_DESK * whole, cfg, &mut rng, &mut visits);
+    let spent = fill_clips(&mut set, "office_desk", AT_DESK * whole, cfg, &mut rng, &mut visits);
     let mut stands = |seconds: f64, rng: &mut Pcg64Mcg| stander.stand(seconds, cfg.variation, rng);
-    fill(&mut set, "office_stand", whole - spent, cfg, &mut rng, &mut stands);
+    fill_clips(&mut set, "office_stand", whole - spent, cfg, &mut rng, &mut stands);
     let times = (cfg.minutes / MINUTES_A_PAIR).round().clamp(1.0, 4.0) as usize;
-    for (number, what) in (0..times).flat_map(|_| Together::ALL).enumerate() {
-        let scripts = together(what, cfg.variation, &mut rng);
+    for (number, what) in (0..times).flat_map(|_| PairActivity::ALL).enumerate() {
+        let scripts = pair_scripts(what, cfg.variation, &mut rng);
         for (script, who) in scripts.iter().zip(["a", "b"]) {
             let name = format!("office_pair_{number:02}_{who}");
             set.clips.push(assemble::clip(("office", name), script, &set.skeleton, cfg, &mut rng));
@@ -64,13 +64,13 @@ pub fn office(cfg: &SynthConfig) -> ClipSet {
 /// Adds clips until they last `seconds`, at least one.
 ///
 /// - returns their total length (s).
-fn fill(
+fn fill_clips(
     set: &mut ClipSet,
     name: &str,
     seconds: f64,
     cfg: &SynthConfig,
     rng: &mut Pcg64Mcg,
-    write: &mut impl FnMut(f64, &mut Pcg64Mcg) -> Script,
+    write: &mut impl FnMut(f64, &mut Pcg64Mcg) -> MotionScript,
 ) -> f64 {
     let (mut spent, mut number) = (0.0, 0);
     while spent < seconds || number == 0 {

@@ -1,13 +1,13 @@
 //! Activities of two people: they stand face to face and chat, dispute, shake hands, hand something over, or dance.
 
 use super::super::attitude::Attitude;
-use super::super::side::{Side, leftward};
-use super::super::walk::footsteps::Stance;
-use super::gesture::{self, Talk, held};
-use super::posture::{HandPose, Posture};
-use super::script::{Script, Step};
+use super::super::side::{LateralSide, leftward};
+use super::super::walk::footsteps::FeetStance;
+use super::gesture::{self, TalkStyle, hand_before_body};
+use super::posture::{KeyedHandPose, KeyedPosture};
+use super::script::{MotionScript, ScriptStep};
 use super::stand::lean_on;
-use super::visit::on;
+use super::visit::mirrored_for_side;
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use std::f64::consts::PI;
@@ -26,7 +26,7 @@ const FACE: f64 = -0.09;
 
 /// An activity of two people.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Together {
+pub enum PairActivity {
     Chat,
     Dispute,
     Handshake,
@@ -34,7 +34,7 @@ pub enum Together {
     Dance,
 }
 
-impl Together {
+impl PairActivity {
     /// All activities.
     pub const ALL: [Self; 5] = [Self::Chat, Self::Dispute, Self::Handshake, Self::Handover, Self::Dance];
 
@@ -51,63 +51,63 @@ impl Together {
 }
 
 /// Scripts of the two, equally long: from neutral stand to neutral stand. The first one faces +Z.
-pub fn together(what: Together, variation: f64, rng: &mut impl Rng) -> [Script; 2] {
+pub fn pair_scripts(what: PairActivity, variation: f64, rng: &mut impl Rng) -> [MotionScript; 2] {
     let stance = |k: usize| {
         let side = if k == 0 { -1.0 } else { 1.0 };
-        Stance { at: DVec2::new(0.0, side * 0.5 * APART), heading: if k == 0 { 0.0 } else { PI } }
+        FeetStance { at: DVec2::new(0.0, side * 0.5 * APART), heading: if k == 0 { 0.0 } else { PI } }
     };
-    let mut two = [0, 1].map(|k| Script::new(stance(k), variation));
+    let mut two = [0, 1].map(|k| MotionScript::new(stance(k), variation));
     for s in &mut two {
-        greet(s, 0.45);
+        greet_with_nod(s, 0.45);
         s.wait_until(BEFORE);
     }
     match what {
-        Together::Chat => talk(&mut two, 0.0, rng),
-        Together::Dispute => talk(&mut two, 1.0, rng),
-        Together::Handshake => shake_hands(&mut two, rng),
-        Together::Handover => hand_over(&mut two, rng),
-        Together::Dance => dance(&mut two),
+        PairActivity::Chat => talk(&mut two, 0.0, rng),
+        PairActivity::Dispute => talk(&mut two, 1.0, rng),
+        PairActivity::Handshake => shake_hands(&mut two, rng),
+        PairActivity::Handover => hand_over(&mut two, rng),
+        PairActivity::Dance => dance(&mut two),
     }
-    let end = two.iter().map(Script::now).fold(0.0, f64::max);
+    let end = two.iter().map(MotionScript::now).fold(0.0, f64::max);
     for s in &mut two {
         s.wait_until(end);
         s.tag(what.name(), BEFORE);
-        greet(s, end + 0.9);
+        greet_with_nod(s, end + 0.9);
         s.wait_until(end + BEFORE);
     }
     two
 }
 
 /// Adds a nod, before and after an activity.
-fn greet(s: &mut Script, at: f64) {
-    s.look(at, 0.25, 0.0, FACE + 0.16, 0.0);
-    face(s, at + 0.35, 0.3);
+fn greet_with_nod(s: &mut MotionScript, at: f64) {
+    s.turn_head(at, 0.25, 0.0, FACE + 0.16, 0.0);
+    look_at_face(s, at + 0.35, 0.3);
 }
 
 /// Looks at the partner's face at `t`, starting `over` seconds before.
-fn face(s: &mut Script, t: f64, over: f64) {
-    s.look(t, over, 0.0, FACE, 0.0);
+fn look_at_face(s: &mut MotionScript, t: f64, over: f64) {
+    s.turn_head(t, over, 0.0, FACE, 0.0);
 }
 
 /// Pose of the right hand with its wrist between the two: aside (to the right), up and back from the midpoint.
-fn met(k: usize, DVec3 { x, y, z }: DVec3, twist: f64) -> HandPose {
+fn meeting_hand(k: usize, DVec3 { x, y, z }: DVec3, twist: f64) -> KeyedHandPose {
     let turn = if k == 0 { -1.0 } else { 1.0 };
-    let pose = on(Side::Right, held([0.1, -0.35, 0.3], [0.35, -1.0, -0.2], twist));
-    HandPose { room: DVec3::new(turn * x, y, turn * z), placed: 1.0, reach: 0.2, ..pose }
+    let pose = mirrored_for_side(LateralSide::Right, hand_before_body([0.1, -0.35, 0.3], [0.35, -1.0, -0.2], twist));
+    KeyedHandPose { room: DVec3::new(turn * x, y, turn * z), placed: 1.0, reach: 0.2, ..pose }
 }
 
-fn chest(yaw: f64, pitch: f64) -> Posture {
-    Posture { chest: Attitude { yaw, pitch, list: 0.0 }, ..Posture::default() }
+fn chest_posture(yaw: f64, pitch: f64) -> KeyedPosture {
+    KeyedPosture { chest: Attitude { yaw, pitch, list: 0.0 }, ..KeyedPosture::default() }
 }
 
 /// One person speaks while the other one listens and nods, in turns; in a dispute the turns overlap.
-fn talk(two: &mut [Script; 2], heat: f64, rng: &mut impl Rng) {
+fn talk(two: &mut [MotionScript; 2], heat: f64, rng: &mut impl Rng) {
     let from = two[0].now();
     let facing = [0, 1].map(|k: usize| {
-        let lean = lean_on(Side::BOTH[rng.random_range(0..2)], &two[k], rng);
+        let lean = lean_on(LateralSide::BOTH[rng.random_range(0..2)], &two[k], rng);
         let share = 1.0 - 0.6 * heat;
         let hips = Attitude { list: share * lean.hips.list, ..Attitude::default() };
-        Posture {
+        KeyedPosture {
             hips,
             chest: Attitude { pitch: 0.1 * heat, ..Attitude::default() },
             shift: [share * lean.shift[0], 0.03 * heat],
@@ -122,7 +122,7 @@ fn talk(two: &mut [Script; 2], heat: f64, rng: &mut impl Rng) {
     for turn in 0..3 {
         let (speaker, long) = (turn % 2, rng.random_range(2.6..3.6));
         let begin = at.max(free[speaker]);
-        let said = Talk { from: begin, to: begin + long, facing: facing[speaker], gaze: 0.0, seated: false, heat };
+        let said = TalkStyle { from: begin, to: begin + long, facing: facing[speaker], gaze: 0.0, seated: false, heat };
         free[speaker] = gesture::talk(&mut two[speaker], &said, rng);
         if heat < 0.5 {
             nod(&mut two[1 - speaker], begin.max(free[1 - speaker]) + 0.5, free[speaker] - 0.6, rng);
@@ -132,93 +132,93 @@ fn talk(two: &mut [Script; 2], heat: f64, rng: &mut impl Rng) {
     }
     let end = free[0].max(free[1]) + 0.2;
     for s in two {
-        s.pose(end, 0.9, Posture::default());
-        s.look(end, 0.7, 0.0, 0.0, 0.0);
+        s.pose(end, 0.9, KeyedPosture::default());
+        s.turn_head(end, 0.7, 0.0, 0.0, 0.0);
         s.wait_until(end + 0.1);
     }
 }
 
 /// Adds occasional nods.
-fn nod(s: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
+fn nod(s: &mut MotionScript, from: f64, to: f64, rng: &mut impl Rng) {
     let mut t = from;
     while t < to - 0.6 {
-        let yaw = s.vary(0.06, rng);
-        s.look(t + 0.28, 0.25, yaw, FACE + 0.16, 0.0);
-        s.look(t + 0.58, 0.28, yaw, FACE, 0.0);
+        let yaw = s.random_offset(0.06, rng);
+        s.turn_head(t + 0.28, 0.25, yaw, FACE + 0.16, 0.0);
+        s.turn_head(t + 0.58, 0.28, yaw, FACE, 0.0);
         t += rng.random_range(0.9..1.8);
     }
 }
 
 /// Hands meet at the midpoint, go up and down together, and part. Both glance at the hands before they meet.
-fn shake_hands(two: &mut [Script; 2], rng: &mut impl Rng) {
+fn shake_hands(two: &mut [MotionScript; 2], rng: &mut impl Rng) {
     let from = two[0].now();
     let beats: Vec<f64> = [0.035, -0.04, 0.03, -0.035, 0.0].iter().map(|u| u * rng.random_range(0.8..1.2)).collect();
     let over = rng.random_range(0.16..0.19);
     for (k, s) in two.iter_mut().enumerate() {
-        s.look(from + 0.4, 0.35, 0.0, 0.12, 0.0);
-        face(s, from + 0.85, 0.4);
-        s.pose(from + 0.8, 0.8, chest(0.14, 0.1));
-        s.hand(Side::Right, from + 0.8, 0.75, met(k, GRIP, 0.0));
+        s.turn_head(from + 0.4, 0.35, 0.0, 0.12, 0.0);
+        look_at_face(s, from + 0.85, 0.4);
+        s.pose(from + 0.8, 0.8, chest_posture(0.14, 0.1));
+        s.hand(LateralSide::Right, from + 0.8, 0.75, meeting_hand(k, GRIP, 0.0));
         let mut t = from + 0.9;
-        s.hand(Side::Right, t, 0.1, met(k, GRIP, 0.0));
+        s.hand(LateralSide::Right, t, 0.1, meeting_hand(k, GRIP, 0.0));
         for up in &beats {
             t += over;
-            s.hand(Side::Right, t, over, met(k, GRIP + DVec3::Y * *up, 0.0));
+            s.hand(LateralSide::Right, t, over, meeting_hand(k, GRIP + DVec3::Y * *up, 0.0));
         }
-        s.hand(Side::Right, t + 0.2, 0.15, met(k, GRIP, 0.0));
+        s.hand(LateralSide::Right, t + 0.2, 0.15, meeting_hand(k, GRIP, 0.0));
         s.relax(t + 1.1, 0.85);
         s.wait_until(t + 1.2);
     }
 }
 
 /// The first person holds something out, the second one takes it.
-fn hand_over(two: &mut [Script; 2], rng: &mut impl Rng) {
+fn hand_over(two: &mut [MotionScript; 2], rng: &mut impl Rng) {
     let from = two[0].now();
-    let near = on(Side::Right, held([0.1, -0.36, 0.24], [0.5, -1.0, -0.3], -0.5));
+    let near = mirrored_for_side(LateralSide::Right, hand_before_body([0.1, -0.36, 0.24], [0.5, -1.0, -0.3], -0.5));
     let meet = from + 1.9 + rng.random_range(0.0..0.3);
     let [giver, taker] = two;
     // The thing comes up to the belly, is looked at, and is held out.
-    giver.hand(Side::Right, from + 0.8, 0.75, near);
-    giver.look(from + 0.7, 0.5, 0.0, 0.3, 0.0);
-    face(giver, from + 1.4, 0.4);
-    giver.pose(meet, 0.9, chest(0.14, 0.11));
-    giver.hand(Side::Right, meet, 0.85, met(0, ENDS, -0.6));
-    giver.hand(Side::Right, meet + 0.45, 0.1, met(0, ENDS, -0.6));
-    giver.look(meet, 0.4, 0.0, 0.2, 0.0);
-    face(giver, meet + 0.5, 0.4);
+    giver.hand(LateralSide::Right, from + 0.8, 0.75, near);
+    giver.turn_head(from + 0.7, 0.5, 0.0, 0.3, 0.0);
+    look_at_face(giver, from + 1.4, 0.4);
+    giver.pose(meet, 0.9, chest_posture(0.14, 0.11));
+    giver.hand(LateralSide::Right, meet, 0.85, meeting_hand(0, ENDS, -0.6));
+    giver.hand(LateralSide::Right, meet + 0.45, 0.1, meeting_hand(0, ENDS, -0.6));
+    giver.turn_head(meet, 0.4, 0.0, 0.2, 0.0);
+    look_at_face(giver, meet + 0.5, 0.4);
     giver.relax(meet + 1.5, 0.95);
-    taker.look(meet - 0.5, 0.5, 0.0, 0.22, 0.0);
-    taker.pose(meet + 0.05, 0.9, chest(0.14, 0.11));
-    taker.hand(Side::Right, meet + 0.05, 0.8, met(1, ENDS, -0.5));
-    taker.hand(Side::Right, meet + 0.35, 0.1, met(1, ENDS, -0.5));
-    taker.hand(Side::Right, meet + 1.1, 0.7, near);
-    taker.pose(meet + 1.2, 0.8, chest(0.0, 0.03));
-    taker.look(meet + 1.2, 0.4, 0.0, 0.28, 0.0);
-    face(taker, meet + 1.8, 0.4);
+    taker.turn_head(meet - 0.5, 0.5, 0.0, 0.22, 0.0);
+    taker.pose(meet + 0.05, 0.9, chest_posture(0.14, 0.11));
+    taker.hand(LateralSide::Right, meet + 0.05, 0.8, meeting_hand(1, ENDS, -0.5));
+    taker.hand(LateralSide::Right, meet + 0.35, 0.1, meeting_hand(1, ENDS, -0.5));
+    taker.hand(LateralSide::Right, meet + 1.1, 0.7, near);
+    taker.pose(meet + 1.2, 0.8, chest_posture(0.0, 0.03));
+    taker.turn_head(meet + 1.2, 0.4, 0.0, 0.28, 0.0);
+    look_at_face(taker, meet + 1.8, 0.4);
     taker.relax(meet + 2.8, 0.8);
     two.iter_mut().for_each(|s| s.wait_until(meet + 2.9));
 }
 
 /// Both hold each other's hands and step aside together, forth and back.
-fn dance(two: &mut [Script; 2]) {
+fn dance(two: &mut [MotionScript; 2]) {
     let from = two[0].now();
     for (k, s) in two.iter_mut().enumerate() {
-        let hands = held([0.17, -0.33, 0.31], [0.7, -1.0, -0.2], 0.35);
-        for side in Side::BOTH {
-            s.hand(side, from + 1.0, 0.9, on(side, hands));
+        let hands = hand_before_body([0.17, -0.33, 0.31], [0.7, -1.0, -0.2], 0.35);
+        for side in LateralSide::BOTH {
+            s.hand(side, from + 1.0, 0.9, mirrored_for_side(side, hands));
         }
-        face(s, from + 0.8, 0.5);
+        look_at_face(s, from + 0.8, 0.5);
         s.wait_until(from + 1.1);
         let home = s.stance();
         // Equal direction in the room: left for one is right for the other.
         let way = leftward(0.0) * 0.22;
-        let lead = if k == 0 { Side::Left } else { Side::Right };
+        let lead = if k == 0 { LateralSide::Left } else { LateralSide::Right };
         for there in [1.0, 0.0, -1.0, 0.0, 1.0, 0.0] {
-            let to = Stance { at: home.at + way * there, heading: home.heading };
+            let to = FeetStance { at: home.at + way * there, heading: home.heading };
             let forth = to.at.dot(way) > s.stance().at.dot(way);
             let first = if forth { lead } else { lead.other() };
             for side in [first, first.other()] {
-                s.step(Step { period: 0.56, ..Step::aside(side, to) });
+                s.step(ScriptStep { period: 0.56, ..ScriptStep::aside(side, to) });
             }
         }
         let t = s.now() + 0.3;

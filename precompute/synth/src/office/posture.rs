@@ -3,16 +3,16 @@
 use super::super::attitude::Attitude;
 use glam::DVec3;
 
-/// Number of channels of a [`Posture`].
+/// Number of channels of a [`KeyedPosture`].
 pub const BODY: usize = 9;
 /// Number of channels of an [`Attitude`] of the head.
 pub const HEAD: usize = 3;
-/// Number of channels of a [`HandPose`].
+/// Number of channels of a [`KeyedHandPose`].
 pub const HAND: usize = 15;
 
 /// Posture of hips and chest, in addition to balance and walking.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Posture {
+pub struct KeyedPosture {
     /// Turn of the hips.
     pub hips: Attitude,
     /// Turn of the upper chest in the world, which the spine shares evenly.
@@ -23,7 +23,7 @@ pub struct Posture {
     pub dip: f64,
 }
 
-impl Posture {
+impl KeyedPosture {
     /// Values of the channels.
     pub fn channels(self) -> [f64; BODY] {
         let Self { hips: h, chest: c, shift: [x, z], dip } = self;
@@ -31,7 +31,7 @@ impl Posture {
     }
 
     /// Posture with given channels.
-    pub fn of([hy, hp, hl, cy, cp, cl, x, z, dip]: [f64; BODY]) -> Self {
+    pub fn from_channels([hy, hp, hl, cy, cp, cl, x, z, dip]: [f64; BODY]) -> Self {
         let hips = Attitude { yaw: hy, pitch: hp, list: hl };
         Self { hips, chest: Attitude { yaw: cy, pitch: cp, list: cl }, shift: [x, z], dip }
     }
@@ -39,7 +39,7 @@ impl Posture {
 
 /// Pose of one hand: hanging as in walking, held before the body, or placed in the room.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HandPose {
+pub struct KeyedHandPose {
     /// Share of being held: 0 hangs and swings, 1 is held.
     pub held: f64,
     /// Wrist relative to the neck, in a frame that turns with the chest (m).
@@ -60,7 +60,7 @@ pub struct HandPose {
     pub shrug: f64,
 }
 
-impl HandPose {
+impl KeyedHandPose {
     /// A hanging hand; its held position is in front of the belly.
     pub const HANGING: Self = Self {
         held: 0.0,
@@ -81,7 +81,7 @@ impl HandPose {
     }
 
     /// Pose with given channels.
-    pub fn of(c: [f64; HAND]) -> Self {
+    pub fn from_channels(c: [f64; HAND]) -> Self {
         let [held, bx, by, bz, rx, ry, rz, placed, px, py, pz, twist, flex, reach, shrug] = c;
         let (body, room, pole) = (DVec3::new(bx, by, bz), DVec3::new(rx, ry, rz), DVec3::new(px, py, pz));
         Self { held, body, room, placed, pole, twist, flex, reach, shrug }
@@ -101,9 +101,9 @@ mod tests {
     #[test]
     fn channels_and_back() {
         let body: [f64; BODY] = std::array::from_fn(|i| i as f64);
-        assert_eq!(Posture::of(body).channels(), body);
+        assert_eq!(KeyedPosture::from_channels(body).channels(), body);
         let hand: [f64; HAND] = std::array::from_fn(|i| i as f64);
-        assert_eq!(HandPose::of(hand).channels(), hand);
-        assert_eq!(HandPose::of(hand).mirrored().mirrored(), HandPose::of(hand));
+        assert_eq!(KeyedHandPose::from_channels(hand).channels(), hand);
+        assert_eq!(KeyedHandPose::from_channels(hand).mirrored().mirrored(), KeyedHandPose::from_channels(hand));
     }
 }

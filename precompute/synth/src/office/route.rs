@@ -1,10 +1,10 @@
 //! Walking along a curve that avoids furniture.
 
-use super::super::side::Side;
-use super::super::walk::footsteps::Stance;
+use super::super::side::LateralSide;
+use super::super::walk::footsteps::FeetStance;
 use super::super::walk::gait::{StepShape, step_at, turning_step_at};
-use super::super::walk::wander::{STANDING_WIDTH, TOE_OUT, WALKING_WIDTH, limited};
-use super::script::{Script, Step};
+use super::super::walk::wander::{STANDING_WIDTH, TOE_OUT, WALKING_WIDTH, limit_turn};
+use super::script::{MotionScript, ScriptStep};
 use glam::DVec2;
 use rand::{Rng, RngExt};
 use std::ops::Range;
@@ -12,7 +12,7 @@ use throng_core::planar::wrap_angle;
 
 /// A cubic Bezier curve on the ground.
 #[derive(Clone, Copy, Debug)]
-struct Curve([DVec2; 4]);
+struct GroundCurve([DVec2; 4]);
 
 /// Number of random curves among which the best is walked.
 const TRIES: usize = 32;
@@ -21,21 +21,21 @@ const POINTS: usize = 48;
 /// Largest curvature of a path without penalty (rad/m).
 const BENDING: f64 = 1.1;
 
-impl Curve {
-    fn between(from: DVec2, depart: f64, to: DVec2, arrive: f64) -> Self {
+impl GroundCurve {
+    fn from_ends(from: DVec2, depart: f64, to: DVec2, arrive: f64) -> Self {
         let reach = 0.36 * (to - from).length();
         let ahead = super::super::side::forward;
         Self([from, from + ahead(depart) * reach, to - ahead(arrive) * reach, to])
     }
 
-    fn at(&self, u: f64) -> DVec2 {
+    fn position(&self, u: f64) -> DVec2 {
         let [a, b, c, d] = self.0;
         let v = 1.0 - u;
         a * (v * v * v) + b * (3.0 * v * v * u) + c * (3.0 * v * u * u) + d * (u * u * u)
     }
 
     fn heading(&self, u: f64) -> f64 {
-        let way = self.at((u + 0.01).min(1.0)) - self.at((u - 0.01).max(0.0));
+        let way = self.position((u + 0.01).min(1.0)) - self.position((u - 0.01).max(0.0));
         way.x.atan2(way.y)
     }
 
@@ -46,7 +46,7 @@ impl Curve {
             .map(|k| {
                 let u = k as f64 / POINTS as f64;
                 if k > 0 {
-                    gone += (self.at(u) - self.at((k - 1) as f64 / POINTS as f64)).length();
+                    gone += (self.position(u) - self.position((k - 1) as f64 / POINTS as f64)).length();
                 }
                 (gone, u)
             })
@@ -56,7 +56,7 @@ impl Curve {
     /// Penalty of a curve: furniture in the way, and sharp bends.
     fn penalty(&self, blocked: &impl Fn(DVec2) -> f64) -> f64 {
         let lengths = self.lengths();
-        let in_the_way: f64 = lengths.iter().map(|(_, u)| blocked(self.at(*u))).sum();
+        let in_the_way: f64 = lengths.iter().map(|(_, u)| blocked(self.position(*u))).sum();
         let bend = lengths.windows(2).map(|w| {
             let turn = wrap_angle((self.heading(w[1].1) - self.heading(w[0].1)) as f32).abs();
             (f64::from(turn) - BENDING * (w[1].0 - w[0].0)).max(0.0)
@@ -66,7 +66,7 @@ impl Curve {
 }
 
 /// Goal of a walk.
-pub struct Goal {
+pub struct GroundGoal {
     /// Position (m).
     pub at: DVec2,
     /// Acceptable headings of the last step (rad).
@@ -79,7 +79,12 @@ pub struct Goal {
 ///
 /// - `blocked`: depth of a point in obstacles (m).
 /// - returns the time at which the first foot leaves the ground (s).
-pub fn walk(script: &mut Script, goal: &Goal, blocked: impl Fn(DVec2) -> f64, rng: &mut impl Rng) -> f64 {
+pub fn walk_route(
+    script: &mut MotionScript,
+    goal: &GroundGoal,
+    blocked: impl Fn(DVec2) -> f64,
+    rng: &mut impl Rng,
+) -> f64 {
     let from = script.stance();
     let curve = choose(from, goal, blocked, rng);
     let began = script.next_lift();
@@ -90,7 +95,7 @@ pub fn walk(script: &mut Script, goal: &Goal, blocked: impl Fn(DVec2) -> f64, rn
             script.wait_until(script.now() + rng.random_range(0.2..0.6));
         }
     }
-    follow(script, &curve, goal.cruise, rng);
+    follow_curve(script, &curve, goal.cruise, rng);
     began
 }
 
@@ -98,14 +103,14 @@ fn turn_to(from: f64, to: f64) -> f64 {
     f64::from(wrap_angle((to - from) as f32))
 }
 
-fn choose(from: Stance, goal: &Goal, blocked: impl Fn(DVec2) -> f64, rng: &mut impl Rng) -> Curve {
+fn choose(from: FeetStance, goal: &GroundGoal, blocked: impl Fn(DVec2) -> f64, rng: &mut impl Rng) -> GroundCurve {
     let way = goal.at - from.at;
     let direct = way.x.atan2(way.y);
-    let mut best = (f64::INFINITY, Curve::between(from.at, direct, goal.at, direct));
+    let mut best = (f64::INFINITY, GroundCurve::from_ends(from.at, direct, goal.at, direct));
     for _ in 0..TRIES {
         let depart = direct + rng.random_range(-1.2..1.2);
         let arrive = rng.random_range(goal.arrive.clone());
-        let curve = Curve::between(from.at, depart, goal.at, arrive);
+        let curve = GroundCurve::from_ends(from.at, depart, goal.at, arrive);
         let taste = rng.random_range(0.0..0.25) + 0.1 * turn_to(from.heading, depart).abs();
         let penalty = curve.penalty(&blocked) + taste;
         if penalty < best.0 {
@@ -127,32 +132,32 @@ fn shares(distance: f64, usual: f64) -> Vec<f64> {
 }
 
 /// Steps along a curve, and stops at its end, feet side by side.
-fn follow(script: &mut Script, curve: &Curve, cruise: f64, rng: &mut impl Rng) {
+fn follow_curve(script: &mut MotionScript, curve: &GroundCurve, cruise: f64, rng: &mut impl Rng) {
     let lengths = curve.lengths();
     let distance = lengths[POINTS].0;
     let shares = shares(distance, step_at(cruise).length);
     let turn = turn_to(script.stance().heading, curve.heading(0.15));
-    let inside = if turn.abs() < 0.1 && rng.random_bool(0.5) { Side::Right } else { Side::inside(turn) };
+    let inside = if turn.abs() < 0.1 && rng.random_bool(0.5) { LateralSide::Right } else { LateralSide::inside(turn) };
     let mut side = script.free_foot().unwrap_or(inside);
     let mut gone = 0.0;
     for (k, share) in shares.iter().enumerate() {
         gone += share * distance;
-        let u = at_length(&lengths, gone);
+        let u = parameter_at_length(&lengths, gone);
         let here = script.stance();
-        let bend = limited(turn_to(here.heading, curve.heading(u)), side, 0.75);
-        let to = Stance { at: curve.at(u), heading: here.heading + bend };
+        let bend = limit_turn(turn_to(here.heading, curve.heading(u)), side, 0.75);
+        let to = FeetStance { at: curve.position(u), heading: here.heading + bend };
         let last = k + 1 == shares.len();
         let shape = shape(cruise, bend, k < 2, last);
-        let period = shape.period * (1.0 + script.vary(0.025, rng));
+        let period = shape.period * (1.0 + script.random_offset(0.025, rng));
         let width = if last { 0.5 * (WALKING_WIDTH + STANDING_WIDTH) } else { WALKING_WIDTH };
-        let toe_out = TOE_OUT * (1.0 + script.vary(0.2, rng));
-        script.step(Step { side, to, width, toe_out, period, double_support: shape.double_support });
+        let toe_out = TOE_OUT * (1.0 + script.random_offset(0.2, rng));
+        script.step(ScriptStep { side, to, width, toe_out, period, double_support: shape.double_support });
         side = side.other();
     }
     let here = script.stance();
-    let rest = limited(turn_to(here.heading, curve.heading(1.0)), side, 0.75);
-    let to = Stance { at: here.at, heading: here.heading + rest };
-    script.step(Step { double_support: 0.17, ..Step::aside(side, to) });
+    let rest = limit_turn(turn_to(here.heading, curve.heading(1.0)), side, 0.75);
+    let to = FeetStance { at: here.at, heading: here.heading + rest };
+    script.step(ScriptStep { double_support: 0.17, ..ScriptStep::aside(side, to) });
 }
 
 /// Timing of a walking step.
@@ -168,7 +173,7 @@ fn shape(cruise: f64, bend: f64, starts: bool, stops: bool) -> StepShape {
 }
 
 /// Parameter of a curve at a travelled distance.
-fn at_length(lengths: &[(f64, f64)], gone: f64) -> f64 {
+fn parameter_at_length(lengths: &[(f64, f64)], gone: f64) -> f64 {
     super::super::signal::interpolate(lengths, gone)
 }
 
@@ -183,14 +188,14 @@ mod tests {
         let mut rng = Pcg64Mcg::seed_from_u64(5);
         let obstacle = |p: DVec2| (0.3 - p.distance(DVec2::new(0.1, 1.2))).max(0.0);
         for k in 0..20 {
-            let mut script = Script::new(Stance { at: DVec2::ZERO, heading: 0.3 * f64::from(k) }, 1.0);
-            let goal = Goal { at: DVec2::new(0.0, 2.4), arrive: -1.0..1.0, cruise: 1.0 };
-            walk(&mut script, &goal, obstacle, &mut rng);
+            let mut script = MotionScript::new(FeetStance { at: DVec2::ZERO, heading: 0.3 * f64::from(k) }, 1.0);
+            let goal = GroundGoal { at: DVec2::new(0.0, 2.4), arrive: -1.0..1.0, cruise: 1.0 };
+            walk_route(&mut script, &goal, obstacle, &mut rng);
             let end = script.stance();
             assert!(end.at.distance(goal.at) < 1e-6, "{end:?}");
             let (mut at, mut deepest) = (script.start, 0.0f64);
             for step in &script.steps {
-                at = at.after(step);
+                at = at.after_step(step);
                 deepest = deepest.max(obstacle(at.at));
                 assert!(step.shape.length.hypot(step.aside) < 0.85, "{step:?}");
             }

@@ -1,49 +1,49 @@
 //! Timeline of a clip: steps, stays on the chair, keys of trunk, head and hands, and tags.
 
 use super::super::attitude::Attitude;
-use super::super::side::{Side, forward, leftward};
-use super::super::track::Track;
-use super::super::walk::footsteps::{LAST_STAND, SHIFT, Stance, timing};
+use super::super::side::{LateralSide, forward, leftward};
+use super::super::track::KeyTrack;
+use super::super::walk::footsteps::{FeetStance, LAST_STAND, SHIFT, timing};
 use super::super::walk::gait::{StepShape, pivot_step};
 use super::super::walk::wander::{Intent, STANDING_WIDTH, TOE_OUT};
-use super::posture::{BODY, HAND, HEAD, HandPose, Posture};
-use super::seat::Sitting;
+use super::posture::{BODY, HAND, HEAD, KeyedHandPose, KeyedPosture};
+use super::seat::ChairStay;
 use glam::DVec2;
 use rand::{Rng, RngExt};
 use throng_core::planar::wrap_angle;
 
 /// Timeline of a clip, to which events are appended.
-pub struct Script {
+pub struct MotionScript {
     /// Initial stance.
-    pub start: Stance,
+    pub start: FeetStance,
     /// The steps.
     pub steps: Vec<Intent>,
     /// Keys of hips and chest.
-    pub body: Track<BODY>,
+    pub body: KeyTrack<BODY>,
     /// Keys of the head.
-    pub head: Track<HEAD>,
+    pub head: KeyTrack<HEAD>,
     /// Keys of the left and the right hand.
-    pub hands: [Track<HAND>; 2],
+    pub hands: [KeyTrack<HAND>; 2],
     /// Stays on the chair, in order.
-    pub sittings: Vec<Sitting>,
+    pub sittings: Vec<ChairStay>,
     /// Times in which the left and the right hand rest on something (s).
     pub rests: [Vec<[f64; 2]>; 2],
     /// Tags: name, begin and end (s).
     pub tags: Vec<(&'static str, f64, f64)>,
     /// Factor on the usual variation.
     pub variation: f64,
-    stance: Stance,
+    stance: FeetStance,
     landed: f64,
     now: f64,
 }
 
-/// A single step, as taken by [`Script::step`].
+/// A single step, as taken by [`MotionScript::step`].
 #[derive(Clone, Copy, Debug)]
-pub struct Step {
+pub struct ScriptStep {
     /// The foot.
-    pub side: Side,
+    pub side: LateralSide,
     /// Stance after the step, once the other foot has followed.
-    pub to: Stance,
+    pub to: FeetStance,
     /// Distance of the ankles across (m).
     pub width: f64,
     /// Outward turn of the foot (rad).
@@ -54,9 +54,9 @@ pub struct Step {
     pub double_support: f64,
 }
 
-impl Step {
+impl ScriptStep {
     /// A step on the spot or aside.
-    pub fn aside(side: Side, to: Stance) -> Self {
+    pub fn aside(side: LateralSide, to: FeetStance) -> Self {
         Self { side, to, width: STANDING_WIDTH, toe_out: TOE_OUT, period: 0.6, double_support: 0.16 }
     }
 }
@@ -69,16 +69,16 @@ const CLOSING: f64 = 0.3;
 /// Least stand between two steps of the same foot (s).
 const LANDED: f64 = 0.15;
 
-impl Script {
+impl MotionScript {
     /// A timeline that begins standing.
-    pub fn new(start: Stance, variation: f64) -> Self {
-        let hand = HandPose::HANGING;
+    pub fn new(start: FeetStance, variation: f64) -> Self {
+        let hand = KeyedHandPose::HANGING;
         Self {
             start,
             steps: Vec::new(),
-            body: Track::new([0.0; BODY]),
-            head: Track::new([0.0; HEAD]),
-            hands: [Track::new(hand.channels()), Track::new(hand.mirrored().channels())],
+            body: KeyTrack::new([0.0; BODY]),
+            head: KeyTrack::new([0.0; HEAD]),
+            hands: [KeyTrack::new(hand.channels()), KeyTrack::new(hand.mirrored().channels())],
             sittings: Vec::new(),
             rests: [Vec::new(), Vec::new()],
             tags: Vec::new(),
@@ -95,7 +95,7 @@ impl Script {
     }
 
     /// Current stance.
-    pub fn stance(&self) -> Stance {
+    pub fn stance(&self) -> FeetStance {
         self.stance
     }
 
@@ -115,12 +115,12 @@ impl Script {
     }
 
     /// Random offset between `-amount` and `amount`, scaled by the variation.
-    pub fn vary(&self, amount: f64, rng: &mut impl Rng) -> f64 {
+    pub fn random_offset(&self, amount: f64, rng: &mut impl Rng) -> f64 {
         self.variation * amount * rng.random_range(-1.0..1.0)
     }
 
     /// Takes a step, after waiting for events that last longer than the last landing.
-    pub fn step(&mut self, step: Step) {
+    pub fn step(&mut self, step: ScriptStep) {
         let turn = f64::from(wrap_angle((step.to.heading - self.stance.heading) as f32));
         let along = self.stance.heading + 0.5 * turn;
         let way = step.to.at - self.stance.at;
@@ -136,7 +136,7 @@ impl Script {
         } else {
             0.0
         };
-        self.take(Intent {
+        self.add_step(Intent {
             side: step.side,
             pause,
             turn,
@@ -147,8 +147,8 @@ impl Script {
         });
     }
 
-    fn take(&mut self, intent: Intent) {
-        self.stance = self.stance.after(&intent);
+    fn add_step(&mut self, intent: Intent) {
+        self.stance = self.stance.after_step(&intent);
         self.landed = timing(&intent, self.landed).1;
         self.now = self.landed;
         self.steps.push(intent);
@@ -160,12 +160,12 @@ impl Script {
     }
 
     /// Foot that can step at once, in the middle of stepping.
-    pub fn free_foot(&self) -> Option<Side> {
+    pub fn free_foot(&self) -> Option<LateralSide> {
         self.steps.last().filter(|_| self.now <= self.landed + 0.02).map(|s| s.side.other())
     }
 
     /// Rests a hand on something from a little after `from` until a little before `to`.
-    pub fn rest(&mut self, side: Side, from: f64, to: f64) {
+    pub fn rest_hand(&mut self, side: LateralSide, from: f64, to: f64) {
         if to - from > 0.4 {
             self.rests[side.index()].push([from + 0.1, to - 0.12]);
         }
@@ -174,13 +174,17 @@ impl Script {
     /// Turns on the spot by `angle` in alternating steps, the inner foot first.
     pub fn turn_in_place(&mut self, angle: f64) {
         let opening = OPENING[usize::from(angle.abs() > 1.2)];
-        let (mut left, mut side, mut behind) = (angle, Side::inside(angle), 0.0);
+        let (mut left, mut side, mut behind) = (angle, LateralSide::inside(angle), 0.0);
         while f64::abs(left) > 0.03 || f64::abs(behind) > 0.03 {
-            let most = if side == Side::inside(angle) { opening } else { CLOSING };
+            let most = if side == LateralSide::inside(angle) { opening } else { CLOSING };
             let bend = left.clamp(-most, most);
             let shape = pivot_step(bend + behind);
-            let to = Stance { at: self.stance.at, heading: self.stance.heading + bend };
-            let step = Step { period: shape.period, double_support: shape.double_support, ..Step::aside(side, to) };
+            let to = FeetStance { at: self.stance.at, heading: self.stance.heading + bend };
+            let step = ScriptStep {
+                period: shape.period,
+                double_support: shape.double_support,
+                ..ScriptStep::aside(side, to)
+            };
             self.step(step);
             left -= bend;
             behind = bend;
@@ -191,31 +195,31 @@ impl Script {
     /// Steps sideways to a stance in closing steps, turning meanwhile.
     ///
     /// - `path`: position at each share of the way (m).
-    pub fn side_step(&mut self, to: Stance, path: impl Fn(f64) -> DVec2, rng: &mut impl Rng) {
+    pub fn side_step(&mut self, to: FeetStance, path: impl Fn(f64) -> DVec2, rng: &mut impl Rng) {
         const STRIDE: f64 = 0.3;
         let from = self.stance;
         let turn = f64::from(wrap_angle((to.heading - from.heading) as f32));
         let distance = (to.at - from.at).length();
         let pairs = (distance / STRIDE).max(turn.abs() / 0.5).ceil().max(1.0);
         let mean = from.heading + 0.5 * turn;
-        let lead = if (to.at - from.at).dot(leftward(mean)) >= 0.0 { Side::Left } else { Side::Right };
+        let lead = if (to.at - from.at).dot(leftward(mean)) >= 0.0 { LateralSide::Left } else { LateralSide::Right };
         for k in 1..=pairs as usize {
             let share = k as f64 / pairs;
-            let at = Stance { at: path(share), heading: from.heading + turn * share };
-            let period = 0.56 + self.vary(0.03, rng);
-            self.step(Step { period, ..Step::aside(lead, at) });
-            self.step(Step { period: period - 0.02, ..Step::aside(lead.other(), at) });
+            let at = FeetStance { at: path(share), heading: from.heading + turn * share };
+            let period = 0.56 + self.random_offset(0.03, rng);
+            self.step(ScriptStep { period, ..ScriptStep::aside(lead, at) });
+            self.step(ScriptStep { period: period - 0.02, ..ScriptStep::aside(lead.other(), at) });
         }
     }
 
     /// Brings hips and chest to a posture at `t`, starting `over` seconds before.
-    pub fn pose(&mut self, t: f64, over: f64, posture: Posture) {
+    pub fn pose(&mut self, t: f64, over: f64, posture: KeyedPosture) {
         self.body.hold(t - over);
         self.body.push(t, posture.channels());
     }
 
     /// Brings the head to an attitude at `t`, starting `over` seconds before.
-    pub fn look(&mut self, t: f64, over: f64, yaw: f64, pitch: f64, list: f64) {
+    pub fn turn_head(&mut self, t: f64, over: f64, yaw: f64, pitch: f64, list: f64) {
         self.head.hold(t - over);
         self.head.push(t, [yaw, pitch, list]);
     }
@@ -227,28 +231,28 @@ impl Script {
     }
 
     /// Brings a hand to a pose at `t`, starting `over` seconds before, or at its last key.
-    pub fn hand(&mut self, side: Side, t: f64, over: f64, pose: HandPose) {
+    pub fn hand(&mut self, side: LateralSide, t: f64, over: f64, pose: KeyedHandPose) {
         let track = &mut self.hands[side.index()];
         track.hold(t - over);
         track.push(t, pose.channels());
     }
 
     /// Pose of a hand at its last key.
-    pub fn hand_now(&self, side: Side) -> HandPose {
-        HandPose::of(self.hands[side.index()].last().1)
+    pub fn hand_now(&self, side: LateralSide) -> KeyedHandPose {
+        KeyedHandPose::from_channels(self.hands[side.index()].last().1)
     }
 
     /// Lets a hand hang from `t - over` until `t`, forgetting its held position.
-    pub fn let_hang(&mut self, side: Side, t: f64, over: f64) {
+    pub fn let_hang(&mut self, side: LateralSide, t: f64, over: f64) {
         let last = self.hand_now(side);
-        self.hand(side, t, over, HandPose { held: 0.0, flex: 0.0, reach: 0.0, shrug: 0.0, ..last });
+        self.hand(side, t, over, KeyedHandPose { held: 0.0, flex: 0.0, reach: 0.0, shrug: 0.0, ..last });
     }
 
     /// Returns to the neutral stand at `t`.
     pub fn relax(&mut self, t: f64, over: f64) {
-        self.pose(t, over, Posture::default());
-        self.look(t, over, 0.0, 0.0, 0.0);
-        for side in Side::BOTH {
+        self.pose(t, over, KeyedPosture::default());
+        self.turn_head(t, over, 0.0, 0.0, 0.0);
+        for side in LateralSide::BOTH {
             self.let_hang(side, t, over);
         }
     }

@@ -2,13 +2,13 @@
 
 use super::*;
 use crate::checks::*;
-use crate::{SynthSet, make};
+use crate::{SynthSet, make_set};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 use throng_core::{Contacts, Joint, NUM_JOINTS};
-use throng_motion::clip::{Clip, Tag};
+use throng_motion::clip::{Clip, ClipTag};
 
 const HANDS: [(Joint, Contacts); 2] =
     [(Joint::LeftHand, Contacts::LEFT_HAND), (Joint::RightHand, Contacts::RIGHT_HAND)];
@@ -16,7 +16,7 @@ const STANDING: [&str; 4] = ["idle", "chat", "dispute", "present"];
 const AT_DESK: [&str; 4] = ["sit_down", "work", "desk_chat", "stand_up"];
 
 static SET: LazyLock<ClipSet> = LazyLock::new(|| office(&SynthConfig::for_set(SynthSet::Office)));
-static WALK: LazyLock<ClipSet> = LazyLock::new(|| make(SynthSet::Walk, &SynthConfig::default()).unwrap());
+static WALK: LazyLock<ClipSet> = LazyLock::new(|| make_set(SynthSet::Walk, &SynthConfig::default()).unwrap());
 
 fn short(seed: u64, variation: f64) -> ClipSet {
     office(&SynthConfig { seed, variation, minutes: 1.2, clip_seconds: 30.0, ..SynthConfig::default() })
@@ -26,7 +26,7 @@ fn desk_clips(set: &ClipSet) -> impl Iterator<Item = &Clip> {
     set.clips.iter().filter(|c| c.name.starts_with("office_desk"))
 }
 
-fn tagged<'a>(clip: &'a Clip, name: &'a str) -> impl Iterator<Item = &'a Tag> {
+fn tagged<'a>(clip: &'a Clip, name: &'a str) -> impl Iterator<Item = &'a ClipTag> {
     clip.tags.iter().filter(move |t| t.name == name)
 }
 
@@ -59,7 +59,7 @@ fn characters_stand_sit_on_the_chair_and_nowhere_else_and_bend_the_right_way() {
             let low = clip.root_positions[f].y < 0.62;
             assert!(!low || clip.contacts[f].any(Contacts::SEAT) || off_the_seat(clip, f) < 0.12, "{} {f}", clip.name);
         }
-        let seats = throng_motion::clip::runs(0..clip.num_frames(), |f| clip.contacts[f].any(Contacts::SEAT));
+        let seats = throng_motion::clip::runs_where(0..clip.num_frames(), |f| clip.contacts[f].any(Contacts::SEAT));
         assert_eq!(seats.len(), tagged(clip, "sit_down").count(), "{}", clip.name);
     }
 }
@@ -80,9 +80,9 @@ proptest! {
 fn furniture() -> Vec<(Vec3, Vec3)> {
     let file: UnitFile = data("units/office.toml");
     let desk = file.units.into_iter().find(|u| u.name == "desk").unwrap();
-    let of_shape = |shape: &Shape| match *shape {
-        Shape::Box { at, size, .. } => (Vec3::from(at), 0.5 * Vec3::from(size)),
-        Shape::Bar { from, to, radius } => {
+    let of_shape = |shape: &CheckShape| match *shape {
+        CheckShape::Box { at, size, .. } => (Vec3::from(at), 0.5 * Vec3::from(size)),
+        CheckShape::Bar { from, to, radius } => {
             let (a, b) = (Vec3::from(from), Vec3::from(to));
             (0.5 * (a + b), 0.5 * (a - b).abs() + Vec3::new(radius, 0.0, radius))
         }
@@ -180,7 +180,7 @@ fn behaviours_begin_and_end_in_the_neutral_stand() {
 
 #[test]
 fn the_neutral_stand_is_the_walk_sets() {
-    let calm = |set| make(set, &SynthConfig { minutes: 0.05, variation: 0.0, ..SynthConfig::default() }).unwrap();
+    let calm = |set| make_set(set, &SynthConfig { minutes: 0.05, variation: 0.0, ..SynthConfig::default() }).unwrap();
     let (office, walk) = (calm(SynthSet::Office), calm(SynthSet::Walk));
     let stand = office.clips.iter().find(|c| c.name == "office_stand_00").unwrap();
     for f in 0..15 {

@@ -1,14 +1,14 @@
 //! A visit to the desk: walking up, getting between chair and desk, sitting down, working, standing up, walking away.
 
 use super::super::attitude::Attitude;
-use super::super::deck::Deck;
-use super::super::side::Side;
-use super::super::walk::footsteps::Stance;
-use super::desk::{BEFORE_SEAT, blocked};
-use super::posture::{HandPose, Posture};
-use super::route::{Goal, walk};
-use super::script::{Script, Step};
-use super::seat::Sitting;
+use super::super::deck::CardDeck;
+use super::super::side::LateralSide;
+use super::super::walk::footsteps::FeetStance;
+use super::desk::{BEFORE_SEAT, is_blocked};
+use super::posture::{KeyedHandPose, KeyedPosture};
+use super::route::{GroundGoal, walk_route};
+use super::script::{MotionScript, ScriptStep};
+use super::seat::ChairStay;
 use super::work::{self, Worker};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
@@ -28,7 +28,7 @@ const UNDER_KNEES: f64 = 0.47;
 const DRAWN_BACK: f64 = 0.29;
 
 /// Posture of the trunk in sitting: a little slumped.
-pub const SITTING: Posture = Posture {
+pub const SITTING: KeyedPosture = KeyedPosture {
     hips: Attitude { yaw: 0.0, pitch: -0.14, list: 0.0 },
     chest: Attitude { yaw: 0.0, pitch: 0.07, list: 0.0 },
     shift: [0.0; 2],
@@ -38,51 +38,51 @@ pub const SITTING: Posture = Posture {
 /// Attitude without turn or lean.
 const UPRIGHT: Attitude = Attitude { yaw: 0.0, pitch: 0.0, list: 0.0 };
 /// Posture between chair and desk: the hips held back, so that the thighs pass the desk's edge.
-const SQUEEZED: Posture = Posture { hips: UPRIGHT, chest: UPRIGHT, shift: [0.0, -0.025], dip: 0.0 };
+const SQUEEZED: KeyedPosture = KeyedPosture { hips: UPRIGHT, chest: UPRIGHT, shift: [0.0, -0.025], dip: 0.0 };
 
-/// Hand on the thigh, left; [`HandPose::mirrored`] for the right one.
-pub const LAP: HandPose = HandPose {
+/// Hand on the thigh, left; [`KeyedHandPose::mirrored`] for the right one.
+pub const LAP: KeyedHandPose = KeyedHandPose {
     held: 1.0,
     room: DVec3::new(0.14, 0.655, 0.31),
     placed: 1.0,
     pole: DVec3::new(0.9, -0.5, -0.6),
     twist: 1.1,
-    ..HandPose::HANGING
+    ..KeyedHandPose::HANGING
 };
 
 /// Dealer of visits. One serves all clips of a set, so that directions and work are spread evenly.
-pub struct Visitor {
-    ways: [Deck<f64>; 2],
-    sides: [Deck<Side>; 2],
-    speeds: Deck<f64>,
+pub struct DeskVisitor {
+    directions: [CardDeck<f64>; 2],
+    sides: [CardDeck<LateralSide>; 2],
+    speeds: CardDeck<f64>,
     worker: Worker,
 }
 
-impl Visitor {
+impl DeskVisitor {
     /// No visit yet.
     pub fn new() -> Self {
         Self {
-            ways: [Deck::new(&DIRECTIONS), Deck::new(&DIRECTIONS)],
-            sides: [Deck::new(&Side::BOTH), Deck::new(&Side::BOTH)],
-            speeds: Deck::new(&SPEEDS),
+            directions: [CardDeck::new(&DIRECTIONS), CardDeck::new(&DIRECTIONS)],
+            sides: [CardDeck::new(&LateralSide::BOTH), CardDeck::new(&LateralSide::BOTH)],
+            speeds: CardDeck::new(&SPEEDS),
             worker: Worker::new(),
         }
     }
 
     /// Timeline of visits for about `seconds`, from standing to standing.
-    pub fn visits(&mut self, seconds: f64, variation: f64, rng: &mut impl Rng) -> Script {
-        let at = self.place(0, rng);
-        let mut script = Script::new(Stance { at, heading: rng.random_range(-PI..PI) }, variation);
+    pub fn visits(&mut self, seconds: f64, variation: f64, rng: &mut impl Rng) -> MotionScript {
+        let at = self.deal_place(0, rng);
+        let mut script = MotionScript::new(FeetStance { at, heading: rng.random_range(-PI..PI) }, variation);
         loop {
             let before = script.now();
             script.wait_until(before + rng.random_range(0.5..1.3));
             script.tag("stand", before);
             // Coming and going take about 17 s.
             let left = seconds - script.now() - 17.0;
-            self.come(&mut script, rng);
+            self.walk_to_chair(&mut script, rng);
             let work = if left < 32.0 { left } else { rng.random_range(10.0..left.min(34.0)) };
-            self.stay(&mut script, work.clamp(6.0, 40.0), rng);
-            self.leave(&mut script, rng);
+            self.sit_and_work(&mut script, work.clamp(6.0, 40.0), rng);
+            self.walk_away(&mut script, rng);
             if seconds - script.now() < 16.0 {
                 let end = script.now();
                 script.wait_until(end + 1.0);
@@ -93,25 +93,25 @@ impl Visitor {
     }
 
     /// A position away from the chair.
-    fn place(&mut self, deck: usize, rng: &mut impl Rng) -> DVec2 {
-        let direction = (self.ways[deck].deal(rng) + rng.random_range(-9.0..9.0)).to_radians();
+    fn deal_place(&mut self, deck: usize, rng: &mut impl Rng) -> DVec2 {
+        let direction = (self.directions[deck].deal(rng) + rng.random_range(-9.0..9.0)).to_radians();
         let distance = rng.random_range(AWAY[0]..AWAY[1]);
         DVec2::new(direction.sin(), -direction.cos()) * distance
     }
 
     /// Walks up to a side of the chair and steps in front of it.
-    fn come(&mut self, script: &mut Script, rng: &mut impl Rng) {
+    fn walk_to_chair(&mut self, script: &mut MotionScript, rng: &mut impl Rng) {
         let from = script.stance().at;
         // Around the chair only if that is not far.
         let dealt = self.sides[0].deal(rng);
-        let side = if from.x.abs() > 0.8 { Side::inside(from.x) } else { dealt };
+        let side = if from.x.abs() > 0.8 { LateralSide::inside(from.x) } else { dealt };
         let s = side.sign();
         let across = from.y > 0.3;
         let at = DVec2::new(s * rng.random_range(0.62..0.72), if across { 0.02 } else { rng.random_range(0.04..0.14) });
         let arrive = if across { s * 2.0 - 0.35..s * 2.0 + 0.35 } else { -0.75..0.75 };
         let arrive = if across { -arrive.end..-arrive.start } else { arrive };
         let cruise = self.speeds.deal(rng);
-        let began = walk(script, &Goal { at, arrive, cruise }, blocked, rng);
+        let began = walk_route(script, &GroundGoal { at, arrive, cruise }, is_blocked, rng);
         let turned = script.stance().heading;
         let turned = f64::from(throng_core::planar::wrap_angle(turned as f32));
         if rng.random_bool(0.45) {
@@ -120,7 +120,10 @@ impl Visitor {
         if turned.abs() > 0.75 {
             script.turn_in_place(-turned + turned.signum() * rng.random_range(0.1..0.4));
         }
-        let to = Stance { at: DVec2::new(script.vary(0.02, rng), BEFORE_SEAT), heading: script.vary(0.06, rng) };
+        let to = FeetStance {
+            at: DVec2::new(script.random_offset(0.02, rng), BEFORE_SEAT),
+            heading: script.random_offset(0.06, rng),
+        };
         let from = script.stance().at;
         let path = |u: f64| {
             let forward = (1.7 * u).min(1.0);
@@ -133,26 +136,26 @@ impl Visitor {
     }
 
     /// Sits down, works, and prepares to stand up again.
-    fn stay(&mut self, script: &mut Script, work: f64, rng: &mut impl Rng) {
+    fn sit_and_work(&mut self, script: &mut MotionScript, work: f64, rng: &mut impl Rng) {
         let [begin, end] = take_seat(script, true, rng);
         script.tags.push(("sit_down", begin, end));
         work::work(&mut self.worker, script, end, end + work, rng);
     }
 
     /// Stands up, gets out from between chair and desk, and walks away.
-    fn leave(&mut self, script: &mut Script, rng: &mut impl Rng) {
+    fn walk_away(&mut self, script: &mut MotionScript, rng: &mut impl Rng) {
         let [ready, end] = rise(script, true, rng);
         script.tags.push(("stand_up", ready, end));
         script.wait_until(end + rng.random_range(0.0..0.3));
-        let goal = self.place(1, rng);
+        let goal = self.deal_place(1, rng);
         let dealt = self.sides[1].deal(rng);
-        let side = if goal.x.abs() > 0.6 { Side::inside(goal.x) } else { dealt };
+        let side = if goal.x.abs() > 0.6 { LateralSide::inside(goal.x) } else { dealt };
         let began = script.next_lift();
         step_out(script, side, rng);
         let direct = goal - script.stance().at;
         let ahead = direct.x.atan2(direct.y);
         let cruise = self.speeds.deal(rng);
-        walk(script, &Goal { at: goal, arrive: ahead - 0.9..ahead + 0.9, cruise }, blocked, rng);
+        walk_route(script, &GroundGoal { at: goal, arrive: ahead - 0.9..ahead + 0.9, cruise }, is_blocked, rng);
         script.tag("walk", began);
     }
 }
@@ -161,13 +164,13 @@ impl Visitor {
 ///
 /// - `at_desk`: allows a hand to take hold of the desk's edge.
 /// - returns begin and end of sitting down (s).
-pub fn take_seat(script: &mut Script, at_desk: bool, rng: &mut impl Rng) -> [f64; 2] {
+pub fn take_seat(script: &mut MotionScript, at_desk: bool, rng: &mut impl Rng) -> [f64; 2] {
     let begin = script.now();
-    let end = begin + 2.0 + script.vary(0.25, rng);
-    script.sittings.push(Sitting { down: [begin, end], up: [f64::INFINITY; 2] });
+    let end = begin + 2.0 + script.random_offset(0.25, rng);
+    script.sittings.push(ChairStay { down: [begin, end], up: [f64::INFINITY; 2] });
     sit_down(script, begin, end, at_desk, rng);
     let heading = script.stance().heading;
-    place_feet(script, Side::BOTH[usize::from(rng.random_bool(0.5))], UNDER_KNEES, heading, rng);
+    place_feet(script, LateralSide::BOTH[usize::from(rng.random_bool(0.5))], UNDER_KNEES, heading, rng);
     [begin, end]
 }
 
@@ -175,12 +178,12 @@ pub fn take_seat(script: &mut Script, at_desk: bool, rng: &mut impl Rng) -> [f64
 ///
 /// - `at_desk`: allows a hand to push off the desk's edge.
 /// - returns begin and end of rising (s).
-pub fn rise(script: &mut Script, at_desk: bool, rng: &mut impl Rng) -> [f64; 2] {
+pub fn rise(script: &mut MotionScript, at_desk: bool, rng: &mut impl Rng) -> [f64; 2] {
     let ready = script.now();
-    let heading = script.vary(0.04, rng);
-    place_feet(script, Side::BOTH[usize::from(rng.random_bool(0.5))], DRAWN_BACK, heading, rng);
+    let heading = script.random_offset(0.04, rng);
+    place_feet(script, LateralSide::BOTH[usize::from(rng.random_bool(0.5))], DRAWN_BACK, heading, rng);
     let begin = script.now();
-    let end = begin + 2.0 + script.vary(0.2, rng);
+    let end = begin + 2.0 + script.random_offset(0.2, rng);
     if let Some(sitting) = script.sittings.last_mut() {
         sitting.up = [begin, end];
     }
@@ -189,7 +192,7 @@ pub fn rise(script: &mut Script, at_desk: bool, rng: &mut impl Rng) -> [f64; 2] 
 }
 
 /// Steps sideways to where the path behind is free, turning a little outwards.
-fn step_out(script: &mut Script, side: Side, rng: &mut impl Rng) {
+fn step_out(script: &mut MotionScript, side: LateralSide, rng: &mut impl Rng) {
     let from = script.stance().at;
     let out = DVec2::new(side.sign() * rng.random_range(0.6..0.7), rng.random_range(0.1..0.2));
     let path = |u: f64| {
@@ -197,41 +200,42 @@ fn step_out(script: &mut Script, side: Side, rng: &mut impl Rng) {
         DVec2::new(from.x + (out.x - from.x) * u, from.y + (out.y - from.y) * back)
     };
     let heading = side.sign() * rng.random_range(0.0..0.5);
-    script.side_step(Stance { at: out, heading }, path, rng);
-    script.pose(script.now(), 0.8, Posture::default());
+    script.side_step(FeetStance { at: out, heading }, path, rng);
+    script.pose(script.now(), 0.8, KeyedPosture::default());
 }
 
 /// Places one foot after the other at a distance in front of the seat.
-fn place_feet(script: &mut Script, first: Side, ahead: f64, heading: f64, rng: &mut impl Rng) {
-    let ahead = ahead + script.vary(0.02, rng);
-    let to = Stance { at: DVec2::new(script.stance().at.x, ahead), heading };
-    let width = 0.22 + script.vary(0.03, rng);
+fn place_feet(script: &mut MotionScript, first: LateralSide, ahead: f64, heading: f64, rng: &mut impl Rng) {
+    let ahead = ahead + script.random_offset(0.02, rng);
+    let to = FeetStance { at: DVec2::new(script.stance().at.x, ahead), heading };
+    let width = 0.22 + script.random_offset(0.03, rng);
     for side in [first, first.other()] {
-        let step = Step { width, period: 0.56, ..Step::aside(side, to) };
+        let step = ScriptStep { width, period: 0.56, ..ScriptStep::aside(side, to) };
         script.step(step);
     }
 }
 
 /// Moves trunk and hands while sitting down: the hands to the thighs, or one to the desk.
-fn sit_down(script: &mut Script, begin: f64, end: f64, at_desk: bool, rng: &mut impl Rng) {
+fn sit_down(script: &mut MotionScript, begin: f64, end: f64, at_desk: bool, rng: &mut impl Rng) {
     let over = end - begin;
     script.pose(end, 0.55 * over, SITTING);
-    script.look(begin + 0.45 * over, 0.4 * over, script.vary(0.1, rng), 0.12, 0.0);
-    script.look(end + 0.2, 0.5 * over, 0.0, 0.1, 0.0);
-    let support = if at_desk { [Some(Side::Left), Some(Side::Right), None][rng.random_range(0..3)] } else { None };
-    for side in Side::BOTH {
-        let lap = on(side, LAP);
+    script.turn_head(begin + 0.45 * over, 0.4 * over, script.random_offset(0.1, rng), 0.12, 0.0);
+    script.turn_head(end + 0.2, 0.5 * over, 0.0, 0.1, 0.0);
+    let support =
+        if at_desk { [Some(LateralSide::Left), Some(LateralSide::Right), None][rng.random_range(0..3)] } else { None };
+    for side in LateralSide::BOTH {
+        let lap = mirrored_for_side(side, LAP);
         if support == Some(side) {
             let touch = begin + 0.4 * over;
             let until = begin + 0.72 * over;
-            let edge = on(side, work::edge(0.26));
-            let above = HandPose { room: edge.room + DVec3::new(0.0, 0.05, -0.09), ..edge };
+            let edge = mirrored_for_side(side, work::over_desk_edge(0.26));
+            let above = KeyedHandPose { room: edge.room + DVec3::new(0.0, 0.05, -0.09), ..edge };
             script.hand(side, touch - 0.3, touch - 0.3 - begin, above);
             script.hand(side, touch, 0.3, edge);
             script.hand(side, until, 0.1, edge);
             script.hand(side, until + 0.3, 0.3, above);
             script.hand(side, until + 0.75, 0.45, lap);
-            script.rest(side, touch, until);
+            script.rest_hand(side, touch, until);
         } else {
             script.hand(side, begin + 0.85 * over, 0.8 * over, lap);
         }
@@ -240,23 +244,24 @@ fn sit_down(script: &mut Script, begin: f64, end: f64, at_desk: bool, rng: &mut 
 }
 
 /// Moves trunk and hands while standing up: pushes off the thighs, or off the desk with one hand.
-fn stand_up(script: &mut Script, begin: f64, end: f64, at_desk: bool, rng: &mut impl Rng) {
+fn stand_up(script: &mut MotionScript, begin: f64, end: f64, at_desk: bool, rng: &mut impl Rng) {
     let over = end - begin;
     script.pose(begin + 0.75 * over, 0.75 * over, SQUEEZED);
-    script.look(begin + 0.4 * over, 0.35 * over, 0.0, 0.05, 0.0);
-    script.look(end, 0.5 * over, 0.0, 0.0, 0.0);
-    let support = if at_desk { [Some(Side::Left), Some(Side::Right), None][rng.random_range(0..3)] } else { None };
-    for side in Side::BOTH {
+    script.turn_head(begin + 0.4 * over, 0.35 * over, 0.0, 0.05, 0.0);
+    script.turn_head(end, 0.5 * over, 0.0, 0.0, 0.0);
+    let support =
+        if at_desk { [Some(LateralSide::Left), Some(LateralSide::Right), None][rng.random_range(0..3)] } else { None };
+    for side in LateralSide::BOTH {
         if support == Some(side) {
             let (touch, until) = (begin + 0.15 * over, begin + 0.62 * over);
-            let edge = on(side, work::edge(0.26));
-            let above = HandPose { room: edge.room + DVec3::new(0.0, 0.08, -0.05), ..edge };
+            let edge = mirrored_for_side(side, work::over_desk_edge(0.26));
+            let above = KeyedHandPose { room: edge.room + DVec3::new(0.0, 0.08, -0.05), ..edge };
             script.hand(side, touch - 0.1, 0.45, above);
             script.hand(side, touch, 0.1, edge);
             script.hand(side, until, 0.1, edge);
-            script.hand(side, until + 0.25, 0.25, HandPose { held: 0.8, ..above });
+            script.hand(side, until + 0.25, 0.25, KeyedHandPose { held: 0.8, ..above });
             script.let_hang(side, end + 0.2, end + 0.2 - (until + 0.25));
-            script.rest(side, touch, until);
+            script.rest_hand(side, touch, until);
         } else {
             script.let_hang(side, end, 0.6 * over);
         }
@@ -265,6 +270,6 @@ fn stand_up(script: &mut Script, begin: f64, end: f64, at_desk: bool, rng: &mut 
 }
 
 /// Mirrors a pose of the left hand for the right side.
-pub fn on(side: Side, pose: HandPose) -> HandPose {
-    if side == Side::Left { pose } else { pose.mirrored() }
+pub fn mirrored_for_side(side: LateralSide, pose: KeyedHandPose) -> KeyedHandPose {
+    if side == LateralSide::Left { pose } else { pose.mirrored() }
 }

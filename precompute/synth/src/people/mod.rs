@@ -7,7 +7,7 @@ mod acts;
 
 use super::SynthConfig;
 use super::office::assemble;
-use acts::Act;
+use acts::PersonAct;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use throng_core::Skeleton;
@@ -26,7 +26,7 @@ pub const MINUTES: f64 = 4.7;
 pub fn people(cfg: &SynthConfig) -> ClipSet {
     let mut set = ClipSet { skeleton: Skeleton::default(), clips: Vec::new() };
     let mut spent = 0.0;
-    for (number, act) in Act::LIST.iter().cycle().enumerate() {
+    for (number, act) in PersonAct::LIST.iter().cycle().enumerate() {
         if spent >= cfg.minutes * 60.0 {
             break;
         }

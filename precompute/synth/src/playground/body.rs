@@ -3,9 +3,9 @@
 use super::super::arm::ArmShape;
 use super::super::attitude::Attitude;
 use super::super::frame::ArmPose;
-use super::super::side::Side;
+use super::super::side::LateralSide;
 use super::super::signal::bump;
-use super::moment::{ease, mix_arms};
+use super::moment::{ease_in_out, mix_arms};
 use glam::{DQuat, DVec3};
 use throng_core::{Joint, Skeleton};
 
@@ -42,7 +42,7 @@ impl Carriage {
     }
 
     /// Posture with given channels.
-    pub fn of(c: [f64; CHANNELS]) -> Self {
+    pub fn from_channels(c: [f64; CHANNELS]) -> Self {
         let [x, y, z, h0, h1, c0, c1, c2, d0, d1, d2] = c;
         Self { place: DVec3::new(x, y, z), hips: [h0, h1], chest: [c0, c1, c2], head: [d0, d1, d2] }
     }
@@ -61,13 +61,13 @@ impl Carriage {
 
 /// A hand's contact with a hold.
 #[derive(Clone, Debug)]
-pub struct Grip {
+pub struct SynthHandGrip {
     /// Time of arrival (s).
     pub land: f64,
     /// Time of release (s).
     pub lift: f64,
     /// Position of the palm.
-    pub hold: Hold,
+    pub hold: HoldPoint,
     /// Direction of the elbow.
     pub pole: DVec3,
     /// Twist of the forearm, palm down positive (rad).
@@ -76,7 +76,7 @@ pub struct Grip {
 
 /// Position that a hand holds on to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Hold {
+pub enum HoldPoint {
     /// Fixed in the world (m).
     Still(DVec3),
     /// Moving with the body: along the path from the hips, off it and to its left (m).
@@ -86,9 +86,9 @@ pub enum Hold {
 /// Motion of one hand: hanging, holding on here and there, hanging.
 pub struct HandTrack {
     /// Side of the hand.
-    pub side: Side,
+    pub side: LateralSide,
     /// Contacts, in order.
-    pub grips: Vec<Grip>,
+    pub grips: Vec<SynthHandGrip>,
     /// Time to reach the first contact, and to return from the last one (s).
     pub reach: f64,
     /// Detour of the hand between contacts (m).
@@ -96,7 +96,7 @@ pub struct HandTrack {
 }
 
 /// Goal of a hand at an instant.
-struct Goal {
+struct SynthHandGoal {
     palm: DVec3,
     pole: DVec3,
     twist: f64,
@@ -107,7 +107,7 @@ struct Goal {
 }
 
 /// Trunk that an arm belongs to.
-pub struct Trunk<'a> {
+pub struct ArmTrunk<'a> {
     /// Hips joint (m).
     pub root: DVec3,
     /// World rotation of the hips.
@@ -116,9 +116,9 @@ pub struct Trunk<'a> {
     pub segments: &'a [DQuat; 5],
 }
 
-impl Trunk<'_> {
+impl ArmTrunk<'_> {
     /// Position of a clavicle's joint (m).
-    fn clavicle(&self, side: Side, skeleton: &Skeleton) -> DVec3 {
+    fn clavicle(&self, side: LateralSide, skeleton: &Skeleton) -> DVec3 {
         let offset = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
         self.root
             + self.hips * offset(Joint::Spine)
@@ -136,32 +136,33 @@ impl HandTrack {
     pub fn arm(
         &self,
         t: f64,
-        trunk: &Trunk,
+        trunk: &ArmTrunk,
         hanging: &ArmPose,
         along: impl Fn(DVec3) -> DVec3,
         skeleton: &Skeleton,
     ) -> (ArmPose, bool) {
         let Some(goal) = self.goal(t, along) else { return (*hanging, false) };
-        let (holding, miss) = self.hold(&goal, trunk, skeleton);
+        let (holding, miss) = self.reach_hold(&goal, trunk, skeleton);
         (mix_arms(hanging, &holding, goal.share), goal.still && miss < HOLDS)
     }
 
-    fn goal(&self, t: f64, along: impl Fn(DVec3) -> DVec3) -> Option<Goal> {
+    fn goal(&self, t: f64, along: impl Fn(DVec3) -> DVec3) -> Option<SynthHandGoal> {
         let (first, last) = (self.grips.first()?, self.grips.last()?);
-        let share = ease((t - first.land) / self.reach + 1.0) * (1.0 - ease((t - last.lift) / self.reach));
-        let place = |hold: Hold| match hold {
-            Hold::Still(p) => p,
-            Hold::Along(p) => along(p),
+        let share =
+            ease_in_out((t - first.land) / self.reach + 1.0) * (1.0 - ease_in_out((t - last.lift) / self.reach));
+        let place = |hold: HoldPoint| match hold {
+            HoldPoint::Still(p) => p,
+            HoldPoint::Along(p) => along(p),
         };
         let i = self.grips.partition_point(|g| g.land <= t).saturating_sub(1);
         let grip = &self.grips[i];
         let stays = (grip.land..=grip.lift).contains(&t);
-        let still = stays && matches!(grip.hold, Hold::Still(_));
-        let at = Goal { palm: place(grip.hold), pole: grip.pole, twist: grip.twist, share, still };
+        let still = stays && matches!(grip.hold, HoldPoint::Still(_));
+        let at = SynthHandGoal { palm: place(grip.hold), pole: grip.pole, twist: grip.twist, share, still };
         let Some(next) = self.grips.get(i + 1).filter(|_| t > grip.lift) else { return Some(at) };
         let u = (t - grip.lift) / (next.land - grip.lift);
-        let w = ease(u);
-        Some(Goal {
+        let w = ease_in_out(u);
+        Some(SynthHandGoal {
             palm: at.palm.lerp(place(next.hold), w) + self.detour * bump(u),
             pole: grip.pole.lerp(next.pole, w),
             twist: grip.twist + (next.twist - grip.twist) * w,
@@ -170,7 +171,7 @@ impl HandTrack {
     }
 
     /// Pose of the arm that brings the palm to its hold, and the remaining distance (m).
-    fn hold(&self, goal: &Goal, trunk: &Trunk, skeleton: &Skeleton) -> (ArmPose, f64) {
+    fn reach_hold(&self, goal: &SynthHandGoal, trunk: &ArmTrunk, skeleton: &Skeleton) -> (ArmPose, f64) {
         let [_, upper, fore, hand] = self.side.arm();
         let offset = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
         let shape = ArmShape { upper_arm: offset(fore).length(), forearm: offset(hand).length() };

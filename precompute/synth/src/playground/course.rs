@@ -1,7 +1,7 @@
 //! Course of a slide: the centre line of its bed, by distance over the ground.
 
 use super::super::side::{forward, leftward};
-use super::super::walk::footsteps::Stance;
+use super::super::walk::footsteps::FeetStance;
 use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
 
@@ -20,9 +20,9 @@ const ROUNDING: f64 = 0.14;
 
 /// A slide, from the deck before it to the ground behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Course {
+pub struct SlideCourse {
     /// Upper edge.
-    pub start: Stance,
+    pub start: FeetStance,
     /// Height of the upper edge (m).
     pub level: f64,
     /// Slope of the even part: drop over distance.
@@ -44,7 +44,7 @@ pub struct CoursePoint {
 
 impl CoursePoint {
     /// Horizontal direction to the left.
-    pub fn left(&self) -> DVec3 {
+    pub fn leftward(&self) -> DVec3 {
         let l = leftward(self.heading);
         DVec3::new(l.x, 0.0, l.y)
     }
@@ -57,71 +57,71 @@ impl CoursePoint {
     }
 
     /// A point off the centre line: to the left along the ground, and off the bed (m).
-    pub fn beside(&self, left: f64, up: f64) -> DVec3 {
-        self.at + self.left() * left + self.normal() * up
+    pub fn offset_point(&self, left: f64, up: f64) -> DVec3 {
+        self.at + self.leftward() * left + self.normal() * up
     }
 }
 
-impl Course {
+impl SlideCourse {
     /// A straight slide of pieces that drop three metres in four.
-    pub fn straight(start: Stance, level: f64) -> Self {
+    pub fn straight(start: FeetStance, level: f64) -> Self {
         Self { start, level, slope: 0.75, bend: None }
     }
 
     /// A curved slide.
-    pub fn curved(start: Stance, level: f64) -> Self {
+    pub fn curved(start: FeetStance, level: f64) -> Self {
         Self { start, level, slope: 0.7, bend: Some((0.4, 1.5)) }
     }
 
     /// Distance at which the bed begins to flatten out (m).
-    fn even(&self) -> f64 {
+    fn flattening_start(&self) -> f64 {
         (self.level - END_HEIGHT) / self.slope - 0.5 * FLATTENING
     }
 
     /// Distance of the lower end (m).
     pub fn length(&self) -> f64 {
-        self.even() + FLATTENING + RUN_OUT
+        self.flattening_start() + FLATTENING + RUN_OUT
     }
 
     /// Height of the bed; that of the deck before its upper edge, and that of its end beyond it (m).
     pub fn height(&self, s: f64) -> f64 {
-        let u = (s - self.even()).clamp(0.0, FLATTENING);
-        self.level - self.slope * s.clamp(0.0, self.even()) - self.slope * (u - u * u / (2.0 * FLATTENING))
+        let u = (s - self.flattening_start()).clamp(0.0, FLATTENING);
+        self.level - self.slope * s.clamp(0.0, self.flattening_start()) - self.slope * (u - u * u / (2.0 * FLATTENING))
     }
 
     /// Position and heading on the ground.
-    pub fn plan(&self, s: f64) -> Stance {
-        let Stance { at, heading } = self.start;
-        let Some((from, radius)) = self.bend else { return Stance { at: at + forward(heading) * s, heading } };
+    pub fn ground_stance(&self, s: f64) -> FeetStance {
+        let FeetStance { at, heading } = self.start;
+        let Some((from, radius)) = self.bend else { return FeetStance { at: at + forward(heading) * s, heading } };
         let turn = ((s - from) / radius).clamp(0.0, FRAC_PI_2);
         let (before, after) = (s.min(from), (s - from - radius * FRAC_PI_2).max(0.0));
         let to_left = leftward(heading) * (radius * (1.0 - turn.cos()));
         let ahead = forward(heading) * (before + radius * turn.sin());
-        Stance { at: at + to_left + ahead + forward(heading + turn) * after, heading: heading + turn }
+        FeetStance { at: at + to_left + ahead + forward(heading + turn) * after, heading: heading + turn }
     }
 
     /// Point at a distance, with rounded edges (m).
     pub fn point(&self, s: f64) -> CoursePoint {
         const SAMPLES: i32 = 8;
-        let plan = self.plan(s);
+        let plan = self.ground_stance(s);
         let mean = |f: &dyn Fn(f64) -> f64| {
             let sum: f64 = (-SAMPLES..=SAMPLES).map(|k| f(s + ROUNDING * f64::from(k) / f64::from(SAMPLES))).sum();
             sum / f64::from(2 * SAMPLES + 1)
         };
         let height = mean(&|s| self.height(s));
         let drop = (self.height(s - ROUNDING) - self.height(s + ROUNDING)) / (2.0 * ROUNDING);
-        let heading = mean(&|s| self.plan(s).heading);
+        let heading = mean(&|s| self.ground_stance(s).heading);
         CoursePoint { at: DVec3::new(plan.at.x, height, plan.at.y), heading, pitch: drop.atan() }
     }
 
     /// True if the course bends to the left there.
-    pub fn bends(&self, s: f64) -> bool {
+    pub fn bends_left(&self, s: f64) -> bool {
         self.bend.is_some_and(|(from, radius)| (from..from + radius * FRAC_PI_2).contains(&s))
     }
 }
 
 /// Ground position of a point (m).
-pub fn flat(p: DVec3) -> DVec2 {
+pub fn ground_position(p: DVec3) -> DVec2 {
     DVec2::new(p.x, p.z)
 }
 
@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn a_course_ends_above_the_ground_without_a_step() {
-        for course in [Course::straight(SLIDE_A, LEVEL), Course::curved(SLIDE_CURVED, LEVEL)] {
+        for course in [SlideCourse::straight(SLIDE_A, LEVEL), SlideCourse::curved(SLIDE_CURVED, LEVEL)] {
             assert_eq!(course.height(-1.0), LEVEL);
             assert!((course.height(course.length()) - END_HEIGHT).abs() < 1e-9);
             for k in 0..400 {
@@ -145,15 +145,15 @@ mod tests {
 
     #[test]
     fn the_straight_slide_is_three_pieces_long() {
-        let course = Course::straight(SLIDE_A, LEVEL);
+        let course = SlideCourse::straight(SLIDE_A, LEVEL);
         assert!((course.length() - (2.8 + RUN_OUT)).abs() < 1e-9, "{}", course.length());
         assert!((course.height(2.8 / 3.0) - 1.4).abs() < 1e-9);
     }
 
     #[test]
     fn the_curved_slide_ends_to_the_left() {
-        let course = Course::curved(Stance::default(), LEVEL);
-        let end = course.plan(course.length());
+        let course = SlideCourse::curved(FeetStance::default(), LEVEL);
+        let end = course.ground_stance(course.length());
         assert!((end.heading - FRAC_PI_2).abs() < 1e-9 && end.at.x > 1.9 && (end.at.y - 1.9).abs() < 1e-9, "{end:?}");
     }
 }

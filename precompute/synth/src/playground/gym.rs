@@ -3,7 +3,7 @@
 //! The numbers equal those of `data/units/playground.toml` and `data/environments/playground.toml`; a test compares
 //! them.
 
-use super::super::walk::footsteps::Stance;
+use super::super::walk::footsteps::FeetStance;
 use glam::DVec2;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -50,7 +50,7 @@ impl Stairs {
 
 /// A rectangle of panels above the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Deck {
+pub struct GymDeck {
     /// Corner with the lowest x and z (m).
     pub min: DVec2,
     /// The opposite corner (m).
@@ -59,7 +59,7 @@ pub struct Deck {
     pub level: f64,
 }
 
-impl Deck {
+impl GymDeck {
     /// True if a point is within the deck, at least `margin` metres from its edges.
     pub fn contains(&self, p: DVec2, margin: f64) -> bool {
         p.cmpge(self.min + margin).all() && p.cmple(self.max - margin).all()
@@ -67,9 +67,9 @@ impl Deck {
 }
 
 /// The deck one level up, four panels large.
-pub const DECK_A: Deck = Deck { min: DVec2::new(-1.4, -1.4), max: DVec2::new(4.2, 4.2), level: LEVEL };
+pub const DECK_A: GymDeck = GymDeck { min: DVec2::new(-1.4, -1.4), max: DVec2::new(4.2, 4.2), level: LEVEL };
 /// The deck two levels up, two panels large.
-pub const DECK_B: Deck = Deck { min: DVec2::new(-9.8, 1.4), max: DVec2::new(-4.2, 4.2), level: 2.0 * LEVEL };
+pub const DECK_B: GymDeck = GymDeck { min: DVec2::new(-9.8, 1.4), max: DVec2::new(-4.2, 4.2), level: 2.0 * LEVEL };
 /// The stairs to deck A.
 pub const STAIRS_A: Stairs = Stairs { foot: DVec2::new(0.0, -4.2), num_steps: 12 };
 /// The stairs to deck B.
@@ -77,11 +77,11 @@ pub const STAIRS_B: Stairs = Stairs { foot: DVec2::new(-5.6, -4.2), num_steps: 2
 /// The ladder to deck A; climbers face +Z.
 pub const LADDER: DVec2 = DVec2::new(2.8, -1.4);
 /// Upper edge of the straight slide of deck A, and its direction.
-pub const SLIDE_A: Stance = Stance { at: DVec2::new(0.0, 4.2), heading: 0.0 };
+pub const SLIDE_A: FeetStance = FeetStance { at: DVec2::new(0.0, 4.2), heading: 0.0 };
 /// Upper edge of the curved slide, and its direction.
-pub const SLIDE_CURVED: Stance = Stance { at: DVec2::new(4.2, 2.8), heading: FRAC_PI_2 };
+pub const SLIDE_CURVED: FeetStance = FeetStance { at: DVec2::new(4.2, 2.8), heading: FRAC_PI_2 };
 /// Upper edge of the long slide of deck B, and its direction.
-pub const SLIDE_B: Stance = Stance { at: DVec2::new(-8.4, 4.2), heading: 0.0 };
+pub const SLIDE_B: FeetStance = FeetStance { at: DVec2::new(-8.4, 4.2), heading: 0.0 };
 
 /// Height of the ground under a foot (m).
 ///
@@ -112,18 +112,18 @@ pub fn is_free(p: DVec2, room: f64) -> bool {
 }
 
 /// Stance on the `k`-th step of the stairs on the way up; the ground before the stairs is step 0.
-pub fn tread_up(stairs: &Stairs, aside: f64, k: usize) -> Stance {
+pub fn tread_up(stairs: &Stairs, aside: f64, k: usize) -> FeetStance {
     // The heel hangs over, so that the toes have room before the next riser.
     const HEEL_IN: f64 = 0.003;
     let along = if k == 0 { -0.3 } else { GOING * (k - 1) as f64 + HEEL_IN };
-    Stance { at: stairs.foot + DVec2::new(aside, along), heading: 0.0 }
+    FeetStance { at: stairs.foot + DVec2::new(aside, along), heading: 0.0 }
 }
 
 /// Stance on the `k`-th step of the stairs on the way down: step 0 is the deck before the stairs, step 1 the first one,
 /// level with the deck, and the last one the ground.
-pub fn tread_down(stairs: &Stairs, aside: f64, k: usize) -> Stance {
+pub fn tread_down(stairs: &Stairs, aside: f64, k: usize) -> FeetStance {
     // Heels close to the risers, toes a little over the edge.
     const HEEL_IN: f64 = 0.056;
     let along = if k == 0 { -0.26 } else { GOING * (k - 1) as f64 + HEEL_IN };
-    Stance { at: stairs.end() + DVec2::new(aside, -along), heading: PI }
+    FeetStance { at: stairs.end() + DVec2::new(aside, -along), heading: PI }
 }

@@ -2,13 +2,13 @@
 
 use super::super::foot::{FootPose, FootShape};
 use super::super::frame::BodyPose;
-use super::super::side::Side;
+use super::super::side::LateralSide;
 use super::super::signal::bump;
-use super::super::track::Track;
-use super::super::walk::footsteps::Stance;
-use super::body::{CHANNELS, Carriage, Grip, HandTrack, Hold, Trunk};
+use super::super::track::KeyTrack;
+use super::super::walk::footsteps::FeetStance;
+use super::body::{ArmTrunk, CHANNELS, Carriage, HandTrack, HoldPoint, SynthHandGrip};
 use super::gym::{LADDER, LADDER_FRONT, LEVEL, RAIL_ASIDE, RAIL_TOP, RUNG, RUNG_RADIUS};
-use super::moment::{Moment, ahead, ease, left, mix_turn};
+use super::moment::{BodyMoment, ease_in_out, forward_direction, left_direction, mix_turn};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use throng_core::{Contacts, Skeleton};
@@ -25,13 +25,13 @@ const HIPS_OFF: f64 = 0.36;
 const LEAD: f64 = 0.4;
 
 /// Stance at the ladder, `along` metres from the deck's edge.
-pub fn stance(along: f64) -> Stance {
-    Stance { at: LADDER + DVec2::Y * along, heading: 0.0 }
+pub fn stance(along: f64) -> FeetStance {
+    FeetStance { at: LADDER + DVec2::Y * along, heading: 0.0 }
 }
 
 /// Contact of a foot.
 #[derive(Clone, Copy)]
-struct Stay {
+struct LadderFootStay {
     land: f64,
     lift: f64,
     foot: FootPose,
@@ -39,9 +39,9 @@ struct Stay {
 
 /// Plan of a climb.
 struct Climb {
-    feet: [Vec<Stay>; 2],
+    feet: [Vec<LadderFootStay>; 2],
     hands: [HandTrack; 2],
-    body: Track<CHANNELS>,
+    body: KeyTrack<CHANNELS>,
     duration: f64,
 }
 
@@ -49,31 +49,35 @@ struct Climb {
 ///
 /// - `from`, `to`: poses before and after.
 /// - returns the moments, `dt` seconds apart.
-pub fn climb(from: &BodyPose, to: &BodyPose, skeleton: &Skeleton, dt: f64, rng: &mut impl Rng) -> Vec<Moment> {
-    let plan = plan(from, to, skeleton, rng);
+pub fn climb(from: &BodyPose, to: &BodyPose, skeleton: &Skeleton, dt: f64, rng: &mut impl Rng) -> Vec<BodyMoment> {
+    let plan = plan_climb(from, to, skeleton, rng);
     let num = (plan.duration / dt).ceil() as usize;
     let times: Vec<f64> = (0..=num).map(|i| i as f64 * dt).collect();
     let body = plan.body.sample(&times, &[0.0; CHANNELS], 0.06, dt);
-    let shape = FootShape::of(skeleton);
-    times.iter().zip(body).map(|(&t, c)| moment(&plan, t, &Carriage::of(c), [from, to], &shape, skeleton)).collect()
+    let shape = FootShape::from_skeleton(skeleton);
+    times
+        .iter()
+        .zip(body)
+        .map(|(&t, c)| climb_moment(&plan, t, &Carriage::from_channels(c), [from, to], &shape, skeleton))
+        .collect()
 }
 
-fn moment(
+fn climb_moment(
     plan: &Climb,
     t: f64,
     carriage: &Carriage,
     ends: [&BodyPose; 2],
     shape: &FootShape,
     skeleton: &Skeleton,
-) -> Moment {
+) -> BodyMoment {
     let (hips, trunk) = carriage.rotations(0.0);
     let p = carriage.place;
-    let root = world(p.z, p.y, p.x);
+    let root = world_point(p.z, p.y, p.x);
     let mut held = Contacts::NONE;
-    let arms = Side::BOTH.map(|side| {
+    let arms = LateralSide::BOTH.map(|side| {
         let i = side.index();
         let hanging = &ends[usize::from(t > 0.5 * plan.duration)].arms[i];
-        let body = Trunk { root, hips, segments: &trunk };
+        let body = ArmTrunk { root, hips, segments: &trunk };
         let (arm, holds) = plan.hands[i].arm(t, &body, hanging, |p| p, skeleton);
         if holds {
             held.insert([Contacts::LEFT_HAND, Contacts::RIGHT_HAND][i]);
@@ -81,20 +85,25 @@ fn moment(
         arm
     });
     let feet = [0, 1].map(|i: usize| foot(&plan.feet[i], t, shape));
-    let out = 0.45 * ease((t - LEAD) / 0.8) * ease((plan.duration - t) / 1.4);
-    let knees = Side::BOTH.map(|s| ahead(0.0) + left(0.0) * (s.sign() * (0.08 + out)));
-    Moment { body: BodyPose { root, hips, trunk, arms, feet, knees: [0.0; 2] }, knees, held, seat: None }
+    let out = 0.45 * ease_in_out((t - LEAD) / 0.8) * ease_in_out((plan.duration - t) / 1.4);
+    let knees = LateralSide::BOTH.map(|s| forward_direction(0.0) + left_direction(0.0) * (s.sign() * (0.08 + out)));
+    BodyMoment {
+        body: BodyPose { root, hips, trunk, arms, feet, knees: [0.0; 2] },
+        knees,
+        hand_contacts: held,
+        seat: None,
+    }
 }
 
 /// World position of a point at the ladder: to the left, up, and ahead of the deck's edge.
-fn world(aside: f64, up: f64, along: f64) -> DVec3 {
+fn world_point(aside: f64, up: f64, along: f64) -> DVec3 {
     DVec3::new(LADDER.x + aside, up, LADDER.y + along)
 }
 
-fn plan(from: &BodyPose, to: &BodyPose, skeleton: &Skeleton, rng: &mut impl Rng) -> Climb {
-    let shape = FootShape::of(skeleton);
+fn plan_climb(from: &BodyPose, to: &BodyPose, skeleton: &Skeleton, rng: &mut impl Rng) -> Climb {
+    let shape = FootShape::from_skeleton(skeleton);
     let pace = rng.random_range(0.9..1.1);
-    let first = if rng.random_bool(0.5) { Side::Left } else { Side::Right };
+    let first = if rng.random_bool(0.5) { LateralSide::Left } else { LateralSide::Right };
     // The half cycle `h` begins at `starts[h]`: a foot goes up a rung beyond the other one.
     let mut starts = vec![LEAD + 0.7];
     for h in 0..RUNGS + 2 {
@@ -103,24 +112,24 @@ fn plan(from: &BodyPose, to: &BodyPose, skeleton: &Skeleton, rng: &mut impl Rng)
     }
     let duration = starts[RUNGS + 2] + 0.6;
     let mover = |h: usize| if h.is_multiple_of(2) { first } else { first.other() };
-    let feet =
-        Side::BOTH.map(|side| feet_of(side, [from, to].map(|p| p.feet[side.index()]), &starts, mover, &shape, rng));
-    let hands = Side::BOTH.map(|side| hands_of(side, &starts, mover));
+    let feet = LateralSide::BOTH
+        .map(|side| feet_of(side, [from, to].map(|p| p.feet[side.index()]), &starts, mover, &shape, rng));
+    let hands = LateralSide::BOTH.map(|side| hands_of(side, &starts, mover));
     let body = carriages(from, to, &starts, mover);
     Climb { feet, hands, body, duration }
 }
 
 /// Contacts of a foot: the ground, every other rung, the deck.
 fn feet_of(
-    side: Side,
+    side: LateralSide,
     [ground, deck]: [FootPose; 2],
     starts: &[f64],
-    mover: impl Fn(usize) -> Side,
+    mover: impl Fn(usize) -> LateralSide,
     shape: &FootShape,
     rng: &mut impl Rng,
-) -> Vec<Stay> {
+) -> Vec<LadderFootStay> {
     let s = side.sign();
-    let mut stays = vec![Stay { land: f64::NEG_INFINITY, lift: f64::INFINITY, foot: ground }];
+    let mut stays = vec![LadderFootStay { land: f64::NEG_INFINITY, lift: f64::INFINITY, foot: ground }];
     for h in (0..RUNGS + 2).filter(|h| mover(*h) == side) {
         let length = starts[h + 1] - starts[h];
         if let Some(last) = stays.last_mut() {
@@ -129,27 +138,27 @@ fn feet_of(
         let foot = if h < RUNGS {
             let aside = s * (0.115 + rng.random_range(-0.01..0.01));
             let up = RUNG * (h + 1) as f64 + RUNG_RADIUS;
-            let ball = world(aside, up + shape.ball_height, -LADDER_FRONT);
-            FootPose { toe_down: true, ground: up, ..shape.posed(ball, 0.16 * s, 0.0, 0.12, 0.0) }
+            let ball = world_point(aside, up + shape.ball_height, -LADDER_FRONT);
+            FootPose { toe_down: true, ground: up, ..shape.contact_pose(ball, 0.16 * s, 0.0, 0.12, 0.0) }
         } else {
             deck
         };
-        stays.push(Stay { land: starts[h] + 0.62 * length, lift: f64::INFINITY, foot });
+        stays.push(LadderFootStay { land: starts[h] + 0.62 * length, lift: f64::INFINITY, foot });
     }
     stays
 }
 
 /// Pose of a foot at an instant.
-fn foot(stays: &[Stay], t: f64, shape: &FootShape) -> FootPose {
+fn foot(stays: &[LadderFootStay], t: f64, shape: &FootShape) -> FootPose {
     let i = stays.partition_point(|s| s.land <= t).saturating_sub(1);
     let (a, Some(b)) = (&stays[i], stays.get(i + 1)) else { return stays[i].foot };
     if t <= a.lift {
         return a.foot;
     }
     let u = (t - a.lift) / (b.land - a.lift);
-    let (on_deck, w) = (b.foot.heel_down, ease(u));
+    let (on_deck, w) = (b.foot.heel_down, ease_in_out(u));
     // Up before ahead; toes back off the rungs on the way.
-    let (up, across) = (ease(1.0 - (1.0 - u).powf(1.7)), ease(u.powf(1.7)));
+    let (up, across) = (ease_in_out(1.0 - (1.0 - u).powf(1.7)), ease_in_out(u.powf(1.7)));
     let (a, b) = (&a.foot, &b.foot);
     let mix = |x: f64, y: f64| x + (y - x) * w;
     let mut ball = a.ball.lerp(b.ball, across);
@@ -158,11 +167,14 @@ fn foot(stays: &[Stay], t: f64, shape: &FootShape) -> FootPose {
     ball.z -= back * bump(u.powf(0.8));
     let pitch = mix(a.pitch, b.pitch) + 0.35 * bump(u.powf(0.8));
     let toes = mix(a.toe_pitch, b.toe_pitch) + 0.1 * bump(u);
-    FootPose { ground: mix(a.ground, b.ground), ..shape.posed(ball, mix_turn(a.yaw, b.yaw, w), 0.0, pitch, toes) }
+    FootPose {
+        ground: mix(a.ground, b.ground),
+        ..shape.contact_pose(ball, mix_turn(a.yaw, b.yaw, w), 0.0, pitch, toes)
+    }
 }
 
 /// Contacts of a hand: rungs, then the rails. The hand moves with the opposite foot, four and a half rungs above it.
-fn hands_of(side: Side, starts: &[f64], mover: impl Fn(usize) -> Side) -> HandTrack {
+fn hands_of(side: LateralSide, starts: &[f64], mover: impl Fn(usize) -> LateralSide) -> HandTrack {
     let s = side.sign();
     let grip = |land: f64, lift: f64, height: f64| {
         // At the top the body passes between the hands, elbows out.
@@ -170,10 +182,10 @@ fn hands_of(side: Side, starts: &[f64], mover: impl Fn(usize) -> Side) -> HandTr
         // The bones of the hand pass behind the surface that the palm touches.
         let behind = RUNG_RADIUS + 0.026;
         let (aside, along) = if on_rail { (RAIL_ASIDE - 0.02, behind + 0.012) } else { (0.19, behind) };
-        Grip {
+        SynthHandGrip {
             land,
             lift,
-            hold: Hold::Still(world(s * aside, height.min(RAIL_TOP - 0.06), -LADDER_FRONT - along)),
+            hold: HoldPoint::Still(world_point(s * aside, height.min(RAIL_TOP - 0.06), -LADDER_FRONT - along)),
             pole: if at_top { DVec3::new(0.9 * s, -0.3, -0.4) } else { DVec3::new(0.45 * s, -1.0, -0.3) },
             twist: if on_rail { 0.25 } else { 1.0 },
         }
@@ -195,11 +207,16 @@ fn hands_of(side: Side, starts: &[f64], mover: impl Fn(usize) -> Side) -> HandTr
 }
 
 /// Keys of hips and trunk: to the ladder, up by a rung for every half cycle, over the edge, upright.
-fn carriages(from: &BodyPose, to: &BodyPose, starts: &[f64], mover: impl Fn(usize) -> Side) -> Track<CHANNELS> {
+fn carriages(
+    from: &BodyPose,
+    to: &BodyPose,
+    starts: &[f64],
+    mover: impl Fn(usize) -> LateralSide,
+) -> KeyTrack<CHANNELS> {
     let local = |p: DVec3| DVec3::new(p.z - LADDER.y, p.y, p.x - LADDER.x);
     let (a, b) = (local(from.root), local(to.root));
     let off = -LADDER_FRONT - HIPS_OFF;
-    let mut body = Track::new(Carriage::standing(a).channels());
+    let mut body = KeyTrack::new(Carriage::standing(a).channels());
     body.hold(LEAD);
     let climbing = |h: f64, to_foot: f64| Carriage {
         place: DVec3::new(off, RUNG * h + 0.6, 0.03 * to_foot),

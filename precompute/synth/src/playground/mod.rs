@@ -1,7 +1,7 @@
 //! Climbing stairs and a ladder and sliding in a gym of known geometry.
 //!
 //! From intention to pose: `plan` deals rounds through the gym (`gym`), `route` walks them with the steps of the `walk`
-//! rig, including stairs; `ladder` and `slide` (down a `course`) begin and end in a stand, with the body of `body`;
+//! rig, including stairs; `ladder` and `descend` (down a `course`) begin and end in a stand, with the body of `body`;
 //! `moment` blends one motion into the next.
 
 mod body;
@@ -17,13 +17,13 @@ use super::SynthConfig;
 use super::foot::FootShape;
 use super::frame::{self, Samples};
 use super::walk::{assemble, footsteps};
-use moment::{Moment, join};
-use plan::{Leg, Visitor};
+use moment::{BodyMoment, crossfade};
+use plan::{GymVisitor, VisitLeg};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use route::Route;
+use route::WalkRoute;
 use throng_core::{Contacts, Skeleton};
-use throng_motion::clip::{Clip, ClipSet, Tag, runs};
+use throng_motion::clip::{Clip, ClipSet, ClipTag, runs_where};
 
 /// Time over which one motion is blended into the next (s).
 const OVERLAP: f64 = 0.4;
@@ -37,17 +37,17 @@ const STAND: f64 = 0.6;
 /// `data/environments/playground.toml`, on the default skeleton, with the true contacts and supports.
 ///
 /// - returns clips `playground_00`, `playground_01`, ... that begin and end standing, tagged `stairs`, `climb`, `sit`,
-///   `slide` and `stand`.
+///   `descend` and `stand`.
 pub fn playground(cfg: &SynthConfig) -> ClipSet {
     let skeleton = Skeleton::default();
     let mut rng = Pcg64Mcg::seed_from_u64(cfg.seed);
-    let mut visitor = Visitor::new(cfg.variation);
+    let mut visitor = GymVisitor::new(cfg.variation);
     let (mut clips, mut seconds) = (Vec::new(), 0.0);
     while seconds < cfg.minutes * 60.0 {
         let wanted = (cfg.minutes * 60.0 - seconds).min(cfg.clip_seconds);
         let legs = visitor.visit(wanted, &mut rng);
         let name = format!("playground_{:02}", clips.len());
-        let clip = perform(name, &legs, &skeleton, cfg, &mut rng);
+        let clip = perform_legs(name, &legs, &skeleton, cfg, &mut rng);
         seconds += clip.num_frames() as f64 / cfg.rate_hz;
         clips.push(clip);
     }
@@ -55,51 +55,51 @@ pub fn playground(cfg: &SynthConfig) -> ClipSet {
 }
 
 /// A named stretch of a clip (s).
-struct Mark {
+struct NamedStretch {
     name: &'static str,
     from: f64,
     to: f64,
 }
 
 /// Makes a clip of the legs of a visit.
-fn perform(name: String, legs: &[Leg], skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Clip {
-    let grid = Samples::of(1.0, cfg.rate_hz);
-    let walks: Vec<_> = legs.iter().map(|leg| walked(leg, skeleton, cfg, rng)).collect();
-    let mut moments: Vec<Moment> = Vec::new();
+fn perform_legs(name: String, legs: &[VisitLeg], skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Clip {
+    let grid = Samples::for_clip(1.0, cfg.rate_hz);
+    let walks: Vec<_> = legs.iter().map(|leg| walk_leg(leg, skeleton, cfg, rng)).collect();
+    let mut moments: Vec<BodyMoment> = Vec::new();
     let mut marks = Vec::new();
     for (i, leg) in legs.iter().enumerate() {
-        let overlap = if i == 0 { 0 } else { grid.within(OVERLAP) };
+        let overlap = if i == 0 { 0 } else { grid.count_within(OVERLAP) };
         let begin = moments.len().saturating_sub(overlap) as f64 * grid.dt;
-        let mut mark = |name, from: f64, to: f64| marks.push(Mark { name, from: begin + from, to: begin + to });
+        let mut mark = |name, from: f64, to: f64| marks.push(NamedStretch { name, from: begin + from, to: begin + to });
         let next = match (&walks[i], leg) {
             (Some((walk, stairs)), _) => {
                 stairs.iter().for_each(|(from, to)| mark("stairs", *from, *to));
                 walk.clone()
             }
-            (None, leg) => act(leg, [&walks[i - 1], &walks[i + 1]], skeleton, grid.dt, &mut mark, rng),
+            (None, leg) => act_moments(leg, [&walks[i - 1], &walks[i + 1]], skeleton, grid.dt, &mut mark, rng),
         };
-        join(&mut moments, next, overlap);
+        crossfade(&mut moments, next, overlap);
     }
     clip(name, &moments, grid.per_frame, &marks, skeleton, cfg)
 }
 
 /// Moments of a walk, and the times on stairs.
-type Walked = (Vec<Moment>, Vec<(f64, f64)>);
+type WalkMoments = (Vec<BodyMoment>, Vec<(f64, f64)>);
 
 /// Moments of a leg, if it is a walk.
-fn walked(leg: &Leg, skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Option<Walked> {
-    let Leg::Walk(route) = leg else { return None };
-    let shape = FootShape::of(skeleton);
+fn walk_leg(leg: &VisitLeg, skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Option<WalkMoments> {
+    let VisitLeg::Walk(route) = leg else { return None };
+    let shape = FootShape::from_skeleton(skeleton);
     let last = rng.random_range(0.9..1.7);
-    let steps = footsteps::place_on(shape, route.start, &route.walk.steps, last, gym::ground, rng);
+    let steps = footsteps::place_on_ground(shape, route.start, &route.walk.steps, last, gym::ground, rng);
     // Whole tenths of a second, so that the next motion begins at the same time at every rate.
-    let samples = Samples::of((10.0 * steps.duration).floor() / 10.0 + 1e-6, cfg.rate_hz);
+    let samples = Samples::for_clip((10.0 * steps.duration).floor() / 10.0 + 1e-6, cfg.rate_hz);
     let poses = assemble::poses(&steps, skeleton, &samples, cfg.variation, rng);
-    Some((poses.into_iter().map(Moment::upright).collect(), on_stairs(route)))
+    Some((poses.into_iter().map(BodyMoment::upright).collect(), stair_intervals(route)))
 }
 
 /// Times of a walk on stairs (s).
-fn on_stairs(route: &Route) -> Vec<(f64, f64)> {
+fn stair_intervals(route: &WalkRoute) -> Vec<(f64, f64)> {
     let mut times = Vec::with_capacity(route.walk.steps.len());
     let mut last = 0.0;
     for step in &route.walk.steps {
@@ -111,23 +111,23 @@ fn on_stairs(route: &Route) -> Vec<(f64, f64)> {
 }
 
 /// Moments of a leg other than a walk, between two walks.
-fn act(
-    leg: &Leg,
-    ends: [&Option<Walked>; 2],
+fn act_moments(
+    leg: &VisitLeg,
+    ends: [&Option<WalkMoments>; 2],
     skeleton: &Skeleton,
     dt: f64,
     mark: &mut impl FnMut(&'static str, f64, f64),
     rng: &mut impl Rng,
-) -> Vec<Moment> {
+) -> Vec<BodyMoment> {
     let [Some((before, _)), Some((after, _))] = ends else { return Vec::new() };
     let (Some(from), Some(to)) = (before.last(), after.first()) else { return Vec::new() };
     let moments = match leg {
-        Leg::Walk(_) => return Vec::new(),
-        Leg::ClimbUp => ladder::climb(&from.body, &to.body, skeleton, dt, rng),
+        VisitLeg::Walk(_) => return Vec::new(),
+        VisitLeg::ClimbUp => ladder::climb(&from.body, &to.body, skeleton, dt, rng),
         // Climbing down is climbing up in reverse.
-        Leg::ClimbDown => ladder::climb(&to.body, &from.body, skeleton, dt, rng).into_iter().rev().collect(),
-        Leg::Slide(course) => {
-            let descent = slide::slide(course, &from.body, &to.body, skeleton, dt, rng);
+        VisitLeg::ClimbDown => ladder::climb(&to.body, &from.body, skeleton, dt, rng).into_iter().rev().collect(),
+        VisitLeg::Slide(course) => {
+            let descent = slide::descend(course, &from.body, &to.body, skeleton, dt, rng);
             mark("sit", descent.sits.start, descent.sits.end);
             mark("slide", descent.slides.start, descent.slides.end);
             return descent.moments;
@@ -140,34 +140,34 @@ fn act(
 /// Clip of every `per_frame`-th moment, with contacts, support and tags.
 fn clip(
     name: String,
-    moments: &[Moment],
+    moments: &[BodyMoment],
     per_frame: usize,
-    marks: &[Mark],
+    marks: &[NamedStretch],
     skeleton: &Skeleton,
     cfg: &SynthConfig,
 ) -> Clip {
     let mut clip = frame::empty_clip(name, "playground", cfg);
     let mut support = 0.0;
     for moment in moments.iter().step_by(per_frame) {
-        frame::push_held(&mut clip, &moment.body, moment.knees, moment.held, skeleton);
+        frame::push_pose_with_hands(&mut clip, &moment.body, moment.knees, moment.hand_contacts, skeleton);
         support = moment.support().unwrap_or(support);
         clip.support.push(support as f32);
     }
-    clip.tags = stands(&clip);
+    clip.tags = standing_tags(&clip);
     frame::add_tags(&mut clip, marks.iter().map(|m| (m.name, m.from, m.to)));
     clip
 }
 
 /// Tags of stretches at rest on both feet.
-fn stands(clip: &Clip) -> Vec<Tag> {
+fn standing_tags(clip: &Clip) -> Vec<ClipTag> {
     let feet = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
     let still = |f: usize| {
         let (a, b) = (clip.root_positions[f.saturating_sub(1)], clip.root_positions[f]);
         clip.contacts[f] == feet && f64::from(a.distance(b)) * clip.rate_hz < STILL
     };
     let least = (STAND * clip.rate_hz) as usize;
-    let long = runs(0..clip.num_frames(), still).into_iter().filter(|r| r.len() >= least);
-    long.map(|range| Tag { name: "stand".into(), range }).collect()
+    let long = runs_where(0..clip.num_frames(), still).into_iter().filter(|r| r.len() >= least);
+    long.map(|range| ClipTag { name: "stand".into(), range }).collect()
 }
 
 #[cfg(test)]

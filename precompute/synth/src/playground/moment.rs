@@ -3,29 +3,29 @@
 use super::super::foot::FootPose;
 use super::super::frame::{ArmPose, BodyPose};
 use super::super::side::{forward, leftward};
-use super::super::signal::{End, quintic};
+use super::super::signal::{PieceEnd, quintic};
 use glam::DVec3;
 use throng_core::Contacts;
 use throng_core::planar::wrap_angle;
 
 /// A body at one instant.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Moment {
+pub struct BodyMoment {
     /// The pose; the headings of the knees are not used.
     pub body: BodyPose,
     /// Directions of the knees, left and right.
     pub knees: [DVec3; 2],
     /// Contacts other than those of the feet.
-    pub held: Contacts,
+    pub hand_contacts: Contacts,
     /// Height of the seat's contact, while it carries (m).
     pub seat: Option<f64>,
 }
 
-impl Moment {
+impl BodyMoment {
     /// Moment of a body on its feet.
     pub fn upright(body: BodyPose) -> Self {
-        let knees = body.knees.map(ahead);
-        Self { body, knees, held: Contacts::NONE, seat: None }
+        let knees = body.knees.map(forward_direction);
+        Self { body, knees, hand_contacts: Contacts::NONE, seat: None }
     }
 
     /// Height of the lowest contact of a foot or the seat (m).
@@ -35,7 +35,7 @@ impl Moment {
     }
 
     /// Interpolates between this moment and another one.
-    pub fn mix(&self, to: &Self, share: f64) -> Self {
+    pub fn mixed(&self, to: &Self, share: f64) -> Self {
         let (a, b) = (&self.body, &to.body);
         let near = if share < 0.5 { self } else { to };
         let body = BodyPose {
@@ -47,7 +47,7 @@ impl Moment {
             knees: near.body.knees,
         };
         let knees = [0, 1].map(|i: usize| self.knees[i].lerp(to.knees[i], share));
-        Self { body, knees, held: near.held, seat: near.seat }
+        Self { body, knees, hand_contacts: near.hand_contacts, seat: near.seat }
     }
 }
 
@@ -78,12 +78,12 @@ fn mix_feet(a: &FootPose, b: &FootPose, share: f64) -> FootPose {
 }
 
 /// Appends `next` to `first`, crossfading over `overlap` moments.
-pub fn join(first: &mut Vec<Moment>, next: Vec<Moment>, overlap: usize) {
+pub fn crossfade(first: &mut Vec<BodyMoment>, next: Vec<BodyMoment>, overlap: usize) {
     let overlap = overlap.min(first.len()).min(next.len());
     let start = first.len() - overlap;
     for (k, moment) in next.iter().take(overlap).enumerate() {
-        let share = ease((k as f64 + 0.5) / overlap as f64);
-        first[start + k] = first[start + k].mix(moment, share);
+        let share = ease_in_out((k as f64 + 0.5) / overlap as f64);
+        first[start + k] = first[start + k].mixed(moment, share);
     }
     first.extend(next.into_iter().skip(overlap));
 }
@@ -94,18 +94,18 @@ pub fn mix_turn(a: f64, b: f64, share: f64) -> f64 {
 }
 
 /// Smooth step from 0 to 1 over `u` in `[0, 1]`, at rest at both ends.
-pub fn ease(u: f64) -> f64 {
-    quintic(End::still(0.0), End::still(1.0), 1.0, u.clamp(0.0, 1.0))
+pub fn ease_in_out(u: f64) -> f64 {
+    quintic(PieceEnd::at_rest(0.0), PieceEnd::at_rest(1.0), 1.0, u.clamp(0.0, 1.0))
 }
 
 /// Horizontal direction of a heading.
-pub fn ahead(heading: f64) -> DVec3 {
+pub fn forward_direction(heading: f64) -> DVec3 {
     let f = forward(heading);
     DVec3::new(f.x, 0.0, f.y)
 }
 
 /// Horizontal direction to the left of a heading.
-pub fn left(heading: f64) -> DVec3 {
+pub fn left_direction(heading: f64) -> DVec3 {
     let l = leftward(heading);
     DVec3::new(l.x, 0.0, l.y)
 }

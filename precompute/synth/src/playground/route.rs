@@ -3,10 +3,10 @@
 //! The walker's own steps and turns are kept. Of many possible paths, each of straight legs and turns, the one is taken
 //! whose straight steps have to be stretched least for the last step to arrive.
 
-use super::super::side::{Side, forward};
-use super::super::walk::footsteps::{Stance, timing};
+use super::super::side::{LateralSide, forward};
+use super::super::walk::footsteps::{FeetStance, timing};
 use super::super::walk::gait::{StepShape, step_at};
-use super::super::walk::wander::{Intent, SPEEDS, TOE_OUT, WALKING_WIDTH, Walk};
+use super::super::walk::wander::{Intent, SPEEDS, TOE_OUT, WALKING_WIDTH, WalkSteps};
 use super::gym::{self, Stairs};
 use glam::{DMat2, DVec2};
 use rand::{Rng, RngExt, SeedableRng};
@@ -19,11 +19,11 @@ use throng_core::planar::wrap_angle;
 const STRETCH: f64 = 0.22;
 
 /// Penalty of every step, so that detours are short.
-const WAY: f64 = 0.06;
+const STEP_PENALTY: f64 = 0.06;
 
 /// End of a walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Arrival {
+pub enum WalkEnding {
     /// Stops and stands.
     Stand,
     /// Ends walking, about to go on.
@@ -32,13 +32,13 @@ pub enum Arrival {
 
 /// A walk, with its path so far.
 #[derive(Clone, Debug)]
-pub struct Route {
+pub struct WalkRoute {
     /// Initial stance.
-    pub start: Stance,
+    pub start: FeetStance,
     /// Current stance of the path.
-    pub at: Stance,
+    pub at: FeetStance,
     /// The steps.
-    pub walk: Walk,
+    pub walk: WalkSteps,
     /// Runs of steps on stairs.
     pub stairs: Vec<Range<usize>>,
     variation: f64,
@@ -46,19 +46,19 @@ pub struct Route {
 }
 
 /// Penalty function of places on a path, 0 for free ones.
-pub type Against<'a> = &'a dyn Fn(DVec2) -> f64;
+pub type PathPenalty<'a> = &'a dyn Fn(DVec2) -> f64;
 
-impl Route {
+impl WalkRoute {
     /// A walk that begins standing.
-    pub fn from(start: Stance, variation: f64, rng: &mut impl Rng) -> Self {
+    pub fn standing_at(start: FeetStance, variation: f64, rng: &mut impl Rng) -> Self {
         let cruise = SPEEDS[rng.random_range(1..5)];
-        let mut walk = Walk::new(variation);
+        let mut walk = WalkSteps::new(variation);
         walk.pause = rng.random_range(0.5..1.4);
         Self { start, at: start, walk, stairs: Vec::new(), variation, cruise }
     }
 
     /// True before the first step and after a stop.
-    pub fn stands(&self) -> bool {
+    pub fn is_standing(&self) -> bool {
         self.walk.speed == 0.0
     }
 
@@ -69,16 +69,16 @@ impl Route {
 
     /// Moves the path by the steps taken since `first`.
     fn catch_up(&mut self, first: usize) {
-        self.at = self.walk.steps[first..].iter().fold(self.at, |at, step| at.after(step));
+        self.at = self.walk.steps[first..].iter().fold(self.at, |at, step| at.after_step(step));
     }
 
     /// Turns by an angle: on the spot or into the first steps from a stand, on the way otherwise.
-    fn face(&mut self, angle: f64, rng: &mut impl Rng) {
-        if !self.stands() {
+    fn turn_by(&mut self, angle: f64, rng: &mut impl Rng) {
+        if !self.is_standing() {
             self.walk.turn(angle, rng.random_range(0.3..0.6), self.cruise, rng);
             return;
         }
-        self.walk.next = Side::inside(angle);
+        self.walk.next = LateralSide::inside(angle);
         if angle.abs() > 1.0 {
             self.walk.turn_in_place(angle, rng);
             self.walk.start(self.cruise, 0.0, rng);
@@ -90,11 +90,11 @@ impl Route {
     /// Walks to a place and heading. If passing there is impossible, it stops there.
     ///
     /// - `against`: penalty of places on the path; a stretch of all steps by a tenth counts 0.1.
-    pub fn to(&mut self, goal: Stance, arrival: Arrival, against: Against, rng: &mut impl Rng) {
+    pub fn walk_to(&mut self, goal: FeetStance, arrival: WalkEnding, against: PathPenalty, rng: &mut impl Rng) {
         let seed = rng.random();
         let mut best: Option<(f64, Self)> = None;
         for plan in plans(self.at, goal, arrival, step_at(self.cruise).length) {
-            let (cost, route) = self.tried(&plan, goal, against, seed);
+            let (cost, route) = self.try_plan(&plan, goal, against, seed);
             if best.as_ref().is_none_or(|b| cost < b.0) {
                 best = Some((cost, route));
             }
@@ -105,38 +105,44 @@ impl Route {
     }
 
     /// Tries a plan of arrival; returns its penalty and the resulting walk.
-    fn tried(&self, plan: &Plan, goal: Stance, against: Against, seed: u64) -> (f64, Self) {
+    fn try_plan(&self, plan: &ArrivalPlan, goal: FeetStance, against: PathPenalty, seed: u64) -> (f64, Self) {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let mut route = self.clone();
         let walk = &mut route.walk;
         let begin = walk.steps.len();
         let mut groups = [begin..begin, begin..begin];
-        route.face(plan.first, &mut rng);
+        route.turn_by(plan.first, &mut rng);
         let walk = &mut route.walk;
-        groups[0].start = if self.stands() { walk.steps.len() - 2 } else { walk.steps.len() };
+        groups[0].start = if self.is_standing() { walk.steps.len() - 2 } else { walk.steps.len() };
         walk.straight(plan.steps[0], self.cruise, &mut rng);
         groups[0].end = walk.steps.len();
         walk.turn(plan.second, plan.rate, self.cruise, &mut rng);
         groups[1].start = walk.steps.len();
         walk.straight(plan.steps[1], self.cruise, &mut rng);
-        if plan.arrival == Arrival::Stand {
+        if plan.arrival == WalkEnding::Stand {
             walk.stop(&mut rng);
         }
         groups[1].end = walk.steps.len();
         if plan.last != 0.0 {
-            walk.next = Side::inside(plan.last);
+            walk.next = LateralSide::inside(plan.last);
             walk.pause = rng.random_range(0.1..0.5);
             walk.turn_in_place(plan.last, &mut rng);
         }
-        let cost = route.arrive(begin, &groups, goal, against);
+        let cost = route.stretch_to_goal(begin, &groups, goal, against);
         (cost + 0.02 * (plan.first.abs() + plan.second.abs()) + plan.cost, route)
     }
 
     /// Stretches the steps of two groups so that the last one arrives; returns the penalty of stretching and of the
     /// path.
-    fn arrive(&mut self, begin: usize, groups: &[Range<usize>; 2], goal: Stance, against: Against) -> f64 {
+    fn stretch_to_goal(
+        &mut self,
+        begin: usize,
+        groups: &[Range<usize>; 2],
+        goal: FeetStance,
+        against: PathPenalty,
+    ) -> f64 {
         self.straighten(begin, groups[1].start, goal.heading);
-        let end = self.walk.steps[begin..].iter().fold(self.at, |at, s| at.after(s)).at;
+        let end = self.walk.steps[begin..].iter().fold(self.at, |at, s| at.after_step(s)).at;
         let [a, b] = [0, 1].map(|g: usize| self.travel(begin, &groups[g]));
         let missing = DMat2::from_cols(a, b);
         let stretch = if missing.determinant().abs() < 1e-3 {
@@ -153,17 +159,17 @@ impl Route {
         let mut cost = stretch.to_array().iter().map(|s| s.abs() + 50.0 * (s.abs() - STRETCH).max(0.0)).sum::<f64>();
         let mut at = self.at;
         for step in &self.walk.steps[begin..] {
-            at = at.after(step);
-            cost += WAY + against(at.at);
+            at = at.after_step(step);
+            cost += STEP_PENALTY + against(at.at);
         }
         cost += 1e4 * (at.at - goal.at).length();
-        self.at = Stance { at: at.at, heading: goal.heading };
+        self.at = FeetStance { at: at.at, heading: goal.heading };
         cost
     }
 
     /// Adds the remaining heading error of turns to the last of them.
     fn straighten(&mut self, begin: usize, last: usize, heading: f64) {
-        let end = self.walk.steps[begin..].iter().fold(self.at, |at, s| at.after(s)).heading;
+        let end = self.walk.steps[begin..].iter().fold(self.at, |at, s| at.after_step(s)).heading;
         if let Some(step) = self.walk.steps[..last].last_mut() {
             step.turn += f64::from(wrap_angle((heading - end) as f32));
         }
@@ -173,7 +179,7 @@ impl Route {
     fn travel(&self, begin: usize, group: &Range<usize>) -> DVec2 {
         let (mut at, mut sum) = (self.at, DVec2::ZERO);
         for (i, step) in self.walk.steps.iter().enumerate().skip(begin) {
-            let next = at.after(step);
+            let next = at.after_step(step);
             sum += if group.contains(&i) { next.at - at.at } else { DVec2::ZERO };
             at = next;
         }
@@ -181,7 +187,7 @@ impl Route {
     }
 
     /// Takes a flight of stairs: one step to every place of `treads`.
-    pub fn stairs(&mut self, treads: impl Iterator<Item = Stance>, period: f64, rng: &mut impl Rng) {
+    pub fn stairs(&mut self, treads: impl Iterator<Item = FeetStance>, period: f64, rng: &mut impl Rng) {
         let first = self.walk.steps.len();
         for tread in treads {
             let way = tread.at - self.at.at;
@@ -200,14 +206,14 @@ impl Route {
             });
             self.walk.pause = 0.0;
             self.walk.next = self.walk.next.other();
-            self.at = Stance { at: self.at.at + ahead * shape.length, heading: self.at.heading + turn };
+            self.at = FeetStance { at: self.at.at + ahead * shape.length, heading: self.at.heading + turn };
         }
         self.stairs.push(first..self.walk.steps.len());
         self.walk.speed = 0.5;
     }
 
     /// Stops, and stands for a while.
-    pub fn rest(&mut self, rng: &mut impl Rng) {
+    pub fn stop_and_stand(&mut self, rng: &mut impl Rng) {
         let first = self.walk.steps.len();
         self.walk.stop(rng);
         self.catch_up(first);
@@ -219,7 +225,7 @@ impl Route {
         let first = self.walk.steps.len();
         let angle = if rng.random_bool(0.5) { PI } else { -PI };
         self.walk.pause = rng.random_range(0.2..0.8);
-        self.walk.next = Side::inside(angle);
+        self.walk.next = LateralSide::inside(angle);
         self.walk.turn_in_place(angle, rng);
         self.catch_up(first);
     }
@@ -238,12 +244,12 @@ impl Route {
 }
 
 /// A plan of arrival: a turn, straight steps, another turn, straight steps, and possibly a last turn on the spot.
-struct Plan {
+struct ArrivalPlan {
     first: f64,
     second: f64,
     rate: f64,
     steps: [usize; 2],
-    arrival: Arrival,
+    arrival: WalkEnding,
     last: f64,
     /// Penalty of the plan.
     cost: f64,
@@ -252,28 +258,28 @@ struct Plan {
 /// Plans from a stance that come near another one. If passing is too hard, it may stand.
 ///
 /// - `length`: length of a step (m).
-fn plans(from: Stance, goal: Stance, arrival: Arrival, length: f64) -> impl Iterator<Item = Plan> {
+fn plans(from: FeetStance, goal: FeetStance, arrival: WalkEnding, length: f64) -> impl Iterator<Item = ArrivalPlan> {
     const BENDS: [f64; 15] = [0.0, 0.15, -0.15, 0.3, -0.3, 0.5, -0.5, 0.75, -0.75, 1.0, -1.0, 1.3, -1.3, 1.6, -1.6];
     const LAST: [f64; 6] = [1.0, -1.0, 1.8, -1.8, 2.6, -2.6];
-    let stop = if arrival == Arrival::Stand { 0.0 } else { 0.6 };
+    let stop = if arrival == WalkEnding::Stand { 0.0 } else { 0.6 };
     let rates = move |bend: f64| {
         let walked = [0.35, 0.6].map(|rate| (bend, rate, arrival, 0.0, 0.0));
-        let spot = LAST.map(|last| (bend, 0.45, Arrival::Stand, last, 0.12 + stop));
-        walked.into_iter().chain(spot).chain([(bend, 0.45, Arrival::Stand, 0.0, stop)])
+        let spot = LAST.map(|last| (bend, 0.45, WalkEnding::Stand, last, 0.12 + stop));
+        walked.into_iter().chain(spot).chain([(bend, 0.45, WalkEnding::Stand, 0.0, stop)])
     };
     let distance = (goal.at - from.at).length();
     let (most, least) = ((distance / length) as usize + 4, ((distance / length) as usize).saturating_sub(5));
     BENDS.into_iter().flat_map(rates).flat_map(move |(bend, rate, arrival, last, cost)| {
-        let first = f64::from(wrap_angle((bearing(from, goal.at) + bend) as f32));
+        let first = f64::from(wrap_angle((turn_towards(from, goal.at) + bend) as f32));
         let second = f64::from(wrap_angle((goal.heading - last - from.heading - first) as f32));
         let counts = (0..=most).flat_map(move |a| (0..=(most - a).min(6)).map(move |b| [a, b]));
         let likely = counts.filter(move |[a, b]| a + b >= least);
-        likely.map(move |steps| Plan { first, second, rate, steps, arrival, last, cost })
+        likely.map(move |steps| ArrivalPlan { first, second, rate, steps, arrival, last, cost })
     })
 }
 
 /// Turn from a stance towards a place (rad).
-fn bearing(from: Stance, to: DVec2) -> f64 {
+fn turn_towards(from: FeetStance, to: DVec2) -> f64 {
     let way = to - from.at;
     f64::from(wrap_angle((way.x.atan2(way.y) - from.heading) as f32))
 }
@@ -286,15 +292,15 @@ mod tests {
     fn arrives_exactly_from_anywhere() {
         for seed in 0..30u64 {
             let mut rng = Pcg64Mcg::seed_from_u64(seed);
-            let from = Stance {
+            let from = FeetStance {
                 at: DVec2::new(rng.random_range(-4.0..4.0), rng.random_range(-4.0..4.0)),
                 heading: rng.random_range(-3.0..3.0),
             };
-            let goal = Stance { at: DVec2::new(0.0, 6.0), heading: rng.random_range(-3.0..3.0) };
-            let mut route = Route::from(from, 1.0, &mut rng);
-            let arrival = if seed % 2 == 0 { Arrival::Stand } else { Arrival::Pass };
-            route.to(goal, arrival, &|_| 0.0, &mut rng);
-            let end = route.walk.steps.iter().fold(from, |at, s| at.after(s));
+            let goal = FeetStance { at: DVec2::new(0.0, 6.0), heading: rng.random_range(-3.0..3.0) };
+            let mut route = WalkRoute::standing_at(from, 1.0, &mut rng);
+            let arrival = if seed % 2 == 0 { WalkEnding::Stand } else { WalkEnding::Pass };
+            route.walk_to(goal, arrival, &|_| 0.0, &mut rng);
+            let end = route.walk.steps.iter().fold(from, |at, s| at.after_step(s));
             assert!((end.at - goal.at).length() < 1e-9, "seed {seed}: {end:?}");
             assert!(wrap_angle((end.heading - goal.heading) as f32).abs() < 1e-6, "seed {seed}: {end:?}");
             for step in &route.walk.steps {

@@ -2,13 +2,13 @@
 
 use super::super::foot::{FootPose, FootShape};
 use super::super::frame::BodyPose;
-use super::super::side::Side;
-use super::super::signal::{End, bump, quintic, smooth};
-use super::super::track::Track;
-use super::super::walk::footsteps::Stance;
-use super::body::{CHANNELS, Carriage, Grip, HandTrack, Hold, Trunk};
-use super::course::{Course, CoursePoint, SIDE_ASIDE, SIDE_HEIGHT, flat};
-use super::moment::{Moment, ahead, ease, mix_turn};
+use super::super::side::LateralSide;
+use super::super::signal::{PieceEnd, bump, quintic, smooth};
+use super::super::track::KeyTrack;
+use super::super::walk::footsteps::FeetStance;
+use super::body::{ArmTrunk, CHANNELS, Carriage, HandTrack, HoldPoint, SynthHandGrip};
+use super::course::{CoursePoint, SIDE_ASIDE, SIDE_HEIGHT, SlideCourse, ground_position};
+use super::moment::{BodyMoment, ease_in_out, forward_direction, mix_turn};
 use glam::{DQuat, DVec2, DVec3};
 use rand::{Rng, RngExt};
 use std::ops::Range;
@@ -38,19 +38,19 @@ const BRAKING: f64 = 3.2;
 const STEP: f64 = 1.0 / 480.0;
 
 /// Stance before a slide.
-pub fn before(course: &Course) -> Stance {
-    course.plan(BEFORE)
+pub fn stance_before(course: &SlideCourse) -> FeetStance {
+    course.ground_stance(BEFORE)
 }
 
 /// Stance after a slide.
-pub fn beyond(course: &Course) -> Stance {
-    course.plan(course.length() + BEYOND)
+pub fn stance_beyond(course: &SlideCourse) -> FeetStance {
+    course.ground_stance(course.length() + BEYOND)
 }
 
 /// Motion down a slide, with its times.
 pub struct Descent {
     /// Moments, at the requested spacing.
-    pub moments: Vec<Moment>,
+    pub moments: Vec<BodyMoment>,
     /// Time of sitting (s).
     pub sits: Range<f64>,
     /// Time of sliding (s).
@@ -58,7 +58,7 @@ pub struct Descent {
 }
 
 /// Times of the events on a slide (s).
-struct Times {
+struct SlideTimes {
     /// Seat touches the deck.
     seat: f64,
     /// Hips begin to move to the edge.
@@ -76,32 +76,33 @@ struct Times {
 }
 
 /// Data of a descent, without its poses.
-struct Ride<'a> {
-    course: &'a Course,
-    times: Times,
+struct SlideRide<'a> {
+    course: &'a SlideCourse,
+    times: SlideTimes,
     /// Distances of the hips by time from the start of the scoot (m).
     hips: Vec<f64>,
     hands: [HandTrack; 2],
-    body: Track<CHANNELS>,
-    first: Side,
+    body: KeyTrack<CHANNELS>,
+    first: LateralSide,
 }
 
 /// Sits down, slides and gets up.
 ///
 /// - `from`, `to`: poses before and after.
-pub fn slide(
-    course: &Course,
+pub fn descend(
+    course: &SlideCourse,
     from: &BodyPose,
     to: &BodyPose,
     skeleton: &Skeleton,
     dt: f64,
     rng: &mut impl Rng,
 ) -> Descent {
-    let ride = plan(course, from, to, rng);
+    let ride = plan_ride(course, from, to, rng);
     let num = ((ride.times.up + 0.6) / dt).ceil() as usize;
     let times: Vec<f64> = (0..=num).map(|i| i as f64 * dt).collect();
     let body = ride.body.sample(&times, &[0.0; CHANNELS], 0.05, dt);
-    let moments = times.iter().zip(body).map(|(&t, c)| ride.moment(t, Carriage::of(c), [from, to], skeleton));
+    let moments =
+        times.iter().zip(body).map(|(&t, c)| ride.moment_at(t, Carriage::from_channels(c), [from, to], skeleton));
     let moments = moments.collect();
     let t = &ride.times;
     Descent { moments, sits: 0.5..t.up, slides: t.scoot + 0.35..t.stop }
@@ -111,14 +112,14 @@ pub fn slide(
 ///
 /// Pulled to the edge, then driven by gravity against friction, and braked by the feet so as to rest before the lower
 /// end.
-fn glide(course: &Course, scoot: f64) -> Vec<f64> {
+fn hips_along_slide(course: &SlideCourse, scoot: f64) -> Vec<f64> {
     const PUSHED: f64 = 0.7;
     let start = -0.03;
     let mut out: Vec<f64> = Vec::new();
     let num = (scoot / STEP) as usize;
     for k in 0..num {
-        let to = End { value: start, rate: PUSHED, acceleration: 1.2 };
-        out.push(quintic(End::still(SEATED), to, num as f64 * STEP, k as f64 * STEP));
+        let to = PieceEnd { value: start, rate: PUSHED, acceleration: 1.2 };
+        out.push(quintic(PieceEnd::at_rest(SEATED), to, num as f64 * STEP, k as f64 * STEP));
     }
     let end = course.length() - REST;
     let (mut s, mut v) = (start, PUSHED);
@@ -134,47 +135,53 @@ fn glide(course: &Course, scoot: f64) -> Vec<f64> {
     smooth(&out, (0.045 / STEP) as usize)
 }
 
-fn plan<'a>(course: &'a Course, from: &BodyPose, to: &BodyPose, rng: &mut impl Rng) -> Ride<'a> {
+fn plan_ride<'a>(course: &'a SlideCourse, from: &BodyPose, to: &BodyPose, rng: &mut impl Rng) -> SlideRide<'a> {
     let mut vary = |amount: f64| 1.0 + rng.random_range(-amount..amount);
     let seat = 1.95 * vary(0.08);
     let scoot = seat + 0.95 * vary(0.1);
     let pull = 0.95 * vary(0.1);
-    let hips = glide(course, pull);
+    let hips = hips_along_slide(course, pull);
     let end = course.length() - REST;
     let when = |s: f64| scoot + hips.partition_point(|h| *h < s) as f64 * STEP;
     let stop = when(end - 2e-3);
     let plant = when(end - 0.2);
-    let first = if rng.random_bool(0.5) { Side::Left } else { Side::Right };
-    let late = |side: Side| if side == first { 0.0 } else { 0.07 };
+    let first = if rng.random_bool(0.5) { LateralSide::Left } else { LateralSide::Right };
+    let late = |side: LateralSide| if side == first { 0.0 } else { 0.07 };
     let rise = stop + 0.45 * rng.random_range(0.9..1.3);
-    let times = Times {
+    let times = SlideTimes {
         seat,
         scoot,
         go: scoot + pull,
-        plant: Side::BOTH.map(|side| plant + late(side)),
+        plant: LateralSide::BOTH.map(|side| plant + late(side)),
         stop,
         rise,
         up: rise + rng.random_range(1.0..1.2),
     };
     let body = carriages(course, from, to, &times, rng);
-    let hands = Side::BOTH.map(|side| hands(side, course, &times));
-    Ride { course, times, hips, hands, body, first }
+    let hands = LateralSide::BOTH.map(|side| hand_track(side, course, &times));
+    SlideRide { course, times, hips, hands, body, first }
 }
 
 /// Coordinates of a world point relative to a course: along it, above the deck or the lower end, and to the left (m).
-fn along(course: &Course, origin: f64, p: DVec3) -> DVec3 {
-    let plan = course.plan(origin);
-    let d = flat(p) - plan.at;
-    let f = ahead(plan.heading);
-    let left = super::moment::left(plan.heading);
+fn to_course_frame(course: &SlideCourse, origin: f64, p: DVec3) -> DVec3 {
+    let plan = course.ground_stance(origin);
+    let d = ground_position(p) - plan.at;
+    let f = forward_direction(plan.heading);
+    let left = super::moment::left_direction(plan.heading);
     let dot = |a: DVec3| DVec2::new(a.x, a.z).dot(d);
     DVec3::new(origin + dot(f), p.y - course.height(origin), dot(left))
 }
 
 /// Keys of hips and trunk: down onto the deck, back during the slide, forward and up at the end. The first channel
 /// counts only before the scoot and after the stop.
-fn carriages(course: &Course, from: &BodyPose, to: &BodyPose, t: &Times, rng: &mut impl Rng) -> Track<CHANNELS> {
-    let (a, b) = (along(course, BEFORE, from.root), along(course, course.length(), to.root));
+fn carriages(
+    course: &SlideCourse,
+    from: &BodyPose,
+    to: &BodyPose,
+    t: &SlideTimes,
+    rng: &mut impl Rng,
+) -> KeyTrack<CHANNELS> {
+    let (a, b) = (to_course_frame(course, BEFORE, from.root), to_course_frame(course, course.length(), to.root));
     let end = course.length() - REST;
     let key = |s: f64, up: f64, aside: f64, hips: f64, chest: f64, head: f64| Carriage {
         place: DVec3::new(s, up, aside),
@@ -182,7 +189,7 @@ fn carriages(course: &Course, from: &BodyPose, to: &BodyPose, t: &Times, rng: &m
         chest: [0.0, chest, 0.0],
         head: [0.0, head, 0.0],
     };
-    let mut body = Track::new(Carriage::standing(a).channels());
+    let mut body = KeyTrack::new(Carriage::standing(a).channels());
     let mut push = |t: f64, c: Carriage| body.push(t, c.channels());
     let down = t.seat - 0.4;
     push(0.4, Carriage::standing(a));
@@ -194,7 +201,7 @@ fn carriages(course: &Course, from: &BodyPose, to: &BodyPose, t: &Times, rng: &m
     push(t.go - 0.3, key(SEATED, SEAT, 0.0, -0.36, 0.06, 0.22));
     let back = rng.random_range(-0.52..-0.38);
     let leaning = |lean: f64| {
-        let bent = course.bends(2.0);
+        let bent = course.bends_left(2.0);
         let c = key(end, SEAT, 0.0, back - 0.22, back + lean, 0.1 + 0.4 * (back + lean));
         if bent {
             Carriage { hips: [back - 0.22, -0.08], chest: [0.08, back + lean, -0.14], head: [0.3, 0.02, -0.08], ..c }
@@ -215,34 +222,41 @@ fn carriages(course: &Course, from: &BodyPose, to: &BodyPose, t: &Times, rng: &m
 
 /// Motion of a hand: on the deck beside the seat, on the sides to pull, along the sides while sliding, pushing off at
 /// the end.
-fn hands(side: Side, course: &Course, t: &Times) -> HandTrack {
+fn hand_track(side: LateralSide, course: &SlideCourse, t: &SlideTimes) -> HandTrack {
     let s = side.sign();
-    let late = if side == Side::Left { 0.06 } else { 0.0 };
+    let late = if side == LateralSide::Left { 0.06 } else { 0.0 };
     let top = SIDE_HEIGHT + 0.04;
-    let deck = course.point(SEATED - 0.08).beside(s * 0.3, 0.035);
-    let edge = course.point(0.07).beside(s * SIDE_ASIDE, top);
+    let deck = course.point(SEATED - 0.08).offset_point(s * 0.3, 0.035);
+    let edge = course.point(0.07).offset_point(s * SIDE_ASIDE, top);
     let along = DVec3::new(0.1, top - SEAT, s * SIDE_ASIDE);
-    let last = course.point(course.length() - REST + 0.1).beside(s * SIDE_ASIDE, top);
-    let back = ahead(course.start.heading) * -0.6;
-    let out = super::moment::left(course.start.heading) * s;
+    let last = course.point(course.length() - REST + 0.1).offset_point(s * SIDE_ASIDE, top);
+    let back = forward_direction(course.start.heading) * -0.6;
+    let out = super::moment::left_direction(course.start.heading) * s;
     let pole = back + out * 0.7 - DVec3::Y * 0.2;
-    let end_heading = course.plan(course.length()).heading;
-    let end_pole = ahead(end_heading) * -0.8 + super::moment::left(end_heading) * (0.5 * s) + DVec3::Y * 0.3;
-    let grip = |land: f64, lift: f64, hold: Hold, pole: DVec3, twist: f64| Grip { land, lift, hold, pole, twist };
+    let end_heading = course.ground_stance(course.length()).heading;
+    let end_pole =
+        forward_direction(end_heading) * -0.8 + super::moment::left_direction(end_heading) * (0.5 * s) + DVec3::Y * 0.3;
+    let grip = |land: f64, lift: f64, hold: HoldPoint, pole: DVec3, twist: f64| SynthHandGrip {
+        land,
+        lift,
+        hold,
+        pole,
+        twist,
+    };
     HandTrack {
         side,
         grips: vec![
-            grip(t.seat - 0.14 + late, t.seat + 0.42 + late, Hold::Still(deck), pole, 0.9),
-            grip(t.scoot - 0.12 + late, t.go - 0.16, Hold::Still(edge), pole, 0.7),
-            grip(t.go + 0.22, t.stop - 0.3, Hold::Along(along), pole, 0.7),
-            grip(t.stop + 0.02, t.rise + 0.2, Hold::Still(last), end_pole, 0.7),
+            grip(t.seat - 0.14 + late, t.seat + 0.42 + late, HoldPoint::Still(deck), pole, 0.9),
+            grip(t.scoot - 0.12 + late, t.go - 0.16, HoldPoint::Still(edge), pole, 0.7),
+            grip(t.go + 0.22, t.stop - 0.3, HoldPoint::Along(along), pole, 0.7),
+            grip(t.stop + 0.02, t.rise + 0.2, HoldPoint::Still(last), end_pole, 0.7),
         ],
         reach: 0.7,
         detour: DVec3::Y * 0.06,
     }
 }
 
-impl Ride<'_> {
+impl SlideRide<'_> {
     /// Distance of the hips along the course (m).
     fn hips_at(&self, t: f64) -> f64 {
         let k = ((t - self.times.scoot) / STEP).max(0.0);
@@ -252,25 +266,25 @@ impl Ride<'_> {
     }
 
     /// Keyed posture, with the hips at their sliding position.
-    fn carried(&self, t: f64, keyed: Carriage) -> Carriage {
+    fn carriage_on_hips(&self, t: f64, keyed: Carriage) -> Carriage {
         let mut out = keyed;
-        let into = ease((t - self.times.scoot + 0.2) / 0.2);
-        let out_of = ease((t - self.times.rise + 0.3) / 0.25);
+        let into = ease_in_out((t - self.times.scoot + 0.2) / 0.2);
+        let out_of = ease_in_out((t - self.times.rise + 0.3) / 0.25);
         out.place.x = keyed.place.x + (self.hips_at(t) - keyed.place.x) * into * (1.0 - out_of);
         out
     }
 
-    fn moment(&self, t: f64, keyed: Carriage, ends: [&BodyPose; 2], skeleton: &Skeleton) -> Moment {
-        let carriage = self.carried(t, keyed);
+    fn moment_at(&self, t: f64, keyed: Carriage, ends: [&BodyPose; 2], skeleton: &Skeleton) -> BodyMoment {
+        let carriage = self.carriage_on_hips(t, keyed);
         let at = self.course.point(carriage.place.x);
-        let root = at.beside(carriage.place.z, carriage.place.y);
+        let root = at.offset_point(carriage.place.z, carriage.place.y);
         let (hips, trunk) = carriage.rotations(at.heading);
         let seated = t >= self.times.seat && t <= self.times.rise;
         let mut held = if seated { Contacts::SEAT } else { Contacts::NONE };
         let after = t > 0.5 * (self.times.go + self.times.stop);
-        let arms = Side::BOTH.map(|side| {
-            let body = Trunk { root, hips, segments: &trunk };
-            let beside = |p: DVec3| self.course.point(carriage.place.x + p.x).beside(p.z, p.y + SEAT);
+        let arms = LateralSide::BOTH.map(|side| {
+            let body = ArmTrunk { root, hips, segments: &trunk };
+            let beside = |p: DVec3| self.course.point(carriage.place.x + p.x).offset_point(p.z, p.y + SEAT);
             let hanging = &ends[usize::from(after)].arms[side.index()];
             let (arm, holds) = self.hands[side.index()].arm(t, &body, hanging, beside, skeleton);
             if holds {
@@ -278,18 +292,23 @@ impl Ride<'_> {
             }
             arm
         });
-        let feet = Side::BOTH.map(|side| self.foot(side, t, carriage.place.x, ends, skeleton));
-        let knees = Side::BOTH.map(|s| {
+        let feet = LateralSide::BOTH.map(|side| self.foot(side, t, carriage.place.x, ends, skeleton));
+        let knees = LateralSide::BOTH.map(|s| {
             let apart = 0.12 + 0.2 * f64::from(u8::from(seated));
-            ahead(at.heading) + DVec3::Y + at.left() * (s.sign() * apart)
+            forward_direction(at.heading) + DVec3::Y + at.leftward() * (s.sign() * apart)
         });
         let seat = seated.then(|| self.course.height(carriage.place.x));
-        Moment { body: BodyPose { root, hips, trunk, arms, feet, knees: [at.heading; 2] }, knees, held, seat }
+        BodyMoment {
+            body: BodyPose { root, hips, trunk, arms, feet, knees: [at.heading; 2] },
+            knees,
+            hand_contacts: held,
+            seat,
+        }
     }
 
     /// Pose of a foot: on the deck, over the edge, sliding ahead, down to the ground.
-    fn foot(&self, side: Side, t: f64, hips: f64, ends: [&BodyPose; 2], skeleton: &Skeleton) -> FootPose {
-        let shape = FootShape::of(skeleton);
+    fn foot(&self, side: LateralSide, t: f64, hips: f64, ends: [&BodyPose; 2], skeleton: &Skeleton) -> FootPose {
+        let shape = FootShape::from_skeleton(skeleton);
         let i = side.index();
         let lift = self.times.seat + if side == self.first { 0.06 } else { 0.3 };
         let (out, land) = (0.62, self.times.plant[i]);
@@ -301,20 +320,20 @@ impl Ride<'_> {
         if t >= land {
             return *ground;
         }
-        let sliding = self.sliding(side, hips, &shape);
+        let sliding = self.sliding_foot(side, hips, &shape);
         if t < lift + out {
             let u = (t - lift) / out;
-            return mix(deck, &sliding, ease(u), 0.05 * bump(u), &shape);
+            return mix_feet(deck, &sliding, ease_in_out(u), 0.05 * bump(u), &shape);
         }
         if t > brake {
             let u = (t - brake) / (land - brake);
-            return mix(&sliding, ground, ease(u), 0.05 * bump(u), &shape);
+            return mix_feet(&sliding, ground, ease_in_out(u), 0.05 * bump(u), &shape);
         }
         sliding
     }
 
     /// Distance along the course of heels a leg's length ahead of the hips (m).
-    fn heels(&self, hips: f64) -> f64 {
+    fn heel_distance(&self, hips: f64) -> f64 {
         let height = |s: f64| self.course.point(s).at.y;
         (0..6).fold(hips + LEGS, |s, _| {
             let drop = height(hips) - height(s);
@@ -323,19 +342,19 @@ impl Ride<'_> {
     }
 
     /// Pose of a foot that slides on its heel ahead of the hips.
-    fn sliding(&self, side: Side, hips: f64, shape: &FootShape) -> FootPose {
-        let s = self.heels(hips);
+    fn sliding_foot(&self, side: LateralSide, hips: f64, shape: &FootShape) -> FootPose {
+        let s = self.heel_distance(hips);
         let at: CoursePoint = self.course.point(s.min(self.course.length() + 0.3));
-        let ankle = at.beside(side.sign() * 0.115, HEEL);
+        let ankle = at.offset_point(side.sign() * 0.115, HEEL);
         let (yaw, pitch) = (at.heading + 0.1 * side.sign(), at.pitch - 1.0);
         let rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
         let ball = ankle - rotation * DVec3::new(0.0, shape.ankle_height - shape.ball_height, -shape.ball);
-        FootPose { ground: self.course.height(s), ..shape.posed(ball, yaw, at.heading, pitch, pitch + 0.1) }
+        FootPose { ground: self.course.height(s), ..shape.contact_pose(ball, yaw, at.heading, pitch, pitch + 0.1) }
     }
 }
 
 /// Interpolates between two poses of a foot, raised by `up`.
-fn mix(a: &FootPose, b: &FootPose, w: f64, up: f64, shape: &FootShape) -> FootPose {
+fn mix_feet(a: &FootPose, b: &FootPose, w: f64, up: f64, shape: &FootShape) -> FootPose {
     let mix = |a: f64, b: f64| a + (b - a) * w;
     let ankle = a.ankle.lerp(b.ankle, w) + DVec3::Y * up;
     let (yaw, pitch) = (mix_turn(a.yaw, b.yaw, w), mix(a.pitch, b.pitch));
@@ -344,6 +363,6 @@ fn mix(a: &FootPose, b: &FootPose, w: f64, up: f64, shape: &FootShape) -> FootPo
     let toes = mix(a.toe_pitch, b.toe_pitch);
     FootPose {
         ground: mix(a.ground, b.ground),
-        ..shape.posed(ball, yaw, mix_turn(a.heading, b.heading, w), pitch, toes)
+        ..shape.contact_pose(ball, yaw, mix_turn(a.heading, b.heading, w), pitch, toes)
     }
 }

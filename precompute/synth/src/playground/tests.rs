@@ -193,12 +193,12 @@ fn the_units_are_as_large_as_the_rig_believes() {
     let unit = |name: &str| set.units.iter().find(|u| u.name == name).expect("a unit of that name");
     let near = |a: f32, b: f64| assert!((f64::from(a) - b).abs() < 1e-3, "{a} {b}");
     for (k, shape) in unit("stairs").shapes.iter().enumerate() {
-        let Shape::Box { at, size, .. } = shape else { panic!("a step is a box") };
+        let CheckShape::Box { at, size, .. } = shape else { panic!("a step is a box") };
         near(at[1] + 0.5 * size[1], gym::RISE * (k + 1) as f64);
         near(at[2] - 0.5 * size[2], gym::GOING * k as f64);
     }
     let bars = unit("ladder").shapes.iter().map(|s| match s {
-        Shape::Bar { from, to, radius } => (*from, *to, *radius),
+        CheckShape::Bar { from, to, radius } => (*from, *to, *radius),
         _ => panic!("a ladder is made of bars"),
     });
     let (rungs, rails): (Vec<_>, Vec<_>) = bars.partition(|(from, to, _)| from[1] == to[1]);
@@ -211,20 +211,20 @@ fn the_units_are_as_large_as_the_rig_believes() {
     assert_eq!((rungs.len(), rails.len()), (7, 2));
     rails.iter().for_each(|(_, to, _)| near(to[1], gym::RAIL_TOP));
     for (name, course, drop) in [
-        ("slide_top", course::Course::straight(gym::SLIDE_A, gym::LEVEL), 0.0),
-        ("slide_mid", course::Course::straight(gym::SLIDE_A, gym::LEVEL), 0.7),
-        ("slide_bottom", course::Course::straight(gym::SLIDE_A, gym::LEVEL), 1.4),
-        ("slide_curved", course::Course::curved(footsteps::Stance::default(), gym::LEVEL), 0.0),
+        ("slide_top", course::SlideCourse::straight(gym::SLIDE_A, gym::LEVEL), 0.0),
+        ("slide_mid", course::SlideCourse::straight(gym::SLIDE_A, gym::LEVEL), 0.7),
+        ("slide_bottom", course::SlideCourse::straight(gym::SLIDE_A, gym::LEVEL), 1.4),
+        ("slide_curved", course::SlideCourse::curved(footsteps::FeetStance::default(), gym::LEVEL), 0.0),
     ] {
         // The bed comes first of every three boxes; the middle of its upper side is on the course.
         for shape in unit(name).shapes.iter().step_by(3) {
-            let Shape::Box { at, size, heading_deg, pitch_deg } = shape else { panic!("a bed is a box") };
+            let CheckShape::Box { at, size, heading_deg, pitch_deg } = shape else { panic!("a bed is a box") };
             let turn = Quat::from_rotation_y(heading_deg.to_radians()) * Quat::from_rotation_x(pitch_deg.to_radians());
             let top = Vec3::from(*at) + turn * Vec3::Y * (0.5 * size[1]);
             let before = drop / 0.75;
             let nearest = (0..800).map(|k| 0.005 * f64::from(k)).min_by(|a, b| {
                 let far = |s: f64| {
-                    let p = course.plan(s).at - course.start.at;
+                    let p = course.ground_stance(s).at - course.start.at;
                     (p - DVec2::new(f64::from(top.x), f64::from(top.z) + before)).length()
                 };
                 far(*a).total_cmp(&far(*b))
@@ -238,7 +238,7 @@ fn the_units_are_as_large_as_the_rig_believes() {
 
 #[test]
 fn the_environment_stands_where_the_rig_believes() {
-    let file: EnvironmentFile = data("environments/playground.toml");
+    let file: CheckEnvironmentFile = data("environments/playground.toml");
     let at = |unit: &str, k: usize| {
         let place = file.place.iter().filter(|p| p.unit == unit).nth(k).expect("a unit of that name");
         (DVec2::new(f64::from(place.at[0]), f64::from(place.at[2])), f64::from(place.at[1]), place)

@@ -1,7 +1,7 @@
 //! Arms: hanging at the sides, swinging against the legs, with more flexion in faster walks.
 
 use super::super::frame::ArmPose;
-use super::super::side::Side;
+use super::super::side::LateralSide;
 use super::super::signal::{shifted, smooth};
 use super::trunk::{Drift, TrunkPose};
 use glam::DQuat;
@@ -28,10 +28,10 @@ pub fn swing(input: &ArmInput) -> Vec<[ArmPose; 2]> {
     let frames = |seconds: f64| (seconds / input.dt).round() as usize;
     let follow = smooth(&shifted(input.apart, -0.05, input.dt), frames(0.05));
     let trail = smooth(&shifted(input.apart, -0.11, input.dt), frames(0.06));
-    (0..input.speed.len()).map(|i| Side::BOTH.map(|side| arm(input, side, i, follow[i], trail[i]))).collect()
+    (0..input.speed.len()).map(|i| LateralSide::BOTH.map(|side| arm(input, side, i, follow[i], trail[i]))).collect()
 }
 
-fn arm(input: &ArmInput, side: Side, i: usize, follow: f64, trail: f64) -> ArmPose {
+fn arm(input: &ArmInput, side: LateralSide, i: usize, follow: f64, trail: f64) -> ArmPose {
     let (s, speed) = (side.sign(), input.speed[i]);
     let lively = input.liveliness[side.index()];
     let vigour = lively * 0.6 * (speed / 1.3).max(0.0).powf(0.45).min(1.3);
@@ -77,7 +77,7 @@ pub struct ArmAngles {
 
 impl ArmAngles {
     /// Joint rotations of that arm.
-    pub fn pose(&self, side: Side) -> ArmPose {
+    pub fn pose(&self, side: LateralSide) -> ArmPose {
         let s = side.sign();
         let hang = DQuat::from_rotation_x(-self.swing)
             * DQuat::from_rotation_z(-s * (FRAC_PI_2 - self.abduction))
@@ -121,7 +121,7 @@ mod tests {
             liveliness: [1.0; 2],
             dt: 1.0 / 120.0,
         });
-        Side::BOTH.map(|side| {
+        LateralSide::BOTH.map(|side| {
             let arm = &arms[n / 2][side.index()];
             let along = DVec3::X * side.sign();
             let upper = arm.clavicle * arm.upper_arm;

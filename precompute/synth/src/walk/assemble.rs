@@ -16,7 +16,7 @@ use throng_core::{Planar, Skeleton};
 use throng_motion::clip::Clip;
 
 /// All signals of a clip at the working rate.
-struct Signals {
+struct ClipSignals {
     feet: Vec<[FootPose; 2]>,
     pelvis: Pelvis,
     trunk: Vec<TrunkPose>,
@@ -25,11 +25,11 @@ struct Signals {
 
 /// Makes a clip from its footsteps.
 pub fn clip(name: String, steps: &Footsteps, skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Clip {
-    let samples = Samples::of(steps.duration, cfg.rate_hz);
+    let samples = Samples::for_clip(steps.duration, cfg.rate_hz);
     let poses = poses(steps, skeleton, &samples, cfg.variation, rng);
     let mut clip = frame::empty_clip(name, "walk", cfg);
     for i in samples.frames() {
-        frame::push(&mut clip, &poses[i], skeleton);
+        frame::push_pose(&mut clip, &poses[i], skeleton);
     }
     clip
 }
@@ -53,10 +53,10 @@ fn signals(
     dt: f64,
     variation: f64,
     rng: &mut impl Rng,
-) -> Signals {
+) -> ClipSignals {
     let input = PelvisInput::new(steps, skeleton, times, dt);
     let speed = speed(&input.mass, dt);
-    let pelvis = pelvis::follow(&input, &speed);
+    let pelvis = pelvis::follow_feet(&input, &speed);
     let drift = drift(steps.duration, times, dt, &speed, variation, rng);
     let trunk = trunk::balance(&pelvis, &speed, &input.mass, &drift, dt);
     let arms = arms::swing(&ArmInput {
@@ -67,7 +67,7 @@ fn signals(
         liveliness: [0, 1].map(|_| 1.0 + variation * rng.random_range(-0.08..0.08)),
         dt,
     });
-    Signals { feet: input.feet, pelvis, trunk, arms }
+    ClipSignals { feet: input.feet, pelvis, trunk, arms }
 }
 
 /// Speed of the centre of mass, smoothed over about a step.
@@ -103,7 +103,7 @@ pub fn drift(duration: f64, times: &[f64], dt: f64, speed: &[f64], variation: f6
 }
 
 /// Pose of one sample.
-fn pose(signals: &Signals, i: usize) -> BodyPose {
+fn pose(signals: &ClipSignals, i: usize) -> BodyPose {
     let hips = signals.pelvis.rotation(i);
     let root = signals.pelvis.position[i];
     BodyPose {

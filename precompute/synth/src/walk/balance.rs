@@ -6,7 +6,7 @@
 
 use super::super::foot::FootShape;
 use super::super::pendulum::pendulum;
-use super::super::side::{Side, forward};
+use super::super::side::{LateralSide, forward};
 use super::super::signal::interpolate;
 use super::footsteps::Footsteps;
 use super::roll::Footfall;
@@ -19,13 +19,13 @@ pub fn centre_of_mass(steps: &Footsteps, shape: &FootShape, times: &[f64], dt: f
 }
 
 fn centre_of_pressure(steps: &Footsteps, shape: &FootShape, t: f64) -> DVec2 {
-    let under = |side: Side| {
+    let under = |side: LateralSide| {
         let falls = steps.feet[side.index()].falls();
         let i = falls.partition_point(|f| f.land <= t).saturating_sub(1);
         pressure_under(&falls[i], shape, t)
     };
     let share = interpolate(&steps.load, t);
-    under(Side::Left) * share + under(Side::Right) * (1.0 - share)
+    under(LateralSide::Left) * share + under(LateralSide::Right) * (1.0 - share)
 }
 
 /// Pressure under one foot, which moves from the heel over the middle, where it stays in standing, to the ball.

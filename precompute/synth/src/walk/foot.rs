@@ -1,14 +1,14 @@
 //! A foot over time: its footfalls, and its swings between them.
 
 use super::super::foot::{FootPose, FootShape};
-use super::super::side::{Side, forward, leftward};
-use super::super::signal::{End, bump, cruise, early_bump, quintic};
+use super::super::side::{LateralSide, forward, leftward};
+use super::super::signal::{PieceEnd, bump, cruise, early_bump, quintic};
 use super::roll::{Footfall, ball_flat, ball_landing, push_pitch, standing, strike_pitch};
 use glam::{DVec2, DVec3};
 
 /// The flight between two footfalls, beyond the data of its ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Flight {
+struct StepFlight {
     /// Height to which the foot is drawn up, early in the flight (m).
     raise: f64,
     /// Extra height at half of the flight, to clear the ground (m).
@@ -19,10 +19,10 @@ struct Flight {
 
 /// All footfalls of one foot, in order, and the flights between them.
 pub struct FootTrack {
-    side: Side,
+    side: LateralSide,
     shape: FootShape,
     falls: Vec<Footfall>,
-    flights: Vec<Flight>,
+    flights: Vec<StepFlight>,
 }
 
 /// Least height of the sole in the middle of a flight (m).
@@ -42,20 +42,20 @@ impl FootTrack {
     ///
     /// - `ground`: height anywhere on the path (m).
     pub fn new(
-        side: Side,
+        side: LateralSide,
         shape: FootShape,
         falls: Vec<Footfall>,
         other: &[Footfall],
         ground: impl Fn(DVec2) -> f64,
     ) -> Self {
-        let flights = vec![Flight::default(); falls.len().saturating_sub(1)];
+        let flights = vec![StepFlight::default(); falls.len().saturating_sub(1)];
         let mut track = Self { side, shape, falls, flights };
         for i in 0..track.flights.len() {
             let (lift, land) = (track.falls[i].lift, track.falls[i + 1].land);
             let standing = other.iter().rev().find(|f| f.land <= 0.5 * (lift + land));
-            track.flights[i].detour = standing.map_or(DVec2::ZERO, |s| track.detour(i, s));
-            track.flights[i].raise = track.raise(i);
-            track.flights[i].clear = track.clear(i, &ground);
+            track.flights[i].detour = standing.map_or(DVec2::ZERO, |s| track.sidestep(i, s));
+            track.flights[i].raise = track.lift_height(i);
+            track.flights[i].clear = track.clearance_height(i, &ground);
         }
         track
     }
@@ -69,18 +69,22 @@ impl FootTrack {
     pub fn pose(&self, t: f64) -> FootPose {
         let i = self.falls.partition_point(|f| f.land <= t).saturating_sub(1);
         let fall = &self.falls[i];
-        if t <= fall.lift || i + 1 == self.falls.len() { standing(&self.shape, fall, t) } else { self.flying(i, t) }
+        if t <= fall.lift || i + 1 == self.falls.len() {
+            standing(&self.shape, fall, t)
+        } else {
+            self.pose_in_flight(i, t)
+        }
     }
 
-    fn flying(&self, i: usize, t: f64) -> FootPose {
+    fn pose_in_flight(&self, i: usize, t: f64) -> FootPose {
         let (a, b) = (&self.falls[i], &self.falls[i + 1]);
         let (t, duration) = (t - a.lift, b.land - a.lift);
         let u = t / duration;
         let (across, up) = stair_pace(b.ground - a.ground, u);
         let start = ball_flat(&self.shape, a);
         let piece = |from: f64, u: f64, axis: fn(DVec3) -> f64| {
-            let to = End::of(|t| axis(ball_landing(&self.shape, b, t)), b.land);
-            let arrival = quintic(End::default(), End { value: 0.0, ..to }, duration, t);
+            let to = PieceEnd::from_function(|t| axis(ball_landing(&self.shape, b, t)), b.land);
+            let arrival = quintic(PieceEnd::default(), PieceEnd { value: 0.0, ..to }, duration, t);
             from + (to.value - from) * cruise(RAMP, u) + arrival
         };
         let flight = &self.flights[i];
@@ -89,42 +93,43 @@ impl FootTrack {
             piece(start.y, up, |p| p.y) + flight.raise * early_bump(u) + flight.clear * bump(u),
             piece(start.z, across, |p| p.z) + flight.detour.y * bump(u),
         );
-        let angle = |from: f64, to: f64| quintic(End::still(from), End::still(to), duration, t);
-        let landing = End::of(|t| strike_pitch(b, t), b.land);
-        let pitch = quintic(End::of(|t| push_pitch(a, t), a.lift), landing, duration, t) + HANG * a.push * bump(u);
-        let toes = End::of(|t| strike_pitch(b, t).min(0.0), b.land);
-        let toe_pitch = quintic(End::still(0.0), toes, duration, t) + 0.25 * a.push * bump(u);
-        let posed = self.shape.posed(ball, angle(a.yaw, b.yaw), angle(a.heading, b.heading), pitch, toe_pitch);
+        let angle = |from: f64, to: f64| quintic(PieceEnd::at_rest(from), PieceEnd::at_rest(to), duration, t);
+        let landing = PieceEnd::from_function(|t| strike_pitch(b, t), b.land);
+        let pitch = quintic(PieceEnd::from_function(|t| push_pitch(a, t), a.lift), landing, duration, t)
+            + HANG * a.push * bump(u);
+        let toes = PieceEnd::from_function(|t| strike_pitch(b, t).min(0.0), b.land);
+        let toe_pitch = quintic(PieceEnd::at_rest(0.0), toes, duration, t) + 0.25 * a.push * bump(u);
+        let posed = self.shape.contact_pose(ball, angle(a.yaw, b.yaw), angle(a.heading, b.heading), pitch, toe_pitch);
         FootPose { ground: angle(a.ground, b.ground), ..posed }
     }
 
     /// Times spread over flight `i`, with their bumps.
-    fn moments(&self, i: usize) -> impl Iterator<Item = (f64, f64)> + use<> {
+    fn flight_moments(&self, i: usize) -> impl Iterator<Item = (f64, f64)> + use<> {
         let (lift, land) = (self.falls[i].lift, self.falls[i + 1].land);
         (1..40).map(move |k| f64::from(k) / 40.0).map(move |u| (lift + u * (land - lift), bump(u)))
     }
 
     /// Height to which the foot is drawn up in flight `i`: more in longer flights (m).
-    fn raise(&self, i: usize) -> f64 {
+    fn lift_height(&self, i: usize) -> f64 {
         let travel = (self.falls[i + 1].ankle - self.falls[i].ankle).length();
         0.015 + 0.016 * (travel / 1.4).min(1.0)
     }
 
     /// Extra height that flight `i` needs for its sole to clear the ground (m).
-    fn clear(&self, i: usize, ground: &impl Fn(DVec2) -> f64) -> f64 {
-        let missing = |t: f64| CLEARANCE - self.shape.sole(&self.flying(i, t), ground);
-        self.moments(i).filter(|m| m.1 > 0.3).map(|(t, b)| missing(t) / b).fold(0.0, f64::max)
+    fn clearance_height(&self, i: usize, ground: &impl Fn(DVec2) -> f64) -> f64 {
+        let missing = |t: f64| CLEARANCE - self.shape.sole(&self.pose_in_flight(i, t), ground);
+        self.flight_moments(i).filter(|m| m.1 > 0.3).map(|(t, b)| missing(t) / b).fold(0.0, f64::max)
     }
 
     /// Sideways detour of flight `i` around the standing foot (m).
-    fn detour(&self, i: usize, standing: &Footfall) -> DVec2 {
+    fn sidestep(&self, i: usize, standing: &Footfall) -> DVec2 {
         let (a, b) = (&self.falls[i], &self.falls[i + 1]);
         let heading = 0.5 * (a.heading + b.heading);
         let away = leftward(heading) * self.side.sign();
         let obstacles = [standing.ankle, standing.ankle + forward(standing.yaw) * self.shape.ball];
         let mut need: f64 = 0.0;
-        for (t, b) in self.moments(i).filter(|m| m.1 > 0.2) {
-            let p = self.flying(i, t);
+        for (t, b) in self.flight_moments(i).filter(|m| m.1 > 0.2) {
+            let p = self.pose_in_flight(i, t);
             for part in [p.ankle, p.ball] {
                 for o in obstacles {
                     let from = DVec2::new(part.x, part.z) - o;
@@ -168,12 +173,12 @@ mod tests {
     fn track() -> FootTrack {
         let falls = vec![fall(0.0, 0.7, DVec2::ZERO, 0.1), fall(1.1, 2.0, DVec2::new(-0.05, 1.3), 0.4)];
         let standing = fall(0.6, 1.2, DVec2::new(-0.02, 0.65), 0.0);
-        FootTrack::new(Side::Left, FootShape::of(&Skeleton::default()), falls, &[standing], |_| 0.0)
+        FootTrack::new(LateralSide::Left, FootShape::from_skeleton(&Skeleton::default()), falls, &[standing], |_| 0.0)
     }
 
     #[test]
     fn heel_then_ankle_then_ball_stay_where_they_are() {
-        let (track, shape) = (track(), FootShape::of(&Skeleton::default()));
+        let (track, shape) = (track(), FootShape::from_skeleton(&Skeleton::default()));
         let heel = |p: &FootPose| p.ankle + p.rotation() * DVec3::new(0.0, -shape.ankle_height, -shape.heel);
         let spread = |from: f64, to: f64, point: &dyn Fn(&FootPose) -> DVec3| {
             let at = |k: u32| point(&track.pose(from + (to - from) * f64::from(k) / 50.0));

@@ -1,7 +1,7 @@
 //! Placement of intended steps on the ground and in time: footfalls of both feet, and their shares of the weight.
 
 use super::super::foot::FootShape;
-use super::super::side::{Side, forward, leftward};
+use super::super::side::{LateralSide, forward, leftward};
 use super::foot::FootTrack;
 use super::gait::StepShape;
 use super::roll::Footfall;
@@ -12,7 +12,7 @@ use rand::{Rng, RngExt};
 /// Time to bring the weight onto one foot before the first step after a pause (s).
 pub const SHIFT: f64 = 0.5;
 /// Time to come to rest on both feet after the last step (s).
-const SETTLE: f64 = 0.45;
+const SETTLING_S: f64 = 0.45;
 /// Duration of the stand at the end of a clip (s).
 pub const LAST_STAND: f64 = 1.6;
 
@@ -28,23 +28,23 @@ pub struct Footsteps {
 
 /// Stance of a pair of feet side by side.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Stance {
+pub struct FeetStance {
     /// Midpoint of the ankles on the ground plane (x, z) (m).
     pub at: DVec2,
     /// Heading (rad).
     pub heading: f64,
 }
 
-impl Stance {
+impl FeetStance {
     /// Stance after a step: the path bends evenly over the step, and is moved aside.
-    pub fn after(self, step: &Intent) -> Self {
+    pub fn after_step(self, step: &Intent) -> Self {
         let along = self.heading + 0.5 * step.turn;
         let at = self.at + forward(along) * step.shape.length + leftward(along) * step.aside;
         Self { at, heading: self.heading + step.turn }
     }
 
     /// Ankle of a foot, `width` metres from the other one (m).
-    pub fn ankle(self, side: Side, width: f64) -> DVec2 {
+    pub fn ankle(self, side: LateralSide, width: f64) -> DVec2 {
         self.at + leftward(self.heading) * (0.5 * width * side.sign())
     }
 }
@@ -56,8 +56,8 @@ pub fn timing(step: &Intent, last: f64) -> (f64, f64) {
 }
 
 /// A step with its time and place.
-struct Placed {
-    side: Side,
+struct PlacedStep {
+    side: LateralSide,
     lift: f64,
     land: f64,
     shape: StepShape,
@@ -67,44 +67,50 @@ struct Placed {
 }
 
 /// Places steps from a stand on even ground, followed by a stand of `last` seconds.
-pub fn place(shape: FootShape, start: Stance, intents: &[Intent], last: f64, rng: &mut impl Rng) -> Footsteps {
-    place_on(shape, start, intents, last, |_| 0.0, rng)
+pub fn place_footsteps(
+    shape: FootShape,
+    start: FeetStance,
+    intents: &[Intent],
+    last: f64,
+    rng: &mut impl Rng,
+) -> Footsteps {
+    place_on_ground(shape, start, intents, last, |_| 0.0, rng)
 }
 
 /// Places steps from a stand, followed by a stand of `last` seconds.
 ///
 /// - `ground`: height anywhere on the path (m).
-pub fn place_on(
+pub fn place_on_ground(
     shape: FootShape,
-    start: Stance,
+    start: FeetStance,
     intents: &[Intent],
     last: f64,
     ground: impl Fn(DVec2) -> f64,
     rng: &mut impl Rng,
 ) -> Footsteps {
-    let placed = placed(start, intents);
+    let placed = place_steps(start, intents);
     let duration = placed.last().map_or(0.0, |s| s.land) + last;
-    let mut falls = Side::BOTH.map(|side| falls_of(side, start, &placed));
+    let mut falls = LateralSide::BOTH.map(|side| falls_of(side, start, &placed));
     for falls in &mut falls {
         step_on(falls, &shape, &ground);
     }
-    let track = |side: Side| {
+    let track = |side: LateralSide| {
         let (own, other) = (falls[side.index()].clone(), &falls[side.other().index()]);
         FootTrack::new(side, shape, own, other, &ground)
     };
-    let tracks = Side::BOTH.map(track);
+    let tracks = LateralSide::BOTH.map(track);
     Footsteps { feet: tracks, load: load_knots(&placed, duration, rng), duration }
 }
 
 /// Time and place of every step's landing.
-fn placed(start: Stance, intents: &[Intent]) -> Vec<Placed> {
+fn place_steps(start: FeetStance, intents: &[Intent]) -> Vec<PlacedStep> {
     let (mut stance, mut last) = (start, 0.0);
     let mut out = Vec::with_capacity(intents.len());
     for step in intents {
-        stance = stance.after(step);
+        stance = stance.after_step(step);
         let (lift, land) = timing(step, last);
         last = land;
-        out.push(Placed {
+        out.push(PlacedStep {
             side: step.side,
             lift,
             land,
@@ -118,7 +124,7 @@ fn placed(start: Stance, intents: &[Intent]) -> Vec<Placed> {
 }
 
 /// Footfalls of one foot, from the stand before the first step to the stand after the last one.
-fn falls_of(side: Side, start: Stance, placed: &[Placed]) -> Vec<Footfall> {
+fn falls_of(side: LateralSide, start: FeetStance, placed: &[PlacedStep]) -> Vec<Footfall> {
     let mut falls = vec![Footfall {
         land: -2.0,
         flat: -1.9,
@@ -170,7 +176,7 @@ fn step_on(falls: &mut [Footfall], shape: &FootShape, ground: &impl Fn(DVec2) ->
 }
 
 /// Completes a footfall with its departure for the next step.
-fn leave_with(fall: &mut Footfall, step: &Placed, travel: f64) {
+fn leave_with(fall: &mut Footfall, step: &PlacedStep, travel: f64) {
     fall.lift = step.lift;
     let rise = 0.46 * step.shape.period;
     fall.heel_off = (step.lift - rise).max(fall.flat + 0.02);
@@ -179,8 +185,8 @@ fn leave_with(fall: &mut Footfall, step: &Placed, travel: f64) {
 
 /// Share of the left foot: 0 while it is in the air, 1 while the right one is, and in between linear, or standing on
 /// both with occasional shifts of the weight.
-fn load_knots(placed: &[Placed], duration: f64, rng: &mut impl Rng) -> Vec<(f64, f64)> {
-    let share_on = |side: Side| if side == Side::Left { 1.0 } else { 0.0 };
+fn load_knots(placed: &[PlacedStep], duration: f64, rng: &mut impl Rng) -> Vec<(f64, f64)> {
+    let share_on = |side: LateralSide| if side == LateralSide::Left { 1.0 } else { 0.0 };
     let mut knots = vec![(0.0, 0.5)];
     let mut last = 0.0;
     for step in placed {
@@ -195,7 +201,7 @@ fn load_knots(placed: &[Placed], duration: f64, rng: &mut impl Rng) -> Vec<(f64,
 
 /// Weight shifts of a stand between two times; none if it is too short.
 fn stand_knots(knots: &mut Vec<(f64, f64)>, from: f64, to: f64, rng: &mut impl Rng) {
-    let mut t = from + SETTLE;
+    let mut t = from + SETTLING_S;
     while t < to {
         knots.push((t, 0.5 + rng.random_range(-0.14..0.14)));
         t += rng.random_range(0.9..1.5);
@@ -214,7 +220,13 @@ mod tests {
     fn footsteps(seed: u64) -> Footsteps {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let intents = Wanderer::new(1.0).wander(120.0, &mut rng);
-        place(FootShape::of(&Skeleton::default()), Stance::default(), &intents, LAST_STAND, &mut rng)
+        place_footsteps(
+            FootShape::from_skeleton(&Skeleton::default()),
+            FeetStance::default(),
+            &intents,
+            LAST_STAND,
+            &mut rng,
+        )
     }
 
     #[test]

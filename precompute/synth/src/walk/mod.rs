@@ -17,7 +17,7 @@ pub(super) mod wander;
 
 use super::SynthConfig;
 use super::foot::FootShape;
-use footsteps::{LAST_STAND, Stance};
+use footsteps::{FeetStance, LAST_STAND};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use throng_core::Skeleton;
@@ -29,14 +29,14 @@ use throng_motion::clip::ClipSet;
 /// - returns clips `walk_00`, `walk_01`, ... that begin and end standing.
 pub fn walk(cfg: &SynthConfig) -> ClipSet {
     let skeleton = Skeleton::default();
-    let shape = FootShape::of(&skeleton);
+    let shape = FootShape::from_skeleton(&skeleton);
     let mut rng = Pcg64Mcg::seed_from_u64(cfg.seed);
     let mut wanderer = wander::Wanderer::new(cfg.variation);
     let (mut clips, mut seconds) = (Vec::new(), 0.0);
     while seconds < cfg.minutes * 60.0 {
         let wanted = (cfg.minutes * 60.0 - seconds).min(cfg.clip_seconds * rng.random_range(0.85..1.1));
         let intents = wanderer.wander(wanted, &mut rng);
-        let steps = footsteps::place(shape, Stance::default(), &intents, LAST_STAND, &mut rng);
+        let steps = footsteps::place_footsteps(shape, FeetStance::default(), &intents, LAST_STAND, &mut rng);
         seconds += steps.duration;
         let name = format!("walk_{:02}", clips.len());
         clips.push(assemble::clip(name, &steps, &skeleton, cfg, &mut rng));

@@ -3,8 +3,8 @@
 use super::super::attitude::Attitude;
 use super::super::foot::{FootPose, FootShape};
 use super::super::leg::LegShape;
-use super::super::side::{Side, forward};
-use super::super::signal::{End, interpolate, quintic, shifted, smooth, smooth_below};
+use super::super::side::{LateralSide, forward};
+use super::super::signal::{PieceEnd, interpolate, quintic, shifted, smooth, smooth_below};
 use super::balance::centre_of_mass;
 use super::footsteps::Footsteps;
 use glam::{DQuat, DVec2, DVec3};
@@ -65,9 +65,9 @@ impl PelvisInput {
         Self {
             feet: times.iter().map(|&t| [0, 1].map(|s: usize| steps.feet[s].pose(t))).collect(),
             load: times.iter().map(|&t| interpolate(&steps.load, t)).collect(),
-            mass: centre_of_mass(steps, &FootShape::of(skeleton), times, dt),
+            mass: centre_of_mass(steps, &FootShape::from_skeleton(skeleton), times, dt),
             hips: [Joint::LeftThigh, Joint::RightThigh].map(|j| skeleton.offsets[j.index()].as_dvec3()),
-            leg: LegShape::of(skeleton),
+            leg: LegShape::from_skeleton(skeleton),
             dt,
         }
     }
@@ -88,7 +88,7 @@ const HIPS_FORWARD: [f64; 2] = [-0.035, 0.026];
 /// Moves the pelvis over the feet.
 ///
 /// - `speed`: at every sample (m/s).
-pub fn follow(input: &PelvisInput, speed: &[f64]) -> Pelvis {
+pub fn follow_feet(input: &PelvisInput, speed: &[f64]) -> Pelvis {
     let frames = |seconds: f64| (seconds / input.dt).round() as usize;
     let mean_heading: Vec<f64> = input.feet.iter().map(|f| 0.5 * (f[0].heading + f[1].heading)).collect();
     let heading = smooth(&shifted(&mean_heading, 0.06, input.dt), frames(0.09));
@@ -143,7 +143,10 @@ fn height(input: &PelvisInput, pelvis: &Pelvis) -> Vec<f64> {
     let limit: Vec<f64> = (0..input.feet.len())
         .map(|i| {
             let rotation = pelvis.rotation(i);
-            Side::BOTH.map(|s| leg_limit(input, pelvis, i, rotation, s)).into_iter().fold(f64::INFINITY, f64::min)
+            LateralSide::BOTH
+                .map(|s| leg_limit(input, pelvis, i, rotation, s))
+                .into_iter()
+                .fold(f64::INFINITY, f64::min)
         })
         .collect();
     let ground = ground(input);
@@ -165,7 +168,7 @@ fn lowest_within(x: &[f64], radius: usize) -> Vec<f64> {
 }
 
 /// Height of the hips joint at which one leg has its least flexion (m).
-fn leg_limit(input: &PelvisInput, pelvis: &Pelvis, i: usize, rotation: DQuat, side: Side) -> f64 {
+fn leg_limit(input: &PelvisInput, pelvis: &Pelvis, i: usize, rotation: DQuat, side: LateralSide) -> f64 {
     let offset = rotation * input.hips[side.index()];
     let ankle = input.feet[i][side.index()].ankle;
     let across =
@@ -174,6 +177,6 @@ fn leg_limit(input: &PelvisInput, pelvis: &Pelvis, i: usize, rotation: DQuat, si
         let reach = input.leg.reach(flexion);
         ankle.y - offset.y + (reach * reach - across.length_squared()).max(0.01).sqrt()
     };
-    let (under, reaching) = (End::still(STANDING_FLEXION), End::still(REACHING_FLEXION));
+    let (under, reaching) = (PieceEnd::at_rest(STANDING_FLEXION), PieceEnd::at_rest(REACHING_FLEXION));
     at(quintic(under, reaching, 0.2, across.length().min(0.2)))
 }

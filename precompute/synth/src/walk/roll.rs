@@ -2,7 +2,7 @@
 
 use super::super::foot::{FootPose, FootShape};
 use super::super::side::forward;
-use super::super::signal::{End, quintic};
+use super::super::signal::{PieceEnd, quintic};
 use glam::{DQuat, DVec2, DVec3};
 
 /// Contact of a foot with the ground, from heel strike to toe-off.
@@ -45,7 +45,7 @@ pub fn standing(shape: &FootShape, fall: &Footfall, t: f64) -> FootPose {
         heel_down: t >= fall.flat && t <= fall.heel_off,
         toe_down: t >= if fall.strike < 0.0 { fall.land } else { fall.flat },
         ground: fall.ground,
-        ..shape.posed(ball, fall.yaw, fall.heading, pitch, toe_pitch)
+        ..shape.contact_pose(ball, fall.yaw, fall.heading, pitch, toe_pitch)
     }
 }
 
@@ -68,12 +68,17 @@ pub fn ball_flat(shape: &FootShape, fall: &Footfall) -> DVec3 {
 /// Pitch while the foot rolls over its heel: begins turning down, ends flat and at rest (rad).
 pub fn strike_pitch(fall: &Footfall, t: f64) -> f64 {
     let duration = fall.flat - fall.land;
-    let from = End::moving(-fall.strike, 1.1 * fall.strike / duration);
-    quintic(from, End::still(0.0), duration, t - fall.land)
+    let from = PieceEnd::moving(-fall.strike, 1.1 * fall.strike / duration);
+    quintic(from, PieceEnd::at_rest(0.0), duration, t - fall.land)
 }
 
 /// Pitch while the foot rolls over its ball: begins at rest, ends turning (rad).
 pub fn push_pitch(fall: &Footfall, t: f64) -> f64 {
     let duration = fall.lift - fall.heel_off;
-    quintic(End::still(0.0), End::moving(fall.push, 2.2 * fall.push / duration), duration, t - fall.heel_off)
+    quintic(
+        PieceEnd::at_rest(0.0),
+        PieceEnd::moving(fall.push, 2.2 * fall.push / duration),
+        duration,
+        t - fall.heel_off,
+    )
 }

@@ -1,7 +1,7 @@
 //! Intentions of the walker: a seeded sequence of steps that stands, starts, walks, turns and stops.
 
-use super::super::deck::Deck;
-use super::super::side::Side;
+use super::super::deck::CardDeck;
+use super::super::side::LateralSide;
 use super::gait::{StepShape, pivot_step, step_at, turning_step_at};
 use rand::{Rng, RngExt};
 
@@ -9,7 +9,7 @@ use rand::{Rng, RngExt};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intent {
     /// The foot that steps.
-    pub side: Side,
+    pub side: LateralSide,
     /// Time of standing still before the step; 0 inside a walk (s).
     pub pause: f64,
     /// Change of the path's heading (rad).
@@ -56,12 +56,12 @@ pub const STANDING_WIDTH: f64 = 0.185;
 /// Dealer of episodes: stand, start into a turn, walk, turn, walk, stop. One serves all clips of a set, so that turns
 /// and speeds are spread evenly over the set.
 pub struct Wanderer {
-    speeds: Deck<f64>,
-    first_turns: Deck<f64>,
-    turns: Deck<(f64, f64)>,
-    straights: Deck<usize>,
-    legs: Deck<usize>,
-    starters: Deck<Side>,
+    speeds: CardDeck<f64>,
+    first_turns: CardDeck<f64>,
+    turns: CardDeck<(f64, f64)>,
+    straights: CardDeck<usize>,
+    legs: CardDeck<usize>,
+    starters: CardDeck<LateralSide>,
     variation: f64,
 }
 
@@ -69,19 +69,19 @@ impl Wanderer {
     /// A dealer whose steps vary by `variation` times the usual amount.
     pub fn new(variation: f64) -> Self {
         Self {
-            speeds: Deck::new(&SPEEDS),
-            first_turns: Deck::new(&FIRST_TURNS),
-            turns: Deck::new(&TURNS.map(|(angle, rate)| [(angle, rate), (-angle, rate)]).concat()),
-            straights: Deck::new(&[0, 1, 1, 2, 2, 3, 3, 4, 5]),
-            legs: Deck::new(&[1, 1, 1, 2, 2, 3, 4]),
-            starters: Deck::new(&Side::BOTH),
+            speeds: CardDeck::new(&SPEEDS),
+            first_turns: CardDeck::new(&FIRST_TURNS),
+            turns: CardDeck::new(&TURNS.map(|(angle, rate)| [(angle, rate), (-angle, rate)]).concat()),
+            straights: CardDeck::new(&[0, 1, 1, 2, 2, 3, 3, 4, 5]),
+            legs: CardDeck::new(&[1, 1, 1, 2, 2, 3, 4]),
+            starters: CardDeck::new(&LateralSide::BOTH),
             variation,
         }
     }
 
     /// Steps for about `seconds` of wandering, from standing to standing.
     pub fn wander(&mut self, seconds: f64, rng: &mut impl Rng) -> Vec<Intent> {
-        let mut walk = Walk::new(self.variation);
+        let mut walk = WalkSteps::new(self.variation);
         while walk.seconds < seconds {
             self.episode(&mut walk, rng);
         }
@@ -89,11 +89,11 @@ impl Wanderer {
     }
 
     /// Adds an episode: stand, set off, some legs of turning and walking, stop.
-    fn episode(&mut self, walk: &mut Walk, rng: &mut impl Rng) {
+    fn episode(&mut self, walk: &mut WalkSteps, rng: &mut impl Rng) {
         walk.pause = rng.random_range(0.6..1.9);
         let first = self.first_turns.deal(rng).to_radians();
         let cruise = self.speeds.deal(rng);
-        walk.next = if first == 0.0 { self.starters.deal(rng) } else { Side::inside(first) };
+        walk.next = if first == 0.0 { self.starters.deal(rng) } else { LateralSide::inside(first) };
         let on_the_spot = first.abs() > 1.8 || (first.abs() > 0.7 && rng.random_bool(0.5));
         if on_the_spot {
             walk.turn_in_place(first, rng);
@@ -118,12 +118,12 @@ impl Wanderer {
 
 /// Steps so far, with the initial state of the next one.
 #[derive(Clone, Debug)]
-pub struct Walk {
+pub struct WalkSteps {
     /// The steps.
     pub steps: Vec<Intent>,
     seconds: f64,
     /// The foot that steps next.
-    pub next: Side,
+    pub next: LateralSide,
     /// Time of standing still before the next step (s).
     pub pause: f64,
     /// Speed (m/s).
@@ -131,10 +131,10 @@ pub struct Walk {
     variation: f64,
 }
 
-impl Walk {
+impl WalkSteps {
     /// Begins standing, with the left foot next.
     pub fn new(variation: f64) -> Self {
-        Self { steps: Vec::new(), seconds: 0.0, next: Side::Left, pause: 0.0, speed: 0.0, variation }
+        Self { steps: Vec::new(), seconds: 0.0, next: LateralSide::Left, pause: 0.0, speed: 0.0, variation }
     }
 
     /// Adds one step.
@@ -161,7 +161,7 @@ impl Walk {
     pub fn start(&mut self, cruise: f64, turn: f64, rng: &mut impl Rng) {
         let mut left = turn;
         for part in [0.72, 0.92] {
-            let bend = limited(left, self.next, 0.75);
+            let bend = limit_turn(left, self.next, 0.75);
             left -= bend;
             let shape = turning_step_at(cruise, bend);
             let shape = StepShape { length: shape.length * part, period: (shape.period * 1.06).min(0.68), ..shape };
@@ -183,8 +183,8 @@ impl Walk {
     pub fn turn(&mut self, angle: f64, rate: f64, cruise: f64, rng: &mut impl Rng) {
         let mut left = angle;
         while left.abs() > 0.02 {
-            let share = if self.next == Side::inside(angle) { 1.25 } else { 0.75 };
-            let bend = limited(left, self.next, rate * share);
+            let share = if self.next == LateralSide::inside(angle) { 1.25 } else { 0.75 };
+            let bend = limit_turn(left, self.next, rate * share);
             left -= bend;
             if left.abs() < 0.08 {
                 self.speed += (turn_speed(cruise, rate) - self.speed).clamp(-0.35, 0.3);
@@ -217,7 +217,7 @@ impl Walk {
         let mut left = angle;
         let mut apart = 0.0;
         while left.abs() > 0.03 || f64::abs(apart) > 0.03 {
-            let inner = self.next == Side::inside(angle);
+            let inner = self.next == LateralSide::inside(angle);
             let most = if inner { opening } else { 0.3 };
             let bend = left.clamp(-most, most);
             self.step(bend, STANDING_WIDTH, pivot_step(bend + apart), rng);
@@ -229,8 +229,8 @@ impl Walk {
 }
 
 /// Heading change limited to `most` and to what the hips allow for the stepping foot: opening is easier than crossing.
-pub fn limited(turn: f64, foot: Side, most: f64) -> f64 {
-    let most = most.min(if foot == Side::inside(turn) { 0.9 } else { 0.55 });
+pub fn limit_turn(turn: f64, foot: LateralSide, most: f64) -> f64 {
+    let most = most.min(if foot == LateralSide::inside(turn) { 0.9 } else { 0.55 });
     turn.clamp(-most, most)
 }
 
@@ -257,7 +257,7 @@ mod tests {
     fn no_step_turns_further_than_hips_can() {
         let steps = Wanderer::new(1.0).wander(600.0, &mut Pcg64Mcg::seed_from_u64(2));
         for s in &steps {
-            let most = if s.side == Side::inside(s.turn) { 1.11 } else { 0.64 };
+            let most = if s.side == LateralSide::inside(s.turn) { 1.11 } else { 0.64 };
             assert!(s.turn.abs() <= most, "{s:?}");
         }
     }

@@ -4,7 +4,7 @@
 use glam::{Quat, Vec3};
 use throng_lab::slip::Soles;
 use throng_motion::clip::joint_transforms;
-use throng_runtime::blend::{BlendSpace, MAX_AXES, Posture, channel};
+use throng_runtime::blend::{BlendSpace, BlendedPosture, MAX_AXES, channel};
 use throng_runtime::walkers::Control;
 use throng_runtime::{Contacts, Joint, NUM_JOINTS, Skeleton};
 
@@ -17,16 +17,16 @@ const FLAT_M: f32 = 0.005;
 
 /// A playing example.
 #[derive(Clone, Copy, Debug, Default)]
-struct Playing {
+struct PlayingExample {
     example: usize,
     phase: f32,
 }
 
 /// A character whose examples are cross-faded.
 #[derive(Clone, Debug)]
-pub(super) struct CrossFade {
-    now: Playing,
-    before: Playing,
+pub(super) struct CrossFadedBody {
+    now: PlayingExample,
+    before: PlayingExample,
     /// Time since the fade began (s).
     age_s: f32,
     weights: Vec<f32>,
@@ -38,12 +38,12 @@ pub(super) struct CrossFade {
     pub soles: Soles,
 }
 
-impl CrossFade {
+impl CrossFadedBody {
     /// Starts with the first example.
     pub fn new(space: &BlendSpace) -> Self {
         Self {
-            now: Playing::default(),
-            before: Playing::default(),
+            now: PlayingExample::default(),
+            before: PlayingExample::default(),
             age_s: FADE_S,
             weights: vec![0.0; space.stride()],
             joints: [Vec3::ZERO; NUM_JOINTS],
@@ -64,22 +64,22 @@ impl CrossFade {
         control: &Control,
         dt_s: f32,
     ) -> Result<(), throng_runtime::Error> {
-        let nearest = nearest(space, parameters);
+        let nearest = nearest_example(space, parameters);
         self.age_s += dt_s;
         if nearest != self.now.example && self.age_s >= FADE_S {
             self.before = self.now;
-            self.now = Playing { example: nearest, phase: 0.0 };
+            self.now = PlayingExample { example: nearest, phase: 0.0 };
             self.age_s = 0.0;
         }
         let share = (self.age_s / FADE_S).min(1.0);
-        let mut play = |p: &mut Playing| -> Result<Posture, throng_runtime::Error> {
+        let mut play = |p: &mut PlayingExample| -> Result<BlendedPosture, throng_runtime::Error> {
             self.weights.fill(0.0);
             self.weights[p.example] = 1.0;
             let mut phase = [p.phase];
             space.advance(&self.weights, &[dt_s], &mut phase)?;
             p.phase = phase[0];
-            let mut out = [Posture::default()];
-            space.pose(&self.weights, &phase, &mut out)?;
+            let mut out = [BlendedPosture::default()];
+            space.blend_postures(&self.weights, &phase, &mut out)?;
             Ok(out[0])
         };
         let (from, to) = (play(&mut self.before)?, play(&mut self.now)?);
@@ -96,13 +96,13 @@ impl CrossFade {
             [place(ankle + turned * heels[side]), place(ball)]
         });
         let balls = FEET.map(|[_, toe]| skeleton.rest_positions()[toe.index()].y);
-        self.contacts = contacts(&to, &self.soles, balls);
+        self.contacts = foot_contacts(&to, &self.soles, balls);
         Ok(())
     }
 }
 
 /// The example nearest to a point of the box, each axis from 0 to 1.
-fn nearest(space: &BlendSpace, parameters: &[f32; MAX_AXES]) -> usize {
+fn nearest_example(space: &BlendSpace, parameters: &[f32; MAX_AXES]) -> usize {
     let distance = |e: &[f32; MAX_AXES]| -> f32 {
         let axes = space.axes().iter().enumerate();
         axes.map(|(k, a)| ((e[k] - parameters[k]) / (a.high - a.low)).powi(2)).sum()
@@ -114,7 +114,7 @@ fn nearest(space: &BlendSpace, parameters: &[f32; MAX_AXES]) -> usize {
 /// Planted parts of the feet: of a planted foot, heel and ball unless one is higher than the other.
 ///
 /// - `balls`: heights of the balls of flat feet (m).
-fn contacts(posture: &Posture, soles: &Soles, balls: [f32; 2]) -> Contacts {
+fn foot_contacts(posture: &BlendedPosture, soles: &Soles, balls: [f32; 2]) -> Contacts {
     let feet = [
         (channel::LEFT_CONTACT, [Contacts::LEFT_HEEL, Contacts::LEFT_TOE]),
         (channel::RIGHT_CONTACT, [Contacts::RIGHT_HEEL, Contacts::RIGHT_TOE]),

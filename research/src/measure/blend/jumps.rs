@@ -1,7 +1,7 @@
 //! Smoothness of bodies while the parameters of their blend space jump.
 
-use super::cross_fade::CrossFade;
-use super::{STEP_S, advance, control, random_parameters};
+use super::cross_fade::CrossFadedBody;
+use super::{STEP_S, advance_control, random_parameters, start_control};
 use glam::Vec3;
 use throng_lab::measure::timing::fail;
 use throng_lab::run::knee_angles;
@@ -9,19 +9,19 @@ use throng_lab::slip::{Feet, SlipMeter, Soles};
 use throng_motion::error::BuildError;
 use throng_runtime::blend::BlendSpace;
 use throng_runtime::walkers::{WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Bundle, Cast, Contacts, Inline, NUM_JOINTS, Planar};
+use throng_runtime::{Bundle, CharacterGroup, Contacts, Inline, NUM_JOINTS, Planar};
 
 /// Number of measured characters, and for how long (s).
-const LOOKED_AT: usize = 32;
+const NUM_CHARACTERS: usize = 32;
 const SECONDS: f32 = 40.0;
 /// Time between jumps (s).
 const JUMP_S: f32 = 2.0;
 /// Time after a jump in which acceleration counts (s).
-const AFTER_S: f32 = 0.5;
+const ACCELERATION_WINDOW_S: f32 = 0.5;
 
 /// Method that animates a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Motion {
+pub(super) enum BlendMethod {
     /// Blended walkers: weights, incremental time-warping, retargeting.
     Blended,
     /// The nearest example, cross-faded.
@@ -30,7 +30,7 @@ pub(super) enum Motion {
 
 /// Figures of one method.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Jumps {
+pub(super) struct JumpFigures {
     /// 95th percentile of the slip of planted feet, as [`SlipMeter`] measures it (m/s).
     pub slip_p95_mps: f64,
     /// Fastest change of a knee's angle (rad/s).
@@ -43,44 +43,52 @@ pub(super) struct Jumps {
 ///
 /// # Errors
 /// [`BuildError::Stage`] where the space is broken.
-pub(super) fn jumps(tables: &Bundle, space: &BlendSpace, motion: Motion) -> Result<Jumps, BuildError> {
+pub(super) fn measure_jumps(
+    tables: &Bundle,
+    space: &BlendSpace,
+    motion: BlendMethod,
+) -> Result<JumpFigures, BuildError> {
     let places = random_parameters(space);
-    let mut watch = Watch::default();
-    for who in 0..LOOKED_AT {
-        watch.forget();
-        let mut body = Body::new(space, motion)?;
-        let mut path = control(space, &places[who], Planar::default());
+    let mut watch = JumpMeter::default();
+    for who in 0..NUM_CHARACTERS {
+        watch.forget_last_poses();
+        let mut body = JumpingBody::new(space, motion)?;
+        let mut path = start_control(space, &places[who], Planar::default());
         for step in 0..(SECONDS / STEP_S) as usize {
             let since = step as f32 * STEP_S;
             let aim = &places[(who * 37 + (since / JUMP_S) as usize) % places.len()];
-            advance(space, &mut path, aim, STEP_S);
+            advance_control(space, &mut path, aim, STEP_S);
             let seen = match &mut body {
-                Body::Blended(walkers) => {
+                JumpingBody::Blended(walkers) => {
                     let id = walkers.bodies().ids[0];
                     let stepped = walkers.order(id, path).and_then(|()| walkers.step(STEP_S, &Inline));
                     stepped.map_err(|e| fail(e.to_string()))?;
-                    Seen { joints: walkers.joint_positions(0), contacts: walkers.contacts(0), soles: walkers.soles(0) }
+                    BodySample {
+                        joints: walkers.joint_positions(0),
+                        contacts: walkers.contacts(0),
+                        soles: walkers.soles(0),
+                    }
                 }
-                Body::CrossFaded(fade) => {
+                JumpingBody::CrossFaded(fade) => {
                     fade.step(space, tables.skeleton(), aim, &path, STEP_S).map_err(|e| fail(e.to_string()))?;
-                    Seen { joints: fade.joints, contacts: fade.contacts, soles: fade.soles }
+                    BodySample { joints: fade.joints, contacts: fade.contacts, soles: fade.soles }
                 }
             };
-            watch.look(seen, since % JUMP_S < AFTER_S && since > JUMP_S);
+            watch.observe(seen, since % JUMP_S < ACCELERATION_WINDOW_S && since > JUMP_S);
         }
     }
-    Ok(watch.result())
+    Ok(watch.figures())
 }
 
-enum Body {
+enum JumpingBody {
     Blended(Box<Walkers>),
-    CrossFaded(Box<CrossFade>),
+    CrossFaded(Box<CrossFadedBody>),
 }
 
-impl Body {
-    fn new(space: &BlendSpace, motion: Motion) -> Result<Self, BuildError> {
-        if motion == Motion::CrossFaded {
-            return Ok(Self::CrossFaded(Box::new(CrossFade::new(space))));
+impl JumpingBody {
+    fn new(space: &BlendSpace, motion: BlendMethod) -> Result<Self, BuildError> {
+        if motion == BlendMethod::CrossFaded {
+            return Ok(Self::CrossFaded(Box::new(CrossFadedBody::new(space))));
         }
         let walkers =
             Walkers::with_capacity(space.clone(), &[], WalkersConfig::default(), 1).and_then(|mut walkers| {
@@ -93,13 +101,13 @@ impl Body {
 
 /// Joints and feet of one character at one time.
 #[derive(Clone, Copy, Debug)]
-struct Seen {
+struct BodySample {
     joints: [Vec3; NUM_JOINTS],
     contacts: Contacts,
     soles: Soles,
 }
 
-struct Watch {
+struct JumpMeter {
     /// The last poses, the latest first.
     last: Vec<[Vec3; NUM_JOINTS]>,
     slip: SlipMeter,
@@ -107,19 +115,19 @@ struct Watch {
     acceleration: f32,
 }
 
-impl Default for Watch {
+impl Default for JumpMeter {
     fn default() -> Self {
         Self { last: Vec::new(), slip: SlipMeter::new(1), knee_rate: 0.0, acceleration: 0.0 }
     }
 }
 
-impl Watch {
-    fn forget(&mut self) {
+impl JumpMeter {
+    fn forget_last_poses(&mut self) {
         self.last.clear();
         self.slip.forget_step();
     }
 
-    fn look(&mut self, Seen { joints, contacts, soles }: Seen, jumped: bool) {
+    fn observe(&mut self, BodySample { joints, contacts, soles }: BodySample, jumped: bool) {
         self.slip.observe(0, STEP_S, contacts, Feet::Soles(soles));
         if let Some(before) = self.last.first() {
             let (now, was) = (knee_angles(&joints), knee_angles(before));
@@ -137,8 +145,8 @@ impl Watch {
         self.last.truncate(2);
     }
 
-    fn result(self) -> Jumps {
-        Jumps {
+    fn figures(self) -> JumpFigures {
+        JumpFigures {
             slip_p95_mps: self.slip.p95_mps(),
             knee_rate: f64::from(self.knee_rate),
             acceleration: f64::from(self.acceleration),
@@ -153,7 +161,7 @@ mod tests {
 
     #[test]
     fn a_watch_sees_slipping_feet_bending_knees_and_jerks() {
-        let mut watch = Watch::default();
+        let mut watch = JumpMeter::default();
         let mut joints = [Vec3::ZERO; NUM_JOINTS];
         joints[Joint::LeftThigh.index()] = Vec3::Y;
         joints[Joint::LeftShin.index()] = Vec3::Y * 0.5;
@@ -165,9 +173,9 @@ mod tests {
             if step == 3 {
                 now[Joint::Head.index()].y += 0.01;
             }
-            watch.look(Seen { joints: now, contacts: Contacts::LEFT_HEEL, soles }, step == 3);
+            watch.observe(BodySample { joints: now, contacts: Contacts::LEFT_HEEL, soles }, step == 3);
         }
-        let seen = watch.result();
+        let seen = watch.figures();
         assert!((seen.slip_p95_mps - 0.3).abs() < 1e-3, "{seen:?}");
         assert!((seen.acceleration - 36.0).abs() < 0.1, "{seen:?}");
         assert!(seen.knee_rate > 0.3 && seen.knee_rate < 0.7, "{seen:?}");

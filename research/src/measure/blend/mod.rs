@@ -4,7 +4,7 @@ mod cross_fade;
 mod jumps;
 
 use glam::Vec2;
-use jumps::{Motion, jumps};
+use jumps::{BlendMethod, measure_jumps};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
@@ -16,11 +16,11 @@ use throng_bake::examples::cardinal::CardinalBasis;
 use throng_lab::measure::timing::{fail, median_ns};
 use throng_motion::error::BuildError;
 use throng_runtime::base::limits::MEASURING_S;
-use throng_runtime::blend::{BlendSpace, MAX_AXES, Posture, axis};
+use throng_runtime::blend::{BlendSpace, BlendedPosture, MAX_AXES, axis};
 use throng_runtime::simulation::scene::BodiesConfig;
-use throng_runtime::simulation::wander::skeletons;
+use throng_runtime::simulation::wander::random_skeletons;
 use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Bundle, Cast, Inline, NUM_JOINTS, Planar};
+use throng_runtime::{Bundle, CharacterGroup, Inline, NUM_JOINTS, Planar};
 
 /// Characters of a batch.
 const CHARACTERS: usize = 1024;
@@ -99,11 +99,11 @@ fn measure(tables: &Bundle, number: usize, seconds: f64) -> Result<BlendFigures,
         ..BlendFigures::default()
     };
     let parameters = random_parameters(&space);
-    weights(&space, &config_of(tables, &out.space)?, &parameters, seconds, &mut out)?;
-    postures(&space, &parameters, seconds, &mut out)?;
-    retargeted(tables, &space, &parameters, seconds, &mut out)?;
-    let ours = jumps(tables, &space, Motion::Blended)?;
-    let faded = jumps(tables, &space, Motion::CrossFaded)?;
+    measure_weights(&space, &config_of(tables, &out.space)?, &parameters, seconds, &mut out)?;
+    measure_postures(&space, &parameters, seconds, &mut out)?;
+    measure_retargeted(tables, &space, &parameters, seconds, &mut out)?;
+    let ours = measure_jumps(tables, &space, BlendMethod::Blended)?;
+    let faded = measure_jumps(tables, &space, BlendMethod::CrossFaded)?;
     (out.foot_slip_p95_mps, out.crossfade_foot_slip_p95_mps) = (ours.slip_p95_mps, faded.slip_p95_mps);
     (out.knee_rate_max_radps, out.crossfade_knee_rate_max_radps) = (ours.knee_rate, faded.knee_rate);
     (out.joint_acceleration_max_mps2, out.crossfade_joint_acceleration_max_mps2) =
@@ -138,7 +138,7 @@ fn config_of(tables: &Bundle, name: &str) -> Result<BlendConfig, BuildError> {
         .ok_or_else(|| fail(format!("the config in the bundle has no blend space `{name}`")))
 }
 
-fn weights(
+fn measure_weights(
     space: &BlendSpace,
     config: &BlendConfig,
     parameters: &[[f32; MAX_AXES]],
@@ -167,7 +167,7 @@ fn weights(
     Ok(())
 }
 
-fn postures(
+fn measure_postures(
     space: &BlendSpace,
     parameters: &[[f32; MAX_AXES]],
     seconds: f64,
@@ -176,11 +176,11 @@ fn postures(
     let n = parameters.len();
     let mut weights = vec![0.0; n * space.stride()];
     let mut phases: Vec<f32> = (0..n).map(|c| (c as f32 * 0.381_966).fract()).collect();
-    let (ticks, mut postures) = (vec![STEP_S; n], vec![Posture::default(); n]);
+    let (ticks, mut postures) = (vec![STEP_S; n], vec![BlendedPosture::default(); n]);
     let mut step = || -> Result<(), throng_runtime::Error> {
         space.weights(parameters, &mut weights)?;
         space.advance(&weights, &ticks, &mut phases)?;
-        space.pose(&weights, &phases, black_box(&mut postures))
+        space.blend_postures(&weights, &phases, black_box(&mut postures))
     };
     step().map_err(|e| fail(e.to_string()))?;
     let ns = median_ns(seconds, || {
@@ -194,7 +194,7 @@ fn postures(
     Ok(())
 }
 
-fn retargeted(
+fn measure_retargeted(
     tables: &Bundle,
     space: &BlendSpace,
     parameters: &[[f32; MAX_AXES]],
@@ -202,7 +202,7 @@ fn retargeted(
     out: &mut BlendFigures,
 ) -> Result<(), BuildError> {
     let n = parameters.len();
-    let bodies = skeletons(&BodiesConfig::default(), tables.skeleton(), 1);
+    let bodies = random_skeletons(&BodiesConfig::default(), tables.skeleton(), 1);
     let start = |c: usize| WalkerStart {
         body: c % bodies.len(),
         root: Planar::new((c % 32) as f32 * 3.0, (c / 32) as f32 * 3.0, 0.0),
@@ -213,10 +213,10 @@ fn retargeted(
         Walkers::with_capacity(space.clone(), &bodies, WalkersConfig::default(), n).map_err(|e| fail(e.to_string()))?;
     let ids = starts.iter().map(|s| walkers.spawn(*s)).collect::<Result<Vec<_>, _>>();
     let ids = ids.map_err(|e| fail(e.to_string()))?;
-    let mut controls: Vec<Control> = (0..n).map(|c| control(space, &parameters[c], starts[c].root)).collect();
+    let mut controls: Vec<Control> = (0..n).map(|c| start_control(space, &parameters[c], starts[c].root)).collect();
     let mut step = || {
         for ((id, control), p) in ids.iter().zip(&mut controls).zip(parameters) {
-            advance(space, control, p, STEP_S);
+            advance_control(space, control, p, STEP_S);
             walkers.order(*id, *control)?;
         }
         walkers.step(STEP_S, &Inline)
@@ -230,14 +230,14 @@ fn retargeted(
 }
 
 /// Control at the start that gives a walker these parameters.
-fn control(space: &BlendSpace, parameters: &[f32; MAX_AXES], at: Planar) -> Control {
+fn start_control(space: &BlendSpace, parameters: &[f32; MAX_AXES], at: Planar) -> Control {
     let mut out = Control { position: Some(Vec2::new(at.x, at.z)), heading: Some(at.heading), ..Control::default() };
-    advance(space, &mut out, parameters, 0.0);
+    advance_control(space, &mut out, parameters, 0.0);
     out
 }
 
 /// Advances a control along its path.
-fn advance(space: &BlendSpace, control: &mut Control, parameters: &[f32; MAX_AXES], dt_s: f32) {
+fn advance_control(space: &BlendSpace, control: &mut Control, parameters: &[f32; MAX_AXES], dt_s: f32) {
     let value = |kind| space.axis_of(kind).map_or(0.0, |a| parameters[a]);
     let (ahead, left, turning) = (value(axis::SPEED), value(axis::SIDE), value(axis::GYRATION));
     let heading = control.heading.unwrap_or(0.0) + turning * dt_s;

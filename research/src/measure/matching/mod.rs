@@ -6,7 +6,7 @@ mod trials;
 use crate::matching::{BoxSearch, Database, FeatureWeights, KdTree, Nearest, Row, brute_force};
 use serde::Serialize;
 use std::hint::black_box;
-use throng_lab::measure::timing::{Batch, fail, in_pool, median_ns, random_queries};
+use throng_lab::measure::timing::{QueryBatch, fail, median_ns, random_queries, run_in_pool};
 use throng_lab::trial::TrialConfig;
 use throng_motion::error::BuildError;
 use throng_runtime::Bundle;
@@ -127,7 +127,7 @@ pub fn matching(tables: &Bundle, config: &MatchingConfig) -> Result<MatchingFigu
     let scene = Scene::new(tables, &database, &boxes, config)?;
     let (by_policy, by_matching, queries) = scene.reach();
     let sparring = scene.spar();
-    let times = in_pool(1, || times(&scene, &queries, config))??;
+    let times = run_in_pool(1, || times(&scene, &queries, config))??;
     let [query_ns, kd_tree_query_ns, brute_force_query_ns, lookahead_ns, single_load_ns] = times;
     Ok(MatchingFigures {
         policies: scene.names.clone(),
@@ -173,7 +173,7 @@ fn times(scene: &Scene<'_>, queries: &[(Row, Nearest)], config: &MatchingConfig)
     let by_all = of(&|q, from| brute_force(rows, q, from), &asked[..few]);
     let policy = scene.policy();
     let (states, targets) = random_queries(policy, config.batch);
-    let batch = Batch { policy, states: &states, targets: &targets, seconds: config.seconds };
+    let batch = QueryBatch { policy, states: &states, targets: &targets, seconds: config.seconds };
     let n = config.batch as f64;
     Ok([by_boxes, by_tree, by_all, batch.look_ahead_ns()? / n, batch.single_load_ns()? / n])
 }

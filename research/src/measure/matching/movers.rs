@@ -2,7 +2,7 @@
 
 use crate::matching::{BoxSearch, Character, Database, Nearest, Row, Wish};
 use glam::{Vec2, Vec3};
-use throng_runtime::policy::{Goal, LookAheadJob, PolicyTable, RankedActions, RegionRecord};
+use throng_runtime::policy::{LookAheadGoal, LookAheadJob, PolicyTable, RankedActions, RegionRecord};
 use throng_runtime::{Bundle, Planar};
 
 /// A character that can be told where its target is.
@@ -51,11 +51,11 @@ impl<'a> ByPolicy<'a> {
             .iter()
             .map(|(policy, weight)| [if policy.region().contains(target[0]) { *weight } else { 0.0 }])
             .collect();
-        let goals: Vec<Goal<'_>> = self
+        let goals: Vec<LookAheadGoal<'_>> = self
             .goals
             .iter()
             .zip(&weights)
-            .map(|((policy, _), weights)| Goal { policy, weights, targets: &target })
+            .map(|((policy, _), weights)| LookAheadGoal { policy, weights, targets: &target })
             .collect();
         let mut ranked = [RankedActions::NONE];
         let job = LookAheadJob { goals: &goals, states: &[state], ranked: &mut ranked };

@@ -4,8 +4,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 use std::time::Instant;
-use throng_runtime::world::plan::{Plan, Planner, Target};
-use throng_runtime::world::{Node, Step, WorldGraph};
+use throng_runtime::world::plan::{PlanTarget, WorldPlan, WorldPlanner};
+use throng_runtime::world::{WorldGraph, WorldNode, WorldStep};
 
 /// Number of planned paths, and how many of them are compared with a plain search.
 const PATHS: usize = 40;
@@ -17,7 +17,7 @@ const MAX_STEPS: usize = 4096;
 
 /// Figures of path planning.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct PathFigures {
+pub struct PlannedPathFigures {
     /// Paths that were found.
     pub found: usize,
     /// Time to open the world's file and make a planner (s).
@@ -51,35 +51,36 @@ pub struct PathFigures {
 }
 
 /// Plans paths between random places: within the bound of the default planner, and for a quick answer.
-pub(super) fn measure(graph: &WorldGraph, rate_hz: f64, open_seconds: f64) -> (PathFigures, PathFigures) {
-    let rests: Vec<Node> = (0..graph.num_instances() as u32).filter_map(|i| graph.rest_cells(i).next()).collect();
+pub(super) fn measure(graph: &WorldGraph, rate_hz: f64, open_seconds: f64) -> (PlannedPathFigures, PlannedPathFigures) {
+    let rests: Vec<WorldNode> = (0..graph.num_instances() as u32).filter_map(|i| graph.rest_cells(i).next()).collect();
     let mut rng = Pcg64Mcg::seed_from_u64(1);
-    let pairs: Vec<[Node; 2]> = (0..PATHS).map(|_| [0; 2].map(|_| rests[rng.random_range(0..rests.len())])).collect();
+    let pairs: Vec<[WorldNode; 2]> =
+        (0..PATHS).map(|_| [0; 2].map(|_| rests[rng.random_range(0..rests.len())])).collect();
     let searched = graph.num_nodes() <= MAX_SEARCHED;
-    let best = |(k, &[from, to]): (usize, &[Node; 2])| {
+    let best = |(k, &[from, to]): (usize, &[WorldNode; 2])| {
         (searched && k < COMPARED && from != to).then(|| dijkstra(graph, from, to)).flatten()
     };
     let best: Vec<Option<u32>> = pairs.iter().enumerate().map(best).collect();
     let begin = Instant::now();
-    let mut planner = Planner::new(graph);
+    let mut planner = WorldPlanner::new(graph);
     let first_seconds = open_seconds + begin.elapsed().as_secs_f64();
-    let mut steps = vec![Step::NONE; MAX_STEPS];
-    let promised = figures(&pairs, &best, rate_hz, |from, to| planner.plan(graph, from, to, &mut steps));
-    let soon = figures(&pairs, &best, rate_hz, |from, to| planner.plan_soon(graph, from, to, &mut steps));
-    (PathFigures { first_seconds, ..promised }, PathFigures { first_seconds, ..soon })
+    let mut steps = vec![WorldStep::NONE; MAX_STEPS];
+    let promised = path_figures(&pairs, &best, rate_hz, |from, to| planner.plan(graph, from, to, &mut steps));
+    let soon = path_figures(&pairs, &best, rate_hz, |from, to| planner.plan_soon(graph, from, to, &mut steps));
+    (PlannedPathFigures { first_seconds, ..promised }, PlannedPathFigures { first_seconds, ..soon })
 }
 
 /// Figures of one planning method.
-fn figures(
-    pairs: &[[Node; 2]],
+fn path_figures(
+    pairs: &[[WorldNode; 2]],
     best: &[Option<u32>],
     rate_hz: f64,
-    mut plan: impl FnMut(Node, Target) -> Option<Plan>,
-) -> PathFigures {
-    let (mut out, mut ratios) = (PathFigures::default(), Vec::new());
+    mut plan: impl FnMut(WorldNode, PlanTarget) -> Option<WorldPlan>,
+) -> PlannedPathFigures {
+    let (mut out, mut ratios) = (PlannedPathFigures::default(), Vec::new());
     for (&[from, to], best) in pairs.iter().zip(best) {
         let begin = Instant::now();
-        let Some(plan) = plan(from, Target::Node(to)) else { continue };
+        let Some(plan) = plan(from, PlanTarget::Node(to)) else { continue };
         let seconds = begin.elapsed().as_secs_f64();
         let ends = [from.instance, to.instance];
         out.found += 1;
@@ -113,10 +114,10 @@ fn figures(
 }
 
 /// Frames of the shortest path between two nodes over the whole world: Dijkstra with buckets of whole frames (Dial 1969).
-fn dijkstra(graph: &WorldGraph, from: Node, to: Node) -> Option<u32> {
+fn dijkstra(graph: &WorldGraph, from: WorldNode, to: WorldNode) -> Option<u32> {
     let mut first = vec![0];
     (0..graph.num_instances() as u32).for_each(|i| first.push(first[i as usize] + graph.cells(i).len()));
-    let number = |n: Node| first[n.instance as usize] + n.cell as usize;
+    let number = |n: WorldNode| first[n.instance as usize] + n.cell as usize;
     let mut best = vec![u32::MAX; graph.num_nodes()];
     // No step takes longer than its offsets can represent.
     let mut buckets = vec![Vec::new(); usize::from(u16::MAX) + 1];

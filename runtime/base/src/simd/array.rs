@@ -6,9 +6,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Eight floats in memory order.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
-pub struct Array([f32; LANES]);
+pub struct ArrayLanes([f32; LANES]);
 
-impl Array {
+impl ArrayLanes {
     #[inline(always)]
     fn zip(self, o: Self, f: impl Fn(f32, f32) -> f32) -> Self {
         Self(std::array::from_fn(|i| f(self.0[i], o.0[i])))
@@ -17,7 +17,7 @@ impl Array {
 
 macro_rules! operator {
     ($($trait:ident $method:ident;)*) => { $(
-        impl $trait for Array {
+        impl $trait for ArrayLanes {
             type Output = Self;
             #[inline(always)]
             fn $method(self, o: Self) -> Self { self.zip(o, |a, b| a.$method(b)) }
@@ -27,7 +27,7 @@ macro_rules! operator {
 
 operator! { Add add; Sub sub; Mul mul; Div div; }
 
-impl Neg for Array {
+impl Neg for ArrayLanes {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -35,7 +35,7 @@ impl Neg for Array {
     }
 }
 
-impl Lanes for Array {
+impl Lanes for ArrayLanes {
     #[inline(always)]
     fn splat(v: f32) -> Self {
         Self([v; LANES])

@@ -180,8 +180,8 @@ impl Lanes for Avx2 {
         avx!({
             let by = _mm_cvtsi32_si128(shift as i32);
             // In an order that the shuffle of their lower halves undoes.
-            let a = _mm256_castsi256_ps(_mm256_srl_epi64(four(w0, w1, w4, w5), by));
-            let b = _mm256_castsi256_ps(_mm256_srl_epi64(four(w2, w3, w6, w7), by));
+            let a = _mm256_castsi256_ps(_mm256_srl_epi64(pack_words(w0, w1, w4, w5), by));
+            let b = _mm256_castsi256_ps(_mm256_srl_epi64(pack_words(w2, w3, w6, w7), by));
             let halves = _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(a, b));
             Self(_mm256_cvtepi32_ps(_mm256_and_si256(halves, _mm256_set1_epi32((1i32 << bits) - 1))))
         })
@@ -190,7 +190,7 @@ impl Lanes for Avx2 {
 
 /// Four words, the first the lowest.
 #[inline(always)]
-fn four(a: u64, b: u64, c: u64, d: u64) -> __m256i {
+fn pack_words(a: u64, b: u64, c: u64, d: u64) -> __m256i {
     avx!(_mm256_set_epi64x(d as i64, c as i64, b as i64, a as i64))
 }
 

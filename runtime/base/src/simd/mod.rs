@@ -11,7 +11,7 @@ mod quat;
 mod scalar;
 mod vectorize;
 
-pub use array::Array;
+pub use array::ArrayLanes;
 #[cfg(target_arch = "x86_64")]
 pub use avx2::Avx2;
 pub use quat::{Q, V};
@@ -91,7 +91,7 @@ pub trait Lanes:
 }
 
 /// Work that is generic over [`Lanes`].
-pub trait Work {
+pub trait LaneWork {
     /// Result of the work.
     type Output;
     /// Does the work. Everything it calls must be inlined (`#[inline(always)]`) to profit. A closure on lanes that is called twice
@@ -101,7 +101,7 @@ pub trait Work {
 
 /// Does the work with the widest vectors the processor has.
 #[inline]
-pub fn dispatch<W: Work>(work: W) -> W::Output {
+pub fn dispatch<W: LaneWork>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
         #[allow(unsafe_code)]
@@ -114,13 +114,13 @@ pub fn dispatch<W: Work>(work: W) -> W::Output {
 /// Not inlined into [`dispatch`], whose stack frame would then hold its locals while [`with_avx2`] runs: in unoptimised builds, hundreds
 /// of kilobytes.
 #[cfg_attr(target_arch = "x86_64", inline(never))]
-fn with_arrays<W: Work>(work: W) -> W::Output {
-    work.run::<Array>()
+fn with_arrays<W: LaneWork>(work: W) -> W::Output {
+    work.run::<ArrayLanes>()
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn with_avx2<W: Work>(work: W) -> W::Output {
+fn with_avx2<W: LaneWork>(work: W) -> W::Output {
     work.run::<Avx2>()
 }
 
@@ -132,7 +132,7 @@ mod tests {
     /// Work that keeps a megabyte on the stack.
     struct Large(usize);
 
-    impl Work for Large {
+    impl LaneWork for Large {
         type Output = usize;
 
         #[inline(always)]
@@ -159,7 +159,7 @@ mod tests {
         integers: [i16; LANES],
     }
 
-    impl Work for Everything {
+    impl LaneWork for Everything {
         type Output = Vec<[f32; LANES]>;
 
         fn run<F: Lanes>(self) -> Self::Output {
@@ -219,7 +219,7 @@ mod tests {
             a in eight(), b in eight(), codes in prop::array::uniform8(prop::array::uniform4(any::<i16>())),
             integers in prop::array::uniform8(any::<i16>())
         ) {
-            let plain = Everything { a, b, codes, integers }.run::<Array>();
+            let plain = Everything { a, b, codes, integers }.run::<ArrayLanes>();
             let widest = dispatch(Everything { a, b, codes, integers });
             let bits = |v: &[[f32; LANES]]| v.iter().flatten().map(|f| f.to_bits()).collect::<Vec<_>>();
             prop_assert_eq!(bits(&plain), bits(&widest));

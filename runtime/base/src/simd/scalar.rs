@@ -78,7 +78,7 @@ impl<F: Lanes> Functions for F {}
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simd::Array;
+    use crate::simd::ArrayLanes;
 
     /// Miri is slow: it looks at one number in so many.
     const STEP: usize = if cfg!(miri) { 997 } else { 1 };
@@ -87,7 +87,7 @@ mod tests {
     fn sine_and_cosine_match_the_library() {
         for i in (-40_000..40_000).step_by(STEP) {
             let x = i as f32 * 0.001_37;
-            let (s, c) = Array::splat(x).sin_cos8();
+            let (s, c) = ArrayLanes::splat(x).sin_cos8();
             let (s, c) = (s.to_array()[0], c.to_array()[0]);
             let (es, ec) = (f64::from(x).sin() as f32, f64::from(x).cos() as f32);
             assert!((s - es).abs() < 2e-6 && (c - ec).abs() < 2e-6, "{x}: {s} {es}, {c} {ec}");
@@ -98,7 +98,7 @@ mod tests {
     fn exponential_matches_the_library() {
         for i in (-7900..7900).step_by(STEP) {
             let x = i as f32 * 0.01;
-            let e = Array::splat(x).exp8().to_array()[0];
+            let e = ArrayLanes::splat(x).exp8().to_array()[0];
             let want = f64::from(x).exp();
             assert!(((f64::from(e) - want) / want).abs() < 1e-5, "{x}: {e} {want}");
         }

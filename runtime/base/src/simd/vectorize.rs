@@ -1,6 +1,6 @@
 //! Lets the compiler use wide vectors where the processor has them, in code that stays plain Rust.
 
-use crate::simd::{Lanes, Work, dispatch};
+use crate::simd::{LaneWork, Lanes, dispatch};
 
 /// Runs `f`, compiled for AVX2 where the processor has it and for the target's baseline elsewhere.
 ///
@@ -8,13 +8,13 @@ use crate::simd::{Lanes, Work, dispatch};
 /// same order, as multiply and add are never fused here: results do not depend on the processor.
 #[inline]
 pub fn vectorize<R>(f: impl FnOnce() -> R) -> R {
-    dispatch(Plain(f))
+    dispatch(ScalarWork(f))
 }
 
 /// Work that leaves vectors to the compiler.
-struct Plain<C>(C);
+struct ScalarWork<C>(C);
 
-impl<R, C: FnOnce() -> R> Work for Plain<C> {
+impl<R, C: FnOnce() -> R> LaneWork for ScalarWork<C> {
     type Output = R;
 
     #[inline(always)]

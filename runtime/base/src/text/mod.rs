@@ -10,31 +10,31 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-use value::{Fault, Value};
+use value::{SpannedValue, TomlFault};
 
 /// Deepest nesting of brackets and braces in a text.
 const MOST_DEPTH: usize = 32;
 
 /// Most bytes of a message about a text, which may quote any part of it.
-const MOST_SAID: usize = 2000;
+const MAX_MESSAGE_BYTES: usize = 2000;
 
 /// Message about a text, with `...` in place of the middle of a long one.
-pub fn brief(said: String) -> String {
-    if said.len() <= MOST_SAID {
+pub fn shorten_message(said: String) -> String {
+    if said.len() <= MAX_MESSAGE_BYTES {
         return said;
     }
-    let half = MOST_SAID / 2;
+    let half = MAX_MESSAGE_BYTES / 2;
     let (begin, end) = (said.floor_char_boundary(half), said.ceil_char_boundary(said.len() - half));
     format!("{} ... {}", &said[..begin], &said[end..])
 }
 
 /// Text for a terminal, with control characters, which may stand in names of foreign files, replaced by their codes (`\u{1b}`).
-pub fn plain(text: &str) -> Cow<'_, str> {
+pub fn escape_for_terminal(text: &str) -> Cow<'_, str> {
     escape_controls(text, |c| c.escape_default().to_string())
 }
 
 /// JSON for a terminal, with control characters replaced by escapes of JSON (`\u007f`), so that its meaning stays.
-pub fn plain_json(json: &str) -> Cow<'_, str> {
+pub fn escape_json_for_terminal(json: &str) -> Cow<'_, str> {
     escape_controls(json, |c| format!("\\u{:04x}", u32::from(c)))
 }
 
@@ -53,12 +53,12 @@ fn escape_controls(text: &str, code: impl Fn(char) -> String) -> Cow<'_, str> {
 
 /// TOML text with the path of its file.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Source {
+pub struct TomlSource {
     path: PathBuf,
     text: String,
 }
 
-impl Source {
+impl TomlSource {
     /// Reads a file; `what` is what it holds, with its article, for messages ("a scene").
     ///
     /// # Errors
@@ -67,7 +67,7 @@ impl Source {
         String::from_utf8(read_file(path, what, MAX_TEXT_BYTES)?).map(|text| Self::new(&text, path)).map_err(|e| {
             let good = e.utf8_error().valid_up_to();
             let read = Self::new(&String::from_utf8_lossy(&e.as_bytes()[..good]), path);
-            read.error(good..good, format!("expected {what} as TOML in UTF-8, found other bytes"))
+            read.error_at_span(good..good, format!("expected {what} as TOML in UTF-8, found other bytes"))
         })
     }
 
@@ -91,71 +91,71 @@ impl Source {
     /// # Errors
     /// [`Error::Text`].
     pub fn parse<T: DeserializeOwned>(&self, help: &str) -> Result<T> {
-        self.parsed()
+        self.parse_table()
             .and_then(|table| {
                 let span = table.span();
-                T::deserialize(Value { value: &DeValue::Table(table.into_inner()), span })
+                T::deserialize(SpannedValue { value: &DeValue::Table(table.into_inner()), span })
             })
-            .map_err(|Fault { why, span }| {
+            .map_err(|TomlFault { why, span }| {
                 let way_out = match nearest_key(&why) {
                     Some(name) => format!("Did you mean `{name}`?"),
                     None => help.into(),
                 };
                 let why = format!("{}. {way_out}", why.trim_end().trim_end_matches('.'));
-                self.error(span.unwrap_or(0..0), why)
+                self.error_at_span(span.unwrap_or(0..0), why)
             })
     }
 
     /// Error at a range of bytes of the text.
-    pub fn error(&self, span: Range<usize>, why: String) -> Error {
+    pub fn error_at_span(&self, span: Range<usize>, why: String) -> Error {
         let before = self.text.get(..span.start).unwrap_or_default();
         let line = before.matches('\n').count() + 1;
         let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
-        Error::Text { path: self.path.clone(), line, column, why: brief(why) }
+        Error::Text { path: self.path.clone(), line, column, why: shorten_message(why) }
     }
 
     /// Error at a key such as `groups[0].place`, or at the last part of the key that the text has.
-    pub fn at(&self, key: &str, why: String) -> Error {
-        let span = self.table().and_then(|t| find(&t, key)).unwrap_or(0..0);
-        self.error(span, why)
+    pub fn error_at_key(&self, key: &str, why: String) -> Error {
+        let span = self.table().and_then(|t| find_key_span(&t, key)).unwrap_or(0..0);
+        self.error_at_span(span, why)
     }
 
-    /// Error at a byte of a key's value, such as an expression in quotes; as [`Source::at`] where the text lacks the key.
-    pub fn within(&self, key: &str, byte: usize, why: String) -> Error {
-        let Some(table) = self.table() else { return self.error(0..0, why) };
-        match value(&table, key) {
-            Some(span) => self.error(span.start + 1 + byte..span.end, why),
-            None => self.at(key, why),
+    /// Error at a byte of a key's value, such as an expression in quotes; as [`TomlSource::error_at_key`] where the text lacks the key.
+    pub fn error_within_value(&self, key: &str, byte: usize, why: String) -> Error {
+        let Some(table) = self.table() else { return self.error_at_span(0..0, why) };
+        match find_value_span(&table, key) {
+            Some(span) => self.error_at_span(span.start + 1 + byte..span.end, why),
+            None => self.error_at_key(key, why),
         }
     }
 
     /// Bytes of the value of a key such as `groups[0].place[1]`; `None` where it is not in the text.
-    pub fn value(&self, key: &str) -> Option<Range<usize>> {
-        value(&self.table()?, key)
+    pub fn value_span(&self, key: &str) -> Option<Range<usize>> {
+        find_value_span(&self.table()?, key)
     }
 
     /// Bytes of the name of a key such as `groups[0].place[1]`; `None` where it is not in the text.
-    pub fn key(&self, key: &str) -> Option<Range<usize>> {
-        self.value(key)?;
-        find(&self.table()?, key)
+    pub fn key_span(&self, key: &str) -> Option<Range<usize>> {
+        self.value_span(key)?;
+        find_key_span(&self.table()?, key)
     }
 
     /// The text as a table; `None` where it is none.
     pub fn table(&self) -> Option<DeTable<'_>> {
-        Some(self.parsed().ok()?.into_inner())
+        Some(self.parse_table().ok()?.into_inner())
     }
 
-    fn parsed(&self) -> Result<Spanned<DeTable<'_>>, Fault> {
-        if let Some(at) = too_deep(self.text.as_bytes()) {
+    fn parse_table(&self) -> Result<Spanned<DeTable<'_>>, TomlFault> {
+        if let Some(at) = find_excess_depth(self.text.as_bytes()) {
             let why = format!("brackets and braces stand {MOST_DEPTH} deep at most, here is one more");
-            return Err(Fault { why, span: Some(at..at) });
+            return Err(TomlFault { why, span: Some(at..at) });
         }
-        DeTable::parse(&self.text).map_err(|e| Fault { why: e.message().into(), span: e.span() })
+        DeTable::parse(&self.text).map_err(|e| TomlFault { why: e.message().into(), span: e.span() })
     }
 }
 
 /// Byte of the first bracket or brace that is nested too deeply for a recursive reader.
-fn too_deep(text: &[u8]) -> Option<usize> {
+fn find_excess_depth(text: &[u8]) -> Option<usize> {
     let (mut at, mut open) = (0, Vec::new());
     while let Some(&byte) = text.get(at) {
         match byte {
@@ -164,23 +164,23 @@ fn too_deep(text: &[u8]) -> Option<usize> {
             b']' | b'}' if open.last() == Some(&if byte == b']' { b'[' } else { b'{' }) => _ = open.pop(),
             _ => {}
         }
-        at += token(&text[at..]);
+        at += token_length(&text[at..]);
     }
     None
 }
 
 /// Length of the token that begins a text, as the parser splits texts (bytes).
-fn token(text: &[u8]) -> usize {
+fn token_length(text: &[u8]) -> usize {
     let until = |ends: &[u8]| text.iter().position(|b| ends.contains(b)).unwrap_or(text.len());
     match text[0] {
         b'#' => until(b"\r\n"),
-        b'"' | b'\'' => string(text),
+        b'"' | b'\'' => string_length(text),
         _ => until(b".=,[]{} \t#\r\n").max(1),
     }
 }
 
 /// Length of the string literal that begins a text (bytes).
-fn string(text: &[u8]) -> usize {
+fn string_length(text: &[u8]) -> usize {
     let (quote, is_long) = (text[0], text.starts_with(&[text[0]; 3]));
     let end = &text[..if is_long { 3 } else { 1 }];
     let mut at = end.len();
@@ -201,7 +201,7 @@ type Entry<'t, 'k, 'a> = (&'t Spanned<Cow<'a, str>>, &'t Spanned<DeValue<'a>>, &
 
 /// Entry of a table that a key begins with, and the part of the key after its name. Names in quotes may have dots: the
 /// longest one that fits is taken.
-fn entry<'t, 'k, 'a>(table: &'t DeTable<'a>, key: &'k str) -> Option<Entry<'t, 'k, 'a>> {
+fn find_entry<'t, 'k, 'a>(table: &'t DeTable<'a>, key: &'k str) -> Option<Entry<'t, 'k, 'a>> {
     let fits = table.iter().filter_map(|(name, value)| {
         let more = key.strip_prefix(name.get_ref().as_ref())?;
         (more.is_empty() || more.starts_with(['.', '['])).then_some((name, value, more))
@@ -210,8 +210,8 @@ fn entry<'t, 'k, 'a>(table: &'t DeTable<'a>, key: &'k str) -> Option<Entry<'t, '
 }
 
 /// Bytes of a key, or of the last part of it that exists.
-fn find(table: &DeTable<'_>, key: &str) -> Option<Range<usize>> {
-    let (at, value, more) = entry(table, key)?;
+fn find_key_span(table: &DeTable<'_>, key: &str) -> Option<Range<usize>> {
+    let (at, value, more) = find_entry(table, key)?;
     let (first, rest) = more.split_once('.').unwrap_or((more, ""));
     let index = first.trim_start_matches('[');
     let (mut span, mut value) = (at.span(), value);
@@ -221,21 +221,21 @@ fn find(table: &DeTable<'_>, key: &str) -> Option<Range<usize>> {
         (span, value) = (item.span(), item);
     }
     match value.get_ref() {
-        DeValue::Table(inner) if !rest.is_empty() => Some(find(inner, rest).unwrap_or(span)),
+        DeValue::Table(inner) if !rest.is_empty() => Some(find_key_span(inner, rest).unwrap_or(span)),
         _ => Some(span),
     }
 }
 
 /// Bytes of the value of a key, if the whole key exists.
-fn value(table: &DeTable<'_>, key: &str) -> Option<Range<usize>> {
-    let (_, mut value, more) = entry(table, key)?;
+fn find_value_span(table: &DeTable<'_>, key: &str) -> Option<Range<usize>> {
+    let (_, mut value, more) = find_entry(table, key)?;
     let (first, rest) = more.split_once('.').unwrap_or((more, ""));
     for index in first.split('[').skip(1) {
         let DeValue::Array(items) = value.get_ref() else { return None };
         value = items.get(index.trim_end_matches(']').parse::<usize>().ok()?)?;
     }
     match value.get_ref() {
-        DeValue::Table(inner) if !rest.is_empty() => self::value(inner, rest),
+        DeValue::Table(inner) if !rest.is_empty() => self::find_value_span(inner, rest),
         _ if rest.is_empty() => Some(value.span()),
         _ => None,
     }
@@ -244,11 +244,11 @@ fn value(table: &DeTable<'_>, key: &str) -> Option<Range<usize>> {
 /// Known key most like the unknown one of a message such as "unknown field `a`, expected one of `b`, `c`".
 fn nearest_key(message: &str) -> Option<&str> {
     let mut quoted = message.strip_prefix("unknown ")?.split('`').skip(1).step_by(2);
-    nearest(quoted.next()?, quoted)
+    nearest_name(quoted.next()?, quoted)
 }
 
 /// Known name most like a word (Jaro and Winkler); `None` where none is similar.
-fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+fn nearest_name<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     // Comparing takes as many steps as the product of their lengths.
     const LONGEST: usize = 200;
     let likeness = known
@@ -260,7 +260,7 @@ fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&
 
 /// Hint " Did you mean `NAME`?" for the end of a message about an unknown word; empty where no known name is similar.
 pub fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> String {
-    nearest(word, known).map_or_else(String::new, |name| format!(" Did you mean `{name}`?"))
+    nearest_name(word, known).map_or_else(String::new, |name| format!(" Did you mean `{name}`?"))
 }
 
 #[cfg(test)]

@@ -10,39 +10,39 @@ use toml::de::{DeString, DeValue};
 
 /// Fault of a text, with its place where that is known.
 #[derive(Debug)]
-pub(super) struct Fault {
+pub(super) struct TomlFault {
     pub why: String,
     pub span: Option<Range<usize>>,
 }
 
-impl Fault {
+impl TomlFault {
     /// Fault with a place, which stays as it is where it has one already.
-    fn at(self, span: &Range<usize>) -> Self {
+    fn with_span(self, span: &Range<usize>) -> Self {
         Self { span: self.span.or_else(|| Some(span.clone())), ..self }
     }
 }
 
-impl std::fmt::Display for Fault {
+impl std::fmt::Display for TomlFault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.why)
     }
 }
 
-impl std::error::Error for Fault {}
+impl std::error::Error for TomlFault {}
 
-impl serde::de::Error for Fault {
+impl serde::de::Error for TomlFault {
     fn custom<T: std::fmt::Display>(why: T) -> Self {
         Self { why: why.to_string(), span: None }
     }
 }
 
 /// Value with its range of bytes in the text.
-pub(super) struct Value<'t> {
+pub(super) struct SpannedValue<'t> {
     pub value: &'t DeValue<'t>,
     pub span: Range<usize>,
 }
 
-impl<'t> From<&'t Spanned<DeValue<'t>>> for Value<'t> {
+impl<'t> From<&'t Spanned<DeValue<'t>>> for SpannedValue<'t> {
     fn from(value: &'t Spanned<DeValue<'t>>) -> Self {
         Self { span: value.span(), value: value.get_ref() }
     }
@@ -50,10 +50,10 @@ impl<'t> From<&'t Spanned<DeValue<'t>>> for Value<'t> {
 
 type Entries<'t> = dyn Iterator<Item = (&'t Spanned<DeString<'t>>, &'t Spanned<DeValue<'t>>)> + 't;
 
-impl<'de> Deserializer<'de> for Value<'_> {
-    type Error = Fault;
+impl<'de> Deserializer<'de> for SpannedValue<'_> {
+    type Error = TomlFault;
 
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, TomlFault> {
         let span = self.span;
         match self.value {
             DeValue::String(s) => visitor.visit_str(s),
@@ -61,26 +61,26 @@ impl<'de> Deserializer<'de> for Value<'_> {
                 Ok(value) => visitor.visit_i64(value),
                 Err(_) => match u64::from_str_radix(i.as_str(), i.radix()) {
                     Ok(value) => visitor.visit_u64(value),
-                    Err(_) => Err(Fault::custom(format!("{} needs more than 64 bits", i.as_str()))),
+                    Err(_) => Err(TomlFault::custom(format!("{} needs more than 64 bits", i.as_str()))),
                 },
             },
             DeValue::Float(f) => match f.as_str().parse::<f64>() {
                 Ok(value) if value.is_finite() || f.as_str().contains(['i', 'n']) => visitor.visit_f64(value),
-                _ => Err(Fault::custom(format!("{} is beyond the range of numbers", f.as_str()))),
+                _ => Err(TomlFault::custom(format!("{} is beyond the range of numbers", f.as_str()))),
             },
             DeValue::Boolean(b) => visitor.visit_bool(*b),
             DeValue::Datetime(d) => visitor.visit_str(&d.to_string()),
-            DeValue::Array(items) => visitor.visit_seq(Items(items.iter())),
-            DeValue::Table(table) => visitor.visit_map(Fields { rest: Box::new(table.iter()), value: None }),
+            DeValue::Array(items) => visitor.visit_seq(ItemReader(items.iter())),
+            DeValue::Table(table) => visitor.visit_map(FieldReader { rest: Box::new(table.iter()), value: None }),
         }
-        .map_err(|e| e.at(&span))
+        .map_err(|e| e.with_span(&span))
     }
 
-    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, TomlFault> {
         visitor.visit_some(self)
     }
 
-    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> Result<V::Value, Fault> {
+    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> Result<V::Value, TomlFault> {
         visitor.visit_newtype_struct(self)
     }
 
@@ -90,20 +90,24 @@ impl<'de> Deserializer<'de> for Value<'_> {
         _: &'static str,
         _: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, Fault> {
+    ) -> Result<V::Value, TomlFault> {
         let span = self.span.clone();
         match self.value {
-            DeValue::String(name) => visitor.visit_enum(Variant { name, span: self.span, content: None }),
+            DeValue::String(name) => visitor.visit_enum(VariantReader { name, span: self.span, content: None }),
             DeValue::Table(table) if table.len() == 1 => {
                 let (name, content) = table.iter().next().expect("one");
-                visitor.visit_enum(Variant { name: name.get_ref(), span: name.span(), content: Some(content.into()) })
+                visitor.visit_enum(VariantReader {
+                    name: name.get_ref(),
+                    span: name.span(),
+                    content: Some(content.into()),
+                })
             }
             DeValue::Table(table) => {
-                Err(Fault::custom(format!("expected a table with one key, found {}", table.len())))
+                Err(TomlFault::custom(format!("expected a table with one key, found {}", table.len())))
             }
-            _ => Err(Fault::custom("expected a string, or a table with one key")),
+            _ => Err(TomlFault::custom("expected a string, or a table with one key")),
         }
-        .map_err(|e| e.at(&span))
+        .map_err(|e| e.with_span(&span))
     }
 
     serde::forward_to_deserialize_any! {
@@ -112,13 +116,16 @@ impl<'de> Deserializer<'de> for Value<'_> {
     }
 }
 
-struct Items<'t>(std::slice::Iter<'t, Spanned<DeValue<'t>>>);
+struct ItemReader<'t>(std::slice::Iter<'t, Spanned<DeValue<'t>>>);
 
-impl<'de> SeqAccess<'de> for Items<'_> {
-    type Error = Fault;
+impl<'de> SeqAccess<'de> for ItemReader<'_> {
+    type Error = TomlFault;
 
-    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Fault> {
-        self.0.next().map(|item| seed.deserialize(Value::from(item)).map_err(|e| e.at(&item.span()))).transpose()
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, TomlFault> {
+        self.0
+            .next()
+            .map(|item| seed.deserialize(SpannedValue::from(item)).map_err(|e| e.with_span(&item.span())))
+            .transpose()
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -126,82 +133,86 @@ impl<'de> SeqAccess<'de> for Items<'_> {
     }
 }
 
-struct Fields<'t> {
+struct FieldReader<'t> {
     rest: Box<Entries<'t>>,
-    value: Option<Value<'t>>,
+    value: Option<SpannedValue<'t>>,
 }
 
-impl<'de> MapAccess<'de> for Fields<'_> {
-    type Error = Fault;
+impl<'de> MapAccess<'de> for FieldReader<'_> {
+    type Error = TomlFault;
 
-    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Fault> {
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, TomlFault> {
         let Some((key, value)) = self.rest.next() else { return Ok(None) };
         self.value = Some(value.into());
-        seed.deserialize(name(key.get_ref())).map(Some).map_err(|e| e.at(&key.span()))
+        seed.deserialize(name_deserializer(key.get_ref())).map(Some).map_err(|e| e.with_span(&key.span()))
     }
 
-    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Fault> {
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, TomlFault> {
         let value = self.value.take().expect("a key was read");
         let span = value.span.clone();
-        seed.deserialize(value).map_err(|e| e.at(&span))
+        seed.deserialize(value).map_err(|e| e.with_span(&span))
     }
 }
 
-fn name(name: &str) -> StrDeserializer<'_, Fault> {
+fn name_deserializer(name: &str) -> StrDeserializer<'_, TomlFault> {
     name.into_deserializer()
 }
 
-struct Variant<'t> {
+struct VariantReader<'t> {
     name: &'t str,
     span: Range<usize>,
-    content: Option<Value<'t>>,
+    content: Option<SpannedValue<'t>>,
 }
 
-impl<'de, 't> EnumAccess<'de> for Variant<'t> {
-    type Error = Fault;
-    type Variant = Content<'t>;
+impl<'de, 't> EnumAccess<'de> for VariantReader<'t> {
+    type Error = TomlFault;
+    type Variant = VariantContent<'t>;
 
-    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, Content<'t>), Fault> {
-        let variant = seed.deserialize(name(self.name)).map_err(|e| e.at(&self.span))?;
-        Ok((variant, Content { name: self.name, value: self.content }))
+    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, VariantContent<'t>), TomlFault> {
+        let variant = seed.deserialize(name_deserializer(self.name)).map_err(|e| e.with_span(&self.span))?;
+        Ok((variant, VariantContent { name: self.name, value: self.content }))
     }
 }
 
-struct Content<'t> {
+struct VariantContent<'t> {
     name: &'t str,
-    value: Option<Value<'t>>,
+    value: Option<SpannedValue<'t>>,
 }
 
-impl<'t> Content<'t> {
-    fn needed(self) -> Result<Value<'t>, Fault> {
-        self.value.ok_or_else(|| Fault::custom(format!("`{0}` needs content: {{ {0} = ... }}", self.name)))
+impl<'t> VariantContent<'t> {
+    fn require_value(self) -> Result<SpannedValue<'t>, TomlFault> {
+        self.value.ok_or_else(|| TomlFault::custom(format!("`{0}` needs content: {{ {0} = ... }}", self.name)))
     }
 }
 
-impl<'de> VariantAccess<'de> for Content<'_> {
-    type Error = Fault;
+impl<'de> VariantAccess<'de> for VariantContent<'_> {
+    type Error = TomlFault;
 
-    fn unit_variant(self) -> Result<(), Fault> {
+    fn unit_variant(self) -> Result<(), TomlFault> {
         match self.value {
             None => Ok(()),
-            Some(_) => Err(Fault::custom(format!("`{0}` has no content: write \"{0}\"", self.name))),
+            Some(_) => Err(TomlFault::custom(format!("`{0}` has no content: write \"{0}\"", self.name))),
         }
     }
 
-    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Fault> {
-        seed.deserialize(self.needed()?)
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, TomlFault> {
+        seed.deserialize(self.require_value()?)
     }
 
-    fn tuple_variant<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, Fault> {
-        self.needed()?.deserialize_any(visitor)
+    fn tuple_variant<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, TomlFault> {
+        self.require_value()?.deserialize_any(visitor)
     }
 
-    fn struct_variant<V: Visitor<'de>>(self, fields: &'static [&'static str], visitor: V) -> Result<V::Value, Fault> {
-        let content = self.needed()?;
+    fn struct_variant<V: Visitor<'de>>(
+        self,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, TomlFault> {
+        let content = self.require_value()?;
         if let DeValue::Table(table) = content.value
             && let Some((key, _)) = table.iter().find(|(key, _)| !fields.contains(&key.get_ref().as_ref()))
         {
-            return Err(Fault::unknown_field(key.get_ref(), fields).at(&key.span()));
+            return Err(TomlFault::unknown_field(key.get_ref(), fields).with_span(&key.span()));
         }
         content.deserialize_any(visitor)
     }

@@ -1,6 +1,6 @@
 //! Activities: what bodies do when they stand, such as waving, shaking hands or sitting down.
 
-use super::{Posture, channel};
+use super::{BlendedPosture, channel};
 use crate::contacts::Contacts;
 use crate::format::{ActivityMeta, ClipRecord, FrameRow, RotationCode, Table};
 use crate::hits::striking_offset;
@@ -9,7 +9,7 @@ use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-use throng_base::maths::{self, between};
+use throng_base::maths::{self, nlerp};
 use throng_base::{Error, Result};
 
 /// Number of an activity in its [`ActivitySet`].
@@ -51,7 +51,7 @@ pub struct ActivitySet {
 
 /// A body of an activity at one instant, from where its root stood when the activity began.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sample {
+pub(crate) struct ActivitySample {
     /// The hips' in that frame, the others' relative to their parents.
     pub rotations: [Quat; NUM_JOINTS],
     /// (m)
@@ -73,7 +73,7 @@ pub struct ArmPlaces {
 
 impl ActivitySet {
     /// Activities of checked tables.
-    pub(crate) fn of(
+    pub(crate) fn from_sections(
         activities: &[ActivityMeta],
         clips: &[ClipRecord],
         (frames, contacts, code): (&Table<FrameRow>, &Table<Contacts>, &[RotationCode; 1]),
@@ -106,7 +106,7 @@ impl ActivitySet {
     }
 
     /// All activities, by number.
-    pub fn all(&self) -> &[Activity] {
+    pub fn activities(&self) -> &[Activity] {
         &self.activities
     }
 
@@ -116,25 +116,25 @@ impl ActivitySet {
     }
 
     /// Ids of all activities with a tag.
-    pub fn tagged<'a>(&'a self, tag: &'a str) -> impl Iterator<Item = ActivityId> + 'a {
-        (0..).map(ActivityId).zip(self.all()).filter(move |(_, a)| a.tag == tag).map(|(id, _)| id)
+    pub fn ids_of_tag<'a>(&'a self, tag: &'a str) -> impl Iterator<Item = ActivityId> + 'a {
+        (0..).map(ActivityId).zip(self.activities()).filter(move |(_, a)| a.tag == tag).map(|(id, _)| id)
     }
 
     /// Id of the activity of a name.
     ///
     /// # Errors
     /// [`Error::Unknown`] with the names there are.
-    pub fn named(&self, name: &str) -> Result<ActivityId> {
-        let found = (0..).map(ActivityId).zip(self.all()).find(|(_, a)| a.name == name);
-        let known = || self.all().iter().map(|a| a.name.clone()).collect();
+    pub fn find_activity(&self, name: &str) -> Result<ActivityId> {
+        let found = (0..).map(ActivityId).zip(self.activities()).find(|(_, a)| a.name == name);
+        let known = || self.activities().iter().map(|a| a.name.clone()).collect();
         found.map(|(id, _)| id).ok_or_else(|| Error::Unknown { what: "activity", name: name.into(), known: known() })
     }
 
     /// Position of an arm of a body at a time of an activity, relative to the root at the start of the activity.
     ///
     /// - `side`: 0 left, 1 right.
-    pub fn arm(&self, activity: &Activity, side: usize, seconds: f32, body: &Skeleton) -> ArmPlaces {
-        let sample = self.sample(activity, seconds);
+    pub fn arm_places_at(&self, activity: &Activity, side: usize, seconds: f32, body: &Skeleton) -> ArmPlaces {
+        let sample = self.sample_activity(activity, seconds);
         let [scale, lift] = body.hips_over(&self.skeleton);
         let place = |joint: Joint, mut point: Vec3| {
             let mut joint = joint;
@@ -153,7 +153,7 @@ impl ActivitySet {
     }
 
     /// The body of an activity at a time (s, clamped to it).
-    pub(crate) fn sample(&self, activity: &Activity, seconds: f32) -> Sample {
+    pub(crate) fn sample_activity(&self, activity: &Activity, seconds: f32) -> ActivitySample {
         let last = activity.num_frames - 1;
         let at = (seconds * self.rate_hz).clamp(0.0, last as f32);
         let (first, frame) = (activity.first_frame, (at as usize).min(last - 1));
@@ -166,19 +166,19 @@ impl ActivitySet {
         let root = Planar::new(x0, z0, heading0).to_local(Planar::new(x, z, heading));
         let code = &self.code[0];
         let mut rotations: [Quat; NUM_JOINTS] =
-            std::array::from_fn(|j| between(code.rotation(a, j), code.rotation(b, j), ratio));
+            std::array::from_fn(|j| nlerp(code.rotation(a, j), code.rotation(b, j), ratio));
         rotations[0] = maths::compose(maths::rotation_y(root.heading), rotations[0]);
         let down = |row: usize, foot| f32::from(u8::from(self.contacts[row].any(foot)));
         let contacts = [Contacts::LEFT, Contacts::RIGHT].map(|foot| mix(down(rows[0], foot), down(rows[1], foot)));
-        Sample { rotations, hips: Vec3::new(root.x, mix(a.height, b.height), root.z), contacts }
+        ActivitySample { rotations, hips: Vec3::new(root.x, mix(a.height, b.height), root.z), contacts }
     }
 
     /// Blends a sample of an activity into a posture.
     ///
     /// - `share`: weight of the sample (0 to 1).
-    pub(crate) fn lay(&self, sample: &Sample, share: f32, posture: &mut Posture) {
+    pub(crate) fn overlay_sample(&self, sample: &ActivitySample, share: f32, posture: &mut BlendedPosture) {
         for (j, rotation) in sample.rotations.iter().enumerate() {
-            posture.set_rotation(j, between(posture.rotation(Joint::ALL[j]), *rotation, share));
+            posture.set_rotation(j, nlerp(posture.rotation(Joint::ALL[j]), *rotation, share));
         }
         let mut mix = |channel: usize, to: f32| {
             let value = &mut posture.channels[channel - channel::HIPS];
@@ -186,8 +186,11 @@ impl ActivitySet {
         };
         let vectors = [
             (channel::HIPS, sample.hips),
-            (channel::LEFT_ANKLE, self.ankle(sample, [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot])),
-            (channel::RIGHT_ANKLE, self.ankle(sample, [Joint::RightThigh, Joint::RightShin, Joint::RightFoot])),
+            (channel::LEFT_ANKLE, self.ankle_from_hips(sample, [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot])),
+            (
+                channel::RIGHT_ANKLE,
+                self.ankle_from_hips(sample, [Joint::RightThigh, Joint::RightShin, Joint::RightFoot]),
+            ),
         ];
         for (at, v) in vectors {
             (at..).zip(v.to_array()).for_each(|(at, v)| mix(at, v));
@@ -199,7 +202,7 @@ impl ActivitySet {
     }
 
     /// An ankle as seen from the hips (m).
-    fn ankle(&self, sample: &Sample, leg: [Joint; 3]) -> Vec3 {
+    fn ankle_from_hips(&self, sample: &ActivitySample, leg: [Joint; 3]) -> Vec3 {
         let step = |(at, q): (Vec3, Quat), j: Joint| {
             (at + maths::rotate(q, self.skeleton.offsets[j.index()]), maths::compose(q, sample.rotations[j.index()]))
         };
@@ -207,14 +210,14 @@ impl ActivitySet {
     }
 }
 
-impl Sample {
+impl ActivitySample {
     /// Interpolation between this sample and another one.
     ///
     /// - `share`: weight of the other sample (0 to 1).
     pub fn mix(&self, other: &Self, share: f32) -> Self {
         let contact = |side: usize| self.contacts[side] + (other.contacts[side] - self.contacts[side]) * share;
         Self {
-            rotations: std::array::from_fn(|j| between(self.rotations[j], other.rotations[j], share)),
+            rotations: std::array::from_fn(|j| nlerp(self.rotations[j], other.rotations[j], share)),
             hips: self.hips.lerp(other.hips, share),
             contacts: [contact(0), contact(1)],
         }

@@ -27,7 +27,7 @@ pub struct WeightGrid {
 pub const MAX_KNOTS: u32 = 1 << 23;
 
 /// The simplices around eight points, one per lane: corner by corner from the lowest to the highest.
-struct Simplices {
+struct WeightSimplices {
     /// Number of the corner's row plus [`MAX_KNOTS`], so that it is the lower bits of the float.
     rows: [[f32; LANES]; MAX_AXES + 1],
     /// The corner's share.
@@ -36,7 +36,7 @@ struct Simplices {
 
 impl WeightGrid {
     /// Rows of all knots (number of knots * stride).
-    pub fn table(&self) -> &[f32] {
+    pub fn weight_rows(&self) -> &[f32] {
         &self.table
     }
 
@@ -105,7 +105,7 @@ impl WeightGrid {
     ///
     /// - `out`: (parameters.len() * stride)
     pub fn interpolate_all(&self, parameters: &[[f32; MAX_AXES]], out: &mut [f32]) {
-        throng_base::simd::dispatch(Batch { grid: self, parameters, out });
+        throng_base::simd::dispatch(InterpolateJob { grid: self, parameters, out });
     }
 
     /// Writes the rows at many points (`out`: parameters.len() * stride).
@@ -124,18 +124,18 @@ impl WeightGrid {
     /// Plain loops, since closures would be compiled separately, without the wide vectors.
     #[inline(always)]
     fn read_each<F: Lanes, const D: usize>(&self, parameters: &[[f32; MAX_AXES]], out: &mut [f32]) {
-        let mut around = Simplices { rows: [[0.0; LANES]; MAX_AXES + 1], shares: [[0.0; LANES]; MAX_AXES + 1] };
+        let mut around = WeightSimplices { rows: [[0.0; LANES]; MAX_AXES + 1], shares: [[0.0; LANES]; MAX_AXES + 1] };
         for (parameters, out) in parameters.chunks(LANES).zip(out.chunks_mut(LANES * self.stride)) {
-            self.locate::<F, D>(parameters, &mut around);
+            self.locate_simplices::<F, D>(parameters, &mut around);
             for (lane, out) in out.chunks_exact_mut(self.stride).take(parameters.len()).enumerate() {
-                self.read::<F, D>(&around, lane, out);
+                self.read_weights::<F, D>(&around, lane, out);
             }
         }
     }
 
     /// The simplices around up to eight points.
     #[inline(always)]
-    fn locate<F: Lanes, const D: usize>(&self, parameters: &[[f32; MAX_AXES]], around: &mut Simplices) {
+    fn locate_simplices<F: Lanes, const D: usize>(&self, parameters: &[[f32; MAX_AXES]], around: &mut WeightSimplices) {
         let zero = F::splat(0.0);
         let mut row = F::splat(MAX_KNOTS as f32);
         let (mut fractions, mut steps) = ([zero; D], [zero; D]);
@@ -172,7 +172,7 @@ impl WeightGrid {
     }
 
     #[inline(always)]
-    fn read<F: Lanes, const D: usize>(&self, around: &Simplices, lane: usize, out: &mut [f32]) {
+    fn read_weights<F: Lanes, const D: usize>(&self, around: &WeightSimplices, lane: usize, out: &mut [f32]) {
         let num_chunks = out.len() / LANES;
         let mut rows = [&[][..]; MAX_AXES + 1];
         let mut shares = [F::splat(0.0); MAX_AXES + 1];
@@ -196,13 +196,13 @@ impl WeightGrid {
     }
 }
 
-struct Batch<'a> {
+struct InterpolateJob<'a> {
     grid: &'a WeightGrid,
     parameters: &'a [[f32; MAX_AXES]],
     out: &'a mut [f32],
 }
 
-impl throng_base::simd::Work for Batch<'_> {
+impl throng_base::simd::LaneWork for InterpolateJob<'_> {
     type Output = ();
 
     #[inline(always)]

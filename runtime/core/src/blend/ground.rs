@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
-use throng_base::error::{check, check_length};
+use throng_base::error::{check_length, check_value};
 use throng_base::{Hash128, Result};
 
 /// Most knots along a side; a whole grid has at most twice as many (256 MiB).
@@ -23,14 +23,14 @@ pub struct HeightField {
 
 /// The ground at a position.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ground {
+pub struct GroundPoint {
     /// (m)
     pub height: f32,
     /// Slope along x and along z.
     pub slope: [f32; 2],
 }
 
-impl Ground {
+impl GroundPoint {
     /// Level, at height 0.
     pub const LEVEL: Self = Self { height: 0.0, slope: [0.0; 2] };
 
@@ -56,19 +56,25 @@ impl HeightField {
     /// # Errors
     /// [`Error::Value`](throng_base::Error::Value) for a number out of its range, [`Error::Length`](throng_base::Error::Length) where heights are missing.
     pub fn new(origin: Vec2, spacing: f32, size: [usize; 2], heights: Vec<f32>) -> Result<Self> {
-        check("spacing of the ground", None, spacing, (1e-3..1e4).contains(&spacing), "between 0.001 and 10000 m")?;
+        check_value(
+            "spacing of the ground",
+            None,
+            spacing,
+            (1e-3..1e4).contains(&spacing),
+            "between 0.001 and 10000 m",
+        )?;
         for (what, v) in [("x of the ground's origin", origin.x), ("z of the ground's origin", origin.y)] {
-            check(what, None, v, v.abs() < 1e6, "finite and below 1e6 m")?;
+            check_value(what, None, v, v.abs() < 1e6, "finite and below 1e6 m")?;
         }
         for (what, n) in [("knots of the ground along x", size[0]), ("knots of the ground along z", size[1])] {
-            check(what, None, n as f32, (2..=MAX_KNOTS).contains(&n), "2 to 2^25")?;
+            check_value(what, None, n as f32, (2..=MAX_KNOTS).contains(&n), "2 to 2^25")?;
         }
         // No overflow: both are below 2^26.
         let knots = size[0] as u64 * size[1] as u64;
-        check("knots of the ground", None, knots as f32, knots <= 2 * MAX_KNOTS as u64, "at most 2^26 in all")?;
+        check_value("knots of the ground", None, knots as f32, knots <= 2 * MAX_KNOTS as u64, "at most 2^26 in all")?;
         check_length("heights", heights.len(), size[0] * size[1])?;
         for &h in &heights {
-            check("height of the ground", None, h, h.abs() < 1e4, "finite and below 10000 m")?;
+            check_value("height of the ground", None, h, h.abs() < 1e4, "finite and below 10000 m")?;
         }
         Ok(Self { origin, spacing, size, heights: heights.into() })
     }
@@ -81,17 +87,17 @@ impl HeightField {
     /// Adds its content to a hash.
     pub(crate) fn hash(&self, hash: &mut Hash128) {
         let lengths = [self.origin.x, self.origin.y, self.spacing];
-        hash.bytes(bytemuck::cast_slice(&lengths));
-        hash.word(self.size[0] as u64);
-        hash.bytes(bytemuck::cast_slice(&self.heights));
+        hash.add_bytes(bytemuck::cast_slice(&lengths));
+        hash.add_word(self.size[0] as u64);
+        hash.add_bytes(bytemuck::cast_slice(&self.heights));
     }
 
     /// The ground at a position.
     ///
     /// - `at`: x and z (m).
-    pub fn at(&self, at: Vec2) -> Ground {
+    pub fn ground_at(&self, at: Vec2) -> GroundPoint {
         if self.is_flat() {
-            return Ground::LEVEL;
+            return GroundPoint::LEVEL;
         }
         let p = (at - self.origin) / self.spacing;
         let ([i, fx, on_x], [k, fz, on_z]) = (cell(p.x, self.size[0]), cell(p.y, self.size[1]));
@@ -100,7 +106,7 @@ impl HeightField {
         let (near, far) = (a[0] + (a[1] - a[0]) * fx, b[0] + (b[1] - b[0]) * fx);
         let along_x = (a[1] - a[0]) * (1.0 - fz) + (b[1] - b[0]) * fz;
         let slope = [along_x * on_x / self.spacing, (far - near) * on_z / self.spacing];
-        Ground { height: near + (far - near) * fz, slope }
+        GroundPoint { height: near + (far - near) * fz, slope }
     }
 }
 
@@ -123,13 +129,13 @@ mod tests {
         let heights = (0..12).map(|i| plane(1.0 + 0.5 * (i % 4) as f32, -2.0 + 0.5 * (i / 4) as f32)).collect();
         let field = HeightField::new(Vec2::new(1.0, -2.0), 0.5, [4, 3], heights).expect("a field");
         for (x, z) in [(1.2, -1.9), (2.49, -1.01), (1.7, -1.5)] {
-            let g = field.at(Vec2::new(x, z));
+            let g = field.ground_at(Vec2::new(x, z));
             assert!((g.height - plane(x, z)).abs() < 1e-5, "{g:?}");
             assert!((g.slope[0] - 0.3).abs() < 1e-5 && (g.slope[1] + 0.2).abs() < 1e-5, "{g:?}");
         }
-        let beyond = field.at(Vec2::new(9.0, -1.5));
+        let beyond = field.ground_at(Vec2::new(9.0, -1.5));
         assert!((beyond.height - plane(2.5, -1.5)).abs() < 1e-5 && beyond.slope[0] == 0.0, "{beyond:?}");
-        assert!(field.at(Vec2::splat(f32::NAN)).height.is_finite());
+        assert!(field.ground_at(Vec2::splat(f32::NAN)).height.is_finite());
         assert!(std::ptr::eq(field.clone().heights.as_ptr(), field.heights.as_ptr()), "clones share their heights");
     }
 
@@ -147,6 +153,6 @@ mod tests {
         assert!(e.contains("at most 2^26"), "{e}");
         let aside = HeightField::new(Vec2::new(0.0, f32::NAN), 1.0, [2, 2], vec![0.0; 4]);
         assert!(matches!(aside, Err(Error::Value { what: "z of the ground's origin", .. })));
-        assert_eq!(HeightField::flat().at(Vec2::new(3.0, 4.0)), Ground::LEVEL);
+        assert_eq!(HeightField::flat().ground_at(Vec2::new(3.0, 4.0)), GroundPoint::LEVEL);
     }
 }

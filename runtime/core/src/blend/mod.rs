@@ -10,11 +10,11 @@ mod slopes;
 mod space;
 mod warp;
 
-pub(crate) use activity::Sample;
+pub(crate) use activity::ActivitySample;
 pub use activity::{Activity, ActivityId, ActivitySet, ArmPlaces};
 pub use grid::{MAX_KNOTS, WeightGrid};
-pub use ground::{Ground, HeightField};
-pub use posture::Posture;
+pub use ground::{GroundPoint, HeightField};
+pub use posture::BlendedPosture;
 pub use space::BlendSpace;
 
 use crate::format::Table;

@@ -6,7 +6,7 @@ use crate::skeleton::Joint;
 use glam::{Quat, Vec3};
 use throng_base::Result;
 use throng_base::error::check_length;
-use throng_base::simd::{LANES, Lanes, Q, V, Work, dispatch};
+use throng_base::simd::{LANES, LaneWork, Lanes, Q, V, dispatch};
 
 /// Vectors of a channel row.
 const CHUNKS: usize = NUM_CHANNELS / LANES;
@@ -18,7 +18,7 @@ const REST: usize = NUM_CHANNELS - 3 * PADDED_JOINTS;
 /// A blended posture, in the layout of the tables.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(32))]
-pub struct Posture {
+pub struct BlendedPosture {
     /// Orientations, x, y, z, w, each joint by joint: the hips' in the facing frame, the others' relative to their
     /// parents. Unit.
     pub rotations: [[f32; PADDED_JOINTS]; 4],
@@ -26,7 +26,7 @@ pub struct Posture {
     pub channels: [f32; REST],
 }
 
-impl Default for Posture {
+impl Default for BlendedPosture {
     /// Identity for all rotations.
     fn default() -> Self {
         let zero = [0.0; PADDED_JOINTS];
@@ -34,7 +34,7 @@ impl Default for Posture {
     }
 }
 
-impl Posture {
+impl BlendedPosture {
     /// Rotation of a joint: the hips' in the facing frame, another's relative to its parent.
     pub fn rotation(&self, joint: Joint) -> Quat {
         let [x, y, z, w] = self.rotations.map(|c| c[joint.index()]);
@@ -59,7 +59,7 @@ impl Posture {
 
 /// The rows of the posture tables around a generic time.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
+pub(crate) struct PhaseInterval {
     /// Row at or before the time, and the row after it.
     pub rows: [usize; 2],
     /// Ratio between the two rows, 0 to 1.
@@ -75,27 +75,27 @@ impl BlendSpace {
     ///
     /// # Errors
     /// [`Error::Length`](throng_base::Error::Length) if the lengths of the slices do not match.
-    pub fn pose(&self, weights: &[f32], phases: &[f32], postures: &mut [Posture]) -> Result<()> {
+    pub fn blend_postures(&self, weights: &[f32], phases: &[f32], postures: &mut [BlendedPosture]) -> Result<()> {
         check_length("weights", weights.len(), phases.len() * self.stride())?;
         check_length("postures", postures.len(), phases.len())?;
-        dispatch(Pose { space: self, weights, phases, postures });
+        dispatch(BlendPosturesJob { space: self, weights, phases, postures });
         Ok(())
     }
 
     /// Locates a generic time in the posture tables.
     #[inline(always)]
-    pub(crate) fn place(&self, phase: f32) -> Place {
+    pub(crate) fn phase_interval(&self, phase: f32) -> PhaseInterval {
         let n = self.references.len();
         let at = (phase - phase.floor()) * n as f32;
         // NaN becomes 0; a phase that rounds up to the end is at the end of the last row.
         let row = (at as usize).min(n - 1);
         let ratio = if at > row as f32 { (at - row as f32).min(1.0) } else { 0.0 };
-        Place { rows: [row, if row + 1 == n { 0 } else { row + 1 }], ratio }
+        PhaseInterval { rows: [row, if row + 1 == n { 0 } else { row + 1 }], ratio }
     }
 
     /// Blends one posture.
     #[inline(always)]
-    pub(crate) fn blend<F: Lanes>(&self, weights: &[f32], place: &Place, out: &mut Posture) {
+    pub(crate) fn blend_posture<F: Lanes>(&self, weights: &[f32], place: &PhaseInterval, out: &mut BlendedPosture) {
         let n = self.examples.len();
         let channels = place.rows.map(|r| &self.channels[r * n..][..n]);
         let sums = sum::<F>(channels, &weights[..n], place.ratio);
@@ -190,21 +190,21 @@ const fn taylor(odd: usize) -> [f32; TERMS] {
     c
 }
 
-struct Pose<'a> {
+struct BlendPosturesJob<'a> {
     space: &'a BlendSpace,
     weights: &'a [f32],
     phases: &'a [f32],
-    postures: &'a mut [Posture],
+    postures: &'a mut [BlendedPosture],
 }
 
-impl Work for Pose<'_> {
+impl LaneWork for BlendPosturesJob<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
         let rows = self.weights.chunks_exact(self.space.stride());
         for ((weights, &phase), posture) in rows.zip(self.phases).zip(self.postures) {
-            self.space.blend::<F>(weights, &self.space.place(phase), posture);
+            self.space.blend_posture::<F>(weights, &self.space.phase_interval(phase), posture);
         }
     }
 }
@@ -213,13 +213,13 @@ impl Work for Pose<'_> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use throng_base::simd::Array;
+    use throng_base::simd::ArrayLanes;
 
     proptest! {
         #[test]
         fn exponential_agrees_with_glam(v in prop::array::uniform3(-1.8f32..1.8)) {
             let v = Vec3::from_array(v);
-            let q = exp(V::<Array>::splat(v));
+            let q = exp(V::<ArrayLanes>::splat(v));
             let got = Quat::from_xyzw(q.v.x.to_array()[0], q.v.y.to_array()[1], q.v.z.to_array()[2], q.w.to_array()[3]);
             prop_assert!(got.abs_diff_eq(Quat::from_scaled_axis(2.0 * v), 4e-6), "{got} {}", v.length());
         }

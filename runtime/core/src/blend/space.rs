@@ -3,7 +3,7 @@
 use super::ActivitySet;
 use super::grid::WeightGrid;
 use super::records::{AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, ReferenceRow};
-use super::warp::Timing;
+use super::warp::PhaseTiming;
 use super::{Blends, slopes};
 use crate::format::{FormatError, Table};
 use crate::skeleton::Skeleton;
@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 use throng_base::Hash128;
 use throng_base::Result;
 use throng_base::error::check_length;
-use throng_base::simd::{LANES, Lanes, Work, dispatch};
+use throng_base::simd::{LANES, LaneWork, Lanes, dispatch};
 
 /// Weights beyond the box grow more slowly along every axis.
 const STEEPEST: f32 = 1e4;
@@ -28,7 +28,7 @@ pub struct BlendSpace {
     pub(crate) grid: WeightGrid,
     pub(crate) references: Table<ReferenceRow>,
     pub(crate) channels: Table<ChannelRow>,
-    pub(crate) timing: Timing,
+    pub(crate) timing: PhaseTiming,
     /// Gradient of the linear part of each weight; empty if points outside the box are clamped (num_axes * stride).
     slopes: Vec<f32>,
     name: String,
@@ -64,7 +64,8 @@ impl BlendSpace {
         let references = references.ok_or_else(|| error("reference rows", blends.references.len()))?;
         let rows = phases.checked_mul(n).and_then(|rows| part(&blends.channels, record.first_channel_row, rows));
         let channels = rows.ok_or_else(|| error("channel rows", blends.channels.len()))?;
-        let timing = Timing::new(&examples, &channels, grid.stride()).ok_or_else(|| error("rates", channels.len()))?;
+        let timing =
+            PhaseTiming::new(&examples, &channels, grid.stride()).ok_or_else(|| error("rates", channels.len()))?;
         let slopes = match record.extrapolate {
             0 => Vec::new(),
             _ => slopes::linear_part(&examples, grid.axes(), grid.stride()),
@@ -104,13 +105,13 @@ impl BlendSpace {
     pub fn hash(&self) -> u128 {
         *self.hash.get_or_init(|| {
             let mut hash = Hash128::default();
-            hash.bytes(bytemuck::bytes_of(&self.record));
-            hash.bytes(bytemuck::cast_slice(&self.examples));
-            hash.bytes(bytemuck::cast_slice(self.grid.axes()));
-            hash.bytes(bytemuck::cast_slice(self.grid.table()));
-            hash.bytes(bytemuck::cast_slice(&self.references));
-            hash.bytes(bytemuck::cast_slice(&self.channels));
-            hash.bytes(format!("{:?}", self.skeleton).as_bytes());
+            hash.add_bytes(bytemuck::bytes_of(&self.record));
+            hash.add_bytes(bytemuck::cast_slice(&self.examples));
+            hash.add_bytes(bytemuck::cast_slice(self.grid.axes()));
+            hash.add_bytes(bytemuck::cast_slice(self.grid.weight_rows()));
+            hash.add_bytes(bytemuck::cast_slice(&self.references));
+            hash.add_bytes(bytemuck::cast_slice(&self.channels));
+            hash.add_bytes(format!("{:?}", self.skeleton).as_bytes());
             hash.finish()
         })
     }
@@ -156,12 +157,12 @@ impl BlendSpace {
     /// [`Error::Length`](throng_base::Error::Length) if the output has another size.
     pub fn weights(&self, parameters: &[[f32; MAX_AXES]], weights: &mut [f32]) -> Result<()> {
         check_length("weights", weights.len(), parameters.len() * self.stride())?;
-        dispatch(Weigh { space: self, parameters, weights });
+        dispatch(WeighJob { space: self, parameters, weights });
         Ok(())
     }
 
     #[inline(always)]
-    pub(crate) fn weigh<F: Lanes>(&self, parameters: &[[f32; MAX_AXES]], weights: &mut [f32]) {
+    pub(crate) fn weigh_batch<F: Lanes>(&self, parameters: &[[f32; MAX_AXES]], weights: &mut [f32]) {
         self.grid.read_all::<F>(parameters, weights);
         if !self.slopes.is_empty() {
             for (parameters, row) in parameters.iter().zip(weights.chunks_exact_mut(self.stride())) {
@@ -186,18 +187,18 @@ impl BlendSpace {
     }
 }
 
-struct Weigh<'a> {
+struct WeighJob<'a> {
     space: &'a BlendSpace,
     parameters: &'a [[f32; MAX_AXES]],
     weights: &'a mut [f32],
 }
 
-impl Work for Weigh<'_> {
+impl LaneWork for WeighJob<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
-        self.space.weigh::<F>(self.parameters, self.weights);
+        self.space.weigh_batch::<F>(self.parameters, self.weights);
     }
 }
 

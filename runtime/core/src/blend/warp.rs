@@ -4,14 +4,14 @@ use super::records::{ChannelRow, ExampleRecord, channel};
 use super::space::BlendSpace;
 use throng_base::Result;
 use throng_base::error::check_length;
-use throng_base::simd::{LANES, Lanes, Work, dispatch};
+use throng_base::simd::{LANES, LaneWork, Lanes, dispatch};
 
 /// Generic time before and after a contact over which its importance rises and falls.
 const RAMP: f32 = 0.1;
 
 /// The timing channels, rearranged in rows like those of the weights, as each step reads them.
 #[derive(Clone, Debug)]
-pub(crate) struct Timing {
+pub(crate) struct PhaseTiming {
     stride: usize,
     /// Seconds per unit of generic time between a row and the next (num_phases * stride).
     rates: Vec<f32>,
@@ -23,7 +23,7 @@ pub(crate) struct Timing {
     cycle: Vec<f32>,
 }
 
-impl Timing {
+impl PhaseTiming {
     /// Extracts the timing from the channels of a space; `None` if a rate is not positive.
     pub fn new(examples: &[ExampleRecord], channels: &[ChannelRow], stride: usize) -> Option<Self> {
         let n = examples.len();
@@ -171,19 +171,19 @@ impl BlendSpace {
     pub fn advance(&self, weights: &[f32], seconds: &[f32], phases: &mut [f32]) -> Result<()> {
         check_length("weights", weights.len(), phases.len() * self.stride())?;
         check_length("seconds", seconds.len(), phases.len())?;
-        dispatch(Advance { space: self, weights, seconds, phases });
+        dispatch(AdvancePhasesJob { space: self, weights, seconds, phases });
         Ok(())
     }
 }
 
-struct Advance<'a> {
+struct AdvancePhasesJob<'a> {
     space: &'a BlendSpace,
     weights: &'a [f32],
     seconds: &'a [f32],
     phases: &'a mut [f32],
 }
 
-impl Work for Advance<'_> {
+impl LaneWork for AdvancePhasesJob<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -31,7 +31,7 @@ const LONGEST_BONE: f32 = 10.0;
 const ASTRAY: f32 = 0.02;
 
 /// Planar root of a frame relative to another frame (both < number of frames).
-fn seen(t: &Bundle, from: u32, frame: u32) -> Planar {
+fn root_seen_from(t: &Bundle, from: u32, frame: u32) -> Planar {
     let [from, to] = [from, frame].map(|f| {
         let [x, z, heading] = t.frames()[f as usize].planar;
         Planar::new(x, z, heading)
@@ -165,7 +165,7 @@ pub(super) fn graph(t: &Bundle) -> Result<(), FormatError> {
         if s.num_frames == 0 || s.start < clip.first_frame || last >= clip_end || last != u64::from(end.frame) {
             return wrong("it leaves its clip or does not end at its state");
         }
-        let (stored, shown) = (s.displacement(), seen(t, s.start, last as u32));
+        let (stored, shown) = (s.displacement(), root_seen_from(t, s.start, last as u32));
         let turned = wrap_angle(stored.heading - shown.heading).abs();
         let is_there = is_near(shown, stored.x, stored.z) && turned < ASTRAY && stored.heading.abs() < FARTHEST;
         if !is_there || s.reserved != 0 {
@@ -203,13 +203,13 @@ pub(super) fn graph(t: &Bundle) -> Result<(), FormatError> {
 mod tests {
     use super::*;
     use crate::characters::made_up;
-    use crate::format::{AlignedBytes, Layout, RotationCode, Tag};
+    use crate::format::{AlignedBytes, RotationCode, SectionLayout, SectionTag};
     use crate::graph::MotionSegment;
 
     /// Error message of a bundle whose section has been changed.
-    fn refusal<T: bytemuck::Pod>(tag: Tag, change: impl FnOnce(&mut [T])) -> String {
+    fn refusal<T: bytemuck::Pod>(tag: SectionTag, change: impl FnOnce(&mut [T])) -> String {
         let mut bytes = AlignedBytes::from_slice(&made_up::bytes(&[], false));
-        let range = Layout::read(bytes.as_slice(), false).unwrap().section::<T>(tag).unwrap();
+        let range = SectionLayout::read(bytes.as_slice(), false).unwrap().section::<T>(tag).unwrap();
         change(bytemuck::cast_slice_mut(&mut bytes.as_mut_slice()[range]));
         Bundle::from_bytes_unverified(bytes).unwrap_err().to_string()
     }

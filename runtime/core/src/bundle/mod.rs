@@ -8,10 +8,12 @@ pub use sections::tags;
 
 use crate::blend::{ActivitySet, BlendSpace, Blends};
 use crate::contacts::Contacts;
-use crate::format::{AlignedBytes, ClipRecord, FormatError, FrameRow, Layout, Meta, RotationCode, Storage, Table, Tag};
+use crate::format::{
+    AlignedBytes, ClipRecord, FileStorage, FormatError, FrameRow, Meta, RotationCode, SectionLayout, SectionTag, Table,
+};
 use crate::graph::MotionGraph;
 use crate::hits::HitRecord;
-use crate::patch::Patches;
+use crate::patch::PatchTables;
 use crate::policy::{PolicyRecord, PolicyTable};
 use crate::skeleton::Skeleton;
 use crate::stops::StopTables;
@@ -31,23 +33,23 @@ const WHAT: &str = "a bundle";
 /// version, lengths, alignment, padding, checksums, every stored index against its table, every number for being finite.
 #[derive(Clone, Debug)]
 pub struct Bundle {
-    shared: Arc<Shared>,
+    shared: Arc<OpenedBundle>,
     policies: Arc<[PolicyTable]>,
 }
 
 /// Data shared by all clones of a bundle.
 #[derive(Debug)]
-struct Shared {
-    storage: Arc<Storage>,
+struct OpenedBundle {
+    storage: Arc<FileStorage>,
     meta: Meta,
     skeleton: Skeleton,
     sections: Sections,
     graph: MotionGraph,
     stops: StopTables,
-    patches: Patches,
+    patches: PatchTables,
     blends: Blends,
-    sizes: Vec<(Tag, usize)>,
-    ranges: Vec<(Tag, usize, Range<usize>)>,
+    sizes: Vec<(SectionTag, usize)>,
+    ranges: Vec<(SectionTag, usize, Range<usize>)>,
     hash: OnceLock<u128>,
 }
 
@@ -57,7 +59,7 @@ impl Bundle {
     /// # Errors
     /// [`FormatError`] says what is wrong with the file and what to do.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, FormatError> {
-        Self::new(Storage::read(path.as_ref(), WHAT)?, true)
+        Self::new(FileStorage::read(path.as_ref(), WHAT)?, true)
     }
 
     /// Maps and checks a file, as [`Bundle::open`] reads it: useful where several processes share one bundle of many
@@ -73,7 +75,7 @@ impl Bundle {
     #[allow(unsafe_code)]
     pub unsafe fn map(path: impl AsRef<Path>) -> Result<Self, FormatError> {
         // SAFETY: the caller promises what is asked for.
-        Self::new(unsafe { Storage::map(path.as_ref(), WHAT) }?, true)
+        Self::new(unsafe { FileStorage::map(path.as_ref(), WHAT) }?, true)
     }
 
     /// Maps a file as [`Bundle::map`] does, without comparing the sections' checksums, see [`Bundle::open_unverified`].
@@ -86,7 +88,7 @@ impl Bundle {
     #[allow(unsafe_code)]
     pub unsafe fn map_unverified(path: impl AsRef<Path>) -> Result<Self, FormatError> {
         // SAFETY: the caller promises what is asked for.
-        Self::new(unsafe { Storage::map(path.as_ref(), WHAT) }?, false)
+        Self::new(unsafe { FileStorage::map(path.as_ref(), WHAT) }?, false)
     }
 
     /// Reads a file as [`Bundle::open`] does, without comparing the sections' checksums. Everything that a view relies
@@ -95,7 +97,7 @@ impl Bundle {
     /// # Errors
     /// As [`Bundle::open`].
     pub fn open_unverified(path: impl AsRef<Path>) -> Result<Self, FormatError> {
-        Self::new(Storage::read(path.as_ref(), WHAT)?, false)
+        Self::new(FileStorage::read(path.as_ref(), WHAT)?, false)
     }
 
     /// Checks and opens a bundle in memory, see [`Bundle::open`].
@@ -103,7 +105,7 @@ impl Bundle {
     /// # Errors
     /// As [`Bundle::open`].
     pub fn from_bytes(bytes: AlignedBytes) -> Result<Self, FormatError> {
-        Self::new(Storage::Memory(bytes), true)
+        Self::new(FileStorage::Memory(bytes), true)
     }
 
     /// Opens a bundle in memory without comparing the sections' checksums, see [`Bundle::open_unverified`].
@@ -111,7 +113,7 @@ impl Bundle {
     /// # Errors
     /// As [`Bundle::open`].
     pub fn from_bytes_unverified(bytes: AlignedBytes) -> Result<Self, FormatError> {
-        Self::new(Storage::Memory(bytes), false)
+        Self::new(FileStorage::Memory(bytes), false)
     }
 
     /// The bytes of the file.
@@ -119,8 +121,8 @@ impl Bundle {
         self.shared.storage.bytes()
     }
 
-    fn new(storage: Storage, checksums: bool) -> Result<Self, FormatError> {
-        let layout = Layout::read(storage.bytes(), checksums)?;
+    fn new(storage: FileStorage, checksums: bool) -> Result<Self, FormatError> {
+        let layout = SectionLayout::read(storage.bytes(), checksums)?;
         let storage = Arc::new(storage);
         let s = Sections::new(&storage, &layout)?;
         let meta = Meta::decode(&s.meta)?;
@@ -131,7 +133,7 @@ impl Bundle {
             let got = s.rotation_code.len();
             return Err(FormatError::layout(format!("section RCOD has {got} elements, expected 1")));
         }
-        let shared = Shared {
+        let shared = OpenedBundle {
             storage,
             skeleton: Skeleton::from(record),
             graph: MotionGraph {
@@ -142,7 +144,7 @@ impl Bundle {
                 action_errors: s.action_errors.clone(),
             },
             stops: StopTables { sweeps: s.sweeps.clone(), nodes: s.sweep_nodes.clone(), stops: s.stops.clone() },
-            patches: Patches {
+            patches: PatchTables {
                 patches: s.patches.clone(),
                 edges: s.patch_edges.clone(),
                 cells: s.patch_cells.clone(),
@@ -170,7 +172,7 @@ impl Bundle {
         check::hits(&bundle)?;
         check::graph(&bundle)?;
         check::stops(&bundle)?;
-        bundle.policies = policies::open(&bundle)?.into();
+        bundle.policies = policies::open_policies(&bundle)?.into();
         check::pose_groups(&bundle)?;
         check::patches(&bundle)?;
         check::blends(&bundle)?;
@@ -243,7 +245,7 @@ impl Bundle {
     }
 
     /// The motion patches; empty where the bundle was built without them.
-    pub fn patches(&self) -> &Patches {
+    pub fn patches(&self) -> &PatchTables {
         &self.shared.patches
     }
 
@@ -286,12 +288,12 @@ impl Bundle {
         }
         let code = [*self.rotation_code()];
         let (clips, motion) = (self.clips(), (self.frames(), self.contacts(), &code));
-        ActivitySet::of(&meta.activities, clips, motion, self.skeleton(), meta.rate_hz as f32)
+        ActivitySet::from_sections(&meta.activities, clips, motion, self.skeleton(), meta.rate_hz as f32)
     }
 
     /// A hash of the whole content. All bytes are read when it is asked for the first time.
     pub fn hash(&self) -> u128 {
-        *self.shared.hash.get_or_init(|| Hash128::of(self.shared.storage.bytes()))
+        *self.shared.hash.get_or_init(|| Hash128::hash_bytes(self.shared.storage.bytes()))
     }
 
     /// True where both have the same content. Clones are compared at once, bundles that were opened one by one by [`Bundle::hash`].
@@ -300,13 +302,13 @@ impl Bundle {
     }
 
     /// Tag and length of every section, in file order (bytes).
-    pub fn section_sizes(&self) -> &[(Tag, usize)] {
+    pub fn section_sizes(&self) -> &[(SectionTag, usize)] {
         &self.shared.sizes
     }
 
     /// Bytes of a section, and the length of one of its elements (bytes); none where there is no such section. For
     /// callers that read the rows themselves, such as arrays of other languages.
-    pub fn section_bytes(&self, tag: Tag) -> Option<(&[u8], usize)> {
+    pub fn section_bytes(&self, tag: SectionTag) -> Option<(&[u8], usize)> {
         let (_, element, range) = self.shared.ranges.iter().find(|s| s.0 == tag)?;
         Some((&self.shared.storage.bytes()[range.clone()], *element))
     }

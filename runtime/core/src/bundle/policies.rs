@@ -7,7 +7,7 @@ use std::ops::Range;
 use throng_base::Error;
 
 /// Opens all policies: their own checks, names for all, and nothing left over.
-pub(super) fn open(t: &Bundle) -> Result<Vec<PolicyTable>, FormatError> {
+pub(super) fn open_policies(t: &Bundle) -> Result<Vec<PolicyTable>, FormatError> {
     let (graph, s, n) = (t.graph(), t.sections(), t.policy_records().len());
     if n > 0 && graph.states.is_empty() {
         return Err(FormatError::layout(format!("there are {n} policies over a motion graph without states")));
@@ -19,7 +19,7 @@ pub(super) fn open(t: &Bundle) -> Result<Vec<PolicyTable>, FormatError> {
     let (offsets, segments, errors) = (&graph.action_offsets, &graph.action_segments, &graph.action_errors);
     let actions = ActionTable::new(offsets, segments, errors, graph.segments.len());
     let actions = actions.map_err(|e| FormatError::layout(e.to_string()))?;
-    let mut next = Next::default();
+    let mut next = SectionCursor::default();
     let policies = (0..n).map(|i| policy(t, &actions, i, &mut next)).collect::<Result<_, _>>()?;
     let lengths = [
         (tags::POLICY_SEGMENTS, s.policy_segments.len(), next.segments),
@@ -38,7 +38,7 @@ pub(super) fn open(t: &Bundle) -> Result<Vec<PolicyTable>, FormatError> {
 
 /// First rows of the next policy in each section.
 #[derive(Default)]
-struct Next {
+struct SectionCursor {
     segments: usize,
     paths: usize,
     state_grids: usize,
@@ -47,7 +47,12 @@ struct Next {
 }
 
 /// The policy that begins there.
-fn policy(t: &Bundle, actions: &ActionTable, index: usize, next: &mut Next) -> Result<PolicyTable, FormatError> {
+fn policy(
+    t: &Bundle,
+    actions: &ActionTable,
+    index: usize,
+    next: &mut SectionCursor,
+) -> Result<PolicyTable, FormatError> {
     let wrong = |e: Error| FormatError::value(tags::POLICIES, index, e.to_string());
     let (s, r) = (t.sections(), &t.policy_records()[index]);
     if r.reward.reserved != 0 {
@@ -56,17 +61,17 @@ fn policy(t: &Bundle, actions: &ActionTable, index: usize, next: &mut Next) -> R
     let (num_states, num_segments) = (actions.num_states(), actions.num_segments());
     let num_paths = if r.grid.kind == KIND_SPACE_TIME { num_segments } else { 0 };
     let num_grids = if r.adaptive == 0 { 0 } else { num_states };
-    let state_grids = part(&s.policy_state_grids, &mut next.state_grids, num_grids);
+    let state_grids = take_rows(&s.policy_state_grids, &mut next.state_grids, num_grids);
     let num_values = match r.adaptive {
         0 => TargetGrid::new(r.grid).map_err(wrong)?.num_cells().saturating_mul(num_states),
         _ => state_grids.iter().fold(0, |sum: usize, g: &StateGridRecord| sum.saturating_add(g.num_cells())),
     };
     let slices = PolicySlices {
-        segments: part(&s.policy_segments, &mut next.segments, num_segments),
-        paths: part(&s.policy_paths, &mut next.paths, num_paths),
+        segments: take_rows(&s.policy_segments, &mut next.segments, num_segments),
+        paths: take_rows(&s.policy_paths, &mut next.paths, num_paths),
         state_grids,
-        values: part(&s.policy_values, &mut next.values, num_values),
-        best: part(&s.policy_best, &mut next.best, num_values.saturating_mul(r.num_choices as usize)),
+        values: take_rows(&s.policy_values, &mut next.values, num_values),
+        best: take_rows(&s.policy_best, &mut next.best, num_values.saturating_mul(r.num_choices as usize)),
     };
     let policy = PolicyTable::new(r, actions.clone(), slices).map_err(wrong)?;
     let mut ends = policy.segments().iter().zip(&t.graph().segments);
@@ -78,7 +83,7 @@ fn policy(t: &Bundle, actions: &ActionTable, index: usize, next: &mut Next) -> R
 }
 
 /// The next rows of a section, or none where they are not all there: the policy's own check then names the lengths.
-fn part<T>(all: &Table<T>, next: &mut usize, len: usize) -> Table<T> {
+fn take_rows<T>(all: &Table<T>, next: &mut usize, len: usize) -> Table<T> {
     let rows: Range<usize> = *next..next.saturating_add(len);
     *next = rows.end;
     all.part(rows).unwrap_or_default()

@@ -2,7 +2,9 @@
 
 use crate::blend::{BlendRecord, ChannelRow, ExampleRecord, ReferenceRow};
 use crate::contacts::Contacts;
-use crate::format::{ClipRecord, FormatError, FrameRow, Layout, RotationCode, SkeletonRecord, Storage, Table};
+use crate::format::{
+    ClipRecord, FileStorage, FormatError, FrameRow, RotationCode, SectionLayout, SkeletonRecord, Table,
+};
 use crate::graph::{MotionSegment, StateRecord};
 use crate::hits::HitRecord;
 use crate::patch::{CellRecord, EdgeRecord, LinkRecord, PairRecord, PatchRecord};
@@ -15,9 +17,9 @@ macro_rules! sections {
     ($($(#[$doc:meta])+ $tag:ident = $letters:literal, $field:ident: $row:ty;)+) => {
         /// Tags of the sections, in file order.
         pub mod tags {
-            use crate::format::Tag;
+            use crate::format::SectionTag;
 
-            $($(#[$doc])+ pub const $tag: Tag = Tag(*$letters);)+
+            $($(#[$doc])+ pub const $tag: SectionTag = SectionTag(*$letters);)+
         }
 
         /// The rows of every section.
@@ -28,7 +30,7 @@ macro_rules! sections {
 
         impl Sections {
             /// Finds all sections in a file whose frame was checked.
-            pub fn new(storage: &Arc<Storage>, layout: &Layout) -> Result<Self, FormatError> {
+            pub fn new(storage: &Arc<FileStorage>, layout: &SectionLayout) -> Result<Self, FormatError> {
                 Ok(Self { $($field: Table::of_file(storage, &layout.section::<$row>(tags::$tag)?),)+ })
             }
         }

@@ -2,41 +2,41 @@
 
 use super::block::{ROTATION_CODES, encode};
 use super::motion_set::MotionSet;
-use super::policy_cast::{PolicyCharacters, no_graph};
-use super::{Characters, SampleJob, Start, arrivals};
+use super::policy_characters::{PolicyCharacters, no_graph};
+use super::{CharacterStart, Characters, SampleJob, segments_into_states};
 use crate::bundle::Bundle;
-use crate::cast::Adopted;
-use crate::pose::{Mat3x4, PARENTS, set};
+use crate::character_group::AdoptReport;
+use crate::pose::{Mat3x4, PARENTS, set_lane};
 use crate::skeleton::NUM_JOINTS;
 use glam::{Quat, Vec3};
 use throng_base::{Result, maths};
 
 /// Gives every character the state of the new bundle with the nearest pose; the difference of the poses decays as after
 /// a transition. Nothing has changed after an error.
-pub(super) fn adopt(cast: &mut PolicyCharacters, new: &Bundle) -> Result<Adopted> {
+pub(super) fn adopt(cast: &mut PolicyCharacters, new: &Bundle) -> Result<AdoptReport> {
     let motion_set = MotionSet::new(new);
     let names = &cast.bundle.meta().behaviours;
     let number = |policy: u32| Ok(new.find_policy(&names[policy as usize])? as u32);
-    let orders = cast.orders.iter().map(|o| o.renumbered(number)).collect::<Result<Vec<_>>>()?;
+    let orders = cast.orders.iter().map(|o| o.with_policy_numbers(number)).collect::<Result<Vec<_>>>()?;
     if motion_set.graph().states.is_empty() {
         return Err(no_graph());
     }
     let poses = state_poses(&motion_set);
-    let arrivals = arrivals(&motion_set);
+    let arrivals = segments_into_states(&motion_set);
     let mut characters = Characters::with_capacity(&motion_set, *cast.characters.config(), cast.capacity())?;
-    let mut out = Adopted { num_characters: cast.characters.num_characters(), farthest_m: 0.0 };
+    let mut out = AdoptReport { num_characters: cast.characters.num_characters(), farthest_m: 0.0 };
     for at in 0..out.num_characters {
         let old = &cast.characters;
-        let (shown, root) = (old.shown(at), old.root(at));
-        let (state, farthest_m) = nearest(shown, &poses);
+        let (shown, root) = (old.last_pose(at), old.root(at));
+        let (state, farthest_m) = nearest_state(shown, &poses);
         out.farthest_m = out.farthest_m.max(farthest_m);
-        characters.enter(&motion_set, Start { root, state: state as u32 }, &arrivals, old.name(at));
+        characters.add_character(&motion_set, CharacterStart { root, state: state as u32 }, &arrivals, old.name(at));
         characters.carry_over(old, at);
         if let Some(shown) = shown {
-            ease(&mut characters, at, shown, &poses[state]);
+            ease_to_pose(&mut characters, at, shown, &poses[state]);
         }
     }
-    characters.surround_as(&cast.characters);
+    characters.copy_surroundings(&cast.characters);
     characters.detail = cast.characters.detail;
     characters.reserve_all(&motion_set);
     cast.bundle = new.clone();
@@ -58,7 +58,7 @@ fn state_poses(motion_set: &MotionSet) -> Vec<[Mat3x4; NUM_JOINTS]> {
 }
 
 /// State whose joints are nearest to a pose, and the largest distance of a joint (m); without a pose, the first state.
-fn nearest(shown: Option<&[Mat3x4; NUM_JOINTS]>, poses: &[[Mat3x4; NUM_JOINTS]]) -> (usize, f32) {
+fn nearest_state(shown: Option<&[Mat3x4; NUM_JOINTS]>, poses: &[[Mat3x4; NUM_JOINTS]]) -> (usize, f32) {
     let Some(shown) = shown else { return (0, 0.0) };
     let squares = |pose: &[Mat3x4; NUM_JOINTS]| -> [f32; NUM_JOINTS] {
         std::array::from_fn(|j| pose[j].translation().distance_squared(shown[j].translation()))
@@ -69,7 +69,7 @@ fn nearest(shown: Option<&[Mat3x4; NUM_JOINTS]>, poses: &[[Mat3x4; NUM_JOINTS]])
 }
 
 /// Stores the difference between the visible pose and the new one as offsets, which decay.
-fn ease(characters: &mut Characters, at: usize, shown: &[Mat3x4; NUM_JOINTS], pose: &[Mat3x4; NUM_JOINTS]) {
+fn ease_to_pose(characters: &mut Characters, at: usize, shown: &[Mat3x4; NUM_JOINTS], pose: &[Mat3x4; NUM_JOINTS]) {
     let (block, body, lane) = characters.lane_mut(at);
     body.awake = 1;
     let local = |pose: &[Mat3x4; NUM_JOINTS], j: usize| match j {
@@ -77,12 +77,12 @@ fn ease(characters: &mut Characters, at: usize, shown: &[Mat3x4; NUM_JOINTS], po
         _ => maths::compose(pose[PARENTS[j]].rotation().conjugate(), pose[j].rotation()),
     };
     for j in 0..NUM_JOINTS {
-        let offset = maths::unit(maths::compose(local(shown, j), local(pose, j).conjugate()));
+        let offset = maths::normalize_or_identity(maths::compose(local(shown, j), local(pose, j).conjugate()));
         encode(&mut body.offsets.rotation[j], lane, ROTATION_CODES, parameters(offset));
         encode(&mut body.offsets.rotation_velocity[j], lane, 1.0, Vec3::ZERO);
     }
-    set(&mut body.offsets.root, lane, shown[0].translation() - pose[0].translation());
-    set(&mut body.offsets.root_velocity, lane, Vec3::ZERO);
+    set_lane(&mut body.offsets.root, lane, shown[0].translation() - pose[0].translation());
+    set_lane(&mut body.offsets.root_velocity, lane, Vec3::ZERO);
     block.age_s[lane] = 0.0;
 }
 

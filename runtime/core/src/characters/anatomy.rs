@@ -1,6 +1,6 @@
 //! Constants of the skeleton that inverse kinematics needs, computed once.
 
-use crate::pose::Leg;
+use crate::pose::LegJoints;
 use crate::skeleton::Skeleton;
 use glam::Vec3;
 
@@ -8,14 +8,14 @@ use glam::Vec3;
 #[derive(Clone, Debug)]
 pub(crate) struct Anatomy {
     /// Left, right.
-    pub legs: [Leg; 2],
+    pub legs: [LegJoints; 2],
     /// Middle of the head, in the head joint's frame (m).
     pub head_centre: Vec3,
 }
 
 impl Anatomy {
     pub fn new(skeleton: &Skeleton) -> Self {
-        Self { legs: Leg::both(skeleton), head_centre: head_centre(skeleton) }
+        Self { legs: LegJoints::left_and_right(skeleton), head_centre: head_centre(skeleton) }
     }
 }
 

@@ -7,7 +7,7 @@ use super::reaction::Reaction;
 use crate::contacts::Contacts;
 use crate::graph::MotionSegment;
 use crate::planar::{Planar, wrap_angle};
-use crate::pose::{FootLock, Lane, Lane3, get, planar, set};
+use crate::pose::{FootLock, Lane, Lane3, get_lane, planar_of_lane, set_lane};
 use crate::skeleton::NUM_JOINTS;
 use bytemuck::Zeroable;
 use glam::Vec3;
@@ -26,7 +26,7 @@ pub(crate) const VELOCITY_CODES: f32 = 2048.0;
 pub(crate) const NO_STATE: u32 = u32::MAX;
 
 /// Marks a character that plays a scheduled clip instead of a segment.
-pub(crate) const LAID: u32 = u32::MAX;
+pub(crate) const SCHEDULED: u32 = u32::MAX;
 
 /// Writes the vector of one lane as codes.
 pub(crate) fn encode(v: &mut Code3, lane: usize, codes: f32, to: Vec3) {
@@ -72,10 +72,10 @@ impl Offsets {
 /// State of eight characters.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[repr(C, align(64))]
-pub(crate) struct Block {
+pub(crate) struct MotionBlock {
     /// Name by which random choices are drawn, beside the seed and their number.
     pub name: [u64; LANES],
-    /// Segment that is played; [`LAID`] for a scheduled clip.
+    /// Segment that is played; [`SCHEDULED`] for a scheduled clip.
     pub segment: [u32; LANES],
     /// First frame row of the segment or scheduled clip.
     pub first: [u32; LANES],
@@ -124,7 +124,7 @@ pub(crate) struct Block {
 /// alignment. They begin large pieces 16 bytes into a page; with 48 more, all that follows lies on cache lines.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, Zeroable)]
 #[repr(C)]
-pub(crate) struct Body {
+pub(crate) struct BodyBlock {
     /// 1 from the first pose on, 0 where the block is not posed: then feet and offsets count for nothing.
     pub awake: u32,
     #[serde(skip)]
@@ -137,9 +137,9 @@ pub(crate) struct Body {
     pub(super) fill: [u32; 12],
 }
 
-const _: () = assert!(align_of::<Body>() <= 16 && size_of::<Body>().is_multiple_of(64));
+const _: () = assert!(align_of::<BodyBlock>() <= 16 && size_of::<BodyBlock>().is_multiple_of(64));
 
-impl Body {
+impl BodyBlock {
     pub const ZERO: Self = Self {
         awake: 0,
         unused: [0; 11],
@@ -152,26 +152,26 @@ impl Body {
     /// Frees a lane. Memory that was never written stays so.
     pub fn clear(&mut self, lane: usize) {
         if self.awake == 1 || self.reaction.active[lane] != 0.0 {
-            self.take(lane, &Self::ZERO, 0);
+            self.copy_lane(lane, &Self::ZERO, 0);
         }
     }
 
     /// Copies a lane from another block, which may be asleep.
     pub fn take_lane(&mut self, lane: usize, from: &Self, from_lane: usize) {
         match from.awake {
-            1 => self.take(lane, from, from_lane),
+            1 => self.copy_lane(lane, from, from_lane),
             _ => {
                 self.clear(lane);
-                self.reaction.take(lane, &from.reaction, from_lane);
+                self.reaction.copy_lane(lane, &from.reaction, from_lane);
             }
         }
     }
 }
 
-impl Block {
+impl MotionBlock {
     pub const ZERO: Self = Self {
         name: [0; LANES],
-        segment: [LAID; LANES],
+        segment: [SCHEDULED; LANES],
         first: [0; LANES],
         length: [0; LANES],
         time: [0.0; LANES],
@@ -195,22 +195,22 @@ impl Block {
 
     /// Planar root of one lane at the last step.
     pub fn root(&self, lane: usize) -> Planar {
-        planar(&self.root, lane)
+        planar_of_lane(&self.root, lane)
     }
 
     /// Planar root of one lane at its segment's first frame.
     pub fn choice_root(&self, lane: usize) -> Planar {
-        planar(&self.choice_root, lane)
+        planar_of_lane(&self.choice_root, lane)
     }
 
     /// Planar transform from the clip to the world of one lane.
     pub fn clip_to_world(&self, lane: usize) -> Planar {
-        planar(&self.clip_to_world, lane)
+        planar_of_lane(&self.clip_to_world, lane)
     }
 
     /// Drift of one lane per frame (m/frame).
-    pub fn drift(&self, lane: usize) -> Vec3 {
-        get(&self.drift, lane)
+    pub fn drift_per_frame(&self, lane: usize) -> Vec3 {
+        get_lane(&self.drift, lane)
     }
 
     /// Height of the clip's ground in one lane at a time within what it plays (m).
@@ -219,22 +219,22 @@ impl Block {
     }
 
     /// Planar root of one lane at the end of what it plays.
-    pub fn end(&self, lane: usize, motion_set: &MotionSet) -> Planar {
-        let last = motion_set.planar(self.first[lane] + self.length[lane]);
-        let (end, drift) = (self.clip_to_world(lane).compose(last), self.drift(lane));
+    pub fn root_at_end(&self, lane: usize, motion_set: &MotionSet) -> Planar {
+        let last = motion_set.planar_root(self.first[lane] + self.length[lane]);
+        let (end, drift) = (self.clip_to_world(lane).compose(last), self.drift_per_frame(lane));
         let frames = self.length[lane] as f32 - self.drift_from[lane];
         let heading = end.heading + self.turn[lane] * frames;
         Planar::new(end.x + drift.x * frames, end.z + drift.z * frames, heading)
     }
 
     /// Places a character at the end of a segment, on the frame of the state there.
-    pub fn start(&mut self, lane: usize, motion_set: &MotionSet, root: Planar, frame: u32, segment: u32) {
+    pub fn start_at_state(&mut self, lane: usize, motion_set: &MotionSet, root: Planar, frame: u32, segment: u32) {
         self.set_segment(lane, segment, &motion_set.graph.segments[segment as usize]);
         self.time[lane] = self.length[lane] as f32;
-        self.set_clip_to_world(lane, root.compose(motion_set.planar(frame).inverse()));
+        self.set_clip_to_world(lane, root.compose(motion_set.planar_root(frame).inverse()));
         let whole = motion_set.graph.segments[segment as usize].displacement();
         self.set_choice_root(lane, root.compose(whole.inverse()));
-        set(&mut self.root, lane, Vec3::new(root.x, root.z, root.heading));
+        set_lane(&mut self.root, lane, Vec3::new(root.x, root.z, root.heading));
     }
 
     /// Notes a transition from one frame row to another.
@@ -249,7 +249,7 @@ impl Block {
         self.first[lane] = segment.start;
         self.length[lane] = segment.num_frames;
         self.lift[lane] = 0.0;
-        set(&mut self.drift, lane, Vec3::ZERO);
+        set_lane(&mut self.drift, lane, Vec3::ZERO);
         self.turn[lane] = 0.0;
         self.drift_from[lane] = 0.0;
         self.bend[lane] = 0.0;
@@ -258,11 +258,11 @@ impl Block {
 
     /// Replaces the planar root at the segment's first frame.
     pub fn set_choice_root(&mut self, lane: usize, to: Planar) {
-        set(&mut self.choice_root, lane, Vec3::new(to.x, to.z, to.heading));
+        set_lane(&mut self.choice_root, lane, Vec3::new(to.x, to.z, to.heading));
     }
 
     /// Replaces it; the heading is wrapped.
     pub fn set_clip_to_world(&mut self, lane: usize, to: Planar) {
-        set(&mut self.clip_to_world, lane, Vec3::new(to.x, to.z, wrap_angle(to.heading)));
+        set_lane(&mut self.clip_to_world, lane, Vec3::new(to.x, to.z, wrap_angle(to.heading)));
     }
 }

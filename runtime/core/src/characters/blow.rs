@@ -46,7 +46,7 @@ impl Blow {
     /// Blow of a hit, by a character whose clip is placed in the world by `clip_to_world`.
     pub(crate) fn new(motion_set: &MotionSet, character: u32, hit: u32, clip_to_world: Planar) -> Self {
         let h = &motion_set.hits[hit as usize];
-        let root = clip_to_world.compose(motion_set.planar(h.frame));
+        let root = clip_to_world.compose(motion_set.planar_root(h.frame));
         let turn = root.rotation();
         Self {
             character,
@@ -63,7 +63,7 @@ impl Blow {
 
 /// A hit that was passed, and the placement of the clip at that time.
 #[derive(Clone, Copy, Debug)]
-struct Passed {
+struct PassedHit {
     character: u32,
     hit: u32,
     clip_to_world: Planar,
@@ -72,7 +72,7 @@ struct Passed {
 /// The hits that the characters of one range pass in a step; memory for all of them, or none where there are no hits.
 #[derive(Clone, Debug)]
 pub(crate) struct PassedHits {
-    slots: Vec<Passed>,
+    slots: Vec<PassedHit>,
     len: usize,
 }
 
@@ -80,7 +80,7 @@ impl PassedHits {
     /// Room for a number of characters.
     pub fn new(num_characters: usize, motion_set: &MotionSet) -> Self {
         let room = if motion_set.hits.is_empty() { 0 } else { num_characters * MAX_BLOWS };
-        Self { slots: vec![Passed { character: 0, hit: 0, clip_to_world: Planar::IDENTITY }; room], len: 0 }
+        Self { slots: vec![PassedHit { character: 0, hit: 0, clip_to_world: Planar::IDENTITY }; room], len: 0 }
     }
 
     /// Forgets the last step.
@@ -95,15 +95,15 @@ impl PassedHits {
 
     /// Adds the hits of a segment after `from` and up to `to` (frames since the segment's start).
     #[inline]
-    pub fn pass(&mut self, r: &MotionSet, character: u32, segment: u32, (from, to): (f32, f32), place: Planar) {
+    pub fn add_passed(&mut self, r: &MotionSet, character: u32, segment: u32, (from, to): (f32, f32), place: Planar) {
         let start = r.graph.segments[segment as usize].start;
         let offset = |hit: u32| (r.hits[hit as usize].frame - start) as f32;
         for hit in r.hits_after(segment, from).take_while(|&hit| offset(hit) <= to) {
-            self.add(Passed { character, hit, clip_to_world: place });
+            self.add(PassedHit { character, hit, clip_to_world: place });
         }
     }
 
-    fn add(&mut self, passed: Passed) {
+    fn add(&mut self, passed: PassedHit) {
         let before = self.slots[..self.len].iter().filter(|p| p.character == passed.character).count();
         if before < MAX_BLOWS {
             self.slots[self.len] = passed;
@@ -139,12 +139,12 @@ impl Blows {
     }
 
     /// Most blows of a step.
-    pub fn room(&self) -> usize {
+    pub fn max_blows(&self) -> usize {
         self.slots.len()
     }
 
     /// Collects the blows of a step from its ranges.
-    pub fn gather(&mut self, ranges: &[PassedHits], motion_set: &MotionSet) {
+    pub fn gather_blows(&mut self, ranges: &[PassedHits], motion_set: &MotionSet) {
         self.len = 0;
         for p in ranges.iter().flat_map(|r| &r.slots[..r.len]) {
             self.slots[self.len] = Blow::new(motion_set, p.character, p.hit, p.clip_to_world);

@@ -2,12 +2,12 @@
 
 use super::{AvoidConfig, FootLockConfig, ReactionConfig};
 use throng_base::Result;
-use throng_base::error::check;
+use throng_base::error::check_value;
 use throng_base::limits::{BEND, TEMPERATURE};
 
 /// Method by which a character chooses among the actions of its state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Choice {
+pub enum ActionChoice {
     /// The stored best action of the nearest cell: a single load, whatever the policy's region. Needs exactly one goal;
     /// with more, the character looks ahead.
     BestAction,
@@ -27,7 +27,7 @@ pub struct CharactersConfig {
     /// into several groups choose as they would together.
     pub first_number: u64,
     /// Method of choosing actions.
-    pub choice: Choice,
+    pub choice: ActionChoice,
     /// Time in which the offset of a transition halves (s, > 0).
     pub half_life_s: f32,
     /// Settings of the foot lock.
@@ -52,7 +52,7 @@ impl Default for CharactersConfig {
         Self {
             seed: 1,
             first_number: 0,
-            choice: Choice::LookAhead { temperature: 0.0 },
+            choice: ActionChoice::LookAhead { temperature: 0.0 },
             half_life_s: 0.15,
             foot_lock: FootLockConfig::default(),
             reaction: ReactionConfig::default(),
@@ -68,7 +68,7 @@ impl Default for CharactersConfig {
 impl CharactersConfig {
     /// Every setting within its limits.
     pub(super) fn check(&self) -> Result<()> {
-        check(
+        check_value(
             "half_life_s",
             None,
             self.half_life_s,
@@ -76,9 +76,9 @@ impl CharactersConfig {
             "between 0.001 and 10",
         )?;
         let lock = self.foot_lock.half_life_s;
-        check("foot_lock.half_life_s", None, lock, lock > 1e-3 && lock < 10.0, "between 0.001 and 10")?;
+        check_value("foot_lock.half_life_s", None, lock, lock > 1e-3 && lock < 10.0, "between 0.001 and 10")?;
         let planted = self.foot_lock.planted_half_life_s;
-        check(
+        check_value(
             "foot_lock.planted_half_life_s",
             None,
             planted,
@@ -86,15 +86,21 @@ impl CharactersConfig {
             "between 0.001 and a million",
         )?;
         let back = self.foot_lock.planted_return_mps;
-        check("foot_lock.planted_return_mps", None, back, (1e-6..10.0).contains(&back), "between 1e-6 and 10")?;
+        check_value("foot_lock.planted_return_mps", None, back, (1e-6..10.0).contains(&back), "between 1e-6 and 10")?;
         let most = self.foot_lock.max_correction_m;
-        check("foot_lock.max_correction_m", None, most, (1e-3..10.0).contains(&most), "between 0.001 and 10")?;
+        check_value("foot_lock.max_correction_m", None, most, (1e-3..10.0).contains(&most), "between 0.001 and 10")?;
         let clearance = self.foot_lock.swing_clearance_m;
-        check("foot_lock.swing_clearance_m", None, clearance, (0.0..1.0).contains(&clearance), "between 0 and 1")?;
+        check_value(
+            "foot_lock.swing_clearance_m",
+            None,
+            clearance,
+            (0.0..1.0).contains(&clearance),
+            "between 0 and 1",
+        )?;
         self.reaction.check()?;
         self.avoid.map_or(Ok(()), |avoid| avoid.check())?;
         BEND.check("bend_rad_per_m", None, self.bend_rad_per_m)?;
-        if let Choice::LookAhead { temperature } = self.choice {
+        if let ActionChoice::LookAhead { temperature } = self.choice {
             TEMPERATURE.check("temperature", None, temperature)?;
         }
         Ok(())

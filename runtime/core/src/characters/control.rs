@@ -1,17 +1,17 @@
 //! Control: a character at the end of its segment chooses the next action.
 
-use super::avoid::Plan;
+use super::avoid::SegmentPlan;
 use super::bent;
-use super::block::{Block, Body, LAID, NO_STATE};
+use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
 use super::blow::PassedHits;
 use super::motion_set::MotionSet;
-use super::order::Order;
+use super::order::PolicyOrder;
 use super::scheduled_clip::to_root;
-use super::transition::{self, Change};
-use super::{CharactersConfig, Choice, pace};
+use super::transition::{self, SegmentChange};
+use super::{ActionChoice, CharactersConfig, pace};
 use crate::planar::{Planar, wrap_angle};
 use crate::policy::{self, BestActionJob, LookAheadJob, RankedActions};
-use crate::pose::set;
+use crate::pose::set_lane;
 use glam::{Vec2, Vec3};
 use throng_base::maths;
 use throng_base::simd::LANES;
@@ -31,17 +31,17 @@ pub(crate) struct OwnGoal {
 }
 
 /// The number of behaviours that one character is asked, and those.
-pub(crate) fn asked(order: &Order, motion_set: &MotionSet) -> (usize, [OwnGoal; MAX_GOALS]) {
+pub(crate) fn active_goals(order: &PolicyOrder, motion_set: &MotionSet) -> (usize, [OwnGoal; MAX_GOALS]) {
     let mut own = [OwnGoal::default(); MAX_GOALS];
     for (own, (&policy, &weight)) in own.iter_mut().zip(order.policies().iter().zip(order.weights())) {
         let policy = policy as usize;
-        *own = OwnGoal { policy, weight, target: order.about(&motion_set.policies[policy]) };
+        *own = OwnGoal { policy, weight, target: order.target_of(&motion_set.policies[policy]) };
     }
     (order.policies().len(), own)
 }
 
 /// The characters of one range that wait for a choice.
-struct Pending {
+struct PendingChoices {
     len: usize,
     characters: [u32; BATCH],
     states: [u32; BATCH],
@@ -59,16 +59,16 @@ struct Pending {
 /// - `first`: number of the range's first character, on which random choices depend.
 /// - `passed`: receives the hits at the start of new segments.
 /// - `orders`: of all characters.
-pub(crate) fn choose(
-    (blocks, bodies): (&mut [Block], &mut [Body]),
+pub(crate) fn choose_all(
+    (blocks, bodies): (&mut [MotionBlock], &mut [BodyBlock]),
     passed: &mut PassedHits,
     first: usize,
     count: usize,
     motion_set: &MotionSet,
     config: &CharactersConfig,
-    orders: &[Order],
+    orders: &[PolicyOrder],
 ) {
-    let mut pending = Pending {
+    let mut pending = PendingChoices {
         len: 0,
         characters: [0; BATCH],
         states: [0; BATCH],
@@ -85,32 +85,32 @@ pub(crate) fn choose(
         pending.len = 0;
         let mut next = from;
         while next < count && pending.len < BATCH {
-            collect(&mut pending, blocks, next, first, motion_set, orders);
+            collect_pending(&mut pending, blocks, next, first, motion_set, orders);
             next += 1;
         }
         if pending.len == 0 {
             from = next;
             continue;
         }
-        select(&mut pending, blocks, motion_set, config);
-        apply(&pending, (blocks, bodies), passed, first, motion_set, config);
+        select_actions(&mut pending, blocks, motion_set, config);
+        apply_choices(&pending, (blocks, bodies), passed, first, motion_set, config);
     }
 }
 
 /// Adds a character that has played its segment to the end.
-fn collect(
-    pending: &mut Pending,
-    blocks: &[Block],
+fn collect_pending(
+    pending: &mut PendingChoices,
+    blocks: &[MotionBlock],
     character: usize,
     first: usize,
     motion_set: &MotionSet,
-    orders: &[Order],
+    orders: &[PolicyOrder],
 ) {
     let (b, lane) = (&blocks[character / LANES], character % LANES);
-    if b.time[lane] < b.length[lane] as f32 || b.segment[lane] == LAID {
+    if b.time[lane] < b.length[lane] as f32 || b.segment[lane] == SCHEDULED {
         return;
     }
-    let (num_goals, goals) = asked(&orders[first + character], motion_set);
+    let (num_goals, goals) = active_goals(&orders[first + character], motion_set);
     let policies = goals.map(|g| g.policy);
     if pending.len == 0 {
         (pending.num_goals, pending.policies) = (num_goals, policies);
@@ -119,7 +119,7 @@ fn collect(
         return;
     }
     let segment = &motion_set.graph.segments[b.segment[lane] as usize];
-    let root = b.end(lane, motion_set);
+    let root = b.root_at_end(lane, motion_set);
     let i = pending.len;
     pending.len += 1;
     pending.characters[i] = character as u32;
@@ -136,12 +136,17 @@ fn collect(
 }
 
 /// Fills in the actions.
-fn select(pending: &mut Pending, blocks: &[Block], motion_set: &MotionSet, config: &CharactersConfig) {
+fn select_actions(
+    pending: &mut PendingChoices,
+    blocks: &[MotionBlock],
+    motion_set: &MotionSet,
+    config: &CharactersConfig,
+) {
     let (n, num_goals, policies) = (pending.len, pending.num_goals, pending.policies);
     let states = &pending.states[..n];
     match config.choice {
         _ if num_goals == 0 => pending.actions[..n].fill(0),
-        Choice::BestAction if num_goals == 1 => {
+        ActionChoice::BestAction if num_goals == 1 => {
             let policy = &motion_set.policies[policies[0]];
             let (targets, actions) = (&pending.targets[0][..n], &mut pending.actions[..n]);
             let job = BestActionJob { policy, states, targets, choice: 0, actions };
@@ -149,9 +154,9 @@ fn select(pending: &mut Pending, blocks: &[Block], motion_set: &MotionSet, confi
         }
         _ => {
             let mut ranked = [RankedActions::NONE; BATCH];
-            let jobs: [policy::Goal<'_>; MAX_GOALS] = std::array::from_fn(|g| {
+            let jobs: [policy::LookAheadGoal<'_>; MAX_GOALS] = std::array::from_fn(|g| {
                 let g = g.min(num_goals - 1);
-                policy::Goal {
+                policy::LookAheadGoal {
                     policy: &motion_set.policies[policies[g]],
                     weights: &pending.weights[g][..n],
                     targets: &pending.targets[g][..n],
@@ -160,28 +165,28 @@ fn select(pending: &mut Pending, blocks: &[Block], motion_set: &MotionSet, confi
             let job = LookAheadJob { goals: &jobs[..num_goals], states, ranked: &mut ranked[..n] };
             job.run().unwrap_or_else(|e| unreachable!("states come from the tables, targets were checked: {e}"));
             let temperature = match config.choice {
-                Choice::LookAhead { temperature } => temperature,
-                Choice::BestAction => 0.0,
+                ActionChoice::LookAhead { temperature } => temperature,
+                ActionChoice::BestAction => 0.0,
             };
             for i in 0..n {
                 let c = pending.characters[i] as usize;
                 let (b, lane) = (&blocks[c / LANES], c % LANES);
-                pending.actions[i] = ranked[i].choose(temperature, draw(b, lane, config));
+                pending.actions[i] = ranked[i].choose(temperature, draw_random(b, lane, config));
             }
         }
     }
 }
 
 /// Starts the chosen segments.
-fn apply(
-    pending: &Pending,
-    (blocks, bodies): (&mut [Block], &mut [Body]),
+fn apply_choices(
+    pending: &PendingChoices,
+    (blocks, bodies): (&mut [MotionBlock], &mut [BodyBlock]),
     passed: &mut PassedHits,
     first: usize,
     motion_set: &MotionSet,
     config: &CharactersConfig,
 ) {
-    let mut changes = [Change::default(); BATCH];
+    let mut changes = [SegmentChange::default(); BATCH];
     let mut num_changes = 0;
     for i in 0..pending.len {
         let (character, state) = (pending.characters[i] as usize, pending.states[i]);
@@ -190,41 +195,46 @@ fn apply(
         let new = &motion_set.graph.segments[segment as usize];
         let bend = match pending.num_goals {
             0 => 0.0,
-            _ => bend(new.displacement(), new.num_frames, pending.targets[0][i], config.bend_rad_per_m),
+            _ => bend_rate(new.displacement(), new.num_frames, pending.targets[0][i], config.bend_rad_per_m),
         };
-        let plan = Plan { segment, pace: pace::NORMAL, bend };
+        let plan = SegmentPlan { segment, pace: pace::NORMAL, bend };
         let left = b.time[lane] - b.length[lane] as f32;
-        let begin_it = Begin { at: first + character, state, root: pending.roots[i], plan, left };
-        let change = begin(b, &begin_it, passed, motion_set);
+        let begin_it = SegmentBegin { at: first + character, state, root: pending.roots[i], plan, left };
+        let change = begin_segment(b, &begin_it, passed, motion_set);
         if let Some(change) = change.filter(|_| bodies[character / LANES].awake == 1) {
-            changes[num_changes] = Change { character: character as u32, ..change };
+            changes[num_changes] = SegmentChange { character: character as u32, ..change };
             num_changes += 1;
         }
     }
     for group in changes[..num_changes].chunks(LANES) {
-        transition::start(group, motion_set, config.half_life_s, bodies);
+        transition::start_transitions(group, motion_set, config.half_life_s, bodies);
     }
 }
 
 /// A segment that begins.
-pub(crate) struct Begin {
+pub(crate) struct SegmentBegin {
     /// Number of the character.
     pub at: usize,
     /// State in which it was chosen.
     pub state: u32,
     /// Planar root in the world at its first frame.
     pub root: Planar,
-    pub plan: Plan,
+    pub plan: SegmentPlan,
     /// Time since then (frames).
     pub left: f32,
 }
 
 /// Starts a segment at the end of the last one; returns the jump of the pose to ease, if there is one.
-pub(crate) fn begin(b: &mut Block, begin: &Begin, passed: &mut PassedHits, motion_set: &MotionSet) -> Option<Change> {
+pub(crate) fn begin_segment(
+    b: &mut MotionBlock,
+    begin: &SegmentBegin,
+    passed: &mut PassedHits,
+    motion_set: &MotionSet,
+) -> Option<SegmentChange> {
     let (lane, id) = (begin.at % LANES, begin.plan.segment);
     let new = &motion_set.graph.segments[id as usize];
     let from = b.first[lane] + b.length[lane];
-    b.set_clip_to_world(lane, begin.root.compose(motion_set.planar(new.start).inverse()));
+    b.set_clip_to_world(lane, begin.root.compose(motion_set.planar_root(new.start).inverse()));
     b.set_segment(lane, id, new);
     b.choice_state[lane] = begin.state;
     b.set_choice_root(lane, begin.root);
@@ -234,15 +244,15 @@ pub(crate) fn begin(b: &mut Block, begin: &Begin, passed: &mut PassedHits, motio
         // What it goes is taken back evenly.
         let whole = begin.root.compose(new.displacement());
         let back = Vec3::new(begin.root.x - whole.x, 0.0, begin.root.z - whole.z);
-        set(&mut b.drift, lane, back / new.num_frames as f32);
+        set_lane(&mut b.drift, lane, back / new.num_frames as f32);
     }
-    b.time[lane] = pace::frame(begin.plan.pace, new.num_frames as f32, begin.left);
+    b.time[lane] = pace::frame_at_time(begin.plan.pace, new.num_frames as f32, begin.left);
     if b.bend[lane] != 0.0 {
-        bent::place(b, lane, motion_set);
+        bent::place_on_path(b, lane, motion_set);
     }
     b.num_choices[lane] = b.num_choices[lane].wrapping_add(1);
     if !passed.is_off() {
-        passed.pass(motion_set, begin.at as u32, id, (0.0, b.time[lane]), b.clip_to_world(lane));
+        passed.add_passed(motion_set, begin.at as u32, id, (0.0, b.time[lane]), b.clip_to_world(lane));
     }
     if new.start == from {
         return None;
@@ -251,18 +261,18 @@ pub(crate) fn begin(b: &mut Block, begin: &Begin, passed: &mut PassedHits, motio
     let age_s = b.age_s[lane] - left_s;
     b.age_s[lane] = left_s;
     b.set_change(lane, from, new.start);
-    Some(Change { from, to: new.start, age_s, ..Change::default() })
+    Some(SegmentChange { from, to: new.start, age_s, ..SegmentChange::default() })
 }
 
 /// Random number of a choice, in [0, 1).
-pub(crate) fn draw(b: &Block, lane: usize, config: &CharactersConfig) -> f32 {
+pub(crate) fn draw_random(b: &MotionBlock, lane: usize, config: &CharactersConfig) -> f32 {
     let number = config.first_number.wrapping_add(b.name[lane]);
-    uniform(config.seed, number, u64::from(b.num_choices[lane]))
+    uniform_random(config.seed, number, u64::from(b.num_choices[lane]))
 }
 
 /// Starts a segment now, from where the character stands (segment exists).
-pub(crate) fn play(
-    (blocks, bodies): (&mut [Block], &mut [Body]),
+pub(crate) fn play_segment(
+    (blocks, bodies): (&mut [MotionBlock], &mut [BodyBlock]),
     character: usize,
     segment: u32,
     motion_set: &MotionSet,
@@ -272,9 +282,9 @@ pub(crate) fn play(
     let new = motion_set.graph.segments[segment as usize];
     // The frame before it is in the same clip too.
     let from = b.first[lane] + (b.time[lane].round() as u32).clamp(1, b.length[lane]);
-    let (lift, drift) = (b.lift_at(lane, b.time[lane]), to_root(b.root(lane), b.drift(lane)));
-    let change = Change { character: character as u32, from, to: new.start, age_s: b.age_s[lane], lift, drift };
-    b.set_clip_to_world(lane, b.root(lane).compose(motion_set.planar(new.start).inverse()));
+    let (lift, drift) = (b.lift_at(lane, b.time[lane]), to_root(b.root(lane), b.drift_per_frame(lane)));
+    let change = SegmentChange { character: character as u32, from, to: new.start, age_s: b.age_s[lane], lift, drift };
+    b.set_clip_to_world(lane, b.root(lane).compose(motion_set.planar_root(new.start).inverse()));
     b.set_choice_root(lane, b.root(lane));
     b.set_segment(lane, segment, &new);
     b.time[lane] = 0.0;
@@ -282,7 +292,7 @@ pub(crate) fn play(
     b.choice_state[lane] = NO_STATE;
     b.set_change(lane, from, new.start);
     if bodies[character / LANES].awake == 1 {
-        transition::start(&[change], motion_set, config.half_life_s, bodies);
+        transition::start_transitions(&[change], motion_set, config.half_life_s, bodies);
     }
 }
 
@@ -290,7 +300,7 @@ pub(crate) fn play(
 ///
 /// The linear path editing of Lee, Choi and Lee (2006), section 6: the change of heading grows linearly over the
 /// action.
-pub(crate) fn bend(displacement: Planar, num_frames: u32, target: Vec3, limit_rad_per_m: f32) -> f32 {
+pub(crate) fn bend_rate(displacement: Planar, num_frames: u32, target: Vec3, limit_rad_per_m: f32) -> f32 {
     let path = maths::hypot(displacement.x, displacement.z);
     let limit = limit_rad_per_m * path;
     if limit <= 0.0 {
@@ -304,7 +314,7 @@ pub(crate) fn bend(displacement: Planar, num_frames: u32, target: Vec3, limit_ra
 }
 
 /// A number in [0, 1) that depends on nothing but its arguments (SplitMix64 over their combination).
-pub fn uniform(seed: u64, character: u64, draw: u64) -> f32 {
+pub fn uniform_random(seed: u64, character: u64, draw: u64) -> f32 {
     let mut z = seed ^ character.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ draw.wrapping_mul(0xD1B5_4A32_D192_ED03);
     for _ in 0..2 {
         z = z.wrapping_add(0x9E37_79B9_7F4A_7C15);
@@ -322,18 +332,18 @@ mod tests {
     #[test]
     fn random_numbers_are_spread_evenly() {
         let n = 100_000u64;
-        let mean = (0..n).map(|i| f64::from(uniform(1, i % 100, i / 100))).sum::<f64>() / n as f64;
+        let mean = (0..n).map(|i| f64::from(uniform_random(1, i % 100, i / 100))).sum::<f64>() / n as f64;
         assert!((mean - 0.5).abs() < 0.01, "{mean}");
-        assert_ne!(uniform(1, 2, 3), uniform(1, 3, 2));
+        assert_ne!(uniform_random(1, 2, 3), uniform_random(1, 3, 2));
     }
 
     #[test]
     fn bending_turns_towards_the_target_and_keeps_its_limit() {
         let ahead = Planar::new(0.0, 1.0, 0.0);
-        let total = |target: Vec3| bend(ahead, 10, target, 0.2) * 10.0;
+        let total = |target: Vec3| bend_rate(ahead, 10, target, 0.2) * 10.0;
         assert!((total(Vec3::new(0.1, 0.0, 5.0)) - (0.1f32).atan2(4.0)).abs() < 1e-6);
         assert!((total(Vec3::new(5.0, 0.0, 1.0)) - 0.2).abs() < 1e-6);
         assert!((total(Vec3::new(-5.0, 0.0, 1.0)) + 0.2).abs() < 1e-6);
-        assert_eq!(bend(ahead, 10, Vec3::new(5.0, 0.0, 1.0), 0.0), 0.0);
+        assert_eq!(bend_rate(ahead, 10, Vec3::new(5.0, 0.0, 1.0), 0.0), 0.0);
     }
 }

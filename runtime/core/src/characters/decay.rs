@@ -1,6 +1,6 @@
 //! The offsets of the last transition, which decay as critically damped springs do.
 
-use super::block::{Block, Body, ROTATION_CODES, VELOCITY_CODES, load_codes};
+use super::block::{BodyBlock, MotionBlock, ROTATION_CODES, VELOCITY_CODES, load_codes};
 use crate::pose::{LanePose, load};
 use throng_base::simd::{Functions, Lanes, Q, V};
 
@@ -20,7 +20,7 @@ impl<F: Lanes> Decay<F> {
     #[inline(always)]
     pub fn new(age_s: F, half_life_s: f32) -> Self {
         let y = F::splat(2.0 * std::f32::consts::LN_2 / half_life_s);
-        let age = within(age_s, half_life_s);
+        let age = clamp_age(age_s, half_life_s);
         let e = (-(y * age)).exp8();
         Self { position: e * (F::splat(1.0) + y * age), velocity: e * age }
     }
@@ -29,7 +29,7 @@ impl<F: Lanes> Decay<F> {
     #[inline(always)]
     pub fn rate(age_s: F, half_life_s: f32) -> Self {
         let y = F::splat(2.0 * std::f32::consts::LN_2 / half_life_s);
-        let age = within(age_s, half_life_s);
+        let age = clamp_age(age_s, half_life_s);
         let e = (-(y * age)).exp8();
         Self { position: -(y * y * age * e), velocity: e * (F::splat(1.0) - y * age) }
     }
@@ -43,20 +43,20 @@ impl<F: Lanes> Decay<F> {
 /// Ages at which the offsets are those of the start, of the end or of between. A clip that begins within a step has offsets
 /// a little before its begin; long before it they would be without bounds.
 #[inline(always)]
-fn within<F: Lanes>(age_s: F, half_life_s: f32) -> F {
+fn clamp_age<F: Lanes>(age_s: F, half_life_s: f32) -> F {
     age_s.max(F::splat(-half_life_s)).min(F::splat(8.0 * HALF_LIVES_KEPT * half_life_s))
 }
 
 /// True where no lane's offsets matter any more.
 #[inline(always)]
-fn settled<F: Lanes>(block: &Block, half_life_s: f32) -> bool {
+fn offsets_have_decayed<F: Lanes>(block: &MotionBlock, half_life_s: f32) -> bool {
     !F::splat(HALF_LIVES_KEPT * half_life_s).any_gt(F::load(&block.age_s))
 }
 
 /// Adds the decaying offsets of the last transition.
 #[inline(always)]
-pub(crate) fn add_offsets<F: Lanes>(pose: &mut LanePose<F>, block: &Block, body: &Body, half_life_s: f32) {
-    if settled::<F>(block, half_life_s) {
+pub(crate) fn add_offsets<F: Lanes>(pose: &mut LanePose<F>, block: &MotionBlock, body: &BodyBlock, half_life_s: f32) {
+    if offsets_have_decayed::<F>(block, half_life_s) {
         return;
     }
     let age = F::load(&block.age_s);
@@ -79,12 +79,12 @@ pub(crate) fn add_offsets<F: Lanes>(pose: &mut LanePose<F>, block: &Block, body:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_base::simd::Array;
+    use throng_base::simd::ArrayLanes;
 
     #[test]
     fn offsets_are_bounded_however_long_before_their_clip_begins() {
         let at = |age: f32| {
-            let (value, rate) = (Decay::new(Array::splat(age), 0.1), Decay::rate(Array::splat(age), 0.1));
+            let (value, rate) = (Decay::new(ArrayLanes::splat(age), 0.1), Decay::rate(ArrayLanes::splat(age), 0.1));
             [value.position, value.velocity, rate.position, rate.velocity].map(|v| v.to_array()[0])
         };
         assert_eq!(at(-900.0), at(-0.1));

@@ -1,14 +1,14 @@
 //! Level of detail: near characters are posed whole, far ones leave a record of 32 bytes.
 
-use super::block::{Block, Body};
+use super::block::{BodyBlock, MotionBlock};
 use super::decay::{Decay, HALF_LIVES_KEPT};
 use super::motion_set::MotionSet;
 use super::transition;
-use crate::pose::{Placement, Spot};
+use crate::pose::{FramePosition, PlacementLanes};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec2;
 use throng_base::Result;
-use throng_base::error::check;
+use throng_base::error::check_value;
 use throng_base::simd::{LANES, Lanes};
 
 /// Record from which a GPU poses a character with the frame rows of its bundle (32 bytes).
@@ -17,7 +17,7 @@ use throng_base::simd::{LANES, Lanes};
 /// the one that a transition left and fades out. It is placed at (x, y, z) and turned by the heading.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub struct Instance {
+pub struct PoseInstance {
     /// Frame row; the next row is of the same clip, or `frac` is 0.
     pub row_a: u32,
     /// Frame row of what fades out; `row_a` where nothing does.
@@ -36,17 +36,17 @@ pub struct Instance {
     pub heading: f32,
 }
 
-const _: () = assert!(size_of::<Instance>() == 32);
+const _: () = assert!(size_of::<PoseInstance>() == 32);
 
 /// Extent to which a character is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Level {
+pub enum DetailLevel {
     /// Pose, transitions, reactions, feet that stay in place.
     #[default]
     Full,
     /// Feet follow the clips.
     FreeFeet,
-    /// Place and [`Instance`] alone; matrices are those of the last pose.
+    /// Place and [`PoseInstance`] alone; matrices are those of the last pose.
     Record,
 }
 
@@ -68,47 +68,53 @@ impl Detail {
     pub const RECORDS: Self = Self { eye: Vec2::ZERO, full_m: -1.0, posed_m: -1.0 };
 
     pub(super) fn check(&self) -> Result<()> {
-        check(
+        check_value(
             "eye",
             None,
             self.eye.abs().max_element(),
             self.eye.abs().max_element() < 1e6,
             "finite and below 1e6 (m)",
         )?;
-        check("full_m", None, self.full_m, self.full_m >= -1.0, "a distance (m)")?;
-        check("posed_m", None, self.posed_m, self.posed_m >= self.full_m, "at least full_m")
+        check_value("full_m", None, self.full_m, self.full_m >= -1.0, "a distance (m)")?;
+        check_value("posed_m", None, self.posed_m, self.posed_m >= self.full_m, "at least full_m")
     }
 
     /// The level of a block (count > 0).
-    pub(super) fn level(&self, block: &Block, count: usize) -> Level {
+    pub(super) fn level(&self, block: &MotionBlock, count: usize) -> DetailLevel {
         let [x, z, _] = &block.root;
         let squares = (0..count).map(|l| (Vec2::new(x[l], z[l]) - self.eye).length_squared());
         let square = squares.fold(f32::INFINITY, f32::min);
         let within = |distance: f32| distance >= 0.0 && square <= distance * distance;
         match () {
-            () if within(self.full_m) => Level::Full,
-            () if within(self.posed_m) => Level::FreeFeet,
-            () => Level::Record,
+            () if within(self.full_m) => DetailLevel::Full,
+            () if within(self.posed_m) => DetailLevel::FreeFeet,
+            () => DetailLevel::Record,
         }
     }
 }
 
 /// Wakes a body or lets it sleep, as its block's level requires.
-pub(super) fn set_awake(level: Level, block: &Block, body: &mut Body, motion_set: &MotionSet, half_life_s: f32) {
+pub(super) fn set_awake(
+    level: DetailLevel,
+    block: &MotionBlock,
+    body: &mut BodyBlock,
+    motion_set: &MotionSet,
+    half_life_s: f32,
+) {
     match (level, body.awake) {
-        (Level::Record, 1) => *body = Body::ZERO,
-        (Level::Full | Level::FreeFeet, 0) => transition::wake(block, body, motion_set, half_life_s),
+        (DetailLevel::Record, 1) => *body = BodyBlock::ZERO,
+        (DetailLevel::Full | DetailLevel::FreeFeet, 0) => transition::wake_block(block, body, motion_set, half_life_s),
         _ => {}
     }
 }
 
 /// Writes the records of a block (out.len() <= 8).
 #[inline(always)]
-pub(super) fn write<F: Lanes>(
-    out: &mut [Instance],
-    block: &Block,
-    spots: &[Spot; LANES],
-    place: &Placement<F>,
+pub(super) fn write_instances<F: Lanes>(
+    out: &mut [PoseInstance],
+    block: &MotionBlock,
+    spots: &[FramePosition; LANES],
+    place: &PlacementLanes<F>,
     motion_set: &MotionSet,
     half_life_s: f32,
 ) {
@@ -120,8 +126,8 @@ pub(super) fn write<F: Lanes>(
         let (spot, [from, to]) = (&spots[l], [block.change[0][l], block.change[1][l]]);
         let (row, blend) = (spot.frame as u32, unorm(fading[l]));
         // What was left goes on beside what is played, as far as its clip goes.
-        let since = row.wrapping_sub(to).min(motion_set.left(from).saturating_sub(1));
-        *out = Instance {
+        let since = row.wrapping_sub(to).min(motion_set.frames_after(from).saturating_sub(1));
+        *out = PoseInstance {
             row_a: row,
             row_b: if blend > 0 { from + since } else { row },
             frac_blend: [unorm(spot.ratio), blend],

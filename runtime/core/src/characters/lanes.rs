@@ -1,7 +1,7 @@
 //! Moving one character from block to block.
 
-use super::block::{Block, Body, Offsets};
-use super::reaction::{Reaction, Spring};
+use super::block::{BodyBlock, MotionBlock, Offsets};
+use super::reaction::{Reaction, ReactionSpring};
 use crate::contacts::Contacts;
 use crate::pose::FootLock;
 use throng_base::simd::LANES;
@@ -9,7 +9,7 @@ use throng_base::simd::LANES;
 /// Data with a value for each of eight characters.
 pub(super) trait Lanewise {
     /// Copies the value of one lane from another one.
-    fn take(&mut self, lane: usize, from: &Self, from_lane: usize);
+    fn copy_lane(&mut self, lane: usize, from: &Self, from_lane: usize);
 
     /// True where every number of a lane is finite and below 1e7.
     fn is_near(&self, lane: usize) -> bool;
@@ -18,7 +18,7 @@ pub(super) trait Lanewise {
 macro_rules! values {
     ($is_near:expr, $($value:ty)+) => {$(
         impl Lanewise for [$value; LANES] {
-            fn take(&mut self, lane: usize, from: &Self, from_lane: usize) {
+            fn copy_lane(&mut self, lane: usize, from: &Self, from_lane: usize) {
                 self[lane] = from[from_lane];
             }
 
@@ -33,8 +33,8 @@ values!(|v: f32| v.abs() < 1e7, f32);
 values!(|_| true, u32 u64 i16 Contacts);
 
 impl<T: Lanewise, const N: usize> Lanewise for [T; N] {
-    fn take(&mut self, lane: usize, from: &Self, from_lane: usize) {
-        self.iter_mut().zip(from).for_each(|(to, from)| to.take(lane, from, from_lane));
+    fn copy_lane(&mut self, lane: usize, from: &Self, from_lane: usize) {
+        self.iter_mut().zip(from).for_each(|(to, from)| to.copy_lane(lane, from, from_lane));
     }
 
     fn is_near(&self, lane: usize) -> bool {
@@ -46,9 +46,9 @@ impl<T: Lanewise, const N: usize> Lanewise for [T; N] {
 macro_rules! fields {
     ($kind:ident { $($field:ident),+ }) => {
         impl Lanewise for $kind {
-            fn take(&mut self, lane: usize, from: &Self, from_lane: usize) {
+            fn copy_lane(&mut self, lane: usize, from: &Self, from_lane: usize) {
                 let Self { $($field),+ } = self;
-                $($field.take(lane, &from.$field, from_lane);)+
+                $($field.copy_lane(lane, &from.$field, from_lane);)+
             }
 
             fn is_near(&self, lane: usize) -> bool {
@@ -61,14 +61,14 @@ macro_rules! fields {
 
 fields!(Offsets { rotation, rotation_velocity, root, root_velocity });
 fields!(FootLock { correction, turn, ankle, toe, heel_down, toe_down });
-fields!(Spring { place, velocity, force });
+fields!(ReactionSpring { place, velocity, force });
 fields!(Reaction { active, trunk, head });
-impl Lanewise for Body {
-    fn take(&mut self, lane: usize, from: &Self, from_lane: usize) {
+impl Lanewise for BodyBlock {
+    fn copy_lane(&mut self, lane: usize, from: &Self, from_lane: usize) {
         let Self { awake: _, unused: _, feet, offsets, reaction, fill: _ } = self;
-        feet.take(lane, &from.feet, from_lane);
-        offsets.take(lane, &from.offsets, from_lane);
-        reaction.take(lane, &from.reaction, from_lane);
+        feet.copy_lane(lane, &from.feet, from_lane);
+        offsets.copy_lane(lane, &from.offsets, from_lane);
+        reaction.copy_lane(lane, &from.reaction, from_lane);
     }
 
     fn is_near(&self, lane: usize) -> bool {
@@ -77,7 +77,7 @@ impl Lanewise for Body {
     }
 }
 
-fields!(Block {
+fields!(MotionBlock {
     name,
     segment,
     first,

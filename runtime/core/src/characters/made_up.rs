@@ -44,7 +44,7 @@ pub fn bytes(hits: &[HitRecord], adaptive: bool) -> Vec<u8> {
     let record = |first_frame| ClipRecord { first_frame, num_frames: FRAMES, mirrored: 0, reserved: 0 };
     out.section(tags::CLIPS, &[record(0), record(FRAMES)]);
     let poses: Vec<_> = (0..2 * FRAMES).map(|f| pose(f % FRAMES, f / FRAMES)).collect();
-    let code = RotationCode::fit(&Skeleton::default(), poses.len(), |f, j| poses[f][j]);
+    let code = RotationCode::fit_frames(&Skeleton::default(), poses.len(), |f, j| poses[f][j]);
     let rows: Vec<FrameRow> = (0..2 * FRAMES).map(|f| row(f % FRAMES, f / FRAMES, &code)).collect();
     out.section(tags::FRAMES, &rows);
     out.section(tags::ROTATION_CODE, &[code]);

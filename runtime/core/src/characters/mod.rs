@@ -16,7 +16,7 @@ pub mod made_up;
 mod motion_set;
 mod order;
 mod pace;
-mod policy_cast;
+mod policy_characters;
 mod reaction;
 mod sample_job;
 mod scheduled_clip;
@@ -36,36 +36,36 @@ use crate::pose::{LocalTransform, Mat3x4};
 use crate::skeleton::{Joint, NUM_JOINTS};
 pub use anatomy::head_centre;
 pub use avoid::AvoidConfig;
-use avoid::Avoiding;
-use block::{Block, Body};
+use avoid::PathAvoidance;
+use block::{BodyBlock, MotionBlock};
 pub use blow::{Blow, MAX_BLOWS};
 use blow::{Blows, PassedHits};
 use bytemuck::zeroed_vec;
-pub use config::{CharactersConfig, Choice};
-pub use control::uniform;
-pub use detail::{Detail, Instance, Level};
+pub use config::{ActionChoice, CharactersConfig};
+pub use control::uniform_random;
+pub use detail::{Detail, DetailLevel, PoseInstance};
 use glam::{Vec2, Vec3};
 pub use motion_set::MotionSet;
-pub use order::{Order, Policy};
-pub use policy_cast::{ARRIVED_M, PolicyCharacters, Spawn};
+pub use order::{BundlePolicy, PolicyOrder};
+pub use policy_characters::{ARRIVED_M, PolicyCharacters, Spawn};
 pub use reaction::ReactionConfig;
 pub use sample_job::SampleJob;
 pub use scheduled_clip::ScheduledClip;
 pub use snapshot::CharactersSnapshot;
-use step::{RANGE_BLOCKS, Range, Tick};
-use throng_base::error::{check, check_index, check_length};
+use step::{CharacterRange, CharactersTick, RANGE_BLOCKS};
+use throng_base::error::{check_index, check_length, check_value};
 use throng_base::limits::{CAPACITY, STEP_S};
 use throng_base::simd::LANES;
-use throng_base::{Error, Id, Inline, Result, Run, maths, run_each};
+use throng_base::{Error, Executor, Id, Inline, Result, maths, run_each};
 pub use times::StepTimes;
-use times::{Clock, Laps, Phase};
+use times::{Laps, PhaseClock, StepPhase};
 
 /// Most behaviours weighed against each other in one step.
 pub const MAX_GOALS: usize = control::MAX_GOALS;
 
 /// Start of a character.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Start {
+pub struct CharacterStart {
     /// Planar root in the world.
     pub root: Planar,
     /// State of the motion graph (< number of states).
@@ -89,19 +89,19 @@ pub struct Characters {
     num_segments: usize,
     /// Bundle whose content is played.
     bundle: Bundle,
-    blocks: Vec<Block>,
+    blocks: Vec<MotionBlock>,
     /// (blocks)
-    bodies: Vec<Body>,
+    bodies: Vec<BodyBlock>,
     /// (blocks)
-    levels: Vec<Level>,
+    levels: Vec<DetailLevel>,
     detail: Option<Detail>,
     passed: Vec<PassedHits>,
     blows: Blows,
     matrices: Vec<Mat3x4>,
     locals: Vec<LocalTransform>,
-    instances: Vec<Instance>,
+    instances: Vec<PoseInstance>,
     /// Collision avoidance, if it is on.
-    avoiding: Option<Box<Avoiding>>,
+    avoiding: Option<Box<PathAvoidance>>,
     times: StepTimes,
 }
 
@@ -120,17 +120,17 @@ impl Characters {
     /// # Errors
     /// [`Error::Index`] for a state that does not exist, [`Error::Value`] for a start that is not finite or a setting
     /// out of its range, [`Error::Occupied`] for characters with collision avoidance that start inside each other.
-    pub fn new(motion_set: &MotionSet, config: CharactersConfig, starts: &[Start]) -> Result<Self> {
+    pub fn new(motion_set: &MotionSet, config: CharactersConfig, starts: &[CharacterStart]) -> Result<Self> {
         let mut out = Self::with_capacity(motion_set, config, starts.len())?;
-        let arrivals = arrivals(motion_set);
+        let arrivals = segments_into_states(motion_set);
         for (c, start) in starts.iter().enumerate() {
             let who = Some(Id::first(c));
             check_index("state", who, start.state as usize, motion_set.graph.states.len())?;
             check_root(who, start.root)?;
-            out.enter(motion_set, *start, &arrivals, c as u64);
+            out.add_character(motion_set, *start, &arrivals, c as u64);
         }
         match out.reserve_all(motion_set) {
-            Some(at) => Err(in_the_way(Id::first(at))),
+            Some(at) => Err(occupied_error(Id::first(at))),
             None => Ok(out),
         }
     }
@@ -152,17 +152,17 @@ impl Characters {
             num_choosers: 0,
             num_segments: motion_set.graph.segments.len(),
             bundle: motion_set.bundle.clone(),
-            blocks: vec![Block::ZERO; num_blocks],
+            blocks: vec![MotionBlock::ZERO; num_blocks],
             // Memory for bodies that are never posed is never written, and takes no room.
             bodies: zeroed_vec(num_blocks),
-            levels: vec![Level::Full; num_blocks],
+            levels: vec![DetailLevel::Full; num_blocks],
             detail: None,
             blows: Blows::new(&passed),
             passed,
             matrices: zeroed_vec(capacity * NUM_JOINTS),
             locals: vec![LocalTransform::default(); if config.local_transforms { capacity * NUM_JOINTS } else { 0 }],
             instances: zeroed_vec(if config.instances { capacity } else { 0 }),
-            avoiding: config.avoid.map(|avoid| Box::new(Avoiding::new(motion_set, &avoid, capacity))),
+            avoiding: config.avoid.map(|avoid| Box::new(PathAvoidance::new(motion_set, &avoid, capacity))),
             times: StepTimes::default(),
         })
     }
@@ -179,7 +179,7 @@ impl Characters {
     /// # Errors
     /// [`Error`] where `dt_s` is not in `0..=1`, orders do not fit, or the motion set is another bundle's; nothing has
     /// moved then.
-    pub fn step(&mut self, motion_set: &MotionSet, dt_s: f32, orders: &[Order]) -> Result<()> {
+    pub fn step(&mut self, motion_set: &MotionSet, dt_s: f32, orders: &[PolicyOrder]) -> Result<()> {
         self.step_on(motion_set, dt_s, orders, &Inline)
     }
 
@@ -188,7 +188,13 @@ impl Characters {
     ///
     /// # Errors
     /// As [`Characters::step`].
-    pub fn step_on(&mut self, motion_set: &MotionSet, dt_s: f32, orders: &[Order], run: &dyn Run) -> Result<()> {
+    pub fn step_on(
+        &mut self,
+        motion_set: &MotionSet,
+        dt_s: f32,
+        orders: &[PolicyOrder],
+        run: &dyn Executor,
+    ) -> Result<()> {
         self.check_bundle(motion_set)?;
         STEP_S.check("dt_s", None, dt_s)?;
         // Characters on scheduled clips choose nothing.
@@ -203,10 +209,10 @@ impl Characters {
     }
 
     /// Takes one step with checked arguments.
-    pub(super) fn run(&mut self, motion_set: &MotionSet, dt_s: f32, orders: &[Order], run: &dyn Run) {
-        let clock = self.config.timed.then(Clock::default);
+    pub(super) fn run(&mut self, motion_set: &MotionSet, dt_s: f32, orders: &[PolicyOrder], run: &dyn Executor) {
+        let clock = self.config.timed.then(PhaseClock::default);
         let config = self.config;
-        let tick = Tick { dt_s, motion_set, config: &config, orders, clock: clock.as_ref() };
+        let tick = CharactersTick { dt_s, motion_set, config: &config, orders, clock: clock.as_ref() };
         let n = self.num_characters;
         let num_ranges = n.div_ceil(RANGE_BLOCKS * LANES);
         if let Some(detail) = &self.detail {
@@ -220,24 +226,24 @@ impl Characters {
                 let blocks = self.blocks[..n.div_ceil(LANES)].chunks_mut(RANGE_BLOCKS);
                 let parts = blocks.zip(&mut self.passed).enumerate();
                 run_each(run, parts, |(i, (blocks, passed))| {
-                    let (first, count) = span(i, n);
+                    let (first, count) = range_span(i, n);
                     step::advance_all(blocks, passed, first, count, &tick);
                 });
                 let mut laps = Laps::start(tick.clock);
-                let choices = avoid::Step { motion_set, config: &config, avoid, orders, num_characters: n };
-                avoid::choose(avoiding, (&mut self.blocks, &mut self.bodies), &mut self.passed, &choices);
+                let choices = avoid::ChoiceInputs { motion_set, config: &config, avoid, orders, num_characters: n };
+                avoid::choose_avoiding(avoiding, (&mut self.blocks, &mut self.bodies), &mut self.passed, &choices);
                 self.passed[..num_ranges].iter_mut().for_each(|passed| passed.sort());
-                laps.end(Phase::Control);
+                laps.end(StepPhase::Control);
                 run_each(run, self.ranges(), |range| step::pose_all(range, &tick));
             }
             _ => run_each(run, self.ranges(), |range| step::step(range, &tick)),
         }
-        self.blows.gather(&self.passed[..num_ranges], motion_set);
+        self.blows.gather_blows(&self.passed[..num_ranges], motion_set);
         self.times = clock.map_or(self.times, |c| c.times());
     }
 
     /// The parts of a step that threads may share.
-    fn ranges(&mut self) -> impl Iterator<Item = Range<'_>> {
+    fn ranges(&mut self) -> impl Iterator<Item = CharacterRange<'_>> {
         const COUNT: usize = RANGE_BLOCKS * LANES;
         let n = self.num_characters;
         let blocks = self.blocks[..n.div_ceil(LANES)].chunks_mut(RANGE_BLOCKS);
@@ -247,9 +253,9 @@ impl Characters {
         let mut instances = self.instances.chunks_mut(COUNT);
         let parts = blocks.zip(bodies).zip(&mut self.passed).zip(matrices).enumerate();
         parts.map(move |(i, (((blocks, (bodies, levels)), passed), matrices))| {
-            let (first, count) = span(i, n);
+            let (first, count) = range_span(i, n);
             let (locals, instances) = (locals.next().unwrap_or_default(), instances.next().unwrap_or_default());
-            Range { first, count, blocks, bodies, levels, passed, matrices, locals, instances }
+            CharacterRange { first, count, blocks, bodies, levels, passed, matrices, locals, instances }
         })
     }
 
@@ -261,17 +267,17 @@ impl Characters {
     pub fn set_detail(&mut self, detail: Option<Detail>) -> Result<()> {
         detail.map_or(Ok(()), |detail| detail.check())?;
         self.detail = detail;
-        self.levels.fill(Level::Full);
+        self.levels.fill(DetailLevel::Full);
         Ok(())
     }
 
     /// Level at which the last step computed a character (character < num_characters).
-    pub fn level(&self, character: usize) -> Level {
+    pub fn level(&self, character: usize) -> DetailLevel {
         self.levels[character / LANES]
     }
 
     /// Records of all characters, whatever their level; empty unless the config requests them (num_characters).
-    pub fn instances(&self) -> &[Instance] {
+    pub fn instances(&self) -> &[PoseInstance] {
         &self.instances[..self.num_characters.min(self.instances.len())]
     }
 
@@ -317,12 +323,12 @@ impl Characters {
         check_index("character", None, character, self.num_characters)?;
         check_index("segment", None, segment as usize, self.num_segments)?;
         let before = (self.blocks[character / LANES], self.bodies[character / LANES]);
-        let laid = before.0.segment[character % LANES] == block::LAID;
-        control::play((&mut self.blocks, &mut self.bodies), character, segment, motion_set, &self.config);
-        if !self.reserve(motion_set, character) {
+        let laid = before.0.segment[character % LANES] == block::SCHEDULED;
+        control::play_segment((&mut self.blocks, &mut self.bodies), character, segment, motion_set, &self.config);
+        if !self.reserve_path(motion_set, character) {
             (self.blocks[character / LANES], self.bodies[character / LANES]) = before;
-            self.reserve(motion_set, character);
-            return Err(in_the_way(Id::first(character)));
+            self.reserve_path(motion_set, character);
+            return Err(occupied_error(Id::first(character)));
         }
         self.num_choosers += usize::from(laid);
         Ok(())
@@ -351,13 +357,20 @@ impl Characters {
     /// without further bending of the path (m, in the world, character < num_characters).
     ///
     /// - `offset`: of the point, in the joint's own frame (m).
-    pub fn travel(&self, motion_set: &MotionSet, character: usize, joint: Joint, offset: Vec3, ahead_s: f32) -> Vec3 {
+    pub fn travel_of_point(
+        &self,
+        motion_set: &MotionSet,
+        character: usize,
+        joint: Joint,
+        offset: Vec3,
+        ahead_s: f32,
+    ) -> Vec3 {
         let (block, lane) = (&self.blocks[character / LANES], character % LANES);
         let (first, length) = (block.first[lane], block.length[lane]);
         let place = block.clip_to_world(lane);
         let at = |time: f32| {
             let frame = first + (time.round().max(0.0) as u32).min(length);
-            maths::rotate(place.rotation(), motion_set.point(frame, joint, offset))
+            maths::rotate(place.rotation(), motion_set.joint_point(frame, joint, offset))
         };
         at(block.time[lane] + ahead_s * motion_set.rate_hz) - at(block.time[lane])
     }
@@ -375,7 +388,7 @@ impl Characters {
     pub fn push(&mut self, character: usize, joint: Joint, displacement: Vec3) -> Result<()> {
         check_index("character", None, character, self.num_characters)?;
         let largest = displacement.abs().max_element();
-        check("displacement", None, largest, displacement.is_finite() && largest < 1e3, "finite and below 1e3")?;
+        check_value("displacement", None, largest, displacement.is_finite() && largest < 1e3, "finite and below 1e3")?;
         if self.config.reaction.enabled {
             let body = &mut self.bodies[character / LANES];
             reaction::push(&mut body.reaction, character % LANES, &self.config.reaction, joint, displacement);
@@ -390,17 +403,17 @@ impl Characters {
     ///
     /// # Errors
     /// As [`Characters::push`].
-    pub fn shift(&mut self, character: usize, by: Vec2) -> Result<()> {
+    pub fn shift_by(&mut self, character: usize, by: Vec2) -> Result<()> {
         check_index("character", None, character, self.num_characters)?;
         let largest = by.abs().max_element();
-        check("shift", None, largest, by.is_finite() && largest < 1e3, "finite and below 1e3")?;
+        check_value("shift", None, largest, by.is_finite() && largest < 1e3, "finite and below 1e3")?;
         let (block, lane) = (&mut self.blocks[character / LANES], character % LANES);
         block.clip_to_world[0][lane] += by.x;
         block.clip_to_world[1][lane] += by.y;
         block.choice_root[0][lane] += by.x;
         block.choice_root[1][lane] += by.y;
         if let Some(avoiding) = &mut self.avoiding {
-            avoiding.stale();
+            avoiding.mark_stale();
         }
         Ok(())
     }
@@ -455,19 +468,19 @@ impl Characters {
 }
 
 /// Error of a place whose ground, or that of the stop from there, is another's.
-fn in_the_way(who: Id) -> Error {
+fn occupied_error(who: Id) -> Error {
     Error::Occupied { who, by: "another character, who is there or on the way there, or a wall".into() }
 }
 
 fn check_root(who: Option<Id>, root: Planar) -> Result<()> {
     for (what, got) in [("x", root.x), ("z", root.z), ("heading", root.heading)] {
-        check(what, who, got, got.abs() < 1e6, "a finite number below 1e6")?;
+        check_value(what, who, got, got.abs() < 1e6, "a finite number below 1e6")?;
     }
     Ok(())
 }
 
 /// A segment that ends in each state (number of states).
-fn arrivals(motion_set: &MotionSet) -> Vec<u32> {
+fn segments_into_states(motion_set: &MotionSet) -> Vec<u32> {
     let mut found = vec![0; motion_set.graph.states.len()];
     for (i, s) in motion_set.graph.segments.iter().enumerate().rev() {
         found[s.end as usize] = i as u32;
@@ -476,7 +489,7 @@ fn arrivals(motion_set: &MotionSet) -> Vec<u32> {
 }
 
 /// First character of a range, and how many it has.
-fn span(index: usize, num_characters: usize) -> (usize, usize) {
+fn range_span(index: usize, num_characters: usize) -> (usize, usize) {
     let first = index * RANGE_BLOCKS * LANES;
     (first, (num_characters - first).min(RANGE_BLOCKS * LANES))
 }

@@ -7,7 +7,7 @@ use crate::graph::MotionGraph;
 use crate::hits::HitRecord;
 use crate::planar::Planar;
 use crate::policy::PolicyTable;
-use crate::pose::{Spot, WINDOW, number};
+use crate::pose::{FramePosition, WINDOW, sample_number};
 use crate::skeleton::{Joint, Skeleton};
 use crate::stops::StopTables;
 
@@ -26,7 +26,7 @@ pub struct MotionSet {
     pub(crate) contacts: Table<Contacts>,
     pub(crate) clips: Table<ClipRecord>,
     /// Frames that the clip has after each, 255 where there are more (frames).
-    left: Arc<[u8]>,
+    frames_after: Arc<[u8]>,
     pub(crate) hits: Table<HitRecord>,
     /// First hit of each segment, and the hit after its last (number of segments).
     segment_hits: Table<[u32; 2]>,
@@ -45,11 +45,11 @@ impl MotionSet {
     /// Takes the needed views of an open bundle.
     pub fn new(tables: &Bundle) -> Self {
         Self {
-            frames: at_least(tables.frames(), WINDOW),
+            frames: ensure_length(tables.frames(), WINDOW),
             rotation_code: Arc::new(*tables.rotation_code()),
             contacts: tables.contacts().clone(),
             clips: tables.clips().clone(),
-            left: left(tables.clips(), tables.frames().len()),
+            frames_after: count_frames_after(tables.clips(), tables.frames().len()),
             hits: tables.hits().clone(),
             segment_hits: segment_hits(tables.graph(), tables.hits()).into(),
             graph: tables.graph().clone(),
@@ -114,7 +114,7 @@ impl MotionSet {
     /// Position of a point of a joint in a frame, within its clip (m).
     ///
     /// - `offset`: of the point, in the joint's own frame (m).
-    pub fn point(&self, frame: u32, joint: Joint, offset: Vec3) -> Vec3 {
+    pub fn joint_point(&self, frame: u32, joint: Joint, offset: Vec3) -> Vec3 {
         let row = &self.frames[frame as usize];
         let (mut at, mut point) = (joint, offset);
         while let Some(parent) = at.parent() {
@@ -124,7 +124,7 @@ impl MotionSet {
         }
         let point =
             maths::rotate(self.rotation_code.rotation(row, at.index()), point) + Vec3::new(0.0, row.height, 0.0);
-        let root = self.planar(frame);
+        let root = self.planar_root(frame);
         maths::rotate(root.rotation(), point) + root.translation()
     }
 
@@ -132,28 +132,28 @@ impl MotionSet {
     ///
     /// - `is_within`: both have neighbours in their clip; otherwise it is looked up.
     #[inline]
-    pub(crate) fn spot(&self, frame: u32, ratio: f32, is_within: bool) -> Spot {
-        let has = if is_within { [true; 2] } else { self.neighbours(frame) };
-        Spot { frame: frame as usize, ratio, has }
+    pub(crate) fn frame_position(&self, frame: u32, ratio: f32, is_within: bool) -> FramePosition {
+        let has = if is_within { [true; 2] } else { self.has_neighbours(frame) };
+        FramePosition { frame: frame as usize, ratio, has }
     }
 
     /// Whether the clip has a frame before one, and one after the next.
     #[inline]
-    fn neighbours(&self, frame: u32) -> [bool; 2] {
-        let goes_on = |at: usize| self.left.get(at).is_some_and(|&left| left > 0);
+    fn has_neighbours(&self, frame: u32) -> [bool; 2] {
+        let goes_on = |at: usize| self.frames_after.get(at).is_some_and(|&left| left > 0);
         [frame > 0 && goes_on(frame as usize - 1), goes_on(frame as usize + 1)]
     }
 
     /// Frames that the clip has after one, 255 where there are more; 0 for a frame that there is not.
     #[inline]
-    pub(crate) fn left(&self, frame: u32) -> u32 {
-        self.left.get(frame as usize).copied().unwrap_or(0).into()
+    pub(crate) fn frames_after(&self, frame: u32) -> u32 {
+        self.frames_after.get(frame as usize).copied().unwrap_or(0).into()
     }
 
     /// The frames before and after one in its clip; the frame itself where there is none.
-    pub(crate) fn around(&self, frame: u32) -> [u32; 2] {
-        let has_before = frame > 0 && self.left[frame as usize - 1] > 0;
-        [frame - u32::from(has_before), frame + u32::from(self.left[frame as usize] > 0)]
+    pub(crate) fn adjacent_frames(&self, frame: u32) -> [u32; 2] {
+        let has_before = frame > 0 && self.frames_after[frame as usize - 1] > 0;
+        [frame - u32::from(has_before), frame + u32::from(self.frames_after[frame as usize] > 0)]
     }
 
     /// Planar root within its clip, some frames after one; the last frame is not passed.
@@ -161,22 +161,22 @@ impl MotionSet {
         let whole = frames.max(0.0) as u32;
         let share = frames - whole as f32;
         if share <= 0.0 {
-            return self.planar(first + whole);
+            return self.planar_root(first + whole);
         }
-        let spot = self.spot(first + whole, share, false);
-        let of = |k: usize| number(spot, self.frames.len(), |row| self.frames[row].planar[k]);
+        let spot = self.frame_position(first + whole, share, false);
+        let of = |k: usize| sample_number(spot, self.frames.len(), |row| self.frames[row].planar[k]);
         Planar::new(of(0), of(1), of(2))
     }
 
     /// Planar root of a frame within its clip.
-    pub fn planar(&self, frame: u32) -> Planar {
+    pub fn planar_root(&self, frame: u32) -> Planar {
         let [x, z, heading] = self.frames[frame as usize].planar;
         Planar::new(x, z, heading)
     }
 }
 
 /// Frames that its clip has after each frame, at most 255.
-fn left(clips: &[ClipRecord], num_frames: usize) -> Arc<[u8]> {
+fn count_frames_after(clips: &[ClipRecord], num_frames: usize) -> Arc<[u8]> {
     let mut out = vec![u8::MAX; num_frames];
     for clip in clips {
         for k in 0..clip.num_frames {
@@ -187,7 +187,7 @@ fn left(clips: &[ClipRecord], num_frames: usize) -> Arc<[u8]> {
 }
 
 /// The rows of a database, or so many where it has fewer: poses are made of a window of rows.
-fn at_least(frames: &Table<FrameRow>, num: usize) -> Table<FrameRow> {
+fn ensure_length(frames: &Table<FrameRow>, num: usize) -> Table<FrameRow> {
     if frames.len() >= num {
         return frames.clone();
     }
@@ -205,7 +205,7 @@ fn segment_hits(graph: &MotionGraph, hits: &[HitRecord]) -> Vec<[u32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::characters::block::{Block, Body};
+    use crate::characters::block::{BodyBlock, MotionBlock};
     use crate::characters::tests::tables;
     use crate::characters::{Characters, CharactersConfig, SampleJob, ScheduledClip};
     use crate::pose::Mat3x4;
@@ -216,22 +216,22 @@ mod tests {
         let whole = MotionSet::new(&tables());
         let clips = Table::from(vec![ClipRecord { num_frames: 3, ..whole.clips[0] }]);
         let r = MotionSet {
-            frames: at_least(&whole.frames.part(0..3).unwrap(), WINDOW),
+            frames: ensure_length(&whole.frames.part(0..3).unwrap(), WINDOW),
             contacts: whole.contacts.part(0..3).unwrap(),
-            left: left(&clips, 3),
+            frames_after: count_frames_after(&clips, 3),
             clips,
             ..whole
         };
         let clip = |num_frames| [ScheduledClip { num_frames, ..ScheduledClip::default() }];
-        assert!(Characters::new_laid(&r, CharactersConfig::default(), &clip(3)).is_err());
-        let mut laid = Characters::new_laid(&r, CharactersConfig::default(), &clip(2)).unwrap();
+        assert!(Characters::new_scheduled(&r, CharactersConfig::default(), &clip(3)).is_err());
+        let mut laid = Characters::new_scheduled(&r, CharactersConfig::default(), &clip(2)).unwrap();
         laid.step(&r, 1.0, &[]).unwrap();
         let kept = laid.snapshot();
         laid.restore(&r, &kept).unwrap();
-        let bad: [fn(&mut Block, &mut Body); 2] = [|b, _| b.length[0] = 3, |b, _| b.change = [[3; 8]; 2]];
+        let bad: [fn(&mut MotionBlock, &mut BodyBlock); 2] = [|b, _| b.length[0] = 3, |b, _| b.change = [[3; 8]; 2]];
         for spoil in bad {
             let mut kept = kept.clone();
-            kept.spoil(spoil);
+            kept.spoil_first_block(spoil);
             assert!(laid.restore(&r, &kept).is_err());
         }
         let sample = |frame| {

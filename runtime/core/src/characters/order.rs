@@ -6,12 +6,12 @@ use crate::bundle::Bundle;
 use crate::policy::PolicyTable;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::error::{check, check_index};
+use throng_base::error::{check_index, check_value};
 use throng_base::{Error, Id, Result};
 
 /// A policy of a bundle, to make orders of.
 #[derive(Clone, Debug)]
-pub struct Policy {
+pub struct BundlePolicy {
     number: usize,
     table: PolicyTable,
 }
@@ -21,18 +21,18 @@ impl Bundle {
     ///
     /// # Errors
     /// [`Error::Unknown`] with the names there are.
-    pub fn policy(&self, behaviour: &str) -> Result<Policy> {
+    pub fn policy(&self, behaviour: &str) -> Result<BundlePolicy> {
         let number = self.find_policy(behaviour)?;
-        Ok(Policy { number, table: self.policies()[number].clone() })
+        Ok(BundlePolicy { number, table: self.policies()[number].clone() })
     }
 }
 
-impl Policy {
+impl BundlePolicy {
     /// An order to follow it.
     ///
     /// - `target`: in the world; for a space-time grid with the time left as y (m, s).
-    pub fn aim(&self, target: Vec3) -> Order {
-        Order::aim(self.number, target)
+    pub fn order_towards(&self, target: Vec3) -> PolicyOrder {
+        PolicyOrder::towards(self.number, target)
     }
 
     /// Number of the policy in the bundle.
@@ -48,7 +48,7 @@ impl Policy {
 
 /// Weighted behaviours around one target; stays until it is changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Order {
+pub struct PolicyOrder {
     policies: [u32; MAX_GOALS],
     weights: [f32; MAX_GOALS],
     num_goals: u32,
@@ -57,7 +57,7 @@ pub struct Order {
     threat: Vec3,
 }
 
-impl Order {
+impl PolicyOrder {
     /// Nothing to do: the first action of each state is taken.
     pub const IDLE: Self = Self {
         policies: [0; MAX_GOALS],
@@ -71,14 +71,14 @@ impl Order {
     ///
     /// - `policy`: its number, see [`crate::Bundle::find_policy`].
     /// - `target`: in the world; for a space-time grid with the time left as y (m, s).
-    pub fn aim(policy: usize, target: Vec3) -> Self {
-        Self::IDLE.around(target).and(policy, 1.0)
+    pub fn towards(policy: usize, target: Vec3) -> Self {
+        Self::IDLE.with_target(target).with_policy(policy, 1.0)
     }
 
     /// Adds a behaviour around the same target. Where there are more than [`super::MAX_GOALS`], the order is refused.
     ///
     /// - `weight`: what its values count in the sum; it is switched off where the target is outside its region.
-    pub fn and(mut self, policy: usize, weight: f32) -> Self {
+    pub fn with_policy(mut self, policy: usize, weight: f32) -> Self {
         if let Some(slot) = self.policies.get_mut(self.num_goals as usize) {
             *slot = u32::try_from(policy).unwrap_or(u32::MAX);
             self.weights[self.num_goals as usize] = weight;
@@ -88,14 +88,14 @@ impl Order {
     }
 
     /// Replaces the target of all behaviours (m).
-    pub fn around(self, target: Vec3) -> Self {
+    pub fn with_target(self, target: Vec3) -> Self {
         Self { target, threat: target, ..self }
     }
 
     /// Gives behaviours on space-time grids a target of their own.
     ///
     /// - `threat`: x and z of the place, y the seconds left (m, s, m).
-    pub fn threatened(self, threat: Vec3) -> Self {
+    pub fn with_threat(self, threat: Vec3) -> Self {
         Self { threat, ..self }
     }
 
@@ -103,7 +103,7 @@ impl Order {
     ///
     /// # Errors
     /// [`Error::Length`].
-    pub fn weighed(mut self, weights: &[f32]) -> Result<Self> {
+    pub fn with_weights(mut self, weights: &[f32]) -> Result<Self> {
         let (got, n) = (weights.len(), self.policies().len());
         if got != n {
             let expected = format!("{n}, one for each behaviour");
@@ -114,7 +114,7 @@ impl Order {
     }
 
     /// Target of one of its policies (m).
-    pub(super) fn about(&self, policy: &PolicyTable) -> Vec3 {
+    pub(super) fn target_of(&self, policy: &PolicyTable) -> Vec3 {
         if policy.grid().is_space_time() { self.threat } else { self.target }
     }
 
@@ -134,7 +134,7 @@ impl Order {
     }
 
     /// Replaces the numbers of the policies.
-    pub(crate) fn renumbered(mut self, number: impl Fn(u32) -> Result<u32>) -> Result<Self> {
+    pub(crate) fn with_policy_numbers(mut self, number: impl Fn(u32) -> Result<u32>) -> Result<Self> {
         for policy in self.policies.iter_mut().take(self.num_goals as usize) {
             *policy = number(*policy)?;
         }
@@ -143,10 +143,10 @@ impl Order {
 
     pub(crate) fn check(&self, who: Option<Id>, motion_set: &MotionSet) -> Result<()> {
         let n = self.num_goals as usize;
-        check("the number of behaviours", who, n as f64, n <= MAX_GOALS, "0 to 4")?;
+        check_value("the number of behaviours", who, n as f64, n <= MAX_GOALS, "0 to 4")?;
         for (&policy, &weight) in self.policies().iter().zip(self.weights()) {
             check_index("policy", who, policy as usize, motion_set.num_policies())?;
-            check("weight", who, weight, weight.abs() < 1e6, "a finite number below 1e6")?;
+            check_value("weight", who, weight, weight.abs() < 1e6, "a finite number below 1e6")?;
         }
         self.check_target(who)
     }
@@ -156,7 +156,7 @@ impl Order {
         let (Vec3 { x, y, z }, threat) = (self.target, self.threat);
         let largest = if threat.is_nan() { f32::NAN } else { threat.abs().max_element() };
         for (what, got) in [("target x", x), ("target y", y), ("target z", z), ("threat", largest)] {
-            check(what, who, got, got.abs() < 1e6, "a finite number below 1e6 (m)")?;
+            check_value(what, who, got, got.abs() < 1e6, "a finite number below 1e6 (m)")?;
         }
         Ok(())
     }
@@ -170,13 +170,13 @@ mod tests {
     fn what_cannot_be_done_is_told_with_the_character_and_the_coordinate() {
         let motion_set = MotionSet::new(&super::super::made_up::tables());
         let who = Some(Id { index: 3, generation: 1 });
-        let say = |order: Order| order.check(who, &motion_set).unwrap_err().to_string();
-        let message = say(Order::aim(0, Vec3::new(1.0, 2.0, f32::NAN)));
+        let say = |order: PolicyOrder| order.check(who, &motion_set).unwrap_err().to_string();
+        let message = say(PolicyOrder::towards(0, Vec3::new(1.0, 2.0, f32::NAN)));
         assert!(message.contains('3') && message.contains("target z") && message.contains("NaN"), "{message}");
-        assert!(say(Order::aim(1, Vec3::ONE)).contains("policy 1"));
-        assert!(say(Order::aim(0, Vec3::ONE).and(0, f32::INFINITY)).contains("weight"));
-        let five = (0..4).fold(Order::aim(0, Vec3::ONE), |o, _| o.and(0, 1.0));
+        assert!(say(PolicyOrder::towards(1, Vec3::ONE)).contains("policy 1"));
+        assert!(say(PolicyOrder::towards(0, Vec3::ONE).with_policy(0, f32::INFINITY)).contains("weight"));
+        let five = (0..4).fold(PolicyOrder::towards(0, Vec3::ONE), |o, _| o.with_policy(0, 1.0));
         assert!(say(five).contains("number of behaviours"));
-        assert!(Order::aim(0, Vec3::ONE).and(0, 0.5).check(who, &motion_set).is_ok());
+        assert!(PolicyOrder::towards(0, Vec3::ONE).with_policy(0, 0.5).check(who, &motion_set).is_ok());
     }
 }

@@ -6,11 +6,11 @@
 //! and the neck bend, arms follow the trunk, and the legs reach from the hips to where the feet were.
 
 use super::anatomy::Anatomy;
-use crate::pose::{Lane, Lane3, ModelPose, PARENTS, Placement, get, load, move_leg, set, store};
+use crate::pose::{Lane, Lane3, ModelPose, PARENTS, PlacementLanes, get_lane, load, move_leg, set_lane, store};
 use crate::skeleton::Joint;
 use glam::Vec3;
 use throng_base::Result;
-use throng_base::error::check;
+use throng_base::error::check_value;
 use throng_base::maths;
 use throng_base::simd::{LANES, Lanes, Q, V};
 
@@ -48,14 +48,20 @@ impl Default for ReactionConfig {
 impl ReactionConfig {
     pub(crate) fn check(&self) -> Result<()> {
         let half_life = self.half_life_s;
-        check("reaction.half_life_s", None, half_life, (1e-3..=10.0).contains(&half_life), "between 0.001 and 10")?;
+        check_value(
+            "reaction.half_life_s",
+            None,
+            half_life,
+            (1e-3..=10.0).contains(&half_life),
+            "between 0.001 and 10",
+        )?;
         for (what, got) in [
             ("reaction.max_displacement_m", self.max_displacement_m),
             ("reaction.trunk_share", self.trunk_share),
             ("reaction.hips_share", self.hips_share),
             ("reaction.limb_share", self.limb_share),
         ] {
-            check(what, None, got, (0.0..=1.0).contains(&got), "between 0 and 1")?;
+            check_value(what, None, got, (0.0..=1.0).contains(&got), "between 0 and 1")?;
         }
         Ok(())
     }
@@ -86,7 +92,7 @@ const NUM_UPPER: usize = Joint::RightHand.index() + 1;
 
 /// A spring of each of eight characters, in world space.
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize, bytemuck::Zeroable)]
-pub(super) struct Spring {
+pub(super) struct ReactionSpring {
     /// (m)
     pub place: Lane3,
     /// (m/s)
@@ -95,7 +101,7 @@ pub(super) struct Spring {
     pub force: Lane3,
 }
 
-impl Spring {
+impl ReactionSpring {
     const ZERO: Self = Self { place: [[0.0; LANES]; 3], velocity: [[0.0; LANES]; 3], force: [[0.0; LANES]; 3] };
 
     /// Adds a force that displaces one lane, as far as the limit allows.
@@ -106,18 +112,18 @@ impl Spring {
         }
         let (direction, rate) = (displacement / length, config.rate());
         // No more than what the spring does already and may still do in this direction, together.
-        let along = |v: &Lane3| get(v, lane).dot(direction).max(0.0);
+        let along = |v: &Lane3| get_lane(v, lane).dot(direction).max(0.0);
         let ahead = along(&self.place)
             + along(&self.velocity) * (REACH_OF_VELOCITY / rate)
             + along(&self.force) / (FORCE * rate * rate);
         let most = (config.max_displacement_m - ahead).max(0.0);
-        let force = get(&self.force, lane) + direction * (length.min(most) * FORCE * rate * rate);
-        set(&mut self.force, lane, force);
+        let force = get_lane(&self.force, lane) + direction * (length.min(most) * FORCE * rate * rate);
+        set_lane(&mut self.force, lane, force);
     }
 
     /// Moves on, exactly; returns the new place and the squared size of what is left (m, m^2).
     #[inline(always)]
-    fn step<F: Lanes>(&mut self, s: &Step) -> (V<F>, F) {
+    fn step<F: Lanes>(&mut self, s: &ReactionStep) -> (V<F>, F) {
         let (x, v, f) = (load::<F>(&self.place), load::<F>(&self.velocity), load::<F>(&self.force));
         let forced = f * F::splat(s.forced);
         let free = x - forced;
@@ -147,7 +153,7 @@ impl Spring {
 }
 
 /// Effect of a tick on every spring: `x'' + 2 r x' + r^2 x = f`, `f' = -4 r f`, solved in closed form.
-pub(crate) struct Step {
+pub(crate) struct ReactionStep {
     dt_s: f32,
     rate: f32,
     keep: f32,
@@ -156,7 +162,7 @@ pub(crate) struct Step {
     forced: f32,
 }
 
-impl Step {
+impl ReactionStep {
     pub fn new(config: &ReactionConfig, dt_s: f32) -> Self {
         let rate = config.rate();
         let gap = (FORCE_RATE - 1.0) * rate;
@@ -172,19 +178,19 @@ pub(crate) struct Reaction {
     /// 1 where a character reacts, else 0.
     pub(super) active: Lane,
     /// Spring of the upper trunk.
-    pub(super) trunk: Spring,
+    pub(super) trunk: ReactionSpring,
     /// Spring of the head, relative to the trunk.
-    pub(super) head: Spring,
+    pub(super) head: ReactionSpring,
 }
 
 impl Reaction {
-    pub const ZERO: Self = Self { active: [0.0; LANES], trunk: Spring::ZERO, head: Spring::ZERO };
+    pub const ZERO: Self = Self { active: [0.0; LANES], trunk: ReactionSpring::ZERO, head: ReactionSpring::ZERO };
 
     /// True where a lane is displaced as bodies are, not as what is damaged.
     pub(super) fn is_moderate(&self, lane: usize) -> bool {
-        let is_moderate = |s: &Spring| {
-            get(&s.place, lane).abs().max_element() < FARTHEST_M
-                && get(&s.velocity, lane).abs().max_element() < FASTEST_MPS
+        let is_moderate = |s: &ReactionSpring| {
+            get_lane(&s.place, lane).abs().max_element() < FARTHEST_M
+                && get_lane(&s.velocity, lane).abs().max_element() < FASTEST_MPS
         };
         is_moderate(&self.trunk) && is_moderate(&self.head)
     }
@@ -192,7 +198,7 @@ impl Reaction {
 
 /// True where any lane reacts.
 #[inline(always)]
-pub(crate) fn any<F: Lanes>(reaction: &Reaction) -> bool {
+pub(crate) fn any_lane_reacts<F: Lanes>(reaction: &Reaction) -> bool {
     F::load(&reaction.active).any_gt(F::splat(0.5))
 }
 
@@ -211,11 +217,11 @@ pub(crate) fn push(reaction: &mut Reaction, lane: usize, config: &ReactionConfig
 
 /// Moves the springs on and the bodies with them. Lanes that do not react keep their pose to the last bit.
 #[inline(always)]
-pub(crate) fn react<F: Lanes>(
+pub(crate) fn react_lanes<F: Lanes>(
     anatomy: &Anatomy,
     config: &ReactionConfig,
-    step: &Step,
-    place: &Placement<F>,
+    step: &ReactionStep,
+    place: &PlacementLanes<F>,
     reaction: &mut Reaction,
     pose: &mut ModelPose<F>,
 ) {
@@ -346,10 +352,10 @@ fn turn<F: Lanes>(angle: V<F>) -> Q<F> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use throng_base::simd::Array;
+    use throng_base::simd::ArrayLanes;
 
     /// The reaction of a trunk that was pushed.
-    pub fn pushed(config: &ReactionConfig, by: Vec3) -> Reaction {
+    pub fn reaction_to_push(config: &ReactionConfig, by: Vec3) -> Reaction {
         let mut reaction = Reaction::ZERO;
         push(&mut reaction, 0, config, Joint::Chest, by);
         reaction
@@ -357,7 +363,7 @@ pub(crate) mod tests {
 
     /// Displacement of the trunk after another time (m).
     pub fn trunk_after(reaction: &mut Reaction, config: &ReactionConfig, dt_s: f32) -> Vec3 {
-        let (place, size) = reaction.trunk.step::<Array>(&Step::new(config, dt_s));
+        let (place, size) = reaction.trunk.step::<ArrayLanes>(&ReactionStep::new(config, dt_s));
         reaction.trunk.stop(size);
         Vec3::new(place.x.to_array()[0], place.y.to_array()[0], place.z.to_array()[0])
     }
@@ -366,7 +372,7 @@ pub(crate) mod tests {
     fn the_closed_form_is_that_of_the_spring() {
         let config = ReactionConfig { half_life_s: 0.15, ..ReactionConfig::default() };
         let rate = f64::from(config.rate());
-        let mut reaction = pushed(&config, Vec3::Z * 0.1);
+        let mut reaction = reaction_to_push(&config, Vec3::Z * 0.1);
         let (mut x, mut v, mut f) = (0.0f64, 0.0, f64::from(reaction.trunk.force[2][0]));
         for step in 0..40 {
             let dt_s = 0.004 * (1 + step % 4) as f32;
@@ -385,8 +391,8 @@ pub(crate) mod tests {
     fn a_bent_chain_ends_where_it_should() {
         let links = [Vec3::new(0.0, 0.2, 0.01), Vec3::new(0.02, 0.15, 0.03), Vec3::new(0.0, 0.18, -0.02)];
         let by = Vec3::new(0.1, -0.03, 0.08);
-        let turns = bend(links.map(V::<Array>::splat), V::splat(by));
-        let first = |f: Array| f.to_array()[0];
+        let turns = bend(links.map(V::<ArrayLanes>::splat), V::splat(by));
+        let first = |f: ArrayLanes| f.to_array()[0];
         let end = links.iter().zip(turns).fold(Vec3::ZERO, |end, (&l, q)| {
             let l = q.rotate(V::splat(l));
             end + Vec3::new(first(l.x), first(l.y), first(l.z))

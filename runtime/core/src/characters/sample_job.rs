@@ -1,11 +1,11 @@
 //! Poses straight from the database, without characters.
 
 use super::motion_set::MotionSet;
-use crate::pose::{Cursor, Mat3x4, sample, shared, to_model, write_matrices};
+use crate::pose::{FrameCursor, Mat3x4, sample_pose, shared, to_model, write_matrices};
 use crate::skeleton::NUM_JOINTS;
 use throng_base::Result;
-use throng_base::error::{check, check_index, check_length};
-use throng_base::simd::{LANES, Lanes, Work, dispatch};
+use throng_base::error::{check_index, check_length, check_value};
+use throng_base::simd::{LANES, LaneWork, Lanes, dispatch};
 
 /// Samples frames between rows and applies the hierarchy, in one pass over a batch.
 ///
@@ -29,7 +29,7 @@ impl SampleJob<'_> {
         check_length("matrices", self.matrices.len(), self.frames.len() * NUM_JOINTS)?;
         check_length("ratios", self.ratios.len(), self.frames.len())?;
         for &ratio in self.ratios {
-            check("ratio", None, ratio, (0.0..=1.0).contains(&ratio), "between 0 and 1")?;
+            check_value("ratio", None, ratio, (0.0..=1.0).contains(&ratio), "between 0 and 1")?;
         }
         let num_frames = self.motion_set.num_frames();
         self.frames.iter().try_for_each(|&frame| check_index("frame", None, frame as usize, num_frames))
@@ -44,7 +44,7 @@ impl SampleJob<'_> {
     }
 }
 
-impl Work for SampleJob<'_> {
+impl LaneWork for SampleJob<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -54,11 +54,11 @@ impl Work for SampleJob<'_> {
         for ((frames, ratios), out) in batches.zip(self.matrices.chunks_mut(LANES * NUM_JOINTS)) {
             let spots = std::array::from_fn(|l| {
                 let l = l.min(frames.len() - 1);
-                set.spot(frames[l], ratios[l], false)
+                set.frame_position(frames[l], ratios[l], false)
             });
-            let cursor: Cursor<'_, F> = Cursor::at(&spots, &set.frames, &set.rotation_code);
+            let cursor: FrameCursor<'_, F> = FrameCursor::at_positions(&spots, &set.frames, &set.rotation_code);
             let [.., height] = cursor.root();
-            write_matrices(&to_model(shared(&set.skeleton), sample(&cursor, height)), out);
+            write_matrices(&to_model(shared(&set.skeleton), sample_pose(&cursor, height)), out);
         }
     }
 }

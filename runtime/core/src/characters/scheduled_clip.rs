@@ -1,17 +1,17 @@
 //! Scheduled clips: stretches of frames that a character plays in place of choosing by a policy.
 
-use super::block::{Block, Body, LAID, NO_STATE};
+use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
 use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
-use super::transition::{self, Change};
+use super::transition::{self, SegmentChange};
 use super::{Characters, CharactersConfig};
 use crate::patch::Placement;
 use crate::planar::Planar;
-use crate::pose::set;
+use crate::pose::set_lane;
 use crate::skeleton::NUM_JOINTS;
 use glam::{Vec2, Vec3};
 use throng_base::Result;
-use throng_base::error::{check, check_index};
+use throng_base::error::{check_index, check_value};
 use throng_base::simd::LANES;
 
 /// A stretch of one clip, placed in the world.
@@ -37,9 +37,9 @@ pub struct ScheduledClip {
 
 impl ScheduledClip {
     /// Planar root in the world at the last frame.
-    pub fn end(&self, motion_set: &MotionSet) -> Planar {
-        let first = motion_set.planar(self.frame + self.from_offset);
-        let end = self.root.compose(first.to_local(motion_set.planar(self.frame + self.num_frames)));
+    pub fn root_at_end(&self, motion_set: &MotionSet) -> Planar {
+        let first = motion_set.planar_root(self.frame + self.from_offset);
+        let end = self.root.compose(first.to_local(motion_set.planar_root(self.frame + self.num_frames)));
         let m = self.missing;
         Planar::new(end.x + m.x, end.z + m.z, end.heading + m.heading)
     }
@@ -50,29 +50,29 @@ impl ScheduledClip {
         check_index("first frame of a scheduled clip", None, self.from_offset as usize, self.num_frames as usize)?;
         let in_clip = motion_set.clip_of(self.frame) == motion_set.clip_of(last);
         let expected = "a number of frames that the clip has";
-        check("length of a scheduled clip", None, self.num_frames, in_clip, expected)?;
+        check_value("length of a scheduled clip", None, self.num_frames, in_clip, expected)?;
         let (r, m) = (self.root, self.missing);
         let numbers = [("root x", r.x), ("root z", r.z), ("root heading", r.heading), ("lift", self.lift)];
         let missing = [("missing x", m.x), ("missing y", m.y), ("missing z", m.z), ("missing heading", m.heading)];
         for (what, got) in numbers.into_iter().chain(missing) {
-            check(what, None, got, got.abs() < 1e6, "a finite number below 1e6")?;
+            check_value(what, None, got, got.abs() < 1e6, "a finite number below 1e6")?;
         }
         Ok(())
     }
 
     /// Writes it into a block; time and age are left as they are.
-    fn put(&self, b: &mut Block, lane: usize, motion_set: &MotionSet) {
+    fn write_to_block(&self, b: &mut MotionBlock, lane: usize, motion_set: &MotionSet) {
         let (m, share) = (self.missing, 1.0 / (self.num_frames - self.from_offset) as f32);
-        b.segment[lane] = LAID;
+        b.segment[lane] = SCHEDULED;
         b.first[lane] = self.frame;
         b.length[lane] = self.num_frames;
         b.drift_from[lane] = self.from_offset as f32;
         b.lift[lane] = self.lift;
-        set(&mut b.drift, lane, Vec3::new(m.x, m.y, m.z) * share);
+        set_lane(&mut b.drift, lane, Vec3::new(m.x, m.y, m.z) * share);
         b.turn[lane] = m.heading * share;
         b.bend[lane] = 0.0;
         b.choice_state[lane] = NO_STATE;
-        b.set_clip_to_world(lane, self.root.compose(motion_set.planar(self.frame + self.from_offset).inverse()));
+        b.set_clip_to_world(lane, self.root.compose(motion_set.planar_root(self.frame + self.from_offset).inverse()));
     }
 }
 
@@ -83,27 +83,27 @@ impl Characters {
     /// # Errors
     /// [`throng_base::Error::Index`] or [`throng_base::Error::Value`] for a scheduled clip that leaves its clip or is
     /// not finite, or a setting out of its range.
-    pub fn new_laid(
+    pub fn new_scheduled(
         motion_set: &MotionSet,
         config: CharactersConfig,
         scheduled_clips: &[ScheduledClip],
     ) -> Result<Self> {
         let mut out = Self::with_capacity(motion_set, config, scheduled_clips.len())?;
-        scheduled_clips.iter().try_for_each(|clip| out.enter_laid(motion_set, clip))?;
+        scheduled_clips.iter().try_for_each(|clip| out.enter_scheduled(motion_set, clip))?;
         Ok(out)
     }
 
-    /// Adds a character on a scheduled clip after the last one; see [`Characters::new_laid`]. Its pose is there after
+    /// Adds a character on a scheduled clip after the last one; see [`Characters::new_scheduled`]. Its pose is there after
     /// the next step. Allocates nothing.
     ///
     /// # Errors
     /// As [`Characters::lay`], and [`throng_base::Error::Index`] beyond the capacity; nothing has changed then.
-    pub fn enter_laid(&mut self, motion_set: &MotionSet, scheduled_clip: &ScheduledClip) -> Result<()> {
+    pub fn enter_scheduled(&mut self, motion_set: &MotionSet, scheduled_clip: &ScheduledClip) -> Result<()> {
         let at = self.num_characters;
         check_index("character", None, at, self.matrices.len() / NUM_JOINTS)?;
-        self.clear(at);
+        self.clear_row(at);
         self.num_characters += 1;
-        let started = self.start_laid(motion_set, at, scheduled_clip);
+        let started = self.start_scheduled(motion_set, at, scheduled_clip);
         self.num_characters -= usize::from(started.is_err());
         started?;
         Ok(())
@@ -113,7 +113,7 @@ impl Characters {
     ///
     /// # Errors
     /// As [`Characters::lay`].
-    pub fn start_laid(
+    pub fn start_scheduled(
         &mut self,
         motion_set: &MotionSet,
         character: usize,
@@ -123,16 +123,16 @@ impl Characters {
         check_index("character", None, character, self.num_characters)?;
         scheduled_clip.check(motion_set)?;
         let (lane, root) = (character % LANES, scheduled_clip.root);
-        self.num_choosers -= usize::from(self.blocks[character / LANES].segment[lane] != LAID);
+        self.num_choosers -= usize::from(self.blocks[character / LANES].segment[lane] != SCHEDULED);
         self.bodies[character / LANES].clear(lane);
         let b = &mut self.blocks[character / LANES];
-        b.take(lane, &Block::ZERO, 0);
+        b.copy_lane(lane, &MotionBlock::ZERO, 0);
         b.name[lane] = character as u64;
-        scheduled_clip.put(b, lane, motion_set);
+        scheduled_clip.write_to_block(b, lane, motion_set);
         b.time[lane] = scheduled_clip.from_offset as f32;
-        set(&mut b.root, lane, Vec3::new(root.x, root.z, root.heading));
+        set_lane(&mut b.root, lane, Vec3::new(root.x, root.z, root.heading));
         if let Some(avoiding) = &mut self.avoiding {
-            avoiding.stale();
+            avoiding.mark_stale();
         }
         Ok(())
     }
@@ -148,14 +148,19 @@ impl Characters {
     /// [`throng_base::Error::Index`] or [`throng_base::Error::Value`] for a character that does not exist or a
     /// scheduled clip that leaves its clip or is not finite, [`throng_base::Error::OtherBundle`] as
     /// [`Characters::step`]; nothing has changed then.
-    pub fn lay(&mut self, motion_set: &MotionSet, character: usize, scheduled_clip: &ScheduledClip) -> Result<()> {
+    pub fn schedule_clip(
+        &mut self,
+        motion_set: &MotionSet,
+        character: usize,
+        scheduled_clip: &ScheduledClip,
+    ) -> Result<()> {
         self.check_bundle(motion_set)?;
         check_index("character", None, character, self.num_characters)?;
         scheduled_clip.check(motion_set)?;
         let (b, lane) = (&mut self.blocks[character / LANES], character % LANES);
-        let chose = b.segment[lane] != LAID;
+        let chose = b.segment[lane] != SCHEDULED;
         let body = &mut self.bodies[character / LANES];
-        lay((b, body), lane, scheduled_clip, motion_set, &self.config);
+        change_to_clip((b, body), lane, scheduled_clip, motion_set, &self.config);
         self.num_choosers -= usize::from(chose);
         Ok(())
     }
@@ -167,7 +172,7 @@ impl Characters {
     /// - `left_frames`: remaining frames, rounded to 1/1024, so that they are exact (frames, 0 to 1).
     ///
     /// (character < num_characters)
-    pub fn cut(&mut self, character: usize, left_frames: f32) {
+    pub fn shorten_clip(&mut self, character: usize, left_frames: f32) {
         let (b, lane) = (&mut self.blocks[character / LANES], character % LANES);
         let left_frames = (left_frames * 1024.0).round() / 1024.0;
         let end = (b.time[lane] + left_frames).ceil().max(b.drift_from[lane] + 1.0);
@@ -179,7 +184,7 @@ impl Characters {
 
     /// Planar root at the end of what a character plays, unless it is bent. (character < num_characters)
     pub fn scheduled_end(&self, motion_set: &MotionSet, character: usize) -> Planar {
-        self.blocks[character / LANES].end(character % LANES, motion_set)
+        self.blocks[character / LANES].root_at_end(character % LANES, motion_set)
     }
 
     /// Frames that a character has left of what it plays (frames, character < num_characters).
@@ -197,41 +202,41 @@ impl Characters {
 
     /// Height in the world of the ground of what a character plays; its poses contain it (m).
     /// (character < num_characters)
-    pub fn lift(&self, character: usize) -> f32 {
+    pub fn ground_height(&self, character: usize) -> f32 {
         let (b, lane) = (&self.blocks[character / LANES], character % LANES);
         b.lift_at(lane, b.time[lane])
     }
 }
 
 /// Changes to a scheduled clip at the end of what is played.
-fn lay(
-    (b, body): (&mut Block, &mut Body),
+fn change_to_clip(
+    (b, body): (&mut MotionBlock, &mut BodyBlock),
     lane: usize,
     scheduled_clip: &ScheduledClip,
     motion_set: &MotionSet,
     config: &CharactersConfig,
 ) {
     if body.awake == 0 {
-        transition::wake(b, body, motion_set, config.half_life_s);
+        transition::wake_block(b, body, motion_set, config.half_life_s);
     }
     let left = b.length[lane] as f32 - b.time[lane];
     let left_s = left / motion_set.rate_hz;
     let from = b.first[lane] + b.length[lane];
-    let (lift, drift) = (b.lift_at(lane, b.length[lane] as f32), b.drift(lane));
-    scheduled_clip.put(b, lane, motion_set);
-    let change = Change {
+    let (lift, drift) = (b.lift_at(lane, b.length[lane] as f32), b.drift_per_frame(lane));
+    scheduled_clip.write_to_block(b, lane, motion_set);
+    let change = SegmentChange {
         character: lane as u32,
         from,
         to: scheduled_clip.frame + scheduled_clip.from_offset,
         age_s: b.age_s[lane] + left_s,
         lift: lift - scheduled_clip.lift,
-        drift: to_root(scheduled_clip.root, drift - b.drift(lane)),
+        drift: to_root(scheduled_clip.root, drift - b.drift_per_frame(lane)),
     };
     b.time[lane] = scheduled_clip.from_offset as f32 - left;
     if change.from != change.to || change.lift != 0.0 || change.drift != Vec3::ZERO {
         b.age_s[lane] = -left_s;
         b.set_change(lane, change.from, change.to);
-        transition::start(&[change], motion_set, config.half_life_s, std::slice::from_mut(body));
+        transition::start_transitions(&[change], motion_set, config.half_life_s, std::slice::from_mut(body));
     }
 }
 

@@ -1,11 +1,11 @@
 //! Saves the state of characters and restores it.
 
 use super::Characters;
-use super::block::{Block, Body, LAID, NO_STATE};
+use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
 use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
 use super::pace;
-use super::step::{self, Tick};
+use super::step::{self, CharactersTick};
 use crate::pose::Mat3x4;
 use crate::skeleton::NUM_JOINTS;
 use serde::{Deserialize, Serialize};
@@ -23,8 +23,8 @@ const MOST_BENT: f32 = 3.2;
 /// and be changed there: [`Characters::restore`] checks it. (about 520 bytes a character)
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct CharactersSnapshot {
-    blocks: Vec<Block>,
-    bodies: Vec<Body>,
+    blocks: Vec<MotionBlock>,
+    bodies: Vec<BodyBlock>,
     num_characters: usize,
     /// Hash of the bundle's content.
     bundle: u128,
@@ -38,7 +38,7 @@ impl CharactersSnapshot {
 
     /// Changes the first block.
     #[cfg(test)]
-    pub(super) fn spoil(&mut self, spoil: fn(&mut Block, &mut Body)) {
+    pub(super) fn spoil_first_block(&mut self, spoil: fn(&mut MotionBlock, &mut BodyBlock)) {
         spoil(&mut self.blocks[0], &mut self.bodies[0]);
     }
 }
@@ -47,7 +47,7 @@ impl Characters {
     /// Saves the state.
     pub fn snapshot(&self) -> CharactersSnapshot {
         let (num_characters, bundle) = (self.num_characters, self.bundle.hash());
-        let (blocks, bodies) = self.saved();
+        let (blocks, bodies) = self.saved_blocks();
         CharactersSnapshot { blocks, bodies, num_characters, bundle }
     }
 
@@ -86,7 +86,7 @@ impl Characters {
         if let Some(c) = (0..*n).find(|&c| !is_sound(blocks, bodies, motion_set, c, c as u64)) {
             return refuse(format!("character {c} plays what the bundle does not have, or is nowhere"));
         }
-        if let Some(c) = self.meeting(motion_set, blocks, *n) {
+        if let Some(c) = self.find_path_conflict(motion_set, blocks, *n) {
             return refuse(format!("character {c} is in another's way, though they make way"));
         }
         self.set_state(blocks, bodies, *n);
@@ -96,15 +96,15 @@ impl Characters {
 
     /// A character with collision avoidance whose path meets another path, if there is any (blocks: n / 8, rounded up,
     /// sound).
-    pub(super) fn meeting(&self, motion_set: &MotionSet, blocks: &[Block], n: usize) -> Option<usize> {
+    pub(super) fn find_path_conflict(&self, motion_set: &MotionSet, blocks: &[MotionBlock], n: usize) -> Option<usize> {
         let mut avoiding = self.avoiding.clone()?;
         // External obstacles were at other places at the time of the snapshot.
-        avoiding.book.outsiders_mut().set(std::iter::empty());
-        avoiding.rebuild(blocks, n, motion_set)
+        avoiding.book.external_obstacles_mut().replace_all(std::iter::empty());
+        avoiding.rebuild_paths(blocks, n, motion_set)
     }
 
     /// State of all characters, eight to a block; unused lanes are zero.
-    pub(super) fn saved(&self) -> (Vec<Block>, Vec<Body>) {
+    pub(super) fn saved_blocks(&self) -> (Vec<MotionBlock>, Vec<BodyBlock>) {
         let num = self.num_characters.div_ceil(LANES);
         let (mut blocks, mut bodies) = (self.blocks[..num].to_vec(), self.bodies[..num].to_vec());
         clear_beyond(&mut blocks, &mut bodies, self.num_characters);
@@ -112,17 +112,17 @@ impl Characters {
     }
 
     /// Sets the state of `n` characters (blocks, bodies: n / 8, rounded up; there is room).
-    pub(super) fn set_state(&mut self, blocks: &[Block], bodies: &[Body], n: usize) {
-        self.blocks.fill(Block::ZERO);
+    pub(super) fn set_state(&mut self, blocks: &[MotionBlock], bodies: &[BodyBlock], n: usize) {
+        self.blocks.fill(MotionBlock::ZERO);
         self.blocks[..blocks.len()].copy_from_slice(blocks);
-        self.bodies.fill(Body::ZERO);
+        self.bodies.fill(BodyBlock::ZERO);
         self.bodies[..bodies.len()].copy_from_slice(bodies);
         clear_beyond(&mut self.blocks[..blocks.len()], &mut self.bodies, n);
         self.num_characters = n;
         if let Some(avoiding) = &mut self.avoiding {
-            avoiding.stale();
+            avoiding.mark_stale();
         }
-        self.num_choosers = (0..n).filter(|c| self.blocks[c / LANES].segment[c % LANES] != LAID).count();
+        self.num_choosers = (0..n).filter(|c| self.blocks[c / LANES].segment[c % LANES] != SCHEDULED).count();
     }
 
     /// Poses all characters as they stand and forgets the blows of the last step; time stands still.
@@ -130,31 +130,37 @@ impl Characters {
         let kept = (self.blocks.clone(), self.bodies.clone());
         self.matrices.fill(Mat3x4::default());
         let config = self.config;
-        let tick = Tick { dt_s: 0.0, motion_set, config: &config, orders: &[], clock: None };
+        let tick = CharactersTick { dt_s: 0.0, motion_set, config: &config, orders: &[], clock: None };
         self.ranges().for_each(|range| step::pose_all(range, &tick));
         (self.blocks, self.bodies) = kept;
-        self.blows.gather(&[], motion_set);
+        self.blows.gather_blows(&[], motion_set);
     }
 }
 
 /// Clears the lanes after the first `n`.
-fn clear_beyond(blocks: &mut [Block], bodies: &mut [Body], n: usize) {
+fn clear_beyond(blocks: &mut [MotionBlock], bodies: &mut [BodyBlock], n: usize) {
     for at in n..blocks.len() * LANES {
-        blocks[at / LANES].take(at % LANES, &Block::ZERO, 0);
-        bodies[at / LANES].take(at % LANES, &Body::ZERO, 0);
+        blocks[at / LANES].copy_lane(at % LANES, &MotionBlock::ZERO, 0);
+        bodies[at / LANES].copy_lane(at % LANES, &BodyBlock::ZERO, 0);
     }
 }
 
 /// True where one plays something that there is, somewhere (at < blocks.len() * LANES).
 ///
 /// - `name`: what its random choices depend on.
-pub(super) fn is_sound(blocks: &[Block], bodies: &[Body], motion_set: &MotionSet, at: usize, name: u64) -> bool {
+pub(super) fn is_sound(
+    blocks: &[MotionBlock],
+    bodies: &[BodyBlock],
+    motion_set: &MotionSet,
+    at: usize,
+    name: u64,
+) -> bool {
     let (mut b, lane) = (blocks[at / LANES], at % LANES);
     let (first, length) = (b.first[lane], b.length[lane]);
     // A character on scheduled clips chooses nothing.
-    let named = b.name[lane] == name || b.segment[lane] == LAID;
+    let named = b.name[lane] == name || b.segment[lane] == SCHEDULED;
     let (exists, earliest) = match b.segment[lane] {
-        LAID => {
+        SCHEDULED => {
             let last = first.saturating_add(length);
             let is_there = length > 0 && (last as usize) < motion_set.num_frames();
             let in_clip = is_there && motion_set.clip_of(first) == motion_set.clip_of(last);
@@ -179,10 +185,10 @@ pub(super) fn is_sound(blocks: &[Block], bodies: &[Body], motion_set: &MotionSet
 }
 
 /// True where what is added to the motion that a lane plays is no more than steps and scheduled clips add.
-fn adds_little(b: &Block, lane: usize) -> bool {
-    let (length, drift) = (b.length[lane] as f32, b.drift(lane).abs());
+fn adds_little(b: &MotionBlock, lane: usize) -> bool {
+    let (length, drift) = (b.length[lane] as f32, b.drift_per_frame(lane).abs());
     match b.segment[lane] {
-        LAID => {
+        SCHEDULED => {
             let most = drift.max_element().max(b.turn[lane].abs());
             (0.0..length).contains(&b.drift_from[lane]) && most * length < MOST_ADDED
         }
@@ -205,13 +211,13 @@ mod tests {
         let r = MotionSet::new(&tables());
         let missing = Placement::new(9e5, 0.0, 0.0, 0.0);
         let clip = ScheduledClip { num_frames: 30, from_offset: 5, missing, ..ScheduledClip::default() };
-        let mut characters = Characters::new_laid(&r, CharactersConfig::default(), &[clip; 4]).unwrap();
+        let mut characters = Characters::new_scheduled(&r, CharactersConfig::default(), &[clip; 4]).unwrap();
         characters.step(&r, 0.8, &[]).unwrap();
-        characters.lay(&r, 3, &clip).unwrap();
+        characters.schedule_clip(&r, 3, &clip).unwrap();
         let kept = characters.snapshot();
         assert!(kept.blocks[0].time[3] < 5.0);
         characters.restore(&r, &kept).unwrap();
-        let bad: [fn(&mut Block, &mut Body); 7] = [
+        let bad: [fn(&mut MotionBlock, &mut BodyBlock); 7] = [
             |b, _| b.time[3] = -1e7 + 1.0,
             |b, _| b.drift_from[3] = -1e6,
             |b, _| b.drift_from[3] = 31.0,
@@ -223,7 +229,7 @@ mod tests {
         ];
         for spoil in bad {
             let mut kept = kept.clone();
-            kept.spoil(spoil);
+            kept.spoil_first_block(spoil);
             let e = characters.restore(&r, &kept).unwrap_err().to_string();
             assert!(e.contains("character 3"), "{e}");
         }

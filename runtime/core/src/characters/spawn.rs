@@ -1,12 +1,12 @@
 //! Spawning and despawning: characters stay side by side in memory.
 
-use super::block::{Block, Body, LAID, NO_STATE};
+use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
 use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
 use super::pace;
-use super::{Characters, CharactersConfig, Start};
+use super::{CharacterStart, Characters, CharactersConfig};
 use crate::planar::Planar;
-use crate::pose::{FootLock, LocalTransform, Mat3x4, set};
+use crate::pose::{FootLock, LocalTransform, Mat3x4, set_lane};
 use crate::skeleton::NUM_JOINTS;
 use glam::Vec3;
 use throng_base::simd::LANES;
@@ -18,26 +18,26 @@ impl Characters {
 
     /// Most blows of a step.
     pub(super) fn most_blows(&self) -> usize {
-        self.blows.room()
+        self.blows.max_blows()
     }
 
     /// Adds a character after the last one (below the capacity, the state exists).
-    pub(super) fn enter(&mut self, motion_set: &MotionSet, start: Start, arrivals: &[u32], name: u64) {
+    pub(super) fn add_character(&mut self, motion_set: &MotionSet, start: CharacterStart, arrivals: &[u32], name: u64) {
         let at = self.num_characters;
-        self.clear(at);
+        self.clear_row(at);
         let (block, lane) = (&mut self.blocks[at / LANES], at % LANES);
         let state = start.state as usize;
-        block.start(lane, motion_set, start.root, motion_set.graph.states[state].frame, arrivals[state]);
+        block.start_at_state(lane, motion_set, start.root, motion_set.graph.states[state].frame, arrivals[state]);
         block.name[lane] = name;
         self.num_characters += 1;
         self.num_choosers += 1;
     }
 
     /// Empties a row, without writing memory that was never written (at < capacity).
-    pub(super) fn clear(&mut self, at: usize) {
-        self.blocks[at / LANES].take(at % LANES, &Block::ZERO, 0);
+    pub(super) fn clear_row(&mut self, at: usize) {
+        self.blocks[at / LANES].copy_lane(at % LANES, &MotionBlock::ZERO, 0);
         self.bodies[at / LANES].clear(at % LANES);
-        if self.shown(at).is_some() {
+        if self.last_pose(at).is_some() {
             self.matrices[at * NUM_JOINTS..][..NUM_JOINTS].fill(Mat3x4::default());
             if let Some(locals) = self.locals.get_mut(at * NUM_JOINTS..(at + 1) * NUM_JOINTS) {
                 locals.fill(LocalTransform::default());
@@ -46,14 +46,14 @@ impl Characters {
     }
 
     /// Removes a character; the last one takes its row (at < num_characters).
-    pub fn leave(&mut self, at: usize) {
+    pub fn remove_character(&mut self, at: usize) {
         let last = self.num_characters - 1;
-        self.num_choosers -= usize::from(self.blocks[at / LANES].segment[at % LANES] != LAID);
+        self.num_choosers -= usize::from(self.blocks[at / LANES].segment[at % LANES] != SCHEDULED);
         let from = self.blocks[last / LANES];
-        self.blocks[at / LANES].take(at % LANES, &from, last % LANES);
+        self.blocks[at / LANES].copy_lane(at % LANES, &from, last % LANES);
         let body = self.bodies[last / LANES];
         self.bodies[at / LANES].take_lane(at % LANES, &body, last % LANES);
-        if self.shown(last).is_some() || self.shown(at).is_some() {
+        if self.last_pose(last).is_some() || self.last_pose(at).is_some() {
             self.matrices.copy_within(last * NUM_JOINTS..(last + 1) * NUM_JOINTS, at * NUM_JOINTS);
             if !self.locals.is_empty() {
                 self.locals.copy_within(last * NUM_JOINTS..(last + 1) * NUM_JOINTS, at * NUM_JOINTS);
@@ -62,26 +62,26 @@ impl Characters {
         if !self.instances.is_empty() {
             self.instances[at] = self.instances[last];
         }
-        self.clear(last);
+        self.clear_row(last);
         self.num_characters -= 1;
         if let Some(avoiding) = &mut self.avoiding {
-            avoiding.stale();
+            avoiding.mark_stale();
         }
     }
 
     /// Reserves the path of one that has come; where there is no room for the stop from its state, it is held in it.
     /// False where not even its place is free (at < num_characters, always true without avoidance).
     pub(super) fn reserve_start(&mut self, motion_set: &MotionSet, at: usize) -> bool {
-        self.reserve(motion_set, at) || self.reserve_held(motion_set, at)
+        self.reserve_path(motion_set, at) || self.reserve_held(motion_set, at)
     }
 
     /// Holds one that has come, and reserves its place; false where that is another's (at < num_characters, always true
     /// without avoidance).
     pub(super) fn reserve_held(&mut self, motion_set: &MotionSet, at: usize) -> bool {
         if self.avoiding.is_some() {
-            self.hold(at, true);
+            self.set_held(at, true);
         }
-        self.reserve(motion_set, at)
+        self.reserve_path(motion_set, at)
     }
 
     /// Reserves the paths of all characters that have entered and not begun, all at once: each is held, which takes no
@@ -92,13 +92,13 @@ impl Characters {
         self.avoiding.as_ref()?;
         for at in 0..n {
             if self.has_not_begun(at) {
-                self.hold(at, true);
+                self.set_held(at, true);
             }
         }
-        let meets = self.avoiding.as_mut().and_then(|a| a.rebuild(&self.blocks, n, motion_set));
+        let meets = self.avoiding.as_mut().and_then(|a| a.rebuild_paths(&self.blocks, n, motion_set));
         for at in 0..n {
             if self.has_not_begun(at) {
-                self.hold(at, false);
+                self.set_held(at, false);
                 self.reserve_start(motion_set, at);
             }
         }
@@ -113,35 +113,35 @@ impl Characters {
 
     /// Reserves the path of a character that was moved; false where it meets another path or a wall (at <
     /// num_characters, always true without avoidance).
-    pub(super) fn reserve(&mut self, motion_set: &MotionSet, at: usize) -> bool {
+    pub(super) fn reserve_path(&mut self, motion_set: &MotionSet, at: usize) -> bool {
         let n = self.num_characters;
-        self.avoiding.as_mut().is_none_or(|a| a.reserve(&self.blocks, n, motion_set, at))
+        self.avoiding.as_mut().is_none_or(|a| a.reserve_path(&self.blocks, n, motion_set, at))
     }
 
     /// Holds one where it is, as after a stop in the middle of its motion; it chooses at the next step
     /// (at < num_characters).
-    pub(super) fn hold(&mut self, at: usize, holds: bool) {
+    pub(super) fn set_held(&mut self, at: usize, holds: bool) {
         let (b, lane) = (&mut self.blocks[at / LANES], at % LANES);
-        b.pace[lane] = if holds { pace::HELD } else { pace::NORMAL };
+        b.pace[lane] = if holds { pace::HELD_STILL } else { pace::NORMAL };
         b.wait[lane] = 0.0;
     }
 
     /// Moves a character elsewhere, with free feet (at < num_characters).
-    pub(super) fn put(&mut self, motion_set: &MotionSet, at: usize, root: Planar) {
+    pub(super) fn put_at(&mut self, motion_set: &MotionSet, at: usize, root: Planar) {
         let (b, lane) = (&mut self.blocks[at / LANES], at % LANES);
         // What it plays goes on as captured from here.
         b.bend[lane] = 0.0;
         if b.pace[lane] == pace::IN_PLACE {
             b.pace[lane] = pace::NORMAL;
-            set(&mut b.drift, lane, Vec3::ZERO);
+            set_lane(&mut b.drift, lane, Vec3::ZERO);
         }
         let sampled = motion_set.planar_at(b.first[lane], b.time[lane].clamp(0.0, b.length[lane] as f32));
         b.set_clip_to_world(lane, root.compose(sampled.inverse()));
-        b.set_choice_root(lane, root.compose(sampled.inverse()).compose(motion_set.planar(b.first[lane])));
-        set(&mut b.root, lane, Vec3::new(root.x, root.z, root.heading));
+        b.set_choice_root(lane, root.compose(sampled.inverse()).compose(motion_set.planar_root(b.first[lane])));
+        set_lane(&mut b.root, lane, Vec3::new(root.x, root.z, root.heading));
         let body = &mut self.bodies[at / LANES];
         if body.awake == 1 {
-            body.feet.iter_mut().for_each(|foot| foot.take(lane, &FootLock::ZERO, 0));
+            body.feet.iter_mut().for_each(|foot| foot.copy_lane(lane, &FootLock::ZERO, 0));
         }
     }
 
@@ -151,12 +151,12 @@ impl Characters {
     }
 
     /// The block, the body and the lane of one (at < num_characters).
-    pub(super) fn lane_mut(&mut self, at: usize) -> (&mut Block, &mut Body, usize) {
+    pub(super) fn lane_mut(&mut self, at: usize) -> (&mut MotionBlock, &mut BodyBlock, usize) {
         (&mut self.blocks[at / LANES], &mut self.bodies[at / LANES], at % LANES)
     }
 
     /// The pose that one was last shown in; none before its first step (at < num_characters).
-    pub(super) fn shown(&self, at: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
+    pub(super) fn last_pose(&self, at: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
         self.pose(at).first_chunk().filter(|pose| pose[0] != Mat3x4::default())
     }
 
@@ -166,9 +166,9 @@ impl Characters {
         self.blocks[at / LANES].num_choices[lane] = from.num_choices[lane];
         let reaction = &old.bodies[at / LANES].reaction;
         if reaction.active[lane] != 0.0 {
-            self.bodies[at / LANES].reaction.take(lane, reaction, lane);
+            self.bodies[at / LANES].reaction.copy_lane(lane, reaction, lane);
         }
-        if let Some(shown) = old.shown(at) {
+        if let Some(shown) = old.last_pose(at) {
             self.matrices[at * NUM_JOINTS..][..NUM_JOINTS].copy_from_slice(shown);
         }
     }

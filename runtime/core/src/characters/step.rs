@@ -4,48 +4,48 @@
 //! depend on how characters are split.
 
 use super::bent;
-use super::block::{Block, Body, LAID};
+use super::block::{BodyBlock, MotionBlock, SCHEDULED};
 use super::blow::PassedHits;
 use super::control;
 use super::decay::add_offsets;
-use super::detail::{self, Instance, Level};
+use super::detail::{self, DetailLevel, PoseInstance};
 use super::motion_set::MotionSet;
 use super::pace;
 use super::reaction;
-use super::times::{Clock, Laps, Phase};
-use super::{CharactersConfig, Order};
+use super::times::{Laps, PhaseClock, StepPhase};
+use super::{CharactersConfig, PolicyOrder};
 use crate::contacts::Contacts;
 use crate::pose::{
-    Cursor, LocalTransform, LockStep, Mat3x4, Placement, Spot, lock_foot, sample, shared, to_model, write_locals,
-    write_matrices,
+    FrameCursor, FramePosition, LocalTransform, LockStep, Mat3x4, PlacementLanes, lock_foot, sample_pose, shared,
+    to_model, write_locals, write_matrices,
 };
 use crate::skeleton::NUM_JOINTS;
-use throng_base::simd::{Functions, LANES, Lanes, Work, dispatch};
+use throng_base::simd::{Functions, LANES, LaneWork, Lanes, dispatch};
 
 /// Blocks of a range: 128 characters, whose state and poses fit the cache of a core.
 pub(crate) const RANGE_BLOCKS: usize = 16;
 
 /// Inputs of one tick, shared by all ranges.
-pub(crate) struct Tick<'a> {
+pub(crate) struct CharactersTick<'a> {
     pub dt_s: f32,
     pub motion_set: &'a MotionSet,
     pub config: &'a CharactersConfig,
-    pub orders: &'a [Order],
+    pub orders: &'a [PolicyOrder],
     /// Sums of the times of each phase, if they are measured.
-    pub clock: Option<&'a Clock>,
+    pub clock: Option<&'a PhaseClock>,
 }
 
 /// The part of the characters that one call handles.
-pub(crate) struct Range<'a> {
+pub(crate) struct CharacterRange<'a> {
     /// Number of the first character.
     pub first: usize,
     /// Characters; the last block may have empty lanes.
     pub count: usize,
-    pub blocks: &'a mut [Block],
+    pub blocks: &'a mut [MotionBlock],
     /// (blocks)
-    pub bodies: &'a mut [Body],
+    pub bodies: &'a mut [BodyBlock],
     /// (blocks)
-    pub levels: &'a [Level],
+    pub levels: &'a [DetailLevel],
     /// Hits that are passed.
     pub passed: &'a mut PassedHits,
     /// (count * NUM_JOINTS)
@@ -53,94 +53,106 @@ pub(crate) struct Range<'a> {
     /// (count * NUM_JOINTS, or 0 where no local transforms are wanted)
     pub locals: &'a mut [LocalTransform],
     /// (count, or 0 where no records are wanted)
-    pub instances: &'a mut [Instance],
+    pub instances: &'a mut [PoseInstance],
 }
 
 /// The list.
-pub(crate) fn step(range: Range<'_>, tick: &Tick<'_>) {
+pub(crate) fn step(range: CharacterRange<'_>, tick: &CharactersTick<'_>) {
     advance_all(range.blocks, range.passed, range.first, range.count, tick);
     let mut laps = Laps::start(tick.clock);
     let state = (&mut *range.blocks, &mut *range.bodies);
-    control::choose(state, range.passed, range.first, range.count, tick.motion_set, tick.config, tick.orders);
+    control::choose_all(state, range.passed, range.first, range.count, tick.motion_set, tick.config, tick.orders);
     range.passed.sort();
-    laps.end(Phase::Control);
+    laps.end(StepPhase::Control);
     pose_all(range, tick);
 }
 
 /// The first entry of the list, where choices are not made range by range.
-pub(crate) fn advance_all(blocks: &mut [Block], passed: &mut PassedHits, first: usize, count: usize, tick: &Tick<'_>) {
+pub(crate) fn advance_all(
+    blocks: &mut [MotionBlock],
+    passed: &mut PassedHits,
+    first: usize,
+    count: usize,
+    tick: &CharactersTick<'_>,
+) {
     let mut laps = Laps::start(tick.clock);
     passed.clear();
-    advance(blocks, passed, first, count, tick);
-    laps.end(Phase::Advance);
+    advance_time(blocks, passed, first, count, tick);
+    laps.end(StepPhase::Advance);
 }
 
 /// The second half of the list: sample -> reaction -> foot lock -> poses, for all blocks of a range.
-pub(crate) fn pose_all(range: Range<'_>, tick: &Tick<'_>) {
-    let decay = reaction::Step::new(&tick.config.reaction, tick.dt_s);
+pub(crate) fn pose_all(range: CharacterRange<'_>, tick: &CharactersTick<'_>) {
+    let decay = reaction::ReactionStep::new(&tick.config.reaction, tick.dt_s);
     let lock = LockStep::new(&tick.config.foot_lock, tick.dt_s);
-    dispatch(Pose { range, tick, steps: (decay, lock) });
+    dispatch(PoseAllJob { range, tick, steps: (decay, lock) });
 }
 
 /// The arguments of [`pose_all`].
-struct Pose<'a, 't> {
-    range: Range<'a>,
-    tick: &'a Tick<'t>,
+struct PoseAllJob<'a, 't> {
+    range: CharacterRange<'a>,
+    tick: &'a CharactersTick<'t>,
     /// Steps of reactions and of foot locks.
-    steps: (reaction::Step, LockStep),
+    steps: (reaction::ReactionStep, LockStep),
 }
 
-impl Work for Pose<'_, '_> {
+impl LaneWork for PoseAllJob<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
-        let Range { blocks, bodies, levels, count, matrices, locals, instances, .. } = self.range;
+        let CharacterRange { blocks, bodies, levels, count, matrices, locals, instances, .. } = self.range;
         let half_life_s = self.tick.config.half_life_s;
         let mut poses = matrices.chunks_mut(LANES * NUM_JOINTS);
         for (i, (block, body)) in blocks.iter_mut().zip(bodies).enumerate() {
             let Some(matrices) = poses.next() else { break };
             let first = i * LANES;
             let records = instances.get_mut(first..count.min(first + LANES)).unwrap_or_default();
-            let to = Shown { level: levels[i], records };
+            let to = PoseOutput { level: levels[i], records };
             detail::set_awake(to.level, block, body, self.tick.motion_set, half_life_s);
             let locals = locals.get_mut(first * NUM_JOINTS..).unwrap_or_default();
             let len = locals.len().min(matrices.len());
-            pose::<F>((block, body), matrices, &mut locals[..len], to, self.tick, &self.steps);
+            pose_block::<F>((block, body), matrices, &mut locals[..len], to, self.tick, &self.steps);
         }
     }
 }
 
 /// Outputs of a block.
-struct Shown<'a> {
-    level: Level,
+struct PoseOutput<'a> {
+    level: DetailLevel,
     /// (characters, or 0)
-    records: &'a mut [Instance],
+    records: &'a mut [PoseInstance],
 }
 
 /// Moves time on, turns the path of characters with bent actions, and notes the hits that are passed.
-fn advance(blocks: &mut [Block], passed: &mut PassedHits, first: usize, count: usize, tick: &Tick<'_>) {
+fn advance_time(
+    blocks: &mut [MotionBlock],
+    passed: &mut PassedHits,
+    first: usize,
+    count: usize,
+    tick: &CharactersTick<'_>,
+) {
     let frames = tick.dt_s * tick.motion_set.rate_hz;
     for character in 0..count {
         let (b, lane) = (&mut blocks[character / LANES], character % LANES);
         let from = b.time[lane];
         match b.pace[lane] {
-            pace::HELD => b.wait[lane] -= frames,
+            pace::HELD_STILL => b.wait[lane] -= frames,
             pace @ (pace::SLOWING | pace::STARTING) => {
                 let length = b.length[lane] as f32;
-                b.time[lane] = pace::after(pace, length, from, frames);
+                b.time[lane] = pace::frame_after(pace, length, from, frames);
             }
             _ => b.time[lane] += frames,
         }
         if b.bend[lane] != 0.0 {
-            bent::place(b, lane, tick.motion_set);
+            bent::place_on_path(b, lane, tick.motion_set);
         }
-        if b.segment[lane] == LAID {
+        if b.segment[lane] == SCHEDULED {
             // Where nothing follows, it stays at the end.
             b.time[lane] = b.time[lane].min(b.length[lane] as f32);
         } else if !passed.is_off() {
             let (span, place) = ((from, b.time[lane]), b.clip_to_world(lane));
-            passed.pass(tick.motion_set, (first + character) as u32, b.segment[lane], span, place);
+            passed.add_passed(tick.motion_set, (first + character) as u32, b.segment[lane], span, place);
         }
         b.age_s[lane] += tick.dt_s;
     }
@@ -148,17 +160,17 @@ fn advance(blocks: &mut [Block], passed: &mut PassedHits, first: usize, count: u
 
 /// Samples a block, displaces struck characters, locks feet and writes its poses.
 #[inline(always)]
-fn pose<F: Lanes>(
-    (block, body): (&mut Block, &mut Body),
+fn pose_block<F: Lanes>(
+    (block, body): (&mut MotionBlock, &mut BodyBlock),
     matrices: &mut [Mat3x4],
     locals: &mut [LocalTransform],
-    to: Shown<'_>,
-    tick: &Tick<'_>,
-    (decay, lock_step): &(reaction::Step, LockStep),
+    to: PoseOutput<'_>,
+    tick: &CharactersTick<'_>,
+    (decay, lock_step): &(reaction::ReactionStep, LockStep),
 ) {
     let r = tick.motion_set;
     let mut laps = Laps::start(tick.clock);
-    let mut spots = [Spot::default(); LANES];
+    let mut spots = [FramePosition::default(); LANES];
     for (lane, spot) in spots.iter_mut().enumerate() {
         // The last frame of a clip has no successor, so it is reached from the one before.
         let time = block.time[lane].max(0.0);
@@ -166,29 +178,29 @@ fn pose<F: Lanes>(
         let frame = block.first[lane] + whole;
         // Within a segment, all neighbours are of its clip.
         let is_within = whole > 0 && whole + 2 <= block.length[lane];
-        *spot = r.spot(frame, time - whole as f32, is_within);
+        *spot = r.frame_position(frame, time - whole as f32, is_within);
         block.contacts[lane] = r.contacts[spot.frame + usize::from(spot.ratio > 0.5)];
     }
-    let cursor: Cursor<'_, F> = Cursor::at(&spots, &r.frames, &r.rotation_code);
+    let cursor: FrameCursor<'_, F> = FrameCursor::at_positions(&spots, &r.frames, &r.rotation_code);
     let [x, z, heading, height] = cursor.root();
-    let place = place(block, [x, z, heading]);
+    let place = update_roots(block, [x, z, heading]);
     if !to.records.is_empty() {
-        detail::write(to.records, block, &spots, &place, r, tick.config.half_life_s);
+        detail::write_instances(to.records, block, &spots, &place, r, tick.config.half_life_s);
     }
-    if to.level == Level::Record {
-        laps.end(Phase::Sample);
+    if to.level == DetailLevel::Record {
+        laps.end(StepPhase::Sample);
         return;
     }
-    let mut local = sample(&cursor, height);
+    let mut local = sample_pose(&cursor, height);
     local.root.y = local.root.y + place.y;
     add_offsets(&mut local, block, body, tick.config.half_life_s);
     let mut model = to_model(shared(&r.skeleton), local);
-    laps.end(Phase::Sample);
-    if tick.config.reaction.enabled && reaction::any::<F>(&body.reaction) {
-        reaction::react(&r.anatomy, &tick.config.reaction, decay, &place, &mut body.reaction, &mut model);
+    laps.end(StepPhase::Sample);
+    if tick.config.reaction.enabled && reaction::any_lane_reacts::<F>(&body.reaction) {
+        reaction::react_lanes(&r.anatomy, &tick.config.reaction, decay, &place, &mut body.reaction, &mut model);
     }
-    laps.end(Phase::Reaction);
-    if tick.config.foot_lock.enabled && to.level == Level::Full {
+    laps.end(StepPhase::Reaction);
+    if tick.config.foot_lock.enabled && to.level == DetailLevel::Full {
         let planted = |c: Contacts| block.contacts.map(|have| f32::from(u8::from(have.any(c))));
         let parts = [
             (planted(Contacts::LEFT_HEEL), planted(Contacts::LEFT_TOE)),
@@ -199,19 +211,19 @@ fn pose<F: Lanes>(
             lock_foot(&r.anatomy.legs[foot], lock_step, planted, &place, lock, &mut model);
         }
     }
-    laps.end(Phase::FootLock);
+    laps.end(StepPhase::FootLock);
     write_matrices(&model, matrices);
     if !locals.is_empty() {
         write_locals(shared(&r.skeleton), &model, locals.len() / NUM_JOINTS, locals);
     }
-    laps.end(Phase::Poses);
+    laps.end(StepPhase::Poses);
 }
 
 /// Updates the planar roots.
 ///
 /// - `in_clip`: x, z and heading within the clip.
 #[inline(always)]
-fn place<F: Lanes>(block: &mut Block, in_clip: [F; 3]) -> Placement<F> {
+fn update_roots<F: Lanes>(block: &mut MotionBlock, in_clip: [F; 3]) -> PlacementLanes<F> {
     let [px, pz, ph] = in_clip;
     let [tx, tz, th] = &block.clip_to_world;
     let (tx, tz, th) = (F::load(tx), F::load(tz), F::load(th));
@@ -228,5 +240,5 @@ fn place<F: Lanes>(block: &mut Block, in_clip: [F; 3]) -> Placement<F> {
     z.store(&mut block.root[1]);
     heading.store(&mut block.root[2]);
     let (sin, cos) = heading.sin_cos8();
-    Placement { x, y, z, sin, cos }
+    PlacementLanes { x, y, z, sin, cos }
 }

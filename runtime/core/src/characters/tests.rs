@@ -12,18 +12,18 @@ pub(crate) mod blows;
 mod reactions;
 mod replay;
 
-pub(crate) fn starts(n: usize) -> Vec<Start> {
-    (0..n).map(|i| Start { root: Planar::new(i as f32, -2.0, 0.5 * i as f32), state: i as u32 % 4 }).collect()
+pub(crate) fn starts(n: usize) -> Vec<CharacterStart> {
+    (0..n).map(|i| CharacterStart { root: Planar::new(i as f32, -2.0, 0.5 * i as f32), state: i as u32 % 4 }).collect()
 }
 
-pub(crate) fn orders(n: usize) -> Vec<Order> {
-    (0..n).map(|i| Order::aim(0, Vec3::new(3.0 - i as f32, 0.0, 1.0 + 0.3 * i as f32))).collect()
+pub(crate) fn orders(n: usize) -> Vec<PolicyOrder> {
+    (0..n).map(|i| PolicyOrder::towards(0, Vec3::new(3.0 - i as f32, 0.0, 1.0 + 0.3 * i as f32))).collect()
 }
 
 /// Two threads that take parts from both ends.
 pub(crate) struct TwoThreads;
 
-impl Run for TwoThreads {
+impl Executor for TwoThreads {
     fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
         std::thread::scope(|scope| {
             scope.spawn(|| (num_parts / 3..num_parts).rev().for_each(part));
@@ -65,7 +65,7 @@ pub(crate) fn plain() -> CharactersConfig {
 }
 
 /// The motion of a bundle, so many characters, and orders for them.
-fn moving(bundle: &Bundle, n: usize) -> (MotionSet, Characters, Vec<Order>) {
+fn moving(bundle: &Bundle, n: usize) -> (MotionSet, Characters, Vec<PolicyOrder>) {
     let r = MotionSet::new(bundle);
     let characters = Characters::new(&r, plain(), &starts(n)).unwrap();
     (r, characters, orders(n))
@@ -200,16 +200,16 @@ fn legs_keep_their_lengths_and_locals_rebuild_the_pose() {
 #[test]
 fn refuses_what_does_not_fit() {
     let r = MotionSet::new(&tables());
-    let bad_state = [Start { root: Planar::IDENTITY, state: 4 }];
+    let bad_state = [CharacterStart { root: Planar::IDENTITY, state: 4 }];
     assert!(matches!(Characters::new(&r, plain(), &bad_state), Err(Error::Index { .. })));
     let mut characters = Characters::new(&r, plain(), &starts(2)).unwrap();
     let orders = orders(2);
     for few in [&orders[..1], &[]] {
         assert!(matches!(characters.step(&r, 0.1, few), Err(Error::Length { .. })));
     }
-    assert!(matches!(characters.step(&r, 0.1, &[Order::aim(1, Vec3::ZERO); 2]), Err(Error::Index { .. })));
+    assert!(matches!(characters.step(&r, 0.1, &[PolicyOrder::towards(1, Vec3::ZERO); 2]), Err(Error::Index { .. })));
     assert!(matches!(characters.step(&r, f32::NAN, &orders), Err(Error::Value { .. })));
-    assert!(matches!(characters.step(&r, 0.1, &[Order::aim(0, Vec3::NAN); 2]), Err(Error::Value { .. })));
+    assert!(matches!(characters.step(&r, 0.1, &[PolicyOrder::towards(0, Vec3::NAN); 2]), Err(Error::Value { .. })));
     // As many frames and segments, other content; and the same content, opened again.
     let other = AlignedBytes::from_slice(&super::made_up::bytes(&[], true));
     let mut twin = r.clone();

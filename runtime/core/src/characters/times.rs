@@ -43,7 +43,7 @@ impl StepTimes {
 
 /// A phase of a step.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Phase {
+pub(crate) enum StepPhase {
     Advance,
     Control,
     Sample,
@@ -54,35 +54,35 @@ pub(crate) enum Phase {
 
 /// Adds up the times of a step's phases over all threads.
 #[derive(Debug, Default)]
-pub(crate) struct Clock([AtomicU64; 6]);
+pub(crate) struct PhaseClock([AtomicU64; 6]);
 
-impl Clock {
+impl PhaseClock {
     pub fn times(&self) -> StepTimes {
-        let of = |p: Phase| self.0[p as usize].load(Relaxed) as f64 * 1e-9;
+        let of = |p: StepPhase| self.0[p as usize].load(Relaxed) as f64 * 1e-9;
         StepTimes {
-            advance_s: of(Phase::Advance),
-            control_s: of(Phase::Control),
-            sample_s: of(Phase::Sample),
-            reaction_s: of(Phase::Reaction),
-            foot_lock_s: of(Phase::FootLock),
-            poses_s: of(Phase::Poses),
+            advance_s: of(StepPhase::Advance),
+            control_s: of(StepPhase::Control),
+            sample_s: of(StepPhase::Sample),
+            reaction_s: of(StepPhase::Reaction),
+            foot_lock_s: of(StepPhase::FootLock),
+            poses_s: of(StepPhase::Poses),
         }
     }
 }
 
 /// Reads the clock at the end of each phase, where characters are timed.
 pub(crate) struct Laps<'a> {
-    running: Option<(&'a Clock, Instant)>,
+    running: Option<(&'a PhaseClock, Instant)>,
 }
 
 impl<'a> Laps<'a> {
-    pub fn start(clock: Option<&'a Clock>) -> Self {
+    pub fn start(clock: Option<&'a PhaseClock>) -> Self {
         Self { running: clock.map(|c| (c, Instant::now())) }
     }
 
     /// Adds the time since the last reading to a phase.
     #[inline(always)]
-    pub fn end(&mut self, phase: Phase) {
+    pub fn end(&mut self, phase: StepPhase) {
         if let Some((clock, since)) = &mut self.running {
             let now = Instant::now();
             clock.0[phase as usize].fetch_add((now - *since).as_nanos() as u64, Relaxed);

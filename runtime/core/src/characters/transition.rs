@@ -5,18 +5,18 @@
 //! Transitions in 'Gears of War'*, 2018, with a critically damped spring in place of its polynomial).
 
 use super::MotionSet;
-use super::block::{Block, Body, LAID, ROTATION_CODES, VELOCITY_CODES, decode, encode};
+use super::block::{BodyBlock, MotionBlock, ROTATION_CODES, SCHEDULED, VELOCITY_CODES, decode, encode};
 use super::decay::{Decay, HALF_LIVES_KEPT};
 use crate::format::FrameRow;
 use crate::planar::Planar;
-use crate::pose::{get, load, set, store};
+use crate::pose::{get_lane, load, set_lane, store};
 use crate::skeleton::{Joint, NUM_JOINTS};
 use glam::Vec3;
-use throng_base::simd::{LANES, Lanes, Q, V, Work, dispatch};
+use throng_base::simd::{LANES, LaneWork, Lanes, Q, V, dispatch};
 
 /// A change of segment that a character makes within a step.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Change {
+pub(crate) struct SegmentChange {
     /// The character.
     pub character: u32,
     /// Last frame of the old segment.
@@ -32,36 +32,42 @@ pub(crate) struct Change {
 }
 
 /// Replaces the offsets of up to eight characters, whose bodies are awake. A group must not hold a character twice.
-pub(crate) fn start(group: &[Change], motion_set: &MotionSet, half_life_s: f32, bodies: &mut [Body]) {
-    dispatch(Start { group, motion_set, half_life_s, bodies });
+pub(crate) fn start_transitions(
+    group: &[SegmentChange],
+    motion_set: &MotionSet,
+    half_life_s: f32,
+    bodies: &mut [BodyBlock],
+) {
+    dispatch(StartTransitionsJob { group, motion_set, half_life_s, bodies });
 }
 
 /// Wakes the bodies of a block: feet are free, and the last transition of each is as if it had always been posed.
-pub(crate) fn wake(block: &Block, body: &mut Body, motion_set: &MotionSet, half_life_s: f32) {
-    *body = Body { awake: 1, reaction: body.reaction, ..Body::ZERO };
-    let mut changes = [Change::default(); LANES];
+pub(crate) fn wake_block(block: &MotionBlock, body: &mut BodyBlock, motion_set: &MotionSet, half_life_s: f32) {
+    *body = BodyBlock { awake: 1, reaction: body.reaction, ..BodyBlock::ZERO };
+    let mut changes = [SegmentChange::default(); LANES];
     let mut num_changes = 0;
     for lane in 0..LANES {
-        if block.segment[lane] != LAID && block.age_s[lane] < HALF_LIVES_KEPT * half_life_s {
+        if block.segment[lane] != SCHEDULED && block.age_s[lane] < HALF_LIVES_KEPT * half_life_s {
             let [from, to] = [block.change[0][lane], block.change[1][lane]];
-            let change = Change { character: lane as u32, from, to, age_s: f32::INFINITY, ..Change::default() };
+            let change =
+                SegmentChange { character: lane as u32, from, to, age_s: f32::INFINITY, ..SegmentChange::default() };
             changes[num_changes] = change;
             num_changes += 1;
         }
     }
     if num_changes > 0 {
-        start(&changes[..num_changes], motion_set, half_life_s, std::slice::from_mut(body));
+        start_transitions(&changes[..num_changes], motion_set, half_life_s, std::slice::from_mut(body));
     }
 }
 
-struct Start<'a> {
-    group: &'a [Change],
+struct StartTransitionsJob<'a> {
+    group: &'a [SegmentChange],
     motion_set: &'a MotionSet,
     half_life_s: f32,
-    bodies: &'a mut [Body],
+    bodies: &'a mut [BodyBlock],
 }
 
-impl Work for Start<'_> {
+impl LaneWork for StartTransitionsJob<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -71,10 +77,10 @@ impl Work for Start<'_> {
 }
 
 #[inline(always)]
-fn start_lanes<F: Lanes>(Start { group, motion_set, half_life_s, bodies }: Start<'_>) {
+fn start_lanes<F: Lanes>(StartTransitionsJob { group, motion_set, half_life_s, bodies }: StartTransitionsJob<'_>) {
     let lane_of = |l: usize| group[l.min(group.len() - 1)];
-    let old_end = Knot::new(&std::array::from_fn(|l| lane_of(l).from), motion_set);
-    let new_begin = Knot::new(&std::array::from_fn(|l| lane_of(l).to), motion_set);
+    let old_end = TransitionKnot::new(&std::array::from_fn(|l| lane_of(l).from), motion_set);
+    let new_begin = TransitionKnot::new(&std::array::from_fn(|l| lane_of(l).to), motion_set);
     let age = F::from_array(std::array::from_fn(|l| lane_of(l).age_s));
     let (old, old_rate) = (Decay::new(age, half_life_s), Decay::rate(age, half_life_s));
     for j in 0..NUM_JOINTS {
@@ -86,27 +92,28 @@ fn start_lanes<F: Lanes>(Start { group, motion_set, half_life_s, bodies }: Start
         let first = motion_set.rotation_code.of_rows::<F>(&new_begin.at, j);
         let shown = Q::from_mrp(old.apply(x, v)) * last;
         let offset = (shown * first.conjugate()).to_mrp();
-        let velocity = old_end.turning(motion_set, j) - new_begin.turning(motion_set, j) + old_rate.apply(x, v);
+        let velocity = old_end.turn_rate(motion_set, j) - new_begin.turn_rate(motion_set, j) + old_rate.apply(x, v);
         scatter(group, bodies, offset, velocity, |b, lane, x, v| {
             encode(&mut b.offsets.rotation[j], lane, ROTATION_CODES, x);
             encode(&mut b.offsets.rotation_velocity[j], lane, VELOCITY_CODES, v);
         });
     }
-    let (x, v) = gather(group, bodies, |b, lane| (get(&b.offsets.root, lane), get(&b.offsets.root_velocity, lane)));
+    let (x, v) =
+        gather(group, bodies, |b, lane| (get_lane(&b.offsets.root, lane), get_lane(&b.offsets.root_velocity, lane)));
     let zero = F::splat(0.0);
     let lift = F::from_array(std::array::from_fn(|l| lane_of(l).lift));
     let drift = |axis: usize| F::from_array(std::array::from_fn(|l| lane_of(l).drift[axis]));
     let offset = old.apply(x, v) + V::new(zero, old_end.height() - new_begin.height() + lift, zero);
     let drifts = V::new(drift(0), drift(1), drift(2)) * F::splat(motion_set.rate_hz);
-    let velocity = old_end.moving() - new_begin.moving() + drifts + old_rate.apply(x, v);
+    let velocity = old_end.hips_velocity() - new_begin.hips_velocity() + drifts + old_rate.apply(x, v);
     scatter(group, bodies, offset, velocity, |b, lane, x, v| {
-        set(&mut b.offsets.root, lane, x);
-        set(&mut b.offsets.root_velocity, lane, v);
+        set_lane(&mut b.offsets.root, lane, x);
+        set_lane(&mut b.offsets.root_velocity, lane, v);
     });
 }
 
 /// A row of each lane, and its neighbours in its clip.
-struct Knot<'a, F> {
+struct TransitionKnot<'a, F> {
     at: [&'a FrameRow; LANES],
     /// The neighbours; the row itself where it is the first or the last one of its clip.
     before: [&'a FrameRow; LANES],
@@ -115,10 +122,10 @@ struct Knot<'a, F> {
     rate: F,
 }
 
-impl<'a, F: Lanes> Knot<'a, F> {
+impl<'a, F: Lanes> TransitionKnot<'a, F> {
     #[inline(always)]
     fn new(frames: &[u32; LANES], motion_set: &'a MotionSet) -> Self {
-        let around = frames.map(|frame| motion_set.around(frame));
+        let around = frames.map(|frame| motion_set.adjacent_frames(frame));
         let rows = |of: &dyn Fn(usize) -> u32| std::array::from_fn(|l| &motion_set.frames[of(l) as usize]);
         let span = |l: usize| (around[l][1] - around[l][0]).max(1) as f32;
         Self {
@@ -131,7 +138,7 @@ impl<'a, F: Lanes> Knot<'a, F> {
 
     /// Rate at which a joint turns, the tangent of the curve through the rows. The hips turn with the planar root, too.
     #[inline(always)]
-    fn turning(&self, motion_set: &MotionSet, joint: usize) -> V<F> {
+    fn turn_rate(&self, motion_set: &MotionSet, joint: usize) -> V<F> {
         let before = motion_set.rotation_code.of_rows::<F>(&self.before, joint);
         let after = motion_set.rotation_code.of_rows::<F>(&self.after, joint);
         let mut turn = (after * before.conjugate()).to_mrp();
@@ -151,7 +158,7 @@ impl<'a, F: Lanes> Knot<'a, F> {
 
     /// Velocity of the hips, in the frame of the planar root (m/s).
     #[inline(always)]
-    fn moving(&self) -> V<F> {
+    fn hips_velocity(&self) -> V<F> {
         let step: [Vec3; LANES] = std::array::from_fn(|l| {
             let planar = |r: &FrameRow| Planar::new(r.planar[0], r.planar[1], r.planar[2]);
             let [before, after] = [self.before[l], self.after[l]].map(|r| planar(self.at[l]).to_local(planar(r)));
@@ -163,28 +170,32 @@ impl<'a, F: Lanes> Knot<'a, F> {
 }
 
 #[inline(always)]
-fn gather<F: Lanes>(group: &[Change], bodies: &[Body], of: impl Fn(&Body, usize) -> (Vec3, Vec3)) -> (V<F>, V<F>) {
+fn gather<F: Lanes>(
+    group: &[SegmentChange],
+    bodies: &[BodyBlock],
+    of: impl Fn(&BodyBlock, usize) -> (Vec3, Vec3),
+) -> (V<F>, V<F>) {
     let (mut x, mut v) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
     for (l, c) in group.iter().enumerate() {
         let (from_x, from_v) = of(&bodies[c.character as usize / LANES], c.character as usize % LANES);
-        set(&mut x, l, from_x);
-        set(&mut v, l, from_v);
+        set_lane(&mut x, l, from_x);
+        set_lane(&mut v, l, from_v);
     }
     (load(&x), load(&v))
 }
 
 #[inline(always)]
 fn scatter<F: Lanes>(
-    group: &[Change],
-    bodies: &mut [Body],
+    group: &[SegmentChange],
+    bodies: &mut [BodyBlock],
     value: V<F>,
     rate: V<F>,
-    put: impl Fn(&mut Body, usize, Vec3, Vec3),
+    put: impl Fn(&mut BodyBlock, usize, Vec3, Vec3),
 ) {
     let (mut x, mut v) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
     store(&mut x, value);
     store(&mut v, rate);
     for (l, c) in group.iter().enumerate() {
-        put(&mut bodies[c.character as usize / LANES], c.character as usize % LANES, get(&x, l), get(&v, l));
+        put(&mut bodies[c.character as usize / LANES], c.character as usize % LANES, get_lane(&x, l), get_lane(&v, l));
     }
 }

@@ -1,6 +1,6 @@
 //! Errors of files that are no bundles this code can use.
 
-use super::Tag;
+use super::SectionTag;
 use std::path::PathBuf;
 
 /// Remedy of every fault, for messages.
@@ -64,7 +64,7 @@ pub enum FormatError {
     #[error("section {tag} at {offset} with {byte_len} bytes does not fit a file of {file_len} bytes. {AGAIN}")]
     Section {
         /// The section.
-        tag: Tag,
+        tag: SectionTag,
         /// Start of the section (bytes).
         offset: u64,
         /// Length of the section (bytes).
@@ -76,7 +76,7 @@ pub enum FormatError {
     #[error("section {tag} is missing. {AGAIN}")]
     Missing {
         /// The section.
-        tag: Tag,
+        tag: SectionTag,
     },
     /// The file's layout breaks a rule (order, overlap, padding, duplicates).
     #[error("{message}. {AGAIN}")]
@@ -88,7 +88,7 @@ pub enum FormatError {
     #[error("section {tag}, element {index}: {message}. {AGAIN}")]
     Value {
         /// The section.
-        tag: Tag,
+        tag: SectionTag,
         /// The element.
         index: usize,
         /// Defect of the value.
@@ -98,7 +98,7 @@ pub enum FormatError {
 
 impl FormatError {
     /// [`FormatError::Value`].
-    pub fn value(tag: Tag, index: usize, message: impl Into<String>) -> Self {
+    pub fn value(tag: SectionTag, index: usize, message: impl Into<String>) -> Self {
         Self::Value { tag, index, message: message.into() }
     }
 

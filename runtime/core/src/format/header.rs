@@ -11,7 +11,7 @@ pub const VERSION: u32 = 7;
 
 /// Kind of a file that has the frame of a bundle.
 #[derive(Clone, Copy, Debug)]
-pub struct Kind {
+pub struct FileKind {
     /// Name of the kind in messages.
     pub what: &'static str,
     /// First bytes.
@@ -20,7 +20,7 @@ pub struct Kind {
     pub version: u32,
 }
 
-impl Kind {
+impl FileKind {
     /// A bundle.
     pub const BUNDLE: Self = Self { what: "bundle", magic: MAGIC, version: VERSION };
 }
@@ -31,9 +31,9 @@ pub const ALIGN: u64 = 64;
 /// Four ASCII letters that say what a section holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
-pub struct Tag(pub [u8; 4]);
+pub struct SectionTag(pub [u8; 4]);
 
-impl std::fmt::Display for Tag {
+impl std::fmt::Display for SectionTag {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}", self.0.escape_ascii())
     }
@@ -42,7 +42,7 @@ impl std::fmt::Display for Tag {
 /// Fixed 64-byte file header, little-endian. Version history: `format/mod.rs`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub struct Header {
+pub struct FileHeader {
     /// [`MAGIC`].
     pub magic: [u8; 8],
     /// [`VERSION`].
@@ -59,9 +59,9 @@ pub struct Header {
     pub reserved: [u8; 32],
 }
 
-const _: () = assert!(size_of::<Header>() == 64);
+const _: () = assert!(size_of::<FileHeader>() == 64);
 
-impl Header {
+impl FileHeader {
     /// The checksum of this header's bytes with `header_crc32` taken as zero.
     pub fn checksum(mut self) -> u32 {
         self.header_crc32 = 0;
@@ -72,9 +72,9 @@ impl Header {
 /// Row of the section table.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub struct Section {
+pub struct SectionEntry {
     /// Tag of the section's content.
-    pub tag: Tag,
+    pub tag: SectionTag,
     /// Size of one element (bytes, > 0).
     pub elem_size: u32,
     /// Start from the beginning of the file, a multiple of [`ALIGN`] (bytes).
@@ -87,13 +87,13 @@ pub struct Section {
     pub reserved: u32,
 }
 
-const _: () = assert!(size_of::<Section>() == 32);
+const _: () = assert!(size_of::<SectionEntry>() == 32);
 
-impl Section {
+impl SectionEntry {
     /// Byte range of this section, or why it cannot be one.
     ///
     /// # Errors
-    /// [`FormatError::Section`] where it is misaligned or reaches past the end of the file.
+    /// [`FormatError::SectionEntry`] where it is misaligned or reaches past the end of the file.
     pub fn range(&self, file_len: u64) -> Result<Range<usize>, FormatError> {
         let byte_len = self.count.saturating_mul(self.elem_size.into());
         match self.offset.checked_add(byte_len) {

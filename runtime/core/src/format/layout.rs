@@ -1,6 +1,6 @@
 //! Checks a file's frame: header, section table, padding, checksums. What the records say is checked by `Bundle`.
 
-use super::{ALIGN, FormatError, Header, Kind, Section, Tag, crc32};
+use super::{ALIGN, FileHeader, FileKind, FormatError, SectionEntry, SectionTag, crc32};
 use bytemuck::Pod;
 use std::ops::Range;
 
@@ -9,29 +9,29 @@ const MAX_SECTIONS: u32 = 1024;
 
 /// Byte ranges of the sections of a checked file.
 #[derive(Debug)]
-pub struct Layout {
-    sections: Vec<(Section, Range<usize>)>,
+pub struct SectionLayout {
+    sections: Vec<(SectionEntry, Range<usize>)>,
 }
 
-impl Layout {
+impl SectionLayout {
     /// Checks the frame of `bytes`; section checksums only where `checksums` is set.
     pub fn read(bytes: &[u8], checksums: bool) -> Result<Self, FormatError> {
-        Self::read_kind(bytes, checksums, Kind::BUNDLE)
+        Self::read_kind(bytes, checksums, FileKind::BUNDLE)
     }
 
     /// Checks the frame of a file of another kind.
-    pub fn read_kind(bytes: &[u8], checksums: bool, kind: Kind) -> Result<Self, FormatError> {
+    pub fn read_kind(bytes: &[u8], checksums: bool, kind: FileKind) -> Result<Self, FormatError> {
         let header = read_header(bytes, kind)?;
-        let table_end = size_of::<Header>() + header.num_sections as usize * size_of::<Section>();
+        let table_end = size_of::<FileHeader>() + header.num_sections as usize * size_of::<SectionEntry>();
         let table = bytes
-            .get(size_of::<Header>()..table_end)
+            .get(size_of::<FileHeader>()..table_end)
             .ok_or(FormatError::Length { expected: table_end as u64, got: bytes.len() as u64 })?;
         check("the section table", header.table_crc32, crc32(table))?;
 
-        let mut sections: Vec<(Section, Range<usize>)> = Vec::with_capacity(header.num_sections as usize);
+        let mut sections: Vec<(SectionEntry, Range<usize>)> = Vec::with_capacity(header.num_sections as usize);
         let mut end = table_end;
-        for row in table.chunks_exact(size_of::<Section>()) {
-            let s: Section = bytemuck::pod_read_unaligned(row);
+        for row in table.chunks_exact(size_of::<SectionEntry>()) {
+            let s: SectionEntry = bytemuck::pod_read_unaligned(row);
             let range = s.range(bytes.len() as u64)?;
             if range.start != end.next_multiple_of(ALIGN as usize) {
                 let start = range.start;
@@ -59,7 +59,7 @@ impl Layout {
     }
 
     /// Byte range of the section of that tag, whose elements must be `T`.
-    pub fn section<T: Pod>(&self, tag: Tag) -> Result<Range<usize>, FormatError> {
+    pub fn section<T: Pod>(&self, tag: SectionTag) -> Result<Range<usize>, FormatError> {
         let (s, range) = self.sections.iter().find(|(s, _)| s.tag == tag).ok_or(FormatError::Missing { tag })?;
         if s.elem_size as usize != size_of::<T>() {
             return Err(FormatError::layout(format!(
@@ -72,26 +72,27 @@ impl Layout {
     }
 
     /// Tag, length of an element and bytes of every section, in file order.
-    pub fn ranges(&self) -> impl Iterator<Item = (Tag, usize, Range<usize>)> + '_ {
+    pub fn ranges(&self) -> impl Iterator<Item = (SectionTag, usize, Range<usize>)> + '_ {
         self.sections.iter().map(|(s, range)| (s.tag, s.elem_size as usize, range.clone()))
     }
 
     /// Tag and length in bytes of every section, in file order.
-    pub fn sizes(&self) -> impl Iterator<Item = (Tag, usize)> + '_ {
+    pub fn sizes(&self) -> impl Iterator<Item = (SectionTag, usize)> + '_ {
         self.sections.iter().map(|(s, r)| (s.tag, r.len()))
     }
 }
 
-fn read_header(bytes: &[u8], kind: Kind) -> Result<Header, FormatError> {
+fn read_header(bytes: &[u8], kind: FileKind) -> Result<FileHeader, FormatError> {
     let got = bytes.len() as u64;
-    let head = bytes.get(..size_of::<Header>());
+    let head = bytes.get(..size_of::<FileHeader>());
     if let Some(magic) = bytes.first_chunk::<8>()
         && *magic != kind.magic
     {
         return Err(FormatError::Magic { what: kind.what, got: *magic });
     }
-    let header: Header =
-        bytemuck::pod_read_unaligned(head.ok_or(FormatError::Length { expected: size_of::<Header>() as u64, got })?);
+    let header: FileHeader = bytemuck::pod_read_unaligned(
+        head.ok_or(FormatError::Length { expected: size_of::<FileHeader>() as u64, got })?,
+    );
     if header.version != kind.version {
         return Err(FormatError::Version { what: kind.what, expected: kind.version, got: header.version });
     }

@@ -1,6 +1,6 @@
 //! The bundle: one little-endian file of checked sections (`*.throng`).
 //!
-//! A 64-byte [`Header`] is followed by a table of [`Section`] rows and by the sections themselves, each starting
+//! A 64-byte [`FileHeader`] is followed by a table of [`SectionEntry`] rows and by the sections themselves, each starting
 //! on 64 bytes with zero padding between, in the order of the table, and nothing after the last. Sections hold
 //! plain-old-data records that are viewed in place.
 //!
@@ -28,14 +28,14 @@ mod table;
 mod writer;
 
 pub use error::FormatError;
-pub use header::Kind;
-pub use header::{ALIGN, Header, MAGIC, Section, Tag, VERSION};
-pub use layout::Layout;
+pub use header::FileKind;
+pub use header::{ALIGN, FileHeader, MAGIC, SectionEntry, SectionTag, VERSION};
+pub use layout::SectionLayout;
 pub use meta::{ActivityMeta, BlendMeta, ClipMeta, Meta, PatchMeta, SourceMeta, decode, encode};
 pub use records::{ClipRecord, FrameRow, ROTATION_BYTES, SkeletonRecord};
 pub use rotation_code::{JointCode, RotationCode};
 pub use storage::AlignedBytes;
-pub use storage::Storage;
+pub use storage::FileStorage;
 pub use table::Table;
-pub use throng_base::{crc32, crc32_of};
+pub use throng_base::{crc32, crc32_of_pieces};
 pub use writer::BundleWriter;

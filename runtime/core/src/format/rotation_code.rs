@@ -115,7 +115,7 @@ impl JointCode {
     /// Writes a rotation into its field, as exactly as possible.
     ///
     /// - `before`: the rotation of the frame before; this one is put on the same side where w is stored.
-    fn put(&self, rotation: Quat, before: Option<&FrameRow>, row: &mut FrameRow) {
+    fn write_rotation(&self, rotation: Quat, before: Option<&FrameRow>, row: &mut FrameRow) {
         let mut coded = maths::compose(Quat::from_array(self.centre).conjugate(), rotation);
         let other_side = match before {
             Some(row) if self.stores_w() => self.coded(row).dot(coded) < 0.0,
@@ -147,21 +147,21 @@ pub struct RotationCode {
 
 impl RotationCode {
     /// Code of the rest pose: its rotations are identities for any row.
-    pub fn rest() -> Self {
-        Self::fit(&Skeleton::default(), 0, |_, _| Quat::IDENTITY)
+    pub fn of_rest_pose() -> Self {
+        Self::fit_frames(&Skeleton::default(), 0, |_, _| Quat::IDENTITY)
     }
 
     /// The code that shows some frames best.
     ///
     /// - `skeleton`: lengths of bones say how far a step moves what hangs on a joint.
     /// - `rotation`: of a frame and a joint, relative to the parent, that of the hips to the planar root (unit length).
-    pub fn fit(skeleton: &Skeleton, num_frames: usize, rotation: impl Fn(usize, usize) -> Quat) -> Self {
+    pub fn fit_frames(skeleton: &Skeleton, num_frames: usize, rotation: impl Fn(usize, usize) -> Quat) -> Self {
         let of_joint = |j: usize| Ok::<_, std::convert::Infallible>((0..num_frames).map(|f| rotation(f, j)).collect());
         let Ok(code) = Self::fit_joints(skeleton, of_joint);
         code
     }
 
-    /// Fits a code as [`RotationCode::fit`] does, with the rotations of no more than one joint in memory.
+    /// Fits a code as [`RotationCode::fit_frames`] does, with the rotations of no more than one joint in memory.
     ///
     /// - `of_joint`: its rotations in all frames; called once for every joint, in their order.
     ///
@@ -219,7 +219,7 @@ impl RotationCode {
                 above = shown[p.index()];
                 target = maths::compose(above.conjugate(), wanted[j]);
             }
-            code.put(target, before, row);
+            code.write_rotation(target, before, row);
             shown[j] = maths::compose(above, self.rotation(row, j)).normalize();
         }
     }
@@ -227,14 +227,14 @@ impl RotationCode {
     /// The rotation of a joint in a row: relative to its parent, that of the hips to the planar root. Unit length.
     pub fn rotation(&self, row: &FrameRow, joint: usize) -> Quat {
         let code = &self.joints[joint];
-        maths::unit(maths::compose(Quat::from_array(code.centre), code.coded(row)))
+        maths::normalize_or_identity(maths::compose(Quat::from_array(code.centre), code.coded(row)))
     }
 
     /// The rotation of a joint between some rows of each of eight characters. Unit length.
     ///
     /// - `weights`: of the rows; they add up to 1.
     #[inline(always)]
-    pub(crate) fn between<F: Lanes, const N: usize>(
+    pub(crate) fn rotations_between<F: Lanes, const N: usize>(
         &self,
         rows: &[&[FrameRow; N]; LANES],
         weights: &[F; N],
@@ -279,7 +279,7 @@ impl RotationCode {
         for (one, row) in one.iter_mut().zip(rows) {
             *one = std::array::from_ref(*row);
         }
-        self.between(&one, &[F::splat(1.0)], joint)
+        self.rotations_between(&one, &[F::splat(1.0)], joint)
     }
 }
 

@@ -2,7 +2,7 @@
 //! hot kernels lives here.
 #![allow(unsafe_code)]
 
-use super::{FormatError, Header};
+use super::{FileHeader, FormatError};
 use std::io::{ErrorKind, Read, Seek};
 use std::{fs::File, path::Path};
 use throng_base::Error;
@@ -10,19 +10,19 @@ use throng_base::file::{MAX_BUNDLE_BYTES, open_file};
 
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(64))]
-struct Line([u8; 64]);
+struct AlignedLine([u8; 64]);
 
 /// Bytes in memory that start on 64, as a mapped file does.
 #[derive(Clone, Debug, Default)]
 pub struct AlignedBytes {
-    lines: Vec<Line>,
+    lines: Vec<AlignedLine>,
     len: usize,
 }
 
 impl AlignedBytes {
     /// A copy of `bytes`.
     pub fn from_slice(bytes: &[u8]) -> Self {
-        let mut out = Self { lines: vec![Line([0; 64]); bytes.len().div_ceil(64)], len: bytes.len() };
+        let mut out = Self { lines: vec![AlignedLine([0; 64]); bytes.len().div_ceil(64)], len: bytes.len() };
         out.as_mut_slice().copy_from_slice(bytes);
         out
     }
@@ -34,7 +34,7 @@ impl AlignedBytes {
     pub fn zeros(len: usize) -> std::io::Result<Self> {
         let mut lines = Vec::new();
         lines.try_reserve_exact(len.div_ceil(64)).map_err(|_| ErrorKind::OutOfMemory)?;
-        lines.resize(len.div_ceil(64), Line([0; 64]));
+        lines.resize(len.div_ceil(64), AlignedLine([0; 64]));
         Ok(Self { lines, len })
     }
 
@@ -51,14 +51,14 @@ impl AlignedBytes {
 
 /// The bytes of a file: a map, or memory.
 #[derive(Debug)]
-pub enum Storage {
+pub enum FileStorage {
     /// A map of the file, or read-only pages that it was read into.
     Mapped(memmap2::Mmap),
     /// Bytes that were made, or read where there are no pages to be had.
     Memory(AlignedBytes),
 }
 
-impl Storage {
+impl FileStorage {
     /// Reads a file into read-only pages of this process, which later changes of the file do not reach. A file whose
     /// header is missing or damaged is refused after its header alone.
     ///
@@ -71,10 +71,10 @@ impl Storage {
     pub fn read(path: &Path, what: &str) -> Result<Self, FormatError> {
         let io = |source| FormatError::Io { path: path.to_path_buf(), source };
         let (mut file, length) = open(path, what)?;
-        let mut head = AlignedBytes::zeros(length.min(size_of::<Header>())).map_err(io)?;
+        let mut head = AlignedBytes::zeros(length.min(size_of::<FileHeader>())).map_err(io)?;
         fill(head.as_mut_slice(), path, &mut file)?;
         let header = bytemuck::try_pod_read_unaligned(head.as_slice()).ok();
-        let Some(Header { file_len, .. }) = header.filter(|h: &Header| h.header_crc32 == h.checksum()) else {
+        let Some(FileHeader { file_len, .. }) = header.filter(|h: &FileHeader| h.header_crc32 == h.checksum()) else {
             return Ok(Self::Memory(head));
         };
         if file_len != length as u64 {
@@ -97,7 +97,7 @@ impl Storage {
     /// Maps a file: pages are loaded when they are touched, and all processes that map it share them.
     ///
     /// # Errors
-    /// As [`Storage::read`].
+    /// As [`FileStorage::read`].
     ///
     /// # Safety
     /// For as long as the storage or a [`super::Table`] of it lives, the file must not be written into or cut short, in
@@ -120,11 +120,11 @@ impl Storage {
 }
 
 /// Reads a file into memory of this process.
-fn in_memory(path: &Path, file: &mut File, length: usize) -> Result<Storage, FormatError> {
+fn in_memory(path: &Path, file: &mut File, length: usize) -> Result<FileStorage, FormatError> {
     let mut bytes =
         AlignedBytes::zeros(length).map_err(|source| FormatError::Io { path: path.to_path_buf(), source })?;
     fill(bytes.as_mut_slice(), path, file)?;
-    Ok(Storage::Memory(bytes))
+    Ok(FileStorage::Memory(bytes))
 }
 
 /// Reads as many bytes as there is room for; [`FormatError::Length`] where the file has fewer.
@@ -166,7 +166,7 @@ mod tests {
         let expected = std::fs::read(&path).unwrap();
         let read = |length: usize| in_memory(&path, &mut File::open(&path).unwrap(), length);
         let memory = read(expected.len()).unwrap();
-        assert!(matches!(&memory, Storage::Memory(_)) && memory.bytes() == expected);
+        assert!(matches!(&memory, FileStorage::Memory(_)) && memory.bytes() == expected);
         assert_eq!(memory.bytes().as_ptr().addr() % 64, 0);
         let e = read(expected.len() + 1).unwrap_err();
         assert!(matches!(e, FormatError::Length { got, .. } if got == expected.len() as u64), "{e}");
@@ -181,7 +181,7 @@ mod tests {
         let bytes = crate::characters::made_up::bytes(&[], false);
         let read = |bytes: &[u8]| {
             std::fs::write(&path, bytes).unwrap();
-            Storage::read(&path, "a bundle")
+            FileStorage::read(&path, "a bundle")
         };
         assert_eq!(read(&bytes).unwrap().bytes(), bytes);
         assert_eq!(read(&[0; 5000]).unwrap().bytes(), [0; 64]);

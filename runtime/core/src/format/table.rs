@@ -1,7 +1,7 @@
 //! Tables: rows of a file that stay readable for as long as they are held.
 #![allow(unsafe_code)]
 
-use super::Storage;
+use super::FileStorage;
 use bytemuck::Pod;
 use std::any::Any;
 use std::fmt;
@@ -26,7 +26,7 @@ unsafe impl<T: Send + Sync> Sync for Table<T> {}
 
 impl<T> Table<T> {
     /// Table of the rows in a range of bytes of a file, whose bounds and element size were checked.
-    pub fn of_file(storage: &Arc<Storage>, bytes: &Range<usize>) -> Self
+    pub fn of_file(storage: &Arc<FileStorage>, bytes: &Range<usize>) -> Self
     where
         T: Pod,
     {
@@ -132,7 +132,7 @@ mod tests {
     #[test]
     fn rows_outlive_the_file_and_the_table_they_were_taken_from() {
         let bytes: Vec<u8> = (0..96).collect();
-        let storage = Arc::new(Storage::Memory(AlignedBytes::from_slice(&bytes)));
+        let storage = Arc::new(FileStorage::Memory(AlignedBytes::from_slice(&bytes)));
         let all = Table::<u32>::of_file(&storage, &(64..96));
         drop(storage);
         let some = all.part(1..3).unwrap();

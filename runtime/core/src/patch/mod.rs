@@ -9,7 +9,7 @@ use crate::format::Table;
 
 /// The patches of a bundle. Clones share the rows.
 #[derive(Clone, Debug)]
-pub struct Patches {
+pub struct PatchTables {
     /// The patches; their names are `Meta::patches`.
     pub patches: Table<PatchRecord>,
     /// Edges of all tiles.
@@ -22,7 +22,7 @@ pub struct Patches {
     pub pairs: Table<PairRecord>,
 }
 
-impl Patches {
+impl PatchTables {
     /// Edges of a patch (patch < patches.len()).
     pub fn edges_of(&self, patch: usize) -> &[EdgeRecord] {
         let p = &self.patches[patch];

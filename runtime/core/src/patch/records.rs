@@ -85,7 +85,7 @@ impl CellRecord {
     pub const IS_EXIT: u32 = 4;
 
     /// True where all of `flags` are set.
-    pub fn is(&self, flags: u32) -> bool {
+    pub fn has_flags(&self, flags: u32) -> bool {
         self.flags & flags == flags
     }
 }

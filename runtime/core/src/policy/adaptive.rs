@@ -4,12 +4,12 @@
 //! an action in coordinates of the finest grid, for eight actions at once, and scales these to the counts of the state
 //! in which each action ends.
 
-use super::grid::{Spot, TargetGrid, interval};
+use super::grid::{GridCoordinates, TargetGrid, interval};
 use super::maths::{angle_of, least, nearest_index};
 use super::table::{PolicyTable, SegmentRecord};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-use throng_base::error::check;
+use throng_base::error::check_value;
 use throng_base::simd::{LANES, Lanes};
 use throng_base::{Id, Result};
 
@@ -58,12 +58,18 @@ pub(super) fn check_state_grids(grids: &[StateGridRecord], finest: &TargetGrid) 
         let who = Some(Id::first(state));
         for ((got, most), least) in g.counts().into_iter().zip(finest.counts()).zip([2, 2, 1]) {
             let expected = "2 or more (1 height), and no more than the finest grid has";
-            check("state grid count of rings, angles or heights", who, got, (least..=most).contains(&got), expected)?;
+            check_value(
+                "state grid count of rings, angles or heights",
+                who,
+                got,
+                (least..=most).contains(&got),
+                expected,
+            )?;
         }
-        check("state grid reserved field", who, g.reserved, g.counts[3] == 0 && g.reserved == 0, "0")?;
-        check("state grid first cell", who, g.first, g.first as usize == next, "the end of the grid before it")?;
+        check_value("state grid reserved field", who, g.reserved, g.counts[3] == 0 && g.reserved == 0, "0")?;
+        check_value("state grid first cell", who, g.first, g.first as usize == next, "the end of the grid before it")?;
         let cells = g.num_cells();
-        check("state grid number of cells", who, cells as f64, cells <= MAX_STATE_CELLS, "at most 2^24")?;
+        check_value("state grid number of cells", who, cells as f64, cells <= MAX_STATE_CELLS, "at most 2^24")?;
         next += g.num_cells();
     }
     Ok(next)
@@ -93,7 +99,7 @@ impl PolicyTable {
     pub(super) fn adaptive_values<F: Lanes, const POLAR: bool>(
         &self,
         records: &[&SegmentRecord; LANES],
-        spot: &Spot<F>,
+        spot: &GridCoordinates<F>,
         height: f32,
     ) -> F {
         let of = |lane: usize| &self.state_grids[records[lane].end as usize];
@@ -104,7 +110,7 @@ impl PolicyTable {
         let [finest_rings, finest_angles, finest_heights] = self.grid.counts().map(|n| n as f32);
         let ring_step = (rings - one) / F::splat(finest_rings - 1.0);
         let (ring, ring_ratio) = interval(spot.ring * ring_step, rings - two);
-        let corners = Corners { low: ring * angles, angles, ring_ratio, spot, finest_angles };
+        let corners = GridCorners { low: ring * angles, angles, ring_ratio, spot, finest_angles };
         if POLAR || finest_heights == 1.0 {
             return self.corner_values::<F, POLAR>(firsts, &corners);
         }
@@ -112,15 +118,15 @@ impl PolicyTable {
         let (height, height_ratio) = interval(F::splat(height) * height_step, (heights - two).max(F::splat(0.0)));
         let plane = rings * angles;
         let next = (height + one).min(heights - one);
-        let low = self.corner_values::<F, POLAR>(firsts, &Corners { low: corners.low + height * plane, ..corners });
-        let high = self.corner_values::<F, POLAR>(firsts, &Corners { low: corners.low + next * plane, ..corners });
+        let low = self.corner_values::<F, POLAR>(firsts, &GridCorners { low: corners.low + height * plane, ..corners });
+        let high = self.corner_values::<F, POLAR>(firsts, &GridCorners { low: corners.low + next * plane, ..corners });
         low + (high - low) * height_ratio
     }
 
     /// Values of one height, interpolated between angles and rings.
     #[inline(always)]
-    fn corner_values<F: Lanes, const POLAR: bool>(&self, firsts: F, corners: &Corners<'_, F>) -> F {
-        let &Corners { low, angles, ring_ratio, spot, finest_angles } = corners;
+    fn corner_values<F: Lanes, const POLAR: bool>(&self, firsts: F, corners: &GridCorners<'_, F>) -> F {
+        let &GridCorners { low, angles, ring_ratio, spot, finest_angles } = corners;
         let one = F::splat(1.0);
         let high = low + angles;
         let (values, ratio);
@@ -151,13 +157,13 @@ impl PolicyTable {
 
 /// The cells that eight lanes read at one height.
 #[derive(Clone, Copy)]
-struct Corners<'a, F> {
+struct GridCorners<'a, F> {
     /// First cell of the lower ring.
     low: F,
     /// Angles of each lane's grid.
     angles: F,
     ring_ratio: F,
-    spot: &'a Spot<F>,
+    spot: &'a GridCoordinates<F>,
     finest_angles: f32,
 }
 
@@ -187,13 +193,13 @@ impl TargetGrid {
 mod tests {
     use super::super::BestActionJob;
     use super::super::grid::tests::{polar, sector};
-    use super::super::look_ahead::{Goal, LookAheadJob};
+    use super::super::look_ahead::{LookAheadGoal, LookAheadJob};
     use super::super::ranked::RankedActions;
     use super::super::reward::{COMBINE_MAX, KERNEL_EXPONENTIAL, RewardRecord};
     use super::super::table::{ActionTable, PolicyRecord, PolicySlices};
     use super::*;
     use proptest::prelude::*;
-    use throng_base::simd::{Array, Work};
+    use throng_base::simd::{ArrayLanes, LaneWork};
 
     const STATES: usize = 5;
     const ACTIONS: usize = 11;
@@ -364,7 +370,7 @@ mod tests {
                 prop_assert!(!changed, "accepted a record that does not tile the values");
                 let (states, targets) = ([1u32], [Vec3::new(x, y, z)]);
                 let mut ranked = [RankedActions::NONE];
-                let goals = [Goal { policy: &policy, weights: &[1.0], targets: &targets }];
+                let goals = [LookAheadGoal { policy: &policy, weights: &[1.0], targets: &targets }];
                 let looked = LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked }.run();
                 let mut actions = [0];
                 let job = BestActionJob { policy: &policy, states: &states, targets: &targets, choice: 0, actions: &mut actions };
@@ -413,7 +419,7 @@ mod tests {
     /// Values computed with plain arrays.
     struct ByArrays<'a>(&'a PolicyTable, Vec3);
 
-    impl Work for ByArrays<'_> {
+    impl LaneWork for ByArrays<'_> {
         type Output = Vec<f32>;
 
         fn run<F: Lanes>(self) -> Vec<f32> {
@@ -432,7 +438,7 @@ mod tests {
         let table = tables.open().expect("sound");
         for (x, z) in noise(20).zip(noise(40)).take(if cfg!(miri) { 2 } else { 200 }) {
             let target = Vec3::new(4.0 * x - 2.0, 1.4, 3.0 * z - 1.0);
-            let arrays = ByArrays(&table, target).run::<Array>();
+            let arrays = ByArrays(&table, target).run::<ArrayLanes>();
             assert_eq!(arrays, throng_base::simd::dispatch(ByArrays(&table, target)));
         }
     }

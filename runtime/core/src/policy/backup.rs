@@ -2,20 +2,20 @@
 //!
 //! Shared by the look-ahead (eight actions, one target) and the offline sweep (one action, eight targets).
 
-use super::grid::{Place, Spot, TargetGrid};
+use super::grid::{GridCoordinates, StencilLanes, TargetGrid};
 use super::reward::Reward;
 use super::table::{PolicyTable, SegmentRecord};
-use throng_base::simd::{LANES, Lanes, Work, dispatch};
+use throng_base::simd::{LANES, LaneWork, Lanes, dispatch};
 
 /// The segments of eight lanes. Fields are loaded where they are used: together they exceed the registers.
-pub(super) trait Motions<F>: Copy {
+pub(super) trait SegmentLanes<F>: Copy {
     /// Four fields in the order of [`SegmentRecord`]: the displacement, the inner samples, the weights, or the heights
     /// of the inner samples with the discount and the bits of the state at the end.
     fn quarter(self, k: usize) -> [F; 4];
 }
 
 /// A segment for each lane.
-impl<F: Lanes> Motions<F> for &[&SegmentRecord; LANES] {
+impl<F: Lanes> SegmentLanes<F> for &[&SegmentRecord; LANES] {
     #[inline(always)]
     fn quarter(self, k: usize) -> [F; 4] {
         F::columns(self.map(|segment| &segment.quarters()[k]))
@@ -23,7 +23,7 @@ impl<F: Lanes> Motions<F> for &[&SegmentRecord; LANES] {
 }
 
 /// One segment for all lanes.
-impl<F: Lanes> Motions<F> for &SegmentRecord {
+impl<F: Lanes> SegmentLanes<F> for &SegmentRecord {
     #[inline(always)]
     fn quarter(self, k: usize) -> [F; 4] {
         let [a, b, c, d] = self.quarters()[k];
@@ -33,7 +33,7 @@ impl<F: Lanes> Motions<F> for &SegmentRecord {
 
 /// Targets of eight lanes in the frame of the start.
 #[derive(Clone, Copy)]
-pub(super) struct Targets<F> {
+pub(super) struct TargetLanes<F> {
     pub x: F,
     pub y: F,
     pub z: F,
@@ -46,9 +46,9 @@ pub(super) struct Targets<F> {
 pub(super) fn back_up<F: Lanes, const POLAR: bool>(
     grid: &TargetGrid,
     reward: &Reward,
-    motions: impl Motions<F>,
-    target: &Targets<F>,
-) -> (F, Spot<F>) {
+    motions: impl SegmentLanes<F>,
+    target: &TargetLanes<F>,
+) -> (F, GridCoordinates<F>) {
     let [c, s, x, z] = motions.quarter(0);
     let (dx, dz) = (target.x - x, target.z - z);
     let distance = (dx * dx + dz * dz).sqrt();
@@ -60,8 +60,8 @@ pub(super) fn back_up<F: Lanes, const POLAR: bool>(
 #[inline(always)]
 fn rewards<F: Lanes, const POLAR: bool>(
     reward: &Reward,
-    motions: impl Motions<F>,
-    target: &Targets<F>,
+    motions: impl SegmentLanes<F>,
+    target: &TargetLanes<F>,
     end_distance: F,
 ) -> F {
     let [x0, z0, x1, z1] = motions.quarter(1);
@@ -94,7 +94,7 @@ impl PolicyTable {
     /// - `ends`: states, as the bits of the floats.
     /// - `height_offset`: first cell of the height.
     #[inline(always)]
-    pub(super) fn values_at<F: Lanes>(&self, ends: F, place: &Place<F>, height_offset: usize) -> F {
+    pub(super) fn values_at<F: Lanes>(&self, ends: F, place: &StencilLanes<F>, height_offset: usize) -> F {
         let angles = self.grid.record().num_angles;
         let low = place.ring * F::splat(self.grid.angles_per_ring());
         let row_len = self.grid.num_cells() as u32;
@@ -142,11 +142,11 @@ impl PolicyTable {
     /// - `height`: of all targets above the ground; ignored in a polar grid (m).
     /// - `targets`: within the grid. Targets beyond the length of `out` are ignored.
     pub fn back_up_all(&self, segment: &SegmentRecord, height: f32, targets: &[GroundTargets], out: &mut [Backups]) {
-        dispatch(BackUpAll { table: self, segment, height, targets, out });
+        dispatch(BackUpJob { table: self, segment, height, targets, out });
     }
 }
 
-struct BackUpAll<'a> {
+struct BackUpJob<'a> {
     table: &'a PolicyTable,
     segment: &'a SegmentRecord,
     height: f32,
@@ -154,7 +154,7 @@ struct BackUpAll<'a> {
     out: &'a mut [Backups],
 }
 
-impl Work for BackUpAll<'_> {
+impl LaneWork for BackUpJob<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -163,14 +163,14 @@ impl Work for BackUpAll<'_> {
     }
 }
 
-impl BackUpAll<'_> {
+impl BackUpJob<'_> {
     #[inline(always)]
     fn run_of<F: Lanes, const POLAR: bool>(self) {
         let (grid, reward) = (&self.table.grid, &self.table.reward);
         let discount = F::splat(self.segment.discount);
         for (t, out) in self.targets.iter().zip(self.out) {
             let start_kernel = F::load(&t.start_kernel);
-            let targets = Targets { x: F::load(&t.x), y: F::splat(self.height), z: F::load(&t.z), start_kernel };
+            let targets = TargetLanes { x: F::load(&t.x), y: F::splat(self.height), z: F::load(&t.z), start_kernel };
             let (rewards, spot) = back_up::<F, POLAR>(grid, reward, self.segment, &targets);
             let place = grid.place::<F, POLAR>(&spot);
             let weight = place.scale * discount;

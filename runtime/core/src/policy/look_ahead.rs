@@ -1,17 +1,17 @@
 //! One-step look-ahead: ranks all actions of a state by reward plus value of the successor (Lee and Lee 2004, section
 //! 5).
 
-use super::backup::{Motions, Targets, back_up};
+use super::backup::{SegmentLanes, TargetLanes, back_up};
 use super::ranked::RankedActions;
 use super::table::{MAX_ACTIONS, PolicyTable};
 use glam::Vec3;
-use throng_base::error::{check, check_index, check_length};
-use throng_base::simd::{LANES, Lanes, Work, dispatch};
+use throng_base::error::{check_index, check_length, check_value};
+use throng_base::simd::{LANES, LaneWork, Lanes, dispatch};
 use throng_base::{Error, Id, Result};
 
 /// Goal of a look-ahead: one behaviour.
 #[derive(Clone, Copy, Debug)]
-pub struct Goal<'a> {
+pub struct LookAheadGoal<'a> {
     /// The behaviour's policy.
     pub policy: &'a PolicyTable,
     /// Weight of the behaviour for each character; 0 where it is inactive (num_characters).
@@ -31,7 +31,7 @@ pub struct Goal<'a> {
 #[derive(Debug)]
 pub struct LookAheadJob<'a> {
     /// The behaviours; all policies belong to the same motion graph (at least 1).
-    pub goals: &'a [Goal<'a>],
+    pub goals: &'a [LookAheadGoal<'a>],
     /// State of each character (< num_states).
     pub states: &'a [u32],
     /// Output (num_characters).
@@ -72,7 +72,7 @@ impl LookAheadJob<'_> {
     }
 }
 
-impl Work for LookAheadJob<'_> {
+impl LaneWork for LookAheadJob<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -101,7 +101,7 @@ pub(super) const MAX_GROUPS: usize = MAX_ACTIONS.div_ceil(LANES);
 
 /// Values of one query, shared by all its actions.
 #[derive(Clone, Copy)]
-struct Query {
+struct LookAheadQuery {
     /// The target in grid coordinates; a look-ahead has clamped it to the grid.
     target: Vec3,
     /// Kernel of the distance at the start.
@@ -142,13 +142,13 @@ impl PolicyTable {
     fn add_scores_of<F: Lanes, const POLAR: bool, const ADAPTIVE: bool>(
         &self,
         (segments, errors): (&[u32], &[f32]),
-        query: &Query,
+        query: &LookAheadQuery,
         weight: f32,
         scores: &mut [[f32; LANES]],
     ) {
         let Vec3 { x, y, z } = query.target;
         let start_kernel = F::splat(query.start_kernel);
-        let targets = Targets { x: F::splat(x), y: F::splat(y), z: F::splat(z), start_kernel };
+        let targets = TargetLanes { x: F::splat(x), y: F::splat(y), z: F::splat(z), start_kernel };
         let (whole, rest) = segments.as_chunks::<LANES>();
         let (whole_errors, rest_errors) = errors.as_chunks::<LANES>();
         for ((segments, errors), scores) in whole.iter().zip(whole_errors).zip(&mut *scores) {
@@ -167,14 +167,14 @@ impl PolicyTable {
     fn add_group<F: Lanes, const POLAR: bool, const ADAPTIVE: bool>(
         &self,
         (segments, errors): (&[u32; LANES], &[f32; LANES]),
-        query: &Query,
-        targets: &Targets<F>,
+        query: &LookAheadQuery,
+        targets: &TargetLanes<F>,
         weight: f32,
         scores: &mut [f32; LANES],
     ) {
         let records = &segments.map(|s| &self.segments[s as usize]);
         let (reward, spot) = back_up::<F, POLAR>(&self.grid, &self.reward, records, targets);
-        let [_, _, discount, end] = Motions::<F>::quarter(records, 3);
+        let [_, _, discount, end] = SegmentLanes::<F>::quarter(records, 3);
         let value = if ADAPTIVE {
             self.adaptive_values::<F, POLAR>(records, &spot, query.height_number)
         } else {
@@ -196,14 +196,14 @@ impl PolicyTable {
 
     /// The part of a score that does not depend on the action.
     #[inline(always)]
-    fn query(&self, target: Vec3) -> Query {
+    fn query(&self, target: Vec3) -> LookAheadQuery {
         let (height, height_ratio) = self.grid.height_interval(target.y);
         let plane = self.grid.num_plane_cells();
         let low = height as usize * plane;
         let high = if height_ratio > 0.0 { low + plane } else { low };
         let start_kernel = self.reward.kernel((target.x * target.x + target.z * target.z).sqrt());
         let height_number = height as f32 + height_ratio;
-        Query { target, start_kernel, height_offsets: [low, high], height_ratio, height_number }
+        LookAheadQuery { target, start_kernel, height_offsets: [low, high], height_ratio, height_number }
     }
 
     /// Scores of all actions of a state for one target, in order: what [`LookAheadJob`] ranks.
@@ -238,21 +238,21 @@ impl PolicyTable {
             return Err(Error::Length { what: "scores", got: scores.len(), expected });
         }
         let mut groups = [[0.0; LANES]; MAX_GROUPS];
-        dispatch(AllScores { table: self, state, target, scores: &mut groups });
+        dispatch(ActionScoresJob { table: self, state, target, scores: &mut groups });
         scores[..segments.len()].copy_from_slice(&groups.as_flattened()[..segments.len()]);
         Ok(segments.len())
     }
 }
 
 /// Scores of all actions of a state.
-struct AllScores<'a> {
+struct ActionScoresJob<'a> {
     table: &'a PolicyTable,
     state: u32,
     target: Vec3,
     scores: &'a mut [[f32; LANES]],
 }
 
-impl Work for AllScores<'_> {
+impl LaneWork for ActionScoresJob<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -268,14 +268,14 @@ pub(super) fn check_states(states: &[u32], num_states: usize) -> Result<()> {
 
 fn check_weights(weights: &[f32]) -> Result<()> {
     let mut weights = weights.iter().enumerate();
-    weights.try_for_each(|(c, w)| check("weight", Some(Id::first(c)), *w, w.abs() <= 1e6, "between -1e6 and 1e6"))
+    weights.try_for_each(|(c, w)| check_value("weight", Some(Id::first(c)), *w, w.abs() <= 1e6, "between -1e6 and 1e6"))
 }
 
 pub(super) fn check_targets(targets: &[Vec3]) -> Result<()> {
     let is_place = |t: &Vec3| t.abs().max_element() < 1e15 && !t.is_nan();
     let Some(character) = targets.iter().position(|t| !is_place(t)) else { return Ok(()) };
     let coordinates = ["target x", "target y", "target z"].into_iter().zip(targets[character].to_array());
-    coordinates
-        .into_iter()
-        .try_for_each(|(what, v)| check(what, Some(Id::first(character)), v, v.abs() < 1e15, "finite and below 1e15 m"))
+    coordinates.into_iter().try_for_each(|(what, v)| {
+        check_value(what, Some(Id::first(character)), v, v.abs() < 1e15, "finite and below 1e15 m")
+    })
 }

@@ -20,7 +20,7 @@ pub use adaptive::{MAX_STATE_CELLS, StateGridRecord};
 pub use backup::{Backups, GroundTargets};
 pub use best_action::BestActionJob;
 pub use grid::{GridRecord, KIND_CYLINDER, KIND_POLAR, KIND_SPACE_TIME, MAX_AXIS, Stencil, TargetGrid};
-pub use look_ahead::{Goal, LookAheadJob};
+pub use look_ahead::{LookAheadGoal, LookAheadJob};
 pub use maths::{angle_of, exp_neg, nearest_index};
 pub use ranked::{MAX_RANKED, RankedActions};
 pub use region::RegionRecord;

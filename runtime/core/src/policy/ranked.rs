@@ -129,11 +129,11 @@ fn insert(keys: &mut [u64; MAX_RANKED], mut key: u64) {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use throng_base::simd::{Array, Work, dispatch};
+    use throng_base::simd::{ArrayLanes, LaneWork, dispatch};
 
     struct Rank<'a>(&'a [f32]);
 
-    impl Work for Rank<'_> {
+    impl LaneWork for Rank<'_> {
         type Output = RankedActions;
 
         fn run<F: Lanes>(self) -> RankedActions {
@@ -148,7 +148,7 @@ mod tests {
         fn ranking_equals_a_stable_sort(scores in proptest::collection::vec(-6i8..60, 1..256)) {
             let floats: Vec<f32> = scores.iter().map(|&s| f32::from(s) * 0.37).collect();
             let ranked = dispatch(Rank(&floats));
-            prop_assert_eq!(ranked, Rank(&floats).run::<Array>());
+            prop_assert_eq!(ranked, Rank(&floats).run::<ArrayLanes>());
             for k in 0..MAX_RANKED.min(scores.len()) {
                 prop_assert_eq!(ranked.scores[k], floats[usize::from(ranked.actions[k])]);
             }

@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::f32::consts::PI;
 use throng_base::Result;
-use throng_base::error::check;
+use throng_base::error::check_value;
 
 /// Targets for which a behaviour is active, in the character's frame; for others its weight is 0 (Lee and Lee 2004,
 /// section 6: the punch behaviour is activated only when the target is in the bounding box of effective hitting
@@ -41,7 +41,7 @@ impl RegionRecord {
             [("region distance", self.distance), ("region angle", self.angle), ("region height", self.height)]
         {
             let good = low <= high && low >= -1e6 && high <= 1e6;
-            check(what, None, low, good, "ascending bounds within 1e6")?;
+            check_value(what, None, low, good, "ascending bounds within 1e6")?;
         }
         Ok(())
     }

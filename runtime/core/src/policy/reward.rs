@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::f32::consts::LOG2_E;
 use throng_base::Result;
-use throng_base::error::{check, check_index};
+use throng_base::error::{check_index, check_value};
 use throng_base::simd::{Functions, Lanes};
 
 /// [`RewardRecord::combine`]: the weighted samples are added.
@@ -75,17 +75,17 @@ impl Reward {
             check_index(what, None, got as usize, kinds)?;
         }
         let scale = record.scale;
-        check("reward scale", None, scale, scale > 1e-6 && scale < 1e6, "between 1e-6 and 1e6")?;
+        check_value("reward scale", None, scale, scale > 1e-6 && scale < 1e6, "between 1e-6 and 1e6")?;
         for (what, got, low) in [
             ("reward offset", record.offset, 0.0),
             ("reward gain", record.gain, -1e3),
             ("reward height", record.height, -1e3),
         ] {
-            check(what, None, got, (low..=1e3).contains(&got), "at most 1000, offsets from 0")?;
+            check_value(what, None, got, (low..=1e3).contains(&got), "at most 1000, offsets from 0")?;
         }
         let cost = record.transition_cost;
         let good = (0.0..=1e3).contains(&cost) && (cost == 0.0 || record.gain > 0.0);
-        check("reward transition cost", None, cost, good, "0 to 1000, and 0 where the gain is not positive")?;
+        check_value("reward transition cost", None, cost, good, "0 to 1000, and 0 where the gain is not positive")?;
         let inverse_scale = record.scale.recip();
         Ok(Self { record, inverse_scale, exponent_per_metre: -LOG2_E * inverse_scale })
     }

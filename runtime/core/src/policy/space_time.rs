@@ -27,7 +27,7 @@ const _: () = assert!(size_of::<PathRecord>() == 112);
 impl PathRecord {
     /// Position at a time, linear between points (m, 0 <= time_s <= duration_s).
     #[inline]
-    pub fn at(&self, time_s: f32) -> Vec3 {
+    pub fn position_at(&self, time_s: f32) -> Vec3 {
         let t = time_s / self.duration_s * (PATH_POINTS - 1) as f32;
         let i = (t as usize).min(PATH_POINTS - 2);
         Vec3::from(self.points[i]).lerp(self.points[i + 1].into(), (t - i as f32).clamp(0.0, 1.0))
@@ -55,14 +55,14 @@ impl PolicyTable {
         if left_s < 0.0 {
             // Within a segment, the discount is that of the time that has passed.
             let discount = maths::pow(motion.discount, target.y / path.duration_s);
-            return discount * self.reward.of_event(path.at(target.y), target);
+            return discount * self.reward.of_event(path.position_at(target.y), target);
         }
-        motion.discount * self.value_in(motion.end, &self.grid, after(motion, target, left_s))
+        motion.discount * self.value_in(motion.end, &self.grid, target_after(motion, target, left_s))
     }
 }
 
 /// The target in the grid after a segment.
-fn after(motion: &SegmentRecord, target: Vec3, left_s: f32) -> Vec3 {
+fn target_after(motion: &SegmentRecord, target: Vec3, left_s: f32) -> Vec3 {
     let [x, z, _] = motion.target_after(target);
     Vec3::new(x, left_s, z)
 }

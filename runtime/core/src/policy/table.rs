@@ -9,7 +9,7 @@ use crate::format::Table;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::ops::Range;
-use throng_base::error::{check, check_index, check_length};
+use throng_base::error::{check_index, check_length, check_value};
 use throng_base::{Error, Id, Result};
 
 /// Marks an unused slot for an action.
@@ -117,13 +117,13 @@ impl ActionTable {
         let (Some(&first), Some(&last)) = (offsets.first(), offsets.last()) else {
             return Err(Error::Length { what: "action offsets", got: 0, expected: "1 or more".into() });
         };
-        check("first action offset", None, first, first == 0, "0")?;
+        check_value("first action offset", None, first, first == 0, "0")?;
         check_length("actions", segments.len(), last as usize)?;
         check_length("action errors", errors.len(), segments.len())?;
         check_numbers("action error", None, &errors, |e| (0.0..1e9).contains(&e), "a distance")?;
         for (state, pair) in offsets.windows(2).enumerate() {
             let good = pair[1] > pair[0] && (pair[1] - pair[0]) as usize <= MAX_ACTIONS;
-            check("end of the actions", Some(Id::first(state)), pair[1], good, "1 to 255 after their begin")?;
+            check_value("end of the actions", Some(Id::first(state)), pair[1], good, "1 to 255 after their begin")?;
         }
         check_indices("action segments", segments.iter().map(|&s| s as usize), num_segments)?;
         Ok(Self { offsets, segments, errors, num_segments })
@@ -152,18 +152,18 @@ impl ActionTable {
     /// Segments of a state's actions, in order (1 to 255, state < num_states).
     #[inline]
     pub fn segments_of(&self, state: u32) -> &[u32] {
-        &self.segments[self.of(state)]
+        &self.segments[self.actions_of(state)]
     }
 
     /// Distances of a state's actions from its frame, in order (1 to 255, state < num_states) (rad).
     #[inline]
     pub fn errors_of(&self, state: u32) -> &[f32] {
-        &self.errors[self.of(state)]
+        &self.errors[self.actions_of(state)]
     }
 
     /// The actions of a state.
     #[inline]
-    fn of(&self, state: u32) -> Range<usize> {
+    fn actions_of(&self, state: u32) -> Range<usize> {
         let s = state as usize;
         self.offsets[s] as usize..self.offsets[s + 1] as usize
     }
@@ -232,7 +232,7 @@ impl PolicyTable {
         let figures = [record.epsilon, record.residual];
         check_numbers("epsilon and residual", None, &figures, |v| (0.0..1e6).contains(&v), "between 0 and 1e6")?;
         for (at, &v) in slices.values.iter().enumerate() {
-            check("value", Some(Id::first(at)), v, v.abs() < 1e6, "below 1e6")?;
+            check_value("value", Some(Id::first(at)), v, v.abs() < 1e6, "below 1e6")?;
         }
         check_segments(&slices.segments, actions.num_states(), grid.is_polar())?;
         record.region.check()?;
@@ -415,7 +415,7 @@ fn check_numbers(
     is_good: impl Fn(f32) -> bool,
     expected: &'static str,
 ) -> Result<()> {
-    numbers.iter().try_for_each(|&got| check(what, who, got, is_good(got), expected))
+    numbers.iter().try_for_each(|&got| check_value(what, who, got, is_good(got), expected))
 }
 
 /// Checks that paths are finite and have a duration.
@@ -423,7 +423,13 @@ fn check_paths(paths: &[PathRecord]) -> Result<()> {
     for (at, p) in paths.iter().enumerate() {
         let who = Some(Id::first(at));
         check_numbers("path points", who, p.points.as_flattened(), |v| v.abs() < 1e6, "below 1e6")?;
-        check("path duration", who, p.duration_s, p.duration_s > 1e-6 && p.duration_s < 1e6, "between 1e-6 and 1e6")?;
+        check_value(
+            "path duration",
+            who,
+            p.duration_s,
+            p.duration_s > 1e-6 && p.duration_s < 1e6,
+            "between 1e-6 and 1e6",
+        )?;
     }
     Ok(())
 }

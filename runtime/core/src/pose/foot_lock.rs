@@ -7,8 +7,8 @@
 
 use super::hierarchy::ModelPose;
 use super::lanes::{Lane, Lane3, load, store};
-use super::leg::{Leg, NO_CORRECTION, move_leg, turn_foot};
-use super::placement::Placement;
+use super::leg::{LegJoints, NO_CORRECTION, move_leg, turn_foot};
+use super::placement::PlacementLanes;
 use throng_base::maths;
 use throng_base::simd::{LANES, Lanes, V};
 
@@ -139,10 +139,10 @@ impl LockStep {
 /// Updates the lock of one foot and moves the leg. `heel` and `toe` are 1 where that part is planted, else 0.
 #[inline(always)]
 pub(crate) fn lock_foot<F: Lanes>(
-    leg: &Leg,
+    leg: &LegJoints,
     step: &LockStep,
     planted: (Lane, Lane),
-    place: &Placement<F>,
+    place: &PlacementLanes<F>,
     lock: &mut FootLock,
     pose: &mut ModelPose<F>,
 ) {
@@ -164,7 +164,7 @@ pub(crate) fn lock_foot<F: Lanes>(
 /// Corrections of the ankle, and of the vector from there to the toe.
 #[inline(always)]
 fn update<F: Lanes>(
-    leg: &Leg,
+    leg: &LegJoints,
     step: &LockStep,
     (heel, toe_planted): (Lane, Lane),
     lock: &FootLock,
@@ -213,20 +213,20 @@ mod tests {
     use super::*;
     use crate::skeleton::Skeleton;
     use glam::Vec3;
-    use throng_base::simd::Array;
+    use throng_base::simd::ArrayLanes;
 
     /// Height over that of a flat foot of a toe that moves so fast, step by step (m).
     ///
     /// - `height`: where its clip has it (m).
     fn heights(speed_mps: f32, height: f32, planted: f32) -> Vec<f32> {
-        let (leg, dt_s) = (Leg::both(&Skeleton::default())[0], 1.0 / 60.0);
+        let (leg, dt_s) = (LegJoints::left_and_right(&Skeleton::default())[0], 1.0 / 60.0);
         let lock_step = LockStep::new(&FootLockConfig::default(), dt_s);
         let mut lock = FootLock::ZERO;
         let step = |i: i32| {
             let toe = Vec3::new(0.0, leg.toe_height + height, speed_mps * dt_s * i as f32);
-            let (ankle, toe) = (V::<Array>::splat(toe + Vec3::Y * 0.1), V::splat(toe));
+            let (ankle, toe) = (V::<ArrayLanes>::splat(toe + Vec3::Y * 0.1), V::splat(toe));
             let planted = ([0.0; LANES], [planted; LANES]);
-            let (new, turn) = update(&leg, &lock_step, planted, &lock, ankle, toe, Array::splat(0.0));
+            let (new, turn) = update(&leg, &lock_step, planted, &lock, ankle, toe, ArrayLanes::splat(0.0));
             store(&mut lock.correction, new);
             store(&mut lock.turn, turn);
             store(&mut lock.ankle, ankle);
@@ -253,16 +253,16 @@ mod tests {
     ///
     /// - `speed_mps`, `rate`: how fast it slides and turns there (m/s, rad/s).
     fn shown(speed_mps: f32, rate: f32, planted: impl Fn(i32) -> (f32, f32)) -> Vec<[Vec3; 2]> {
-        let (leg, dt_s) = (Leg::both(&Skeleton::default())[0], 1.0 / 60.0);
+        let (leg, dt_s) = (LegJoints::left_and_right(&Skeleton::default())[0], 1.0 / 60.0);
         let lock_step = LockStep::new(&FootLockConfig::default(), dt_s);
         let mut lock = FootLock::ZERO;
         let step = |i: i32| {
             let (time, (heel, ball)) = (dt_s * i as f32, planted(i));
             let ankle = Vec3::new(speed_mps * time, 0.1, 0.0);
             let toe = ankle + glam::Quat::from_rotation_y(rate * time) * Vec3::new(0.0, leg.toe_height - 0.1, 0.14);
-            let (a, t) = (V::<Array>::splat(ankle), V::splat(toe));
+            let (a, t) = (V::<ArrayLanes>::splat(ankle), V::splat(toe));
             let planted = ([heel; LANES], [ball; LANES]);
-            let (new, turn) = update(&leg, &lock_step, planted, &lock, a, t, Array::splat(0.0));
+            let (new, turn) = update(&leg, &lock_step, planted, &lock, a, t, ArrayLanes::splat(0.0));
             store(&mut lock.correction, new);
             store(&mut lock.turn, turn);
             store(&mut lock.ankle, a);

@@ -10,12 +10,12 @@ pub(crate) type Lane = [f32; LANES];
 pub(crate) type Lane3 = [Lane; 3];
 
 /// The vector of one lane.
-pub(crate) fn get(v: &Lane3, lane: usize) -> Vec3 {
+pub(crate) fn get_lane(v: &Lane3, lane: usize) -> Vec3 {
     Vec3::new(v[0][lane], v[1][lane], v[2][lane])
 }
 
 /// Writes the vector of one lane.
-pub(crate) fn set(v: &mut Lane3, lane: usize, to: Vec3) {
+pub(crate) fn set_lane(v: &mut Lane3, lane: usize, to: Vec3) {
     for (axis, value) in v.iter_mut().zip(to.to_array()) {
         axis[lane] = value;
     }
@@ -36,6 +36,6 @@ pub(crate) fn store<F: Lanes>(v: &mut Lane3, from: V<F>) {
 }
 
 /// The planar transform of one lane: x, z, heading (m, m, rad).
-pub(crate) fn planar(v: &Lane3, lane: usize) -> Planar {
+pub(crate) fn planar_of_lane(v: &Lane3, lane: usize) -> Planar {
     Planar::new(v[0][lane], v[1][lane], v[2][lane])
 }

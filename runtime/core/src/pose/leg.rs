@@ -12,7 +12,7 @@ pub(crate) const NO_CORRECTION: f32 = 1e-10;
 
 /// The joints of one leg and their lengths.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Leg {
+pub(crate) struct LegJoints {
     pub thigh: usize,
     pub shin: usize,
     pub foot: usize,
@@ -23,9 +23,9 @@ pub(crate) struct Leg {
     pub toe_height: f32,
 }
 
-impl Leg {
+impl LegJoints {
     /// Left and right leg of a skeleton.
-    pub fn both(skeleton: &Skeleton) -> [Self; 2] {
+    pub fn left_and_right(skeleton: &Skeleton) -> [Self; 2] {
         use Joint::*;
         let rest = skeleton.rest_positions();
         [[LeftThigh, LeftShin, LeftFoot, LeftToe], [RightThigh, RightShin, RightFoot, RightToe]].map(|leg| {
@@ -48,7 +48,7 @@ impl Leg {
 /// - `lengths`: of the upper and the lower part (m).
 /// - `pole`: direction of the knee; its component along the leg has no effect.
 #[inline(always)]
-pub(crate) fn bend<F: Lanes>(start: V<F>, direction: V<F>, d: F, [l1, l2]: [F; 2], pole: V<F>) -> V<F> {
+pub(crate) fn bent_middle<F: Lanes>(start: V<F>, direction: V<F>, d: F, [l1, l2]: [F; 2], pole: V<F>) -> V<F> {
     let pole = pole - direction * pole.dot(direction);
     let pole = pole * (F::splat(1.0) / pole.length().max(F::splat(1e-6)));
     let along = (l1 * l1 - l2 * l2 + d * d) / (d + d);
@@ -58,7 +58,7 @@ pub(crate) fn bend<F: Lanes>(start: V<F>, direction: V<F>, d: F, [l1, l2]: [F; 2
 
 /// Moves the ankle by `correction` (model space) and bends the leg to reach; the foot keeps its orientation.
 #[inline(always)]
-pub(crate) fn move_leg<F: Lanes>(leg: &Leg, correction: V<F>, pose: &mut ModelPose<F>) {
+pub(crate) fn move_leg<F: Lanes>(leg: &LegJoints, correction: V<F>, pose: &mut ModelPose<F>) {
     let one = F::splat(1.0);
     let (hip, knee, ankle) = (pose.positions[leg.thigh], pose.positions[leg.shin], pose.positions[leg.foot]);
     let (l1, l2) = (F::splat(leg.thigh_length), F::splat(leg.shin_length));
@@ -71,17 +71,17 @@ pub(crate) fn move_leg<F: Lanes>(leg: &Leg, correction: V<F>, pose: &mut ModelPo
 
     // The leg swings as a whole, then its knee bends in the plane it bent in before: it would point the other way where the
     // hip comes past the ankle. Where the leg is straight, it bends towards the toes.
-    let swing = Q::between(before, aim);
+    let swing = Q::rotation_between(before, aim);
     let forward = pose.rotations[leg.thigh].rotate(V::splat(glam::Vec3::Z));
     let (upper, lower) = (swing.rotate(knee - hip), swing.rotate(ankle - knee));
-    let new_knee = bend(hip, direction, d, [l1, l2], upper + swing.rotate(forward) * F::splat(0.02));
+    let new_knee = bent_middle(hip, direction, d, [l1, l2], upper + swing.rotate(forward) * F::splat(0.02));
     let new_ankle = hip + direction * d;
 
     // Lanes that need no correction keep their leg to the last bit, whatever their neighbours do.
     let amount = correction.dot(correction);
     let (thigh, shin) = (pose.rotations[leg.thigh], pose.rotations[leg.shin]);
-    pose.rotations[leg.thigh] = chosen_q(amount, thigh, Q::between(upper, new_knee - hip) * swing * thigh);
-    pose.rotations[leg.shin] = chosen_q(amount, shin, Q::between(lower, new_ankle - new_knee) * swing * shin);
+    pose.rotations[leg.thigh] = chosen_q(amount, thigh, Q::rotation_between(upper, new_knee - hip) * swing * thigh);
+    pose.rotations[leg.shin] = chosen_q(amount, shin, Q::rotation_between(lower, new_ankle - new_knee) * swing * shin);
     let toe = pose.positions[leg.toe];
     pose.positions[leg.toe] = chosen_v(amount, toe, toe + (new_ankle - ankle));
     pose.positions[leg.shin] = chosen_v(amount, knee, new_knee);
@@ -90,9 +90,9 @@ pub(crate) fn move_leg<F: Lanes>(leg: &Leg, correction: V<F>, pose: &mut ModelPo
 
 /// Turns the foot about its ankle, so that the vector to its toe changes by `turn` (model space).
 #[inline(always)]
-pub(crate) fn turn_foot<F: Lanes>(leg: &Leg, turn: V<F>, pose: &mut ModelPose<F>) {
+pub(crate) fn turn_foot<F: Lanes>(leg: &LegJoints, turn: V<F>, pose: &mut ModelPose<F>) {
     let (ankle, toe) = (pose.positions[leg.foot], pose.positions[leg.toe]);
-    let by = Q::between(toe - ankle, toe - ankle + turn);
+    let by = Q::rotation_between(toe - ankle, toe - ankle + turn);
     let amount = turn.dot(turn);
     for joint in [leg.foot, leg.toe] {
         pose.rotations[joint] = chosen_q(amount, pose.rotations[joint], by * pose.rotations[joint]);
@@ -119,11 +119,11 @@ mod tests {
     use crate::pose::sample::LanePose;
     use glam::{Quat, Vec3};
     use proptest::prelude::*;
-    use throng_base::simd::Array;
+    use throng_base::simd::ArrayLanes;
 
     /// The axis that the knee bends about, in the thigh's own frame; longer where it bends more.
-    fn hinge(leg: &Leg, pose: &ModelPose<Array>) -> Vec3 {
-        let vec = |v: V<Array>| Vec3::from_array([v.x, v.y, v.z].map(|x| x.to_array()[0]));
+    fn hinge(leg: &LegJoints, pose: &ModelPose<ArrayLanes>) -> Vec3 {
+        let vec = |v: V<ArrayLanes>| Vec3::from_array([v.x, v.y, v.z].map(|x| x.to_array()[0]));
         let [hip, knee, ankle] = [leg.thigh, leg.shin, leg.foot].map(|j| vec(pose.positions[j]));
         let thigh = pose.rotations[leg.thigh];
         let turned = Quat::from_vec4(vec(thigh.v).extend(thigh.w.to_array()[0]));
@@ -139,17 +139,17 @@ mod tests {
             to in prop::array::uniform3(-1.0f32..1.0),
         ) {
             let skeleton = Skeleton::default();
-            let leg = &Leg::both(&skeleton)[0];
-            let all = |q: Quat| Q::new(V::<Array>::splat(q.xyz()), Array::splat(q.w));
+            let leg = &LegJoints::left_and_right(&skeleton)[0];
+            let all = |q: Quat| Q::new(V::<ArrayLanes>::splat(q.xyz()), ArrayLanes::splat(q.w));
             let mut rotations = [all(Quat::IDENTITY); crate::skeleton::NUM_JOINTS];
             rotations[leg.thigh] = all(Quat::from_scaled_axis(Vec3::from_array(thigh)));
             rotations[leg.shin] = all(Quat::from_rotation_x(bent));
-            let mut pose = to_model(shared(&skeleton), LanePose { root: V::<Array>::splat(Vec3::Y), rotations });
+            let mut pose = to_model(shared(&skeleton), LanePose { root: V::<ArrayLanes>::splat(Vec3::Y), rotations });
             let before = hinge(leg, &pose);
             let [hip, ankle] = [leg.thigh, leg.foot].map(|j| pose.positions[j]);
             let aim = V::splat(Vec3::from_array(to));
             // Half a turn has no axis of its own.
-            let [was, now] = [ankle - hip, aim].map(|v| v * (Array::splat(1.0) / v.length()));
+            let [was, now] = [ankle - hip, aim].map(|v| v * (ArrayLanes::splat(1.0) / v.length()));
             prop_assume!(was.dot(now).to_array()[0] > -0.98 && aim.length().to_array()[0] > 0.15);
             move_leg(leg, aim - (ankle - hip), &mut pose);
             let after = hinge(leg, &pose);

@@ -3,7 +3,7 @@
 use throng_base::simd::{Lanes, V};
 
 /// The planar roots of eight characters, as what turns model space into world space and back.
-pub(crate) struct Placement<F> {
+pub(crate) struct PlacementLanes<F> {
     pub x: F,
     /// Height of the ground that the clip stands on, which model space contains (m).
     pub y: F,
@@ -12,7 +12,7 @@ pub(crate) struct Placement<F> {
     pub cos: F,
 }
 
-impl<F: Lanes> Placement<F> {
+impl<F: Lanes> PlacementLanes<F> {
     #[inline(always)]
     pub fn to_world(&self, p: V<F>) -> V<F> {
         V::new(self.cos * p.x + self.sin * p.z + self.x, p.y, self.cos * p.z - self.sin * p.x + self.z)

@@ -5,13 +5,13 @@
 
 use crate::format::{FrameRow, RotationCode};
 use crate::skeleton::NUM_JOINTS;
-use throng_base::simd::{Array, LANES, Lanes, Q, V};
+use throng_base::simd::{ArrayLanes, LANES, Lanes, Q, V};
 
 /// Rows that a pose is made of.
 pub(crate) const WINDOW: usize = 4;
 
 /// Frame rows and weights of eight characters.
-pub(crate) struct Cursor<'a, F> {
+pub(crate) struct FrameCursor<'a, F> {
     /// Rows that follow each other, of each.
     pub rows: [&'a [FrameRow; WINDOW]; LANES],
     /// Code by which the rotations are packed.
@@ -22,7 +22,7 @@ pub(crate) struct Cursor<'a, F> {
 
 /// Position of one character in the database: a frame row and the ratio to the next.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Spot {
+pub(crate) struct FramePosition {
     /// The row at or before.
     pub frame: usize,
     /// Ratio to the next row, 0 to 1.
@@ -31,7 +31,7 @@ pub(crate) struct Spot {
     pub has: [bool; 2],
 }
 
-impl Spot {
+impl FramePosition {
     /// First row of a window that covers all rows with a weight, and the weights in the window.
     ///
     /// - `num_rows`: of the database (>= 4).
@@ -63,10 +63,10 @@ fn weights<F: Lanes>(ratio: F) -> [F; WINDOW] {
     [-(half * t * s2), one - t2 * (a - b * t), one - s2 * (a - b * s), -(half * t2 * s)]
 }
 
-impl<'a, F: Lanes> Cursor<'a, F> {
+impl<'a, F: Lanes> FrameCursor<'a, F> {
     /// Cursor at eight positions in the rows of a database (frames.len() >= 4).
     #[inline(always)]
-    pub fn at(spots: &[Spot; LANES], frames: &'a [FrameRow], code: &'a RotationCode) -> Self {
+    pub fn at_positions(spots: &[FramePosition; LANES], frames: &'a [FrameRow], code: &'a RotationCode) -> Self {
         let mut ratio = [0.0; LANES];
         for (ratio, spot) in ratio.iter_mut().zip(spots) {
             *ratio = spot.ratio;
@@ -121,8 +121,8 @@ fn window_at(frames: &[FrameRow], first: usize) -> &[FrameRow; WINDOW] {
 }
 
 /// Samples a single number of the rows, with the same weights.
-pub(crate) fn number(spot: Spot, num_rows: usize, of: impl Fn(usize) -> f32) -> f32 {
-    let inside = weights(Array::splat(spot.ratio)).map(|w| w.to_array()[0]);
+pub(crate) fn sample_number(spot: FramePosition, num_rows: usize, of: impl Fn(usize) -> f32) -> f32 {
+    let inside = weights(ArrayLanes::splat(spot.ratio)).map(|w| w.to_array()[0]);
     let (first, weights) = match spot.has {
         [true, true] => (spot.frame - 1, inside),
         _ => spot.window(num_rows, inside),
@@ -142,11 +142,11 @@ pub(crate) struct LanePose<F> {
 ///
 /// - `height`: of the hips (m).
 #[inline(always)]
-pub(crate) fn sample<F: Lanes>(cursor: &Cursor<'_, F>, height: F) -> LanePose<F> {
+pub(crate) fn sample_pose<F: Lanes>(cursor: &FrameCursor<'_, F>, height: F) -> LanePose<F> {
     let zero = F::splat(0.0);
     let mut rotations = [Q::new(V::new(zero, zero, zero), zero); NUM_JOINTS];
     for (j, rotation) in rotations.iter_mut().enumerate() {
-        *rotation = cursor.code.between(&cursor.rows, &cursor.weights, j);
+        *rotation = cursor.code.rotations_between(&cursor.rows, &cursor.weights, j);
     }
     LanePose { root: V::new(zero, height, zero), rotations }
 }
@@ -177,14 +177,14 @@ mod tests {
             let row = |k: i64| numbers.get((at as i64 + k) as usize).copied().unwrap_or(f32::NAN);
             let terms = plain(t, has).into_iter().zip(-1..).filter(|(w, _)| *w != 0.0);
             let want: f32 = terms.map(|(w, k)| w * row(k)).sum();
-            let got = number(Spot { frame: at, ratio: t, has }, 9, |k| numbers[k]);
+            let got = sample_number(FramePosition { frame: at, ratio: t, has }, 9, |k| numbers[k]);
             prop_assert!((got - want).abs() < 1e-5, "{got} {want}");
         }
     }
 
     #[test]
     fn rows_are_met_exactly_and_a_parabola_is_kept() {
-        let at = |t: f32| weights(Array::splat(t)).map(|w| w.to_array()[0]);
+        let at = |t: f32| weights(ArrayLanes::splat(t)).map(|w| w.to_array()[0]);
         assert_eq!((at(0.0), at(1.0)), ([0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]));
         let y = |x: f32| 2.0 + x - 0.7 * x * x;
         let [a, b, c, d] = at(0.3);

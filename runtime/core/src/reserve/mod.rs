@@ -7,30 +7,30 @@
 mod path;
 
 use glam::Vec2;
-pub use path::{Moving, PathNode};
+pub use path::{PathNode, TimedPath};
 use throng_base::ground::BoxGrid;
-pub use throng_base::ground::{Bounds, Held, Outsider, Outsiders, Rod};
+pub use throng_base::ground::{Bounds2d, Capsule2d, ExternalObstacle, ExternalObstacles, ReservedRegion};
 
 const NONE: u32 = u32::MAX;
 
 /// Paths of all characters on the ground, by number.
 ///
-/// All memory is allocated in [`Reservations::with_capacity`], except for walls.
+/// All memory is allocated in [`PathReservations::with_capacity`], except for walls.
 #[derive(Clone, Debug)]
-pub struct Reservations {
+pub struct PathReservations {
     /// Most nodes of a path.
-    room: usize,
+    max_nodes: usize,
     nodes: Vec<PathNode>,
-    slots: Vec<Slot>,
+    slots: Vec<ReservationSlot>,
     grid: BoxGrid,
-    walls: Vec<(Rod, Bounds)>,
-    outsiders: Outsiders,
+    walls: Vec<(Capsule2d, Bounds2d)>,
+    external_obstacles: ExternalObstacles,
     /// Depth to which the discs of members of one group may overlap (m).
     group_depth_m: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Slot {
+struct ReservationSlot {
     num_nodes: u32,
     elapsed_s: f32,
     /// Group, whose members may come nearer to each other.
@@ -38,7 +38,7 @@ struct Slot {
     velocity: Vec2,
 }
 
-impl Slot {
+impl ReservationSlot {
     const FREE: Self = Self { num_nodes: 0, elapsed_s: 0.0, group: NONE, velocity: Vec2::ZERO };
 }
 
@@ -47,78 +47,78 @@ pub const ROUNDING_M: f32 = 0.002;
 
 /// Path that a character might take.
 #[derive(Clone, Debug, Default)]
-pub struct Path {
+pub struct ReservedPath {
     /// Nodes of the path, from now on (at least one).
     pub nodes: Vec<PathNode>,
     /// Mean velocity of its motion, for others to avoid (m/s).
     pub velocity: Vec2,
 }
 
-impl Reservations {
+impl PathReservations {
     /// Room for so many paths of up to so many nodes.
     pub fn with_capacity(capacity: usize, room: usize) -> Self {
         Self {
-            room,
+            max_nodes: room,
             // Most paths are far shorter than the longest: memory that none is written into takes no room.
             nodes: bytemuck::zeroed_vec(capacity * room),
-            slots: vec![Slot::FREE; capacity],
+            slots: vec![ReservationSlot::FREE; capacity],
             grid: BoxGrid::with_capacity(capacity),
             walls: Vec::new(),
-            outsiders: Outsiders::default(),
+            external_obstacles: ExternalObstacles::default(),
             group_depth_m: 0.0,
         }
     }
 
     /// Most nodes of a path.
-    pub fn room(&self) -> usize {
-        self.room
+    pub fn max_nodes(&self) -> usize {
+        self.max_nodes
     }
 
     /// Walls.
-    pub fn walls(&self) -> impl Iterator<Item = &Rod> {
+    pub fn walls(&self) -> impl Iterator<Item = &Capsule2d> {
         self.walls.iter().map(|w| &w.0)
     }
 
     /// Replaces the walls.
-    pub fn set_walls(&mut self, walls: &[Rod]) {
+    pub fn set_walls(&mut self, walls: &[Capsule2d]) {
         self.walls = walls.iter().map(|w| (*w, w.bounds())).collect();
     }
 
     /// External obstacles.
-    pub fn outsiders(&self) -> &Outsiders {
-        &self.outsiders
+    pub fn external_obstacles(&self) -> &ExternalObstacles {
+        &self.external_obstacles
     }
 
     /// External obstacles, to update their positions.
-    pub fn outsiders_mut(&mut self) -> &mut Outsiders {
-        &mut self.outsiders
+    pub fn external_obstacles_mut(&mut self) -> &mut ExternalObstacles {
+        &mut self.external_obstacles
     }
 
     /// Copies walls and external obstacles.
-    pub fn surround_as(&mut self, other: &Self) {
+    pub fn copy_surroundings(&mut self, other: &Self) {
         self.walls.clone_from(&other.walls);
-        self.outsiders.clone_from(&other.outsiders);
+        self.external_obstacles.clone_from(&other.external_obstacles);
     }
 
     /// Removes all paths; walls and external obstacles stay.
     pub fn clear(&mut self) {
-        self.slots.fill(Slot::FREE);
+        self.slots.fill(ReservationSlot::FREE);
         self.grid.clear();
     }
 
     /// Reserves a path in place of the previous one (who < capacity; 1 to `room` nodes).
     ///
     /// - `elapsed_s`: time since the path began (s).
-    pub fn set(&mut self, who: usize, path: &Path, elapsed_s: f32) {
-        self.nodes[who * self.room..][..path.nodes.len()].copy_from_slice(&path.nodes);
+    pub fn set(&mut self, who: usize, path: &ReservedPath, elapsed_s: f32) {
+        self.nodes[who * self.max_nodes..][..path.nodes.len()].copy_from_slice(&path.nodes);
         let (num_nodes, group) = (path.nodes.len() as u32, self.slots[who].group);
-        self.slots[who] = Slot { num_nodes, elapsed_s, group, velocity: path.velocity };
+        self.slots[who] = ReservationSlot { num_nodes, elapsed_s, group, velocity: path.velocity };
         self.grid.set(who, bounds(&path.nodes));
     }
 
     /// Removes a path; its group stays.
     pub fn remove(&mut self, who: usize) {
-        self.slots[who] = Slot { group: self.slots[who].group, ..Slot::FREE };
+        self.slots[who] = ReservationSlot { group: self.slots[who].group, ..ReservationSlot::FREE };
         self.grid.remove(who);
     }
 
@@ -138,10 +138,10 @@ impl Reservations {
     }
 
     /// Path of a character that has one.
-    pub fn path(&self, who: usize) -> Moving<'_> {
+    pub fn path(&self, who: usize) -> TimedPath<'_> {
         let slot = &self.slots[who];
-        let nodes = &self.nodes[who * self.room..][..slot.num_nodes as usize];
-        Moving { nodes, elapsed_s: slot.elapsed_s }
+        let nodes = &self.nodes[who * self.max_nodes..][..slot.num_nodes as usize];
+        TimedPath { nodes, elapsed_s: slot.elapsed_s }
     }
 
     /// Mean velocity of a character's motion (m/s).
@@ -151,8 +151,8 @@ impl Reservations {
 
     /// Calls `found` for every other character whose path has a place in the box and whose group is another one, in no
     /// order, until it returns false.
-    pub fn near(&self, who: usize, bounds: &Bounds, mut found: impl FnMut(usize) -> bool) {
-        self.grid.near(bounds, |at| at == who || self.are_together(who, at) || found(at));
+    pub fn for_each_near(&self, who: usize, bounds: &Bounds2d, mut found: impl FnMut(usize) -> bool) {
+        self.grid.visit_intersecting(bounds, |at| at == who || self.are_together(who, at) || found(at));
     }
 
     fn are_together(&self, a: usize, b: usize) -> bool {
@@ -163,21 +163,23 @@ impl Reservations {
     /// of its group are ignored while it is already too deep inside one of them.
     ///
     /// - `ago_s`: time since the start of the path, for the others (s).
-    pub fn is_clear(&self, who: usize, path: &Path, ago_s: f32) -> bool {
-        let own = Moving { nodes: &path.nodes, elapsed_s: 0.0 };
+    pub fn is_clear(&self, who: usize, path: &ReservedPath, ago_s: f32) -> bool {
+        let own = TimedPath { nodes: &path.nodes, elapsed_s: 0.0 };
         let is_deep = || !self.is_apart(who, &self.path(who), 0.0, ROUNDING_M);
-        self.meets_none(who, &own, ago_s, 0.0) && (self.is_apart(who, &own, ago_s, 0.0) || is_deep())
+        self.is_clear_of_all(who, &own, ago_s, 0.0) && (self.is_apart(who, &own, ago_s, 0.0) || is_deep())
     }
 
     /// True if a path leads no deeper into members of its group than allowed, within `slack_m` (m).
-    fn is_apart(&self, who: usize, own: &Moving<'_>, ago_s: f32, slack_m: f32) -> bool {
+    fn is_apart(&self, who: usize, own: &TimedPath<'_>, ago_s: f32, slack_m: f32) -> bool {
         let mut apart = true;
         if self.slots[who].group != NONE && !own.nodes.is_empty() {
-            self.grid.near(&bounds(own.nodes), |at| {
+            self.grid.visit_intersecting(&bounds(own.nodes), |at| {
                 if at != who && self.are_together(who, at) {
                     let other = self.path(at);
-                    apart = !own
-                        .meets(&Moving { elapsed_s: other.elapsed_s - ago_s, ..other }, -self.group_depth_m - slack_m);
+                    apart = !own.meets_path(
+                        &TimedPath { elapsed_s: other.elapsed_s - ago_s, ..other },
+                        -self.group_depth_m - slack_m,
+                    );
                 }
                 apart
             });
@@ -185,22 +187,22 @@ impl Reservations {
         apart
     }
 
-    /// True if a path that has begun meets nothing, see [`Reservations::is_clear`]; others, except members of its
+    /// True if a path that has begun meets nothing, see [`PathReservations::is_clear`]; others, except members of its
     /// group, must stay `room_m` away (m).
-    pub fn meets_none(&self, who: usize, own: &Moving<'_>, ago_s: f32, room_m: f32) -> bool {
+    pub fn is_clear_of_all(&self, who: usize, own: &TimedPath<'_>, ago_s: f32, room_m: f32) -> bool {
         let bounds = bounds(own.nodes);
-        if self.walls.iter().any(|(wall, around)| around.meets(&bounds) && own.meets_rod(wall)) {
+        if self.walls.iter().any(|(wall, around)| around.intersects(&bounds) && own.meets_capsule(wall)) {
             return false;
         }
         let mut clear = true;
-        self.near(who, &bounds, |other| {
+        self.for_each_near(who, &bounds, |other| {
             let other = self.path(other);
-            clear = !own.meets(&Moving { elapsed_s: other.elapsed_s - ago_s, ..other }, room_m);
+            clear = !own.meets_path(&TimedPath { elapsed_s: other.elapsed_s - ago_s, ..other }, room_m);
             clear
         });
         if clear {
-            self.outsiders.held_near(&bounds, |ground| {
-                clear = !own.meets_rod(ground);
+            self.external_obstacles.visit_reserved_near(&bounds, |ground| {
+                clear = !own.meets_capsule(ground);
                 clear
             });
         }
@@ -209,12 +211,12 @@ impl Reservations {
 }
 
 /// A box around the discs of a path.
-pub fn bounds(nodes: &[PathNode]) -> Bounds {
+pub fn bounds(nodes: &[PathNode]) -> Bounds2d {
     let mut before_m = 0.0f32;
-    nodes.iter().fold(Bounds::EMPTY, |b, n| {
-        let disc = Bounds::about(n.place, n.radius_m.max(before_m));
+    nodes.iter().fold(Bounds2d::EMPTY, |b, n| {
+        let disc = Bounds2d::around_disc(n.place, n.radius_m.max(before_m));
         before_m = n.radius_m;
-        b.with(disc)
+        b.union(disc)
     })
 }
 
@@ -225,15 +227,16 @@ mod tests {
 
     #[test]
     fn members_of_a_group_may_come_into_each_others_discs_as_far_as_it_allows() {
-        let at = |x: f32| Path { nodes: vec![PathNode::new(0.0, Vec2::new(x, 0.0), 0.3)], velocity: Vec2::ZERO };
-        let mut book = Reservations::with_capacity(3, 1);
+        let at =
+            |x: f32| ReservedPath { nodes: vec![PathNode::new(0.0, Vec2::new(x, 0.0), 0.3)], velocity: Vec2::ZERO };
+        let mut book = PathReservations::with_capacity(3, 1);
         book.set_group_depth(0.1);
         [(0, Some(7)), (1, Some(7)), (2, None)].into_iter().for_each(|(who, group)| book.set_group(who, group));
         book.set(0, &at(0.0), 0.0);
         assert!(book.is_clear(1, &at(0.51), 0.0) && !book.is_clear(1, &at(0.49), 0.0));
         assert!(book.is_clear(2, &at(0.61), 0.0) && !book.is_clear(2, &at(0.59), 0.0));
         let mut seen = 0;
-        book.near(1, &Bounds::about(Vec2::ZERO, 1.0), |_| {
+        book.for_each_near(1, &Bounds2d::around_disc(Vec2::ZERO, 1.0), |_| {
             seen += 1;
             true
         });
@@ -251,13 +254,13 @@ mod tests {
         /// Against a list of all paths, while paths come, change and go.
         #[test]
         fn paths_are_found_as_in_a_list(steps in proptest::collection::vec((0usize..12, -9.0f32..9.0, -9.0f32..9.0, 0.0f32..4.0, any::<bool>()), 1..60)) {
-            let mut book = Reservations::with_capacity(12, 2);
-            let mut list: Vec<Option<Path>> = vec![None; 12];
+            let mut book = PathReservations::with_capacity(12, 2);
+            let mut list: Vec<Option<ReservedPath>> = vec![None; 12];
             for (who, x, z, length, stays) in steps {
                 let node = |k: f32| PathNode::new(k, Vec2::new(x + k * length, z), 0.3);
-                let path = Path { nodes: vec![node(0.0), node(1.0)], velocity: Vec2::ZERO };
-                let own = Moving { nodes: &path.nodes, elapsed_s: 0.0 };
-                let meets = |p: &Path| own.meets(&Moving { nodes: &p.nodes, elapsed_s: 0.0 }, 0.0);
+                let path = ReservedPath { nodes: vec![node(0.0), node(1.0)], velocity: Vec2::ZERO };
+                let own = TimedPath { nodes: &path.nodes, elapsed_s: 0.0 };
+                let meets = |p: &ReservedPath| own.meets_path(&TimedPath { nodes: &p.nodes, elapsed_s: 0.0 }, 0.0);
                 let clear = !list.iter().enumerate().any(|(o, p)| o != who && p.as_ref().is_some_and(meets));
                 prop_assert_eq!(book.is_clear(who, &path, 0.0), clear);
                 if stays {

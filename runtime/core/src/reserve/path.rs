@@ -1,7 +1,7 @@
 //! Predicted path: a disc whose centre moves from node to node, evenly in time, and stays at the last one for good.
 
 use glam::Vec2;
-use throng_base::ground::{Rod, nearest_squared};
+use throng_base::ground::{Capsule2d, segment_distance_squared};
 
 /// A place at a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Zeroable)]
@@ -23,7 +23,7 @@ impl PathNode {
 
 /// Path that has begun (at least one node).
 #[derive(Clone, Copy, Debug)]
-pub struct Moving<'a> {
+pub struct TimedPath<'a> {
     /// Nodes of the path, ascending in time.
     pub nodes: &'a [PathNode],
     /// Time since it began (s).
@@ -33,19 +33,19 @@ pub struct Moving<'a> {
 /// Most nodes that one capsule of a reserved region encloses.
 const HELD_NODES: usize = 6;
 
-impl Moving<'_> {
+impl TimedPath<'_> {
     /// Largest number of capsules that a path of so many nodes reserves.
-    pub fn most_held(nodes: usize) -> usize {
+    pub fn max_reserved_regions(nodes: usize) -> usize {
         nodes.div_ceil(HELD_NODES)
     }
 
     /// Number of the node after which the path is at a time since it began.
-    fn after(&self, time_s: f32) -> usize {
+    fn node_before(&self, time_s: f32) -> usize {
         self.nodes.partition_point(|n| n.time_s <= time_s).saturating_sub(1)
     }
 
     /// Position at a time since the path began, which is after a node and not after the next one (s, m).
-    fn at(&self, node: usize, time_s: f32) -> Vec2 {
+    fn position_at(&self, node: usize, time_s: f32) -> Vec2 {
         let from = self.nodes[node];
         match self.nodes.get(node + 1) {
             Some(to) if time_s > from.time_s => {
@@ -56,26 +56,28 @@ impl Moving<'_> {
     }
 
     /// Position now (m).
-    pub fn now(&self) -> Vec2 {
-        self.at(self.after(self.elapsed_s), self.elapsed_s)
+    pub fn position_now(&self) -> Vec2 {
+        self.position_at(self.node_before(self.elapsed_s), self.elapsed_s)
     }
 
     /// True where the discs of the two come nearer to each other than `room_m`, or deeper into each other than `-room_m`, at any
     /// time from now on (m).
-    pub fn meets(&self, other: &Moving<'_>, room_m: f32) -> bool {
-        let (mut i, mut j) = (self.after(self.elapsed_s), other.after(other.elapsed_s));
-        let (mut p, mut q) = (self.at(i, self.elapsed_s), other.at(j, other.elapsed_s));
+    pub fn meets_path(&self, other: &TimedPath<'_>, room_m: f32) -> bool {
+        let (mut i, mut j) = (self.node_before(self.elapsed_s), other.node_before(other.elapsed_s));
+        let (mut p, mut q) = (self.position_at(i, self.elapsed_s), other.position_at(j, other.elapsed_s));
         loop {
             // Time from now until either path reaches its next node.
-            let left = |m: &Moving<'_>, k: usize| m.nodes.get(k + 1).map_or(f32::INFINITY, |n| n.time_s - m.elapsed_s);
+            let left =
+                |m: &TimedPath<'_>, k: usize| m.nodes.get(k + 1).map_or(f32::INFINITY, |n| n.time_s - m.elapsed_s);
             let (to_p, to_q) = (left(self, i), left(other, j));
             let until_s = to_p.min(to_q);
             let reach = (self.nodes[i].radius_m + other.nodes[j].radius_m + room_m).max(0.0);
             if until_s == f32::INFINITY {
                 return p.distance_squared(q) < reach * reach;
             }
-            let (next_p, next_q) = (self.at(i, self.elapsed_s + until_s), other.at(j, other.elapsed_s + until_s));
-            if nearest_squared(p - q, next_p - next_q) < reach * reach {
+            let (next_p, next_q) =
+                (self.position_at(i, self.elapsed_s + until_s), other.position_at(j, other.elapsed_s + until_s));
+            if segment_distance_squared(p - q, next_p - next_q) < reach * reach {
                 return true;
             }
             i += usize::from(to_p <= until_s);
@@ -85,44 +87,44 @@ impl Moving<'_> {
     }
 
     /// True where it meets what stands, at any time from now on.
-    pub fn meets_rod(&self, rod: &Rod) -> bool {
-        self.rods().any(|own| own.meets(rod))
+    pub fn meets_capsule(&self, rod: &Capsule2d) -> bool {
+        self.capsules().any(|own| own.intersects(rod))
     }
 
     /// Adds the region that it reserves from now on: a few capsules, each around some of its nodes.
-    pub fn hold(&self, out: &mut Vec<Rod>) {
-        let mut around: Option<(Rod, usize)> = None;
+    pub fn add_reserved_regions(&self, out: &mut Vec<Capsule2d>) {
+        let mut around: Option<(Capsule2d, usize)> = None;
         let mut places = [Vec2::ZERO; HELD_NODES];
-        for rod in self.rods() {
-            let (whole, n) = around.get_or_insert((Rod { to: rod.from, ..rod }, 0));
+        for rod in self.capsules() {
+            let (whole, n) = around.get_or_insert((Capsule2d { to: rod.from, ..rod }, 0));
             places[*n] = rod.to;
             *n += 1;
             whole.radius_m = whole.radius_m.max(rod.radius_m);
             whole.to = rod.to;
             if *n == HELD_NODES {
-                out.push(widened(*whole, &places[..*n]));
+                out.push(widen_capsule(*whole, &places[..*n]));
                 around = None;
             }
         }
-        out.extend(around.map(|(whole, n)| widened(whole, &places[..n])));
+        out.extend(around.map(|(whole, n)| widen_capsule(whole, &places[..n])));
     }
 
     /// Capsules of all ground that it covers from now on, from node to node.
-    pub fn rods(&self) -> impl Iterator<Item = Rod> + '_ {
-        let first = self.after(self.elapsed_s);
-        let mut from = self.now();
+    pub fn capsules(&self) -> impl Iterator<Item = Capsule2d> + '_ {
+        let first = self.node_before(self.elapsed_s);
+        let mut from = self.position_now();
         (first..self.nodes.len()).map(move |k| {
             let to = self.nodes.get(k + 1).map_or(from, |n| n.place);
-            Rod { from: std::mem::replace(&mut from, to), to, radius_m: self.nodes[k].radius_m }
+            Capsule2d { from: std::mem::replace(&mut from, to), to, radius_m: self.nodes[k].radius_m }
         })
     }
 }
 
 /// Capsule that also holds its discs about some places.
-fn widened(rod: Rod, places: &[Vec2]) -> Rod {
-    let line = Rod { radius_m: 0.0, ..rod };
-    let off = places.iter().map(|p| line.distance(*p)).fold(0.0, f32::max);
-    Rod { radius_m: rod.radius_m + off, ..rod }
+fn widen_capsule(rod: Capsule2d, places: &[Vec2]) -> Capsule2d {
+    let line = Capsule2d { radius_m: 0.0, ..rod };
+    let off = places.iter().map(|p| line.distance_to(*p)).fold(0.0, f32::max);
+    Capsule2d { radius_m: rod.radius_m + off, ..rod }
 }
 
 #[cfg(test)]
@@ -159,38 +161,38 @@ mod tests {
         #[test]
         fn held_ground_holds_all_discs((a, elapsed_s) in path()) {
             let mut held = Vec::new();
-            Moving { nodes: &a, elapsed_s }.hold(&mut held);
+            TimedPath { nodes: &a, elapsed_s }.add_reserved_regions(&mut held);
             for k in 0..900 {
                 let (at, radius) = disc(&a, elapsed_s + k as f32 * 1e-2);
-                let least = held.iter().map(|rod| rod.distance(at)).fold(f32::INFINITY, f32::min);
+                let least = held.iter().map(|rod| rod.distance_to(at)).fold(f32::INFINITY, f32::min);
                 prop_assert!(least <= -radius + 1e-4, "{} m beyond", least + radius);
             }
         }
 
         #[test]
         fn paths_meet_where_dense_sampling_says_so((a, ea) in path(), (b, eb) in path()) {
-            let (p, q) = (Moving { nodes: &a, elapsed_s: ea }, Moving { nodes: &b, elapsed_s: eb });
+            let (p, q) = (TimedPath { nodes: &a, elapsed_s: ea }, TimedPath { nodes: &b, elapsed_s: eb });
             let gap = |k: i32| {
                 let ((at, ra), (bt, rb)) = (disc(&a, ea + k as f32 * 1e-3), disc(&b, eb + k as f32 * 1e-3));
                 at.distance(bt) - ra - rb
             };
-            let (meets, gap) = (p.meets(&q, 0.0), (0..9000).map(gap).fold(f32::INFINITY, f32::min));
-            prop_assert_eq!(meets, q.meets(&p, 0.0));
+            let (meets, gap) = (p.meets_path(&q, 0.0), (0..9000).map(gap).fold(f32::INFINITY, f32::min));
+            prop_assert_eq!(meets, q.meets_path(&p, 0.0));
             prop_assert!(gap >= 0.0 || meets, "{gap} m apart, and not seen");
             // Between two samples the discs come nearer by no more than both can move.
             prop_assert!(gap <= 0.3 || !meets, "{gap} m apart, but seen");
-            prop_assert!(gap >= 0.0 || bounds(&a).meets(&bounds(&b)));
+            prop_assert!(gap >= 0.0 || bounds(&a).intersects(&bounds(&b)));
         }
 
         #[test]
         fn walls_are_met_where_dense_sampling_says_so((a, ea) in path(), ends in [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0]) {
-            let wall = Rod { from: Vec2::new(ends[0], ends[1]), to: Vec2::new(ends[2], ends[3]), radius_m: 0.1 };
+            let wall = Capsule2d { from: Vec2::new(ends[0], ends[1]), to: Vec2::new(ends[2], ends[3]), radius_m: 0.1 };
             let to_wall = |p: Vec2| (0..=300).map(|i| wall.from.lerp(wall.to, i as f32 / 300.0).distance(p)).fold(f32::INFINITY, f32::min);
             let gap = |k: i32| {
                 let (at, radius) = disc(&a, ea + k as f32 * 1e-2);
                 to_wall(at) - radius - 0.1
             };
-            let (meets, gap) = (Moving { nodes: &a, elapsed_s: ea }.meets_rod(&wall), (0..900).map(gap).fold(f32::INFINITY, f32::min));
+            let (meets, gap) = (TimedPath { nodes: &a, elapsed_s: ea }.meets_capsule(&wall), (0..900).map(gap).fold(f32::INFINITY, f32::min));
             prop_assert!(gap >= 0.0 || meets, "{gap} m apart, and not seen");
             prop_assert!(gap <= 1.7 || !meets, "{gap} m apart, but seen");
         }

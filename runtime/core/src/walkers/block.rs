@@ -12,7 +12,7 @@ const ROUNDING: f32 = 1e-3;
 
 /// Feet of eight walkers on one side.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(crate) struct Foot {
+pub(crate) struct WalkerFoot {
     /// Offset of the ankle from its position in the examples, in world space (m).
     pub offset: Lane3,
     /// Rate of the offset (m/s).
@@ -40,7 +40,7 @@ pub(crate) struct Foot {
     pub step: Lane,
 }
 
-impl Foot {
+impl WalkerFoot {
     const ZERO: Self = Self {
         offset: [[0.0; LANES]; 3],
         offset_rate: [[0.0; LANES]; 3],
@@ -58,14 +58,14 @@ impl Foot {
     };
 
     /// True where shares and cosines of a lane are within their ranges.
-    fn can_be(&self, lane: usize) -> bool {
+    fn is_sound(&self, lane: usize) -> bool {
         let is_share = |of: &Lane| (-ROUNDING..=1.0 + ROUNDING).contains(&of[lane]);
         let is_cosine = |of: &Lane| of[lane].abs() <= 1.0 + ROUNDING;
         is_share(&self.step) && is_share(&self.down) && is_cosine(&self.bent) && self.turn.iter().all(is_cosine)
     }
 
     /// Every number of the lanes.
-    fn lanes(&mut self) -> impl Iterator<Item = &mut Lane> {
+    fn all_lanes(&mut self) -> impl Iterator<Item = &mut Lane> {
         let one =
             [&mut self.down, &mut self.rise, &mut self.rise_rate, &mut self.height, &mut self.bent, &mut self.step];
         let three = [&mut self.offset, &mut self.offset_rate, &mut self.heel, &mut self.ball];
@@ -77,7 +77,7 @@ impl Foot {
 /// The state of eight walkers.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[repr(C, align(64))]
-pub(crate) struct Block {
+pub(crate) struct WalkerBlock {
     /// Planar root (x, z, heading) in the world at the last step.
     pub root: Lane3,
     /// Heading that was aimed at, at the last step (rad).
@@ -107,10 +107,10 @@ pub(crate) struct Block {
     pub placed: Lane,
     pub contacts: [Contacts; LANES],
     /// Left, right.
-    pub feet: [Foot; 2],
+    pub feet: [WalkerFoot; 2],
 }
 
-impl Block {
+impl WalkerBlock {
     pub const ZERO: Self = Self {
         root: [[0.0; LANES]; 3],
         aim: [0.0; LANES],
@@ -127,7 +127,7 @@ impl Block {
         drop_rate: [0.0; LANES],
         placed: [0.0; LANES],
         contacts: [Contacts::NONE; LANES],
-        feet: [Foot::ZERO; 2],
+        feet: [WalkerFoot::ZERO; 2],
     };
 
     /// Planar root of one lane at the last step.
@@ -136,16 +136,16 @@ impl Block {
     }
 
     /// Every number of the lanes, foot by foot.
-    fn lanes(&mut self) -> impl Iterator<Item = &mut Lane> {
+    fn all_lanes(&mut self) -> impl Iterator<Item = &mut Lane> {
         let own = [&mut self.aim, &mut self.speed, &mut self.turning, &mut self.phase, &mut self.drop];
         let own = own.into_iter().chain([&mut self.drop_rate, &mut self.base, &mut self.base_rate, &mut self.placed]);
-        own.chain(&mut self.root).chain(&mut self.travel).chain(self.feet.iter_mut().flat_map(Foot::lanes))
+        own.chain(&mut self.root).chain(&mut self.travel).chain(self.feet.iter_mut().flat_map(WalkerFoot::all_lanes))
     }
 
     /// Copies a lane of a block.
-    pub fn put(&mut self, lane: usize, from: &Self, from_lane: usize) {
+    pub fn copy_lane(&mut self, lane: usize, from: &Self, from_lane: usize) {
         let mut from = *from;
-        for (to, from) in self.lanes().zip(from.lanes()) {
+        for (to, from) in self.all_lanes().zip(from.all_lanes()) {
             to[lane] = from[from_lane];
         }
         self.parameters[lane] = from.parameters[from_lane];
@@ -155,24 +155,24 @@ impl Block {
     }
 
     /// True where a walker's numbers can be: shares and cosines within their ranges, everything finite and below 1e7.
-    pub fn can_be(&self, lane: usize) -> bool {
+    pub fn is_sound(&self, lane: usize) -> bool {
         let points = [self.parameters[lane], self.parameter_rates[lane], self.asked[lane]];
         let mut own = *self;
-        let is_near = points.iter().flatten().copied().chain(own.lanes().map(|of| of[lane])).all(|v| v.abs() < 1e7);
+        let is_near = points.iter().flatten().copied().chain(own.all_lanes().map(|of| of[lane])).all(|v| v.abs() < 1e7);
         let is_share = |of: &Lane| (-ROUNDING..=1.0 + ROUNDING).contains(&of[lane]);
-        is_near && is_share(&self.phase) && is_share(&self.placed) && self.feet.iter().all(|foot| foot.can_be(lane))
+        is_near && is_share(&self.phase) && is_share(&self.placed) && self.feet.iter().all(|foot| foot.is_sound(lane))
     }
 
     /// Moves the root of a lane elsewhere and clears the state of its feet.
-    pub fn place(&mut self, lane: usize, root: Planar) {
+    pub fn place_root(&mut self, lane: usize, root: Planar) {
         for (axis, value) in self.root.iter_mut().zip([root.x, root.z, root.heading]) {
             axis[lane] = value;
         }
         self.aim[lane] = root.heading;
         self.turning[lane] = 0.0;
         self.contacts[lane] = Contacts::NONE;
-        for (foot, mut free) in self.feet.iter_mut().zip([Foot::ZERO; 2]) {
-            foot.lanes().zip(free.lanes()).for_each(|(to, from)| to[lane] = from[lane]);
+        for (foot, mut free) in self.feet.iter_mut().zip([WalkerFoot::ZERO; 2]) {
+            foot.all_lanes().zip(free.all_lanes()).for_each(|(to, from)| to[lane] = from[lane]);
         }
     }
 }
@@ -184,10 +184,10 @@ mod tests {
     /// A step of a foot at -4096 lifts it by a power of four of that, and poses are infinite.
     #[test]
     fn shares_and_cosines_out_of_their_ranges_cannot_be() {
-        let of = |change: &dyn Fn(&mut Block)| {
-            let mut block = Block::ZERO;
+        let of = |change: &dyn Fn(&mut WalkerBlock)| {
+            let mut block = WalkerBlock::ZERO;
             change(&mut block);
-            [0, 2].map(|lane| block.can_be(lane))
+            [0, 2].map(|lane| block.is_sound(lane))
         };
         assert_eq!(of(&|_| ()), [true, true]);
         assert_eq!(of(&|b| b.feet[0].step[2] = -4096.0), [true, false]);

@@ -1,6 +1,6 @@
 //! Bodies of other sizes and proportions than the database skeleton.
 
-use crate::pose::{Lane, Lane3, set};
+use crate::pose::{Lane, Lane3, set_lane};
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 use glam::Vec3;
 use throng_base::simd::LANES;
@@ -67,23 +67,23 @@ impl LaneBody {
     };
 
     /// One body in all lanes.
-    pub fn of(body: &Skeleton) -> Self {
+    pub fn from_skeleton(body: &Skeleton) -> Self {
         let mut out = Self::ZERO;
-        (0..LANES).for_each(|lane| out.put(lane, body, body));
+        (0..LANES).for_each(|lane| out.set_body(lane, body, body));
         out
     }
 
     /// Writes a body into one lane.
-    pub fn put(&mut self, lane: usize, body: &Skeleton, database: &Skeleton) {
+    pub fn set_body(&mut self, lane: usize, body: &Skeleton, database: &Skeleton) {
         let [scale, lift] = body.hips_over(database);
         for (offset, &v) in self.offsets.iter_mut().zip(&body.offsets) {
-            set(offset, lane, v);
+            set_lane(offset, lane, v);
         }
         self.scale[lane] = scale;
         self.pace[lane] = scale.sqrt();
         self.lift[lane] = lift;
         for (side, leg) in self.legs.iter_mut().enumerate() {
-            leg.put(lane, side, scale, body, database);
+            leg.set_leg(lane, side, scale, body, database);
         }
         let length = |s: &Skeleton, j: Joint| s.offsets[j.index()].length();
         for (arm, [_, forearm, hand]) in self.arms.iter_mut().zip(ARMS) {
@@ -96,17 +96,17 @@ impl LaneBody {
 }
 
 impl LaneLeg {
-    fn put(&mut self, lane: usize, side: usize, scale: f32, body: &Skeleton, database: &Skeleton) {
+    fn set_leg(&mut self, lane: usize, side: usize, scale: f32, body: &Skeleton, database: &Skeleton) {
         let [thigh, shin, foot, toe] = LEGS[side].map(Joint::index);
         let (rest, from) = (body.rest_positions(), database.rest_positions());
         self.lengths[0][lane] = body.offsets[shin].length();
         self.lengths[1][lane] = body.offsets[foot].length();
         let wider = body.offsets[thigh].x - scale * database.offsets[thigh].x;
-        set(&mut self.ankle, lane, Vec3::new(wider, rest[foot].y - scale * from[foot].y, 0.0));
-        set(&mut self.heel, lane, body.heels()[side]);
-        set(&mut self.ball, lane, body.offsets[toe]);
+        set_lane(&mut self.ankle, lane, Vec3::new(wider, rest[foot].y - scale * from[foot].y, 0.0));
+        set_lane(&mut self.heel, lane, body.heels()[side]);
+        set_lane(&mut self.ball, lane, body.offsets[toe]);
         self.thickness[lane] = rest[toe].y;
         let tip = body.tips[1 + side];
-        set(&mut self.tip, lane, Vec3::new(tip.x, tip.y - rest[toe].y, tip.z));
+        set_lane(&mut self.tip, lane, Vec3::new(tip.x, tip.y - rest[toe].y, tip.z));
     }
 }

@@ -6,7 +6,7 @@ use crate::planar::Planar;
 use crate::skeleton::{Joint, Skeleton};
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
-use throng_base::error::{check, check_index};
+use throng_base::error::{check_index, check_value};
 use throng_base::maths;
 use throng_base::{Id, Result};
 
@@ -84,12 +84,12 @@ pub struct Control {
     /// sides and 35 degrees up and down of where the body faces (m).
     pub look_at: Option<Vec3>,
     /// Targets of the left and the right hand.
-    pub hands: [Option<Reach>; 2],
+    pub hands: [Option<HandReach>; 2],
 }
 
 /// Target of a palm, reached by turning upper arm and forearm; the hand keeps its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Reach {
+pub struct HandReach {
     /// A place in the world (m), and how far the palm is taken there (0 to 1): the trunk leans and hips sink for it as far, where
     /// the arm is too short.
     pub place: (Vec3, f32),
@@ -137,31 +137,31 @@ impl Control {
             ("look_at y", look_at.y),
             ("look_at z", look_at.z),
         ] {
-            moderate(what, Some(who), got)?;
+            check_moderate(what, Some(who), got)?;
         }
         for reach in self.hands.iter().flatten() {
             for (at, share) in [reach.place, reach.level] {
-                at.to_array().into_iter().try_for_each(|got| moderate("place of a hand", Some(who), got))?;
-                check("share of a reach", Some(who), share, (0.0..=1.0).contains(&share), "between 0 and 1")?;
+                at.to_array().into_iter().try_for_each(|got| check_moderate("place of a hand", Some(who), got))?;
+                check_value("share of a reach", Some(who), share, (0.0..=1.0).contains(&share), "between 0 and 1")?;
             }
             let both = reach.place.1 + reach.level.1;
-            check("shares of a reach", Some(who), both, both <= 1.0 + 1e-6, "at most 1 together")?;
+            check_value("shares of a reach", Some(who), both, both <= 1.0 + 1e-6, "at most 1 together")?;
         }
-        self.style.iter().try_for_each(|&got| moderate("style", Some(who), got))
+        self.style.iter().try_for_each(|&got| check_moderate("style", Some(who), got))
     }
 }
 
 impl WalkerStart {
     pub(super) fn check(&self, num_bodies: usize) -> Result<()> {
         check_index("body", None, self.body, num_bodies)?;
-        moderate("phase", None, self.phase)?;
+        check_moderate("phase", None, self.phase)?;
         check_root(None, self.root)
     }
 }
 
 pub(super) fn check_root(who: Option<Id>, root: Planar) -> Result<()> {
     for (what, got) in [("root x", root.x), ("root z", root.z), ("root heading", root.heading)] {
-        moderate(what, who, got)?;
+        check_moderate(what, who, got)?;
     }
     Ok(())
 }
@@ -171,16 +171,22 @@ impl WalkersConfig {
         for (what, got) in
             [("parameter_half_life_s", self.parameter_half_life_s), ("heading_half_life_s", self.heading_half_life_s)]
         {
-            check(what, None, got, (0.0..=10.0).contains(&got), "between 0 and 10")?;
+            check_value(what, None, got, (0.0..=10.0).contains(&got), "between 0 and 10")?;
         }
         let [slow, fast] = self.tempo;
-        check("tempo[0]", None, slow, (0.2..=1.0).contains(&slow), "between 0.2 and 1")?;
-        check("tempo[1]", None, fast, (1.0..=5.0).contains(&fast), "between 1 and 5")?;
+        check_value("tempo[0]", None, slow, (0.2..=1.0).contains(&slow), "between 0.2 and 1")?;
+        check_value("tempo[1]", None, fast, (1.0..=5.0).contains(&fast), "between 1 and 5")?;
         let rate = self.max_turning_rate;
-        check("max_turning_rate", None, rate, rate > 0.0 && rate < 1e3, "above 0 and below 1000")?;
+        check_value("max_turning_rate", None, rate, rate > 0.0 && rate < 1e3, "above 0 and below 1000")?;
         let half_life = self.foot_half_life_s;
-        check("foot_half_life_s", None, half_life, (1e-3..10.0).contains(&half_life), "between 0.001 and 10")?;
-        check("foot_reach_m", None, self.foot_reach_m, (0.01..10.0).contains(&self.foot_reach_m), "between 0.01 and 10")
+        check_value("foot_half_life_s", None, half_life, (1e-3..10.0).contains(&half_life), "between 0.001 and 10")?;
+        check_value(
+            "foot_reach_m",
+            None,
+            self.foot_reach_m,
+            (0.01..10.0).contains(&self.foot_reach_m),
+            "between 0.01 and 10",
+        )
     }
 }
 
@@ -189,16 +195,16 @@ pub(super) fn check_body(s: &Skeleton) -> Result<()> {
     let rest = s.rest_positions();
     let size = s.offsets.iter().chain(&s.tips).fold(0.0f32, |l, o| l.max(o.length()));
     let finite = s.offsets.iter().chain(&s.tips).all(|o| o.is_finite());
-    check("offset of a body's joint", None, size, finite && size < 100.0, "finite and below 100")?;
+    check_value("offset of a body's joint", None, size, finite && size < 100.0, "finite and below 100")?;
     for limb in [LEGS.map(|l| [l[1], l[2]]), ARMS.map(|a| [a[1], a[2]])].concat() {
         for joint in limb {
             let length = s.offsets[joint.index()].length();
-            check("length of a body's limb", None, length, length > 0.01, "above 0.01")?;
+            check_value("length of a body's limb", None, length, length > 0.01, "above 0.01")?;
         }
     }
     for foot in [Joint::LeftFoot, Joint::RightFoot] {
         let height = rest[foot.index()].y;
-        check(
+        check_value(
             "height of a body's ankle",
             None,
             height,
@@ -209,6 +215,6 @@ pub(super) fn check_body(s: &Skeleton) -> Result<()> {
     Ok(())
 }
 
-pub(super) fn moderate(what: &'static str, who: Option<Id>, got: f32) -> Result<()> {
-    check(what, who, got, got.abs() < FAR, "a finite number below 1e6")
+pub(super) fn check_moderate(what: &'static str, who: Option<Id>, got: f32) -> Result<()> {
+    check_value(what, who, got, got.abs() < FAR, "a finite number below 1e6")
 }

@@ -5,17 +5,17 @@
 //! of the part that bears the weight, which rolls from the heel to the ball; in the air they fade. A foot that is left
 //! too far behind takes a step. Nothing jumps at any of these moments.
 
-use super::block::Foot;
+use super::block::WalkerFoot;
 use super::body::LaneLeg;
-use super::footing::Footing;
-use super::spring::Spring;
-use crate::pose::{Lane, Placement, load, store};
+use super::footing::FootGround;
+use super::spring::DampedSpring;
+use crate::pose::{Lane, PlacementLanes, load, store};
 use throng_base::simd::{Lanes, Q, V};
 
 /// Height of the heel over the ball, as a share of the leg's scale, from which the ball alone bears (m).
 const FLAT_M: f32 = 0.005;
 /// Height over the ground from which a planted foot counts as standing (m).
-const SETTLED_M: f32 = 0.002;
+const STANDING_HEIGHT_M: f32 = 0.002;
 /// Height over the ground up to which a foot is planted (m).
 const NEAR_M: f32 = 0.06;
 /// Height that a foot is lifted to in a step of its own (m).
@@ -26,13 +26,13 @@ const LOST_M: f32 = 1.2;
 const LARGEST_TURN_COS: f32 = 0.75;
 
 /// Inputs of the placement of one foot.
-pub(crate) struct Tread<'a, F> {
+pub(crate) struct FootPlacement<'a, F> {
     pub leg: &'a LaneLeg,
-    pub place: &'a Placement<F>,
+    pub place: &'a PlacementLanes<F>,
     /// Length of the legs over those of the database skeleton.
     pub scale: F,
     /// The ground below the foot.
-    pub ground: Footing<F>,
+    pub ground: FootGround<F>,
     /// 1 where the examples have the foot on the ground.
     pub contact: F,
     /// Importance of the foot's position, 0 to 1.
@@ -42,11 +42,11 @@ pub(crate) struct Tread<'a, F> {
     /// Ticks a second; 0 for a tick of no time (1/s).
     pub rate: F,
     /// Share of a turn in the air that remains after the tick.
-    pub keep: F,
+    pub turn_left: F,
     /// Spring by which an offset fades in the air.
-    pub air: &'a Spring,
+    pub air: &'a DampedSpring,
     /// Spring by which a foot comes down to the ground.
-    pub landing: &'a Spring,
+    pub landing: &'a DampedSpring,
     /// Time of a step (s).
     pub step_s: F,
     /// Offset of a planted foot from which it takes a step (m).
@@ -57,7 +57,7 @@ pub(crate) struct Tread<'a, F> {
 
 /// A foot in model space.
 #[derive(Clone, Copy)]
-pub(crate) struct Sole<F> {
+pub(crate) struct SolePose<F> {
     pub ankle: V<F>,
     pub foot: Q<F>,
     pub toe: Q<F>,
@@ -68,9 +68,13 @@ pub(crate) type Bearing = [Lane; 2];
 
 /// Moves a foot from where the examples have it to where it goes.
 #[inline(always)]
-pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>) -> (Sole<F>, Bearing) {
+pub(crate) fn place_foot<F: Lanes>(
+    t: &FootPlacement<'_, F>,
+    foot: &mut WalkerFoot,
+    wanted: SolePose<F>,
+) -> (SolePose<F>, Bearing) {
     let (zero, one) = (F::splat(0.0), F::splat(1.0));
-    let wanted = tilt(t, wanted);
+    let wanted = tilt_sole(t, wanted);
     let (heel, ball) = (wanted.foot.rotate(load(&t.leg.heel)), wanted.foot.rotate(load(&t.leg.ball)));
     let share = ball_share(t.leg, t.scale, over_ground(t, heel), over_ground(t, ball));
     let stepping = F::select_lt(F::load(&foot.step), one, one, zero);
@@ -83,12 +87,12 @@ pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>
     let spin = about_y(turn);
     let (heel, ball) = (spin.rotate(heel), spin.rotate(ball));
     let offset = offset_of(t, foot, held, wanted.ankle, [heel, ball], share);
-    let mut sole = Sole {
+    let mut sole = SolePose {
         ankle: V::new(wanted.ankle.x + offset.x, wanted.ankle.y, wanted.ankle.z + offset.z),
         foot: spin * wanted.foot,
         toe: spin * wanted.toe,
     };
-    let [rise, left] = rise(t, foot, down, sole.ankle, [heel, ball]);
+    let [rise, left] = foot_rise(t, foot, down, sole.ankle, [heel, ball]);
     sole.ankle.y = sole.ankle.y + rise;
     sole.toe = bend_toe(t, &sole, ball);
 
@@ -96,9 +100,9 @@ pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>
     store(&mut foot.heel, t.place.to_world(sole.ankle + heel));
     store(&mut foot.ball, t.place.to_world(sole.ankle + ball));
     foot.down = down.to_array();
-    progress(t, foot, down, offset, turn[1]);
+    progress_step(t, foot, down, offset, turn[1]);
     // What still comes down does not stand yet.
-    let standing = F::select_lt(left, F::splat(SETTLED_M), held * t.ground.settled, zero);
+    let standing = F::select_lt(left, F::splat(STANDING_HEIGHT_M), held * t.ground.at_rest, zero);
     let heel = F::select_lt(share, F::splat(0.7), standing, zero);
     let ball = F::select_lt(share, F::splat(0.3), zero, standing);
     (sole, [heel.to_array(), ball.to_array()])
@@ -106,12 +110,12 @@ pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>
 
 /// Tilts the sole along the slope of the ground, in proportion to the importance of the foot's position.
 #[inline(always)]
-fn tilt<F: Lanes>(t: &Tread<'_, F>, sole: Sole<F>) -> Sole<F> {
+fn tilt_sole<F: Lanes>(t: &FootPlacement<'_, F>, sole: SolePose<F>) -> SolePose<F> {
     let [_, x, z] = t.ground.plane;
     let up = V::new(F::splat(0.0), F::splat(1.0), F::splat(0.0));
     let normal = V::new(-(x * t.importance), F::splat(1.0), -(z * t.importance));
-    let q = Q::between(up, normal);
-    Sole { foot: q * sole.foot, toe: q * sole.toe, ..sole }
+    let q = Q::rotation_between(up, normal);
+    SolePose { foot: q * sole.foot, toe: q * sole.toe, ..sole }
 }
 
 /// Share of the weight that the ball bears: 0 on the heel, a half where the foot is flat, 1 on the ball.
@@ -126,29 +130,29 @@ pub(crate) fn ball_share<F: Lanes>(leg: &LaneLeg, scale: F, heel: F, ball: F) ->
 
 /// Rise of a vector along the slope of the ground.
 #[inline(always)]
-fn over_ground<F: Lanes>(t: &Tread<'_, F>, v: V<F>) -> F {
+fn over_ground<F: Lanes>(t: &FootPlacement<'_, F>, v: V<F>) -> F {
     v.y - t.ground.plane[1] * v.x - t.ground.plane[2] * v.z
 }
 
 /// Sine and cosine of the turn about the vertical: it keeps a planted foot's direction, and fades in the air.
 #[inline(always)]
-fn turn_of<F: Lanes>(t: &Tread<'_, F>, foot: &Foot, held: F, along: V<F>) -> [F; 2] {
+fn turn_of<F: Lanes>(t: &FootPlacement<'_, F>, foot: &WalkerFoot, held: F, along: V<F>) -> [F; 2] {
     let (one, tiny) = (F::splat(1.0), F::splat(1e-6));
     let was = t.place.vector_to_model(load::<F>(&foot.ball) - load(&foot.heel));
     let lengths = ((along.x * along.x + along.z * along.z) * (was.x * was.x + was.z * was.z)).sqrt().max(tiny);
     let sin = (was.x * along.z - was.z * along.x) / lengths;
     let cos = (was.x * along.x + was.z * along.z) / lengths;
-    let fading = [F::load(&foot.turn[0]) * t.keep, one + (F::load(&foot.turn[1]) - one) * t.keep];
+    let fading = [F::load(&foot.turn[0]) * t.turn_left, one + (F::load(&foot.turn[1]) - one) * t.turn_left];
     let half = F::splat(0.5);
     let [sin, cos] = [F::select_lt(half, held, sin, fading[0]), F::select_lt(half, held, cos, fading[1])];
     let length = (sin * sin + cos * cos).sqrt();
     // Where nothing is left of the direction, there is no turn.
-    [over(sin, length, 1e-3, 0.0), over(cos, length, 1e-3, 1.0)]
+    [ratio_or(sin, length, 1e-3, 0.0), ratio_or(cos, length, 1e-3, 1.0)]
 }
 
 /// `v / length`, or something else where the length is not above `least`.
 #[inline(always)]
-pub(super) fn over<F: Lanes>(v: F, length: F, least: f32, otherwise: f32) -> F {
+pub(super) fn ratio_or<F: Lanes>(v: F, length: F, least: f32, otherwise: f32) -> F {
     F::select_lt(F::splat(least), length, v / length.max(F::splat(1e-6)), F::splat(otherwise))
 }
 
@@ -164,8 +168,8 @@ pub(crate) fn about_y<F: Lanes>([sin, cos]: [F; 2]) -> Q<F> {
 /// fast as it changed before: a foot that is let go begins to move slowly.
 #[inline(always)]
 fn offset_of<F: Lanes>(
-    t: &Tread<'_, F>,
-    foot: &mut Foot,
+    t: &FootPlacement<'_, F>,
+    foot: &mut WalkerFoot,
     held: F,
     ankle: V<F>,
     [heel, ball]: [V<F>; 2],
@@ -190,7 +194,13 @@ fn offset_of<F: Lanes>(
 /// Rise of the foot: onto the ground where it is planted, out of it anywhere, and up in a step of its own; and its
 /// height over the ground then. The rise fades in the air, so that a released foot moves up as slowly as it began.
 #[inline(always)]
-fn rise<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, down: F, ankle: V<F>, [heel, ball]: [V<F>; 2]) -> [F; 2] {
+fn foot_rise<F: Lanes>(
+    t: &FootPlacement<'_, F>,
+    foot: &mut WalkerFoot,
+    down: F,
+    ankle: V<F>,
+    [heel, ball]: [V<F>; 2],
+) -> [F; 2] {
     let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
     let below_ball = over_ground(t, ball) - F::load(&t.leg.thickness);
     let lowest = over_ground(t, heel).min(below_ball);
@@ -211,16 +221,16 @@ fn rise<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, down: F, ankle: V<F>, [heel
 
 /// Bends the toe up where its tip would go below the ground.
 #[inline(always)]
-fn bend_toe<F: Lanes>(t: &Tread<'_, F>, sole: &Sole<F>, ball: V<F>) -> Q<F> {
+fn bend_toe<F: Lanes>(t: &FootPlacement<'_, F>, sole: &SolePose<F>, ball: V<F>) -> Q<F> {
     let (zero, tip) = (F::splat(0.0), sole.toe.rotate(load(&t.leg.tip)));
     let height = sole.ankle.y + over_ground(t, ball + tip) - t.ground.plane[0];
     let bent = V::new(tip.x, tip.y - height.min(zero), tip.z);
-    Q::between(tip, bent) * sole.toe
+    Q::rotation_between(tip, bent) * sole.toe
 }
 
 /// Begins a corrective step where a planted foot has been left too far behind, or advances one.
 #[inline(always)]
-fn progress<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, down: F, offset: V<F>, turn_cos: F) {
+fn progress_step<F: Lanes>(t: &FootPlacement<'_, F>, foot: &mut WalkerFoot, down: F, offset: V<F>, turn_cos: F) {
     let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
     let step = F::load(&foot.step);
     let moved = F::select_lt(step, one, (step + t.dt_s / t.step_s).min(one), one);

@@ -4,13 +4,13 @@
 //! the slope to the side. In the air the plane follows the ground that the foot passes next, so that a foot rises
 //! before a step and never jumps. A planted foot keeps its position, and so its plane comes to rest.
 
-use super::block::Foot;
+use super::block::WalkerFoot;
 use super::body::LaneLeg;
-use super::feet::{Bearing, over};
-use super::spring::Spring;
+use super::feet::{Bearing, ratio_or};
+use super::spring::DampedSpring;
 use crate::blend::HeightField;
 use crate::planar::Planar;
-use crate::pose::{Lane3, Placement, load};
+use crate::pose::{Lane3, PlacementLanes, load};
 use glam::Vec2;
 use throng_base::simd::{LANES, Lanes, V};
 
@@ -21,7 +21,7 @@ const AHEAD_S: [f32; 2] = [0.05, 0.1];
 /// Distance of the two points whose heights give the slope to the side (m).
 const WIDTH_M: f32 = 0.1;
 /// Distance between plane and ground below which the plane counts as at rest (m).
-const SETTLED_M: f32 = 0.0015;
+const REST_HEIGHT_M: f32 = 0.0015;
 /// Distance from the ground up to which a part of a foot stands (m).
 const STANDING_M: f32 = 0.005;
 /// Points along the heading over whose mean height the hips are held, from the root (m).
@@ -35,25 +35,25 @@ const BASE_LAG_S: f32 = BASE_HALF_LIFE_S / std::f32::consts::LN_2;
 
 /// The plane below the feet of eight walkers.
 #[derive(Clone, Copy)]
-pub(crate) struct Footing<F> {
+pub(crate) struct FootGround<F> {
     /// Height below the ankle (m), and slope along x and z of model space.
     pub plane: [F; 3],
     /// 1 where the plane has come to rest on the ground, else 0.
-    pub settled: F,
+    pub at_rest: F,
 }
 
-impl<F: Lanes> Footing<F> {
+impl<F: Lanes> FootGround<F> {
     /// Level ground at height 0.
     #[inline(always)]
     pub fn level() -> Self {
-        Self { plane: [F::splat(0.0); 3], settled: F::splat(1.0) }
+        Self { plane: [F::splat(0.0); 3], at_rest: F::splat(1.0) }
     }
 }
 
 /// Position of a foot, as far as its ground depends on it.
-pub(crate) struct Over<'a, F> {
+pub(crate) struct FootState<'a, F> {
     pub leg: &'a LaneLeg,
-    pub place: &'a Placement<F>,
+    pub place: &'a PlacementLanes<F>,
     /// Ankle, heel and ball where the examples have them, in model space.
     pub ankle: V<F>,
     pub heel: V<F>,
@@ -64,16 +64,16 @@ pub(crate) struct Over<'a, F> {
     pub rate: F,
 }
 
-/// Moves the plane of a foot on; on flat ground it is [`Footing::level`].
+/// Moves the plane of a foot on; on flat ground it is [`FootGround::level`].
 ///
 /// - `springs`: how a difference to the ground fades in the air, and where the foot is planted.
 #[inline(always)]
-pub(crate) fn follow<F: Lanes>(
+pub(crate) fn follow_ground<F: Lanes>(
     ground: &HeightField,
-    over: &Over<'_, F>,
-    springs: &[Spring; 2],
-    foot: &mut Foot,
-) -> Footing<F> {
+    over: &FootState<'_, F>,
+    springs: &[DampedSpring; 2],
+    foot: &mut WalkerFoot,
+) -> FootGround<F> {
     let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
     let share = over.share;
     let offset = load::<F>(&foot.offset);
@@ -129,31 +129,31 @@ pub(crate) fn follow<F: Lanes>(
     let left = [0, 1].map(|k: usize| (plane[k] - wanted[k]).abs());
     // The part that does not bear has time.
     let left = (left[0] * (one - share)).max(left[1] * share);
-    let settled = F::select_lt(left, F::splat(SETTLED_M), one, zero);
-    Footing { plane: [height, slopes.x, slopes.z], settled }
+    let settled = F::select_lt(left, F::splat(REST_HEIGHT_M), one, zero);
+    FootGround { plane: [height, slopes.x, slopes.z], at_rest: settled }
 }
 
 /// Height of the ground over which hips are held (m): the mean along a stride, a little ahead.
 ///
 /// - `speed`: (m/s)
-pub(crate) fn base(ground: &HeightField, root: Planar, speed: f32) -> f32 {
+pub(crate) fn hips_ground_height(ground: &HeightField, root: Planar, speed: f32) -> f32 {
     let at = |along: f32| {
         let p = root.transform_point(Vec2::new(0.0, along + speed * BASE_LAG_S));
-        ground.at(p).height
+        ground.ground_at(p).height
     };
     BASE_M.iter().map(|&along| at(along)).sum::<f32>() / BASE_M.len() as f32
 }
 
 /// Keeps those parts of a foot that are on the ground, of heel and ball.
 #[inline(always)]
-pub(crate) fn standing(ground: &HeightField, leg: &LaneLeg, foot: &Foot, bearing: &mut Bearing) {
+pub(crate) fn keep_planted(ground: &HeightField, leg: &LaneLeg, foot: &WalkerFoot, bearing: &mut Bearing) {
     if ground.is_flat() {
         return;
     }
     let parts = [(&foot.heel, &[0.0; LANES]), (&foot.ball, &leg.thickness)];
     for ((part, thickness), bearing) in parts.into_iter().zip(bearing) {
         for (lane, bears) in bearing.iter_mut().enumerate() {
-            let height = ground.at(Vec2::new(part[0][lane], part[2][lane])).height + thickness[lane];
+            let height = ground.ground_at(Vec2::new(part[0][lane], part[2][lane])).height + thickness[lane];
             if *bears > 0.5 && (part[1][lane] - height).abs() > STANDING_M {
                 *bears = 0.0;
             }
@@ -165,7 +165,7 @@ pub(crate) fn standing(ground: &HeightField, leg: &LaneLeg, foot: &Foot, bearing
 #[inline(always)]
 fn level_direction<F: Lanes>(along: V<F>) -> [F; 2] {
     let length = (along.x * along.x + along.z * along.z).sqrt();
-    [over(along.x, length, 1e-4, 0.0), over(along.z, length, 1e-4, 1.0)]
+    [ratio_or(along.x, length, 1e-4, 0.0), ratio_or(along.z, length, 1e-4, 1.0)]
 }
 
 /// Horizontal distance of heel and ball of a flat foot (m).
@@ -179,6 +179,6 @@ fn level_length<F: Lanes>(heel: &Lane3, ball: &Lane3) -> F {
 #[inline(always)]
 fn heights<F: Lanes>(ground: &HeightField, x: F, z: F) -> F {
     let (x, z) = (x.to_array(), z.to_array());
-    let heights: [f32; LANES] = std::array::from_fn(|lane| ground.at(Vec2::new(x[lane], z[lane])).height);
+    let heights: [f32; LANES] = std::array::from_fn(|lane| ground.ground_at(Vec2::new(x[lane], z[lane])).height);
     F::from_array(heights)
 }

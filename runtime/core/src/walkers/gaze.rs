@@ -1,11 +1,11 @@
 //! Looking at a point: head, neck and chest turn from where the posture has them, within limits.
 
 use super::body::LaneBody;
-use crate::blend::{Posture, channel};
+use crate::blend::{BlendedPosture, channel};
 use crate::planar::{Planar, wrap_angle};
-use crate::pose::get;
+use crate::pose::get_lane;
 use crate::skeleton::Joint;
-use crate::walkers::spring::Spring;
+use crate::walkers::spring::DampedSpring;
 use glam::{Quat, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
@@ -40,18 +40,18 @@ pub(crate) struct Gaze {
 
 /// Constants of one step, shared by all gazes.
 pub(crate) struct Eyes {
-    spring: Spring,
+    spring: DampedSpring,
     dt_s: f32,
 }
 
 impl Eyes {
     pub fn new(dt_s: f32) -> Self {
-        Self { spring: Spring::new(dt_s, HALF_LIFE_S), dt_s }
+        Self { spring: DampedSpring::new(dt_s, HALF_LIFE_S), dt_s }
     }
 }
 
 /// The trunk of a posture in the facing frame.
-struct Trunk {
+struct GazeTrunk {
     /// World rotations of the chain.
     rotations: [Quat; 6],
     offsets: [Vec3; 6],
@@ -70,15 +70,15 @@ impl Gaze {
     ///
     /// - `point`: in the world, from the ground below the root (m).
     /// - `still`: how little the chest may turn, 0 to 1: what the arms do is meant to be where it is.
-    pub fn turn(
+    pub fn turn_posture(
         &mut self,
         eyes: &Eyes,
         (point, root): (Option<Vec3>, Planar),
         (body, lane): (&LaneBody, usize),
         still: f32,
-        posture: &mut Posture,
+        posture: &mut BlendedPosture,
     ) {
-        let trunk = Trunk::of(posture, body, lane);
+        let trunk = GazeTrunk::from_posture(posture, body, lane);
         let chest = CHEST * (1.0 - still);
         let forward = direction(maths::rotate(trunk.rotations[5], Vec3::Z));
         let to = point.and_then(|p| {
@@ -92,7 +92,7 @@ impl Gaze {
         let turned = trunk.turned(self.off, chest, forward);
         for k in 3..6 {
             let local = maths::compose(turned[k - 1].conjugate(), turned[k]);
-            posture.set_rotation(CHAIN[k].index(), maths::unit(local));
+            posture.set_rotation(CHAIN[k].index(), maths::normalize_or_identity(local));
         }
     }
 
@@ -102,7 +102,7 @@ impl Gaze {
         }
         let most = ACCELERATION * eyes.dt_s;
         for ((off, rate), to) in self.off.iter_mut().zip(&mut self.rate).zip(to) {
-            let (left, _) = eyes.spring.pull(*off - to, *rate);
+            let (left, _) = eyes.spring.pull_towards_zero(*off - to, *rate);
             let wanted = (to + left - *off) / eyes.dt_s;
             *rate = wanted.clamp(*rate - most, *rate + most).clamp(-RATE, RATE);
             *off += *rate * eyes.dt_s;
@@ -113,16 +113,17 @@ impl Gaze {
     }
 
     /// True where its numbers can be.
-    pub fn can_be(&self) -> bool {
+    pub fn is_sound(&self) -> bool {
         self.off.iter().all(|v| v.abs() < 10.0) && self.rate.iter().all(|v| v.abs() <= RATE)
     }
 }
 
-impl Trunk {
-    fn of(posture: &Posture, body: &LaneBody, lane: usize) -> Self {
+impl GazeTrunk {
+    fn from_posture(posture: &BlendedPosture, body: &LaneBody, lane: usize) -> Self {
         let mut rotations = CHAIN.map(|j| posture.rotation(j));
-        (1..6).for_each(|k| rotations[k] = maths::unit(maths::compose(rotations[k - 1], rotations[k])));
-        let offsets = CHAIN.map(|j| get(&body.offsets[j.index()], lane));
+        (1..6)
+            .for_each(|k| rotations[k] = maths::normalize_or_identity(maths::compose(rotations[k - 1], rotations[k])));
+        let offsets = CHAIN.map(|j| get_lane(&body.offsets[j.index()], lane));
         let hips = posture.vector(channel::HIPS) * body.scale[lane] + Vec3::Y * body.lift[lane];
         Self { rotations, offsets, hips }
     }

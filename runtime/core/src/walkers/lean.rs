@@ -5,7 +5,7 @@
 
 use super::body::{ARMS, LaneBody};
 use super::reach::soft_length;
-use crate::pose::{ModelPose, bend};
+use crate::pose::{ModelPose, bent_middle};
 use crate::skeleton::Joint;
 use glam::Vec3;
 use std::ops::RangeInclusive;
@@ -29,7 +29,7 @@ const ABOVE: [RangeInclusive<usize>; 2] =
 ///
 /// - `share`: weight with which the hand is taken there (0 to 1).
 #[inline(always)]
-pub(crate) fn sink<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, share: F, pose: &ModelPose<F>) -> F {
+pub(crate) fn hips_sink<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, share: F, pose: &ModelPose<F>) -> F {
     let (zero, tiny) = (F::splat(0.0), F::splat(1e-3));
     let [waist, shoulder] = [Joint::Spine, ARMS[side][0]].map(|j| pose.positions[j.index()]);
     let (trunk, arm): (F, F) = ((shoulder - waist).length(), soft_length(&body.arms[side]));
@@ -47,7 +47,7 @@ pub(crate) fn sink<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, share: F, p
 ///
 /// - `share`: how far the hand is taken there (0 to 1).
 #[inline(always)]
-pub(crate) fn lean<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, share: F, pose: &mut ModelPose<F>) {
+pub(crate) fn lean_trunk<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, share: F, pose: &mut ModelPose<F>) {
     let (one, tiny) = (F::splat(1.0), F::splat(1e-4));
     let arm: F = soft_length(&body.arms[side]);
     for (above, part) in ABOVE.into_iter().zip([AT_WAIST, 1.0]) {
@@ -57,9 +57,14 @@ pub(crate) fn lean<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, share: F, p
         let direction = way * (one / distance);
         let most = (length + arm) * F::splat(0.999);
         let least = (length - arm).abs() + F::splat(1e-3);
-        let aim =
-            bend(pivot, direction, distance.min(most).max(least), [length, arm], trunk + V::splat(Vec3::Z * 1e-3));
-        let turn = Q::between(trunk, aim - pivot).to_mrp();
+        let aim = bent_middle(
+            pivot,
+            direction,
+            distance.min(most).max(least),
+            [length, arm],
+            trunk + V::splat(Vec3::Z * 1e-3),
+        );
+        let turn = Q::rotation_between(trunk, aim - pivot).to_mrp();
         let angle = turn.length().max(tiny);
         let is_short = F::select_lt(arm, (to - shoulder).length(), one, F::splat(0.0));
         let kept = (F::splat(MOST) / angle).min(F::splat(part)) * share * is_short;

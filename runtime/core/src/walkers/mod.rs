@@ -2,7 +2,7 @@
 
 mod block;
 mod body;
-mod cast;
+mod character_group;
 mod config;
 mod feet;
 mod footing;
@@ -22,20 +22,20 @@ use crate::planar::Planar;
 use crate::pose::{LocalTransform, Mat3x4};
 use crate::roster::Roster;
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
-use block::Block;
+use block::WalkerBlock;
 use body::LaneBody;
-pub use cast::WalkerEvent;
-pub use config::{Control, Reach, WalkerStart, WalkersConfig};
+pub use character_group::WalkerEvent;
+pub use config::{Control, HandReach, WalkerStart, WalkersConfig};
 use gaze::Gaze;
 use glam::Vec3;
-use perform::Acting;
-pub use perform::{Part, Performance, Performing};
+use perform::PerformanceState;
+pub use perform::{Performance, PerformancePart, PerformanceProgress};
 use serde::{Deserialize, Serialize};
-use step::{RANGE_BLOCKS, Range, Tick};
+use step::{RANGE_BLOCKS, WalkerRange, WalkersTick};
 use throng_base::limits::CAPACITY;
 use throng_base::maths;
 use throng_base::simd::LANES;
-use throng_base::{Hash128, Id, Result, Run, run_each};
+use throng_base::{Executor, Hash128, Id, Result, run_each};
 
 /// Walkers of a range, which one thread handles.
 const RANGE: usize = RANGE_BLOCKS * LANES;
@@ -61,7 +61,7 @@ pub struct Walkers {
     config: WalkersConfig,
     /// Content hash of all of the above, and the capacity.
     setup: u128,
-    state: State,
+    state: WalkersState,
     bodies: Vec<LaneBody>,
     weights: Vec<f32>,
     roots: Vec<Planar>,
@@ -76,21 +76,21 @@ pub struct Walkers {
 
 /// State on which the next steps depend, row by row.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct State {
+struct WalkersState {
     roster: Roster,
     /// Number of each body.
     bodies: Vec<u32>,
     orders: Vec<Control>,
     /// True for walkers that have had an order.
     ordered: Vec<bool>,
-    acts: Vec<Act>,
-    blocks: Vec<Block>,
+    acts: Vec<WalkerActivity>,
+    blocks: Vec<WalkerBlock>,
 }
 
 /// Activity of a walker beside locomotion.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Act {
-    acting: Acting,
+struct WalkerActivity {
+    acting: PerformanceState,
     gaze: Gaze,
     /// True if its performance ended in the last step.
     has_ended: bool,
@@ -117,7 +117,7 @@ impl Walkers {
         skeletons.iter().chain([space.skeleton()]).try_for_each(config::check_body)?;
         let (blocks, stride) = (capacity.div_ceil(LANES), space.stride());
         let locals = if config.local_transforms { capacity * NUM_JOINTS } else { 0 };
-        let state = State {
+        let state = WalkersState {
             roster: Roster::with_capacity(capacity),
             bodies: Vec::with_capacity(capacity),
             orders: Vec::with_capacity(capacity),
@@ -205,13 +205,13 @@ impl Walkers {
         let row = self.row(id)?;
         performance.map_or(Ok(()), |p| p.check(self.space.activities()))?;
         let heading = self.root(row).heading;
-        self.state.acts[row].acting.perform(performance, heading);
+        self.state.acts[row].acting.set_performance(performance, heading);
         Ok(())
     }
 
     /// Performance of a walker and its progress; none while it moves as blended, or is about to (row < len).
-    pub fn performing(&self, row: usize) -> Option<Performing> {
-        self.state.acts[row].acting.performing()
+    pub fn performing(&self, row: usize) -> Option<PerformanceProgress> {
+        self.state.acts[row].acting.performance_progress()
     }
 
     /// Generic time, in 0..1 (row < len).
@@ -261,8 +261,8 @@ impl Walkers {
     }
 
     /// Moves all walkers on, range by range.
-    fn advance(&mut self, dt_s: f32, run: &dyn Run) {
-        let tick = Tick::new(&self.space, &self.config, dt_s, &self.ground);
+    fn advance(&mut self, dt_s: f32, run: &dyn Executor) {
+        let tick = WalkersTick::new(&self.space, &self.config, dt_s, &self.ground);
         let stride = self.space.stride();
         let mut locals = self.locals.chunks_mut(RANGE * NUM_JOINTS);
         let parts = self.state.blocks.chunks_mut(RANGE_BLOCKS).zip(self.bodies.chunks(RANGE_BLOCKS));
@@ -271,21 +271,21 @@ impl Walkers {
         let parts = parts.zip(self.state.acts.chunks_mut(RANGE));
         let ranges = parts.map(|((((((blocks, bodies), controls), weights), roots), model), acts)| {
             let locals = locals.next().unwrap_or_default();
-            Range { blocks, bodies, controls, acts, weights, roots, model, locals }
+            WalkerRange { blocks, bodies, controls, acts, weights, roots, model, locals }
         });
         run_each(run, ranges, |range| step::step(range, &tick));
     }
 
     /// Poses walkers as they stand, on copies of their blocks: nothing moves on.
     fn pose_rows(&mut self, rows: std::ops::Range<usize>) {
-        let tick = Tick::new(&self.space, &self.config, 0.0, &self.ground);
+        let tick = WalkersTick::new(&self.space, &self.config, 0.0, &self.ground);
         let stride = self.space.stride();
         for b in rows.start / LANES..rows.end.div_ceil(LANES) {
             let from = b * LANES;
             let count = LANES.min(self.len() - from);
             let mut block = self.state.blocks[b];
             let mut controls = [Control::default(); LANES];
-            let mut acts = [Act::default(); LANES];
+            let mut acts = [WalkerActivity::default(); LANES];
             acts[..count].copy_from_slice(&self.state.acts[from..from + count]);
             for (lane, control) in controls[..count].iter_mut().enumerate() {
                 let Planar { x, z, heading } = block.root(lane);
@@ -296,7 +296,7 @@ impl Walkers {
             let mut model = [[Mat3x4::default(); NUM_JOINTS]; LANES];
             let mut locals = [LocalTransform::default(); LANES * NUM_JOINTS];
             let num_locals = if self.config.local_transforms { count * NUM_JOINTS } else { 0 };
-            let range = Range {
+            let range = WalkerRange {
                 blocks: std::slice::from_mut(&mut block),
                 bodies: &self.bodies[b..=b],
                 controls: &mut controls[..count],
@@ -326,25 +326,25 @@ impl Walkers {
         self.model.resize(n, [Mat3x4::default(); NUM_JOINTS]);
         self.weights.resize(n * self.space.stride(), 0.0);
         self.locals.resize(if self.config.local_transforms { n * NUM_JOINTS } else { 0 }, LocalTransform::default());
-        self.state.blocks.resize(n.div_ceil(LANES), Block::ZERO);
+        self.state.blocks.resize(n.div_ceil(LANES), WalkerBlock::ZERO);
         if self.bodies.len() != n.div_ceil(LANES) {
             // Lanes without a walker have a body too, so that nothing is divided by 0.
-            self.bodies.resize(n.div_ceil(LANES), LaneBody::of(self.space.skeleton()));
+            self.bodies.resize(n.div_ceil(LANES), LaneBody::from_skeleton(self.space.skeleton()));
         }
     }
 
     /// Writes the body of a row into its lane.
     fn put_body(&mut self, row: usize) {
         let body = &self.skeletons[self.state.bodies[row] as usize];
-        self.bodies[row / LANES].put(row % LANES, body, self.space.skeleton());
+        self.bodies[row / LANES].set_body(row % LANES, body, self.space.skeleton());
     }
 
     fn find_setup(&self, capacity: usize) -> u128 {
         let mut hash = Hash128::default();
-        hash.bytes(&self.space.hash().to_le_bytes());
-        hash.word(capacity as u64);
-        let rest = (self.space.name(), self.space.activities().all(), &self.config, &self.skeletons);
-        hash.bytes(format!("{rest:?}").as_bytes());
+        hash.add_bytes(&self.space.hash().to_le_bytes());
+        hash.add_word(capacity as u64);
+        let rest = (self.space.name(), self.space.activities().activities(), &self.config, &self.skeletons);
+        hash.add_bytes(format!("{rest:?}").as_bytes());
         self.ground.hash(&mut hash);
         hash.finish()
     }

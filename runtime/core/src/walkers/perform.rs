@@ -4,9 +4,9 @@
 //! standing feet stay in place. A spring pulls the share, so that its rate never jumps.
 
 use super::Control;
-use super::block::Block;
-use super::spring::Spring;
-use crate::blend::{Activity, ActivityId, ActivitySet, AxisRecord, MAX_AXES, Posture, Sample, axis};
+use super::block::WalkerBlock;
+use super::spring::DampedSpring;
+use crate::blend::{Activity, ActivityId, ActivitySample, ActivitySet, AxisRecord, BlendedPosture, MAX_AXES, axis};
 use crate::planar::wrap_angle;
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
@@ -37,18 +37,18 @@ pub struct Performance {
 
 /// Progress of a performance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Performing {
+pub struct PerformanceProgress {
     /// The activity.
     pub activity: ActivityId,
     /// Current part of the performance.
-    pub part: Part,
+    pub part: PerformancePart,
     /// Time within the activity; 0 until it begins (s).
     pub seconds: f32,
 }
 
 /// A part of a performance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Part {
+pub enum PerformancePart {
     /// No performance: the body moves as blended.
     #[default]
     Idle,
@@ -66,9 +66,9 @@ pub enum Part {
 
 /// The performance of one walker.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Acting {
+pub(crate) struct PerformanceState {
     activity: u32,
-    part: Part,
+    part: PerformancePart,
     /// Heading that the body keeps (rad).
     heading: f32,
     /// Time within the activity, and within what is left behind (s).
@@ -86,20 +86,20 @@ pub(crate) struct Acting {
 }
 
 /// Constants of one step, shared by all performances.
-pub(crate) struct Stage<'a> {
+pub(crate) struct PerformanceInputs<'a> {
     pub activities: &'a ActivitySet,
     axes: &'a [AxisRecord],
-    spring: Spring,
+    spring: DampedSpring,
     dt_s: f32,
 }
 
-impl<'a> Stage<'a> {
+impl<'a> PerformanceInputs<'a> {
     pub fn new(activities: &'a ActivitySet, axes: &'a [AxisRecord], dt_s: f32) -> Self {
-        Self { activities, axes, spring: Spring::new(dt_s, HALF_LIFE_S), dt_s }
+        Self { activities, axes, spring: DampedSpring::new(dt_s, HALF_LIFE_S), dt_s }
     }
 
     /// True where a body neither moves nor turns.
-    fn stands(&self, speed: f32, turning: f32, parameters: &[f32; MAX_AXES]) -> bool {
+    fn stands_still(&self, speed: f32, turning: f32, parameters: &[f32; MAX_AXES]) -> bool {
         let still = |(p, a): (&f32, &AxisRecord)| match a.kind {
             axis::SPEED | axis::SIDE => p.abs() < STANDING_MPS,
             axis::GYRATION => p.abs() < TURNING,
@@ -109,54 +109,64 @@ impl<'a> Stage<'a> {
     }
 }
 
-impl Acting {
+impl PerformanceState {
     /// Begins, ends or changes the performance.
     ///
     /// - `heading`: of the body (rad).
-    pub fn perform(&mut self, order: Option<Performance>, heading: f32) {
+    pub fn set_performance(&mut self, order: Option<Performance>, heading: f32) {
         self.next = None;
         match (self.part, order) {
-            (Part::Idle | Part::Turn, Some(p)) => self.begin(p, heading),
-            (Part::Idle | Part::Fade, None) => {}
-            (Part::Turn, None) => *self = Self::default(),
+            (PerformancePart::Idle | PerformancePart::Turn, Some(p)) => self.begin_performance(p, heading),
+            (PerformancePart::Idle | PerformancePart::Fade, None) => {}
+            (PerformancePart::Turn, None) => *self = Self::default(),
             (_, order) => (self.next, self.is_ending) = (order, true),
         }
     }
 
-    fn begin(&mut self, p: Performance, heading: f32) {
+    fn begin_performance(&mut self, p: Performance, heading: f32) {
         let heading = p.heading.unwrap_or(heading);
-        *self = Self { activity: p.activity.0, part: Part::Turn, heading, ..Self::default() };
+        *self = Self { activity: p.activity.0, part: PerformancePart::Turn, heading, ..Self::default() };
     }
 
     /// Progress of the performance; none where there is no performance.
-    pub fn performing(&self) -> Option<Performing> {
-        let is_on = !matches!(self.part, Part::Idle | Part::Fade);
-        is_on.then_some(Performing { activity: ActivityId(self.activity), part: self.part, seconds: self.seconds })
+    pub fn performance_progress(&self) -> Option<PerformanceProgress> {
+        let is_on = !matches!(self.part, PerformancePart::Idle | PerformancePart::Fade);
+        is_on.then_some(PerformanceProgress {
+            activity: ActivityId(self.activity),
+            part: self.part,
+            seconds: self.seconds,
+        })
     }
 
     /// True where there is nothing to do.
     #[inline(always)]
     pub fn is_idle(&self) -> bool {
-        self.part == Part::Idle
+        self.part == PerformancePart::Idle
     }
 
     /// Order for steering while a body performs: it stands and keeps its heading.
-    pub fn lead(&self, control: &Control, stage: &Stage<'_>) -> Control {
-        if self.performing().is_none() || walks(control) && !self.holds(stage) {
+    pub fn steering_order(&self, control: &Control, stage: &PerformanceInputs<'_>) -> Control {
+        if self.performance_progress().is_none() || walks(control) && !self.must_stand_up(stage) {
             return *control;
         }
         Control { velocity: Vec2::ZERO, heading: Some(self.heading), turning_rate: None, ..*control }
     }
 
     /// True if the body sits, or is about to, and has to stand up first.
-    fn holds(&self, stage: &Stage<'_>) -> bool {
-        self.part != Part::Turn && stage.activities.get(ActivityId(self.activity)).is_some_and(|a| a.is_seated)
+    fn must_stand_up(&self, stage: &PerformanceInputs<'_>) -> bool {
+        self.part != PerformancePart::Turn
+            && stage.activities.get(ActivityId(self.activity)).is_some_and(|a| a.is_seated)
     }
 
     /// Moves time on, once the body was steered.
     ///
     /// - returns true where the performance has ended.
-    pub fn advance(&mut self, stage: &Stage<'_>, control: &Control, (block, lane): (&Block, usize)) -> bool {
+    pub fn advance(
+        &mut self,
+        stage: &PerformanceInputs<'_>,
+        control: &Control,
+        (block, lane): (&WalkerBlock, usize),
+    ) -> bool {
         let Some(activity) = stage.activities.get(ActivityId(self.activity)) else {
             *self = Self::default();
             return false;
@@ -164,34 +174,38 @@ impl Acting {
         if stage.dt_s == 0.0 {
             return false;
         }
-        let was_on = self.performing().is_some();
+        let was_on = self.performance_progress().is_some();
         match self.part {
-            Part::Turn => {
+            PerformancePart::Turn => {
                 let left = wrap_angle(self.heading - block.root[2][lane]);
-                let stands = stage.stands(block.speed[lane], block.turning[lane], &block.parameters[lane]);
+                let stands = stage.stands_still(block.speed[lane], block.turning[lane], &block.parameters[lane]);
                 if walks(control) {
                     *self = Self::default();
                 } else if left.abs() < TURNED && stands {
-                    self.part = Part::Begin;
+                    self.part = PerformancePart::Begin;
                 }
             }
-            _ => self.play(activity, walks(control), stage.dt_s),
+            _ => self.advance_activity(activity, walks(control), stage.dt_s),
         }
-        let aim = if matches!(self.part, Part::Begin | Part::Loop | Part::End) { 1.0 } else { 0.0 };
-        let (off, rate) = stage.spring.pull(self.share - aim, self.rate);
+        let aim = if matches!(self.part, PerformancePart::Begin | PerformancePart::Loop | PerformancePart::End) {
+            1.0
+        } else {
+            0.0
+        };
+        let (off, rate) = stage.spring.pull_towards_zero(self.share - aim, self.rate);
         (self.share, self.rate) = ((aim + off).clamp(0.0, 1.0), rate);
-        if self.part == Part::Fade && self.share < GONE {
+        if self.part == PerformancePart::Fade && self.share < GONE {
             let next = self.next;
             *self = Self::default();
             if let Some(next) = next {
-                self.begin(next, block.root[2][lane]);
+                self.begin_performance(next, block.root[2][lane]);
             }
         }
-        was_on && self.performing().is_none()
+        was_on && self.performance_progress().is_none()
     }
 
     /// Moves on within the activity.
-    fn play(&mut self, activity: &Activity, walks: bool, dt_s: f32) {
+    fn advance_activity(&mut self, activity: &Activity, walks: bool, dt_s: f32) {
         let end = activity.duration_s;
         self.seconds = (self.seconds + dt_s).min(end);
         self.left = (self.left + dt_s).min(end);
@@ -199,47 +213,51 @@ impl Acting {
         self.is_ending |= walks;
         let leaves = self.is_ending && !activity.is_seated && (walks || activity.looped_s.is_none());
         match (self.part, activity.looped_s) {
-            (Part::Fade, _) => {}
-            (Part::Begin | Part::Loop | Part::End, _) if leaves => self.part = Part::Fade,
-            (Part::Begin, Some([from, _])) if self.seconds >= from => self.part = Part::Loop,
-            (Part::Loop, Some([_, to])) if self.is_ending && (self.cross == 0.0 || self.seconds >= to) => {
-                if self.seconds < to {
-                    self.jump(to);
-                }
-                self.part = Part::End;
+            (PerformancePart::Fade, _) => {}
+            (PerformancePart::Begin | PerformancePart::Loop | PerformancePart::End, _) if leaves => {
+                self.part = PerformancePart::Fade
             }
-            (Part::Loop, Some([from, to])) if self.seconds >= to => self.jump(from + (self.seconds - to)),
-            (Part::Begin, None) | (Part::End, _) if self.seconds >= activity.fades_s() => self.part = Part::Fade,
+            (PerformancePart::Begin, Some([from, _])) if self.seconds >= from => self.part = PerformancePart::Loop,
+            (PerformancePart::Loop, Some([_, to])) if self.is_ending && (self.cross == 0.0 || self.seconds >= to) => {
+                if self.seconds < to {
+                    self.jump_to(to);
+                }
+                self.part = PerformancePart::End;
+            }
+            (PerformancePart::Loop, Some([from, to])) if self.seconds >= to => self.jump_to(from + (self.seconds - to)),
+            (PerformancePart::Begin, None) | (PerformancePart::End, _) if self.seconds >= activity.fades_s() => {
+                self.part = PerformancePart::Fade
+            }
             _ => {}
         }
     }
 
     /// Continues at another time of the activity; the previous pose fades.
-    fn jump(&mut self, to: f32) {
+    fn jump_to(&mut self, to: f32) {
         (self.left, self.seconds, self.cross) = (self.seconds, to, 1.0);
     }
 
     /// Mixes the performance into a blended posture.
     ///
     /// - returns its share.
-    pub fn lay(&self, activities: &ActivitySet, posture: &mut Posture) -> f32 {
+    pub fn overlay_posture(&self, activities: &ActivitySet, posture: &mut BlendedPosture) -> f32 {
         let Some(activity) = activities.get(ActivityId(self.activity)).filter(|_| self.share > 0.0) else { return 0.0 };
-        activities.lay(&self.sample(activities, activity), self.share, posture);
+        activities.overlay_sample(&self.sample(activities, activity), self.share, posture);
         self.share
     }
 
-    fn sample(&self, activities: &ActivitySet, activity: &Activity) -> Sample {
-        let now = activities.sample(activity, self.seconds);
+    fn sample(&self, activities: &ActivitySet, activity: &Activity) -> ActivitySample {
+        let now = activities.sample_activity(activity, self.seconds);
         if self.cross == 0.0 {
             return now;
         }
         let eased = self.cross * self.cross * (3.0 - 2.0 * self.cross);
-        now.mix(&activities.sample(activity, self.left), eased)
+        now.mix(&activities.sample_activity(activity, self.left), eased)
     }
 
     /// Continues the performance with other activities; it is given up where none has its name.
     pub fn adopt(&mut self, old: &ActivitySet, new: &ActivitySet) {
-        let now = old.get(ActivityId(self.activity)).and_then(|a| new.named(&a.name).ok());
+        let now = old.get(ActivityId(self.activity)).and_then(|a| new.find_activity(&a.name).ok());
         match now {
             Some(now) if self.next.is_none() => self.activity = now.0,
             _ => *self = Self::default(),
@@ -247,14 +265,14 @@ impl Acting {
     }
 
     /// True where its numbers can be.
-    pub fn can_be(&self, activities: &ActivitySet) -> bool {
-        if self.part == Part::Idle {
+    pub fn is_sound(&self, activities: &ActivitySet) -> bool {
+        if self.part == PerformancePart::Idle {
             return *self == Self::default();
         }
         let Some(activity) = activities.get(ActivityId(self.activity)) else { return false };
         let times = [self.seconds, self.left].iter().all(|t| (0.0..=activity.duration_s).contains(t));
         let shares = [self.cross, self.share].iter().all(|s| (0.0..=1.0).contains(s));
-        let part = activity.looped_s.is_some() || !matches!(self.part, Part::Loop | Part::End);
+        let part = activity.looped_s.is_some() || !matches!(self.part, PerformancePart::Loop | PerformancePart::End);
         let next = self.next.is_none_or(|n| n.check(activities).is_ok());
         times && shares && part && next && self.heading.abs() < 1e6 && self.rate.abs() < 1e3
     }
@@ -273,8 +291,8 @@ impl Performance {
     /// # Errors
     /// [`throng_base::Error::Index`], [`throng_base::Error::Value`].
     pub(super) fn check(&self, activities: &ActivitySet) -> throng_base::Result<()> {
-        throng_base::error::check_index("activity", None, self.activity.0 as usize, activities.all().len())?;
-        super::config::moderate("heading", None, self.heading.unwrap_or(0.0))
+        throng_base::error::check_index("activity", None, self.activity.0 as usize, activities.activities().len())?;
+        super::config::check_moderate("heading", None, self.heading.unwrap_or(0.0))
     }
 }
 

@@ -1,13 +1,13 @@
 //! Reaching: hips low enough for both legs, then legs and arms by analytic inverse kinematics.
 
-use super::block::{Block, Foot};
+use super::block::{WalkerBlock, WalkerFoot};
 use super::body::{ARMS, LEGS, LaneBody};
-use super::feet::{Bearing, Sole};
-use super::lean::{lean, sink};
-use super::spring::Spring;
-use super::{Control, Reach};
+use super::feet::{Bearing, SolePose};
+use super::lean::{hips_sink, lean_trunk};
+use super::spring::DampedSpring;
+use super::{Control, HandReach};
 use crate::hits::FIST_PER_FOREARM;
-use crate::pose::{Lane, ModelPose, bend, load};
+use crate::pose::{Lane, ModelPose, bent_middle, load};
 use crate::skeleton::NUM_JOINTS;
 use glam::{Vec2, Vec3};
 use throng_base::simd::{Functions, LANES, Lanes, Q, V};
@@ -32,11 +32,11 @@ const LOWEST_M: f32 = 0.08;
 /// - `spring`: how a difference to what is needed fades.
 /// - `sunk`: how low hips are at least, for what hands reach for (m).
 #[inline(always)]
-pub(crate) fn lower<F: Lanes>(
+pub(crate) fn lower_body<F: Lanes>(
     body: &LaneBody,
-    soles: &[Sole<F>; 2],
+    soles: &[SolePose<F>; 2],
     importance: [F; 2],
-    ([drop_before, drop_rate], spring): ([&mut Lane; 2], &Spring),
+    ([drop_before, drop_rate], spring): ([&mut Lane; 2], &DampedSpring),
     sunk: F,
     pose: &mut ModelPose<F>,
 ) {
@@ -64,10 +64,10 @@ pub(crate) fn lower<F: Lanes>(
 ///
 /// - `bearing`: its heel no longer bears where it has risen.
 #[inline(always)]
-pub(crate) fn tiptoe<F: Lanes>(
+pub(crate) fn raise_heel<F: Lanes>(
     body: &LaneBody,
     side: usize,
-    sole: &mut Sole<F>,
+    sole: &mut SolePose<F>,
     bearing: &mut Bearing,
     pose: &ModelPose<F>,
 ) {
@@ -85,9 +85,9 @@ pub(crate) fn tiptoe<F: Lanes>(
     let from_ball = hip - ball;
     let distance = from_ball.length().max(tiny);
     let d = distance.min((foot + wanted) * F::splat(HARD));
-    let ankle = bend(ball, from_ball * (one / distance), d, [foot, wanted], sole.ankle - ball);
+    let ankle = bent_middle(ball, from_ball * (one / distance), d, [foot, wanted], sole.ankle - ball);
     let ankle = V::select_lt(reach, leg_now, ankle, sole.ankle);
-    let raised = Q::between(V::new(zero, zero, zero) - to_ball, ankle - ball);
+    let raised = Q::rotation_between(V::new(zero, zero, zero) - to_ball, ankle - ball);
     let risen = ankle.y - sole.ankle.y;
     bearing[0] = F::select_lt(F::splat(LIFTED_M), risen, zero, F::load(&bearing[0])).to_array();
     sole.foot = raised * sole.foot;
@@ -96,7 +96,7 @@ pub(crate) fn tiptoe<F: Lanes>(
 
 /// 1 where a leg, the hips lowered as they are, is too short for its foot by more than what cannot be seen, else 0.
 #[inline(always)]
-pub(crate) fn stretched<F: Lanes>(body: &LaneBody, side: usize, sole: &Sole<F>, pose: &ModelPose<F>) -> F {
+pub(crate) fn is_stretched<F: Lanes>(body: &LaneBody, side: usize, sole: &SolePose<F>, pose: &ModelPose<F>) -> F {
     let leg = &body.legs[side];
     let reach = (F::load(&leg.lengths[0]) + F::load(&leg.lengths[1])) * F::splat(STRETCH);
     let distance = (sole.ankle - pose.positions[LEGS[side][0].index()]).length();
@@ -111,19 +111,19 @@ pub(crate) fn stretched<F: Lanes>(body: &LaneBody, side: usize, sole: &Sole<F>, 
 pub(crate) fn slow_knee<F: Lanes>(
     body: &LaneBody,
     side: usize,
-    (foot, sole): (&mut Foot, &mut Sole<F>),
+    (foot, sole): (&mut WalkerFoot, &mut SolePose<F>),
     change: F,
     pose: &ModelPose<F>,
 ) {
     let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
-    let lengths = both(&body.legs[side].lengths);
+    let lengths = pair_lengths(&body.legs[side].lengths);
     let (longest, shortest) = (lengths[0] + lengths[1], lengths[0] - lengths[1]);
     let room = longest * longest - shortest * shortest;
     let hip = pose.positions[LEGS[side][0].index()];
     let way = sole.ankle - hip;
     let distance = way.length().max(F::splat(1e-4));
     // The cosine of half the angle at the knee: 0 where the leg is straight.
-    let reached = soft(distance, lengths);
+    let reached = soft_distance(distance, lengths);
     let aim = ((longest * longest - reached * reached) / room).max(zero).min(one).sqrt();
     let was = F::load(&foot.bent);
     let most = half * change * (one - was * was).max(F::splat(0.01)).sqrt();
@@ -137,12 +137,12 @@ pub(crate) fn slow_knee<F: Lanes>(
 
 /// Bends a leg so that its foot lies where it goes.
 #[inline(always)]
-pub(crate) fn reach_foot<F: Lanes>(body: &LaneBody, side: usize, sole: &Sole<F>, pose: &mut ModelPose<F>) {
+pub(crate) fn reach_foot<F: Lanes>(body: &LaneBody, side: usize, sole: &SolePose<F>, pose: &mut ModelPose<F>) {
     let [thigh, shin, foot, toe] = LEGS[side].map(|j| j.index());
-    let lengths = both(&body.legs[side].lengths);
+    let lengths = pair_lengths(&body.legs[side].lengths);
     // Where the leg is straight, it bends towards the toes.
     let hint = pose.rotations[thigh].rotate(V::splat(Vec3::Z * 0.06));
-    reach([thigh, shin, foot], lengths, hint, sole.ankle, pose);
+    reach_with_limb([thigh, shin, foot], lengths, hint, sole.ankle, pose);
     pose.rotations[foot] = sole.foot;
     pose.rotations[toe] = sole.toe;
     pose.positions[toe] = pose.positions[foot] + sole.foot.rotate(load(&body.offsets[toe]));
@@ -154,11 +154,11 @@ pub(crate) fn reach_foot<F: Lanes>(body: &LaneBody, side: usize, sole: &Sole<F>,
 #[inline(always)]
 pub(crate) fn reach_hand<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, touch: F, pose: &mut ModelPose<F>) {
     let arm = ARMS[side].map(|j| j.index());
-    let lengths = both(&body.arms[side]);
+    let lengths = pair_lengths(&body.arms[side]);
     let hint = pose.rotations[arm[0]].rotate(V::splat(Vec3::NEG_Z * 0.02));
     let hand = pose.positions[arm[2]];
     let before = arm.map(|j| (pose.positions[j], pose.rotations[j]));
-    reach(arm, lengths, hint, hand + (to - hand) * touch, pose);
+    reach_with_limb(arm, lengths, hint, hand + (to - hand) * touch, pose);
     // Arms without a target stay as they are, whatever the other lanes do.
     let zero = F::splat(0.0);
     for (j, (position, rotation)) in arm.into_iter().zip(before) {
@@ -179,7 +179,7 @@ pub(crate) struct Hands {
 
 impl Hands {
     /// Hand targets of the characters of a block; none where no hand has one.
-    pub fn of(controls: &[Control], block: &Block) -> Option<Self> {
+    pub fn from_orders(controls: &[Control], block: &WalkerBlock) -> Option<Self> {
         if controls.iter().all(|c| c.hands == [None; 2]) {
             return None;
         }
@@ -187,7 +187,7 @@ impl Hands {
         let mut out = Self { place: none, to: none };
         for (lane, control) in controls.iter().enumerate() {
             for (side, reach) in control.hands.iter().enumerate() {
-                let Some(Reach { place: (place, near), level: (level, raised) }) = *reach else { continue };
+                let Some(HandReach { place: (place, near), level: (level, raised) }) = *reach else { continue };
                 let flat = block.root(lane).inverse_transform_point(Vec2::new(place.x, place.z));
                 let place = Vec3::new(flat.x, place.y, flat.y);
                 let level = level + Vec3::Y * block.base[lane];
@@ -206,25 +206,25 @@ impl Hands {
 
     /// Distance by which hips sink so that hands reach low targets (m).
     #[inline(always)]
-    pub fn sink<F: Lanes>(&self, body: &LaneBody, pose: &ModelPose<F>) -> F {
+    pub fn hips_sink<F: Lanes>(&self, body: &LaneBody, pose: &ModelPose<F>) -> F {
         let of = |side: usize| {
             let (place, share) = &self.place[side];
-            sink(body, side, wrist(body, side, place, pose), F::load(share), pose)
+            hips_sink(body, side, wrist(body, side, place, pose), F::load(share), pose)
         };
         of(0).max(of(1))
     }
 
     /// Bends arms so that palms lie there, and leans where they are too short.
     #[inline(always)]
-    pub fn reach<F: Lanes>(&self, body: &LaneBody, pose: &mut ModelPose<F>) {
+    pub fn reach_places<F: Lanes>(&self, body: &LaneBody, pose: &mut ModelPose<F>) {
         let wrists = [0, 1].map(|side| [&self.place, &self.to].map(|of| wrist(body, side, &of[side].0, pose)));
         let arms = ARMS.map(|arm| arm.map(|j| (pose.positions[j.index()], pose.rotations[j.index()])));
         for (side, [place, _]) in wrists.iter().enumerate() {
-            lean(body, side, *place, F::load(&self.place[side].1), pose);
+            lean_trunk(body, side, *place, F::load(&self.place[side].1), pose);
         }
         let leans = F::load(&self.place[0].1).max(F::load(&self.place[1].1));
         for (joints, arm) in ARMS.into_iter().zip(arms) {
-            hang(joints.map(|j| j.index()), &arm, leans, pose);
+            hang_arm(joints.map(|j| j.index()), &arm, leans, pose);
         }
         for (side, &[_, to]) in wrists.iter().enumerate() {
             let share = F::load(&self.to[side].1);
@@ -238,7 +238,7 @@ impl Hands {
 /// - `arm`: positions and rotations before the trunk leaned.
 /// - `leans`: how far it leans; where it does not, nothing is changed.
 #[inline(always)]
-fn hang<F: Lanes>(joints: [usize; 3], arm: &[(V<F>, Q<F>); 3], leans: F, pose: &mut ModelPose<F>) {
+fn hang_arm<F: Lanes>(joints: [usize; 3], arm: &[(V<F>, Q<F>); 3], leans: F, pose: &mut ModelPose<F>) {
     let (zero, shoulder) = (F::splat(0.0), pose.positions[joints[0]]);
     for (j, (position, rotation)) in joints.into_iter().zip(arm) {
         let hanging = shoulder + (*position - arm[0].0);
@@ -265,31 +265,37 @@ pub(super) fn soft_length<F: Lanes>([l1, l2]: &[Lane; 2]) -> F {
 }
 
 #[inline(always)]
-fn both<F: Lanes>(lengths: &[Lane; 2]) -> [F; 2] {
+fn pair_lengths<F: Lanes>(lengths: &[Lane; 2]) -> [F; 2] {
     [F::load(&lengths[0]), F::load(&lengths[1])]
 }
 
 /// Turns both parts of a limb so that its end reaches a place, its middle staying in the plane in which the limb bends.
 #[inline(always)]
-fn reach<F: Lanes>([upper, lower, end]: [usize; 3], lengths: [F; 2], hint: V<F>, to: V<F>, pose: &mut ModelPose<F>) {
+fn reach_with_limb<F: Lanes>(
+    [upper, lower, end]: [usize; 3],
+    lengths: [F; 2],
+    hint: V<F>,
+    to: V<F>,
+    pose: &mut ModelPose<F>,
+) {
     let (start, middle, was) = (pose.positions[upper], pose.positions[lower], pose.positions[end]);
     let aim = to - start;
     let distance = aim.length().max(F::splat(1e-4));
     let direction = aim * (F::splat(1.0) / distance);
-    let d = soft(distance, lengths);
+    let d = soft_distance(distance, lengths);
     // The middle turns with the limb: it would point the other way where the end goes past it.
-    let pole = Q::between(was - start, aim).rotate((middle - start) + hint);
-    let new_middle = bend(start, direction, d, lengths, pole);
+    let pole = Q::rotation_between(was - start, aim).rotate((middle - start) + hint);
+    let new_middle = bent_middle(start, direction, d, lengths, pole);
     let new_end = start + direction * d;
-    pose.rotations[upper] = Q::between(middle - start, new_middle - start) * pose.rotations[upper];
-    pose.rotations[lower] = Q::between(was - middle, new_end - new_middle) * pose.rotations[lower];
+    pose.rotations[upper] = Q::rotation_between(middle - start, new_middle - start) * pose.rotations[upper];
+    pose.rotations[lower] = Q::rotation_between(was - middle, new_end - new_middle) * pose.rotations[lower];
     pose.positions[lower] = new_middle;
     pose.positions[end] = new_end;
 }
 
 /// A distance that never quite stretches a limb: as it is up to a share of the length, then ever less.
 #[inline(always)]
-fn soft<F: Lanes>(distance: F, [l1, l2]: [F; 2]) -> F {
+fn soft_distance<F: Lanes>(distance: F, [l1, l2]: [F; 2]) -> F {
     let length = l1 + l2;
     let (from, room) = (length * F::splat(SOFT), length * F::splat(HARD - SOFT));
     let over = (distance - from).max(F::splat(0.0));

@@ -1,8 +1,8 @@
 //! Steering: from a trajectory to a position in the parameter box, with heading, speeds and turning rate eased.
 
-use super::block::Block;
+use super::block::WalkerBlock;
 use super::body::LaneBody;
-use super::spring::Spring;
+use super::spring::DampedSpring;
 use super::{Control, WalkersConfig};
 use crate::blend::BlendSpace;
 use crate::blend::{AxisRecord, MAX_AXES, axis};
@@ -20,7 +20,7 @@ const STRIDING_MPS: f32 = 0.3;
 const STEADY_PER_S: f32 = 0.8;
 
 /// Constants of one step, shared by all walkers.
-pub(crate) struct Steering<'a> {
+pub(crate) struct WalkerSteering<'a> {
     pub axes: &'a [AxisRecord],
     /// Parameters are clamped to the box.
     clamped: bool,
@@ -31,11 +31,11 @@ pub(crate) struct Steering<'a> {
     dt_s: f32,
     /// Share of a difference that is left after the step.
     keep_heading: f32,
-    spring: Spring,
+    spring: DampedSpring,
     max_turning_rate: f32,
 }
 
-impl<'a> Steering<'a> {
+impl<'a> WalkerSteering<'a> {
     pub fn new(space: &'a BlendSpace, config: &WalkersConfig, dt_s: f32) -> Self {
         let axes = space.axes();
         Self {
@@ -44,21 +44,21 @@ impl<'a> Steering<'a> {
             sideways: space.axis_of(axis::SIDE).is_some(),
             backward: axes.iter().any(|a| a.kind == axis::SPEED && a.low < 0.0),
             dt_s,
-            keep_heading: keep(dt_s, config.heading_half_life_s),
-            spring: Spring::new(dt_s, config.parameter_half_life_s),
+            keep_heading: remaining_share(dt_s, config.heading_half_life_s),
+            spring: DampedSpring::new(dt_s, config.parameter_half_life_s),
             max_turning_rate: config.max_turning_rate,
         }
     }
 
     /// Moves the root of one lane onto its trajectory, turns it, and eases its parameters.
-    pub fn steer(&self, block: &mut Block, body: &LaneBody, lane: usize, control: &mut Control) {
+    pub fn steer(&self, block: &mut WalkerBlock, body: &LaneBody, lane: usize, control: &mut Control) {
         let position = control.take_position(block.root(lane), self.dt_s);
         let control = &*control;
         let speed = control.velocity.length();
         let placed = block.placed[lane] != 0.0;
         let heading = block.root[2][lane];
-        let aim = self.aim(block, lane, control, speed);
-        let turned = if placed { self.turn(heading, block.aim[lane], aim) } else { wrap_angle(aim) };
+        let aim = self.aim_heading(block, lane, control, speed);
+        let turned = if placed { self.ease_heading(heading, block.aim[lane], aim) } else { wrap_angle(aim) };
         if self.dt_s > 0.0 && placed {
             block.turning[lane] = wrap_angle(turned - heading) / self.dt_s;
         }
@@ -69,7 +69,7 @@ impl<'a> Steering<'a> {
         block.speed[lane] = speed;
         let asked = self.parameters(block, body, lane, control, speed);
         if placed {
-            self.ease(block, lane, &asked);
+            self.ease_parameters(block, lane, &asked);
         } else {
             (block.parameters[lane], block.parameter_rates[lane]) = (asked, [0.0; MAX_AXES]);
         }
@@ -78,19 +78,19 @@ impl<'a> Steering<'a> {
     }
 
     /// Follows parameters that change steadily without delay, and eases to those that jump.
-    fn ease(&self, block: &mut Block, lane: usize, asked: &[f32; MAX_AXES]) {
+    fn ease_parameters(&self, block: &mut WalkerBlock, lane: usize, asked: &[f32; MAX_AXES]) {
         for (k, axis) in self.axes.iter().enumerate() {
             let most = STEADY_PER_S * (axis.high - axis.low);
             let change = asked[k] - block.asked[lane][k];
             let steady = if self.dt_s > 0.0 { (change / self.dt_s).clamp(-most, most) } else { 0.0 };
             let (p, rate) = (&mut block.parameters[lane][k], &mut block.parameter_rates[lane][k]);
-            let (left, left_rate) = self.spring.pull(*p - (asked[k] - steady * self.dt_s), *rate - steady);
+            let (left, left_rate) = self.spring.pull_towards_zero(*p - (asked[k] - steady * self.dt_s), *rate - steady);
             (*p, *rate) = (asked[k] + left, steady + left_rate);
         }
     }
 
     /// Heading to turn to (rad).
-    fn aim(&self, block: &Block, lane: usize, control: &Control, speed: f32) -> f32 {
+    fn aim_heading(&self, block: &WalkerBlock, lane: usize, control: &Control, speed: f32) -> f32 {
         let travel = maths::atan2(control.velocity.x, control.velocity.y);
         match control.heading {
             Some(heading) if self.sideways || speed < MOVING_MPS => heading,
@@ -104,7 +104,7 @@ impl<'a> Steering<'a> {
     }
 
     /// Follows a heading that turns steadily without delay, and eases to one that jumps.
-    fn turn(&self, heading: f32, was: f32, aim: f32) -> f32 {
+    fn ease_heading(&self, heading: f32, was: f32, aim: f32) -> f32 {
         let most = self.max_turning_rate * self.dt_s;
         let change = wrap_angle(aim - was);
         let steady = if change.abs() <= most { change } else { 0.0 };
@@ -119,7 +119,7 @@ impl<'a> Steering<'a> {
     /// quadrupedal animals*, 1984): speeds scale with the square root of the leg's length l, and so do times.
     fn parameters(
         &self,
-        block: &Block,
+        block: &WalkerBlock,
         body: &LaneBody,
         lane: usize,
         control: &Control,
@@ -161,6 +161,6 @@ fn lean([left, ahead]: [[f32; 8]; 2], lane: usize) -> f32 {
 }
 
 /// Share of a difference that is left after a time; 0 for a half-life of 0.
-fn keep(dt_s: f32, half_life_s: f32) -> f32 {
+fn remaining_share(dt_s: f32, half_life_s: f32) -> f32 {
     if half_life_s > 0.0 { maths::exp2(-dt_s / half_life_s) } else { 0.0 }
 }

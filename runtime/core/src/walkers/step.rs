@@ -4,29 +4,29 @@
 //! on how walkers are split. Postures are blended one by one, with a lane for each joint, and retargeted by eights,
 //! with a lane for each character.
 
-use super::block::{Block, Foot};
+use super::block::{WalkerBlock, WalkerFoot};
 use super::body::{LEGS, LaneBody};
-use super::feet::{Bearing, Sole, Tread, about_y, ball_share, tread};
-use super::footing::{self, Footing, Over};
+use super::feet::{Bearing, FootPlacement, SolePose, about_y, ball_share, place_foot};
+use super::footing::{self, FootGround, FootState};
 use super::gaze::Eyes;
-use super::perform::Stage;
-use super::reach::{Hands, lower, reach_foot, reach_hand, slow_knee, stretched, tiptoe};
-use super::spring::Spring;
-use super::steer::Steering;
-use super::{Act, Control, WalkersConfig};
+use super::perform::PerformanceInputs;
+use super::reach::{Hands, is_stretched, lower_body, raise_heel, reach_foot, reach_hand, slow_knee};
+use super::spring::DampedSpring;
+use super::steer::WalkerSteering;
+use super::{Control, WalkerActivity, WalkersConfig};
 use crate::blend::BlendSpace;
+use crate::blend::BlendedPosture;
 use crate::blend::HeightField;
-use crate::blend::Posture;
 use crate::blend::channel;
 use crate::contacts::Contacts;
 use crate::planar::Planar;
 use crate::pose::{
-    Lane, LanePose, LocalTransform, Mat3x4, ModelPose, Placement, load, to_model, write_locals, write_matrices,
+    Lane, LanePose, LocalTransform, Mat3x4, ModelPose, PlacementLanes, load, to_model, write_locals, write_matrices,
 };
 use crate::skeleton::NUM_JOINTS;
 use glam::Vec3;
 use throng_base::maths;
-use throng_base::simd::{Functions, LANES, Lanes, Q, V, Work, dispatch};
+use throng_base::simd::{Functions, LANES, LaneWork, Lanes, Q, V, dispatch};
 
 /// Blocks of a range: 128 characters, whose state and poses fit the cache of a core.
 pub(crate) const RANGE_BLOCKS: usize = 16;
@@ -49,10 +49,10 @@ const LANDING_HALF_LIFE_S: f32 = 0.02;
 const PLANTED: [f32; 2] = [0.65, 0.35];
 
 /// Inputs of one step, shared by all ranges.
-pub(crate) struct Tick<'a> {
+pub(crate) struct WalkersTick<'a> {
     space: &'a BlendSpace,
     config: &'a WalkersConfig,
-    steering: Steering<'a>,
+    steering: WalkerSteering<'a>,
     ground: &'a HeightField,
     dt_s: f32,
     /// Ticks a second; 0 for a tick of no time (1/s).
@@ -60,26 +60,26 @@ pub(crate) struct Tick<'a> {
     /// Share of a foot's turn in the air that remains after the step.
     keep: f32,
     /// Spring by which a foot's offset fades in the air.
-    air: Spring,
+    air: DampedSpring,
     /// Spring by which a foot comes down to the ground.
-    landing: Spring,
+    landing: DampedSpring,
     /// Spring that lowers the hips.
-    drop: Spring,
+    drop: DampedSpring,
     /// Springs of the ground below feet and hips.
-    footing: [Spring; 2],
-    base: Spring,
-    stage: Stage<'a>,
+    footing: [DampedSpring; 2],
+    base: DampedSpring,
+    stage: PerformanceInputs<'a>,
     eyes: Eyes,
 }
 
-impl<'a> Tick<'a> {
+impl<'a> WalkersTick<'a> {
     pub fn new(space: &'a BlendSpace, config: &'a WalkersConfig, dt_s: f32, ground: &'a HeightField) -> Self {
         let keep = maths::exp2(-dt_s / config.foot_half_life_s);
-        let spring = |half_life_s| Spring::new(dt_s, half_life_s);
+        let spring = |half_life_s| DampedSpring::new(dt_s, half_life_s);
         Self {
             space,
             config,
-            steering: Steering::new(space, config, dt_s),
+            steering: WalkerSteering::new(space, config, dt_s),
             ground,
             dt_s,
             rate: if dt_s > 0.0 { 1.0 / dt_s } else { 0.0 },
@@ -89,20 +89,20 @@ impl<'a> Tick<'a> {
             drop: spring(DROP_HALF_LIVES_S[usize::from(!ground.is_flat())]),
             footing: footing::HALF_LIVES_S.map(spring),
             base: spring(footing::BASE_HALF_LIFE_S),
-            stage: Stage::new(space.activities(), space.axes(), dt_s),
+            stage: PerformanceInputs::new(space.activities(), space.axes(), dt_s),
             eyes: Eyes::new(dt_s),
         }
     }
 }
 
 /// The walkers that one call handles.
-pub(crate) struct Range<'a> {
-    pub blocks: &'a mut [Block],
+pub(crate) struct WalkerRange<'a> {
+    pub blocks: &'a mut [WalkerBlock],
     pub bodies: &'a [LaneBody],
     /// Order of each walker; the last block may have empty lanes.
     pub controls: &'a mut [Control],
     /// (controls.len())
-    pub acts: &'a mut [Act],
+    pub acts: &'a mut [WalkerActivity],
     /// (controls.len() * stride)
     pub weights: &'a mut [f32],
     /// (controls.len())
@@ -114,57 +114,57 @@ pub(crate) struct Range<'a> {
 }
 
 /// Moves a range on.
-pub(crate) fn step(range: Range<'_>, tick: &Tick<'_>) {
+pub(crate) fn step(range: WalkerRange<'_>, tick: &WalkersTick<'_>) {
     for (c, (control, act)) in range.controls.iter_mut().zip(&mut *range.acts).enumerate() {
         let (block, body, lane) = (&mut range.blocks[c / LANES], &range.bodies[c / LANES], c % LANES);
         act.has_ended = false;
         if act.acting.is_idle() {
             tick.steering.steer(block, body, lane, control);
         } else {
-            let mut led = act.acting.lead(control, &tick.stage);
+            let mut led = act.acting.steering_order(control, &tick.stage);
             tick.steering.steer(block, body, lane, &mut led);
             control.position = None;
             act.has_ended = act.acting.advance(&tick.stage, control, (block, lane));
         }
         range.roots[c] = block.root(lane);
     }
-    dispatch(Blend { range, tick });
+    dispatch(BlendWalkersJob { range, tick });
 }
 
 /// Work after steering, for all blocks of a range.
-struct Blend<'a, 't> {
-    range: Range<'a>,
-    tick: &'a Tick<'t>,
+struct BlendWalkersJob<'a, 't> {
+    range: WalkerRange<'a>,
+    tick: &'a WalkersTick<'t>,
 }
 
-impl Work for Blend<'_, '_> {
+impl LaneWork for BlendWalkersJob<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
-        let Range { blocks, bodies, controls, acts, weights, model: matrices, locals, .. } = self.range;
+        let WalkerRange { blocks, bodies, controls, acts, weights, model: matrices, locals, .. } = self.range;
         let matrices = matrices.as_flattened_mut();
         let space = self.tick.space;
         let mut from = 0;
         for (block, body) in blocks.iter_mut().zip(bodies) {
             let count = LANES.min(controls.len() - from);
             let weights = &mut weights[from * space.stride()..][..count * space.stride()];
-            space.weigh::<F>(&block.parameters[..count], weights);
-            let mut postures = [Posture::default(); LANES];
+            space.weigh_batch::<F>(&block.parameters[..count], weights);
+            let mut postures = [BlendedPosture::default(); LANES];
             let mut importance = [[0.0; LANES]; 2];
             for (lane, weights) in weights.chunks_exact(space.stride()).enumerate() {
-                advance::<F>(block, body, lane, weights, self.tick);
-                let place = space.place(block.phase[lane]);
-                space.blend::<F>(weights, &place, &mut postures[lane]);
+                advance_phase::<F>(block, body, lane, weights, self.tick);
+                let place = space.phase_interval(block.phase[lane]);
+                space.blend_posture::<F>(weights, &place, &mut postures[lane]);
                 let both = space.timing.importance::<F>(weights, place.rows, place.ratio);
                 let (act, look_at) = (&mut acts[from + lane], controls[from + lane].look_at);
-                let share = act.lay(self.tick, look_at, (block, body, lane), &mut postures[lane]);
+                let share = act.overlay_posture(self.tick, look_at, (block, body, lane), &mut postures[lane]);
                 [importance[0][lane], importance[1][lane]] = both.map(|of| of + (1.0 - of) * share);
             }
-            let hands = Hands::of(&controls[from..from + count], block);
-            let mut model = retarget::<F>(block, body, &postures, &importance, hands.as_ref(), self.tick);
+            let hands = Hands::from_orders(&controls[from..from + count], block);
+            let mut model = retarget_postures::<F>(block, body, &postures, &importance, hands.as_ref(), self.tick);
             if let Some(hands) = hands {
-                hands.reach(body, &mut model);
+                hands.reach_places(body, &mut model);
             }
             let joints = from * NUM_JOINTS..(from + count) * NUM_JOINTS;
             write_matrices(&model, &mut matrices[joints.clone()]);
@@ -176,23 +176,24 @@ impl Work for Blend<'_, '_> {
     }
 }
 
-impl Act {
+impl WalkerActivity {
     /// Mixes the performance into a blended posture, and turns its head.
     ///
     /// - returns the share of the performance.
     #[inline(always)]
-    fn lay(
+    fn overlay_posture(
         &mut self,
-        tick: &Tick<'_>,
+        tick: &WalkersTick<'_>,
         look_at: Option<Vec3>,
-        (block, body, lane): (&Block, &LaneBody, usize),
-        posture: &mut Posture,
+        (block, body, lane): (&WalkerBlock, &LaneBody, usize),
+        posture: &mut BlendedPosture,
     ) -> f32 {
-        let share = if self.acting.is_idle() { 0.0 } else { self.acting.lay(tick.stage.activities, posture) };
+        let share =
+            if self.acting.is_idle() { 0.0 } else { self.acting.overlay_posture(tick.stage.activities, posture) };
         if look_at.is_some() || !self.gaze.is_off() {
             let root = block.root(lane);
             let point = look_at.map(|p| p - Vec3::Y * block.base[lane]);
-            self.gaze.turn(&tick.eyes, (point, root), (body, lane), share, posture);
+            self.gaze.turn_posture(&tick.eyes, (point, root), (body, lane), share, posture);
         }
         share
     }
@@ -200,7 +201,13 @@ impl Act {
 
 /// Moves the generic time of one lane on, a little faster or slower where that makes strides fit the speed.
 #[inline(always)]
-fn advance<F: Lanes>(block: &mut Block, body: &LaneBody, lane: usize, weights: &[f32], tick: &Tick<'_>) {
+fn advance_phase<F: Lanes>(
+    block: &mut WalkerBlock,
+    body: &LaneBody,
+    lane: usize,
+    weights: &[f32],
+    tick: &WalkersTick<'_>,
+) {
     let timing = &tick.space.timing;
     let [cycle_s, left, ahead] = timing.cycle::<F>(weights);
     let pace = body.pace[lane];
@@ -216,7 +223,7 @@ fn advance<F: Lanes>(block: &mut Block, body: &LaneBody, lane: usize, weights: &
 }
 
 /// Eight postures as one lane each.
-struct Transposed<F> {
+struct PostureLanes<F> {
     rotations: [Q<F>; NUM_JOINTS],
     hips: V<F>,
     ankles: [V<F>; 2],
@@ -226,7 +233,7 @@ struct Transposed<F> {
 }
 
 #[inline(always)]
-fn transpose<F: Lanes>(postures: &[Posture; LANES]) -> Transposed<F> {
+fn transpose<F: Lanes>(postures: &[BlendedPosture; LANES]) -> PostureLanes<F> {
     let zero = F::splat(0.0);
     let mut rotations = [Q::new(V::new(zero, zero, zero), zero); NUM_JOINTS];
     for quad in 0..NUM_JOINTS.div_ceil(4) {
@@ -245,7 +252,7 @@ fn transpose<F: Lanes>(postures: &[Posture; LANES]) -> Transposed<F> {
     }
     let at = |channel: usize| c[channel - channel::HIPS];
     let vector = |channel: usize| V::new(at(channel), at(channel + 1), at(channel + 2));
-    Transposed {
+    PostureLanes {
         rotations,
         hips: vector(channel::HIPS),
         ankles: [vector(channel::LEFT_ANKLE), vector(channel::RIGHT_ANKLE)],
@@ -257,16 +264,16 @@ fn transpose<F: Lanes>(postures: &[Posture; LANES]) -> Transposed<F> {
 
 /// Retargets the postures to the bodies and to the ground (Kim, Kim and Shin 2003a, sections 4.2.3 and 4.2.4).
 #[inline(always)]
-fn retarget<F: Lanes>(
-    block: &mut Block,
+fn retarget_postures<F: Lanes>(
+    block: &mut WalkerBlock,
     body: &LaneBody,
-    postures: &[Posture; LANES],
+    postures: &[BlendedPosture; LANES],
     importance: &[Lane; 2],
     hands: Option<&Hands>,
-    tick: &Tick<'_>,
+    tick: &WalkersTick<'_>,
 ) -> ModelPose<F> {
     let t = transpose::<F>(postures);
-    let place = placement::<F>(block, tick);
+    let place = update_placement::<F>(block, tick);
     let mut root = t.hips * F::load(&body.scale);
     root.y = root.y + F::load(&body.lift) + place.y;
     let mut model = to_model(|j| load(&body.offsets[j]), LanePose { root, rotations: t.rotations });
@@ -275,19 +282,19 @@ fn retarget<F: Lanes>(
         return model;
     }
     let importance = [F::load(&importance[0]), F::load(&importance[1])];
-    let (left, left_bears) = plant(block, body, 0, &t, importance[0], &place, &model, tick);
-    let (right, right_bears) = plant(block, body, 1, &t, importance[1], &place, &model, tick);
+    let (left, left_bears) = plant_foot(block, body, 0, &t, importance[0], &place, &model, tick);
+    let (right, right_bears) = plant_foot(block, body, 1, &t, importance[1], &place, &model, tick);
     let (mut soles, mut bearing) = ([left, right], [left_bears, right_bears]);
     for (side, sole) in soles.iter_mut().enumerate() {
-        tiptoe(body, side, sole, &mut bearing[side], &model);
+        raise_heel(body, side, sole, &mut bearing[side], &model);
     }
-    let sunk = hands.map_or(F::splat(0.0), |hands| hands.sink(body, &model));
-    lower(body, &soles, importance, ([&mut block.drop, &mut block.drop_rate], &tick.drop), sunk, &mut model);
+    let sunk = hands.map_or(F::splat(0.0), |hands| hands.hips_sink(body, &model));
+    lower_body(body, &soles, importance, ([&mut block.drop, &mut block.drop_rate], &tick.drop), sunk, &mut model);
     let pace = F::load(&body.pace);
     let knee_rate = F::splat(KNEE_RATE) / pace + F::load(&block.speed) * F::splat(KNEE_RATE_BY_SPEED) / (pace * pace);
     for (side, sole) in soles.iter_mut().enumerate() {
         slow_knee(body, side, (&mut block.feet[side], sole), knee_rate * F::splat(tick.dt_s), &model);
-        release(&mut block.feet[side], &mut bearing[side], stretched(body, side, sole, &model));
+        release_foot(&mut block.feet[side], &mut bearing[side], is_stretched(body, side, sole, &model));
         reach_foot(body, side, sole, &mut model);
     }
     for (side, &touch) in t.touches.iter().enumerate() {
@@ -302,7 +309,7 @@ fn retarget<F: Lanes>(
 
 /// Releases a planted foot that the leg does not reach, so that it takes a step to where it belongs.
 #[inline(always)]
-fn release<F: Lanes>(foot: &mut Foot, bearing: &mut Bearing, stretched: F) {
+fn release_foot<F: Lanes>(foot: &mut WalkerFoot, bearing: &mut Bearing, stretched: F) {
     let (zero, half) = (F::splat(0.0), F::splat(0.5));
     let let_go = stretched * F::load(&foot.down);
     foot.step = F::select_lt(half, let_go, zero, F::load(&foot.step)).to_array();
@@ -313,13 +320,13 @@ fn release<F: Lanes>(foot: &mut Foot, bearing: &mut Bearing, stretched: F) {
 
 /// Placement of eight characters in the world. The hips follow the ground smoothly.
 #[inline(always)]
-fn placement<F: Lanes>(block: &mut Block, tick: &Tick<'_>) -> Placement<F> {
+fn update_placement<F: Lanes>(block: &mut WalkerBlock, tick: &WalkersTick<'_>) -> PlacementLanes<F> {
     if tick.ground.is_flat() {
         (block.base, block.base_rate) = ([0.0; LANES], [0.0; LANES]);
     } else {
         for lane in 0..LANES {
-            let wanted = footing::base(tick.ground, block.root(lane), block.speed[lane]);
-            let (off, rate) = tick.base.pull(block.base[lane] - wanted, block.base_rate[lane]);
+            let wanted = footing::hips_ground_height(tick.ground, block.root(lane), block.speed[lane]);
+            let (off, rate) = tick.base.pull_towards_zero(block.base[lane] - wanted, block.base_rate[lane]);
             let is_new = block.feet[0].bent[lane] < 0.0;
             (block.base[lane], block.base_rate[lane]) = match is_new {
                 true => (wanted, 0.0),
@@ -329,7 +336,7 @@ fn placement<F: Lanes>(block: &mut Block, tick: &Tick<'_>) -> Placement<F> {
     }
     let [x, z, heading] = &block.root;
     let (sin, cos) = F::load(heading).sin_cos8();
-    Placement { x: F::load(x), y: F::load(&block.base), z: F::load(z), sin, cos }
+    PlacementLanes { x: F::load(x), y: F::load(&block.base), z: F::load(z), sin, cos }
 }
 
 /// Position and bearing parts of one foot.
@@ -341,16 +348,16 @@ fn placement<F: Lanes>(block: &mut Block, tick: &Tick<'_>) -> Placement<F> {
     clippy::too_many_arguments,
     reason = "the parts of one foot; a record of them would be made for this call alone"
 )]
-fn plant<F: Lanes>(
-    block: &mut Block,
+fn plant_foot<F: Lanes>(
+    block: &mut WalkerBlock,
     body: &LaneBody,
     side: usize,
-    t: &Transposed<F>,
+    t: &PostureLanes<F>,
     importance: F,
-    place: &Placement<F>,
+    place: &PlacementLanes<F>,
     model: &ModelPose<F>,
-    tick: &Tick<'_>,
-) -> (Sole<F>, Bearing) {
+    tick: &WalkersTick<'_>,
+) -> (SolePose<F>, Bearing) {
     let (zero, one) = (F::splat(0.0), F::splat(1.0));
     let (leg, scale) = (&body.legs[side], F::load(&body.scale));
     let [_, _, foot, toe] = LEGS[side].map(|j| j.index());
@@ -358,15 +365,15 @@ fn plant<F: Lanes>(
     let scaled = (t.hips + t.ankles[side]) * scale + load(&leg.ankle);
     let mut ankle = by_angles + (scaled - by_angles) * importance;
     let ground = match tick.ground.is_flat() {
-        true => Footing::level(),
+        true => FootGround::level(),
         false => {
             let turned = model.rotations[foot];
             let [heel, ball] = [&leg.heel, &leg.ball].map(|part| turned.rotate(load(part)));
             let spin = about_y(block.feet[side].turn.map(|of| F::load(&of)));
             let share = ball_share(leg, scale, heel.y, ball.y);
             let [heel, ball] = [heel, ball].map(|part| spin.rotate(part));
-            let over = Over { leg, place, ankle, heel, ball, share, rate: F::splat(tick.rate) };
-            footing::follow(tick.ground, &over, &tick.footing, &mut block.feet[side])
+            let over = FootState { leg, place, ankle, heel, ball, share, rate: F::splat(tick.rate) };
+            footing::follow_ground(tick.ground, &over, &tick.footing, &mut block.feet[side])
         }
     };
     ankle.y = ankle.y + ground.plane[0];
@@ -376,7 +383,7 @@ fn plant<F: Lanes>(
     let share = F::splat(STANDING_REACH) + going * F::splat(1.0 - STANDING_REACH);
     let [plants, stays] = PLANTED.map(F::splat);
     let threshold = plants + (stays - plants) * F::load(&block.feet[side].down);
-    let tread_in = Tread {
+    let tread_in = FootPlacement {
         leg,
         place,
         scale,
@@ -385,16 +392,16 @@ fn plant<F: Lanes>(
         importance,
         dt_s: F::splat(tick.dt_s),
         rate: F::splat(tick.rate),
-        keep: F::splat(tick.keep),
+        turn_left: F::splat(tick.keep),
         air: &tick.air,
         landing: &tick.landing,
         step_s: F::splat(STEP_S) * F::load(&body.pace),
         reach: F::splat(tick.config.foot_reach_m) * share * scale,
         other_stands: F::select_lt(F::load(&other.step), one, zero, F::load(&other.down)),
     };
-    let wanted = Sole { ankle, foot: model.rotations[foot], toe: model.rotations[toe] };
-    let (sole, mut bearing) = tread(&tread_in, &mut block.feet[side], wanted);
-    footing::standing(tick.ground, leg, &block.feet[side], &mut bearing);
+    let wanted = SolePose { ankle, foot: model.rotations[foot], toe: model.rotations[toe] };
+    let (sole, mut bearing) = place_foot(&tread_in, &mut block.feet[side], wanted);
+    footing::keep_planted(tick.ground, leg, &block.feet[side], &mut bearing);
     (sole, bearing)
 }
 

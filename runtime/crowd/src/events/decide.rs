@@ -20,7 +20,7 @@ use crate::steering::retreat::{Blocked, Half};
 use crate::steering::sight::{ROUNDING, Seen};
 use crate::{AtEnd, Forces, NONE, Space};
 use serde::{Deserialize, Serialize};
-use throng_base::ground::{Bounds, Outsiders};
+use throng_base::ground::{Bounds2d, ExternalObstacles};
 use throng_base::simd::LANES;
 
 /// Longest plan of an agent near an external obstacle, whose motion may change at any time (s).
@@ -119,7 +119,7 @@ pub(crate) struct Decider<'a, V> {
     pub cells: &'a Cells<V>,
     pub states: &'a [AgentState<V>],
     pub grid: &'a DensityGrid<V>,
-    pub outsiders: &'a Outsiders,
+    pub outsiders: &'a ExternalObstacles,
     pub bonds: &'a Bonds<V>,
     pub time: f64,
 }
@@ -415,8 +415,8 @@ impl<V: Space> Decider<'_, V> {
             return false;
         }
         let before = scratch.seen.len();
-        let around = Bounds::about(me.position.on_ground(), 2.0 * self.cells.side());
-        self.outsiders.bodies_near(&around, |_, other| {
+        let around = Bounds2d::around_disc(me.position.on_ground(), 2.0 * self.cells.side());
+        self.outsiders.visit_bodies_near(&around, |_, other| {
             let offset = V::over_ground(other.place) - me.position;
             let (velocity, radii) = (V::over_ground(other.velocity), me.radius + other.radius_m);
             scratch.seen.push(Seen { offset, velocity, distance: offset.length(), radii, yields: false });

@@ -15,7 +15,7 @@ use crate::space::plan::Plan;
 use crate::steering::bonds::Bonds;
 use crate::steering::density_grid::DensityGrid;
 use crate::{AtEnd, Id, NONE, Sense, Setup, Space};
-use throng_base::ground::Outsiders;
+use throng_base::ground::ExternalObstacles;
 
 /// Most agents of a crowd that is taken to fit the processor's caches; in tests, none does. With 8000 it costs 4 to 8 %
 /// to prefetch, with 16 000 it saves 4 to 11 %, with 100 000 a quarter to a third.
@@ -42,7 +42,7 @@ pub(crate) struct Engine<V> {
     pub free: Vec<u32>,
     pub grid: DensityGrid<V>,
     /// External obstacles.
-    pub outsiders: Outsiders,
+    pub outsiders: ExternalObstacles,
     /// Number of times that the grid was filled so far.
     pub refreshes: u64,
     pub now: f64,
@@ -90,7 +90,7 @@ impl<V: Space> Engine<V> {
             prefetcher: Prefetcher::default(),
             free: (0..capacity as u32).rev().collect(),
             grid,
-            outsiders: Outsiders::default(),
+            outsiders: ExternalObstacles::default(),
             refreshes: 0,
             now: 0.0,
             windows: crate::events::parallel::Windows::default(),
@@ -153,7 +153,7 @@ impl<V: Space> Engine<V> {
     pub fn check_time(&self, until_s: f64) -> Result<(), CrowdError> {
         let is_good = (self.now..=1e9).contains(&until_s);
         let expected = "at most 1e9, and not before the present: time does not go back, load a snapshot instead";
-        Ok(throng_base::error::check("time", None, until_s, is_good, expected)?)
+        Ok(throng_base::error::check_value("time", None, until_s, is_good, expected)?)
     }
 
     pub fn check_id(&self, id: Id) -> Result<(), CrowdError> {

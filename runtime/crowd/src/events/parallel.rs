@@ -13,7 +13,7 @@ use crate::events::event::Event;
 use crate::events::schemes::REGISTRATION;
 use crate::{NONE, Space};
 use std::sync::{Mutex, PoisonError};
-use throng_base::{Inline, Run};
+use throng_base::{Executor, Inline};
 
 /// Length of a window in smallest intervals.
 pub(crate) const WINDOW: f64 = 0.5;
@@ -88,7 +88,7 @@ impl<V: Space> Engine<V> {
     /// # Errors
     /// As [`Engine::run`]. Some agents that act a little after those of a [`CrowdError::Stalled`] may have acted before
     /// it was detected.
-    pub fn run_parallel(&mut self, until_s: f64, run: &dyn Run) -> Result<bool, CrowdError> {
+    pub fn run_parallel(&mut self, until_s: f64, run: &dyn Executor) -> Result<bool, CrowdError> {
         #[cfg(feature = "baselines")]
         if self.baseline.is_some() {
             return self.run(until_s);
@@ -126,7 +126,7 @@ impl<V: Space> Engine<V> {
         &mut self,
         (time, until_s): (f64, f64),
         windows: &mut Windows<V>,
-        run: &dyn Run,
+        run: &dyn Executor,
     ) -> Result<(), CrowdError> {
         self.refresh_grid_until(time);
         let end = (time + WINDOW * f64::from(self.scenery.interval)).min(until_s);
@@ -216,7 +216,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// Decides all events of a level: first the agents', then their partners'.
-    fn level(&mut self, items: &[Item], windows: &mut Windows<V>, run: &dyn Run) -> Result<(), CrowdError> {
+    fn level(&mut self, items: &[Item], windows: &mut Windows<V>, run: &dyn Executor) -> Result<(), CrowdError> {
         windows.who.clear();
         windows.partners.clear();
         for item in items {
@@ -239,7 +239,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// Decides for one agent of each event of a level, all at the same time, and applies the decisions in order.
-    fn decide_all(&mut self, items: &[Item], windows: &mut Windows<V>, run: &dyn Run) {
+    fn decide_all(&mut self, items: &[Item], windows: &mut Windows<V>, run: &dyn Executor) {
         let share = items.len().div_ceil(PARTS).max(FEWEST / 4);
         let num_parts = items.len().div_ceil(share);
         let (this, who, parts) = (&*self, &windows.who, &windows.parts);

@@ -98,7 +98,7 @@ impl<V: Space> Decider<'_, V> {
             return None;
         }
         let mut worst: Option<Violation<V>> = None;
-        self.outsiders.held_near(&candidate.bounds(), |ground| {
+        self.outsiders.visit_reserved_near(&candidate.bounds(), |ground| {
             let found = violation_of_held(candidate, ground);
             if let Some(v) = found.filter(|v| worst.is_none_or(|w| v.depth > w.depth)) {
                 worst = Some(v);

@@ -9,7 +9,7 @@ use crate::space::batch::bits;
 use crate::space::cells::Cells;
 use crate::space::plan::Plan;
 use crate::steering::neighbours::{Row, Rows};
-use throng_base::simd::{Lanes, Work, dispatch};
+use throng_base::simd::{LaneWork, Lanes, dispatch};
 
 /// Scheme by which an agent at an event computes its next one.
 #[derive(Clone, Copy, Debug)]
@@ -112,7 +112,7 @@ struct Look<'a, V> {
     rows: &'a Rows,
 }
 
-impl<V: Space> Work for Look<'_, V> {
+impl<V: Space> LaneWork for Look<'_, V> {
     type Output = ();
 
     #[inline(always)]

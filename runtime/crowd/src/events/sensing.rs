@@ -6,7 +6,7 @@ use crate::senses::crossing::{first_change, is_near, leaves_cell};
 use crate::senses::{Sense, Sensed, Sensing, swept};
 use crate::space::plan::Plan;
 use crate::{EventKind, Id, NONE, Space};
-use throng_base::ground::Bounds;
+use throng_base::ground::Bounds2d;
 
 impl<V: Space> Engine<V> {
     /// Sets the senses of an agent.
@@ -35,7 +35,7 @@ impl<V: Space> Engine<V> {
         let time = time_s.unwrap_or(f64::INFINITY);
         let expected = "not before the present, and at most 1e9";
         let good = time >= self.now && (time <= 1e9 || time_s.is_none());
-        throng_base::error::check("time_s", Some(id), time, good, expected)?;
+        throng_base::error::check_value("time_s", Some(id), time, good, expected)?;
         self.sensors.of[id.index()].timer = time;
         self.queue_senses(id.index);
         Ok(())
@@ -79,7 +79,7 @@ impl<V: Space> Engine<V> {
         };
         let sensors = &self.sensors;
         if sense.zones {
-            sensors.zones.near(&bounds, |z| {
+            sensors.zones.visit_intersecting(&bounds, |z| {
                 let zone = &sensors.senses.zones[z];
                 let there =
                     Plan { start: now, end: plan.end, position: zone.centre, moving: f32::INFINITY, ..Plan::default() };
@@ -103,7 +103,7 @@ impl<V: Space> Engine<V> {
         if meet_m > 0.0 && (sense.tells | sense.hears) != 0 {
             self.sensors.boxes.set(agent as usize, bounds);
             let sensors = &self.sensors;
-            sensors.boxes.near(&bounds.grown(meet_m), |o| {
+            sensors.boxes.visit_intersecting(&bounds.expanded_by(meet_m), |o| {
                 let other = &sensors.of[o];
                 let (any, at_once) = sense.channels(&other.sense);
                 if o == agent as usize || any == 0 {
@@ -212,7 +212,7 @@ impl<V: Space> Engine<V> {
             }
             if (own.sense.tells | own.sense.hears) != 0 && self.sensors.senses.meet_m > 0.0 {
                 let plan = self.cells.plan(agent);
-                let bounds: Bounds = swept(&plan, plan.start);
+                let bounds: Bounds2d = swept(&plan, plan.start);
                 self.sensors.boxes.set(agent as usize, bounds);
             }
             self.queue_senses(agent);

@@ -14,7 +14,7 @@ use crate::events::parallel::WINDOW;
 use crate::space::plan::Plan;
 use crate::{Counts, NONE, Space};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
-use throng_base::{Comm, Error, out_of_step};
+use throng_base::{Comm, Error, unexpected_message};
 
 /// Number of cells around its own that a rank knows: its agents decide up to a cell away from where they are
 /// registered, the agents they meet up to two cells away, and either looks a cell farther.
@@ -103,7 +103,7 @@ fn encode(value: &impl Serialize) -> Vec<u8> {
 
 fn decode<T: DeserializeOwned>(rank: usize, bytes: &[u8]) -> Result<T, Error> {
     let config = bincode::config::standard().with_fixed_int_encoding();
-    bincode::serde::decode_from_slice(bytes, config).map(|(value, _)| value).map_err(|_| out_of_step(rank))
+    bincode::serde::decode_from_slice(bytes, config).map(|(value, _)| value).map_err(|_| unexpected_message(rank))
 }
 
 impl<V: Space> SharedEngine<V> {
@@ -117,7 +117,7 @@ impl<V: Space> SharedEngine<V> {
         let is_plain = is_plain && engine.baseline.is_none();
         let expected =
             "0: without senses, timers, interests and companions of single agents, and with the engine of events";
-        throng_base::error::check(
+        throng_base::error::check_value(
             "number of ties between agents",
             None,
             f64::from(u8::from(!is_plain)),
@@ -320,7 +320,7 @@ impl<V: Space> SharedEngine<V> {
             let told: Told<V> = decode(rank, bytes)?;
             nobody_waits &= told.waiting == 0;
             for agent in told.done {
-                let place = place_of.binary_search_by_key(&agent, |p| p.0).map_err(|_| out_of_step(rank))?;
+                let place = place_of.binary_search_by_key(&agent, |p| p.0).map_err(|_| unexpected_message(rank))?;
                 items[place_of[place].1].is_done = true;
             }
             told.changed.iter().for_each(|changed| self.take_over(changed));

@@ -94,7 +94,7 @@ impl<V: Space> Engine<V> {
         );
         let config = bincode::config::standard().with_fixed_int_encoding();
         // Writing to memory what can be written cannot fail.
-        Hash128::of(&bincode::serde::encode_to_vec(all, config).unwrap_or_default())
+        Hash128::hash_bytes(&bincode::serde::encode_to_vec(all, config).unwrap_or_default())
     }
 
     /// Appends the whole state (about 170 bytes an agent on the ground and 200 in the air, of which a route of its own
@@ -384,20 +384,20 @@ impl<V: Space> Engine<V> {
         let mut hash = StateHash::new(self.now.to_bits());
         for (index, state) in (0u32..).zip(&self.states).filter(|(_, m)| m.cell != NONE) {
             let plan = self.cells.plan(index);
-            hash.add(u64::from(index) << 32 | u64::from(state.generation));
-            hash.add(plan.start.to_bits());
-            hash.add(plan.end.to_bits());
+            hash.add_word(u64::from(index) << 32 | u64::from(state.generation));
+            hash.add_word(plan.start.to_bits());
+            hash.add_word(plan.end.to_bits());
             for v in [plan.position, plan.velocity, plan.acceleration] {
-                v.coordinates().iter().for_each(|c| hash.add(u64::from(c.to_bits())));
+                v.coordinates().iter().for_each(|c| hash.add_word(u64::from(c.to_bits())));
             }
-            hash.add(u64::from(state.route) << 32 | u64::from(state.speed.to_bits()));
+            hash.add_word(u64::from(state.route) << 32 | u64::from(state.speed.to_bits()));
             if state.is_woken || state.goes_on {
-                hash.add(self.due(&plan).to_bits());
+                hash.add_word(self.due(&plan).to_bits());
             }
         }
-        self.bonds.hash(|word| hash.add(word));
+        self.bonds.hash(|word| hash.add_word(word));
         let open = self.scenery.doors.iter().enumerate().filter(|(_, d)| **d == Door::Open);
-        open.for_each(|(n, _)| hash.add(n as u64));
+        open.for_each(|(n, _)| hash.add_word(n as u64));
         hash.get()
     }
 }

@@ -91,7 +91,7 @@ impl<V: Space> Engine<V> {
     fn check_shared(&self, id: Id, route: usize) -> Result<(), CrowdError> {
         let good = [NONE, id.index].contains(&self.scenery.paths[route].owner);
         let expected = "one of the setup or of `add_route`; this one is another agent's own";
-        Ok(throng_base::error::check("route", Some(id), route as f64, good, expected)?)
+        Ok(throng_base::error::check_value("route", Some(id), route as f64, good, expected)?)
     }
 
     /// Checks that an agent that brakes at once overlaps nothing.
@@ -122,8 +122,8 @@ impl<V: Space> Engine<V> {
                 error = Some(CrowdError::Inside { agent: id, obstacle });
             }
         }
-        self.outsiders.held_near(&candidate.bounds(), |ground| {
-            if candidate.held().meets(ground) {
+        self.outsiders.visit_reserved_near(&candidate.bounds(), |ground| {
+            if candidate.held().intersects(ground) {
                 let by = "somebody whom the crowd does not move".into();
                 error = Some(Error::Occupied { who: id, by }.into());
             }
@@ -154,7 +154,7 @@ impl<V: Space> Engine<V> {
         self.check_id(id)?;
         let good = position.is_finite() && position.length() <= 1e5;
         let far = f64::from(position.length());
-        throng_base::error::check("position", Some(id), far, good, "finite and within 1e5 m")?;
+        throng_base::error::check_value("position", Some(id), far, good, "finite and within 1e5 m")?;
         self.scenery.check_place(id, position)?;
         let old = self.cells.plan(id.index);
         let plan = self.standing(id.index, position, V::default(), (old.radius, old.limit));
@@ -199,13 +199,13 @@ impl<V: Space> Engine<V> {
     /// Gives an agent an order, from its next event on.
     ///
     /// # Errors
-    /// [`Error::NoWay`], and [`CrowdError`] for an impossible order; nothing has changed then.
+    /// [`Error::NoPath`], and [`CrowdError`] for an impossible order; nothing has changed then.
     pub fn order(&mut self, id: Id, order: &Go<V>) -> Result<(), CrowdError> {
         self.check_id(id)?;
         let speed = order.speed_mps.unwrap_or(self.states[id.index()].speed);
         let good = (0.0..=self.scenery.speed).contains(&speed);
         let expected = "at least 0, and at most `largest_speed_mps` of the config";
-        throng_base::error::check("speed", Some(id), speed, good, expected)?;
+        throng_base::error::check_value("speed", Some(id), speed, good, expected)?;
         let plan = self.cells.plan(id.index);
         let position = plan.at(self.now).0;
         let number = match &order.way {
@@ -243,7 +243,7 @@ impl<V: Space> Engine<V> {
     pub fn set_open(&mut self, obstacle: usize, open: bool) -> Result<(), CrowdError> {
         check_index("obstacle", None, obstacle, self.scenery.obstacles.len())?;
         let stands = !matches!(self.scenery.obstacles[obstacle], Obstacle::Mover { .. });
-        throng_base::error::check("obstacle", None, obstacle as f64, stands, "one that does not move")?;
+        throng_base::error::check_value("obstacle", None, obstacle as f64, stands, "one that does not move")?;
         if self.scenery.is_open(obstacle) == open {
             return Ok(());
         }
@@ -292,7 +292,13 @@ impl<V: Space> Engine<V> {
     pub fn set_speed(&mut self, id: Id, speed: f32) -> Result<(), CrowdError> {
         self.check_id(id)?;
         let expected = "at least 0, and at most `largest_speed_mps` of the config";
-        throng_base::error::check("speed", Some(id), speed, (0.0..=self.scenery.speed).contains(&speed), expected)?;
+        throng_base::error::check_value(
+            "speed",
+            Some(id),
+            speed,
+            (0.0..=self.scenery.speed).contains(&speed),
+            expected,
+        )?;
         self.states[id.index()].speed = speed;
         Ok(())
     }
@@ -322,7 +328,7 @@ impl<V: Space> Engine<V> {
     fn check_way(&self, id: Id, from: V, goal: V, number: u32) -> Result<(), CrowdError> {
         let Scenery { streets: Some(streets), goals, .. } = &self.scenery else { return Ok(()) };
         let (from, to) = (from.to_world(), goal.to_world());
-        goals.check_way(streets, from, number).map_err(|_| Error::NoWay { who: Some(id), from, to }.into())
+        goals.check_way(streets, from, number).map_err(|_| Error::NoPath { who: Some(id), from, to }.into())
     }
 
     /// Sends an agent to a goal, on a route of its own. Allocates nothing where it has one. Returns its number.

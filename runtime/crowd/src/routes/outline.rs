@@ -102,7 +102,7 @@ impl Outline {
         // Larger circles need more points for the same detour.
         let num = if radius > clearance { 24 } else { 12 };
         let out = (radius + clearance) * 1.002 / maths::cos(0.5 * TAU / num as f32);
-        let away = |i: i32| maths::at_angle(TAU * i as f32 / num as f32) * out;
+        let away = |i: i32| maths::direction_at_angle(TAU * i as f32 / num as f32) * out;
         corners.into_iter().flat_map(|c| (0..num).map(move |i| (c + away(i), c))).collect()
     }
 }

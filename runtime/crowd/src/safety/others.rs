@@ -4,7 +4,7 @@ use crate::safety::rule::{Candidate, MARGIN, Violation};
 use crate::space::batch::{Eight, Plans, Sides, Vectors, bits, nth};
 use crate::space::plan::Plan;
 use crate::{NONE, Space};
-use throng_base::simd::{LANES, Lanes, Work, dispatch};
+use throng_base::simd::{LANES, LaneWork, Lanes, dispatch};
 
 /// Plans of eight, each number of all of them side by side.
 #[derive(Clone, Copy, Debug, Default)]
@@ -153,7 +153,7 @@ struct Prepare<'a, V> {
     time: f64,
 }
 
-impl<V: Space> Work for Prepare<'_, V> {
+impl<V: Space> LaneWork for Prepare<'_, V> {
     type Output = ();
 
     #[inline(always)]
@@ -194,7 +194,7 @@ struct Worst<'a, V> {
     me: &'a Candidate<V>,
 }
 
-impl<V: Space> Work for Worst<'_, V> {
+impl<V: Space> LaneWork for Worst<'_, V> {
     type Output = Option<Violation<V>>;
 
     #[inline(always)]

@@ -6,7 +6,7 @@ use crate::space::batch::bits;
 use crate::space::cells::Cells;
 use crate::space::plan::Plan;
 use crate::steering::neighbours::Row;
-use throng_base::simd::{Lanes, Work, dispatch};
+use throng_base::simd::{LaneWork, Lanes, dispatch};
 
 /// Room for rounding (m).
 const ROOM: f32 = 0.01;
@@ -58,7 +58,7 @@ struct Find<'a, V> {
     others: &'a mut Others,
 }
 
-impl<V: Space> Work for Find<'_, V> {
+impl<V: Space> LaneWork for Find<'_, V> {
     type Output = ();
 
     #[inline(always)]
@@ -85,7 +85,7 @@ mod tests {
     use crate::steering::neighbours::tests::{NOW, crowd, rows_around};
     use glam::{Vec2, Vec3};
     use proptest::prelude::*;
-    use throng_base::simd::Array;
+    use throng_base::simd::ArrayLanes;
 
     /// Samples the stop regions of the first of some plans, with some acceleration from now on, and of all plans that it is not
     /// compared with: they are apart.
@@ -156,7 +156,7 @@ mod tests {
             }
             for direction in [Vec2::X, Vec2::from_angle(2.0), Vec2::from_angle(4.0)] {
                 let part = velocity.dot(direction);
-                let s = Array::splat;
+                let s = ArrayLanes::splat;
                 let last = (velocity.length() + limit * length).min(FASTEST);
                 let most = extent(s(part), (s(limit), s(0.5 * last / limit)), s(length)).to_array()[0];
                 for i in 0..=50 {

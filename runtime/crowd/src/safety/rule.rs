@@ -36,7 +36,7 @@
 use crate::Space;
 use crate::space::plan::{Plan, stop};
 use crate::space::solid::Solid;
-use throng_base::ground::{Bounds, Rod};
+use throng_base::ground::{Bounds2d, Capsule2d};
 
 /// Margin against rounding, whose error is smaller within 500 m of the origin (m).
 pub(crate) const MARGIN: f32 = 1e-4;
@@ -108,14 +108,14 @@ impl<V: Space> Candidate<V> {
 
 impl<V: Space> Candidate<V> {
     /// Capsule of the ground that it takes until its end and for braking after it.
-    pub fn held(&self) -> Rod {
-        let line = Rod { from: self.now.0.on_ground(), to: self.end.1.on_ground(), radius_m: 0.0 };
-        let off = line.distance(self.now.1.on_ground()).max(line.distance(self.end.0.on_ground()));
-        Rod { radius_m: self.plan.radius + off + self.swerve() + MARGIN, ..line }
+    pub fn held(&self) -> Capsule2d {
+        let line = Capsule2d { from: self.now.0.on_ground(), to: self.end.1.on_ground(), radius_m: 0.0 };
+        let off = line.distance_to(self.now.1.on_ground()).max(line.distance_to(self.end.0.on_ground()));
+        Capsule2d { radius_m: self.plan.radius + off + self.swerve() + MARGIN, ..line }
     }
 
     /// A box around [`Candidate::held`].
-    pub fn bounds(&self) -> Bounds {
+    pub fn bounds(&self) -> Bounds2d {
         self.held().bounds()
     }
 
@@ -127,8 +127,8 @@ impl<V: Space> Candidate<V> {
 
 /// Violation of the rule between a plan and a region that an external obstacle reserves; `None` if there is none. An
 /// agent inside such a region already, because an obstacle that never yields has come, may leave it.
-pub(crate) fn violation_of_held<V: Space>(me: &Candidate<V>, ground: &Rod) -> Option<Violation<V>> {
-    let Rod { from, to, radius_m } = *ground;
+pub(crate) fn violation_of_held<V: Space>(me: &Candidate<V>, ground: &Capsule2d) -> Option<Violation<V>> {
+    let Capsule2d { from, to, radius_m } = *ground;
     let solid = Solid::Rod { from: V::over_ground(from), to: V::over_ground(to), radius: radius_m };
     let (away, distance) = solid.away(me.now.0);
     if distance < me.plan.radius {
@@ -310,7 +310,7 @@ mod tests {
             for i in 0..=50 {
                 let (x, stop) = me.stop_region(candidate.length * i as f32 / 50.0);
                 for share in [0.0, 0.5, 1.0] {
-                    let beyond = held.distance(x + (stop - x) * share) + me.radius;
+                    let beyond = held.distance_to(x + (stop - x) * share) + me.radius;
                     prop_assert!(beyond <= 0.0, "{beyond} m beyond");
                 }
             }

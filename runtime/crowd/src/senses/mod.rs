@@ -12,8 +12,8 @@ use crate::space::plan::Plan;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
-use throng_base::error::check;
-use throng_base::ground::{Bounds, BoxGrid};
+use throng_base::error::check_value;
+use throng_base::ground::{Bounds2d, BoxGrid};
 
 /// Zones, cells and distances that agents of a crowd may sense.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -79,12 +79,18 @@ impl<V: Space> Senses<V> {
     /// Every number within its limits.
     pub(crate) fn check(&self) -> Result<()> {
         let good = (0.0..=1000.0).contains(&self.meet_m);
-        check("senses.meet_m", None, self.meet_m, good, "between 0 and 1000")?;
+        check_value("senses.meet_m", None, self.meet_m, good, "between 0 and 1000")?;
         let good = self.cell_m == 0.0 || (0.1..=1e5).contains(&self.cell_m);
-        check("senses.cell_m", None, self.cell_m, good, "0, or between 0.1 and 100000")?;
+        check_value("senses.cell_m", None, self.cell_m, good, "0, or between 0.1 and 100000")?;
         for zone in &self.zones {
             let good = (1e-3..=1e5).contains(&zone.radius) && zone.centre.is_finite();
-            check("senses.zones.radius", None, zone.radius, good, "between 0.001 and 100000, about a finite centre")?;
+            check_value(
+                "senses.zones.radius",
+                None,
+                zone.radius,
+                good,
+                "between 0.001 and 100000, about a finite centre",
+            )?;
         }
         Ok(())
     }
@@ -153,7 +159,7 @@ impl<V: Space> Sensors<V> {
     pub fn new(senses: &Senses<V>, capacity: usize) -> Self {
         let mut zones = BoxGrid::with_capacity(senses.zones.len());
         for (number, zone) in senses.zones.iter().enumerate() {
-            zones.set(number, Bounds::about(zone.centre.on_ground(), zone.radius));
+            zones.set(number, Bounds2d::around_disc(zone.centre.on_ground(), zone.radius));
         }
         Self {
             senses: senses.clone(),
@@ -204,18 +210,18 @@ impl<V: Space> Sensors<V> {
 }
 
 /// A box, over the ground, around all of a plan from a time on.
-pub(crate) fn swept<V: Space>(plan: &Plan<V>, from: f64) -> Bounds {
+pub(crate) fn swept<V: Space>(plan: &Plan<V>, from: f64) -> Bounds2d {
     let (first, last) = (plan.at(from).0.on_ground(), plan.at(plan.end).0.on_ground());
-    let mut bounds = Bounds { min: first.min(last), max: first.max(last) };
+    let mut bounds = Bounds2d { min: first.min(last), max: first.max(last) };
     // Where a component of the velocity turns.
     let (velocity, acceleration) = (plan.velocity.on_ground(), plan.acceleration.on_ground());
     for axis in 0..2 {
         let turn = -velocity[axis] / acceleration[axis];
         if turn > (from - plan.start) as f32 && turn < ((plan.end - plan.start) as f32).min(plan.moving) {
             let at = plan.after(turn).0.on_ground();
-            bounds = bounds.with(Bounds { min: at, max: at });
+            bounds = bounds.union(Bounds2d { min: at, max: at });
         }
     }
     // More than rounding.
-    bounds.grown(1e-3)
+    bounds.expanded_by(1e-3)
 }

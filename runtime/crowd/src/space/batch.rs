@@ -166,10 +166,10 @@ mod tests {
     use crate::steering::neighbours::tests::{NOW, crowd};
     use glam::{Vec2, Vec3};
     use proptest::prelude::*;
-    use throng_base::simd::Array;
+    use throng_base::simd::ArrayLanes;
 
     fn same_as_one_by_one<V: Space>(plan: &Plan<V>, after: f32) -> Result<(), TestCaseError> {
-        let s = Array::splat;
+        let s = ArrayLanes::splat;
         let plans = Plans {
             position: Vectors::splat(plan.position),
             velocity: Vectors::splat(plan.velocity),
@@ -177,7 +177,7 @@ mod tests {
             moving: s(plan.moving),
             limit: s(plan.limit),
         };
-        let first = |v: Vectors<V, Array>| nth::<V>(&v.to_arrays(), 5);
+        let first = |v: Vectors<V, ArrayLanes>| nth::<V>(&v.to_arrays(), 5);
         let (x, v) = plans.after(s(after));
         prop_assert_eq!((first(x), first(v)), plan.after(after));
         let [x, y] = plans.stop_region(s(after));

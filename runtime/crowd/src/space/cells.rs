@@ -344,7 +344,7 @@ mod tests {
     use crate::space::batch::nth;
     use glam::{Vec2, Vec3};
     use proptest::prelude::*;
-    use throng_base::simd::Array;
+    use throng_base::simd::ArrayLanes;
 
     proptest! {
         #[test]
@@ -397,7 +397,7 @@ mod tests {
             Plan { start, end, position, velocity, acceleration, moving, radius, limit, index: i }
         };
         let kept: [Kept; LANES] = std::array::from_fn(|i| Kept::new(&plan(i as u32)));
-        let (plans, radius) = Kept::side_by_side::<V, Array>(kept.each_ref());
+        let (plans, radius) = Kept::side_by_side::<V, ArrayLanes>(kept.each_ref());
         for i in 0..LANES {
             let want = plan(i as u32);
             assert_eq!(kept[i].plan::<V>(want.index), want);

@@ -4,7 +4,7 @@ use crate::error::CrowdError;
 use crate::{Id, NONE, Space};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::error::check;
+use throng_base::error::check_value;
 
 /// Most interests of one agent.
 const MOST_INTERESTS: usize = 4;
@@ -103,7 +103,7 @@ impl<V: Space> Bonds<V> {
                 InterestAt::Agent(other) => other.index != id.index,
             };
             let good = strength.is_finite() && somewhere && reach > 0.0 && reach < 1e6;
-            check("interest.reach", Some(id), reach, good, expected)?;
+            check_value("interest.reach", Some(id), reach, good, expected)?;
         }
         self.of[id.index()].interests[n] = interest;
         self.is_any = true;
@@ -116,10 +116,10 @@ impl<V: Space> Bonds<V> {
     /// [`Error::Value`] for more than four, none, or one twice.
     pub fn set_companions(&mut self, ids: &[Id]) -> Result<(), CrowdError> {
         let good = (1..=MOST_COMPANIONS + 1).contains(&ids.len());
-        check("number of companions", None, ids.len() as f64, good, "one to four")?;
+        check_value("number of companions", None, ids.len() as f64, good, "one to four")?;
         let twice = (0..ids.len()).find(|&n| ids[..n].contains(&ids[n]));
         let who = twice.map(|n| ids[n]);
-        check("number of companions", who, ids.len() as f64, twice.is_none(), "each of them once")?;
+        check_value("number of companions", who, ids.len() as f64, twice.is_none(), "each of them once")?;
         ids.iter().for_each(|id| self.part(id.index));
         for id in ids {
             let mut others = [NONE; MOST_COMPANIONS];

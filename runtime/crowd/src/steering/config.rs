@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
-use throng_base::error::check;
+use throng_base::error::check_value;
 
 /// A number or numbers that can be out of a range.
 trait Numbers {
@@ -59,7 +59,7 @@ macro_rules! config_of_numbers {
                     let outside = self.$name.outside($least, $most);
                     let what = concat!("steering.", stringify!($name));
                     let expected = concat!("between ", stringify!($least), " and ", stringify!($most));
-                    check(what, None, outside.map_or(f64::NAN, f64::from), outside.is_none(), expected)?;
+                    check_value(what, None, outside.map_or(f64::NAN, f64::from), outside.is_none(), expected)?;
                 )*
                 Ok(())
             }

@@ -5,7 +5,7 @@ use crate::space::batch::{Eight, Vectors, bits, nth};
 use crate::space::cells::{Cells, Kept};
 use crate::steering::forces::Walker;
 use crate::steering::sight::Seen;
-use throng_base::simd::{LANES, Lanes, Work, dispatch};
+use throng_base::simd::{LANES, LaneWork, Lanes, dispatch};
 
 /// About the time of the first contact: the agent that is nearest then is met early (s).
 const SOON_S: f32 = 0.2;
@@ -203,7 +203,7 @@ struct Around<'a, V> {
     rows: Option<&'a mut Rows>,
 }
 
-impl<V: Space> Work for Around<'_, V> {
+impl<V: Space> LaneWork for Around<'_, V> {
     type Output = ();
 
     #[inline(always)]

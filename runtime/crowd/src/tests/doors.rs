@@ -72,7 +72,7 @@ fn all_wait_before_a_closed_door_that_is_the_only_way_and_go_on_when_it_opens() 
     let mut crowd = rooms(true);
     let ids = enter(&mut crowd, 12);
     let lost = crowd.order(ids[0], Go::to(goal(0)));
-    assert!(matches!(lost.unwrap_err().into(), throng_base::Error::NoWay { .. }), "a wall for all that it knows");
+    assert!(matches!(lost.unwrap_err().into(), throng_base::Error::NoPath { .. }), "a wall for all that it knows");
     crowd.set_open(DOOR, true).unwrap();
     crowd.set_open(DOOR, false).unwrap();
     for (i, &id) in ids.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use crate::events::engine::Engine;
 use crate::*;
-use throng_base::Run;
+use throng_base::Executor;
 
 /// The interface of [`Crowd`] on an engine of either space.
 pub(crate) trait Drive<V> {
@@ -18,7 +18,7 @@ pub(crate) trait Drive<V> {
 /// Runs parts on so many threads, the last ones first.
 pub(crate) struct Threads(pub usize);
 
-impl Run for Threads {
+impl Executor for Threads {
     fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
         std::thread::scope(|scope| {
             for first in 0..self.0 {

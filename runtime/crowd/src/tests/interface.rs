@@ -41,7 +41,7 @@ fn impossible_orders_are_refused_and_change_nothing() {
     let id = crowd.spawn(Agent::at(ground(-5.0, 0.0))).unwrap();
     let hash = crowd.hash();
     let no_way = other(crowd.order(id, Go::to(ground(0.0, 0.0))).unwrap_err());
-    assert!(matches!(no_way, Error::NoWay { who: Some(who), .. } if who == id));
+    assert!(matches!(no_way, Error::NoPath { who: Some(who), .. } if who == id));
     let fast = crowd.order(id, Go::to(ground(5.0, 0.0)).at_speed(9.0)).unwrap_err();
     assert!(matches!(other(fast), Error::Value { what: "speed", who: Some(who), .. } if who == id));
     let route = crowd.order(id, Go::on_route(7)).unwrap_err();

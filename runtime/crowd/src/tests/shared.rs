@@ -6,7 +6,7 @@ use crate::events::shared::SharedEngine;
 use crate::*;
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
-use throng_base::{Alone, Comm, LocalComm};
+use throng_base::{Comm, LocalComm, SingleRank};
 
 /// State after some time, and how many agents were handed over and overlapped.
 fn shared<V: Space>(setup: &Setup<V>, num_ranks: usize, times: &[f64]) -> (Vec<u8>, u64, u64) {
@@ -92,7 +92,7 @@ fn ties_between_agents_are_refused() {
     let mut engine = Engine::new(crossing::<Vec2>(9, 3.0)).unwrap();
     let ids: Vec<Id> = engine.ids().take(2).collect();
     engine.set_companions(&ids).unwrap();
-    let error = SharedEngine::new(engine, &Alone).unwrap_err();
+    let error = SharedEngine::new(engine, &SingleRank).unwrap_err();
     assert!(error.to_string().contains("companions"), "{error}");
 }
 

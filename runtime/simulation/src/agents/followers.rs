@@ -1,19 +1,19 @@
 //! Bodies of the agents of a scene, blended from example motions.
 
-use super::stage::{Outside, Shown};
+use super::stage::{BodyActivity, CrowdStage};
 use super::things::{BodyGrasps, grasps};
 use super::troop::{SavedTroop, Troop};
-use super::{Agents, plan};
+use super::{SceneAgents, ground_coordinates};
 use crate::compile::CompiledScene;
-use crate::kind::{Tick, refused};
-use crate::wander::skeletons;
+use crate::motion_kind::{GroupStep, refused_snapshot};
+use crate::wander::random_skeletons;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::ops::Range;
 use std::sync::Arc;
 use throng_base::Result;
 use throng_base::maths;
 use throng_core::blend::ActivityId;
-use throng_core::walkers::{Performance, Performing, Reach, Walkers, WalkersConfig};
+use throng_core::walkers::{HandReach, Performance, PerformanceProgress, Walkers, WalkersConfig};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 use throng_crowd::{Id, Space};
 
@@ -31,7 +31,7 @@ pub(super) struct Followers {
     /// Activities of the bundle for each troop and each motion tag of the scenario.
     activities: Vec<Vec<Vec<ActivityId>>>,
     /// Last activity ordered of each body (count).
-    told: Vec<Shown>,
+    ordered: Vec<BodyActivity>,
     /// Troops; agents take them in turn, by their numbers in the crowd.
     troops: Vec<Troop>,
 }
@@ -41,27 +41,27 @@ impl Followers {
     ///
     /// # Errors
     /// [`throng_base::Error::Text`] for a blend space that the bundle does not have.
-    pub fn new<V: Space>(compiled: &CompiledScene, group: usize, agents: &Agents<V>) -> Result<Self> {
-        let (scene, bundle) = (compiled.shared(), compiled.bundle(group)?);
+    pub fn new<V: Space>(compiled: &CompiledScene, group: usize, agents: &SceneAgents<V>) -> Result<Self> {
+        let (scene, bundle) = (compiled.shared_scene(), compiled.bundle(group)?);
         let config = &scene.groups[group];
         let first = agents.layout().groups.iter().position(|&g| g == group).unwrap_or(0);
-        let bodies = skeletons(&config.bodies(), bundle.skeleton(), scene.seed);
+        let bodies = random_skeletons(&config.bodies(), bundle.skeleton(), scene.seed);
         let key = format!("groups[{group}]");
         let mut troops = Vec::with_capacity(config.spaces.len());
-        let motions = compiled.scenario().map_or(&[] as &[String], |s| s.motions());
+        let motions = compiled.scenario().map_or(&[] as &[String], |s| s.motion_tags());
         let mut activities = Vec::new();
         for t in 0..config.spaces.len() {
-            let space = compiled.space(group, t)?;
-            activities.push(motions.iter().map(|tag| space.activities().tagged(tag).collect()).collect());
+            let space = compiled.blend_space(group, t)?;
+            activities.push(motions.iter().map(|tag| space.activities().ids_of_tag(tag).collect()).collect());
             let numbers = (first..first + config.count).filter(|m| m % config.spaces.len() == t);
             let room = numbers.clone().count();
             let made = Walkers::with_capacity(space, &bodies, WalkersConfig::default(), room).and_then(|walkers| {
                 let mut troop = Troop::new(walkers);
                 for m in numbers {
                     let Some(id) = agents.id(m) else { continue };
-                    let way = &agents.layout().ways[m];
-                    let ahead = way.get(1).map_or(Vec2::Y, |&next| plan(next - way[0]));
-                    troop.enter(agents.crowd(), id, ahead, bodies.len())?;
+                    let way = &agents.layout().paths[m];
+                    let ahead = way.get(1).map_or(Vec2::Y, |&next| ground_coordinates(next - way[0]));
+                    troop.add_body(agents.crowd(), id, ahead, bodies.len())?;
                 }
                 Ok(troop)
             });
@@ -74,24 +74,24 @@ impl Followers {
             count: config.count,
             bodies,
             activities,
-            told: vec![Shown::default(); config.count],
+            ordered: vec![BodyActivity::default(); config.count],
             troops,
         })
     }
 
     /// Advances all bodies to the current positions of their agents.
-    pub fn step<V: Space>(&mut self, outside: &Outside<V>, tick: &Tick<'_>) -> Result<()> {
+    pub fn step<V: Space>(&mut self, outside: &CrowdStage<V>, tick: &GroupStep<'_>) -> Result<()> {
         let crowd = &outside.crowd;
         let num = self.troops.len();
         for &agent in &outside.newcomers {
-            if let Some(id) = outside.ids[agent as usize].filter(|_| self.holds(agent as usize)) {
-                let entered = self.troops[agent as usize % num].enter(crowd, id, Vec2::Y, self.bodies.len());
+            if let Some(id) = outside.ids[agent as usize].filter(|_| self.contains(agent as usize)) {
+                let entered = self.troops[agent as usize % num].add_body(crowd, id, Vec2::Y, self.bodies.len());
                 entered.map_err(|e| self.scene.fault(&self.key, e))?;
             }
         }
-        if outside.is_minded {
+        if outside.has_brains {
             for agent in self.first..self.first + self.count {
-                self.show(outside, agent)?;
+                self.order_activity(outside, agent)?;
             }
         }
         let done = self.troops.iter_mut().try_for_each(|t| t.step(crowd, tick.dt_s, tick.run));
@@ -100,7 +100,7 @@ impl Followers {
 
     /// Orders what the body of an agent does beside walking: to face and look at a place, and to perform an activity repeatedly, or
     /// once where it is a greeting.
-    fn show<V: Space>(&mut self, outside: &Outside<V>, agent: usize) -> Result<()> {
+    fn order_activity<V: Space>(&mut self, outside: &CrowdStage<V>, agent: usize) -> Result<()> {
         let (num, row) = (self.troops.len(), (agent - self.first) / self.troops.len());
         let t = agent % num;
         let shown = outside.shown[agent];
@@ -109,39 +109,39 @@ impl Followers {
         };
         let troop = &mut self.troops[t];
         let ahead = shown.faces.map(|faces| (faces - at).xz());
-        troop.look(row, ahead, shown.faces);
-        troop.stand(row, shown.stands.map(|at| at.xz()));
-        let is_new = std::mem::replace(&mut self.told[agent - self.first], shown) != shown;
+        troop.order_look(row, ahead, shown.faces);
+        troop.order_stand(row, shown.stands.map(|at| at.xz()));
+        let is_new = std::mem::replace(&mut self.ordered[agent - self.first], shown) != shown;
         let Some(motion) = shown.motion else {
-            return if is_new { troop.perform(row, None) } else { Ok(()) };
+            return if is_new { troop.order_activity(row, None) } else { Ok(()) };
         };
         let heading = ahead.filter(|a| a.length_squared() > 1e-4).map(|a| maths::atan2(a.x, a.y));
         if let Some(activity) = shown.once {
             // An agent that still walked at the order has not begun.
             let begins = is_new || !troop.is_performing(row) && outside.things.is_awaited(agent as u32);
-            return if begins { troop.perform(row, Some(Performance { activity, heading })) } else { Ok(()) };
+            return if begins { troop.order_activity(row, Some(Performance { activity, heading })) } else { Ok(()) };
         }
         let all = &self.activities[t][usize::from(motion)];
-        if all.is_empty() || !is_new && (troop.is_performing(row) || troop.is_once(all[0])) {
+        if all.is_empty() || !is_new && (troop.is_performing(row) || troop.is_played_once(all[0])) {
             return Ok(());
         }
         // The choice differs between agents and changes with time.
         let turn = agent + (outside.crowd.now() * 0.37) as usize;
-        troop.perform(row, Some(Performance { activity: all[turn % all.len()], heading }))
+        troop.order_activity(row, Some(Performance { activity: all[turn % all.len()], heading }))
     }
 
     /// State that the next steps depend on, troop by troop.
-    pub fn saved(&self) -> Vec<SavedTroop> {
-        self.troops.iter().map(Troop::saved).collect()
+    pub fn to_saved(&self) -> Vec<SavedTroop> {
+        self.troops.iter().map(Troop::to_saved).collect()
     }
 
     /// Restores a saved state.
     ///
     /// # Errors
     /// [`throng_base::Error::Snapshot`]; a part may have been loaded then.
-    pub fn load(&mut self, troops: &[SavedTroop], ids: &[Option<Id>], shown: &[Shown]) -> Result<()> {
+    pub fn load(&mut self, troops: &[SavedTroop], ids: &[Option<Id>], shown: &[BodyActivity]) -> Result<()> {
         if troops.len() != self.troops.len() {
-            return Err(refused("bodies", "it has other blend spaces"));
+            return Err(refused_snapshot("bodies", "it has other blend spaces"));
         }
         let num = self.troops.len();
         for (t, (own, saved)) in self.troops.iter_mut().zip(troops).enumerate() {
@@ -150,7 +150,7 @@ impl Followers {
             own.agents.extend(mine.filter_map(|m| ids[m]));
             own.load(saved)?;
         }
-        self.told.copy_from_slice(&shown[self.first..self.first + self.count]);
+        self.ordered.copy_from_slice(&shown[self.first..self.first + self.count]);
         Ok(())
     }
 
@@ -177,7 +177,7 @@ impl Followers {
     }
 
     /// Activity that the body of an agent performs.
-    pub fn performing(&self, agent: usize) -> Option<Performing> {
+    pub fn performing(&self, agent: usize) -> Option<PerformanceProgress> {
         let (walkers, w) = self.walkers_of(agent);
         walkers.performing(w)
     }
@@ -188,13 +188,13 @@ impl Followers {
     }
 
     /// Orders a hand of an agent's body (0 left, 1 right) to reach for something in the next step.
-    pub fn reach(&mut self, agent: usize, side: usize, reach: Reach) {
+    pub fn order_reach(&mut self, agent: usize, side: usize, reach: HandReach) {
         let num = self.troops.len();
-        self.troops[agent % num].reach((agent - self.first) / num, side, reach);
+        self.troops[agent % num].order_reach((agent - self.first) / num, side, reach);
     }
 
     /// True where the body of an agent is among them.
-    pub fn holds(&self, agent: usize) -> bool {
+    pub fn contains(&self, agent: usize) -> bool {
         (self.first..self.first + self.count).contains(&agent)
     }
 
@@ -207,7 +207,7 @@ impl Followers {
     /// Joints of an agent in model space, which [`Followers::root`] places in the world.
     pub fn pose(&self, agent: usize) -> &[Mat3x4; NUM_JOINTS] {
         let (walkers, w) = self.walkers_of(agent);
-        crate::kind::joints(walkers.pose(w))
+        crate::motion_kind::single_pose(walkers.pose(w))
     }
 
     /// Planted parts of an agent's feet.

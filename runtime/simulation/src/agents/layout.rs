@@ -1,9 +1,9 @@
 //! Layout of a scene's agents for the crowd: their starts, paths and goals.
 
-use super::places::places;
-use super::ways::RouteMap;
-use crate::scenario::{Scenario, hashed};
-use crate::scene::{AtEndConfig, GoalConfig, GroupConfig, PlaceConfig, Scene, SiteConfig, point};
+use super::places::start_positions;
+use super::route_map::RouteMap;
+use crate::scenario::{Scenario, hashed_chance};
+use crate::scene::{AtEndConfig, GoalConfig, GroupConfig, PlaceConfig, Scene, SiteConfig, to_point};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::sync::Arc;
@@ -12,13 +12,13 @@ use throng_crowd::{Agent, AtEnd, CrowdConfig, Obstacle, Route, Setup, Space, Zon
 
 /// Starts, paths and goals of all agents of a scene.
 #[derive(Clone, Debug)]
-pub struct Layout<V> {
+pub struct CrowdLayout<V> {
     /// Setup of the crowd engine.
     pub setup: Setup<V>,
     /// Group of each agent in the scene.
     pub groups: Vec<usize>,
     /// Corners of each agent's path from its start to its goal, both included (m).
-    pub ways: Vec<Vec<V>>,
+    pub paths: Vec<Vec<V>>,
     /// Distance from its goal at which each agent has arrived (m).
     pub arrivals: Vec<f32>,
     /// Keys of obstacles in the file, for messages (obstacles).
@@ -26,7 +26,7 @@ pub struct Layout<V> {
     /// Lowest and highest coordinates of the agents' starts, for each group of the scene (m).
     boxes: Vec<(V, V)>,
     /// Number of the first agent of each small group of companions, and at the end the number of agents.
-    parties: Vec<usize>,
+    companion_starts: Vec<usize>,
     /// Number of the first door among the obstacles.
     pub(super) first_door: usize,
     /// Whether agents sense places (zones) and cells.
@@ -36,7 +36,7 @@ pub struct Layout<V> {
     pub(super) map: RouteMap,
 }
 
-impl<V: Space> Layout<V> {
+impl<V: Space> CrowdLayout<V> {
     /// Places the agents of a scene and plans their paths.
     ///
     /// # Errors
@@ -46,7 +46,7 @@ impl<V: Space> Layout<V> {
         let (mut obstacles, mut obstacle_keys) = obstacles_of(scene);
         let first_door = obstacles.len();
         for (i, door) in scene.environment.doors.iter().enumerate() {
-            let (from, to) = (point(&door.from), point(&door.to));
+            let (from, to) = (to_point(&door.from), to_point(&door.to));
             obstacles.push(Obstacle::Wall { from, to, radius: door.radius_m });
             obstacle_keys.push(format!("environment.doors[{i}]"));
         }
@@ -58,11 +58,11 @@ impl<V: Space> Layout<V> {
                 ..Setup::default()
             },
             groups: Vec::new(),
-            ways: Vec::new(),
+            paths: Vec::new(),
             arrivals: Vec::new(),
             obstacle_keys,
             boxes: Vec::new(),
-            parties: Vec::new(),
+            companion_starts: Vec::new(),
             first_door,
             senses_zones: false,
             senses_cells: false,
@@ -73,47 +73,48 @@ impl<V: Space> Layout<V> {
         for (g, group) in scene.groups.iter().enumerate() {
             let place = group.place.as_ref().filter(|_| group.is_of_agents());
             let num = group.source.as_ref().map_or(group.count, |s| s.start);
-            let mut starts: Vec<V> = place.map_or(Vec::new(), |place| places(place, num, group.radius_m[1], &mut rng));
+            let mut starts: Vec<V> =
+                place.map_or(Vec::new(), |place| start_positions(place, num, group.radius_m[1], &mut rng));
             let wide = |(low, high): (V, V), &s: &V| (low.min(s), high.max(s));
             let first = starts.first().copied().unwrap_or_default();
             layout.boxes.push(starts.iter().fold((first, first), wide));
             if let Some(source) = group.source.as_ref().filter(|_| place.is_some()) {
                 // Agents that enter later get their start when they enter.
                 let from = source.place.as_ref().or(group.place.as_ref());
-                let later = from.map_or(Vec::new(), |from| places(from, 1, group.radius_m[1], &mut rng));
+                let later = from.map_or(Vec::new(), |from| start_positions(from, 1, group.radius_m[1], &mut rng));
                 starts.resize(group.count, later.first().copied().unwrap_or(first));
             }
             let (mut at, end) = (layout.groups.len(), layout.groups.len() + starts.len());
             let [least, most] = group.companions;
             // The size of each small group is drawn from the number of its first agent.
             while at < end {
-                layout.parties.push(at);
-                let chance = hashed(scene.seed ^ 0xC04A, g as u32, at as u32);
+                layout.companion_starts.push(at);
+                let chance = hashed_chance(scene.seed ^ 0xC04A, g as u32, at as u32);
                 at += (least + (chance * (most - least + 1) as f64) as usize).max(1);
             }
             layout.groups.extend(std::iter::repeat_n(g, starts.len()));
-            layout.setup.agents.extend(starts.iter().map(|&s| agent(group, s, &mut rng)));
+            layout.setup.agents.extend(starts.iter().map(|&s| draw_agent(group, s, &mut rng)));
         }
-        layout.parties.push(layout.groups.len());
+        layout.companion_starts.push(layout.groups.len());
         layout.setup.doors = (first_door..layout.setup.obstacles.len()).collect();
         layout.setup.config.largest_speed_mps = layout.largest_speed();
         if scene.agents.routes {
             let map = RouteMap::new(&layout.setup.obstacles, first_door, layout.heights(), &scene.groups);
-            layout.map = map.map_err(|e| layout.explain(&e.into()))?;
+            layout.map = map.map_err(|e| layout.explain_crowd_error(&e.into()))?;
             layout.setup.streets = layout.map.with_doors.clone();
         }
         for m in 0..layout.setup.agents.len() {
-            layout.send(m, &mut rng)?;
+            layout.plan_first_path(m, &mut rng)?;
         }
         Ok(layout)
     }
 
     /// Sets what agents sense, as far as a scenario needs it.
-    pub(super) fn sense(&mut self, scenario: &Scenario) {
+    pub(super) fn set_senses(&mut self, scenario: &Scenario) {
         let (agents, places) = (&self.scene.agents, &self.scene.places);
         self.setup.senses.meet_m = if scenario.senses_meetings() { agents.telling_m } else { 0.0 };
         (self.senses_zones, self.senses_cells) = (scenario.senses_zones, scenario.senses_cells);
-        let zone = |site: &SiteConfig| Zone { centre: point(&site.at), radius: site.radius_m };
+        let zone = |site: &SiteConfig| Zone { centre: to_point(&site.at), radius: site.radius_m };
         self.setup.senses.zones = if self.senses_zones { places.iter().map(zone).collect() } else { Vec::new() };
         self.setup.senses.cell_m = if self.senses_cells { agents.cell_m } else { 0.0 };
         let most = self.setup.config.largest_speed_mps.max(scenario.largest_speed_mps());
@@ -139,8 +140,8 @@ impl<V: Space> Layout<V> {
 
     /// Agents that walk together with one, itself included: consecutive numbers.
     pub(super) fn companions_of(&self, m: usize) -> std::ops::Range<usize> {
-        let next = self.parties.partition_point(|&first| first <= m);
-        self.parties[next - 1]..self.parties[next]
+        let next = self.companion_starts.partition_point(|&first| first <= m);
+        self.companion_starts[next - 1]..self.companion_starts[next]
     }
 
     /// Position at which an agent may enter; another one for each try.
@@ -148,8 +149,8 @@ impl<V: Space> Layout<V> {
         let group = &self.scene.groups[self.groups[m]];
         let place = group.source.as_ref().and_then(|s| s.place.as_ref()).or(group.place.as_ref());
         let Some(PlaceConfig::Block { from, to, .. }) = place else { return self.setup.agents[m].position };
-        let chance = |axis: u32| hashed(self.scene.seed ^ 0xE47E, m as u32, 4 * tries + axis) as f32;
-        let [low, high] = [point::<V>(from), point::<V>(to)].map(Space::coordinates);
+        let chance = |axis: u32| hashed_chance(self.scene.seed ^ 0xE47E, m as u32, 4 * tries + axis) as f32;
+        let [low, high] = [to_point::<V>(from), to_point::<V>(to)].map(Space::coordinates);
         V::from_coordinates(std::array::from_fn(|i| low[i] + (high[i] - low[i]) * chance(i as u32)))
     }
 
@@ -164,32 +165,32 @@ impl<V: Space> Layout<V> {
     }
 
     /// Plans the first path of an agent.
-    fn send(&mut self, m: usize, rng: &mut Pcg64Mcg) -> Result<()> {
+    fn plan_first_path(&mut self, m: usize, rng: &mut Pcg64Mcg) -> Result<()> {
         let scene = Arc::clone(&self.scene);
         let (group, around) = (&scene.groups[self.groups[m]], self.boxes[self.groups[m]]);
         let start = self.setup.agents[m].position;
         let goal = group.goal.as_ref().unwrap_or(&GoalConfig::Stay {});
         let (subgoals, at_end) = match goal {
             GoalConfig::Wander { from, to, points: num } => {
-                let mut all: Vec<V> = self.map.wander(start, (from, to, *num), rng);
+                let mut all: Vec<V> = self.map.random_points(start, (from, to, *num), rng);
                 all.push(start);
                 (all, AtEndConfig::Again)
             }
             goal => {
-                let via = group.via.iter().map(|p| point(p));
-                let to = spread(goal_of(goal, around, start), goal, group, rng);
+                let via = group.via.iter().map(|p| to_point(p));
+                let to = scatter_goal(goal_position(goal, around, start), goal, group, rng);
                 // The route leads back to its start, where it begins again.
                 let back = (group.at_end == AtEndConfig::Again).then_some(start);
                 (via.chain([to]).chain(back).collect(), group.at_end)
             }
         };
-        let way = self.way(m, start, &subgoals)?;
+        let way = self.path_through(m, start, &subgoals)?;
         // A route through several points begins at the start.
         let first = (subgoals.len() > 1).then_some(start);
         let subgoals = first.into_iter().chain(subgoals).collect();
         self.setup.agents[m].route = Some(self.setup.routes.len());
         self.setup.routes.push(Route { subgoals, arrival_radius: group.arrival_m, at_end: at_end.into() });
-        self.ways.push(way);
+        self.paths.push(way);
         self.arrivals.push(group.arrival_m);
         Ok(())
     }
@@ -197,27 +198,27 @@ impl<V: Space> Layout<V> {
     /// Plans the path of an agent to a goal that is ordered later, and returns its route.
     ///
     /// # Errors
-    /// As [`Layout::new`].
-    pub(super) fn new_way(
+    /// As [`CrowdLayout::new`].
+    pub(super) fn new_path(
         &mut self,
         m: usize,
         from: V,
         goal: &GoalConfig,
         (arrival_radius, at_end): (f32, AtEndConfig),
     ) -> Result<Route<V>> {
-        let to = goal_of(goal, self.boxes[self.groups[m]], self.setup.agents[m].position);
-        let way = self.way(m, from, &[to])?;
+        let to = goal_position(goal, self.boxes[self.groups[m]], self.setup.agents[m].position);
+        let way = self.path_through(m, from, &[to])?;
         let route = Route { subgoals: vec![to], arrival_radius, at_end: at_end.into() };
-        (self.ways[m], self.arrivals[m]) = (way, arrival_radius);
+        (self.paths[m], self.arrivals[m]) = (way, arrival_radius);
         Ok(route)
     }
 
     /// Corners of the path from a start through subgoals, both ends included.
-    fn way(&mut self, m: usize, start: V, subgoals: &[V]) -> Result<Vec<V>> {
+    fn path_through(&mut self, m: usize, start: V, subgoals: &[V]) -> Result<Vec<V>> {
         let mut way = vec![start];
         for &to in subgoals {
             let from = way[way.len() - 1];
-            let leg = self.map.leg(from, to).map_err(|why| self.no_way(m, why, from, to))?;
+            let leg = self.map.shortest_path(from, to).map_err(|why| self.no_path_error(m, why, from, to))?;
             way.extend(&leg[1..]);
         }
         Ok(way)
@@ -244,7 +245,7 @@ fn obstacles_of<V: Space>(scene: &Scene) -> (Vec<Obstacle<V>>, Vec<String>) {
     scene.environment.obstacles.iter().enumerate().flat_map(of).unzip()
 }
 
-fn agent<V: Space>(group: &GroupConfig, position: V, rng: &mut Pcg64Mcg) -> Agent<V> {
+fn draw_agent<V: Space>(group: &GroupConfig, position: V, rng: &mut Pcg64Mcg) -> Agent<V> {
     let mut draw = |[low, high]: [f32; 2]| low + (high - low) * rng.random_range(0.0..1.0f32);
     Agent {
         position,
@@ -259,9 +260,9 @@ fn agent<V: Space>(group: &GroupConfig, position: V, rng: &mut Pcg64Mcg) -> Agen
 
 /// Goal in an area, moved off its row and column at random, since people who arrive keep no order; other goals stay as they
 /// are. Goals of two agents never touch.
-fn spread<V: Space>(to: V, goal: &GoalConfig, group: &GroupConfig, rng: &mut Pcg64Mcg) -> V {
+fn scatter_goal<V: Space>(to: V, goal: &GoalConfig, group: &GroupConfig, rng: &mut Pcg64Mcg) -> V {
     let GoalConfig::Area { from, to: end } = goal else { return to };
-    let (low, high) = (point::<V>(from).coordinates(), point::<V>(end).coordinates());
+    let (low, high) = (to_point::<V>(from).coordinates(), to_point::<V>(end).coordinates());
     let size = |i: usize| high[i] - low[i];
     let volume: f32 = (0..V::DIMENSIONS).map(size).product();
     let apart = throng_base::maths::pow(volume / group.count as f32, 1.0 / V::DIMENSIONS as f32);
@@ -276,11 +277,11 @@ fn spread<V: Space>(to: V, goal: &GoalConfig, group: &GroupConfig, rng: &mut Pcg
 /// Goal position of an agent that starts at `start` (m).
 ///
 /// - `around`: lowest and highest coordinates of its group's starts (m).
-fn goal_of<V: Space>(goal: &GoalConfig, around: (V, V), start: V) -> V {
+fn goal_position<V: Space>(goal: &GoalConfig, around: (V, V), start: V) -> V {
     match goal {
-        GoalConfig::Point { at } => point(at),
-        GoalConfig::Shift { by } => start + point(by),
-        GoalConfig::Opposite { centre } => point::<V>(centre) * 2.0 - start,
+        GoalConfig::Point { at } => to_point(at),
+        GoalConfig::Shift { by } => start + to_point(by),
+        GoalConfig::Opposite { centre } => to_point::<V>(centre) * 2.0 - start,
         GoalConfig::Area { from, to } => {
             let (low, high, at) = (around.0.coordinates(), around.1.coordinates(), start.coordinates());
             // Agents that enter later may start elsewhere.
@@ -304,12 +305,13 @@ mod tests {
                     place = { block = { from = [0.0, 0.0], to = [9.0, 9.0] } }\n\
                     source = { start = 0, rates = [[0.0, 1.0]] }\n";
         for text in [text.into(), text.replace("start = 0", "start = 1")] {
-            let layout = Layout::<Vec2>::new(&Arc::new(Scene::parse(&text, Path::new("a.toml")).unwrap())).unwrap();
-            let ends = layout.ways.iter().map(|way| way[way.len() - 1]);
+            let layout =
+                CrowdLayout::<Vec2>::new(&Arc::new(Scene::parse(&text, Path::new("a.toml")).unwrap())).unwrap();
+            let ends = layout.paths.iter().map(|way| way[way.len() - 1]);
             assert!(
                 ends.into_iter().all(|at| at.clamp(Vec2::new(20.0, 0.0), Vec2::new(30.0, 9.0)) == at),
                 "{:?}",
-                layout.ways
+                layout.paths
             );
         }
     }
@@ -323,7 +325,7 @@ mod tests {
             )
         };
         let text = [group("[2, 4]"), group("[1, 1]"), group("[3, 3]")].concat();
-        let layout = Layout::<Vec2>::new(&Arc::new(Scene::parse(&text, Path::new("a.toml")).unwrap())).unwrap();
+        let layout = CrowdLayout::<Vec2>::new(&Arc::new(Scene::parse(&text, Path::new("a.toml")).unwrap())).unwrap();
         let mut sizes = Vec::new();
         while let Some(all) = Some(sizes.iter().sum()).filter(|m| *m < 303) {
             let party = layout.companions_of(all);

@@ -1,11 +1,11 @@
 //! Snapshots of all agents of a scene: their crowd, paths, brains and bodies.
 
-use super::Agents;
-use super::stage::Shown;
-use super::things::{Handled, Thing, is_near};
+use super::SceneAgents;
+use super::stage::BodyActivity;
+use super::things::{HandlingCounts, ThingState, is_near};
 use super::troop::SavedTroop;
-use crate::kind::refused;
-use crate::scenario::Minds;
+use crate::motion_kind::refused_snapshot;
+use crate::scenario::AgentBrains;
 use serde::{Deserialize, Serialize};
 use throng_base::{Bytes, Id, Result, SnapshotKind};
 use throng_crowd::Space;
@@ -15,15 +15,15 @@ const KIND: SnapshotKind = SnapshotKind { what: "agents", tag: *b"AGNT", version
 /// State that changes with time. Names are those of [`super::stage::Outside`] and its layout.
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "V: Space")]
-struct Saved<V> {
+struct SavedAgents<V> {
     crowd: Bytes,
     ids: Vec<Option<Id>>,
     agent_of: Vec<u32>,
     sent: Vec<u32>,
     told: Vec<Option<u16>>,
-    shown: Vec<Shown>,
-    things: Vec<Thing>,
-    handled: Handled,
+    shown: Vec<BodyActivity>,
+    things: Vec<ThingState>,
+    handled: HandlingCounts,
     ways: Vec<Vec<V>>,
     arrivals: Vec<f32>,
     minds: Option<Bytes>,
@@ -31,41 +31,41 @@ struct Saved<V> {
     followers: Vec<Vec<SavedTroop>>,
 }
 
-impl<V: Space> Agents<V> {
+impl<V: Space> SceneAgents<V> {
     /// Appends a snapshot, see [`crate::Kind::save`].
-    pub(super) fn write(&self, out: &mut Vec<u8>) {
+    pub(super) fn write_snapshot(&self, out: &mut Vec<u8>) {
         let mut crowd = Bytes::default();
-        let outside = &self.outside;
+        let outside = &self.stage;
         outside.crowd.save(&mut crowd.0);
-        let saved = Saved {
+        let saved = SavedAgents {
             crowd,
             ids: outside.ids.clone(),
             agent_of: outside.agent_of.clone(),
             sent: outside.sent.clone(),
-            told: outside.told.clone(),
+            told: outside.ordered_happenings.clone(),
             shown: outside.shown.clone(),
             things: outside.things.all.clone(),
-            handled: outside.things.handled,
-            ways: outside.layout.ways.clone(),
+            handled: outside.things.counts,
+            ways: outside.layout.paths.clone(),
             arrivals: outside.layout.arrivals.clone(),
-            minds: self.minds.as_ref().map(|minds| {
+            minds: self.brains.as_ref().map(|minds| {
                 let mut bytes = Bytes::default();
                 minds.save(&mut bytes.0);
                 bytes
             }),
-            followers: self.followers.iter().map(|f| f.saved()).collect(),
+            followers: self.followers.iter().map(|f| f.to_saved()).collect(),
         };
         KIND.write(&saved, out);
     }
 
     /// Restores a snapshot, see [`crate::Kind::load`].
-    pub(super) fn read(&mut self, bytes: &[u8], time_s: f64) -> Result<()> {
-        let saved: Saved<V> = KIND.read_all(bytes)?;
-        self.check(&saved).map_err(|why| refused(KIND.what, why))?;
-        self.outside.crowd.load(&saved.crowd.0).map_err(throng_base::Error::from)?;
-        let outside = &mut self.outside;
+    pub(super) fn read_snapshot(&mut self, bytes: &[u8], time_s: f64) -> Result<()> {
+        let saved: SavedAgents<V> = KIND.read_all(bytes)?;
+        self.check(&saved).map_err(|why| refused_snapshot(KIND.what, why))?;
+        self.stage.crowd.load(&saved.crowd.0).map_err(throng_base::Error::from)?;
+        let outside = &mut self.stage;
         if outside.crowd.now() != time_s {
-            return Err(refused(KIND.what, "its crowd is at another time"));
+            return Err(refused_snapshot(KIND.what, "its crowd is at another time"));
         }
         // Each member of the crowd is exactly one agent.
         let is_own = |id: Id| {
@@ -73,45 +73,45 @@ impl<V: Space> Agents<V> {
             agent.is_some_and(|a| saved.ids.get(a) == Some(&Some(id)))
         };
         if !outside.crowd.ids().all(is_own) {
-            return Err(refused(KIND.what, "somebody in its crowd is nobody of the scene"));
+            return Err(refused_snapshot(KIND.what, "somebody in its crowd is nobody of the scene"));
         }
-        if let (Some(minds), Some(bytes)) = (&mut self.minds, &saved.minds) {
+        if let (Some(minds), Some(bytes)) = (&mut self.brains, &saved.minds) {
             minds.load(&bytes.0, time_s)?;
         }
-        let has_entered = |m: usize| self.minds.as_ref().is_none_or(|minds| minds.has_entered(m));
+        let has_entered = |m: usize| self.brains.as_ref().is_none_or(|minds| minds.has_entered(m));
         if saved.ids.iter().enumerate().any(|(m, id)| id.is_some() != has_entered(m)) {
-            return Err(refused(KIND.what, "somebody is there who has not entered"));
+            return Err(refused_snapshot(KIND.what, "somebody is there who has not entered"));
         }
         for (own, troops) in self.followers.iter_mut().zip(&saved.followers) {
             own.load(troops, &saved.ids, &saved.shown)?;
         }
         (outside.ids, outside.agent_of) = (saved.ids, saved.agent_of);
-        outside.agents_told.clone_from(&outside.agent_of);
-        (outside.sent, outside.told, outside.shown) = (saved.sent, saved.told, saved.shown);
-        (outside.things.all, outside.things.handled) = (saved.things, saved.handled);
+        outside.agents_reported.clone_from(&outside.agent_of);
+        (outside.sent, outside.ordered_happenings, outside.shown) = (saved.sent, saved.told, saved.shown);
+        (outside.things.all, outside.things.counts) = (saved.things, saved.handled);
         outside.things.reaches = true;
-        (outside.layout.ways, outside.layout.arrivals) = (saved.ways, saved.arrivals);
+        (outside.layout.paths, outside.layout.arrivals) = (saved.ways, saved.arrivals);
         outside.newcomers.clear();
         Ok(())
     }
 
     /// Checks that a state can be one of these agents.
-    fn check(&self, saved: &Saved<V>) -> std::result::Result<(), &'static str> {
+    fn check(&self, saved: &SavedAgents<V>) -> std::result::Result<(), &'static str> {
         let n = self.num_agents();
         let lengths = [saved.ids.len(), saved.sent.len(), saved.told.len(), saved.shown.len(), saved.ways.len()];
         let more = [saved.arrivals.len(), saved.agent_of.len()];
-        let has_minds = saved.minds.is_some() == self.minds.is_some();
+        let has_minds = saved.minds.is_some() == self.brains.is_some();
         if lengths != [n; 5] || more != [n; 2] || saved.followers.len() != self.followers.len() || !has_minds {
             return Err("it has other agents");
         }
-        let happenings = self.outside.layout.scene.happenings.len();
+        let happenings = self.stage.layout.scene.happenings.len();
         if saved.told.iter().flatten().any(|&h| usize::from(h) >= happenings) {
             return Err("somebody knows of what has not happened");
         }
-        self.outside.things.check(&saved.things, &saved.handled, n)?;
+        self.stage.things.check(&saved.things, &saved.handled, n)?;
         let is_way = |way: &Vec<V>| !way.is_empty() && way.iter().all(|at| at.is_finite());
         let has_room = saved.sent.iter().all(|&sent| sent < u32::MAX / 128);
-        let num_motions = self.minds.as_ref().map_or(0, Minds::num_motions);
+        let num_motions = self.brains.as_ref().map_or(0, AgentBrains::num_motions);
         let is_seen = saved.shown.iter().all(|s| {
             s.motion.is_none_or(|motion| usize::from(motion) < num_motions)
                 && [s.faces, s.stands].iter().flatten().all(is_near)
@@ -141,21 +141,21 @@ mod tests {
                     [[groups]]\nmotion = \"none\"\ncount = 3\nplace = { block = { from = [0.0, 0.0], to = [9.0, 9.0] } }\n\
                     goal = { stay = {} }\nsource = { start = 2, rates = [[0.0, 0.001]] }\n";
         let scene = crate::scene::Scene::parse(text, Path::new("a.toml")).unwrap().open().unwrap();
-        let agents = Agents::<Vec2>::new(&scene).unwrap();
-        let is_refused = |change: fn(&mut Agents<Vec2>)| {
+        let agents = SceneAgents::<Vec2>::new(&scene).unwrap();
+        let is_refused = |change: fn(&mut SceneAgents<Vec2>)| {
             let (mut forged, mut bytes) = (agents.clone(), Vec::new());
             change(&mut forged);
-            forged.write(&mut bytes);
-            agents.clone().read(&bytes, 0.0).is_err()
+            forged.write_snapshot(&mut bytes);
+            agents.clone().read_snapshot(&bytes, 0.0).is_err()
         };
         assert!(!is_refused(|_| ()));
         for (n, change) in [
-            |a: &mut Agents<Vec2>| a.outside.shown[0].motion = Some(1),
-            |a: &mut Agents<Vec2>| a.outside.shown[0].faces = Some(Vec3::MAX),
-            |a: &mut Agents<Vec2>| a.outside.ids[2] = a.outside.ids[1],
-            |a: &mut Agents<Vec2>| a.outside.sent[0] = u32::MAX / 64 - 1,
-            |a: &mut Agents<Vec2>| a.outside.things.handled.missed = u32::MAX,
-            |a: &mut Agents<Vec2>| a.outside.things.all[0].at.x = f32::MAX,
+            |a: &mut SceneAgents<Vec2>| a.stage.shown[0].motion = Some(1),
+            |a: &mut SceneAgents<Vec2>| a.stage.shown[0].faces = Some(Vec3::MAX),
+            |a: &mut SceneAgents<Vec2>| a.stage.ids[2] = a.stage.ids[1],
+            |a: &mut SceneAgents<Vec2>| a.stage.sent[0] = u32::MAX / 64 - 1,
+            |a: &mut SceneAgents<Vec2>| a.stage.things.counts.missed = u32::MAX,
+            |a: &mut SceneAgents<Vec2>| a.stage.things.all[0].at.x = f32::MAX,
         ]
         .into_iter()
         .enumerate()

@@ -1,23 +1,23 @@
 //! Things that agents take, carry and put down: where they are, in which hand, and what hands reach for meanwhile.
 
 use super::followers::Followers;
-use crate::scenario::{Handling, NoStance, SIDES};
-use crate::scene::{Carried, ThingConfig};
+use crate::scenario::{Handling, SIDES, StanceError};
+use crate::scene::{CarryStyle, ThingConfig};
 use glam::{Quat, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use throng_base::maths;
 use throng_core::blend::{ActivityId, ActivitySet};
 use throng_core::hits::FIST_PER_FOREARM;
-use throng_core::walkers::{Performing, Reach};
+use throng_core::walkers::{HandReach, PerformanceProgress};
 use throng_core::{Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 
 /// Forearm and hand of each arm: both ends of the forearm.
 const ARMS: [[Joint; 2]; 2] = [[Joint::LeftForearm, Joint::LeftHand], [Joint::RightForearm, Joint::RightHand]];
 
 /// Shortest times in which a hand approaches a thing before the grasp, and withdraws from it afterwards (s).
-const NEARS_S: f32 = 0.45;
-const LEAVES_S: f32 = 0.5;
+const APPROACH_S: f32 = 0.45;
+const RETREAT_S: f32 = 0.5;
 /// Time added to both for each metre between the height of the thing and that of the palm in the motion: hips and trunk move about
 /// as fast as those of captured people who sit down and crouch, whose hips take 0.7 to 1.6 s and stay below 0.8 m/s (s/m).
 const BENDS_S_PER_M: f32 = 1.5;
@@ -30,7 +30,7 @@ const CARRY_S: f32 = 0.5;
 /// Position of a thing that is carried level: beside the middle of the body, above the hips, in front of them (m).
 const LEVEL_M: [f32; 3] = [0.14, 0.14, 0.34];
 /// Height at which agents without bodies hold things, and the distance from which they reach them (m).
-const HELD_M: f32 = 1.0;
+const CARRY_HEIGHT_M: f32 = 1.0;
 const BODILESS_REACH_M: f32 = 0.6;
 /// Distance from its stand at which an agent has arrived (m).
 const STAND_M: f32 = 0.15;
@@ -39,20 +39,20 @@ const FARTHER_M: f32 = 0.1;
 /// Largest distance of a body from the centre of its disc, to bring its hand nearer to the thing (m).
 const ASIDE_M: f32 = 0.25;
 /// Largest distance between the palm and the place of the thing at which a hand closes or opens (m).
-const MEETS_M: f32 = 0.03;
+const GRASP_TOLERANCE_M: f32 = 0.03;
 /// Share of an arm's length that it stretches to a thing above the shoulder (1), and least distance of a stand from a thing (m).
 const STRETCHED: f32 = 0.96;
 const CLOSEST_M: f32 = 0.2;
 /// Largest distance and longest time of motion in a valid snapshot (m, s).
 const MOST_M: f32 = 1e6;
 const MOST_S: f32 = 1e6;
-/// Width of a bin of [`Handled::off`], and number of bins (m).
+/// Width of a bin of [`HandlingCounts::off`], and number of bins (m).
 const BIN_M: f32 = 0.01;
 const BINS: usize = 32;
 
 /// State of a thing of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Thing {
+pub(crate) struct ThingState {
     /// Position (m).
     pub at: Vec3,
     /// Orientation (x, y, z, w).
@@ -89,7 +89,7 @@ pub(super) fn is_near(at: &Vec3) -> bool {
 
 /// Agent with its number in the crowd.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Who {
+pub(crate) struct AgentRef {
     pub agent: u32,
     /// Agents take the bodies of their group in turn, by this number.
     pub number: usize,
@@ -115,17 +115,17 @@ pub(super) struct Grasp {
 impl Grasp {
     /// Share by which a hand is at a place at a time before the grasp, or after it where that is negative (0 to 1). It changes
     /// more slowly where people have to bend down.
-    fn near(&self, height: f32, before_s: f32) -> f32 {
+    fn approach_share(&self, height: f32, before_s: f32) -> f32 {
         let bends_s = BENDS_S_PER_M * (height - self.palm.y).abs();
-        smooth(match before_s > 0.0 {
-            true => 1.0 - (before_s - EARLY_S) / NEARS_S.max(bends_s.min(self.moment_s - EARLY_S)),
-            false => 1.0 + before_s / LEAVES_S.max(bends_s.min(self.after_s)),
+        smoothstep(match before_s > 0.0 {
+            true => 1.0 - (before_s - EARLY_S) / APPROACH_S.max(bends_s.min(self.moment_s - EARLY_S)),
+            false => 1.0 + before_s / RETREAT_S.max(bends_s.min(self.after_s)),
         })
     }
 
     /// Distance of the stand from a thing along the ground: that of the motion, or less where the thing is high; `None`
     /// where it is too high (m).
-    fn stand_m(&self, height: f32) -> Option<f32> {
+    fn stand_distance_m(&self, height: f32) -> Option<f32> {
         let usual = self.palm.with_y(0.0).length();
         let over = height - self.around.y;
         if over <= 0.0 || usual < 1e-3 {
@@ -141,7 +141,7 @@ impl Grasp {
 
 /// Counts of what hands have done so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Handled {
+pub struct HandlingCounts {
     /// Number of things that were taken.
     pub taken: u32,
     /// Number of things that were put down.
@@ -153,15 +153,15 @@ pub struct Handled {
     off: [u32; BINS],
 }
 
-impl Handled {
-    fn count(&mut self, puts: bool, off_m: f32) {
+impl HandlingCounts {
+    fn count_grasp(&mut self, puts: bool, off_m: f32) {
         (self.taken, self.put) = (self.taken + u32::from(!puts), self.put + u32::from(puts));
         self.off[((off_m / BIN_M) as usize).min(BINS - 1)] += 1;
     }
 
     /// Quantile of the distance of palms from things at grasps, for a share of all grasps (0 to 1), rounded up to 10 mm; 0 where
     /// nothing was taken (m).
-    pub fn off_m(&self, share: f64) -> f32 {
+    pub fn palm_error_m(&self, share: f64) -> f32 {
         let wanted = (share * f64::from(self.taken + self.put)).ceil().max(1.0) as u32;
         let mut sum = 0;
         let bin = self.off.iter().position(|&n| {
@@ -186,7 +186,7 @@ pub(super) fn grasps(set: &ActivitySet, activities: &[ActivityId], body: &Skelet
         for (side, held) in activity.held_s.iter().enumerate() {
             let Some([from, to]) = *held else { continue };
             let grasp = |moment_s: f32| {
-                let arm = set.arm(activity, side, moment_s, body);
+                let arm = set.arm_places_at(activity, side, moment_s, body);
                 let lengths = ARMS[side].map(|j| body.offsets[j.index()].length());
                 Grasp {
                     activity: Some(id),
@@ -208,9 +208,9 @@ pub(super) fn grasps(set: &ActivitySet, activities: &[ActivityId], body: &Skelet
 /// All things of a scene, and the grasps of bodies.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Things {
-    pub all: Vec<Thing>,
-    pub handled: Handled,
-    carried: Vec<Carried>,
+    pub all: Vec<ThingState>,
+    pub counts: HandlingCounts,
+    carried: Vec<CarryStyle>,
     /// Height of each thing (m).
     heights: Vec<f32>,
     /// Grasps of each group with bodies: its agents, and the grasps of each body, troop and motion tag.
@@ -225,7 +225,7 @@ impl Things {
             let at = Vec3::from_array(config.at);
             let (turn, grip) = (Quat::IDENTITY.to_array(), Quat::IDENTITY.to_array());
             let (off, ease, raised) = (Vec3::ZERO, 0.0, 0.0);
-            Thing {
+            ThingState {
                 at,
                 turn,
                 keeper: None,
@@ -250,13 +250,13 @@ impl Things {
     }
 
     /// Registers the grasps of a group's bodies.
-    pub(super) fn know(&mut self, followers: &Followers) {
+    pub(super) fn register_bodies(&mut self, followers: &Followers) {
         if !self.all.is_empty() {
             self.bodies.push((followers.agents(), followers.grasps()));
         }
     }
 
-    fn grasps_of(&self, who: Who, motion: Option<u16>) -> &[(bool, Grasp)] {
+    fn grasps_of(&self, who: AgentRef, motion: Option<u16>) -> &[(bool, Grasp)] {
         let agent = who.agent as usize;
         let found = self.bodies.iter().find(|(agents, _)| agents.contains(&agent));
         let of_tag = found.zip(motion).and_then(|((_, bodies), motion)| {
@@ -274,41 +274,46 @@ impl Things {
 
     /// Chooses the grasp by which an agent takes a thing or puts it down: of those that reach it, the one whose palm is nearest in
     /// height. Also returns the distance of the stand from the thing (m).
-    fn grasp(&self, who: Who, motion: Option<u16>, handling: &Handling) -> Result<(Grasp, f32), NoStance> {
+    fn choose_grasp(
+        &self,
+        who: AgentRef,
+        motion: Option<u16>,
+        handling: &Handling,
+    ) -> Result<(Grasp, f32), StanceError> {
         let thing = &self.all[usize::from(handling.thing)];
         let has_hand = |side: u8| if handling.puts { thing.side == side } else { self.is_free(who.agent, side) };
         let all = self.grasps_of(who, motion);
         let fits = all.iter().filter(|(puts, g)| *puts == handling.puts && has_hand(g.side)).map(|(_, g)| g);
-        let reaching = fits.clone().filter_map(|g| Some((*g, g.stand_m(handling.at.y)?)));
+        let reaching = fits.clone().filter_map(|g| Some((*g, g.stand_distance_m(handling.at.y)?)));
         let height = |g: &Grasp| (g.palm.y - handling.at.y).abs();
         if let Some(best) = reaching.min_by(|a, b| height(&a.0).total_cmp(&height(&b.0))) {
             return Ok(best);
         }
         if fits.count() > 0 {
-            return Err(NoStance::OutOfReach);
+            return Err(StanceError::OutOfReach);
         }
         let none = Vec3::ZERO;
         let (moment_s, after_s, reach_m) = (0.0, 0.0, 0.0);
         let bare = |side| Grasp { activity: None, side, moment_s, after_s, palm: none, around: none, reach_m };
-        let side = [1, 0].into_iter().find(|side| has_hand(*side)).ok_or(NoStance::NoHand)?;
+        let side = [1, 0].into_iter().find(|side| has_hand(*side)).ok_or(StanceError::NoHand)?;
         Ok((bare(side), 0.9 * BODILESS_REACH_M))
     }
 
     /// Finds a stand, see [`crate::scenario::Stage::stance`].
     pub fn stance(
         &self,
-        who: Who,
+        who: AgentRef,
         motion: Option<u16>,
         handling: Handling,
         (from, side): (Vec3, u32),
-    ) -> Result<(Vec3, f32), NoStance> {
-        let (grasp, stand_m) = self.grasp(who, motion, &handling)?;
+    ) -> Result<(Vec3, f32), StanceError> {
+        let (grasp, stand_m) = self.choose_grasp(who, motion, &handling)?;
         let at = Vec3::new(handling.at.x, 0.0, handling.at.z);
         let (side, stand_m) = (side % SIDES, stand_m + if side < SIDES { 0.0 } else { FARTHER_M });
         let turns = if side % 2 == 1 { side.div_ceil(2) as f32 } else { -((side / 2) as f32) };
-        let heading = heading(at - from) + turns * std::f32::consts::FRAC_PI_4;
+        let heading = heading_of(at - from) + turns * std::f32::consts::FRAC_PI_4;
         if grasp.activity.is_none() {
-            let way = maths::at_angle(std::f32::consts::FRAC_PI_2 - heading);
+            let way = maths::direction_at_angle(std::f32::consts::FRAC_PI_2 - heading);
             return Ok((at - stand_m * Vec3::new(way.x, 0.0, way.y), STAND_M));
         }
         let ahead = grasp.palm.with_y(0.0).normalize_or_zero() * stand_m;
@@ -319,16 +324,16 @@ impl Things {
     /// Begins to take a thing, or to put it down, by an agent that stands in reach.
     ///
     /// - returns the activity that shows it, what the body faces, and where it stands (m).
-    pub fn begin(
+    pub fn begin_handling(
         &mut self,
-        who: Who,
+        who: AgentRef,
         motion: Option<u16>,
         handling: Handling,
         from: Vec3,
     ) -> Option<(ActivityId, Vec3, Vec3)> {
-        let (grasp, stand_m) = self.grasp(who, motion, &handling).ok()?;
+        let (grasp, stand_m) = self.choose_grasp(who, motion, &handling).ok()?;
         let to = (handling.at - from).with_y(0.0);
-        let heading = heading(to) - heading(grasp.palm);
+        let heading = heading_of(to) - heading_of(grasp.palm);
         let ahead = Planar::new(0.0, 0.0, heading).transform_point(Vec2::new(0.0, 2.0));
         let faces = from + Vec3::new(ahead.x, 0.0, ahead.y);
         let thing = &mut self.all[usize::from(handling.thing)];
@@ -338,7 +343,7 @@ impl Things {
     }
 
     /// Ends the handling of a thing, see [`crate::scenario::Stage::settle`].
-    pub fn settle(&mut self, agent: u32, thing: u16, is_done: bool) -> bool {
+    pub fn end_handling(&mut self, agent: u32, thing: u16, is_done: bool) -> bool {
         let thing = &mut self.all[usize::from(thing)];
         if let Some((by, handling, grasp)) = thing.handling
             && by == agent
@@ -346,35 +351,35 @@ impl Things {
             thing.handling = None;
             if is_done && grasp.activity.is_none() && thing.waits_for(agent, &handling) {
                 let off_m = thing.at.distance(handling.at);
-                thing.change_hands(agent, &handling, (grasp.side, off_m), &mut self.handled);
+                thing.change_hands(agent, &handling, (grasp.side, off_m), &mut self.counts);
             }
         }
         thing.keeper == Some(agent)
     }
 
     /// True where an agent has taken a thing, or put it down, and its hand is back.
-    pub fn is_over(&self, agent: u32, thing: u16) -> bool {
+    pub fn is_handling_over(&self, agent: u32, thing: u16) -> bool {
         let thing = &self.all[usize::from(thing)];
         thing.is_over && thing.handling.is_some_and(|h| h.0 == agent)
     }
 
     /// True where a hand of an agent has yet to close or to open.
     pub fn is_awaited(&self, agent: u32) -> bool {
-        let awaits = |t: &Thing| t.handling.is_some_and(|h| h.0 == agent && t.waits_for(agent, &h.1));
+        let awaits = |t: &ThingState| t.handling.is_some_and(|h| h.0 == agent && t.waits_for(agent, &h.1));
         self.all.iter().any(|t| !t.is_missed && awaits(t))
     }
 
     /// Ends an agent's claim on a thing: a thing in hand drops to the ground, another one stays where it is.
-    pub fn let_go(&mut self, thing: u16) {
+    pub fn drop_thing(&mut self, thing: u16) {
         let (height, thing) = (self.heights[usize::from(thing)], &mut self.all[usize::from(thing)]);
         thing.handling = None;
         if thing.keeper.is_some() {
-            thing.put(thing.at.with_y(0.5 * height));
+            thing.put_down(thing.at.with_y(0.5 * height));
         }
     }
 
     /// Orders the hands of all bodies to reach for things.
-    pub(super) fn direct(&mut self, followers: &mut [Followers], dt_s: f32) {
+    pub(super) fn order_reaches(&mut self, followers: &mut [Followers], dt_s: f32) {
         if self.all.is_empty() {
             return;
         }
@@ -385,7 +390,7 @@ impl Things {
         for (thing, &carried) in self.all.iter_mut().zip(&self.carried) {
             let by = thing.handling.map(|h| h.0).or(thing.keeper);
             let Some((agent, body)) = by.and_then(|agent| {
-                let body = followers.iter_mut().find(|f| f.holds(agent as usize));
+                let body = followers.iter_mut().find(|f| f.contains(agent as usize));
                 body.filter(|f| f.is_there(agent as usize)).map(|body| (agent as usize, body))
             }) else {
                 thing.raised = 0.0;
@@ -393,15 +398,15 @@ impl Things {
             };
             let at_it = thing.handling.and_then(|(_, handling, grasp)| {
                 // Time left at the end of the step; the share is 1 in the step in which the moment comes.
-                let before = grasp.moment_s - begun(body.performing(agent), grasp)?;
+                let before = grasp.moment_s - performed_seconds(body.performing(agent), grasp)?;
                 let left = if before > 0.0 { (before - dt_s).max(0.0) } else { before - dt_s };
-                Some((handling, grasp.near(handling.at.y, left)))
+                Some((handling, grasp.approach_share(handling.at.y, left)))
             });
-            let lifts = carried == Carried::Level && thing.keeper.is_some();
+            let lifts = carried == CarryStyle::Level && thing.keeper.is_some();
             let change = if dt_s > 0.0 { dt_s / CARRY_S } else { 0.0 };
             thing.raised = (thing.raised + if lifts { change } else { -change }).clamp(0.0, 1.0);
             let near = at_it.map_or(0.0, |a| a.1);
-            let raised = smooth(thing.raised) * (1.0 - near);
+            let raised = smoothstep(thing.raised) * (1.0 - near);
             if near + raised <= 0.0 {
                 continue;
             }
@@ -410,8 +415,8 @@ impl Things {
             let [beside, above, before] = LEVEL_M;
             let level = Vec3::new(if side == 0 { beside } else { -beside }, hips.y + above, before);
             let place = at_it.map_or(level, |(handling, _)| handling.at);
-            let reach = Reach { place: (place, near), level: (level, raised) };
-            body.reach(agent, side, reach);
+            let reach = HandReach { place: (place, near), level: (level, raised) };
+            body.order_reach(agent, side, reach);
             self.reaches = true;
         }
     }
@@ -419,18 +424,23 @@ impl Things {
     /// Closes and opens hands, and moves things along with them.
     ///
     /// - `bodiless`: root of an agent without a body.
-    pub(super) fn follow(&mut self, followers: &[Followers], bodiless: impl Fn(u32) -> Option<Planar>, dt_s: f32) {
-        let Self { all, handled, carried, .. } = self;
+    pub(super) fn update_things(
+        &mut self,
+        followers: &[Followers],
+        bodiless: impl Fn(u32) -> Option<Planar>,
+        dt_s: f32,
+    ) {
+        let Self { all, counts: handled, carried, .. } = self;
         for (thing, &carried) in all.iter_mut().zip(carried.iter()) {
-            let hand_of = |agent: u32, side: u8| hand(followers, &bodiless, agent, side);
+            let hand_of = |agent: u32, side: u8| hand_transform(followers, &bodiless, agent, side);
             if let Some((agent, handling, grasp)) = thing.handling {
                 let performing =
-                    followers.iter().find(|f| f.holds(agent as usize)).and_then(|f| f.performing(agent as usize));
-                let seconds = begun(performing, grasp);
+                    followers.iter().find(|f| f.contains(agent as usize)).and_then(|f| f.performing(agent as usize));
+                let seconds = performed_seconds(performing, grasp);
                 let is_due = grasp.activity.is_none() || seconds.is_some_and(|s| s >= grasp.moment_s);
                 if is_due && thing.waits_for(agent, &handling) {
                     let off_m = hand_of(agent, grasp.side).map_or(0.0, |hand| hand.palm.distance(handling.at));
-                    match grasp.activity.is_none() || off_m <= MEETS_M {
+                    match grasp.activity.is_none() || off_m <= GRASP_TOLERANCE_M {
                         true => thing.change_hands(agent, &handling, (grasp.side, off_m), handled),
                         false => thing.is_missed = true,
                     }
@@ -438,28 +448,32 @@ impl Things {
             }
             if let Some((agent, handling, _)) = thing.handling {
                 thing.is_over = (thing.is_missed || !thing.waits_for(agent, &handling))
-                    && followers.iter().all(|f| !f.holds(agent as usize) || f.performing(agent as usize).is_none());
+                    && followers.iter().all(|f| !f.contains(agent as usize) || f.performing(agent as usize).is_none());
             }
             thing.ease = (thing.ease - dt_s / EASE_S).max(0.0);
             match thing.keeper.and_then(|agent| hand_of(agent, thing.side)) {
                 Some(hand) => {
                     let holds = match carried {
-                        Carried::Hanging => hand.turn,
-                        Carried::Level => hand.root.rotation(),
+                        CarryStyle::Hanging => hand.turn,
+                        CarryStyle::Level => hand.root.rotation(),
                     };
                     if std::mem::take(&mut thing.is_new) {
-                        thing.grip =
-                            maths::unit(maths::compose(holds.conjugate(), Quat::from_array(thing.turn))).to_array();
+                        thing.grip = maths::normalize_or_identity(maths::compose(
+                            holds.conjugate(),
+                            Quat::from_array(thing.turn),
+                        ))
+                        .to_array();
                         (thing.off, thing.ease) = (maths::rotate(hand.turn.conjugate(), thing.at - hand.palm), 1.0);
                     }
-                    thing.turn = maths::unit(maths::compose(holds, Quat::from_array(thing.grip))).to_array();
-                    thing.at = hand.palm + maths::rotate(hand.turn, thing.off * smooth(thing.ease));
+                    thing.turn =
+                        maths::normalize_or_identity(maths::compose(holds, Quat::from_array(thing.grip))).to_array();
+                    thing.at = hand.palm + maths::rotate(hand.turn, thing.off * smoothstep(thing.ease));
                 }
                 None if thing.keeper.is_none() && thing.ease > 0.0 => {
-                    thing.at = thing.rest + thing.off * smooth(thing.ease);
+                    thing.at = thing.rest + thing.off * smoothstep(thing.ease);
                     let was = Quat::from_array(thing.grip);
                     let upright = maths::rotation_y(throng_core::planar::twist_about_y(was));
-                    thing.turn = maths::between(upright, was, smooth(thing.ease)).to_array();
+                    thing.turn = maths::nlerp(upright, was, smoothstep(thing.ease)).to_array();
                 }
                 None if thing.keeper.is_none() => thing.at = thing.rest,
                 None => {}
@@ -468,14 +482,14 @@ impl Things {
     }
 
     /// Checks that things can be those of a scene with `num_agents` agents.
-    pub fn check(&self, all: &[Thing], handled: &Handled, num_agents: usize) -> Result<(), &'static str> {
+    pub fn check(&self, all: &[ThingState], handled: &HandlingCounts, num_agents: usize) -> Result<(), &'static str> {
         let is_short = |value: &f32| value.abs() <= MOST_S;
         let counts = [handled.taken, handled.put, handled.missed];
         if !counts.iter().chain(&handled.off).all(|n| *n < u32::MAX / 128) {
             return Err("hands have done more than can be");
         }
         let is_unit = |q: &[f32; 4]| (Quat::from_array(*q).length() - 1.0).abs() < 1e-3;
-        let is_good = |(n, t): (usize, &Thing)| {
+        let is_good = |(n, t): (usize, &ThingState)| {
             let agents = [t.keeper, t.handling.map(|h| h.0)];
             let of_it = |h: &(u32, Handling, Grasp)| {
                 usize::from(h.1.thing) == n
@@ -498,7 +512,7 @@ impl Things {
     }
 }
 
-impl Thing {
+impl ThingState {
     /// True while the hand has not closed or opened yet.
     fn waits_for(&self, agent: u32, handling: &Handling) -> bool {
         handling.puts == (self.keeper == Some(agent))
@@ -507,17 +521,23 @@ impl Thing {
     /// Closes a hand around the thing, or opens it.
     ///
     /// - `off_m`: distance of the palm from the place of the thing (m).
-    fn change_hands(&mut self, agent: u32, handling: &Handling, (side, off_m): (u8, f32), handled: &mut Handled) {
-        handled.count(handling.puts, off_m);
+    fn change_hands(
+        &mut self,
+        agent: u32,
+        handling: &Handling,
+        (side, off_m): (u8, f32),
+        handled: &mut HandlingCounts,
+    ) {
+        handled.count_grasp(handling.puts, off_m);
         if handling.puts {
             // The hand is wholly at the place.
             self.raised = 0.0;
-            return self.put(handling.at);
+            return self.put_down(handling.at);
         }
         (self.keeper, self.side, self.is_new) = (Some(agent), side, true);
     }
 
-    fn put(&mut self, at: Vec3) {
+    fn put_down(&mut self, at: Vec3) {
         (self.keeper, self.rest, self.off, self.ease) = (None, at, self.at - at, 1.0);
         (self.grip, self.is_new) = (self.turn, false);
     }
@@ -530,18 +550,23 @@ struct Hand {
     root: Planar,
 }
 
-fn hand(followers: &[Followers], bodiless: &impl Fn(u32) -> Option<Planar>, agent: u32, side: u8) -> Option<Hand> {
-    let Some(body) = followers.iter().find(|f| f.holds(agent as usize)) else {
+fn hand_transform(
+    followers: &[Followers],
+    bodiless: &impl Fn(u32) -> Option<Planar>,
+    agent: u32,
+    side: u8,
+) -> Option<Hand> {
+    let Some(body) = followers.iter().find(|f| f.contains(agent as usize)) else {
         let root = bodiless(agent)?;
-        return Some(Hand { palm: root.translation() + Vec3::Y * HELD_M, turn: root.rotation(), root });
+        return Some(Hand { palm: root.translation() + Vec3::Y * CARRY_HEIGHT_M, turn: root.rotation(), root });
     };
     let (root, pose) = (body.root(agent as usize), body.pose(agent as usize));
-    let (palm, turn) = palm(pose, root, side);
+    let (palm, turn) = palm_transform(pose, root, side);
     Some(Hand { palm, turn, root })
 }
 
 /// Position of a palm in the world, beyond the wrist along the forearm, and orientation of the hand (m).
-fn palm(pose: &[Mat3x4; NUM_JOINTS], root: Planar, side: u8) -> (Vec3, Quat) {
+fn palm_transform(pose: &[Mat3x4; NUM_JOINTS], root: Planar, side: u8) -> (Vec3, Quat) {
     let [forearm, hand] = ARMS[usize::from(side)].map(|j| &pose[j.index()]);
     let along = maths::rotate(forearm.rotation().conjugate(), hand.translation() - forearm.translation());
     let palm = hand.translation() + maths::rotate(hand.rotation(), along * FIST_PER_FOREARM);
@@ -549,18 +574,18 @@ fn palm(pose: &[Mat3x4; NUM_JOINTS], root: Planar, side: u8) -> (Vec3, Quat) {
 }
 
 /// Time since the motion of a grasp began; `None` before (s).
-fn begun(performing: Option<Performing>, grasp: Grasp) -> Option<f32> {
+fn performed_seconds(performing: Option<PerformanceProgress>, grasp: Grasp) -> Option<f32> {
     let now = performing.filter(|p| Some(p.activity) == grasp.activity)?;
-    (now.part != throng_core::walkers::Part::Turn).then_some(now.seconds)
+    (now.part != throng_core::walkers::PerformancePart::Turn).then_some(now.seconds)
 }
 
-fn smooth(share: f32) -> f32 {
+fn smoothstep(share: f32) -> f32 {
     let s = share.clamp(0.0, 1.0);
     s * s * (3.0 - 2.0 * s)
 }
 
 /// Heading of a direction along the ground (rad).
-fn heading(way: Vec3) -> f32 {
+fn heading_of(way: Vec3) -> f32 {
     maths::atan2(way.x, way.z)
 }
 
@@ -571,23 +596,23 @@ mod tests {
     #[test]
     fn things_drop_out_of_hands_alone() {
         let (at, size_m) = ([1.0, 0.9, 2.0], [0.1, 0.2, 0.1]);
-        let cup = ThingConfig { name: "cup".into(), at, size_m, carried: Carried::Level };
+        let cup = ThingConfig { name: "cup".into(), at, size_m, carried: CarryStyle::Level };
         let mut things = Things::new(&[cup]);
         let handling = Handling { thing: 0, puts: false, at: at.into() };
-        let seven = Who { agent: 7, number: 7 };
+        let seven = AgentRef { agent: 7, number: 7 };
         let here = |_| Some(Planar::new(1.0, 1.5, 0.0));
         // Somebody without a body is about to take it, and leaves.
-        assert!(things.begin(seven, None, handling, Vec3::new(1.0, 0.0, 1.5)).is_none());
-        things.let_go(0);
-        things.follow(&[], here, 1.0);
+        assert!(things.begin_handling(seven, None, handling, Vec3::new(1.0, 0.0, 1.5)).is_none());
+        things.drop_thing(0);
+        things.update_things(&[], here, 1.0);
         assert_eq!((things.all[0].at, things.all[0].keeper), (at.into(), None));
         // Somebody has it in hand, and leaves: it lies where it was, on the ground.
-        things.begin(seven, None, handling, Vec3::new(1.0, 0.0, 1.5));
-        things.follow(&[], here, 1.0);
-        assert_eq!((things.all[0].keeper, things.handled.taken), (Some(7), 1));
+        things.begin_handling(seven, None, handling, Vec3::new(1.0, 0.0, 1.5));
+        things.update_things(&[], here, 1.0);
+        assert_eq!((things.all[0].keeper, things.counts.taken), (Some(7), 1));
         let held = things.all[0].at;
-        things.let_go(0);
-        (0..3).for_each(|_| things.follow(&[], here, 1.0));
+        things.drop_thing(0);
+        (0..3).for_each(|_| things.update_things(&[], here, 1.0));
         assert_eq!((things.all[0].at, things.all[0].keeper), (held.with_y(0.1), None));
     }
 }

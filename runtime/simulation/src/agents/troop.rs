@@ -1,13 +1,13 @@
 //! Bodies that follow agents of a crowd.
 
-use crate::kind::{PART, refused};
+use crate::motion_kind::{PART, refused_snapshot};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
-use throng_base::{Bytes, Error, Result, Run, run_each};
+use throng_base::{Bytes, Error, Executor, Result, run_each};
 use throng_core::blend::ActivityId;
-use throng_core::walkers::{Control, Performance, Reach, WalkerStart, Walkers};
-use throng_core::{Bodies, Cast, Planar};
+use throng_core::walkers::{Control, HandReach, Performance, WalkerStart, Walkers};
+use throng_core::{CharacterGroup, Planar, PosedBodies};
 use throng_crowd::{Crowd, Id};
 
 /// Slower agents keep their heading (m/s).
@@ -25,12 +25,12 @@ pub(crate) struct Troop {
     pub agents: Vec<Id>,
     controls: Vec<Control>,
     /// Standing offset of each body from its disc.
-    still: Vec<Still>,
+    still: Vec<StandingOffset>,
 }
 
 /// Offset of a body that stands still while its disc is pushed about, or that returns to its disc.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Still {
+struct StandingOffset {
     /// Position at which it stands, x and z; `None` where it follows its disc (m).
     at: Option<Vec2>,
     /// Offset from the centre of its disc (m).
@@ -42,7 +42,7 @@ struct Still {
 pub(crate) struct SavedTroop {
     /// Last orders of the bodies.
     controls: Vec<Control>,
-    still: Vec<Still>,
+    still: Vec<StandingOffset>,
     walkers: Bytes,
 }
 
@@ -64,7 +64,7 @@ impl Troop {
     ///
     /// # Errors
     /// [`Error::Gone`], [`Error::Full`].
-    pub fn enter(&mut self, crowd: &Crowd, agent: Id, ahead: Vec2, num_bodies: usize) -> Result<()> {
+    pub fn add_body(&mut self, crowd: &Crowd, agent: Id, ahead: Vec2, num_bodies: usize) -> Result<()> {
         let now = crowd.now();
         let motion = crowd.position(agent, now).zip(crowd.velocity(agent, now));
         let (at, velocity) = motion.map(|(at, v)| (at.xz(), v.xz())).ok_or(Error::Gone(agent))?;
@@ -74,13 +74,13 @@ impl Troop {
         let body = agent.index() % num_bodies;
         self.walkers.spawn(WalkerStart { body, root: Planar { x: at.x, z: at.y, heading }, phase })?;
         self.agents.push(agent);
-        self.controls.push(standing(at, heading));
-        self.still.push(Still::default());
+        self.controls.push(standing_control(at, heading));
+        self.still.push(StandingOffset::default());
         Ok(())
     }
 
     /// Removes the body of a row; the last body takes its row (row < number of bodies).
-    pub fn leave(&mut self, row: usize) -> Result<()> {
+    pub fn remove_body(&mut self, row: usize) -> Result<()> {
         self.walkers.despawn(self.walkers.bodies().ids[row])?;
         self.agents.swap_remove(row);
         self.controls.swap_remove(row);
@@ -89,15 +89,15 @@ impl Troop {
     }
 
     /// Moves the body of a row to another place (row < number of bodies).
-    pub fn place(&mut self, row: usize, root: Planar) -> Result<()> {
-        self.controls[row] = standing(Vec2::new(root.x, root.z), root.heading);
-        self.still[row] = Still::default();
+    pub fn move_body(&mut self, row: usize, root: Planar) -> Result<()> {
+        self.controls[row] = standing_control(Vec2::new(root.x, root.z), root.heading);
+        self.still[row] = StandingOffset::default();
         self.walkers.place(self.walkers.bodies().ids[row], root)
     }
 
     /// Orders the body of a row to turn to a direction, while its agent stands, and to look at eye height above a place; `None` to
     /// look ahead (row < number of bodies).
-    pub fn look(&mut self, row: usize, ahead: Option<Vec2>, at: Option<Vec3>) {
+    pub fn order_look(&mut self, row: usize, ahead: Option<Vec2>, at: Option<Vec3>) {
         if let Some(ahead) = ahead.filter(|a| a.length_squared() > 1e-4) {
             self.controls[row].heading = Some(maths::atan2(ahead.x, ahead.y));
         }
@@ -105,7 +105,7 @@ impl Troop {
     }
 
     /// Orders the body of a row to stand still at a place (x, z), or to follow its disc again (m, row < number of bodies).
-    pub fn stand(&mut self, row: usize, at: Option<Vec2>) {
+    pub fn order_stand(&mut self, row: usize, at: Option<Vec2>) {
         self.still[row].at = at;
     }
 
@@ -115,12 +115,12 @@ impl Troop {
     }
 
     /// Orders a hand of the body of a row (0 left, 1 right) to reach for something (row < number of bodies).
-    pub fn reach(&mut self, row: usize, side: usize, reach: Reach) {
+    pub fn order_reach(&mut self, row: usize, side: usize, reach: HandReach) {
         self.controls[row].hands[side] = Some(reach);
     }
 
     /// Orders the body of a row to perform an activity (row < number of bodies).
-    pub fn perform(&mut self, row: usize, performance: Option<Performance>) -> Result<()> {
+    pub fn order_activity(&mut self, row: usize, performance: Option<Performance>) -> Result<()> {
         self.walkers.perform(self.walkers.bodies().ids[row], performance)
     }
 
@@ -130,20 +130,20 @@ impl Troop {
     }
 
     /// True for an activity that is performed once and not repeatedly: a greeting.
-    pub fn is_once(&self, activity: ActivityId) -> bool {
+    pub fn is_played_once(&self, activity: ActivityId) -> bool {
         let tag = self.walkers.space().activities().get(activity).map_or("", |a| a.tag.as_str());
         tag.starts_with("greet") || tag.starts_with("handshake")
     }
 
     /// Advances all bodies to the current positions of their agents.
-    pub fn step(&mut self, crowd: &Crowd, dt_s: f32, run: &dyn Run) -> Result<()> {
+    pub fn step(&mut self, crowd: &Crowd, dt_s: f32, run: &dyn Executor) -> Result<()> {
         let now = crowd.now();
         let told = self.controls.chunks_mut(PART).zip(self.still.chunks_mut(PART));
         let keep = maths::exp2(-dt_s / ASIDE_HALF_LIFE_S);
         run_each(run, self.agents.chunks(PART).zip(told), |(agents, (controls, still))| {
             for ((&agent, control), still) in agents.iter().zip(controls).zip(still) {
-                steer(crowd, agent, now, control);
-                still.lead(control, keep);
+                follow_agent(crowd, agent, now, control);
+                still.displace_control(control, keep);
             }
         });
         for (row, &control) in self.controls.iter().enumerate() {
@@ -163,12 +163,12 @@ impl Troop {
     }
 
     /// Bodies of the walkers, with the ids of their agents.
-    pub fn bodies(&self) -> Bodies<'_> {
-        Bodies { ids: &self.agents, ..self.walkers.bodies() }
+    pub fn bodies(&self) -> PosedBodies<'_> {
+        PosedBodies { ids: &self.agents, ..self.walkers.bodies() }
     }
 
     /// State that the next steps depend on.
-    pub fn saved(&self) -> SavedTroop {
+    pub fn to_saved(&self) -> SavedTroop {
         let mut walkers = Bytes::default();
         self.walkers.save(&mut walkers.0);
         SavedTroop { controls: self.controls.clone(), still: self.still.clone(), walkers }
@@ -181,16 +181,16 @@ impl Troop {
     pub fn load(&mut self, saved: &SavedTroop) -> Result<()> {
         let SavedTroop { controls, still, walkers } = saved;
         let mut told = self.agents.iter().zip(controls);
-        let is_finite = |s: &Still| s.off.is_finite() && s.at.is_none_or(Vec2::is_finite);
+        let is_finite = |s: &StandingOffset| s.off.is_finite() && s.at.is_none_or(Vec2::is_finite);
         if still.len() != controls.len() || !still.iter().all(is_finite) {
-            return Err(refused("bodies", "they stand where none can"));
+            return Err(refused_snapshot("bodies", "they stand where none can"));
         }
         if controls.len() != self.agents.len() || !told.all(|(&id, c)| c.check(id).is_ok()) {
-            return Err(refused("bodies", "they are told what cannot be"));
+            return Err(refused_snapshot("bodies", "they are told what cannot be"));
         }
         self.walkers.load(&walkers.0)?;
         if self.walkers.len() != self.agents.len() {
-            return Err(refused("bodies", "they are others"));
+            return Err(refused_snapshot("bodies", "they are others"));
         }
         // The vector keeps its capacity.
         self.controls.clone_from(controls);
@@ -199,11 +199,11 @@ impl Troop {
     }
 }
 
-impl Still {
+impl StandingOffset {
     /// Displaces the position that a body is ordered to take.
     ///
     /// - `keep`: share of the distance that is left after a step.
-    fn lead(&mut self, control: &mut Control, keep: f32) {
+    fn displace_control(&mut self, control: &mut Control, keep: f32) {
         let Some(disc) = control.position else { return };
         let aim = match self.at {
             Some(at) => {
@@ -219,13 +219,13 @@ impl Still {
 }
 
 /// Control of a body that stands at a place.
-fn standing(at: Vec2, heading: f32) -> Control {
+fn standing_control(at: Vec2, heading: f32) -> Control {
     Control { position: Some(at), heading: Some(heading), ..Control::default() }
 }
 
 /// Updates the control of a body: to be at its agent's position and to move with it. Bodies of standing agents keep their heading,
 /// those of agents that have left stay where they were.
-fn steer(crowd: &Crowd, agent: Id, time_s: f64, control: &mut Control) {
+fn follow_agent(crowd: &Crowd, agent: Id, time_s: f64, control: &mut Control) {
     let (Some(at), Some(velocity)) = (crowd.position(agent, time_s), crowd.smooth_velocity(agent)) else {
         control.velocity = Vec2::ZERO;
         return;

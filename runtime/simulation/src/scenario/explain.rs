@@ -1,9 +1,9 @@
 //! Explanations of agents: why an agent does what it does, what it knows and from whom.
 
-use super::boards::Posted;
-use super::mind::{Learnt, NO};
-use super::minds::Minds;
-use super::tables::{Action, How, NONE, Scenario};
+use super::agent_brain::{LearntEvent, NO_NUMBER};
+use super::agent_brains::AgentBrains;
+use super::blackboards::BlackboardPost;
+use super::tables::{CompiledAction, LearningMode, NONE, Scenario};
 use serde::Serialize;
 
 /// Activity of an agent, and its causes.
@@ -27,17 +27,17 @@ pub struct Explanation {
     /// Place where the agent holds a slot.
     pub slot_of: Option<String>,
     /// Cause of the current activity.
-    pub because: Because,
+    pub because: ActionCause,
     /// Current values of the agent.
-    pub values: Vec<ValueNow>,
+    pub values: Vec<CurrentValue>,
     /// Events that the agent knows of.
-    pub knows: Vec<Known>,
+    pub knows: Vec<KnownEvent>,
 }
 
 /// Cause of an agent's activity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Because {
+pub struct ActionCause {
     /// Time (s).
     pub time_s: f64,
     /// Name of the event.
@@ -55,7 +55,7 @@ pub struct Because {
 /// Named value of an agent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct ValueNow {
+pub struct CurrentValue {
     /// Name of the value.
     pub name: String,
     /// Current value.
@@ -65,7 +65,7 @@ pub struct ValueNow {
 /// Knowledge of an event, and how an agent came by it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Known {
+pub struct KnownEvent {
     /// Name of the event.
     pub event: String,
     /// Way in which it was learnt: "happens", "told", "read" or "felt".
@@ -81,7 +81,7 @@ pub struct Known {
 /// Spread of an event among agents.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Spread {
+pub struct EventSpread {
     /// Name of the event.
     pub event: String,
     /// Number of agents that know of the event.
@@ -92,15 +92,15 @@ pub struct Spread {
     pub last_s: Option<f64>,
 }
 
-impl Minds {
+impl AgentBrains {
     /// Explains the activity of an agent, with its values at a time not before the last event (s, agent < number of agents).
     pub fn explain(&self, agent: usize, time_s: f64) -> Explanation {
         let time_s = time_s.max(self.now);
-        let (mind, scenario) = (&self.minds[agent], &self.scenario);
-        let state = |s: &&u16| **s != NO;
+        let (mind, scenario) = (&self.brains[agent], &self.scenario);
+        let state = |s: &&u16| **s != NO_NUMBER;
         let reason = &mind.reason;
         let of = |number: u32, name: &dyn Fn(usize) -> String| (number != NONE).then(|| name(number as usize));
-        let place = |p: u16| (p != NO).then(|| scenario.names.places.0[usize::from(p)].clone());
+        let place = |p: u16| (p != NO_NUMBER).then(|| scenario.names.places.0[usize::from(p)].clone());
         Explanation {
             time_s,
             agent,
@@ -108,12 +108,12 @@ impl Minds {
             is_there: mind.is_there,
             states: mind.states.iter().filter(state).map(|s| scenario.states[usize::from(*s)].name.clone()).collect(),
             action: match (mind.action != NONE).then(|| self.action(mind.action)) {
-                Some(Action::Primitive { number, .. }) => scenario.primitives.get(number).name.into(),
+                Some(CompiledAction::Primitive { number, .. }) => scenario.primitives.get(number).name.into(),
                 _ => String::new(),
             },
             interrupted: mind.is_busy,
             slot_of: (mind.slot != NONE).then(|| scenario.slots[mind.slot as usize].place).and_then(place),
-            because: Because {
+            because: ActionCause {
                 time_s: reason.time_s,
                 event: scenario.trigger_name(reason.trigger),
                 rule: of(reason.rule, &|r| scenario.rules[r].name.clone()),
@@ -122,37 +122,37 @@ impl Minds {
                 place: place(reason.place),
             },
             values: self.values_of(agent, time_s),
-            knows: (0..scenario.events.len()).filter_map(|e| self.known(agent, e)).collect(),
+            knows: (0..scenario.events.len()).filter_map(|e| self.known_event(agent, e)).collect(),
         }
     }
 
-    fn values_of(&self, agent: usize, time_s: f64) -> Vec<ValueNow> {
+    fn values_of(&self, agent: usize, time_s: f64) -> Vec<CurrentValue> {
         let tables = &self.scenario.values;
         let names = self.scenario.names.values.0.iter();
         let feelings = &self.feelings[agent * tables.len()..][..tables.len()];
         let all = names.zip(feelings.iter().zip(tables));
-        all.map(|(name, (f, table))| ValueNow { name: name.clone(), value: f.at(table, time_s) }).collect()
+        all.map(|(name, (f, table))| CurrentValue { name: name.clone(), value: f.value_at(table, time_s) }).collect()
     }
 
-    fn known(&self, agent: usize, event: usize) -> Option<Known> {
+    fn known_event(&self, agent: usize, event: usize) -> Option<KnownEvent> {
         let learnt = self.learnt[agent * self.scenario.events.len() + event]?;
-        Some(Known {
+        Some(KnownEvent {
             event: self.scenario.names.events.0[event].clone(),
-            how: learnt.how().into(),
-            from: learnt.from(),
+            how: learnt.mode_name().into(),
+            from: learnt.source_agent(),
             time_s: learnt.time_s,
             at: learnt.at,
         })
     }
 
     /// Spread of every event.
-    pub fn spread(&self) -> Vec<Spread> {
+    pub fn event_spreads(&self) -> Vec<EventSpread> {
         let num = self.scenario.events.len();
-        let of = |e: usize| (0..self.minds.len()).filter_map(move |a| self.learnt[a * num + e]);
-        let spread = |e: usize| Spread {
+        let of = |e: usize| (0..self.brains.len()).filter_map(move |a| self.learnt[a * num + e]);
+        let spread = |e: usize| EventSpread {
             event: self.scenario.names.events.0[e].clone(),
             informed: of(e).count(),
-            told: of(e).filter(|l| l.how == How::Told).count(),
+            told: of(e).filter(|l| l.how == LearningMode::Told).count(),
             last_s: of(e).map(|l| l.time_s).reduce(f64::max),
         };
         (0..num).map(spread).collect()
@@ -162,33 +162,33 @@ impl Minds {
     ///
     /// # Errors
     /// [`throng_base::Error::Unknown`] with the names of all events.
-    pub fn message(&self, event: &str) -> throng_base::Result<Vec<(usize, Known)>> {
+    pub fn event_learners(&self, event: &str) -> throng_base::Result<Vec<(usize, KnownEvent)>> {
         let names = &self.scenario.names.events;
-        let Some(e) = names.find(event) else {
+        let Some(e) = names.number_of(event) else {
             let (name, known) = (event.into(), names.0.clone());
             return Err(throng_base::Error::Unknown { what: "event", name, known });
         };
-        let mut all: Vec<_> = (0..self.minds.len()).filter_map(|a| Some((a, self.known(a, e)?))).collect();
+        let mut all: Vec<_> = (0..self.brains.len()).filter_map(|a| Some((a, self.known_event(a, e)?))).collect();
         all.sort_by(|a, b| a.1.time_s.total_cmp(&b.1.time_s).then(a.0.cmp(&b.0)));
         Ok(all)
     }
 
     /// Names of the events that may be raised.
-    pub fn events(&self) -> &[String] {
+    pub fn event_names(&self) -> &[String] {
         &self.scenario.names.events.0
     }
 
     /// Number of agents that hold more than one slot, which must be 0.
     pub fn num_holding_twice(&self) -> usize {
         let held = |agent: u32| self.holders.iter().filter(|h| **h == agent).count();
-        (0..self.minds.len() as u32).filter(|a| held(*a) > 1).count()
+        (0..self.brains.len() as u32).filter(|a| held(*a) > 1).count()
     }
 
     /// Number of agents in each state of the highest level, by name, without agents that have no state.
-    pub fn in_states(&self) -> Vec<(String, usize)> {
+    pub fn num_in_states(&self) -> Vec<(String, usize)> {
         let mut out: Vec<(String, usize)> = Vec::new();
-        for mind in self.minds.iter().filter(|m| m.is_there) {
-            let Some(state) = mind.states.iter().find(|s| **s != NO) else { continue };
+        for mind in self.brains.iter().filter(|m| m.is_there) {
+            let Some(state) = mind.states.iter().find(|s| **s != NO_NUMBER) else { continue };
             let name = &self.scenario.states[usize::from(*state)].name;
             match out.iter_mut().find(|o| o.0 == *name) {
                 Some(found) => found.1 += 1,
@@ -200,12 +200,12 @@ impl Minds {
 
     /// Memory for each agent, without body, crowd and paths (bytes).
     pub fn bytes_per_agent(&self) -> usize {
-        let of = |count: usize, size: usize| count * size / self.minds.len().max(1);
-        size_of::<super::mind::Mind>()
-            + of(self.feelings.len(), size_of::<super::mind::Feeling>())
-            + of(self.learnt.len(), size_of::<Option<super::mind::Learnt>>())
+        let of = |count: usize, size: usize| count * size / self.brains.len().max(1);
+        size_of::<super::agent_brain::AgentBrain>()
+            + of(self.feelings.len(), size_of::<super::agent_brain::Feeling>())
+            + of(self.learnt.len(), size_of::<Option<super::agent_brain::LearntEvent>>())
             + of(self.followed.len(), size_of::<f64>())
-            + of(self.bonds.len(), size_of::<[(u32, f32); 4]>())
+            + of(self.relationships.len(), size_of::<[(u32, f32); 4]>())
             + size_of::<u32>()
             + size_of::<bool>()
     }
@@ -216,42 +216,42 @@ impl Minds {
     }
 
     /// All posts that blackboards show now: those of the global one, then those of cells.
-    pub fn posts(&self) -> impl Iterator<Item = Posted> + '_ {
-        self.boards.shown(self.now)
+    pub fn posts(&self) -> impl Iterator<Item = BlackboardPost> + '_ {
+        self.blackboards.visible_posts(self.now)
     }
 
     /// Side of the smallest cells with blackboards (m), and the number of levels, each twice as wide; `None` without cells.
-    pub fn board_levels(&self) -> Option<(f32, u32)> {
-        self.boards.levels()
+    pub fn blackboard_levels(&self) -> Option<(f32, u32)> {
+        self.blackboards.levels()
     }
 
     /// Record of how an agent learnt of an event; `None` where it has not (agent < number of agents, event < number of events).
-    pub fn learnt(&self, agent: usize, event: usize) -> Option<&Learnt> {
+    pub fn learnt_event(&self, agent: usize, event: usize) -> Option<&LearntEvent> {
         self.learnt[agent * self.scenario.events.len() + event].as_ref()
     }
 }
 
-impl Learnt {
+impl LearntEvent {
     /// Number of the agent that it was learnt from.
-    pub fn from(&self) -> Option<usize> {
+    pub fn source_agent(&self) -> Option<usize> {
         (self.from != NONE).then_some(self.from as usize)
     }
 
     /// Way in which it was learnt: "happens", "told", "read" or "felt".
-    pub fn how(&self) -> &'static str {
+    pub fn mode_name(&self) -> &'static str {
         self.how.name()
     }
 }
 
 impl Scenario {
     /// Numbers of rows of all tables, by name.
-    pub fn sizes(&self) -> [(&'static str, usize); 10] {
+    pub fn table_sizes(&self) -> [(&'static str, usize); 10] {
         [
             ("events", self.events.len()),
             ("rules", self.rules.len()),
             ("states", self.states.len()),
             ("edges", self.edges.len()),
-            ("actions", self.actions.iter().filter(|a| !matches!(a, Action::End)).count()),
+            ("actions", self.actions.iter().filter(|a| !matches!(a, CompiledAction::End)).count()),
             ("operations", self.code.len()),
             ("places", self.places.len()),
             ("slots", self.slots.len()),
@@ -261,7 +261,7 @@ impl Scenario {
     }
 
     /// Motion tags that actions ask for.
-    pub fn motions(&self) -> &[String] {
+    pub fn motion_tags(&self) -> &[String] {
         &self.motions
     }
 }

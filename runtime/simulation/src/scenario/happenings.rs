@@ -1,11 +1,11 @@
 //! Events of the scene, entries and exits of agents, and how agents learn of events.
 
-use super::boards::Note;
-use super::mind::{Context, Feeling, Learnt, Phase};
-use super::minds::{Minds, Signal, at_place};
-use super::perceive::hashed;
-use super::stage::Stage;
-use super::tables::{How, NONE, Party, Schedule, trigger};
+use super::agent_brain::{ActionPhase, EventContext, Feeling, LearntEvent};
+use super::agent_brains::{AgentBrains, Signal, place_context};
+use super::blackboards::BlackboardNote;
+use super::perceive::hashed_chance;
+use super::stage::ScenarioStage;
+use super::tables::{LearningMode, NONE, Party, Schedule, trigger};
 use throng_base::{Error, Result};
 
 /// Most places that attract one agent at a time, in the order of the file.
@@ -17,135 +17,135 @@ const INTEREST_RADII: f32 = 4.0;
 /// Time after which a door that could not close is tried again, and a source that found no room (s).
 pub(super) const RETRY_S: f64 = 0.5;
 
-impl Minds {
+impl AgentBrains {
     /// Runs all external events that are due: events of the scene, closing doors, and entries of agents.
     ///
     /// # Errors
-    /// As [`Minds::begin`].
-    pub fn external(&mut self, stage: &mut impl Stage, now: f64) -> Result<()> {
+    /// As [`AgentBrains::begin`].
+    pub fn run_external_events(&mut self, stage: &mut impl ScenarioStage, now: f64) -> Result<()> {
         self.now = now;
         for e in 0..self.due.len() {
             if self.due[e] <= now {
                 self.times[e] += 1;
-                self.due[e] = self.next_time(e, now);
-                self.occur(stage, e)?;
+                self.due[e] = self.next_event_time(e, now);
+                self.fire_event(stage, e)?;
             }
         }
         for door in 0..self.closing.len() {
             if self.closing[door] <= now {
-                self.set_open(stage, door, false)?;
+                self.set_door_open(stage, door, false)?;
             }
         }
         for g in 0..self.enters.len() {
             if self.enters[g] <= now {
                 let agent = self.scenario.groups[g].agents[0] + self.entered[g];
-                if stage.enter(agent)? {
+                if stage.enter_agent(agent)? {
                     self.entered[g] += 1;
-                    self.enters[g] = self.next_entry(g, now);
-                    self.arrive(stage, agent)?;
+                    self.enters[g] = self.next_entry_time(g, now);
+                    self.begin_agent(stage, agent)?;
                 } else {
                     self.enters[g] = now + RETRY_S;
                 }
             }
         }
-        self.finish(stage)
+        self.process_stimuli(stage)
     }
 
     /// Raises an event on request of the application.
     ///
     /// # Errors
-    /// As [`Minds::begin`]; [`Error::Unknown`] for a name that no event has.
-    pub fn raise(&mut self, stage: &mut impl Stage, now: f64, event: &str) -> Result<()> {
-        let Some(e) = self.scenario.names.events.find(event) else {
+    /// As [`AgentBrains::begin`]; [`Error::Unknown`] for a name that no event has.
+    pub fn raise_event(&mut self, stage: &mut impl ScenarioStage, now: f64, event: &str) -> Result<()> {
+        let Some(e) = self.scenario.names.events.number_of(event) else {
             let known = self.scenario.names.events.0.clone();
             return Err(Error::Unknown { what: "event", name: event.into(), known });
         };
         self.now = now;
-        self.occur(stage, e)?;
-        self.finish(stage)
+        self.fire_event(stage, e)?;
+        self.process_stimuli(stage)
     }
 
     /// Handles a signal of the crowd.
     ///
     /// # Errors
-    /// As [`Minds::begin`].
-    pub fn signal(&mut self, stage: &mut impl Stage, now: f64, signal: Signal) -> Result<()> {
+    /// As [`AgentBrains::begin`].
+    pub fn handle_signal(&mut self, stage: &mut impl ScenarioStage, now: f64, signal: Signal) -> Result<()> {
         self.now = now;
-        self.touch(signal.agent());
+        self.mark_touched(signal.agent());
         match signal {
             Signal::Met(a, b) => {
-                self.touch(b);
-                self.meet(stage, a, b);
+                self.mark_touched(b);
+                self.exchange_news(stage, a, b);
             }
-            Signal::CameTo(agent, place) => self.come_to(stage, agent, place)?,
-            Signal::WentFrom(agent, place) => self.push(agent, trigger::LEAVES, at_place(place)),
+            Signal::CameTo(agent, place) => self.enter_place(stage, agent, place)?,
+            Signal::WentFrom(agent, place) => self.push_stimulus(agent, trigger::LEAVES, place_context(place)),
             Signal::Crossed(agent) => {
-                self.read(stage, agent);
-                self.push(agent, trigger::CROSSES, Context::default());
+                self.read_blackboards(stage, agent);
+                self.push_stimulus(agent, trigger::CROSSES, EventContext::default());
             }
-            Signal::Arrived(agent) => match self.minds[agent as usize].phase {
-                Phase::Walking | Phase::Waiting => {
-                    if self.arrived(stage, agent)? {
+            Signal::Arrived(agent) => match self.brains[agent as usize].phase {
+                ActionPhase::Walking | ActionPhase::Waiting => {
+                    if self.handle_arrival(stage, agent)? {
                         self.next_action(stage, agent)?;
                     }
                 }
-                _ => self.push(agent, trigger::ARRIVES, Context::default()),
+                _ => self.push_stimulus(agent, trigger::ARRIVES, EventContext::default()),
             },
-            Signal::Left(agent) => self.leave(stage, agent)?,
+            Signal::Left(agent) => self.end_agent(stage, agent)?,
             Signal::Stuck(agent) => {
-                self.push(agent, trigger::STUCK, Context::default());
-                self.give_up(stage, agent)?;
+                self.push_stimulus(agent, trigger::STUCK, EventContext::default());
+                self.give_up_fetching(stage, agent)?;
             }
-            Signal::Timer(agent) => self.act_in_time(stage, agent)?,
+            Signal::Timer(agent) => self.run_timers(stage, agent)?,
         }
-        self.finish(stage)
+        self.process_stimuli(stage)
     }
 
     /// Starts an agent that has entered: draws its values, and begins its graph.
-    pub(super) fn arrive(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
+    pub(super) fn begin_agent(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<()> {
         let m = agent as usize;
         let scenario = self.scenario.clone();
-        let group = &scenario.groups[usize::from(self.minds[m].group)];
-        self.minds[m].is_there = true;
-        self.minds[m].home = stage.position(agent).unwrap_or_default().to_array();
+        let group = &scenario.groups[usize::from(self.brains[m].group)];
+        self.brains[m].is_there = true;
+        self.brains[m].home = stage.position(agent).unwrap_or_default().to_array();
         for (v, table) in scenario.values.iter().enumerate() {
             let [low, high] = table.start;
-            let value = low + (high - low) * self.chance(agent) as f32;
+            let value = low + (high - low) * self.draw_chance(agent) as f32;
             self.feelings[m * scenario.values.len() + v] = Feeling { value, rate: table.rate, since: self.now };
             for t in table.thresholds[0]..table.thresholds[1] {
                 let is_passed = scenario.thresholds[usize::from(t)].is_passed(value);
-                self.minds[m].passed |= u32::from(is_passed) << t;
+                self.brains[m].passed |= u32::from(is_passed) << t;
             }
         }
         self.find_crossing(agent);
-        self.touch(agent);
+        self.mark_touched(agent);
         if group.start != NONE {
-            self.enter_state(stage, agent, group.start, Context::default())?;
+            self.enter_state(stage, agent, group.start, EventContext::default())?;
         }
-        self.attract(stage, agent)?;
-        self.push(agent, trigger::STARTS, Context::default());
+        self.update_interests(stage, agent)?;
+        self.push_stimulus(agent, trigger::STARTS, EventContext::default());
         if scenario.senses_zones {
             let at = stage.position(agent).unwrap_or_default();
             let is_at = |place: &&super::tables::PlaceTable| place.at.distance(at) <= place.radius_m;
             let inside = scenario.places.iter().enumerate().filter(|(_, p)| is_at(p));
             for (p, _) in inside {
-                self.come_to(stage, agent, p as u16)?;
+                self.enter_place(stage, agent, p as u16)?;
             }
         }
         Ok(())
     }
 
     /// Sets the places that attract or repel an agent by its curiosity; places of one visit no longer do after it.
-    pub(super) fn attract(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
+    pub(super) fn update_interests(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<()> {
         if !self.scenario.relations.iter().any(|r| matches!(r.to, Party::Place(_))) {
             return Ok(());
         }
         let mut n = 0;
         for (p, place) in self.scenario.places.iter().enumerate() {
-            let is_seen = place.once.is_some_and(|bit| self.minds[agent as usize].entered >> bit & 1 == 1);
+            let is_seen = place.once.is_some_and(|bit| self.brains[agent as usize].entered >> bit & 1 == 1);
             let curiosity = if is_seen { 0.0 } else { self.curiosity(agent, Party::Place(p as u16)) };
             if curiosity != 0.0 && n < INTERESTS {
-                stage.attract(
+                stage.set_interest(
                     agent,
                     n,
                     Some((place.at, curiosity * INTEREST_MPS2, INTEREST_RADII * place.radius_m)),
@@ -153,65 +153,69 @@ impl Minds {
                 n += 1;
             }
         }
-        (n..INTERESTS).try_for_each(|n| stage.attract(agent, n, None))
+        (n..INTERESTS).try_for_each(|n| stage.set_interest(agent, n, None))
     }
 
-    pub(super) fn leave(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
-        self.release(stage, agent)?;
-        self.let_go(stage, agent);
-        let mind = &mut self.minds[agent as usize];
-        (mind.is_there, mind.action, mind.phase) = (false, NONE, Phase::Idle);
+    pub(super) fn end_agent(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<()> {
+        self.release_slot(stage, agent)?;
+        self.drop_all_things(stage, agent);
+        let mind = &mut self.brains[agent as usize];
+        (mind.is_there, mind.action, mind.phase) = (false, NONE, ActionPhase::Idle);
         (mind.until, mind.again, mind.most) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
         (mind.timer, mind.crossing_at) = (f64::INFINITY, f64::INFINITY);
         Ok(())
     }
 
     /// Runs an event: agents to whom it happens learn of it, and doors move.
-    pub(super) fn occur(&mut self, stage: &mut impl Stage, e: usize) -> Result<()> {
+    pub(super) fn fire_event(&mut self, stage: &mut impl ScenarioStage, e: usize) -> Result<()> {
         let scenario = self.scenario.clone();
         let event = &scenario.events[e];
         self.happened[e] = self.now;
         if event.posted {
-            self.boards.post(e as u16, None, Note { by: NONE, since: self.now, until: self.now + event.fresh_s });
+            self.blackboards.post_event(
+                e as u16,
+                None,
+                BlackboardNote { by: NONE, since: self.now, until: self.now + event.fresh_s },
+            );
         }
         self.ended |= scenario.end.event == Some(e as u16);
         for &(door, open) in &event.doors {
-            self.set_open(stage, usize::from(door), open)?;
+            self.set_door_open(stage, usize::from(door), open)?;
         }
         if event.nobody {
             return Ok(());
         }
-        let context = Context { event: e as u16, how: How::Happens, ..Context::default() };
-        for agent in 0..self.minds.len() as u32 {
-            if self.minds[agent as usize].is_there
-                && event.who.is_none_or(|who| self.is_true(stage, agent, context, who))
+        let context = EventContext { event: e as u16, how: LearningMode::Happens, ..EventContext::default() };
+        for agent in 0..self.brains.len() as u32 {
+            if self.brains[agent as usize].is_there
+                && event.who.is_none_or(|who| self.evaluate_predicate(stage, agent, context, who))
             {
-                self.learn(stage, agent, context);
+                self.learn_event(stage, agent, context);
             }
         }
         Ok(())
     }
 
     /// Records that an agent learns of an event, which happens to it, or which it is told, reads or feels.
-    pub(super) fn learn(&mut self, stage: &impl Stage, agent: u32, context: Context) {
+    pub(super) fn learn_event(&mut self, stage: &impl ScenarioStage, agent: u32, context: EventContext) {
         let (m, e) = (agent as usize, usize::from(context.event));
         let bit = 1u64 << e;
-        let is_known = self.minds[m].news & bit != 0;
-        if is_known && matches!(context.how, How::Told | How::Read) {
+        let is_known = self.brains[m].news & bit != 0;
+        if is_known && matches!(context.how, LearningMode::Told | LearningMode::Read) {
             return;
         }
-        self.minds[m].news |= bit;
+        self.brains[m].news |= bit;
         if !is_known {
             let at = stage.position(agent).unwrap_or_default();
-            let learnt = Learnt { time_s: self.now, from: context.other, how: context.how, at: [at.x, at.z] };
+            let learnt = LearntEvent { time_s: self.now, from: context.other, how: context.how, at: [at.x, at.z] };
             self.learnt[m * self.scenario.events.len() + e] = Some(learnt);
         }
-        self.push(agent, trigger::EVENTS + context.event, context);
-        self.touch(agent);
+        self.push_stimulus(agent, trigger::EVENTS + context.event, context);
+        self.mark_touched(agent);
     }
 
     /// Events that agents still pass on, as bits.
-    pub(super) fn told_now(&self) -> u64 {
+    pub(super) fn shared_events(&self) -> u64 {
         let is_told = |e: &usize| {
             let event = &self.scenario.events[*e];
             event.channel.is_some() && self.now - self.happened[*e] <= event.fresh_s
@@ -220,59 +224,63 @@ impl Minds {
     }
 
     /// Handles a meeting: both agents tell each other the events that they know.
-    pub(super) fn meet(&mut self, stage: &mut impl Stage, a: u32, b: u32) {
-        let told = self.told_now();
+    pub(super) fn exchange_news(&mut self, stage: &mut impl ScenarioStage, a: u32, b: u32) {
+        let told = self.shared_events();
         for (from, to) in [(a, b), (b, a)] {
-            let mut news = self.minds[from as usize].news & !self.minds[to as usize].news & told;
+            let mut news = self.brains[from as usize].news & !self.brains[to as usize].news & told;
             while news != 0 {
                 let event = news.trailing_zeros() as u16;
                 news &= news - 1;
-                self.learn(stage, to, Context { other: from, event, how: How::Told, ..Context::default() });
+                self.learn_event(
+                    stage,
+                    to,
+                    EventContext { other: from, event, how: LearningMode::Told, ..EventContext::default() },
+                );
             }
         }
         if self.scenario.meets {
             for (agent, other) in [(a, b), (b, a)] {
-                self.push(agent, trigger::MEETS, Context { other, ..Context::default() });
+                self.push_stimulus(agent, trigger::MEETS, EventContext { other, ..EventContext::default() });
             }
         }
     }
 
-    pub(super) fn come_to(&mut self, stage: &mut impl Stage, agent: u32, place: u16) -> Result<()> {
+    pub(super) fn enter_place(&mut self, stage: &mut impl ScenarioStage, agent: u32, place: u16) -> Result<()> {
         let (once, guidepost) = {
             let table = &self.scenario.places[usize::from(place)];
             (table.once, table.guidepost)
         };
         if let Some(bit) = once {
             let bit = 1u64 << bit;
-            if self.minds[agent as usize].entered & bit != 0 {
+            if self.brains[agent as usize].entered & bit != 0 {
                 return Ok(());
             }
-            self.minds[agent as usize].entered |= bit;
-            self.attract(stage, agent)?;
+            self.brains[agent as usize].entered |= bit;
+            self.update_interests(stage, agent)?;
         }
         if guidepost {
-            self.read(stage, agent);
+            self.read_blackboards(stage, agent);
         }
-        self.push(agent, trigger::ENTERS, at_place(place));
+        self.push_stimulus(agent, trigger::ENTERS, place_context(place));
         Ok(())
     }
 
     /// Lets an agent read the blackboards at its position.
-    pub(super) fn read(&mut self, stage: &impl Stage, agent: u32) {
+    pub(super) fn read_blackboards(&mut self, stage: &impl ScenarioStage, agent: u32) {
         let Some(at) = stage.position(agent) else { return };
-        let known = self.minds[agent as usize].news;
-        let mut news = self.boards.at(at, self.now) & !known;
+        let known = self.brains[agent as usize].news;
+        let mut news = self.blackboards.events_at(at, self.now) & !known;
         while news != 0 {
             let event = news.trailing_zeros() as u16;
             news &= news - 1;
-            self.learn(stage, agent, Context { event, how: How::Read, ..Context::default() });
+            self.learn_event(stage, agent, EventContext { event, how: LearningMode::Read, ..EventContext::default() });
         }
     }
 
     /// Conveys an event to the agents around one.
-    pub(super) fn convey(
+    pub(super) fn convey_event(
         &mut self,
-        stage: &impl Stage,
+        stage: &impl ScenarioStage,
         from: u32,
         event: u16,
         within_m: f32,
@@ -283,9 +291,9 @@ impl Minds {
         self.happened[usize::from(event)] = self.now;
         let mut nearby = std::mem::take(&mut self.nearby);
         nearby.clear();
-        stage.within(at, within_m, &mut nearby);
+        stage.agents_within(at, within_m, &mut nearby);
         for &agent in &nearby {
-            if agent == from || !self.minds[agent as usize].is_there {
+            if agent == from || !self.brains[agent as usize].is_there {
                 continue;
             }
             let far = stage.position(agent).map_or(within_m, |p| p.distance(at));
@@ -293,10 +301,10 @@ impl Minds {
             let liking = if friends { self.friendship(agent, from).max(0.0) } else { 1.0 };
             let strength = strength * near * liking;
             if strength > 0.0 {
-                self.learn(
+                self.learn_event(
                     stage,
                     agent,
-                    Context { other: from, event, how: How::Felt, strength, ..Context::default() },
+                    EventContext { other: from, event, how: LearningMode::Felt, strength, ..EventContext::default() },
                 );
             }
         }
@@ -304,9 +312,9 @@ impl Minds {
     }
 
     /// Time of the next occurrence of an event after a time (s).
-    pub(super) fn next_time(&self, e: usize, now: f64) -> f64 {
+    pub(super) fn next_event_time(&self, e: usize, now: f64) -> f64 {
         let times = self.times[e];
-        let chance = hashed(self.seed ^ 0x5EED_E7E7, e as u32, times);
+        let chance = hashed_chance(self.seed ^ 0x5EED_E7E7, e as u32, times);
         match self.scenario.events[e].schedule {
             Schedule::At(at) if times == 0 => at,
             Schedule::Between(from, to) if times == 0 => from + (to - from) * chance,
@@ -317,7 +325,7 @@ impl Minds {
     }
 
     /// Time of the next entry of a group's agents after a time, by thinning (Lewis and Shedler 1979) (s).
-    pub(super) fn next_entry(&self, g: usize, now: f64) -> f64 {
+    pub(super) fn next_entry_time(&self, g: usize, now: f64) -> f64 {
         let group = &self.scenario.groups[g];
         let most = group.rates.iter().map(|r| r[1]).fold(0.0, f64::max);
         if self.entered[g] >= group.agents[1] - group.agents[0] || most <= 0.0 {
@@ -325,7 +333,7 @@ impl Minds {
         }
         let (mut at, mut draw) = (now, 0);
         loop {
-            let chance = |side| hashed(self.seed ^ side, self.entered[g] | (g as u32) << 24, draw);
+            let chance = |side| hashed_chance(self.seed ^ side, self.entered[g] | (g as u32) << 24, draw);
             at -= throng_base::maths::ln(1.0 - chance(0xA5A5)) / most;
             let next = group.rates.partition_point(|r| r[0] <= at);
             let rate = next.checked_sub(1).map_or(0.0, |i| group.rates[i][1]);

@@ -1,15 +1,16 @@
 //! Scenarios: agents act by rules, state graphs, values, and what they have seen or been told (Kim, Kim and Shin 2003a,
 //! section 3, and 2003b, section 3). They are compiled to flat tables before the run, and evaluated only at events.
 
-mod boards;
+mod action_commands;
+mod action_registry;
+mod agent_brain;
+mod agent_brains;
+mod blackboards;
 mod compile;
-mod deeds;
 mod explain;
 mod hands;
 mod happenings;
 mod language;
-mod mind;
-mod minds;
 mod perceive;
 mod reactions;
 mod sample;
@@ -19,16 +20,17 @@ mod tables;
 #[cfg(test)]
 mod tests;
 mod turns;
-mod verbs;
 
-pub use boards::{Cell, Posted};
-pub use explain::{Because, Explanation, Known, Spread, ValueNow};
-pub use mind::{Learnt, Mind};
-pub use minds::{Minds, Signal};
-pub(crate) use perceive::hashed;
+pub use action_registry::{
+    ActionArguments, ActionCommand, ActionRegistry, PrimitiveBehaviour, PrimitiveInput, WalkCommand, WordKind,
+};
+pub use agent_brain::{AgentBrain, LearntEvent};
+pub use agent_brains::{AgentBrains, Signal};
+pub use blackboards::{BlackboardArea, BlackboardPost};
+pub use explain::{ActionCause, CurrentValue, EventSpread, Explanation, KnownEvent};
+pub(crate) use perceive::hashed_chance;
 pub use sample::evaluate_sample;
 pub(crate) use stage::SIDES;
-pub use stage::{Handling, NoStance, Stage};
+pub use stage::{Handling, ScenarioStage, StanceError};
 pub use tables::Scenario;
-pub use turns::{StateNow, Turn, TurnKind};
-pub use verbs::{Deed, Primitive, Primitives, Said, Sight, Walk, Word};
+pub use turns::{CurrentState, Turn, TurnKind};

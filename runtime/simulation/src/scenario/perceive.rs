@@ -1,56 +1,58 @@
 //! Perception of an agent while an expression is evaluated.
 
-use super::language::{Attribute, EventAttribute, Load, Perception, PlaceAttribute, Spot, Who};
-use super::mind::{Context, NO};
-use super::minds::Minds;
-use super::stage::Stage;
+use super::agent_brain::{EventContext, NO_NUMBER};
+use super::agent_brains::AgentBrains;
+use super::language::{Attribute, EventAttribute, Load, Perception, PlaceAttribute, SpotName, Subject};
+use super::stage::ScenarioStage;
 use super::tables::{NONE, Party};
 use glam::Vec3;
 
 /// View of an agent in the context of an event.
-pub(super) struct View<'a, S> {
-    pub minds: &'a Minds,
+pub(super) struct AgentView<'a, S> {
+    pub brains: &'a AgentBrains,
     pub stage: &'a S,
     pub agent: u32,
-    pub context: Context,
+    pub context: EventContext,
     /// Number of random numbers that the agent has drawn so far.
     pub draws: &'a mut u32,
 }
 
-impl<S: Stage> View<'_, S> {
-    fn who(&self, who: Who) -> Option<u32> {
+impl<S: ScenarioStage> AgentView<'_, S> {
+    fn agent_of(&self, who: Subject) -> Option<u32> {
         let other = self.context.other;
         match who {
-            Who::Me => Some(self.agent),
-            Who::Other => (other != NONE).then_some(other),
+            Subject::Me => Some(self.agent),
+            Subject::Other => (other != NONE).then_some(other),
         }
     }
 
     /// Position of a spot; `None` where it does not exist (m).
-    pub fn spot(&self, spot: Spot) -> Option<Vec3> {
+    pub fn spot_position(&self, spot: SpotName) -> Option<Vec3> {
         match spot {
-            Spot::Me => self.stage.position(self.agent),
-            Spot::Other => self.stage.position(self.who(Who::Other)?),
-            Spot::Home => Some(Vec3::from_array(self.minds.minds[self.agent as usize].home)),
-            Spot::Here | Spot::Place(_) => Some(self.minds.scenario.places[self.place(spot)?].at),
+            SpotName::Me => self.stage.position(self.agent),
+            SpotName::Other => self.stage.position(self.agent_of(Subject::Other)?),
+            SpotName::Home => Some(Vec3::from_array(self.brains.brains[self.agent as usize].home)),
+            SpotName::Here | SpotName::Place(_) => Some(self.brains.scenario.places[self.place_number(spot)?].at),
         }
     }
 
-    fn place(&self, spot: Spot) -> Option<usize> {
+    fn place_number(&self, spot: SpotName) -> Option<usize> {
         match spot {
-            Spot::Place(place) => Some(usize::from(place)),
-            _ => (self.context.place != NO).then(|| usize::from(self.context.place)),
+            SpotName::Place(place) => Some(usize::from(place)),
+            _ => (self.context.place != NO_NUMBER).then(|| usize::from(self.context.place)),
         }
     }
 
-    fn attribute(&self, agent: u32, of: Attribute) -> f64 {
-        let (minds, m) = (self.minds, agent as usize);
-        let mind = &minds.minds[m];
+    fn attribute_value(&self, agent: u32, of: Attribute) -> f64 {
+        let (minds, m) = (self.brains, agent as usize);
+        let mind = &minds.brains[m];
         let position = || self.stage.position(agent).unwrap_or_default();
         match of {
             Attribute::Value(v) => {
                 let tables = &minds.scenario.values;
-                f64::from(minds.feelings[m * tables.len() + usize::from(v)].at(&tables[usize::from(v)], minds.now))
+                f64::from(
+                    minds.feelings[m * tables.len() + usize::from(v)].value_at(&tables[usize::from(v)], minds.now),
+                )
             }
             Attribute::X => f64::from(position().x),
             Attribute::Y => f64::from(position().y),
@@ -59,7 +61,7 @@ impl<S: Stage> View<'_, S> {
             Attribute::DesiredSpeed => f64::from(mind.speed),
             Attribute::Group => f64::from(mind.group),
             Attribute::State(level) => match mind.states[usize::from(level)] {
-                NO => -1.0,
+                NO_NUMBER => -1.0,
                 state => f64::from(minds.scenario.states[usize::from(state)].word),
             },
             Attribute::StateSeconds => minds.now - mind.state_since,
@@ -69,10 +71,10 @@ impl<S: Stage> View<'_, S> {
         }
     }
 
-    fn of_place(&self, place: usize, of: PlaceAttribute) -> f64 {
-        let table = &self.minds.scenario.places[place];
+    fn place_value(&self, place: usize, of: PlaceAttribute) -> f64 {
+        let table = &self.brains.scenario.places[place];
         let [first, last] = table.slots;
-        let held = || self.minds.holders[first as usize..last as usize].iter().filter(|h| **h != NONE).count();
+        let held = || self.brains.holders[first as usize..last as usize].iter().filter(|h| **h != NONE).count();
         match of {
             PlaceAttribute::Name => place as f64,
             PlaceAttribute::Kind => f64::from(table.kind),
@@ -82,76 +84,76 @@ impl<S: Stage> View<'_, S> {
     }
 }
 
-impl<S: Stage> Perception for View<'_, S> {
-    fn load(&mut self, what: Load) -> f64 {
-        let minds = self.minds;
+impl<S: ScenarioStage> Perception for AgentView<'_, S> {
+    fn load_value(&mut self, what: Load) -> f64 {
+        let minds = self.brains;
         match what {
             Load::Time => minds.now,
             Load::Random => {
                 *self.draws += 1;
-                hashed(minds.seed, self.agent, *self.draws)
+                hashed_chance(minds.seed, self.agent, *self.draws)
             }
-            Load::Of(who, of) => self.who(who).map_or(0.0, |agent| self.attribute(agent, of)),
+            Load::Of(who, of) => self.agent_of(who).map_or(0.0, |agent| self.attribute_value(agent, of)),
             Load::Event(of) => match (of, self.context.event) {
                 (EventAttribute::Strength, _) => f64::from(self.context.strength),
                 (EventAttribute::How, _) => f64::from(self.context.how as u8),
-                (_, NO) => -1.0,
+                (_, NO_NUMBER) => -1.0,
                 (EventAttribute::Name, event) => f64::from(event),
                 (EventAttribute::Age, event) => minds.now - minds.happened[usize::from(event)],
             },
-            Load::Place(spot, of) => self.place(spot).map_or(-1.0, |place| self.of_place(place, of)),
-            Load::Board(false) => f64::from_bits(minds.boards.global(minds.now)),
+            Load::Place(spot, of) => self.place_number(spot).map_or(-1.0, |place| self.place_value(place, of)),
+            Load::Board(false) => f64::from_bits(minds.blackboards.global_events(minds.now)),
             Load::Board(true) => {
                 let at = self.stage.position(self.agent).unwrap_or_default();
-                f64::from_bits(minds.boards.at(at, minds.now))
+                f64::from_bits(minds.blackboards.events_at(at, minds.now))
             }
-            Load::Distance(a, b) => match (self.spot(a), self.spot(b)) {
+            Load::Distance(a, b) => match (self.spot_position(a), self.spot_position(b)) {
                 (Some(a), Some(b)) => f64::from(a.distance(b)),
                 _ => f64::INFINITY,
             },
-            Load::Friendship(a, b) => match (self.who(a), self.who(b)) {
+            Load::Friendship(a, b) => match (self.agent_of(a), self.agent_of(b)) {
                 (Some(a), Some(b)) => f64::from(minds.friendship(a, b)),
                 _ => 0.0,
             },
             Load::Curiosity(who, spot) => {
-                let Some(agent) = self.who(who) else { return 0.0 };
+                let Some(agent) = self.agent_of(who) else { return 0.0 };
                 let to = match spot {
-                    Spot::Here | Spot::Place(_) => self.place(spot).map(|p| Party::Place(p as u16)),
-                    Spot::Other => self.who(Who::Other).map(Party::Agent),
+                    SpotName::Here | SpotName::Place(_) => self.place_number(spot).map(|p| Party::Place(p as u16)),
+                    SpotName::Other => self.agent_of(Subject::Other).map(Party::Agent),
                     _ => None,
                 };
                 to.map_or(0.0, |to| f64::from(minds.curiosity(agent, to)))
             }
             Load::Count(group) => {
                 let [first, last] = minds.scenario.groups[usize::from(group)].agents;
-                minds.minds[first as usize..last as usize].iter().filter(|m| m.is_there).count() as f64
+                minds.brains[first as usize..last as usize].iter().filter(|m| m.is_there).count() as f64
             }
             Load::Taken(thing) => f64::from(u8::from(minds.keepers[usize::from(thing)] != NONE)),
             Load::Holds(who, thing) => {
                 let keeper = minds.keepers[usize::from(thing)];
-                f64::from(u8::from(keeper != NONE && self.who(who) == Some(keeper)))
+                f64::from(u8::from(keeper != NONE && self.agent_of(who) == Some(keeper)))
             }
             Load::Open(door) => f64::from(u8::from(minds.is_open[usize::from(door)])),
         }
     }
 }
 
-impl Minds {
+impl AgentBrains {
     /// Friendship of one agent for another (-1 to 1).
     pub(super) fn friendship(&self, of: u32, to: u32) -> f32 {
-        let bonds = self.bonds.get(of as usize).map_or(&[] as &[(u32, f32)], |b| b);
+        let bonds = self.relationships.get(of as usize).map_or(&[] as &[(u32, f32)], |b| b);
         let bond = bonds.iter().find(|b| b.0 == to).map_or(0.0, |b| b.1);
-        (self.relation(of, Party::Agent(to), |r| r.friendship) + bond).clamp(-1.0, 1.0)
+        (self.relation_value(of, Party::Agent(to), |r| r.friendship) + bond).clamp(-1.0, 1.0)
     }
 
     /// Curiosity of an agent about another one, or about a place (-1 to 1).
     pub(super) fn curiosity(&self, of: u32, to: Party) -> f32 {
-        self.relation(of, to, |r| r.curiosity)
+        self.relation_value(of, to, |r| r.curiosity)
     }
 
     /// Value of the last relation that holds for both.
-    fn relation(&self, of: u32, to: Party, what: fn(&super::tables::Relation) -> f32) -> f32 {
-        let group = |agent: u32| Party::Group(self.minds[agent as usize].group);
+    fn relation_value(&self, of: u32, to: Party, what: fn(&super::tables::RelationTable) -> f32) -> f32 {
+        let group = |agent: u32| Party::Group(self.brains[agent as usize].group);
         let is = |party: Party, who: Party| match who {
             Party::Agent(agent) => party == who || party == group(agent),
             _ => party == who,
@@ -166,7 +168,7 @@ impl Minds {
                 Party::Agent(other) => (of.min(other), of.max(other)),
                 Party::Place(place) | Party::Group(place) => (of, NONE - u32::from(place)),
             };
-            if r.share >= 1.0 || hashed(self.seed ^ number as u64, a, b) < f64::from(r.share) {
+            if r.share >= 1.0 || hashed_chance(self.seed ^ number as u64, a, b) < f64::from(r.share) {
                 return value;
             }
         }
@@ -175,7 +177,7 @@ impl Minds {
 }
 
 /// Hash of three numbers as a random number, from 0 up to 1 (Steele, Lea and Flood 2014, the mixing of SplitMix64).
-pub(crate) fn hashed(seed: u64, a: u32, b: u32) -> f64 {
+pub(crate) fn hashed_chance(seed: u64, a: u32, b: u32) -> f64 {
     let mix = |mut z: u64| {
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);

@@ -1,10 +1,10 @@
 //! Reactions of agents to stimuli: rules, state graphs, values that pass a threshold.
 
+use super::agent_brain::{ActionReason, EventContext, Feeling, NO_NUMBER};
+use super::agent_brains::{AgentBrains, Stimulus};
 use super::happenings::RETRY_S;
-use super::mind::{Context, Feeling, NO, Reason};
-use super::minds::{Minds, Stimulus};
-use super::stage::Stage;
-use super::tables::{Edge, NONE, trigger};
+use super::stage::ScenarioStage;
+use super::tables::{EdgeTable, NONE, trigger};
 use super::turns::TurnKind;
 use throng_base::{Error, Result};
 
@@ -13,15 +13,16 @@ const MOST_AT_ONCE: u32 = 100;
 /// Most rounds in which conditions of events become true at one time; more are taken to run in a circle.
 pub(super) const MOST_ROUNDS: u32 = 1000;
 
-impl Minds {
+impl AgentBrains {
     /// Raises the events whose conditions have become true; true where one has.
-    pub(super) fn check_conditions(&mut self, stage: &mut impl Stage) -> Result<bool> {
+    pub(super) fn check_conditions(&mut self, stage: &mut impl ScenarioStage) -> Result<bool> {
         let mut any = false;
         for e in 0..self.was_true.len() {
             let Some(condition) = self.scenario.events[e].condition else { continue };
-            let is_true = !self.minds.is_empty() && self.is_true(stage, 0, Context::default(), condition);
+            let is_true =
+                !self.brains.is_empty() && self.evaluate_predicate(stage, 0, EventContext::default(), condition);
             if is_true && !std::mem::replace(&mut self.was_true[e], is_true) {
-                self.occur(stage, e)?;
+                self.fire_event(stage, e)?;
                 any = true;
             }
             self.was_true[e] = is_true;
@@ -30,9 +31,14 @@ impl Minds {
     }
 
     /// Handles a stimulus of an agent: follows a rule, or takes an edge of a graph.
-    pub(super) fn handle(&mut self, stage: &mut impl Stage, agent: u32, stimulus: Stimulus) -> Result<()> {
+    pub(super) fn handle_stimulus(
+        &mut self,
+        stage: &mut impl ScenarioStage,
+        agent: u32,
+        stimulus: Stimulus,
+    ) -> Result<()> {
         let m = agent as usize;
-        let mind = &mut self.minds[m];
+        let mind = &mut self.brains[m];
         let is_of_behaviour = [trigger::DONE, trigger::FULL, trigger::STUCK].contains(&stimulus.trigger);
         if is_of_behaviour && stimulus.begun != mind.begun {
             // The behaviour has been replaced by another one.
@@ -43,28 +49,28 @@ impl Minds {
         }
         mind.handled += 1;
         if mind.handled > MOST_AT_ONCE {
-            return Err(self.circle(agent, stimulus.trigger));
+            return Err(self.circle_error(agent, stimulus.trigger));
         }
-        self.note_sensed(agent, stimulus);
+        self.record_sensed(agent, stimulus);
         if self.follow_rule(stage, agent, stimulus)? {
             return Ok(());
         }
         let upwards = stimulus.trigger == trigger::DONE;
         for i in 0..3 {
             let level = if upwards { 2 - i } else { i };
-            let state = self.minds[m].states[level];
-            if state == NO {
+            let state = self.brains[m].states[level];
+            if state == NO_NUMBER {
                 continue;
             }
             let [first, last] = self.scenario.states[usize::from(state)].edges;
             if let Some(edge) = self.choose_edge(stage, agent, stimulus, first..last) {
-                let Edge { to, number, .. } = self.scenario.edges[edge as usize];
-                let graph = usize::from(self.scenario.states[usize::from(state)].of);
+                let EdgeTable { to, number, .. } = self.scenario.edges[edge as usize];
+                let graph = usize::from(self.scenario.states[usize::from(state)].graph_number);
                 // A state that has ended begins again; one that goes on is left alone.
                 let begins = to != state || stimulus.trigger == trigger::DONE;
                 let kind = TurnKind::Takes { level, graph, edge: usize::from(number), changes: begins };
-                self.note(agent, stimulus, kind);
-                self.minds[m].reason = Reason { edge, ..self.reason(stimulus) };
+                self.record_turn(agent, stimulus, kind);
+                self.brains[m].reason = ActionReason { edge, ..self.new_reason(stimulus) };
                 if begins {
                     self.enter_state(stage, agent, u32::from(to), stimulus.context)?;
                 }
@@ -75,47 +81,52 @@ impl Minds {
     }
 
     /// Follows the first rule that fits; true where its behaviour lasts.
-    pub(super) fn follow_rule(&mut self, stage: &mut impl Stage, agent: u32, stimulus: Stimulus) -> Result<bool> {
+    pub(super) fn follow_rule(
+        &mut self,
+        stage: &mut impl ScenarioStage,
+        agent: u32,
+        stimulus: Stimulus,
+    ) -> Result<bool> {
         let m = agent as usize;
         let scenario = self.scenario.clone();
         let [first, last] = scenario.rules_of[usize::from(stimulus.trigger)];
         for &number in &scenario.rule_order[first as usize..last as usize] {
             let rule = &scenario.rules[number as usize];
-            if rule.who >> self.minds[m].group & 1 == 0 {
+            if rule.who >> self.brains[m].group & 1 == 0 {
                 continue;
             }
             let pause = m * scenario.num_pauses + rule.pause as usize;
-            let mind = &self.minds[m];
+            let mind = &self.brains[m];
             let is_held = !rule.is_instant && mind.is_busy && mind.priority > rule.priority;
             if is_held || rule.pause_s > 0.0 && self.now - self.followed[pause] < f64::from(rule.pause_s) {
                 continue;
             }
             let context = stimulus.context;
-            if !rule.when.is_none_or(|when| self.is_true(stage, agent, context, when)) {
+            if !rule.when.is_none_or(|when| self.evaluate_predicate(stage, agent, context, when)) {
                 continue;
             }
-            if rule.probability < 1.0 && self.chance(agent) >= f64::from(rule.probability) {
+            if rule.probability < 1.0 && self.draw_chance(agent) >= f64::from(rule.probability) {
                 continue;
             }
             if rule.pause_s > 0.0 {
                 self.followed[pause] = self.now;
             }
-            let reason = Reason { rule: number, ..self.reason(stimulus) };
-            let before = std::mem::replace(&mut self.minds[m].reason, reason);
-            self.note(agent, stimulus, TurnKind::Follows(number as usize));
+            let reason = ActionReason { rule: number, ..self.new_reason(stimulus) };
+            let before = std::mem::replace(&mut self.brains[m].reason, reason);
+            self.record_turn(agent, stimulus, TurnKind::Follows(number as usize));
             if rule.is_instant {
-                self.do_at_once(stage, agent, rule.actions, context)?;
+                self.run_instant_actions(stage, agent, rule.actions, context)?;
                 // This is no reason for what the agent goes on doing.
-                self.minds[m].reason = before;
+                self.brains[m].reason = before;
                 self.at_once = (self.now, number);
                 return Ok(false);
             }
-            let mind = &mut self.minds[m];
+            let mind = &mut self.brains[m];
             if !mind.is_busy {
                 (mind.resumed, mind.resumed_context) = (mind.action, mind.context);
             }
             (mind.is_busy, mind.priority) = (true, rule.priority);
-            self.start(stage, agent, rule.actions, context)?;
+            self.start_behaviour(stage, agent, rule.actions, context)?;
             return Ok(true);
         }
         Ok(false)
@@ -124,17 +135,17 @@ impl Minds {
     /// Chooses among the edges that an event opens, by their probabilities.
     pub(super) fn choose_edge(
         &mut self,
-        stage: &impl Stage,
+        stage: &impl ScenarioStage,
         agent: u32,
         stimulus: Stimulus,
         all: std::ops::Range<u32>,
     ) -> Option<u32> {
         let scenario = self.scenario.clone();
         let (mut open, mut shared, mut sum) = (0u64, 0, 0.0_f32);
-        let edges: &[Edge] = &scenario.edges[all.start as usize..all.end as usize];
+        let edges: &[EdgeTable] = &scenario.edges[all.start as usize..all.end as usize];
         for (i, edge) in edges.iter().enumerate() {
             if edge.trigger == stimulus.trigger
-                && edge.when.is_none_or(|when| self.is_true(stage, agent, stimulus.context, when))
+                && edge.when.is_none_or(|when| self.evaluate_predicate(stage, agent, stimulus.context, when))
             {
                 open |= 1 << i;
                 if edge.probability < 0.0 { shared += 1 } else { sum += edge.probability }
@@ -146,7 +157,7 @@ impl Minds {
         let share = if shared > 0 { (1.0 - sum).max(0.0) / shared as f32 } else { 0.0 };
         let scale = sum.max(1.0).recip();
         let is_single = open.count_ones() == 1 && (shared == 1 || sum >= 1.0);
-        let mut left = if is_single { 0.0 } else { self.chance(agent) as f32 };
+        let mut left = if is_single { 0.0 } else { self.draw_chance(agent) as f32 };
         for (i, edge) in edges.iter().enumerate().filter(|(i, _)| open >> i & 1 == 1) {
             left -= if edge.probability < 0.0 { share } else { edge.probability * scale };
             if left < 0.0 || is_single {
@@ -159,55 +170,55 @@ impl Minds {
     /// Enters a state, and restarts the graphs below it.
     pub(super) fn enter_state(
         &mut self,
-        stage: &mut impl Stage,
+        stage: &mut impl ScenarioStage,
         agent: u32,
         state: u32,
-        context: Context,
+        context: EventContext,
     ) -> Result<()> {
         let m = agent as usize;
         let scenario = self.scenario.clone();
         let mut next = state;
-        self.minds[m].resumed = NONE;
-        (self.minds[m].is_busy, self.minds[m].priority) = (false, i8::MIN);
+        self.brains[m].resumed = NONE;
+        (self.brains[m].is_busy, self.brains[m].priority) = (false, i8::MIN);
         loop {
             let table = &scenario.states[next as usize];
             let level = usize::from(table.level);
-            let mind = &mut self.minds[m];
-            if mind.states[..level].iter().all(|s| *s == NO) {
+            let mind = &mut self.brains[m];
+            if mind.states[..level].iter().all(|s| *s == NO_NUMBER) {
                 mind.state_since = self.now;
             }
             mind.states[level] = next as u16;
-            mind.states[level + 1..].fill(NO);
+            mind.states[level + 1..].fill(NO_NUMBER);
             if table.graph == NONE {
-                return self.start(stage, agent, table.actions, context);
+                return self.start_behaviour(stage, agent, table.actions, context);
             }
             if table.actions != NONE {
-                self.do_at_once(stage, agent, table.actions, context)?;
+                self.run_instant_actions(stage, agent, table.actions, context)?;
             }
             next = table.graph;
         }
     }
 
     /// Runs all thresholds, timers and actions of an agent that are due.
-    pub(super) fn act_in_time(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
+    pub(super) fn run_timers(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<()> {
         let m = agent as usize;
-        while self.minds[m].crossing_at <= self.now {
-            let t = self.minds[m].crossing;
+        while self.brains[m].crossing_at <= self.now {
+            let t = self.brains[m].crossing;
             let threshold = self.scenario.thresholds[usize::from(t)];
             let v = m * self.scenario.values.len() + usize::from(threshold.value);
             // The value is set to the threshold exactly: rounding could put it on either side.
             self.feelings[v] = Feeling { value: threshold.at, since: self.now, ..self.feelings[v] };
-            self.minds[m].passed |= 1 << t;
-            self.push(agent, trigger::EVENTS + self.scenario.events.len() as u16 + t, Context::default());
+            self.brains[m].passed |= 1 << t;
+            self.push_stimulus(agent, trigger::EVENTS + self.scenario.events.len() as u16 + t, EventContext::default());
             self.find_crossing(agent);
         }
-        if self.minds[m].timer <= self.now {
-            self.minds[m].timer = f64::INFINITY;
-            self.push(agent, trigger::TIMER, Context::default());
+        if self.brains[m].timer <= self.now {
+            self.brains[m].timer = f64::INFINITY;
+            self.push_stimulus(agent, trigger::TIMER, EventContext::default());
         }
-        let mind = &self.minds[m];
+        let mind = &self.brains[m];
         let is_over = mind.until <= self.now || mind.most <= self.now;
-        if is_over || mind.again <= self.now && self.perform(stage, agent, true)? {
+        if is_over || mind.again <= self.now && self.run_primitive(stage, agent, true)? {
             return self.next_action(stage, agent);
         }
         Ok(())
@@ -218,47 +229,47 @@ impl Minds {
         let (m, scenario) = (agent as usize, self.scenario.clone());
         let table = &scenario.values[usize::from(value)];
         let feeling = &mut self.feelings[m * scenario.values.len() + usize::from(value)];
-        *feeling = Feeling { value: feeling.at(table, self.now), since: self.now, ..*feeling };
+        *feeling = Feeling { value: feeling.value_at(table, self.now), since: self.now, ..*feeling };
         change(feeling);
         feeling.value = feeling.value.clamp(table.limits[0], table.limits[1]);
         let now = feeling.value;
         for t in table.thresholds[0]..table.thresholds[1] {
             let bit = 1u32 << t;
-            let (was, is) = (self.minds[m].passed & bit != 0, scenario.thresholds[usize::from(t)].is_passed(now));
+            let (was, is) = (self.brains[m].passed & bit != 0, scenario.thresholds[usize::from(t)].is_passed(now));
             if is {
-                self.minds[m].passed |= bit;
+                self.brains[m].passed |= bit;
             } else {
-                self.minds[m].passed &= !bit;
+                self.brains[m].passed &= !bit;
             }
             if is && !was {
-                self.push(agent, trigger::EVENTS + scenario.events.len() as u16 + t, Context::default());
+                self.push_stimulus(agent, trigger::EVENTS + scenario.events.len() as u16 + t, EventContext::default());
             }
         }
         self.find_crossing(agent);
-        self.touch(agent);
+        self.mark_touched(agent);
     }
 
     /// Finds the next threshold that an agent's values pass by themselves.
     pub(super) fn find_crossing(&mut self, agent: u32) {
         let m = agent as usize;
         let scenario = &self.scenario;
-        let (mut next, mut when) = (NO, f64::INFINITY);
+        let (mut next, mut when) = (NO_NUMBER, f64::INFINITY);
         for (t, threshold) in scenario.thresholds.iter().enumerate() {
             let v = usize::from(threshold.value);
             let (feeling, table) = (&self.feelings[m * scenario.values.len() + v], &scenario.values[v]);
-            if self.minds[m].passed >> t & 1 == 1 {
+            if self.brains[m].passed >> t & 1 == 1 {
                 // It stays passed until the value is changed.
                 continue;
             }
-            if let Some(at) = feeling.reaches(table, threshold).filter(|at| *at < when) {
+            if let Some(at) = feeling.crossing_time(table, threshold).filter(|at| *at < when) {
                 (next, when) = (t as u16, at.max(self.now));
             }
         }
-        (self.minds[m].crossing, self.minds[m].crossing_at) = (next, when);
+        (self.brains[m].crossing, self.brains[m].crossing_at) = (next, when);
     }
 
-    pub(super) fn set_open(&mut self, stage: &mut impl Stage, door: usize, open: bool) -> Result<()> {
-        if stage.set_open(door as u16, open)? {
+    pub(super) fn set_door_open(&mut self, stage: &mut impl ScenarioStage, door: usize, open: bool) -> Result<()> {
+        if stage.set_door_open(door as u16, open)? {
             (self.is_open[door], self.closing[door]) = (open, f64::INFINITY);
         } else {
             self.closing[door] = self.now + RETRY_S;
@@ -267,12 +278,12 @@ impl Minds {
     }
 
     /// Reason without rule and edge.
-    pub(super) fn reason(&self, Stimulus { trigger, context, .. }: Stimulus) -> Reason {
-        let Context { other, place, .. } = context;
-        Reason { time_s: self.now, trigger, rule: NONE, edge: NONE, other, place }
+    pub(super) fn new_reason(&self, Stimulus { trigger, context, .. }: Stimulus) -> ActionReason {
+        let EventContext { other, place, .. } = context;
+        ActionReason { time_s: self.now, trigger, rule: NONE, edge: NONE, other, place }
     }
 
-    pub(super) fn circle_of_events(&self) -> Error {
+    pub(super) fn event_circle_error(&self) -> Error {
         let names = self.scenario.names.events.0.iter().enumerate();
         let is_of_it = |e: usize| self.scenario.events[e].condition.is_some() && self.happened[e] == self.now;
         let names: Vec<_> = names.filter(|(e, _)| is_of_it(*e)).map(|(_, name)| format!("`{name}`")).collect();
@@ -282,15 +293,17 @@ impl Minds {
             self.now,
             names.join(", ")
         );
-        self.scenario.source.at("events", why)
+        self.scenario.source.error_at_key("events", why)
     }
 
-    pub(super) fn circle(&self, agent: u32, trigger: u16) -> Error {
-        let reason = self.minds[agent as usize].reason;
-        let reason = if self.at_once.0 == self.now { Reason { rule: self.at_once.1, ..reason } } else { reason };
+    pub(super) fn circle_error(&self, agent: u32, trigger: u16) -> Error {
+        let reason = self.brains[agent as usize].reason;
+        let reason = if self.at_once.0 == self.now { ActionReason { rule: self.at_once.1, ..reason } } else { reason };
         let rule = match reason {
-            Reason { rule, .. } if rule != NONE => format!("rule \"{}\"", self.scenario.rules[rule as usize].name),
-            Reason { edge, .. } if edge != NONE => {
+            ActionReason { rule, .. } if rule != NONE => {
+                format!("rule \"{}\"", self.scenario.rules[rule as usize].name)
+            }
+            ActionReason { edge, .. } if edge != NONE => {
                 let to = self.scenario.edges[edge as usize].to;
                 format!("an edge to `{}`", self.scenario.states[usize::from(to)].name)
             }
@@ -302,6 +315,6 @@ impl Minds {
              rules or states follow each other in a circle; let one of them take time, such as `stay`",
             self.now
         );
-        self.scenario.source.at(if reason.rule == NONE { "graphs" } else { "rules" }, why)
+        self.scenario.source.error_at_key(if reason.rule == NONE { "graphs" } else { "rules" }, why)
     }
 }

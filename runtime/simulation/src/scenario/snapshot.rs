@@ -1,23 +1,23 @@
 //! Snapshots of agent brains.
 
-use super::boards::Boards;
-use super::deeds::MOST;
-use super::mind::{Context, Feeling, Learnt, Mind, NO, Phase, Reason};
-use super::minds::Minds;
-use super::tables::{Action, NONE};
-use crate::kind::refused;
+use super::action_commands::MAX_AMOUNT;
+use super::agent_brain::{ActionPhase, ActionReason, AgentBrain, EventContext, Feeling, LearntEvent, NO_NUMBER};
+use super::agent_brains::AgentBrains;
+use super::blackboards::Blackboards;
+use super::tables::{CompiledAction, NONE};
+use crate::motion_kind::refused_snapshot;
 use serde::{Deserialize, Serialize};
 use throng_base::{Result, SnapshotKind};
 
 const KIND: SnapshotKind = SnapshotKind { what: "minds", tag: *b"MIND", version: 4, setup: 0 };
 
-/// State that changes with time. Names are those of [`Minds`].
+/// State that changes with time. Names are those of [`AgentBrains`].
 #[derive(Serialize, Deserialize)]
-struct Saved {
+struct SavedBrains {
     now: f64,
-    minds: Vec<Mind>,
+    minds: Vec<AgentBrain>,
     feelings: Vec<Feeling>,
-    learnt: Vec<Option<Learnt>>,
+    learnt: Vec<Option<LearntEvent>>,
     followed: Vec<f64>,
     bonds: Vec<[(u32, f32); 4]>,
     holders: Vec<u32>,
@@ -30,20 +30,20 @@ struct Saved {
     was_true: Vec<bool>,
     enters: Vec<f64>,
     entered: Vec<u32>,
-    boards: Boards,
+    boards: Blackboards,
     ended: bool,
 }
 
-impl Minds {
+impl AgentBrains {
     /// Appends the state that changes with time; between two calls there is no other.
     pub fn save(&self, out: &mut Vec<u8>) {
-        let saved = Saved {
+        let saved = SavedBrains {
             now: self.now,
-            minds: self.minds.clone(),
+            minds: self.brains.clone(),
             feelings: self.feelings.clone(),
             learnt: self.learnt.clone(),
             followed: self.followed.clone(),
-            bonds: self.bonds.clone(),
+            bonds: self.relationships.clone(),
             holders: self.holders.clone(),
             keepers: self.keepers.clone(),
             is_open: self.is_open.clone(),
@@ -54,7 +54,7 @@ impl Minds {
             was_true: self.was_true.clone(),
             enters: self.enters.clone(),
             entered: self.entered.clone(),
-            boards: self.boards.clone(),
+            boards: self.blackboards.clone(),
             ended: self.ended,
         };
         KIND.write(&saved, out);
@@ -65,27 +65,27 @@ impl Minds {
     /// # Errors
     /// [`throng_base::Error::Snapshot`]; nothing has changed then.
     pub fn load(&mut self, bytes: &[u8], time_s: f64) -> Result<()> {
-        let saved: Saved = KIND.read_all(bytes)?;
-        self.check(&saved, time_s).map_err(|why| refused(KIND.what, why))?;
-        (self.now, self.minds, self.feelings) = (saved.now, saved.minds, saved.feelings);
-        (self.learnt, self.followed, self.bonds) = (saved.learnt, saved.followed, saved.bonds);
+        let saved: SavedBrains = KIND.read_all(bytes)?;
+        self.check(&saved, time_s).map_err(|why| refused_snapshot(KIND.what, why))?;
+        (self.now, self.brains, self.feelings) = (saved.now, saved.minds, saved.feelings);
+        (self.learnt, self.followed, self.relationships) = (saved.learnt, saved.followed, saved.bonds);
         (self.holders, self.is_open, self.closing) = (saved.holders, saved.is_open, saved.closing);
         (self.due, self.times, self.happened) = (saved.due, saved.times, saved.happened);
         (self.was_true, self.enters, self.entered) = (saved.was_true, saved.enters, saved.entered);
         self.keepers = saved.keepers;
-        (self.boards, self.ended) = (saved.boards, saved.ended);
+        (self.blackboards, self.ended) = (saved.boards, saved.ended);
         Ok(())
     }
 
     /// Checks that brains can be those of this scenario.
-    fn check(&self, saved: &Saved, time_s: f64) -> std::result::Result<(), &'static str> {
+    fn check(&self, saved: &SavedBrains, time_s: f64) -> std::result::Result<(), &'static str> {
         let scenario = &self.scenario;
         let lengths = [
-            (saved.minds.len(), self.minds.len()),
+            (saved.minds.len(), self.brains.len()),
             (saved.feelings.len(), self.feelings.len()),
             (saved.learnt.len(), self.learnt.len()),
             (saved.followed.len(), self.followed.len()),
-            (saved.bonds.len(), self.bonds.len()),
+            (saved.bonds.len(), self.relationships.len()),
             (saved.holders.len(), self.holders.len()),
             (saved.keepers.len(), self.keepers.len()),
             (saved.is_open.len(), self.is_open.len()),
@@ -97,10 +97,12 @@ impl Minds {
             (saved.enters.len(), self.enters.len()),
             (saved.entered.len(), self.entered.len()),
         ];
-        if lengths.iter().any(|(a, b)| a != b) || !saved.boards.is_like(&self.boards, self.minds.len() as u32) {
+        if lengths.iter().any(|(a, b)| a != b)
+            || !saved.boards.is_compatible(&self.blackboards, self.brains.len() as u32)
+        {
             return Err("they are of another scenario");
         }
-        let num = self.minds.len() as u32;
+        let num = self.brains.len() as u32;
         let is_agent = |agent: u32| agent == NONE || agent < num;
         let is_time = |t: f64| !t.is_nan() && t <= time_s;
         let is_later = |t: f64| !t.is_nan();
@@ -110,29 +112,30 @@ impl Minds {
         if !is_time(saved.now) || !times || !past {
             return Err("its times cannot be");
         }
-        let is_context = |c: &Context| {
+        let is_context = |c: &EventContext| {
             is_agent(c.other)
-                && (c.place == NO || usize::from(c.place) < scenario.places.len())
-                && (c.event == NO || usize::from(c.event) < scenario.events.len())
+                && (c.place == NO_NUMBER || usize::from(c.place) < scenario.places.len())
+                && (c.event == NO_NUMBER || usize::from(c.event) < scenario.events.len())
                 && c.strength.is_finite()
         };
         // Between two calls, only primitive behaviours go on.
-        let is_doing = |mind: &Mind| match scenario.actions.get(mind.action as usize) {
-            Some(Action::Primitive { .. }) => true,
-            _ => mind.phase == Phase::Idle && [mind.until, mind.again, mind.most] == [f64::INFINITY; 3],
+        let is_doing = |mind: &AgentBrain| match scenario.actions.get(mind.action as usize) {
+            Some(CompiledAction::Primitive { .. }) => true,
+            _ => mind.phase == ActionPhase::Idle && [mind.until, mind.again, mind.most] == [f64::INFINITY; 3],
         };
         let is_action = |a: u32| a == NONE || (a as usize) < scenario.actions.len();
-        let is_reason = |r: &Reason| {
+        let is_reason = |r: &ActionReason| {
             (r.rule == NONE || (r.rule as usize) < scenario.rules.len())
                 && (r.edge == NONE || (r.edge as usize) < scenario.edges.len())
                 && usize::from(r.trigger) < scenario.rules_of.len()
                 && is_agent(r.other)
-                && (r.place == NO || usize::from(r.place) < scenario.places.len())
+                && (r.place == NO_NUMBER || usize::from(r.place) < scenario.places.len())
         };
         let is_state = |(level, s): (usize, &u16)| {
-            *s == NO || scenario.states.get(usize::from(*s)).is_some_and(|state| usize::from(state.level) == level)
+            *s == NO_NUMBER
+                || scenario.states.get(usize::from(*s)).is_some_and(|state| usize::from(state.level) == level)
         };
-        let is_good = |(agent, own, mind): (u32, &Mind, &Mind)| {
+        let is_good = |(agent, own, mind): (u32, &AgentBrain, &AgentBrain)| {
             mind.group == own.group
                 && mind.states.iter().enumerate().all(is_state)
                 && is_action(mind.action)
@@ -140,7 +143,7 @@ impl Minds {
                 && is_action(mind.resumed)
                 && [mind.context, mind.resumed_context].iter().all(is_context)
                 && [mind.until, mind.again, mind.most, mind.timer, mind.crossing_at].iter().all(|t| is_later(*t))
-                && (mind.crossing == NO && mind.crossing_at == f64::INFINITY
+                && (mind.crossing == NO_NUMBER && mind.crossing_at == f64::INFINITY
                     || usize::from(mind.crossing) < scenario.thresholds.len())
                 && (mind.slot == NONE || saved.holders.get(mind.slot as usize) == Some(&agent))
                 && mind.home.iter().all(|x| x.is_finite())
@@ -149,7 +152,7 @@ impl Minds {
                 && mind.draws < u32::MAX / 2
                 && mind.handled < u32::MAX / 2
         };
-        let all = (0..num).zip(self.minds.iter().zip(&saved.minds));
+        let all = (0..num).zip(self.brains.iter().zip(&saved.minds));
         if !all.map(|(agent, (own, mind))| (agent, own, mind)).all(is_good) {
             return Err("somebody has in mind what cannot be");
         }
@@ -162,12 +165,12 @@ impl Minds {
             .flatten()
             .all(|l| is_agent(l.from) && is_time(l.time_s) && l.at.iter().all(|x| x.is_finite()));
         let bonds = saved.bonds.iter().flatten().all(|b| is_agent(b.0) && b.1.is_finite());
-        let is_felt = |f: &Feeling| f.value.is_finite() && f64::from(f.rate.abs()) <= MOST && is_time(f.since);
+        let is_felt = |f: &Feeling| f.value.is_finite() && f64::from(f.rate.abs()) <= MAX_AMOUNT && is_time(f.since);
         let feelings = saved.feelings.iter().all(is_felt);
         let has_room = saved.times.iter().all(|n| *n < u32::MAX / 128);
         let entered = scenario.groups.iter().zip(saved.entered.iter().zip(&saved.enters)).all(|(g, (e, next))| {
             let all = g.agents[1] - g.agents[0];
-            g.there <= *e && (*e < all || *e == all && *next == f64::INFINITY)
+            g.num_at_start <= *e && (*e < all || *e == all && *next == f64::INFINITY)
         });
         let kept = saved.keepers.iter().all(|k| is_agent(*k));
         match (0u32..).zip(&saved.holders).all(is_held) && kept && learnt && bonds && feelings && has_room && entered {

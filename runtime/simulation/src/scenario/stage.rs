@@ -20,7 +20,7 @@ pub(crate) const SIDES: u32 = 8;
 
 /// Reason why there is no stand from which to take a thing or to put it down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NoStance {
+pub enum StanceError {
     /// No hand is free.
     NoHand,
     /// The thing is too high for all grasps of the motion.
@@ -28,7 +28,7 @@ pub enum NoStance {
 }
 
 /// World of agent brains: what they see of it, and how they act in it. Agents are numbered as in the scene.
-pub trait Stage {
+pub trait ScenarioStage {
     /// Position of an agent now; `None` where it is not there (m).
     fn position(&self, agent: u32) -> Option<Vec3>;
 
@@ -41,43 +41,43 @@ pub trait Stage {
     ///
     /// # Errors
     /// For a place that cannot be.
-    fn go(&mut self, agent: u32, at: Vec3, arrival_m: f32, leaves: bool) -> Result<bool>;
+    fn order_walk(&mut self, agent: u32, at: Vec3, arrival_m: f32, leaves: bool) -> Result<bool>;
 
     /// Sends an agent along points. `again`: from the first one again.
     ///
     /// # Errors
-    /// As [`Stage::go`].
-    fn follow(&mut self, agent: u32, points: &[Vec3], again: bool) -> Result<bool>;
+    /// As [`ScenarioStage::order_walk`].
+    fn order_route(&mut self, agent: u32, points: &[Vec3], again: bool) -> Result<bool>;
 
     /// Sends an agent to the goal of a happening.
     ///
     /// # Errors
-    /// As [`Stage::go`].
+    /// As [`ScenarioStage::order_walk`].
     fn follow_happening(&mut self, agent: u32, happening: u16) -> Result<()>;
 
     /// Sends an agent on the route that it had before behaviours.
     ///
     /// # Errors
-    /// As [`Stage::go`].
-    fn resume(&mut self, agent: u32) -> Result<()>;
+    /// As [`ScenarioStage::order_walk`].
+    fn resume_route(&mut self, agent: u32) -> Result<()>;
 
     /// Stops an agent where it is.
     ///
     /// # Errors
-    /// As [`Stage::go`].
-    fn halt(&mut self, agent: u32) -> Result<()>;
+    /// As [`ScenarioStage::order_walk`].
+    fn order_halt(&mut self, agent: u32) -> Result<()>;
 
     /// Sets the desired speed from now on (m/s).
     ///
     /// # Errors
-    /// As [`Stage::go`].
+    /// As [`ScenarioStage::order_walk`].
     fn set_speed(&mut self, agent: u32, speed_mps: f32) -> Result<()>;
 
     /// Orders what the body of an agent does from now on: motion of a tag, facing a place.
-    fn show(&mut self, agent: u32, motion: Option<u16>, faces: Option<Vec3>);
+    fn show_activity(&mut self, agent: u32, motion: Option<u16>, faces: Option<Vec3>);
 
     /// Position of a thing (m).
-    fn thing_at(&self, thing: u16) -> Vec3;
+    fn thing_position(&self, thing: u16) -> Vec3;
 
     /// True where an agent has a thing in hand.
     fn has_in_hand(&self, agent: u32, thing: u16) -> bool;
@@ -95,25 +95,25 @@ pub trait Stage {
         motion: Option<u16>,
         handling: Handling,
         side: u32,
-    ) -> std::result::Result<(Vec3, f32), NoStance>;
+    ) -> std::result::Result<(Vec3, f32), StanceError>;
 
     /// Counts a thing, or a place for it, that an agent could not reach.
-    fn missed(&mut self);
+    fn count_miss(&mut self);
 
     /// Begins motion of a tag in which hands take a thing or put it down.
-    fn handle(&mut self, agent: u32, motion: Option<u16>, handling: Handling);
+    fn begin_handling(&mut self, agent: u32, motion: Option<u16>, handling: Handling);
 
     /// True where an agent has taken a thing, or put it down, and the motion is over.
-    fn is_over(&self, agent: u32, thing: u16) -> bool;
+    fn is_handling_over(&self, agent: u32, thing: u16) -> bool;
 
     /// Ends the handling of a thing. `is_done`: it is complete where no motion shows it; with motion, or where `is_done` is false, the
     /// thing stays where it is.
     ///
     /// - returns true where the agent has the thing in hand.
-    fn settle(&mut self, agent: u32, thing: u16, is_done: bool) -> bool;
+    fn end_handling(&mut self, agent: u32, thing: u16, is_done: bool) -> bool;
 
     /// Ends the claim of an agent on a thing: a thing in hand drops to the ground.
-    fn let_go(&mut self, thing: u16);
+    fn drop_thing(&mut self, thing: u16);
 
     /// Opens or closes a door.
     ///
@@ -121,19 +121,19 @@ pub trait Stage {
     ///
     /// # Errors
     /// For a door that is not there.
-    fn set_open(&mut self, door: u16, open: bool) -> Result<bool>;
+    fn set_door_open(&mut self, door: u16, open: bool) -> Result<bool>;
 
     /// Lets an agent enter the scene; false where it finds no room now.
     ///
     /// # Errors
-    /// As [`Stage::go`].
-    fn enter(&mut self, agent: u32) -> Result<bool>;
+    /// As [`ScenarioStage::order_walk`].
+    fn enter_agent(&mut self, agent: u32) -> Result<bool>;
 
     /// Sets the events that an agent tells and hears of: a bit for each, and the highest bit for meetings.
     ///
     /// # Errors
     /// For an agent that is not there.
-    fn sense(&mut self, agent: u32, tells: u32, hears: u32) -> Result<()>;
+    fn set_senses(&mut self, agent: u32, tells: u32, hears: u32) -> Result<()>;
 
     /// Sets the time at which an agent has to act by itself (s).
     ///
@@ -147,9 +147,9 @@ pub trait Stage {
     /// - `interest`: position (m), strength (m/s2) and range (m).
     ///
     /// # Errors
-    /// As [`Stage::go`].
-    fn attract(&mut self, agent: u32, n: usize, interest: Option<(Vec3, f32, f32)>) -> Result<()>;
+    /// As [`ScenarioStage::order_walk`].
+    fn set_interest(&mut self, agent: u32, n: usize, interest: Option<(Vec3, f32, f32)>) -> Result<()>;
 
     /// Adds all agents within a distance of a position to `out`, in the order of their numbers.
-    fn within(&self, at: Vec3, radius_m: f32, out: &mut Vec<u32>);
+    fn agents_within(&self, at: Vec3, radius_m: f32, out: &mut Vec<u32>);
 }

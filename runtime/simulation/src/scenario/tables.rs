@@ -1,10 +1,10 @@
 //! Flat tables of a scenario, which the compiler writes and the evaluator reads.
 
-use super::language::{Amount, Op, Program, Vocabulary};
-use super::verbs::{Effect, Operand, Primitives, WORDS};
+use super::action_registry::{ActionOperand, ActionRegistry, Effect, MAX_WORDS};
+use super::language::{Amount, Op, Program, ScenarioVocabulary};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::text::Source;
+use throng_base::text::TomlSource;
 
 /// Number that stands for no item.
 pub(super) const NONE: u32 = u32::MAX;
@@ -30,7 +30,7 @@ pub(super) mod trigger {
 
 /// Way in which an agent learns of an event.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) enum How {
+pub(super) enum LearningMode {
     /// The event happens to the agent.
     #[default]
     Happens,
@@ -42,7 +42,7 @@ pub(super) enum How {
     Felt,
 }
 
-impl How {
+impl LearningMode {
     /// Names in predicates, in the order of variants.
     pub const NAMES: [&str; 4] = ["happens", "told", "read", "felt"];
 
@@ -56,18 +56,18 @@ impl How {
 #[derive(Clone, Debug)]
 pub struct Scenario {
     /// The scene file, for messages.
-    pub(super) source: Source,
+    pub(super) source: TomlSource,
     pub(super) code: Vec<Op>,
-    pub(super) names: Vocabulary,
-    pub(super) primitives: Primitives,
+    pub(super) names: ScenarioVocabulary,
+    pub(super) primitives: ActionRegistry,
     pub(super) values: Vec<ValueTable>,
     pub(super) thresholds: Vec<Threshold>,
     pub(super) events: Vec<EventTable>,
     pub(super) places: Vec<PlaceTable>,
-    pub(super) slots: Vec<Slot>,
+    pub(super) slots: Vec<SlotTable>,
     /// Positions of things at the start (m).
     pub(super) things: Vec<Vec3>,
-    pub(super) rules: Vec<Rule>,
+    pub(super) rules: Vec<RuleTable>,
     /// Rules of each trigger: first and last + 1 in `rule_order`.
     pub(super) rules_of: Vec<[u32; 2]>,
     pub(super) rule_order: Vec<u32>,
@@ -75,17 +75,17 @@ pub struct Scenario {
     pub(super) num_pauses: usize,
     /// Names of graphs.
     pub(super) graphs: Vec<String>,
-    pub(super) states: Vec<State>,
+    pub(super) states: Vec<StateTable>,
     /// Edges of each state, in the order of states: those from it, then those from any state of its graph.
-    pub(super) edges: Vec<Edge>,
-    pub(super) actions: Vec<Action>,
+    pub(super) edges: Vec<EdgeTable>,
+    pub(super) actions: Vec<CompiledAction>,
     /// Corners of paths that actions follow (m).
-    pub(super) ways: Vec<Vec<Vec3>>,
-    pub(super) relations: Vec<Relation>,
+    pub(super) paths: Vec<Vec<Vec3>>,
+    pub(super) relations: Vec<RelationTable>,
     pub(super) groups: Vec<GroupTable>,
     /// Motion tags that actions name.
     pub(super) motions: Vec<String>,
-    pub(super) boards: BoardTable,
+    pub(super) blackboards: BlackboardTable,
     pub(super) end: EndTable,
     /// Whether any rule or edge needs places, meetings and cells to be sensed.
     pub(crate) senses_zones: bool,
@@ -154,14 +154,14 @@ pub(super) struct PlaceTable {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Slot {
+pub(super) struct SlotTable {
     pub at: Vec3,
     pub facing: Vec3,
     pub place: u16,
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Rule {
+pub(super) struct RuleTable {
     pub name: String,
     /// Groups that it is for, as bits.
     pub who: u64,
@@ -178,13 +178,13 @@ pub(super) struct Rule {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct State {
+pub(super) struct StateTable {
     pub name: String,
     /// Number of the name among those of states.
     pub word: u16,
     pub level: u8,
     /// Number of its graph.
-    pub of: u16,
+    pub graph_number: u16,
     /// First of its actions; [`NONE`] where it has none.
     pub actions: u32,
     /// Start state of the graph below it; [`NONE`] where it has none.
@@ -194,7 +194,7 @@ pub(super) struct State {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Edge {
+pub(super) struct EdgeTable {
     pub trigger: u16,
     pub to: u16,
     pub when: Option<Program>,
@@ -206,25 +206,25 @@ pub(super) struct Edge {
 
 /// One action of a behaviour.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Action {
+pub(super) enum CompiledAction {
     End,
     /// Walks to the goal of a happening.
     Happening(u16),
-    Effect(Effect, [Operand; WORDS]),
+    Effect(Effect, [ActionOperand; MAX_WORDS]),
     Primitive {
         number: u16,
-        words: [Operand; WORDS],
+        words: [ActionOperand; MAX_WORDS],
         /// Number of the motion tag.
         motion: Option<u16>,
-        /// Path of [`Scenario::ways`] that it follows.
+        /// Path of [`Scenario::paths`] that it follows.
         way: Option<u16>,
-        claims: Claims,
+        claims: ActionClaim,
     },
 }
 
 /// Claim of an action on a slot or a thing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Claims {
+pub(super) enum ActionClaim {
     Nothing,
     Slot,
     /// Claims a slot of a queue, and waits until a slot of this place is free, where one is named.
@@ -243,7 +243,7 @@ pub(super) enum Party {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Relation {
+pub(super) struct RelationTable {
     pub of: Party,
     pub to: Party,
     pub share: f32,
@@ -260,14 +260,14 @@ pub(super) struct GroupTable {
     /// Range of its agents: first and last + 1.
     pub agents: [u32; 2],
     /// Number of its agents that are there at the start.
-    pub there: u32,
+    pub num_at_start: u32,
     /// Rates of entry, as (from time, per second) (s, 1/s).
     pub rates: Vec<[f64; 2]>,
 }
 
 /// Blackboards of cells: levels of squares, each twice as wide as those of the level below.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct BoardTable {
+pub(super) struct BlackboardTable {
     /// Side of the smallest cells; 0 where there are none (m).
     pub cell_m: f32,
     pub levels: u32,
@@ -289,13 +289,13 @@ impl Scenario {
     }
 
     /// True where an action changes relationships.
-    pub(super) fn befriends(&self) -> bool {
-        self.actions.iter().any(|a| matches!(a, Action::Effect(Effect::Befriend, _)))
+    pub(super) fn changes_relationships(&self) -> bool {
+        self.actions.iter().any(|a| matches!(a, CompiledAction::Effect(Effect::Befriend, _)))
     }
 
     /// Largest speed that an action names as a number (m/s).
     pub(crate) fn largest_speed_mps(&self) -> f32 {
-        self.actions.iter().filter_map(|a| a.speed(&self.primitives)).fold(0.0, f32::max)
+        self.actions.iter().filter_map(|a| a.named_speed(&self.primitives)).fold(0.0, f32::max)
     }
 
     /// Name of a trigger.
@@ -316,17 +316,17 @@ impl Scenario {
     }
 
     /// Evaluates an amount.
-    pub(super) fn amount(&self, amount: Amount, perception: &mut impl super::language::Perception) -> f64 {
+    pub(super) fn evaluate_amount(&self, amount: Amount, perception: &mut impl super::language::Perception) -> f64 {
         match amount {
             Amount::Number(number) => number,
-            Amount::Program(program) => super::language::run(&self.code, program, perception),
+            Amount::Program(program) => super::language::run_program(&self.code, program, perception),
         }
     }
 }
 
-impl Action {
+impl CompiledAction {
     /// Speed that the action names as a number; `None` for others (m/s).
-    fn speed(&self, primitives: &Primitives) -> Option<f32> {
+    fn named_speed(&self, primitives: &ActionRegistry) -> Option<f32> {
         let amount = match self {
             Self::Effect(Effect::Speed, words) => words[0],
             Self::Primitive { number, words, .. } => {
@@ -336,7 +336,7 @@ impl Action {
             _ => return None,
         };
         match amount {
-            Operand::Amount(Amount::Number(mps)) => Some(mps as f32),
+            ActionOperand::Amount(Amount::Number(mps)) => Some(mps as f32),
             _ => None,
         }
     }

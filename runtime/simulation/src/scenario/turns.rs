@@ -1,7 +1,7 @@
 //! Turns: records of what happens in agent brains, kept only on request.
 
-use super::mind::{Context, NO};
-use super::minds::{Minds, Stimulus};
+use super::agent_brain::{EventContext, NO_NUMBER};
+use super::agent_brains::{AgentBrains, Stimulus};
 use super::tables::{NONE, trigger};
 
 /// Turn: one event in an agent's brain.
@@ -13,13 +13,13 @@ pub struct Turn {
     pub agent: usize,
     /// Kind of the turn.
     pub kind: TurnKind,
-    /// Number of its trigger, for [`Minds::name_of`].
+    /// Number of its trigger, for [`AgentBrains::trigger_name`].
     pub on: u16,
     /// Number of the agent that was met, or that told of the event.
     pub other: Option<usize>,
-    /// Number of the place, in [`Minds::places`].
+    /// Number of the place, in [`AgentBrains::place_names`].
     pub place: Option<usize>,
-    /// Number of the event, in [`Minds::events`].
+    /// Number of the event, in [`AgentBrains::events`].
     pub event: Option<usize>,
 }
 
@@ -51,15 +51,15 @@ pub enum TurnKind {
 
 /// Current state of an agent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct StateNow<'a> {
+pub struct CurrentState<'a> {
     /// Name of the graph.
     pub graph: &'a str,
     /// Name of the state.
     pub state: &'a str,
 }
 
-impl Minds {
-    /// Starts to record turns, for [`Minds::turns`].
+impl AgentBrains {
+    /// Starts to record turns, for [`AgentBrains::turns`].
     pub(crate) fn record_turns(&mut self) {
         self.turns.get_or_insert_default();
     }
@@ -76,30 +76,30 @@ impl Minds {
     }
 
     /// States of an agent, the highest level first (agent < number of agents).
-    pub fn states_of(&self, agent: usize) -> [Option<StateNow<'_>>; 3] {
-        self.minds[agent].states.map(|s| {
-            let state = self.scenario.states.get(usize::from(s)).filter(|_| s != NO)?;
-            Some(StateNow { graph: &self.scenario.graphs[usize::from(state.of)], state: &state.name })
+    pub fn states_of(&self, agent: usize) -> [Option<CurrentState<'_>>; 3] {
+        self.brains[agent].states.map(|s| {
+            let state = self.scenario.states.get(usize::from(s)).filter(|_| s != NO_NUMBER)?;
+            Some(CurrentState { graph: &self.scenario.graphs[usize::from(state.graph_number)], state: &state.name })
         })
     }
 
     /// Name of a trigger of turns: an event, `enters`, `done` and others.
-    pub fn name_of(&self, on: u16) -> String {
+    pub fn trigger_name(&self, on: u16) -> String {
         self.scenario.trigger_name(on)
     }
 
     /// Name of a rule; empty where it has none.
-    pub fn rule(&self, number: usize) -> &str {
+    pub fn rule_name(&self, number: usize) -> &str {
         self.scenario.rules.get(number).map_or("", |r| &r.name)
     }
 
     /// Names of places.
-    pub fn places(&self) -> &[String] {
+    pub fn place_names(&self) -> &[String] {
         &self.scenario.names.places.0
     }
 
     /// Records a stimulus as a turn of its own, where turns are recorded and the stimulus is of interest by itself.
-    pub(super) fn note_sensed(&mut self, agent: u32, stimulus: Stimulus) {
+    pub(super) fn record_sensed(&mut self, agent: u32, stimulus: Stimulus) {
         if self.turns.is_none() {
             return;
         }
@@ -107,17 +107,17 @@ impl Minds {
             trigger::STARTS => TurnKind::Starts,
             trigger::ENTERS => TurnKind::Enters,
             trigger::LEAVES => TurnKind::Leaves,
-            _ => match self.new_to(agent, stimulus.context) {
+            _ => match self.newly_learnt(agent, stimulus.context) {
                 Some(how) => TurnKind::Learns(how),
                 None => return,
             },
         };
-        self.note(agent, stimulus, kind);
+        self.record_turn(agent, stimulus, kind);
     }
 
     /// Way in which an agent has just learnt of the event of a context; `None` where it knew of it before.
-    fn new_to(&self, agent: u32, context: Context) -> Option<&'static str> {
-        if context.event == NO {
+    fn newly_learnt(&self, agent: u32, context: EventContext) -> Option<&'static str> {
+        if context.event == NO_NUMBER {
             return None;
         }
         let of = agent as usize * self.scenario.events.len() + usize::from(context.event);
@@ -127,9 +127,9 @@ impl Minds {
     }
 
     /// Records a turn, where turns are recorded.
-    pub(super) fn note(&mut self, agent: u32, stimulus: Stimulus, kind: TurnKind) {
+    pub(super) fn record_turn(&mut self, agent: u32, stimulus: Stimulus, kind: TurnKind) {
         let (time_s, context) = (self.now, stimulus.context);
-        let some = |number: u16| (number != NO).then_some(usize::from(number));
+        let some = |number: u16| (number != NO_NUMBER).then_some(usize::from(number));
         if let Some(turns) = &mut self.turns {
             let other = (context.other != NONE).then_some(context.other as usize);
             let (place, event) = (some(context.place), some(context.event));

@@ -1,17 +1,17 @@
 //! Checks of the values of a scene file.
 
 use super::goal::GoalConfig;
-use super::group::{GroupConfig, Motion, WishConfig};
+use super::group::{GroupConfig, GroupMotion, InhabitantGoalConfig};
 use super::place::PlaceConfig;
 use super::{Scene, SpaceConfig};
 use std::fmt::Display;
 use throng_base::Result as Checked;
 use throng_base::limits::{self, Limit};
-use throng_base::text::Source;
+use throng_base::text::TomlSource;
 use toml::de::DeValue;
 
 /// Fault of a scene file: a key, and a description of what is wrong with its value.
-pub(super) type Fault = (String, String);
+pub(super) type KeyFault = (String, String);
 
 /// Most behaviours that are weighed against each other.
 const MAX_BEHAVIOURS: usize = throng_core::characters::MAX_GOALS;
@@ -26,8 +26,8 @@ const MAX_POINTS: usize = 30_000_000;
 const MAX_KNOTS: usize = 1 << 29;
 
 /// Keys of a group that only some kinds of motion have, with these kinds.
-const KEYS: [(&str, &[Motion]); 22] = {
-    use Motion::{Blend, None as Bare, Patches, Policy, Sparring};
+const KEYS: [(&str, &[GroupMotion]); 22] = {
+    use GroupMotion::{Blend, None as Bare, Patches, Policy, Sparring};
     [
         ("place", &[Bare, Blend, Policy, Sparring]),
         ("goal", &[Bare, Blend]),
@@ -55,19 +55,19 @@ const KEYS: [(&str, &[Motion]); 22] = {
 };
 
 /// Refuses a file of tasks, which has no key of a scene.
-pub(super) fn other_files(source: &Source) -> Checked<()> {
+pub(super) fn other_files(source: &TomlSource) -> Checked<()> {
     let Some(table) = source.table() else { return Ok(()) };
     match table.keys().find(|key| key.get_ref() == "tasks") {
         Some(key) => {
             let why = "`tasks` makes this a file of tasks, not a scene: run `throng plan` on it";
-            Err(source.error(key.span(), why.into()))
+            Err(source.error_at_span(key.span(), why.into()))
         }
         None => Ok(()),
     }
 }
 
 /// Refuses keys that mean nothing to what moves their group.
-pub(super) fn foreign_keys(scene: &Scene) -> Checked<()> {
+pub(super) fn refuse_foreign_keys(scene: &Scene) -> Checked<()> {
     let Some(table) = scene.source.table() else { return Ok(()) };
     let groups = table.iter().find(|(k, _)| k.get_ref() == "groups").map(|(_, v)| v.get_ref());
     let Some(DeValue::Array(groups)) = groups else { return Ok(()) };
@@ -80,7 +80,7 @@ pub(super) fn foreign_keys(scene: &Scene) -> Checked<()> {
                 let list: Vec<_> = motions.iter().map(|m| format!("\"{}\"", m.name())).collect();
                 let (own, list) = (group.motion.name(), list.join(" or "));
                 let why = format!("`{name}` is for groups with motion = {list}, and this one has \"{own}\"");
-                return Err(scene.source.error(key.span(), why));
+                return Err(scene.source.error_at_span(key.span(), why));
             }
         }
     }
@@ -88,15 +88,15 @@ pub(super) fn foreign_keys(scene: &Scene) -> Checked<()> {
 }
 
 /// Checks all values of a scene.
-pub(super) fn scene(scene: &Scene) -> Result<(), Fault> {
+pub(super) fn check_scene(scene: &Scene) -> Result<(), KeyFault> {
     check_limit("seconds", scene.seconds, &limits::SECONDS)?;
     check_numbers(&[("environment.hills_m", scene.environment.hills_m, 0.0, 10.0)])?;
     let dimensions = scene.environment.space.dimensions();
     if scene.groups.is_empty() {
-        return fault("groups", "expected at least one group, found none");
+        return key_fault("groups", "expected at least one group, found none");
     }
     for (g, group) in scene.groups.iter().enumerate() {
-        group_of(scene, g, group)?;
+        check_group(scene, g, group)?;
     }
     check_count("groups", scene.num_characters())?;
     check_totals(scene)?;
@@ -133,19 +133,19 @@ pub(super) fn scene(scene: &Scene) -> Result<(), Fault> {
     }
     let num_of_agents = scene.groups.iter().filter(|g| g.is_of_agents()).count();
     if scene.measure.lanes.is_some() && num_of_agents < 2 {
-        return fault("measure.lanes", format!("expected two groups of agents that meet, found {num_of_agents}"));
+        return key_fault("measure.lanes", format!("expected two groups of agents that meet, found {num_of_agents}"));
     }
     let needs_ground =
         [("measure.gate", scene.measure.gate.is_some()), ("measure.lanes", scene.measure.lanes.is_some())];
     if let (SpaceConfig::Air, Some((key, _))) = (scene.environment.space, needs_ground.iter().find(|n| n.1)) {
-        return fault(key, "expected none in the air: leave it out, or set `environment.space = \"ground\"`");
+        return key_fault(key, "expected none in the air: leave it out, or set `environment.space = \"ground\"`");
     }
     scene.measure.find_fault()?;
     scene.picture.find_fault()
 }
 
 /// Refuses numbers within their ranges whose product takes more memory than there is.
-fn check_totals(scene: &Scene) -> Result<(), Fault> {
+fn check_totals(scene: &Scene) -> Result<(), KeyFault> {
     let (mut points, mut knots) = (0, 0);
     for (g, group) in scene.groups.iter().enumerate() {
         if group.is_of_agents() {
@@ -158,67 +158,75 @@ fn check_totals(scene: &Scene) -> Result<(), Fault> {
                 let why = format!(
                     "expected routes of at most {MAX_POINTS} points for all agents, found {points}: take fewer points or agents"
                 );
-                return fault(&format!("groups[{g}].{key}"), why);
+                return key_fault(&format!("groups[{g}].{key}"), why);
             }
         }
-        let has_hills = group.motion == Motion::Blend && scene.environment.hills_m > 0.0;
+        let has_hills = group.motion == GroupMotion::Blend && scene.environment.hills_m > 0.0;
         if let Some(paths) = group.paths.as_ref().filter(|_| has_hills) {
-            knots += paths.ground().2.pow(2);
+            knots += paths.ground_grid().2.pow(2);
             if knots > MAX_KNOTS {
                 let why = "expected less ground for all groups: take smaller areas, fewer groups, or `environment.hills_m = 0.0`";
-                return fault(&format!("groups[{g}].paths.area_m"), why);
+                return key_fault(&format!("groups[{g}].paths.area_m"), why);
             }
         }
     }
     Ok(())
 }
 
-fn group_of(scene: &Scene, g: usize, group: &GroupConfig) -> Result<(), Fault> {
+fn check_group(scene: &Scene, g: usize, group: &GroupConfig) -> Result<(), KeyFault> {
     let at = |name: &str| format!("groups[{g}].{name}");
     let dimensions = scene.environment.space.dimensions();
     check_count(&at("count"), group.count)?;
-    if group.motion != Motion::None && scene.bundle_of(g).0.is_none() {
+    if group.motion != GroupMotion::None && scene.bundle_of(g).0.is_none() {
         let kind = group.motion.name();
-        return fault(&format!("groups[{g}]"), format!("\"{kind}\" needs a `bundle`, here or at the top of the file"));
+        return key_fault(
+            &format!("groups[{g}]"),
+            format!("\"{kind}\" needs a `bundle`, here or at the top of the file"),
+        );
     }
     let on_ground = scene.environment.space == SpaceConfig::Ground;
     if group.is_of_agents() {
-        if group.motion == Motion::Blend && !on_ground {
-            return fault(&at("motion"), "bodies walk on the ground: expected \"none\" in the air, found \"blend\"");
+        if group.motion == GroupMotion::Blend && !on_ground {
+            return key_fault(
+                &at("motion"),
+                "bodies walk on the ground: expected \"none\" in the air, found \"blend\"",
+            );
         }
-        agents(&at, group, dimensions)?;
+        check_agents(&at, group, dimensions)?;
     } else if group.goal.is_some() {
-        return fault(&at("goal"), "expected either `goal` or `paths`, found both");
+        return key_fault(&at("goal"), "expected either `goal` or `paths`, found both");
     }
     match group.motion {
-        Motion::None => Ok(()),
-        Motion::Blend => blended(&at, group),
-        Motion::Policy | Motion::Sparring => chosen(&at, group),
-        Motion::Patches if scene.world_of(g).0.is_none() => {
-            fault(&at("world"), "\"patches\" needs a stitched `world`, here or in `[environment]`")
+        GroupMotion::None => Ok(()),
+        GroupMotion::Blend => check_blended(&at, group),
+        GroupMotion::Policy | GroupMotion::Sparring => check_policies(&at, group),
+        GroupMotion::Patches if scene.world_of(g).0.is_none() => {
+            key_fault(&at("world"), "\"patches\" needs a stitched `world`, here or in `[environment]`")
         }
-        Motion::Patches => wishes(&at, group),
+        GroupMotion::Patches => check_goals(&at, group),
     }
 }
 
 /// Checks the keys of agents: starts, goals, sizes and speeds.
-fn agents(at: &impl Fn(&str) -> String, group: &GroupConfig, dimensions: usize) -> Result<(), Fault> {
+fn check_agents(at: &impl Fn(&str) -> String, group: &GroupConfig, dimensions: usize) -> Result<(), KeyFault> {
     match &group.place {
         Some(PlaceConfig::Grid { .. }) => {
-            return fault(&at("place.grid"), "agents start in a `block`, `disc` or `ring`");
+            return key_fault(&at("place.grid"), "agents start in a `block`, `disc` or `ring`");
         }
         Some(place) => place.find_fault(&at("place"), dimensions)?,
-        None => return fault(&at("place"), "agents need a place to start: `block`, `disc` or `ring`"),
+        None => return key_fault(&at("place"), "agents need a place to start: `block`, `disc` or `ring`"),
     }
     match &group.goal {
         Some(goal) => goal.find_fault(&at("goal"), dimensions)?,
         None if group.graph.is_some() => {}
-        None if group.motion == Motion::Blend => return fault(&at("goal"), "expected `goal` or `paths`, found none"),
-        None => return fault(&at("goal"), "agents need a goal; `{ stay = {} }` lets them stand"),
+        None if group.motion == GroupMotion::Blend => {
+            return key_fault(&at("goal"), "expected `goal` or `paths`, found none");
+        }
+        None => return key_fault(&at("goal"), "agents need a goal; `{ stay = {} }` lets them stand"),
     }
     let [least, most] = group.companions;
     if !(1 <= least && least <= most && most <= 4) {
-        return fault(
+        return key_fault(
             &at("companions"),
             format!("expected two numbers that ascend from 1 to 4, found {least} and {most}"),
         );
@@ -238,10 +246,10 @@ fn agents(at: &impl Fn(&str) -> String, group: &GroupConfig, dimensions: usize) 
 }
 
 /// Checks the keys of blended bodies and their paths.
-fn blended(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Fault> {
+fn check_blended(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), KeyFault> {
     let num = group.spaces.len();
     if !(1..=MAX_SPACES).contains(&num) {
-        return fault(
+        return key_fault(
             &at("spaces"),
             format!("expected 1 to {MAX_SPACES} blend spaces, found {num}; `throng inspect` lists those of a bundle"),
         );
@@ -252,11 +260,11 @@ fn blended(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Faul
     if !group.style_by_speed.windows(2).all(|w| w[0][0] < w[1][0])
         || !group.style_by_speed.iter().flatten().all(|v| v.abs() < 1e3)
     {
-        return fault(&at("style_by_speed"), "expected (speed, value) that ascend by speed");
+        return key_fault(&at("style_by_speed"), "expected (speed, value) that ascend by speed");
     }
     let Some(p) = &group.paths else { return Ok(()) };
     if group.place.is_some() {
-        return fault(&at("place"), "paths start anywhere on their square: expected none beside `paths`");
+        return key_fault(&at("place"), "paths start anywhere on their square: expected none beside `paths`");
     }
     check_ranges(&[(&at("paths.speeds"), p.speeds, 0.0, 20.0), (&at("paths.seconds"), p.seconds, 0.1, 1000.0)])?;
     check_point(&at("paths.centre"), &p.centre, 2)?;
@@ -270,14 +278,14 @@ fn blended(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Faul
 }
 
 /// Checks the keys of characters with policies: behaviours and targets.
-fn chosen(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Fault> {
-    if group.motion == Motion::Sparring && !group.count.is_multiple_of(2) {
-        return fault(&at("count"), format!("expected an even number for pairs, found {}", group.count));
+fn check_policies(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), KeyFault> {
+    if group.motion == GroupMotion::Sparring && !group.count.is_multiple_of(2) {
+        return key_fault(&at("count"), format!("expected an even number for pairs, found {}", group.count));
     }
     match &group.place {
         None => {}
         Some(place @ PlaceConfig::Grid { .. }) => place.find_fault(&at("place"), 2)?,
-        Some(_) => return fault(&at("place"), "expected a `grid`, found another place"),
+        Some(_) => return key_fault(&at("place"), "expected a `grid`, found another place"),
     }
     check_limit(&at("temperature"), group.temperature, &limits::TEMPERATURE)?;
     check_numbers(&[
@@ -287,13 +295,13 @@ fn chosen(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Fault
     ])?;
     let all = &group.behaviours;
     if all.is_empty() || all.len() > MAX_BEHAVIOURS {
-        return fault(&at("behaviours"), format!("expected 1 to {MAX_BEHAVIOURS} behaviours, found {}", all.len()));
+        return key_fault(&at("behaviours"), format!("expected 1 to {MAX_BEHAVIOURS} behaviours, found {}", all.len()));
     }
     for (i, one) in all.iter().enumerate() {
         check_numbers(&[(&at(&format!("behaviours[{i}].weight")), one.weight, -1e6, 1e6)])?;
         if let Some(first) = all[..i].iter().position(|g| g.name == one.name) {
             let why = format!("expected every behaviour once, found \"{}\" as in `behaviours[{first}]`", one.name);
-            return fault(&at(&format!("behaviours[{i}].name")), why);
+            return key_fault(&at(&format!("behaviours[{i}].name")), why);
         }
     }
     let mut before = 0.0;
@@ -301,7 +309,7 @@ fn chosen(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Fault
         let moderate = [p.x_m, p.y_m, p.z_m].iter().all(|v| v.abs() < 1e3);
         if !(p.time_s > before && p.time_s < 1e5 && moderate) {
             let why = format!("expected times that ascend from above 0, and places, found {p:?}");
-            return fault(&at("target.drag"), why);
+            return key_fault(&at("target.drag"), why);
         }
         before = p.time_s;
     }
@@ -309,77 +317,77 @@ fn chosen(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Fault
 }
 
 /// Checks the goals of characters in a world.
-fn wishes(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Fault> {
+fn check_goals(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), KeyFault> {
     for (i, w) in group.wishes.iter().enumerate() {
         if !(w.share > 0.0 && w.share < 1e6) {
-            return fault(&at(&format!("wishes[{i}].share")), format!("expected more than 0, found {}", w.share));
+            return key_fault(&at(&format!("wishes[{i}].share")), format!("expected more than 0, found {}", w.share));
         }
         if let Some([low, high]) = w.wish.seconds()
             && !(0.0 < low && low <= high && high < 1e6)
         {
             let found = format!("expected two times that ascend from above 0, found {low} and {high}");
-            return fault(&at(&format!("wishes[{i}].wish.seconds")), found);
+            return key_fault(&at(&format!("wishes[{i}].wish.seconds")), found);
         }
-        if let WishConfig::Visit { within: Some(b) } = &w.wish
+        if let InhabitantGoalConfig::Visit { within: Some(b) } = &w.wish
             && !(b.iter().all(|v| v.abs() < 1e6) && b[0] <= b[2] && b[1] <= b[3])
         {
             let why = format!("expected lowest x and z, then highest x and z, found {b:?}");
-            return fault(&at(&format!("wishes[{i}].wish.within")), why);
+            return key_fault(&at(&format!("wishes[{i}].wish.within")), why);
         }
     }
     Ok(())
 }
 
 /// Returns a fault of a key.
-pub(super) fn fault<T>(key: &str, why: impl Into<String>) -> Result<T, Fault> {
+pub(super) fn key_fault<T>(key: &str, why: impl Into<String>) -> Result<T, KeyFault> {
     Err((key.into(), why.into()))
 }
 
-fn check_count(key: &str, count: usize) -> Result<(), Fault> {
+fn check_count(key: &str, count: usize) -> Result<(), KeyFault> {
     check_limit(key, count as f64, &limits::CHARACTERS)
 }
 
 /// Checks that a number is within its limit.
-fn check_limit(key: &str, value: f64, limit: &Limit) -> Result<(), Fault> {
-    match limit.holds(value) {
+fn check_limit(key: &str, value: f64, limit: &Limit) -> Result<(), KeyFault> {
+    match limit.contains(value) {
         true => Ok(()),
-        false => fault(key, format!("expected {}, found {value}", limit.range)),
+        false => key_fault(key, format!("expected {}, found {value}", limit.range)),
     }
 }
 
 /// Checks that numbers are between bounds, given as (key, value, lowest, highest); NaN never is.
-pub(super) fn check_numbers<N: PartialOrd + Display>(numbers: &[(&str, N, N, N)]) -> Result<(), Fault> {
+pub(super) fn check_numbers<N: PartialOrd + Display>(numbers: &[(&str, N, N, N)]) -> Result<(), KeyFault> {
     match numbers.iter().find(|(_, value, low, high)| !(low <= value && value <= high)) {
-        Some((key, value, low, high)) => fault(key, format!("expected {low} to {high}, found {value}")),
+        Some((key, value, low, high)) => key_fault(key, format!("expected {low} to {high}, found {value}")),
         None => Ok(()),
     }
 }
 
 /// Checks that ranges are between bounds, given as (key, range, lowest, highest).
-pub(super) fn check_ranges(ranges: &[(&str, [f32; 2], f32, f32)]) -> Result<(), Fault> {
+pub(super) fn check_ranges(ranges: &[(&str, [f32; 2], f32, f32)]) -> Result<(), KeyFault> {
     match ranges.iter().find(|(_, [from, to], low, high)| !(low <= from && from <= to && to <= high)) {
         Some((key, [from, to], low, high)) => {
-            fault(key, format!("expected two numbers that ascend from {low} to {high}, found {from}, {to}"))
+            key_fault(key, format!("expected two numbers that ascend from {low} to {high}, found {from}, {to}"))
         }
         None => Ok(()),
     }
 }
 
 /// Checks that a point has as many numbers as the scene's space has dimensions.
-pub(crate) fn check_point(key: &str, point: &[f32], dimensions: usize) -> Result<(), Fault> {
+pub(crate) fn check_point(key: &str, point: &[f32], dimensions: usize) -> Result<(), KeyFault> {
     if point.len() != dimensions {
         let what = if dimensions == 2 { "2 numbers (x, z) on the ground" } else { "3 numbers (x, y, z) in the air" };
-        return fault(key, format!("expected {what}, found {}", point.len()));
+        return key_fault(key, format!("expected {what}, found {}", point.len()));
     }
     point.iter().try_for_each(|v| check_limit(key, f64::from(*v), &limits::COORDINATE))
 }
 
 /// Checks two opposite corners, the lowest first.
-pub(super) fn check_corners(key: &str, from: &[f32], to: &[f32], dimensions: usize) -> Result<(), Fault> {
+pub(super) fn check_corners(key: &str, from: &[f32], to: &[f32], dimensions: usize) -> Result<(), KeyFault> {
     check_point(&format!("{key}.from"), from, dimensions)?;
     check_point(&format!("{key}.to"), to, dimensions)?;
     if from.iter().zip(to).any(|(a, b)| a >= b) {
-        return fault(key, format!("expected the lowest corner, then the highest, found {from:?} and {to:?}"));
+        return key_fault(key, format!("expected the lowest corner, then the highest, found {from:?} and {to:?}"));
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use super::story::DoorConfig;
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-use throng_base::ground::{Held, Rod};
+use throng_base::ground::{Capsule2d, ReservedRegion};
 use throng_crowd::{Field, Obstacle, Scheme};
 
 /// Environment of a scene: space, obstacles, doors, ground and world.
@@ -34,9 +34,9 @@ impl EnvironmentConfig {
     }
 
     /// Fixed obstacles on the ground as capsules (none in the air).
-    pub(crate) fn walls(&self) -> Vec<Rod> {
-        let rod = |from, to, radius_m| Rod { from, to, radius_m };
-        let around = |corners: &[Vec2]| -> Vec<Rod> {
+    pub(crate) fn walls(&self) -> Vec<Capsule2d> {
+        let rod = |from, to, radius_m| Capsule2d { from, to, radius_m };
+        let around = |corners: &[Vec2]| -> Vec<Capsule2d> {
             let ends = corners.iter().zip(corners.iter().cycle().skip(1));
             ends.map(|(&from, &to)| rod(from, to, 0.0)).collect()
         };
@@ -51,9 +51,9 @@ impl EnvironmentConfig {
     }
 
     /// Adds the moving obstacles on the ground at a time, and the ground that they reserve (none in the air).
-    pub(crate) fn movers(&self, time_s: f64, out: &mut Held) {
+    pub(crate) fn reserve_movers(&self, time_s: f64, out: &mut ReservedRegion) {
         for mover in self.on_ground().filter_map(|o| o.mover.as_ref()) {
-            out.ahead(mover.at(time_s));
+            out.reserve_ahead(mover.obstacle_at(time_s));
         }
     }
 
@@ -137,7 +137,7 @@ pub mod engine {
     }
 
     /// Scheme of a name.
-    pub fn named(name: &str) -> Option<Scheme> {
+    pub fn scheme_named(name: &str) -> Option<Scheme> {
         ALL.iter().find(|e| e.0 == name).map(|e| e.1)
     }
 
@@ -156,6 +156,6 @@ pub mod engine {
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Scheme, D::Error> {
         let text = String::deserialize(from)?;
         let known = names();
-        named(&text).ok_or_else(|| D::Error::custom(format!("expected one of {known}, found \"{text}\"")))
+        scheme_named(&text).ok_or_else(|| D::Error::custom(format!("expected one of {known}, found \"{text}\"")))
     }
 }

@@ -1,6 +1,6 @@
 //! Goals of groups of agents.
 
-use super::check::{Fault, check_corners, check_numbers, check_point};
+use super::check::{KeyFault, check_corners, check_numbers, check_point};
 use serde::{Deserialize, Serialize};
 use throng_crowd::AtEnd;
 
@@ -74,7 +74,7 @@ impl From<AtEndConfig> for AtEnd {
 }
 
 impl GoalConfig {
-    pub(super) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), Fault> {
+    pub(super) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), KeyFault> {
         match self {
             Self::Point { at } => check_point(&format!("{key}.point.at"), at, dimensions),
             Self::Shift { by } => check_point(&format!("{key}.shift.by"), by, dimensions),
@@ -90,16 +90,16 @@ impl GoalConfig {
 
     pub(super) fn stretch(&mut self, by: f32) {
         match self {
-            Self::Point { at } => scale(&mut [at], by),
-            Self::Shift { by: far } => scale(&mut [far], by),
-            Self::Opposite { centre } => scale(&mut [centre], by),
-            Self::Area { from, to } | Self::Wander { from, to, .. } => scale(&mut [from, to], by),
+            Self::Point { at } => scale_points(&mut [at], by),
+            Self::Shift { by: far } => scale_points(&mut [far], by),
+            Self::Opposite { centre } => scale_points(&mut [centre], by),
+            Self::Area { from, to } | Self::Wander { from, to, .. } => scale_points(&mut [from, to], by),
             Self::Stay {} => {}
         }
     }
 }
 
 /// Multiplies the coordinates of points.
-pub(super) fn scale(points: &mut [&mut Vec<f32>], by: f32) {
+pub(super) fn scale_points(points: &mut [&mut Vec<f32>], by: f32) {
     points.iter_mut().flat_map(|p| p.iter_mut()).for_each(|v| *v *= by);
 }

@@ -1,6 +1,6 @@
 //! Groups of characters or agents: number, motion, starts and goals.
 
-use super::goal::{AtEndConfig, GoalConfig, scale};
+use super::goal::{AtEndConfig, GoalConfig, scale_points};
 use super::place::PlaceConfig;
 use super::story::SourceConfig;
 use serde::{Deserialize, Serialize};
@@ -15,7 +15,7 @@ pub struct GroupConfig {
     #[serde(default)]
     pub name: String,
     /// Source of the group's motion.
-    pub motion: Motion,
+    pub motion: GroupMotion,
     /// Number of characters (1 to 1000000); even for sparring.
     pub count: usize,
     /// Bundle of this group, in place of the scene's.
@@ -76,7 +76,7 @@ pub struct GroupConfig {
 
     /// Behaviours that characters weigh against each other, for `policy` and `sparring`, each once (1 to 4).
     #[serde(default)]
-    pub behaviours: Vec<BehaviourConfig>,
+    pub behaviours: Vec<WeightedBehaviour>,
     /// Temperature of random choices among the best few actions, for `policy` and `sparring`; 0 takes the best (0 to 1000).
     #[serde(default)]
     pub temperature: f64,
@@ -96,14 +96,14 @@ pub struct GroupConfig {
     pub world_config: Option<PathBuf>,
     /// Goals that are drawn one after the other by their shares, for `patches`; roaming where empty.
     #[serde(default)]
-    pub wishes: Vec<WeightedWish>,
+    pub wishes: Vec<WeightedGoal>,
 }
 
 /// Source of a group's motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
-pub enum Motion {
+pub enum GroupMotion {
     /// Policies of the bundle: each character strikes at a target of its own, which gives way to blows and returns.
     Policy,
     /// Blended examples: bodies follow agents to a goal, or random paths.
@@ -116,7 +116,7 @@ pub enum Motion {
     None,
 }
 
-impl Motion {
+impl GroupMotion {
     /// Name in scene files and reports.
     pub fn name(self) -> &'static str {
         match self {
@@ -157,7 +157,7 @@ fn full() -> f64 {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct BehaviourConfig {
+pub struct WeightedBehaviour {
     /// Name of a behaviour of the bundle.
     pub name: String,
     /// Weight of its values in the sum (-1e6 to 1e6).
@@ -228,7 +228,7 @@ pub struct PathsConfig {
 
 impl PathsConfig {
     /// Ground under the square: half its side (m), the spacing of its heights (m), and their number along a side.
-    pub(crate) fn ground(&self) -> (f32, f32, usize) {
+    pub(crate) fn ground_grid(&self) -> (f32, f32, usize) {
         // So many heights take 64 MiB; on a wider ground they lie farther apart.
         const MOST_KNOTS: f32 = 4000.0;
         const LEAST_SPACING_M: f32 = 0.5;
@@ -276,18 +276,18 @@ impl Default for BodiesConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct WeightedWish {
+pub struct WeightedGoal {
     /// Share of draws, relative to the other goals' shares (> 0).
     #[serde(default = "full")]
     pub share: f64,
     /// Goal.
-    pub wish: WishConfig,
+    pub wish: InhabitantGoalConfig,
 }
 
-impl WeightedWish {
+impl WeightedGoal {
     /// Goal of all characters where the file names none.
     pub fn roaming() -> Self {
-        Self { share: 1.0, wish: WishConfig::Roam { seconds: [20.0, 40.0] } }
+        Self { share: 1.0, wish: InhabitantGoalConfig::Roam { seconds: [20.0, 40.0] } }
     }
 }
 
@@ -295,7 +295,7 @@ impl WeightedWish {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum WishConfig {
+pub enum InhabitantGoalConfig {
     /// Go to random places.
     Roam {
         /// Least and longest duration (s).
@@ -323,7 +323,7 @@ pub enum WishConfig {
 /// Name that stands for any character with the same goal.
 pub const ANY_PARTNER: &str = "partner";
 
-impl WishConfig {
+impl InhabitantGoalConfig {
     /// Least and longest duration, where it is given (s).
     pub fn seconds(&self) -> Option<[f64; 2]> {
         match self {
@@ -336,7 +336,7 @@ impl WishConfig {
 impl GroupConfig {
     /// True for agents, with or without bodies, which avoid each other.
     pub fn is_of_agents(&self) -> bool {
-        self.motion == Motion::None || self.motion == Motion::Blend && self.paths.is_none()
+        self.motion == GroupMotion::None || self.motion == GroupMotion::Blend && self.paths.is_none()
     }
 
     /// Name of the group in messages and pictures.
@@ -351,7 +351,7 @@ impl GroupConfig {
     }
 
     /// Value of the first style axis at a speed, scaled to the database skeleton (m/s).
-    pub fn style(&self, speed: f32) -> f32 {
+    pub fn style_at(&self, speed: f32) -> f32 {
         let knots = &self.style_by_speed;
         let above = knots.partition_point(|k| k[0] <= speed);
         match (above.checked_sub(1).map(|i| knots[i]), knots.get(above)) {
@@ -369,6 +369,6 @@ impl GroupConfig {
         if let Some(goal) = &mut self.goal {
             goal.stretch(by);
         }
-        self.via.iter_mut().for_each(|p| scale(&mut [p], by));
+        self.via.iter_mut().for_each(|p| scale_points(&mut [p], by));
     }
 }

@@ -1,7 +1,7 @@
 //! Happenings, which are news for agents (Kim, Kim and Shin 2003, section 3.2.2): some agents learn of them, and tell others.
 
-use super::check::{Fault, check_numbers, check_point, fault};
-use super::goal::{AtEndConfig, GoalConfig, scale};
+use super::check::{KeyFault, check_numbers, check_point, key_fault};
+use super::goal::{AtEndConfig, GoalConfig, scale_points};
 use serde::{Deserialize, Serialize};
 
 /// Happening that gives agents another goal.
@@ -46,7 +46,7 @@ pub struct NearConfig {
 }
 
 impl HappeningConfig {
-    pub(super) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), Fault> {
+    pub(super) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), KeyFault> {
         check_numbers(&[(&format!("{key}.time_s"), self.time_s, 0.0, 1e5)])?;
         check_numbers(&[
             (&format!("{key}.arrival_m"), self.arrival_m, 0.01, 1000.0),
@@ -57,14 +57,14 @@ impl HappeningConfig {
             check_numbers(&[(&format!("{key}.near.radius_m"), near.radius_m, 0.01, 1e5)])?;
         }
         if matches!(self.goal, GoalConfig::Wander { .. }) {
-            return fault(&format!("{key}.goal"), "expected a goal that can be reached, found wander");
+            return key_fault(&format!("{key}.goal"), "expected a goal that can be reached, found wander");
         }
         self.goal.find_fault(&format!("{key}.goal"), dimensions)
     }
 
     pub(super) fn stretch(&mut self, by: f32) {
         if let Some(near) = &mut self.near {
-            scale(&mut [&mut near.at], by);
+            scale_points(&mut [&mut near.at], by);
             near.radius_m *= by;
         }
         self.goal.stretch(by);

@@ -1,13 +1,13 @@
 //! Measurements and pictures of a scene.
 
-use super::check::{Fault, check_numbers, check_point, fault};
+use super::check::{KeyFault, check_numbers, check_point, key_fault};
 use serde::{Deserialize, Serialize};
 
 /// Measurements of a scene beside the standard ones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
-pub struct MeasureConfig {
+pub struct SceneMeasureConfig {
     /// Whether another number of agents scales the whole layout, so that their density stays the same.
     pub grows: bool,
     /// Line across which the flow of agents is counted.
@@ -50,13 +50,13 @@ fn lane_reach() -> f32 {
     5.0
 }
 
-impl MeasureConfig {
-    pub(super) fn find_fault(&self) -> Result<(), Fault> {
+impl SceneMeasureConfig {
+    pub(super) fn find_fault(&self) -> Result<(), KeyFault> {
         if let Some(gate) = &self.gate {
             check_point("measure.gate.from", &gate.from, 2)?;
             check_point("measure.gate.to", &gate.to, 2)?;
             if gate.from == gate.to {
-                return fault("measure.gate", "expected two ends that differ");
+                return key_fault("measure.gate", "expected two ends that differ");
             }
         }
         if let Some(lanes) = &self.lanes {
@@ -65,7 +65,7 @@ impl MeasureConfig {
                 ("measure.lanes.reach_m", lanes.reach_m, 0.1, 1000.0),
             ])?;
             if !lanes.along.iter().all(|v| v.is_finite()) || lanes.along == [0.0; 2] {
-                return fault("measure.lanes.along", format!("expected a direction, found {:?}", lanes.along));
+                return key_fault("measure.lanes.along", format!("expected a direction, found {:?}", lanes.along));
             }
         }
         Ok(())
@@ -84,14 +84,14 @@ pub struct PictureConfig {
     /// Width of the overview of a world; that of the whole world where absent (m).
     pub width_m: Option<f32>,
     /// Styles of the scene's blend spaces that are shown on one path.
-    pub shown: Vec<ShownStyle>,
+    pub shown: Vec<PictureStyle>,
 }
 
 /// Style that the picture shows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct ShownStyle {
+pub struct PictureStyle {
     /// Name in the picture.
     pub name: String,
     /// Its blend space.
@@ -104,7 +104,7 @@ pub struct ShownStyle {
 }
 
 impl PictureConfig {
-    pub(super) fn find_fault(&self) -> Result<(), Fault> {
+    pub(super) fn find_fault(&self) -> Result<(), KeyFault> {
         for (i, s) in self.shown.iter().enumerate() {
             check_numbers(&[
                 (&format!("picture.shown[{i}].speed"), s.speed, 0.1, 20.0),

@@ -14,17 +14,17 @@ pub(crate) use check::check_point;
 pub use environment::{AgentsConfig, EnvironmentConfig, SpaceConfig, engine};
 pub use goal::{AtEndConfig, GoalConfig};
 pub use group::{
-    ANY_PARTNER, BehaviourConfig, BodiesConfig, DragPoint, GroupConfig, Motion, PathsConfig, StruckTargetConfig,
-    WeightedWish, WishConfig,
+    ANY_PARTNER, BodiesConfig, DragPoint, GroupConfig, GroupMotion, InhabitantGoalConfig, PathsConfig,
+    StruckTargetConfig, WeightedBehaviour, WeightedGoal,
 };
 pub use happening::{HappeningConfig, NearConfig};
-pub use measure::{GateConfig, LanesConfig, MeasureConfig, PictureConfig, ShownStyle};
-pub(crate) use obstacle::point;
+pub use measure::{GateConfig, LanesConfig, PictureConfig, PictureStyle, SceneMeasureConfig};
+pub(crate) use obstacle::to_point;
 pub use obstacle::{BoxConfig, DiscConfig, MoverConfig, ObstacleConfig, PolygonConfig, WallConfig, WayPoint};
 pub use place::PlaceConfig;
 pub use story::{
-    ActionConfig, Carried, DoConfig, DoorConfig, EdgeConfig, EndConfig, EventConfig, GraphConfig, LevelConfig,
-    QueueConfig, RelationConfig, RuleConfig, SiteConfig, SlotConfig, SourceConfig, StateConfig, ThingConfig,
+    ActionConfig, CarryStyle, DoorConfig, EdgeConfig, EndConfig, EventConfig, LevelConfig, QueueConfig, RelationConfig,
+    RuleConfig, SiteConfig, SlotConfig, SourceConfig, StateConfig, StateGraphConfig, StoryBehaviour, ThingConfig,
     UnitsConfig, ValueConfig, WordConfig,
 };
 
@@ -32,7 +32,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use throng_base::maths;
-use throng_base::text::Source;
+use throng_base::text::TomlSource;
 use throng_base::{Error, Result};
 
 /// Contents of a scene file. Lengths are in metres, times in seconds.
@@ -93,19 +93,19 @@ pub struct Scene {
     pub rules: Vec<RuleConfig>,
     /// State-transition graphs, by name.
     #[serde(default)]
-    pub graphs: BTreeMap<String, GraphConfig>,
+    pub graphs: BTreeMap<String, StateGraphConfig>,
     /// Conditions of which any ends the scene early.
     #[serde(default)]
     pub end: EndConfig,
     /// Measurements beside the standard ones.
     #[serde(default)]
-    pub measure: MeasureConfig,
+    pub measure: SceneMeasureConfig,
     /// Contents of the picture.
     #[serde(default)]
     pub picture: PictureConfig,
     /// Source text that it was read from.
     #[serde(skip)]
-    pub(crate) source: Source,
+    pub(crate) source: TomlSource,
 }
 
 const HELP: &str = "`throng schema --of scene` lists all keys, and data/scenes/ has examples.";
@@ -125,7 +125,7 @@ impl Scene {
     /// [`Error::Io`], or [`Error::Text`] with line and column of what is wrong.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        Self::of(Source::read(path, "a scene")?)
+        Self::from_source(TomlSource::read(path, "a scene")?)
     }
 
     /// Reads the text of a scene file; `path` gives its name, its folder and what messages call it.
@@ -133,7 +133,7 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`].
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
-        Self::of(Source::new(text, path))
+        Self::from_source(TomlSource::new(text, path))
     }
 
     /// Parses a scene that was serialized by the program: every key is there, and paths are relative to the folder of that run.
@@ -141,14 +141,14 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`].
     pub fn parse_written(text: &str) -> Result<Self> {
-        let source = Source::new(text, Path::new("recorded scene"));
+        let source = TomlSource::new(text, Path::new("recorded scene"));
         let mut scene: Self = source.parse(HELP)?;
         scene.source = source;
         scene.check()?;
         Ok(scene)
     }
 
-    fn of(source: Source) -> Result<Self> {
+    fn from_source(source: TomlSource) -> Result<Self> {
         check::other_files(&source)?;
         let mut scene: Self = source.parse(HELP)?;
         let path = source.path();
@@ -159,7 +159,7 @@ impl Scene {
         scene.paths_mut().for_each(|p| *p = folder.join(&*p));
         scene.source = source;
         scene.convert_to_metres();
-        check::foreign_keys(&scene)?;
+        check::refuse_foreign_keys(&scene)?;
         scene.check()?;
         Ok(scene)
     }
@@ -169,18 +169,21 @@ impl Scene {
     /// # Errors
     /// [`Error::Text`] with the key, what was expected, and its place in the file where it stands there.
     pub fn check(&self) -> Result<()> {
-        check::scene(self).map_err(|(key, why)| self.fault(&key, why))
+        check::check_scene(self).map_err(|(key, why)| self.fault(&key, why))
     }
 
     /// Error about a key, such as `groups[0].place`.
     pub fn fault(&self, key: &str, why: impl std::fmt::Display) -> Error {
-        self.source.at(key, format!("key `{key}`: {why}"))
+        self.source.error_at_key(key, format!("key `{key}`: {why}"))
     }
 
     /// Error about a key, at a byte of its value's text.
     pub(crate) fn fault_within(&self, key: &str, byte: Option<usize>, why: impl std::fmt::Display) -> Error {
         let why = format!("key `{key}`: {why}");
-        byte.map_or_else(|| self.source.at(key, why.clone()), |byte| self.source.within(key, byte, why.clone()))
+        byte.map_or_else(
+            || self.source.error_at_key(key, why.clone()),
+            |byte| self.source.error_within_value(key, byte, why.clone()),
+        )
     }
 
     /// True where agents have rules, events, graphs or sources beside goals.
@@ -314,7 +317,7 @@ impl Scene {
 
     /// Contents of the scene, independent of the paths of files, for hashing.
     pub(crate) fn content(&self) -> String {
-        let mut scene = Self { source: Source::default(), name: String::new(), ..self.clone() };
+        let mut scene = Self { source: TomlSource::default(), name: String::new(), ..self.clone() };
         scene.paths_mut().for_each(|p| *p = PathBuf::new());
         format!("{scene:?}")
     }

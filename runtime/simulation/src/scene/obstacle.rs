@@ -1,10 +1,10 @@
 //! Obstacles of a crowd, fixed and moving.
 
-use super::check::{Fault, check_corners, check_numbers, check_point, fault};
-use super::goal::scale;
+use super::check::{KeyFault, check_corners, check_numbers, check_point, key_fault};
+use super::goal::scale_points;
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
-use throng_base::ground::Outsider;
+use throng_base::ground::ExternalObstacle;
 use throng_crowd::{Obstacle, Space};
 
 /// Least time between two points of a mover's path (s).
@@ -112,7 +112,7 @@ pub struct BoxConfig {
 }
 
 impl ObstacleConfig {
-    pub(super) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), Fault> {
+    pub(super) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), KeyFault> {
         let kinds = [
             self.disc.is_some(),
             self.mover.is_some(),
@@ -122,7 +122,7 @@ impl ObstacleConfig {
         ];
         let num = kinds.iter().filter(|k| **k).count();
         if num != 1 {
-            return fault(key, format!("expected one of disc, mover, wall, polygon and box, found {num}"));
+            return key_fault(key, format!("expected one of disc, mover, wall, polygon and box, found {num}"));
         }
         check_numbers(&[(&format!("{key}.height_m"), self.height_m, 0.01, 20.0)])?;
         if let Some(d) = &self.disc {
@@ -138,7 +138,7 @@ impl ObstacleConfig {
         }
         if let Some(p) = &self.polygon {
             if dimensions != 2 {
-                return fault(&format!("{key}.polygon"), "expected none in the air: use boxes, walls or discs");
+                return key_fault(&format!("{key}.polygon"), "expected none in the air: use boxes, walls or discs");
             }
             check_points(&format!("{key}.polygon.corners"), &p.corners, 3, dimensions)?;
         }
@@ -150,19 +150,19 @@ impl ObstacleConfig {
 
     pub(super) fn stretch(&mut self, by: f32) {
         if let Some(d) = &mut self.disc {
-            scale(&mut [&mut d.centre], by);
+            scale_points(&mut [&mut d.centre], by);
         }
         if let Some(m) = &mut self.mover {
-            m.way.iter_mut().for_each(|w| scale(&mut [&mut w.at], by));
+            m.way.iter_mut().for_each(|w| scale_points(&mut [&mut w.at], by));
         }
         if let Some(w) = &mut self.wall {
-            w.points.iter_mut().for_each(|p| scale(&mut [p], by));
+            w.points.iter_mut().for_each(|p| scale_points(&mut [p], by));
         }
         if let Some(p) = &mut self.polygon {
-            p.corners.iter_mut().for_each(|c| scale(&mut [c], by));
+            p.corners.iter_mut().for_each(|c| scale_points(&mut [c], by));
         }
         if let Some(b) = &mut self.solid_box {
-            scale(&mut [&mut b.from, &mut b.to], by);
+            scale_points(&mut [&mut b.from, &mut b.to], by);
         }
     }
 
@@ -180,21 +180,25 @@ impl ObstacleConfig {
     pub fn obstacles<V: Space>(&self) -> Vec<Obstacle<V>> {
         let mut out = Vec::new();
         if let Some(d) = &self.disc {
-            out.push(Obstacle::Ball { centre: point(&d.centre), radius: d.radius_m });
+            out.push(Obstacle::Ball { centre: to_point(&d.centre), radius: d.radius_m });
         }
         if let Some(m) = &self.mover {
-            let way = m.way.iter().map(|w| (w.time_s, point(&w.at))).collect();
+            let way = m.way.iter().map(|w| (w.time_s, to_point(&w.at))).collect();
             out.push(Obstacle::Mover { way, radius: m.radius_m });
         }
         if let Some(w) = &self.wall {
             let lines = w.points.windows(2);
-            out.extend(lines.map(|l| Obstacle::Wall { from: point(&l[0]), to: point(&l[1]), radius: w.radius_m }));
+            out.extend(lines.map(|l| Obstacle::Wall {
+                from: to_point(&l[0]),
+                to: to_point(&l[1]),
+                radius: w.radius_m,
+            }));
         }
         if let Some(p) = &self.polygon {
-            out.push(Obstacle::Polygon { corners: p.corners.iter().map(|c| point(c)).collect() });
+            out.push(Obstacle::Polygon { corners: p.corners.iter().map(|c| to_point(c)).collect() });
         }
         if let Some(b) = &self.solid_box {
-            out.push(Obstacle::Box { min: point(&b.from), max: point(&b.to) });
+            out.push(Obstacle::Box { min: to_point(&b.from), max: to_point(&b.to) });
         }
         out
     }
@@ -202,9 +206,9 @@ impl ObstacleConfig {
 
 impl MoverConfig {
     /// Position and velocity at a time, as an external obstacle.
-    pub(crate) fn at(&self, time_s: f64) -> Outsider {
+    pub(crate) fn obstacle_at(&self, time_s: f64) -> ExternalObstacle {
         let next = self.way.partition_point(|w| w.time_s <= time_s);
-        let place = |k: usize| point::<Vec2>(&self.way[k].at);
+        let place = |k: usize| to_point::<Vec2>(&self.way[k].at);
         let (before, after) = (next.saturating_sub(1), next.min(self.way.len() - 1));
         let whole_s = self.way[after].time_s - self.way[before].time_s;
         let (mut at, mut velocity) = (place(before), Vec2::ZERO);
@@ -212,33 +216,33 @@ impl MoverConfig {
             velocity = (place(after) - at) / whole_s as f32;
             at += velocity * (time_s - self.way[before].time_s) as f32;
         }
-        Outsider { place: at, velocity, radius_m: self.radius_m }
+        ExternalObstacle { place: at, velocity, radius_m: self.radius_m }
     }
 
-    fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), Fault> {
+    fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), KeyFault> {
         check_numbers(&[(&format!("{key}.radius_m"), self.radius_m, 0.01, 1000.0)])?;
         if self.way.is_empty() {
-            return fault(&format!("{key}.way"), "expected at least 1 point, found none");
+            return key_fault(&format!("{key}.way"), "expected at least 1 point, found none");
         }
         for (i, w) in self.way.iter().enumerate() {
             check_point(&format!("{key}.way[{i}].at"), &w.at, dimensions)?;
             if !(0.0..1e6).contains(&w.time_s) || i > 0 && w.time_s - self.way[i - 1].time_s < LEAST_S {
                 let why = format!("expected times that ascend from 0 by {LEAST_S} s or more, found {}", w.time_s);
-                return fault(&format!("{key}.way[{i}].time_s"), why);
+                return key_fault(&format!("{key}.way[{i}].time_s"), why);
             }
         }
         Ok(())
     }
 }
 
-fn check_points(key: &str, points: &[Vec<f32>], least: usize, dimensions: usize) -> Result<(), Fault> {
+fn check_points(key: &str, points: &[Vec<f32>], least: usize, dimensions: usize) -> Result<(), KeyFault> {
     if points.len() < least {
-        return fault(key, format!("expected at least {least} points, found {}", points.len()));
+        return key_fault(key, format!("expected at least {least} points, found {}", points.len()));
     }
     points.iter().enumerate().try_for_each(|(i, p)| check_point(&format!("{key}[{i}]"), p, dimensions))
 }
 
 /// Point of a checked scene.
-pub(crate) fn point<V: Space>(of: &[f32]) -> V {
+pub(crate) fn to_point<V: Space>(of: &[f32]) -> V {
     V::from_coordinates([of[0], of[1], of.get(2).copied().unwrap_or(0.0)])
 }

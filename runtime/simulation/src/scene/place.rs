@@ -1,7 +1,7 @@
 //! Starts of groups.
 
-use super::check::{Fault, check_corners, check_numbers, check_point, fault};
-use super::goal::scale;
+use super::check::{KeyFault, check_corners, check_numbers, check_point, key_fault};
+use super::goal::scale_points;
 use serde::{Deserialize, Serialize};
 
 /// Start of a group, in which all are at rest.
@@ -67,7 +67,7 @@ fn one_ring() -> usize {
 }
 
 impl PlaceConfig {
-    pub(super) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), Fault> {
+    pub(super) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), KeyFault> {
         match self {
             Self::Block { from, to, jitter } => {
                 check_corners(&format!("{key}.block"), from, to, dimensions)?;
@@ -79,7 +79,7 @@ impl PlaceConfig {
             }
             Self::Ring { centre, spacing_m, rings } => {
                 if dimensions != 2 {
-                    return fault(&format!("{key}.ring"), "expected none in the air: use disc or block");
+                    return key_fault(&format!("{key}.ring"), "expected none in the air: use disc or block");
                 }
                 check_point(&format!("{key}.ring.centre"), centre, dimensions)?;
                 check_numbers(&[(&format!("{key}.ring.spacing_m"), *spacing_m, 0.02, 1000.0)])?;
@@ -97,8 +97,8 @@ impl PlaceConfig {
 
     pub(super) fn stretch(&mut self, by: f32) {
         match self {
-            Self::Block { from, to, .. } => scale(&mut [from, to], by),
-            Self::Disc { centre, .. } | Self::Ring { centre, .. } => scale(&mut [centre], by),
+            Self::Block { from, to, .. } => scale_points(&mut [from, to], by),
+            Self::Disc { centre, .. } | Self::Ring { centre, .. } => scale_points(&mut [centre], by),
             Self::Grid { .. } => {}
         }
     }

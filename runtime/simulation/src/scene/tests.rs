@@ -182,7 +182,7 @@ fn more_agents_keep_their_shares_and_their_density() {
 #[test]
 fn styles_change_linearly_between_the_speeds_that_are_given() {
     let scene = load(&walkers("paths = {}\nstyle_by_speed = [[2.0, 0.0], [3.0, 1.0], [5.0, 2.0]]\n")).unwrap();
-    let style = |speed| scene.groups[0].style(speed);
+    let style = |speed| scene.groups[0].style_at(speed);
     assert_eq!([style(0.0), style(2.0), style(2.5), style(4.0), style(9.0)], [0.0, 0.0, 0.5, 1.5, 2.0]);
 }
 

@@ -1,6 +1,6 @@
 //! Bodies as capsules, which blows strike, and which must not overlap.
 
-use super::config::within;
+use super::config::check_within;
 use glam::{Vec2, Vec3};
 use throng_base::Result;
 use throng_base::maths;
@@ -10,7 +10,7 @@ use throng_core::skeleton::{Joint, NUM_JOINTS, Skeleton};
 
 /// Struck part of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Part {
+pub enum StruckPart {
     /// The head.
     Head,
     /// The neck.
@@ -73,7 +73,7 @@ impl BodyShape {
             ("body.thigh_m", self.thigh_m),
             ("body.shin_m", self.shin_m),
         ] {
-            within(what, got, 1e-3, 1.0, "between 0.001 and 1")?;
+            check_within(what, got, 1e-3, 1.0, "between 0.001 and 1")?;
         }
         Ok(())
     }
@@ -107,8 +107,8 @@ impl Capsule {
 
 /// Capsule that is attached to joints.
 #[derive(Clone, Copy, Debug)]
-struct Limb {
-    part: Part,
+struct JointCapsule {
+    part: StruckPart,
     /// Joint that is pushed by a blow.
     joint: Joint,
     /// Ends of the axis, each in the frame of a joint (m).
@@ -118,23 +118,23 @@ struct Limb {
 
 /// Capsules of a skeleton's body.
 #[derive(Clone, Debug)]
-pub struct Body {
-    limbs: [Limb; NUM_CAPSULES],
+pub struct SparringBody {
+    limbs: [JointCapsule; NUM_CAPSULES],
     head_centre: Vec3,
 }
 
 /// Height of the top of the head above the ankles, in rest pose (m).
-fn height(skeleton: &Skeleton) -> f32 {
+fn standing_height(skeleton: &Skeleton) -> f32 {
     let rest = skeleton.rest_positions();
     rest[Joint::Head.index()].y + skeleton.tips[0].y - rest[Joint::LeftFoot.index()].y
 }
 
-impl Body {
+impl SparringBody {
     /// Fits capsules to a skeleton.
     pub fn new(skeleton: &Skeleton, shape: &BodyShape) -> Self {
         use Joint::*;
         let rest = skeleton.rest_positions();
-        let scale = height(skeleton) / height(&Skeleton::default());
+        let scale = standing_height(skeleton) / standing_height(&Skeleton::default());
         let at = |j: Joint, offset: Vec3| (j, offset);
         let head_centre = throng_core::characters::head_centre(skeleton);
         // Flat parts are capsules from side to side, shorter than the body is wide by about their radius.
@@ -143,37 +143,37 @@ impl Body {
             [(j, x), (j, -x)]
         };
         let joint = |j: Joint| at(j, Vec3::ZERO);
-        let limb = |part, joint, ends, radius| Limb { part, joint, ends, radius: radius * scale };
+        let limb = |part, joint, ends, radius| JointCapsule { part, joint, ends, radius: radius * scale };
         let hand = |j: Joint| [joint(j), at(j, throng_core::hits::striking_offset(skeleton, j))];
         Self {
             head_centre,
             limbs: [
-                limb(Part::Head, Head, [at(Head, head_centre * 0.7), at(Head, head_centre * 1.1)], shape.head_m),
-                limb(Part::Neck, Neck, [joint(Neck), joint(Head)], shape.neck_m),
-                limb(Part::Trunk, UpperChest, side(UpperChest, LeftUpperArm, 0.4), shape.chest_m),
-                limb(Part::Trunk, Chest, [joint(Spine), joint(Chest)], shape.waist_m),
-                limb(Part::Pelvis, Hips, side(Hips, LeftThigh, 0.5), shape.pelvis_m),
-                limb(Part::Arm, LeftUpperArm, [joint(LeftUpperArm), joint(LeftForearm)], shape.upper_arm_m),
-                limb(Part::Arm, LeftForearm, [joint(LeftForearm), joint(LeftHand)], shape.forearm_m),
-                limb(Part::Arm, LeftHand, hand(LeftHand), shape.hand_m),
-                limb(Part::Arm, RightUpperArm, [joint(RightUpperArm), joint(RightForearm)], shape.upper_arm_m),
-                limb(Part::Arm, RightForearm, [joint(RightForearm), joint(RightHand)], shape.forearm_m),
-                limb(Part::Arm, RightHand, hand(RightHand), shape.hand_m),
-                limb(Part::Leg, LeftThigh, [joint(LeftThigh), joint(LeftShin)], shape.thigh_m),
-                limb(Part::Leg, LeftShin, [joint(LeftShin), joint(LeftFoot)], shape.shin_m),
-                limb(Part::Leg, RightThigh, [joint(RightThigh), joint(RightShin)], shape.thigh_m),
-                limb(Part::Leg, RightShin, [joint(RightShin), joint(RightFoot)], shape.shin_m),
+                limb(StruckPart::Head, Head, [at(Head, head_centre * 0.7), at(Head, head_centre * 1.1)], shape.head_m),
+                limb(StruckPart::Neck, Neck, [joint(Neck), joint(Head)], shape.neck_m),
+                limb(StruckPart::Trunk, UpperChest, side(UpperChest, LeftUpperArm, 0.4), shape.chest_m),
+                limb(StruckPart::Trunk, Chest, [joint(Spine), joint(Chest)], shape.waist_m),
+                limb(StruckPart::Pelvis, Hips, side(Hips, LeftThigh, 0.5), shape.pelvis_m),
+                limb(StruckPart::Arm, LeftUpperArm, [joint(LeftUpperArm), joint(LeftForearm)], shape.upper_arm_m),
+                limb(StruckPart::Arm, LeftForearm, [joint(LeftForearm), joint(LeftHand)], shape.forearm_m),
+                limb(StruckPart::Arm, LeftHand, hand(LeftHand), shape.hand_m),
+                limb(StruckPart::Arm, RightUpperArm, [joint(RightUpperArm), joint(RightForearm)], shape.upper_arm_m),
+                limb(StruckPart::Arm, RightForearm, [joint(RightForearm), joint(RightHand)], shape.forearm_m),
+                limb(StruckPart::Arm, RightHand, hand(RightHand), shape.hand_m),
+                limb(StruckPart::Leg, LeftThigh, [joint(LeftThigh), joint(LeftShin)], shape.thigh_m),
+                limb(StruckPart::Leg, LeftShin, [joint(LeftShin), joint(LeftFoot)], shape.shin_m),
+                limb(StruckPart::Leg, RightThigh, [joint(RightThigh), joint(RightShin)], shape.thigh_m),
+                limb(StruckPart::Leg, RightShin, [joint(RightShin), joint(RightFoot)], shape.shin_m),
             ],
         }
     }
 
     /// Body part of a capsule (capsule < NUM_CAPSULES).
-    pub fn part(&self, capsule: usize) -> Part {
+    pub fn part_of(&self, capsule: usize) -> StruckPart {
         self.limbs[capsule].part
     }
 
     /// Joint that is pushed where a capsule is struck (capsule < NUM_CAPSULES).
-    pub fn joint(&self, capsule: usize) -> Joint {
+    pub fn joint_of(&self, capsule: usize) -> Joint {
         self.limbs[capsule].joint
     }
 
@@ -188,28 +188,28 @@ impl Body {
     }
 
     /// Capsules of a pose in the world.
-    pub fn capsules(&self, pose: &Posed<'_>) -> [Capsule; NUM_CAPSULES] {
+    pub fn capsules(&self, pose: &WorldPose<'_>) -> [Capsule; NUM_CAPSULES] {
         std::array::from_fn(|i| self.capsule(i, pose))
     }
 
     /// Core capsules of a pose in the world.
-    pub fn core(&self, pose: &Posed<'_>) -> [Capsule; NUM_CORE] {
+    pub fn core_capsules(&self, pose: &WorldPose<'_>) -> [Capsule; NUM_CORE] {
         std::array::from_fn(|i| self.capsule(i, pose))
     }
 
     /// Capsules that stop the limbs of an opponent, in the world: the core, and the whole spine between pelvis and neck.
-    pub(super) fn obstacles(&self, pose: &Posed<'_>) -> [Capsule; NUM_CORE + 1] {
+    pub(super) fn obstacle_capsules(&self, pose: &WorldPose<'_>) -> [Capsule; NUM_CORE + 1] {
         let mut all = [self.capsule(WAIST, pose); NUM_CORE + 1];
-        all[..NUM_CORE].copy_from_slice(&self.core(pose));
-        let [hips, chest, neck] = [Joint::Hips, Joint::Chest, Joint::Neck].map(|j| pose.point(j, Vec3::ZERO));
+        all[..NUM_CORE].copy_from_slice(&self.core_capsules(pose));
+        let [hips, chest, neck] = [Joint::Hips, Joint::Chest, Joint::Neck].map(|j| pose.point_in_world(j, Vec3::ZERO));
         all[WAIST].ends = [hips, chest];
         all[NUM_CORE].ends = [chest, neck];
         all
     }
 
     /// Middle of the head in the world (m).
-    pub fn head(&self, pose: &Posed<'_>) -> Vec3 {
-        pose.point(Joint::Head, self.head_centre)
+    pub fn head_position(&self, pose: &WorldPose<'_>) -> Vec3 {
+        pose.point_in_world(Joint::Head, self.head_centre)
     }
 
     /// The middle of the head in the head joint's own frame (m).
@@ -217,22 +217,22 @@ impl Body {
         self.head_centre
     }
 
-    fn capsule(&self, i: usize, pose: &Posed<'_>) -> Capsule {
+    fn capsule(&self, i: usize, pose: &WorldPose<'_>) -> Capsule {
         let limb = &self.limbs[i];
-        Capsule { ends: limb.ends.map(|(joint, offset)| pose.point(joint, offset)), radius: limb.radius }
+        Capsule { ends: limb.ends.map(|(joint, offset)| pose.point_in_world(joint, offset)), radius: limb.radius }
     }
 }
 
 /// Pose of a character in the world.
 #[derive(Clone, Copy, Debug)]
-pub struct Posed<'a> {
+pub struct WorldPose<'a> {
     pose: &'a [Mat3x4],
     place: Vec3,
     sin: f32,
     cos: f32,
 }
 
-impl<'a> Posed<'a> {
+impl<'a> WorldPose<'a> {
     /// - `pose`: in model space (NUM_JOINTS).
     pub fn new(pose: &'a [Mat3x4], root: Planar) -> Self {
         let (sin, cos) = maths::sin_cos(root.heading);
@@ -245,7 +245,7 @@ impl<'a> Posed<'a> {
     }
 
     /// World position of a point in a joint's frame (m).
-    pub fn point(&self, joint: Joint, offset: Vec3) -> Vec3 {
+    pub fn point_in_world(&self, joint: Joint, offset: Vec3) -> Vec3 {
         let [x, y, z] =
             self.pose[joint.index()].rows.map(|r| r[0] * offset.x + r[1] * offset.y + r[2] * offset.z + r[3]);
         Vec3::new(self.cos * x + self.sin * z, y, self.cos * z - self.sin * x) + self.place

@@ -1,19 +1,21 @@
 //! Pairs of characters of one bundle.
 
-use super::body::{Body, Posed};
+use super::body::{SparringBody, WorldPose};
 use super::config::{NO_THREAT_S, SparringConfig};
-use super::landing::{Landing, meet};
-use super::pair::Pair;
-use super::rod::LimbShape;
+use super::landing::{BlowLanding, find_struck_capsule};
+use super::limb_segment::LimbShape;
+use super::pair::OpponentPair;
 use super::snapshot;
-use super::stagger::{StepsAway, staggers};
-use super::tally::{Outcome, Tally};
-use super::touch::{NUM_LIMBS, Touch, limb_shapes};
+use super::stagger::{StepsAway, is_staggering_part};
+use super::tally::{BlowOutcome, BlowTally};
+use super::touch::{LimbTouch, NUM_LIMBS, limb_shapes};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::{Error, Id, Inline, Result, Run, SnapshotKind, maths, run_each};
-use throng_core::characters::{Blow, Characters, MAX_BLOWS, MotionSet, Order, PolicyCharacters, SampleJob, Spawn};
-use throng_core::{Adopted, Bodies, Bundle, Cast, Joint, Mat3x4, NUM_JOINTS, Planar, Status};
+use throng_base::{Error, Executor, Id, Inline, Result, SnapshotKind, maths, run_each};
+use throng_core::characters::{
+    Blow, Characters, MAX_BLOWS, MotionSet, PolicyCharacters, PolicyOrder, SampleJob, Spawn,
+};
+use throng_core::{AdoptReport, Bundle, CharacterGroup, Joint, Mat3x4, NUM_JOINTS, OrderStatus, Planar, PosedBodies};
 
 /// Pairs of characters that spar: those in rows 2i and 2i + 1 are opponents.
 ///
@@ -23,10 +25,10 @@ use throng_core::{Adopted, Bodies, Bundle, Cast, Joint, Mat3x4, NUM_JOINTS, Plan
 #[derive(Clone, Debug)]
 pub struct Sparring {
     config: SparringConfig,
-    body: Body,
+    body: SparringBody,
     boxers: PolicyCharacters,
-    state: State,
-    events: Vec<(Id, Landing)>,
+    state: SparringState,
+    events: Vec<(Id, BlowLanding)>,
     /// Time from a choice to its first blow (s).
     pub(super) lead_s: f32,
     limbs: [LimbShape; NUM_LIMBS],
@@ -35,17 +37,17 @@ pub struct Sparring {
 
 /// State that the next steps depend on, beside the characters.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct State {
+pub(super) struct SparringState {
     /// Position of the opponent's head, for each character (m).
     pub heads: Vec<Vec3>,
     /// Expected position of that head when a blow that is chosen now lands, for each character (m).
     pub aims: Vec<Vec3>,
     /// Opponent's next blow, for each character: x, seconds, z.
     pub threats: Vec<Vec3>,
-    pub pairs: Vec<Pair>,
+    pub pairs: Vec<OpponentPair>,
     /// Displacements of the limbs of each pair.
-    pub touches: Vec<Touch>,
-    pub tallies: Vec<Tally>,
+    pub touches: Vec<LimbTouch>,
+    pub tallies: Vec<BlowTally>,
     pub seconds: f64,
 }
 
@@ -55,7 +57,7 @@ pub struct SparringFigures {
     /// Simulated time (s).
     pub seconds: f64,
     /// Blows of all characters.
-    pub blows: Tally,
+    pub blows: BlowTally,
     /// Deepest overlap of two opponents' heads, necks, trunks and pelvises now (m).
     pub penetration_m: f32,
     /// Deepest overlap so far (m).
@@ -73,7 +75,7 @@ impl Sparring {
         config.check()?;
         let n = num_pairs.saturating_mul(2);
         let boxers = PolicyCharacters::with_capacity(bundle, n, config.characters)?;
-        let state = State {
+        let state = SparringState {
             heads: Vec::with_capacity(n),
             aims: Vec::with_capacity(n),
             threats: Vec::with_capacity(n),
@@ -84,13 +86,13 @@ impl Sparring {
         };
         let events = Vec::with_capacity(if bundle.hits().is_empty() { 0 } else { n * MAX_BLOWS });
         let lead_s = usual_lead_s(boxers.motion_set());
-        let body = Body::new(bundle.skeleton(), &config.body);
+        let body = SparringBody::new(bundle.skeleton(), &config.body);
         let limbs = limb_shapes(bundle.skeleton(), &body);
         let steps_away = StepsAway::new(boxers.motion_set())?;
         Ok(Self { body, config, boxers, state, events, lead_s, limbs, steps_away })
     }
 
-    /// Boxers, row by row as in [`Cast::bodies`].
+    /// Boxers, row by row as in [`CharacterGroup::bodies`].
     pub fn boxers(&self) -> &PolicyCharacters {
         &self.boxers
     }
@@ -111,7 +113,7 @@ impl Sparring {
     }
 
     /// The capsules that blows are tested against.
-    pub fn body(&self) -> &Body {
+    pub fn body(&self) -> &SparringBody {
         &self.body
     }
 
@@ -132,16 +134,16 @@ impl Sparring {
     ///
     /// # Errors
     /// [`Error::Gone`].
-    pub fn order_of(&self, id: Id) -> Result<Order> {
+    pub fn order_of(&self, id: Id) -> Result<PolicyOrder> {
         Ok(*self.boxers.order_of(id)?)
     }
 
-    /// Makes a character play a segment at once, see [`PolicyCharacters::play`].
+    /// Makes a character play a segment at once, see [`PolicyCharacters::play_segment`].
     ///
     /// # Errors
-    /// As [`PolicyCharacters::play`].
+    /// As [`PolicyCharacters::play_segment`].
     pub fn play(&mut self, id: Id, segment: u32) -> Result<()> {
-        self.boxers.play(id, segment)
+        self.boxers.play_segment(id, segment)
     }
 
     /// Position of the opponent's head, for each character (m, row by row).
@@ -165,7 +167,7 @@ impl Sparring {
     ///
     /// # Errors
     /// [`Error::Gone`].
-    pub fn tally(&self, id: Id) -> Result<Tally> {
+    pub fn tally(&self, id: Id) -> Result<BlowTally> {
         Ok(self.state.tallies[self.boxers.row(id)?])
     }
 
@@ -187,7 +189,7 @@ impl Sparring {
     }
 
     /// Moves limbs out of the opponent's body in the poses of a step; `None` applies the last displacements again.
-    fn touch(&mut self, dt_s: Option<f32>, run: &dyn Run) {
+    fn displace_limbs(&mut self, dt_s: Option<f32>, run: &dyn Executor) {
         let (body, limbs, config) = (&self.body, &self.limbs, &self.config.touch);
         let (roots, contacts, model, locals) = self.boxers.poses_mut();
         let mut locals = locals.chunks_mut(2 * PART * NUM_JOINTS);
@@ -200,57 +202,57 @@ impl Sparring {
             for (i, (touch, (roots, model))) in touches.iter_mut().zip(pairs).enumerate() {
                 if let Some(dt_s) = dt_s {
                     let first = 2 * (part * PART + i);
-                    let poses = [0, 1].map(|k| Posed::new(&model[k * NUM_JOINTS..], roots[k]));
-                    touch.settle(body, limbs, (&poses, [first, first + 1].map(&contacts)), config, dt_s);
+                    let poses = [0, 1].map(|k| WorldPose::new(&model[k * NUM_JOINTS..], roots[k]));
+                    touch.solve_displacements(body, limbs, (&poses, [first, first + 1].map(&contacts)), config, dt_s);
                 }
                 for (k, model) in model.chunks_exact_mut(NUM_JOINTS).enumerate() {
-                    touch.apply(k, roots[k], model, locals.next().unwrap_or_default());
+                    touch.apply_to_pose(k, roots[k], model, locals.next().unwrap_or_default());
                 }
             }
         });
     }
 
     /// Applies blows and separates bodies, after all pairs have been observed.
-    fn resolve(&mut self, dt_s: f32) -> Result<()> {
+    fn resolve_blows(&mut self, dt_s: f32) -> Result<()> {
         self.state.seconds += f64::from(dt_s);
         self.events.clear();
         for i in 0..self.boxers.events().len() {
             let (id, blow) = self.boxers.events()[i];
-            let landing = self.land(blow);
-            self.state.tallies[blow.character as usize].count(match &landing {
-                Some(l) if l.is_blocked() => Outcome::Blocked,
-                Some(_) => Outcome::Landed,
-                None => Outcome::Missed,
+            let landing = self.find_landing(blow);
+            self.state.tallies[blow.character as usize].count_blow(match &landing {
+                Some(l) if l.is_blocked() => BlowOutcome::Blocked,
+                Some(_) => BlowOutcome::Landed,
+                None => BlowOutcome::Missed,
             });
             if let Some(landing) = landing {
                 let displacement = blow.direction * (blow.speed_mps * self.config.push_m_per_mps);
                 self.boxers.push(landing.opponent, landing.joint, displacement)?;
                 self.events.push((id, landing));
-                self.stagger(&landing)?;
+                self.step_away(&landing)?;
             }
         }
         for (i, pair) in self.state.pairs.iter().enumerate() {
             let heads = [self.state.heads[2 * i + 1], self.state.heads[2 * i]];
-            if let Some(by) = self.config.separation.lean(heads, dt_s) {
+            if let Some(by) = self.config.separation.lean_displacement(heads, dt_s) {
                 self.boxers.push(self.boxers.ids()[2 * i], Joint::Head, -by)?;
                 self.boxers.push(self.boxers.ids()[2 * i + 1], Joint::Head, by)?;
             }
-            for (k, by) in pair.part(dt_s).into_iter().flatten().enumerate() {
-                self.boxers.shift(self.boxers.ids()[2 * i + k], by)?;
+            for (k, by) in pair.parting_displacements(dt_s).into_iter().flatten().enumerate() {
+                self.boxers.shift_by(self.boxers.ids()[2 * i + k], by)?;
             }
         }
         Ok(())
     }
 
     /// Makes a character that is struck hard step away, where the ground is free.
-    fn stagger(&mut self, landing: &Landing) -> Result<()> {
+    fn step_away(&mut self, landing: &BlowLanding) -> Result<()> {
         let (blow, config) = (&landing.blow, &self.config.stagger);
-        if blow.force < config.force || !staggers(landing.part) {
+        if blow.force < config.force || !is_staggering_part(landing.part) {
             return Ok(());
         }
         let (c, characters) = (self.boxers.row(landing.opponent)?, self.boxers.characters());
-        match self.steps_away.best(config, characters.pose(c), characters.root(c), blow.direction) {
-            Some(segment) => match self.boxers.play(landing.opponent, segment) {
+        match self.steps_away.best_step(config, characters.pose(c), characters.root(c), blow.direction) {
+            Some(segment) => match self.boxers.play_segment(landing.opponent, segment) {
                 Err(Error::Occupied { .. }) => Ok(()),
                 played => played,
             },
@@ -259,22 +261,22 @@ impl Sparring {
     }
 
     /// Finds where a blow meets the opponent; `None` where it misses.
-    fn land(&self, blow: Blow) -> Option<Landing> {
+    fn find_landing(&self, blow: Blow) -> Option<BlowLanding> {
         let (c, characters) = (blow.character as usize ^ 1, self.characters());
-        let pose = Posed::new(characters.pose(c), characters.root(c));
-        let (capsule, depth_m) = meet(&self.config, &self.body, &pose, &blow)?;
-        let (part, joint) = (self.body.part(capsule), self.body.joint(capsule));
-        Some(Landing { blow, opponent: self.boxers.ids()[c], part, joint, depth_m })
+        let pose = WorldPose::new(characters.pose(c), characters.root(c));
+        let (capsule, depth_m) = find_struck_capsule(&self.config, &self.body, &pose, &blow)?;
+        let (part, joint) = (self.body.part_of(capsule), self.body.joint_of(capsule));
+        Some(BlowLanding { blow, opponent: self.boxers.ids()[c], part, joint, depth_m })
     }
 
     /// Positions of the heads of a pair as it enters (m).
     fn start_heads(&self, pair: [Spawn; 2]) -> Result<[Vec3; 2]> {
         let motion_set = self.boxers.motion_set();
-        let state = |start: Spawn| start.state.unwrap_or_else(|| self.boxers.standing());
+        let state = |start: Spawn| start.state.unwrap_or_else(|| self.boxers.standing_state());
         let frames = pair.map(|start| motion_set.graph().states[state(start) as usize].frame);
         let mut poses = [[Mat3x4::default(); NUM_JOINTS]; 2];
         SampleJob { motion_set, frames: &frames, ratios: &[0.0; 2], matrices: poses.as_flattened_mut() }.run()?;
-        Ok([0, 1].map(|k| self.body.head(&Posed::new(&poses[k], pair[k].root))))
+        Ok([0, 1].map(|k| self.body.head_position(&WorldPose::new(&poses[k], pair[k].root))))
     }
 
     fn snapshot_kind(&self) -> SnapshotKind {
@@ -282,13 +284,13 @@ impl Sparring {
     }
 }
 
-impl Cast for Sparring {
+impl CharacterGroup for Sparring {
     /// A pair enters together.
     type Start = [Spawn; 2];
     /// Behaviours and their weights; their targets are set at every step.
-    type Order = Order;
+    type Order = PolicyOrder;
     /// A blow that met the opponent, or was blocked.
-    type Event = Landing;
+    type Event = BlowLanding;
 
     /// Adds a pair and returns the id of the first; [`Sparring::opponent`] gives that of the second.
     fn spawn(&mut self, pair: [Spawn; 2]) -> Result<Id> {
@@ -304,13 +306,13 @@ impl Cast for Sparring {
         self.state.heads.extend([other, own]);
         self.state.aims.extend([other, own]);
         self.state.threats.extend([NO_THREAT; 2]);
-        self.state.pairs.push(Pair::default());
-        self.state.touches.push(Touch::default());
-        self.state.tallies.extend([Tally::default(); 2]);
+        self.state.pairs.push(OpponentPair::default());
+        self.state.touches.push(LimbTouch::default());
+        self.state.tallies.extend([BlowTally::default(); 2]);
         Ok(first)
     }
 
-    /// Removes a character and its opponent. The last pair takes their rows in [`Cast::bodies`].
+    /// Removes a character and its opponent. The last pair takes their rows in [`CharacterGroup::bodies`].
     fn despawn(&mut self, id: Id) -> Result<()> {
         let first = self.boxers.row(id)? & !1;
         for row in [first + 1, first] {
@@ -330,7 +332,7 @@ impl Cast for Sparring {
         let row = self.boxers.row(id)?;
         let old = self.characters().root(row);
         self.boxers.place(id, root)?;
-        self.state.touches[row / 2].forget(row % 2);
+        self.state.touches[row / 2].forget_character(row % 2);
         let moved = |p: Vec3| {
             maths::rotate(maths::rotation_y(root.heading - old.heading), p - old.translation()) + root.translation()
         };
@@ -340,14 +342,14 @@ impl Cast for Sparring {
         Ok(())
     }
 
-    fn order(&mut self, id: Id, order: Order) -> Result<()> {
+    fn order(&mut self, id: Id, order: PolicyOrder) -> Result<()> {
         self.boxers.order(id, order)
     }
 
-    fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
+    fn step(&mut self, dt_s: f32, run: &dyn Executor) -> Result<()> {
         self.boxers.aim_all(&self.state.aims, &self.state.threats)?;
         self.boxers.step(dt_s, run)?;
-        self.touch(Some(dt_s), run);
+        self.displace_limbs(Some(dt_s), run);
         let (s, boxers, body, config) = (&mut self.state, &self.boxers, &self.body, &self.config);
         let lead_s = self.lead_s;
         let places = s.heads.chunks_mut(2 * PART).zip(s.aims.chunks_mut(2 * PART));
@@ -356,24 +358,24 @@ impl Cast for Sparring {
             let places = heads.chunks_exact_mut(2).zip(aims.chunks_exact_mut(2));
             let of_pair = pairs.iter_mut().zip(places).zip(threats.chunks_exact_mut(2));
             for (i, ((pair, (heads, aims)), threats)) in of_pair.enumerate() {
-                let to = Observed { index: part * PART + i, pair, heads, aims, threats };
-                observe(to, boxers, body, config, [dt_s, lead_s]);
+                let to = PairObservation { index: part * PART + i, pair, heads, aims, threats };
+                observe_pair(to, boxers, body, config, [dt_s, lead_s]);
             }
         });
-        self.resolve(dt_s)
+        self.resolve_blows(dt_s)
     }
 
     /// Status as of [`PolicyCharacters`], with the opponent as target.
-    fn status(&self, id: Id) -> Result<Status> {
+    fn status(&self, id: Id) -> Result<OrderStatus> {
         self.boxers.status(id)
     }
 
     /// Events of the last step, in the order of rows.
-    fn events(&self) -> &[(Id, Landing)] {
+    fn events(&self) -> &[(Id, BlowLanding)] {
         &self.events
     }
 
-    fn bodies(&self) -> Bodies<'_> {
+    fn bodies(&self) -> PosedBodies<'_> {
         self.boxers.bodies()
     }
 
@@ -383,16 +385,16 @@ impl Cast for Sparring {
 
     fn load(&mut self, bytes: &[u8]) -> Result<()> {
         self.state = snapshot::load(self.snapshot_kind(), &mut self.boxers, bytes)?;
-        self.touch(None, &Inline);
+        self.displace_limbs(None, &Inline);
         self.events.clear();
         Ok(())
     }
 
-    fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
+    fn adopt(&mut self, new: &Bundle) -> Result<AdoptReport> {
         let adopted = self.boxers.adopt(new)?;
-        self.body = Body::new(new.skeleton(), &self.config.body);
+        self.body = SparringBody::new(new.skeleton(), &self.config.body);
         self.limbs = limb_shapes(new.skeleton(), &self.body);
-        self.state.touches.fill(Touch::default());
+        self.state.touches.fill(LimbTouch::default());
         self.lead_s = usual_lead_s(self.boxers.motion_set());
         self.steps_away = StepsAway::new(self.boxers.motion_set())?;
         Ok(adopted)
@@ -417,9 +419,9 @@ fn usual_lead_s(motion_set: &MotionSet) -> f32 {
 }
 
 /// Outputs of the observation of one pair after a step.
-struct Observed<'a> {
+struct PairObservation<'a> {
     index: usize,
-    pair: &'a mut Pair,
+    pair: &'a mut OpponentPair,
     /// (2)
     heads: &'a mut [Vec3],
     /// (2)
@@ -429,19 +431,19 @@ struct Observed<'a> {
 }
 
 /// Observes heads, coming blows and overlap of a pair in the poses of a step.
-fn observe(
-    to: Observed<'_>,
+fn observe_pair(
+    to: PairObservation<'_>,
     boxers: &PolicyCharacters,
-    body: &Body,
+    body: &SparringBody,
     config: &SparringConfig,
     [dt_s, lead_s]: [f32; 2],
 ) {
     let (characters, motion_set) = (boxers.characters(), boxers.motion_set());
     let pair = [2 * to.index, 2 * to.index + 1];
-    let poses = pair.map(|c| Posed::new(characters.pose(c), characters.root(c)));
+    let poses = pair.map(|c| WorldPose::new(characters.pose(c), characters.root(c)));
     for (k, opponent) in [1, 0].into_iter().enumerate() {
-        to.heads[k] = body.head(&poses[opponent]);
-        let travel = characters.travel(motion_set, pair[opponent], Joint::Head, body.head_centre(), lead_s);
+        to.heads[k] = body.head_position(&poses[opponent]);
+        let travel = characters.travel_of_point(motion_set, pair[opponent], Joint::Head, body.head_centre(), lead_s);
         to.aims[k] = to.heads[k] + travel;
         to.threats[k] = match characters.next_blow(motion_set, pair[opponent]) {
             Some((blow, due_s)) => Vec3::new(blow.point.x, due_s, blow.point.z),
@@ -449,5 +451,5 @@ fn observe(
         };
     }
     let contacts = pair.map(|c| characters.contacts(c));
-    to.pair.observe(body, [&poses[0], &poses[1]], contacts, &config.separation, dt_s);
+    to.pair.measure_overlap(body, [&poses[0], &poses[1]], contacts, &config.separation, dt_s);
 }

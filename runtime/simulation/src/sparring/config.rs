@@ -1,7 +1,7 @@
 //! Settings of sparring.
 
 use super::body::BodyShape;
-use throng_base::error::check;
+use throng_base::error::check_value;
 use throng_base::{Hash128, Result};
 use throng_core::characters::CharactersConfig;
 
@@ -77,7 +77,7 @@ pub struct SparringConfig {
     /// Distance from a body at which a blow lands (m, 0 to 1).
     pub reach_m: f32,
     /// Length of the last part of a blow's path, on which it strikes all that it meets (m, 0 to 1).
-    pub way_m: f32,
+    pub strike_path_m: f32,
     /// Displacement of the struck joint, for each metre per second of the blow (s, 0 to 1).
     pub push_m_per_mps: f32,
     /// Settings of the separation of bodies.
@@ -91,9 +91,16 @@ pub struct SparringConfig {
 impl SparringConfig {
     /// Content hash, without the settings of the characters' motion.
     pub(super) fn hash(&self) -> u128 {
-        let numbers =
-            (self.body, self.reach_m, self.way_m, self.push_m_per_mps, self.separation, self.touch, self.stagger);
-        Hash128::of(format!("{numbers:?}").as_bytes())
+        let numbers = (
+            self.body,
+            self.reach_m,
+            self.strike_path_m,
+            self.push_m_per_mps,
+            self.separation,
+            self.touch,
+            self.stagger,
+        );
+        Hash128::hash_bytes(format!("{numbers:?}").as_bytes())
     }
 
     pub(super) fn check(&self) -> Result<()> {
@@ -102,16 +109,16 @@ impl SparringConfig {
         self.stagger.check()?;
         for (what, got) in [
             ("reach_m", self.reach_m),
-            ("way_m", self.way_m),
+            ("way_m", self.strike_path_m),
             ("push_m_per_mps", self.push_m_per_mps),
             ("separation.margin_m", self.separation.margin_m),
             ("separation.deep_m", self.separation.deep_m),
             ("separation.heads_m", self.separation.heads_m),
         ] {
-            within(what, got, 0.0, 1.0, "between 0 and 1")?;
+            check_within(what, got, 0.0, 1.0, "between 0 and 1")?;
         }
-        within("separation.lean_per_s", self.separation.lean_per_s, 0.0, 100.0, "between 0 and 100")?;
-        within("separation.max_speed_mps", self.separation.max_speed_mps, 0.0, 10.0, "between 0 and 10")
+        check_within("separation.lean_per_s", self.separation.lean_per_s, 0.0, 100.0, "between 0 and 100")?;
+        check_within("separation.max_speed_mps", self.separation.max_speed_mps, 0.0, 10.0, "between 0 and 10")
     }
 }
 
@@ -121,7 +128,7 @@ impl Default for SparringConfig {
             characters: CharactersConfig::default(),
             body: BodyShape::default(),
             reach_m: 0.06,
-            way_m: 0.15,
+            strike_path_m: 0.15,
             push_m_per_mps: 0.012,
             separation: SeparationConfig::default(),
             touch: TouchConfig::default(),
@@ -131,6 +138,6 @@ impl Default for SparringConfig {
 }
 
 /// Fails where a number is out of its range.
-pub(super) fn within(what: &'static str, got: f32, least: f32, most: f32, expected: &'static str) -> Result<()> {
-    check(what, None, got, (least..=most).contains(&got), expected)
+pub(super) fn check_within(what: &'static str, got: f32, least: f32, most: f32, expected: &'static str) -> Result<()> {
+    check_value(what, None, got, (least..=most).contains(&got), expected)
 }

@@ -20,7 +20,7 @@ pub fn nearest_points([p1, q1]: [Vec3; 2], [p2, q2]: [Vec3; 2]) -> [Vec3; 2] {
 }
 
 /// Overlap depth of two capsules; negative where they are apart (m).
-pub(crate) fn overlap(a: &Capsule, b: &Capsule) -> f32 {
+pub(crate) fn overlap_depth(a: &Capsule, b: &Capsule) -> f32 {
     let [p, q] = nearest_points(a.ends, b.ends);
     a.radius + b.radius - (p - q).length()
 }
@@ -72,6 +72,6 @@ mod tests {
         let [p, q] = nearest_points(a, b);
         assert!((p.distance(q) - 0.3).abs() < 1e-6, "{p} {q}");
         let capsules = [a, b].map(|ends| Capsule { ends, radius: 0.2 });
-        assert!((overlap(&capsules[0], &capsules[1]) - 0.1).abs() < 1e-6);
+        assert!((overlap_depth(&capsules[0], &capsules[1]) - 0.1).abs() < 1e-6);
     }
 }

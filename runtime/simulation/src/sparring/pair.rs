@@ -1,8 +1,8 @@
 //! Separation of two bodies that come too near.
 
-use super::body::{Body, Posed};
+use super::body::{SparringBody, WorldPose};
 use super::config::SeparationConfig;
-use super::distance::overlap;
+use super::distance::overlap_depth;
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
@@ -17,7 +17,7 @@ const PART_S: f32 = 0.25;
 
 /// State of the separation of two opponents.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Pair {
+pub(crate) struct OpponentPair {
     /// Deepest overlap of their core capsules; 0 where they are apart (m).
     pub overlap_m: f32,
     /// Time spent deeper than the settings allow (s).
@@ -32,19 +32,19 @@ pub(crate) struct Pair {
     shares: [f32; 2],
 }
 
-impl Pair {
+impl OpponentPair {
     /// False for a state that no pair can have.
-    pub fn may_be(&self) -> bool {
+    pub fn is_valid(&self) -> bool {
         let [a, b] = self.shares;
         let lengths = [self.overlap_m, self.max_overlap_m, self.speed_mps, self.apart.x, self.apart.y, a, b];
         lengths.iter().all(|v| v.abs() <= 100.0) && (0.0..1e9).contains(&self.deep_s)
     }
 
     /// Measures the overlap of two poses.
-    pub fn observe(
+    pub fn measure_overlap(
         &mut self,
-        body: &Body,
-        poses: [&Posed<'_>; 2],
+        body: &SparringBody,
+        poses: [&WorldPose<'_>; 2],
         contacts: [Contacts; 2],
         config: &SeparationConfig,
         dt_s: f32,
@@ -57,7 +57,7 @@ impl Pair {
         }
         let way = poses[1].root() - poses[0].root();
         self.apart = way.try_normalize().unwrap_or(Vec2::Y);
-        let [a, b] = poses.map(|p| body.head(p));
+        let [a, b] = poses.map(|p| body.head_position(p));
         let nearer_m = (overlap + config.margin_m).max(config.heads_m - a.distance(b));
         let wanted = if config.enabled { (nearer_m / PART_S).min(config.max_speed_mps) } else { 0.0 };
         let adapt = 1.0 - maths::exp(-dt_s / ADAPT_S);
@@ -69,7 +69,7 @@ impl Pair {
     }
 
     /// Displacements of the two in a step; `None` where they stay (m).
-    pub fn part(&self, dt_s: f32) -> Option<[Vec2; 2]> {
+    pub fn parting_displacements(&self, dt_s: f32) -> Option<[Vec2; 2]> {
         const SLOWEST_MPS: f32 = 1e-3;
         let by = self.apart * (0.5 * self.speed_mps * dt_s);
         (self.speed_mps > SLOWEST_MPS).then(|| [-by * self.shares[0], by * self.shares[1]])
@@ -79,7 +79,7 @@ impl Pair {
 impl SeparationConfig {
     /// Displacement in a step of the second of two heads that are too near each other; the first one moves in the opposite
     /// direction (m).
-    pub(super) fn lean(&self, heads: [Vec3; 2], dt_s: f32) -> Option<Vec3> {
+    pub(super) fn lean_displacement(&self, heads: [Vec3; 2], dt_s: f32) -> Option<Vec3> {
         let nearer_m = self.heads_m - heads[0].distance(heads[1]);
         let away = (heads[1] - heads[0]).with_y(0.0).normalize_or_zero();
         (self.enabled && nearer_m > 0.0 && dt_s > 0.0).then(|| away * (nearer_m * self.lean_per_s * dt_s))
@@ -88,14 +88,14 @@ impl SeparationConfig {
 
 /// Deepest overlap of the core capsules of two bodies, negative where there is a gap; gaps of the margin and more are
 /// returned as the margin (m).
-fn core_overlap(body: &Body, [a, b]: [&Posed<'_>; 2], margin_m: f32) -> f32 {
+fn core_overlap(body: &SparringBody, [a, b]: [&WorldPose<'_>; 2], margin_m: f32) -> f32 {
     /// Largest distance of a core capsule from its pelvis (m).
     const REACH: f32 = 1.1;
-    let hips = |p: &Posed<'_>| p.point(throng_core::Joint::Hips, Vec3::ZERO);
+    let hips = |p: &WorldPose<'_>| p.point_in_world(throng_core::Joint::Hips, Vec3::ZERO);
     if hips(a).distance_squared(hips(b)) > 4.0 * REACH * REACH {
         return -margin_m;
     }
-    let (a, b) = (body.core(a), body.core(b));
+    let (a, b) = (body.core_capsules(a), body.core_capsules(b));
     let mut deepest = -margin_m;
     for p in &a {
         for q in &b {
@@ -103,7 +103,7 @@ fn core_overlap(body: &Body, [a, b]: [&Posed<'_>; 2], margin_m: f32) -> f32 {
             let gap = (p.ends[0] + p.ends[1]).distance(q.ends[0] + q.ends[1]) * 0.5;
             let reach = p.radius + q.radius + 0.5 * (p.length() + q.length());
             if gap - reach < -deepest {
-                deepest = deepest.max(overlap(p, q));
+                deepest = deepest.max(overlap_depth(p, q));
             }
         }
     }

@@ -1,15 +1,15 @@
 //! Boxers that each strike at a target of their own.
 
-use super::config::within;
+use super::config::check_within;
 use super::snapshot;
-use super::tally::{Outcome, Tally};
+use super::tally::{BlowOutcome, BlowTally};
 use super::target::{StruckTarget, TargetConfig};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::error::check;
-use throng_base::{Hash128, Id, Result, Run, SnapshotKind};
-use throng_core::characters::{Blow, Characters, CharactersConfig, MAX_BLOWS, Order, PolicyCharacters, Spawn};
-use throng_core::{Adopted, Bodies, Bundle, Cast, Planar, Status};
+use throng_base::error::check_value;
+use throng_base::{Executor, Hash128, Id, Result, SnapshotKind};
+use throng_core::characters::{Blow, Characters, CharactersConfig, MAX_BLOWS, PolicyCharacters, PolicyOrder, Spawn};
+use throng_core::{AdoptReport, Bundle, CharacterGroup, OrderStatus, Planar, PosedBodies};
 
 /// Settings of striking at targets.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +43,7 @@ pub struct PracticeFigures {
     /// Simulated time (s).
     pub seconds: f64,
     /// Blows of all characters.
-    pub blows: Tally,
+    pub blows: BlowTally,
 }
 
 /// Boxers with a target each, which hangs where the order says; a boxer without an order has no target.
@@ -55,17 +55,17 @@ pub struct PracticeFigures {
 pub struct TargetPractice {
     config: PracticeConfig,
     boxers: PolicyCharacters,
-    state: State,
+    state: PracticeState,
     events: Vec<(Id, TargetHit)>,
 }
 
 /// State that the next steps depend on, beside the characters.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct State {
+pub(super) struct PracticeState {
     pub targets: Vec<StruckTarget>,
     /// Positions of targets (m).
     pub positions: Vec<Vec3>,
-    pub tallies: Vec<Tally>,
+    pub tallies: Vec<BlowTally>,
     pub seconds: f64,
 }
 
@@ -76,9 +76,9 @@ impl TargetPractice {
     /// [`throng_base::Error::Value`] for a setting out of its range, and as [`PolicyCharacters::with_capacity`].
     pub fn with_capacity(bundle: &Bundle, capacity: usize, config: PracticeConfig) -> Result<Self> {
         config.target.check()?;
-        within("reach_m", config.reach_m, 0.0, 1.0, "between 0 and 1")?;
+        check_within("reach_m", config.reach_m, 0.0, 1.0, "between 0 and 1")?;
         let boxers = PolicyCharacters::with_capacity(bundle, capacity, config.characters)?;
-        let state = State {
+        let state = PracticeState {
             targets: Vec::with_capacity(capacity),
             positions: Vec::with_capacity(capacity),
             tallies: Vec::with_capacity(capacity),
@@ -88,7 +88,7 @@ impl TargetPractice {
         Ok(Self { config, boxers, state, events })
     }
 
-    /// Boxers, row by row as in [`Cast::bodies`].
+    /// Boxers, row by row as in [`CharacterGroup::bodies`].
     pub fn boxers(&self) -> &PolicyCharacters {
         &self.boxers
     }
@@ -117,23 +117,23 @@ impl TargetPractice {
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
-    pub fn order_of(&self, id: Id) -> Result<Order> {
-        Ok(self.boxers.order_of(id)?.around(self.state.targets[self.boxers.row(id)?].home))
+    pub fn order_of(&self, id: Id) -> Result<PolicyOrder> {
+        Ok(self.boxers.order_of(id)?.with_target(self.state.targets[self.boxers.row(id)?].home))
     }
 
-    /// Makes a character play a segment at once, see [`PolicyCharacters::play`].
+    /// Makes a character play a segment at once, see [`PolicyCharacters::play_segment`].
     ///
     /// # Errors
-    /// As [`PolicyCharacters::play`].
+    /// As [`PolicyCharacters::play_segment`].
     pub fn play(&mut self, id: Id, segment: u32) -> Result<()> {
-        self.boxers.play(id, segment)
+        self.boxers.play_segment(id, segment)
     }
 
     /// Counts of a character's blows by outcome.
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
-    pub fn tally(&self, id: Id) -> Result<Tally> {
+    pub fn tally(&self, id: Id) -> Result<BlowTally> {
         Ok(self.state.tallies[self.boxers.row(id)?])
     }
 
@@ -145,7 +145,7 @@ impl TargetPractice {
     }
 
     /// Advances all targets, and strikes those that blows reach.
-    fn strike(&mut self, dt_s: f32) -> Result<()> {
+    fn strike_targets(&mut self, dt_s: f32) -> Result<()> {
         let (s, config) = (&mut self.state, &self.config);
         s.seconds += f64::from(dt_s);
         s.targets.iter_mut().for_each(|t| t.step(&config.target, dt_s));
@@ -159,7 +159,7 @@ impl TargetPractice {
                 s.targets[c].strike(&config.target, blow.direction, blow.speed_mps);
                 self.events.push((id, TargetHit { blow, depth_m }));
             }
-            s.tallies[c].count(if is_hit { Outcome::Landed } else { Outcome::Missed });
+            s.tallies[c].count_blow(if is_hit { BlowOutcome::Landed } else { BlowOutcome::Missed });
         }
         for (position, target) in s.positions.iter_mut().zip(&s.targets) {
             *position = target.position();
@@ -168,15 +168,15 @@ impl TargetPractice {
     }
 
     fn snapshot_kind(&self) -> SnapshotKind {
-        let setup = Hash128::of(format!("{:?}", (self.config.target, self.config.reach_m)).as_bytes());
+        let setup = Hash128::hash_bytes(format!("{:?}", (self.config.target, self.config.reach_m)).as_bytes());
         SnapshotKind { what: "target practice", tag: *b"PRAC", version: 2, setup }
     }
 }
 
-impl Cast for TargetPractice {
+impl CharacterGroup for TargetPractice {
     type Start = Spawn;
     /// Behaviours and their weights, around the place where the target hangs; the target follows at once.
-    type Order = Order;
+    type Order = PolicyOrder;
     /// A blow that hit the target.
     type Event = TargetHit;
 
@@ -184,11 +184,11 @@ impl Cast for TargetPractice {
         let id = self.boxers.spawn(start)?;
         self.state.targets.push(StruckTarget::default());
         self.state.positions.push(Vec3::ZERO);
-        self.state.tallies.push(Tally::default());
+        self.state.tallies.push(BlowTally::default());
         Ok(id)
     }
 
-    /// Removes a boxer. The last one takes its row in [`Cast::bodies`].
+    /// Removes a boxer. The last one takes its row in [`CharacterGroup::bodies`].
     fn despawn(&mut self, id: Id) -> Result<()> {
         let row = self.boxers.row(id)?;
         self.boxers.despawn(id)?;
@@ -202,10 +202,10 @@ impl Cast for TargetPractice {
         self.boxers.place(id, root)
     }
 
-    fn order(&mut self, id: Id, order: Order) -> Result<()> {
+    fn order(&mut self, id: Id, order: PolicyOrder) -> Result<()> {
         let (row, home) = (self.boxers.row(id)?, order.target());
         let largest = if home.is_nan() { f32::NAN } else { home.abs().max_element() };
-        check("target", Some(id), largest, largest <= 1e5, "finite coordinates up to 1e5 (m)")?;
+        check_value("target", Some(id), largest, largest <= 1e5, "finite coordinates up to 1e5 (m)")?;
         self.boxers.order(id, order)?;
         let target = &mut self.state.targets[row];
         target.home = home;
@@ -213,14 +213,14 @@ impl Cast for TargetPractice {
         Ok(())
     }
 
-    fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
+    fn step(&mut self, dt_s: f32, run: &dyn Executor) -> Result<()> {
         self.boxers.aim_all(&self.state.positions, &self.state.positions)?;
         self.boxers.step(dt_s, run)?;
-        self.strike(dt_s)
+        self.strike_targets(dt_s)
     }
 
     /// Status as of [`PolicyCharacters`].
-    fn status(&self, id: Id) -> Result<Status> {
+    fn status(&self, id: Id) -> Result<OrderStatus> {
         self.boxers.status(id)
     }
 
@@ -229,7 +229,7 @@ impl Cast for TargetPractice {
         &self.events
     }
 
-    fn bodies(&self) -> Bodies<'_> {
+    fn bodies(&self) -> PosedBodies<'_> {
         self.boxers.bodies()
     }
 
@@ -243,7 +243,7 @@ impl Cast for TargetPractice {
         Ok(())
     }
 
-    fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
+    fn adopt(&mut self, new: &Bundle) -> Result<AdoptReport> {
         self.boxers.adopt(new)
     }
 }

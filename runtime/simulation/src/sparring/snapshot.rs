@@ -1,48 +1,48 @@
 //! Snapshots of striking characters and of the state beside them.
 
-use super::pair::Pair;
-use super::tally::Tally;
+use super::pair::OpponentPair;
+use super::tally::BlowTally;
 use super::target::StruckTarget;
-use super::touch::Touch;
+use super::touch::LimbTouch;
 use super::{bout, practice};
-use crate::kind::refused;
+use crate::motion_kind::refused_snapshot;
 use glam::Vec3;
 use serde::{Serialize, de::DeserializeOwned};
 use throng_base::{Bytes, Result, SnapshotKind};
-use throng_core::Cast;
+use throng_core::CharacterGroup;
 use throng_core::characters::PolicyCharacters;
 
 /// State that the next steps depend on, beside the characters.
-pub(super) trait Remembered: Serialize + DeserializeOwned {
+pub(super) trait SavedState: Serialize + DeserializeOwned {
     /// False for a state that so many characters cannot have.
-    fn may_be(&self, num_characters: usize) -> bool;
+    fn is_valid(&self, num_characters: usize) -> bool;
 }
 
-impl Remembered for bout::State {
-    fn may_be(&self, n: usize) -> bool {
+impl SavedState for bout::SparringState {
+    fn is_valid(&self, n: usize) -> bool {
         let of_pairs = [self.pairs.len(), self.touches.len()];
         [self.heads.len(), self.aims.len(), self.threats.len(), self.tallies.len()] == [n; 4]
             && of_pairs.iter().all(|num| 2 * num == n)
-            && self.heads.iter().chain(&self.aims).chain(&self.threats).all(may_be_aim)
-            && self.pairs.iter().all(Pair::may_be)
-            && self.touches.iter().all(Touch::may_be)
-            && Tally::may_be(&self.tallies)
+            && self.heads.iter().chain(&self.aims).chain(&self.threats).all(is_valid_aim)
+            && self.pairs.iter().all(OpponentPair::is_valid)
+            && self.touches.iter().all(LimbTouch::is_valid)
+            && BlowTally::is_valid(&self.tallies)
             && (0.0..1e9).contains(&self.seconds)
     }
 }
 
-impl Remembered for practice::State {
-    fn may_be(&self, n: usize) -> bool {
+impl SavedState for practice::PracticeState {
+    fn is_valid(&self, n: usize) -> bool {
         [self.targets.len(), self.positions.len(), self.tallies.len()] == [n; 3]
-            && self.targets.iter().all(StruckTarget::may_be)
-            && self.positions.iter().all(may_be_aim)
-            && Tally::may_be(&self.tallies)
+            && self.targets.iter().all(StruckTarget::is_valid)
+            && self.positions.iter().all(is_valid_aim)
+            && BlowTally::is_valid(&self.tallies)
             && (0.0..1e9).contains(&self.seconds)
     }
 }
 
 /// Appends a snapshot of characters and state (about 970 bytes a character).
-pub(super) fn save(kind: SnapshotKind, characters: &PolicyCharacters, state: &impl Remembered, out: &mut Vec<u8>) {
+pub(super) fn save(kind: SnapshotKind, characters: &PolicyCharacters, state: &impl SavedState, out: &mut Vec<u8>) {
     let mut bytes = Bytes::default();
     characters.save(&mut bytes.0);
     kind.write(&(bytes, state), out);
@@ -52,19 +52,19 @@ pub(super) fn save(kind: SnapshotKind, characters: &PolicyCharacters, state: &im
 ///
 /// # Errors
 /// [`throng_base::Error::Snapshot`]; nothing has changed then.
-pub(super) fn load<S: Remembered>(kind: SnapshotKind, characters: &mut PolicyCharacters, bytes: &[u8]) -> Result<S> {
+pub(super) fn load<S: SavedState>(kind: SnapshotKind, characters: &mut PolicyCharacters, bytes: &[u8]) -> Result<S> {
     let (saved, state): (Bytes, S) = kind.read_all(bytes)?;
     // Tried on a clone, so that nothing changes where a part is refused.
     let mut tried = characters.clone();
     tried.load(&saved.0)?;
-    if !state.may_be(tried.ids().len()) {
-        return Err(refused(kind.what, "it holds numbers that cannot be"));
+    if !state.is_valid(tried.ids().len()) {
+        return Err(refused_snapshot(kind.what, "it holds numbers that cannot be"));
     }
     characters.load(&saved.0)?;
     Ok(state)
 }
 
 /// True for a position that characters can aim at.
-fn may_be_aim(at: &Vec3) -> bool {
+fn is_valid_aim(at: &Vec3) -> bool {
     at.is_finite() && at.abs().max_element() < 1e6
 }

@@ -1,6 +1,6 @@
 //! Steps of struck characters away from hard blows: the action in that direction that begins most like the current pose.
 
-use super::config::{StaggerConfig, within};
+use super::config::{StaggerConfig, check_within};
 use glam::{Vec2, Vec3};
 use throng_base::{Result, maths};
 use throng_core::characters::{MotionSet, SampleJob};
@@ -8,10 +8,10 @@ use throng_core::skeleton::{Joint, NUM_JOINTS};
 use throng_core::{Mat3x4, Planar};
 
 /// Joints that poses are compared by.
-const LOOKS: [Joint; 6] =
+const COMPARED_JOINTS: [Joint; 6] =
     [Joint::Head, Joint::Hips, Joint::LeftHand, Joint::RightHand, Joint::LeftFoot, Joint::RightFoot];
 /// Least and largest length of a step away (m).
-const WAY_M: [f32; 2] = [0.2, 0.9];
+const STEP_LENGTH_M: [f32; 2] = [0.2, 0.9];
 /// Least cosine of the angle between a step away and the blow (1).
 const ASIDE: f32 = 0.5;
 /// Difference in pose by which a step along the blow may be worse than one at a right angle (m).
@@ -19,8 +19,8 @@ const STRAIGHT_M: f32 = 0.2;
 
 impl StaggerConfig {
     pub(super) fn check(&self) -> Result<()> {
-        within("stagger.force", self.force, 0.0, 10.0, "between 0 and 10")?;
-        within("stagger.alike_m", self.alike_m, 0.0, 1.0, "between 0 and 1")
+        check_within("stagger.force", self.force, 0.0, 10.0, "between 0 and 10")?;
+        check_within("stagger.alike_m", self.alike_m, 0.0, 1.0, "between 0 and 1")
     }
 }
 
@@ -31,7 +31,7 @@ struct StepAway {
     /// Direction of the step, of unit length.
     direction: Vec2,
     /// Positions of the compared joints at its beginning, relative to the planar root (m).
-    looks: [Vec3; LOOKS.len()],
+    joint_positions: [Vec3; COMPARED_JOINTS.len()],
 }
 
 /// All actions without a blow that can serve as steps away.
@@ -46,14 +46,16 @@ impl StepsAway {
         for (i, segment) in motion_set.graph().segments.iter().enumerate() {
             let [x, z, _] = segment.displacement;
             let way = Vec2::new(x, z);
-            if !(WAY_M[0]..WAY_M[1]).contains(&way.length()) || motion_set.hits_of(i as u32).next().is_some() {
+            if !(STEP_LENGTH_M[0]..STEP_LENGTH_M[1]).contains(&way.length())
+                || motion_set.hits_of(i as u32).next().is_some()
+            {
                 continue;
             }
             let mut pose = [Mat3x4::default(); NUM_JOINTS];
             let (frames, ratios) = (&[segment.start], &[0.0]);
             SampleJob { motion_set, frames, ratios, matrices: &mut pose }.run()?;
-            let looks = LOOKS.map(|j| pose[j.index()].translation());
-            steps.push(StepAway { segment: i as u32, direction: way.normalize(), looks });
+            let looks = COMPARED_JOINTS.map(|j| pose[j.index()].translation());
+            steps.push(StepAway { segment: i as u32, direction: way.normalize(), joint_positions: looks });
         }
         Ok(Self(steps))
     }
@@ -61,17 +63,18 @@ impl StepsAway {
     /// Best step away of a struck character; `None` where no action leads there from a similar pose.
     ///
     /// - `direction`: direction of the blow, in the world.
-    pub fn best(&self, config: &StaggerConfig, pose: &[Mat3x4], root: Planar, direction: Vec3) -> Option<u32> {
+    pub fn best_step(&self, config: &StaggerConfig, pose: &[Mat3x4], root: Planar, direction: Vec3) -> Option<u32> {
         let local = maths::rotate(root.rotation().conjugate(), direction);
         let along = Vec2::new(local.x, local.z).try_normalize()?;
-        let looks = LOOKS.map(|j| pose[j.index()].translation());
+        let looks = COMPARED_JOINTS.map(|j| pose[j.index()].translation());
         let mut best: Option<(f32, u32)> = None;
         for step in &self.0 {
             let straight = step.direction.dot(along);
             if straight < ASIDE {
                 continue;
             }
-            let off = looks.iter().zip(&step.looks).map(|(a, b)| a.distance(*b)).sum::<f32>() / LOOKS.len() as f32;
+            let off = looks.iter().zip(&step.joint_positions).map(|(a, b)| a.distance(*b)).sum::<f32>()
+                / COMPARED_JOINTS.len() as f32;
             let cost = off + STRAIGHT_M * (1.0 - straight);
             if off <= config.alike_m && best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, step.segment));
@@ -82,7 +85,7 @@ impl StepsAway {
 }
 
 /// True for a part at which a hard blow makes the character step away.
-pub(crate) fn staggers(part: super::Part) -> bool {
-    use super::Part::*;
+pub(crate) fn is_staggering_part(part: super::StruckPart) -> bool {
+    use super::StruckPart::*;
     matches!(part, Head | Neck | Trunk)
 }

@@ -1,6 +1,6 @@
 //! Target that gives way when it is struck and comes back, such as a ball on a string (Lee and Lee 2004, section 6).
 
-use super::config::within;
+use super::config::check_within;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
@@ -27,10 +27,10 @@ impl Default for TargetConfig {
 
 impl TargetConfig {
     pub(super) fn check(&self) -> Result<()> {
-        within("target.radius_m", self.radius_m, 1e-3, 1.0, "between 0.001 and 1")?;
-        within("target.deflection_m_per_mps", self.deflection_m_per_mps, 0.0, 1.0, "between 0 and 1")?;
-        within("target.max_deflection_m", self.max_deflection_m, 0.0, 10.0, "between 0 and 10")?;
-        within("target.half_life_s", self.half_life_s, 1e-3, 10.0, "between 0.001 and 10")
+        check_within("target.radius_m", self.radius_m, 1e-3, 1.0, "between 0.001 and 1")?;
+        check_within("target.deflection_m_per_mps", self.deflection_m_per_mps, 0.0, 1.0, "between 0 and 1")?;
+        check_within("target.max_deflection_m", self.max_deflection_m, 0.0, 10.0, "between 0 and 10")?;
+        check_within("target.half_life_s", self.half_life_s, 1e-3, 10.0, "between 0.001 and 10")
     }
 
     /// Rate of the critically damped spring (1/s).
@@ -57,7 +57,7 @@ impl StruckTarget {
     }
 
     /// False for a state that no target can have.
-    pub(super) fn may_be(&self) -> bool {
+    pub(super) fn is_valid(&self) -> bool {
         let near = |v: Vec3, most: f32| v.abs().max_element() <= most && !v.is_nan();
         near(self.home, 1e5) && near(self.offset, 100.0) && near(self.velocity, 1e6)
     }

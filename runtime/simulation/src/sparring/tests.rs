@@ -1,14 +1,14 @@
 //! Landing, parting and practising, on made-up poses and tables.
 
-use super::body::{Body, BodyShape, NUM_CORE, Part, Posed};
-use super::landing::meet;
+use super::body::{BodyShape, NUM_CORE, SparringBody, StruckPart, WorldPose};
+use super::landing::find_struck_capsule;
 use super::*;
 use glam::{Quat, Vec3};
 use throng_base::{Error, Id, Inline, Result};
-use throng_core::Cast;
+use throng_core::CharacterGroup;
 use throng_core::bundle::Bundle;
 use throng_core::characters::made_up::tables_with;
-use throng_core::characters::{Blow, CharactersConfig, Order, Spawn};
+use throng_core::characters::{Blow, CharactersConfig, PolicyOrder, Spawn};
 use throng_core::contacts::Contacts;
 use throng_core::hits::{HitRecord, striking_offset};
 use throng_core::planar::Planar;
@@ -61,7 +61,7 @@ fn spar(tables: &Bundle, config: SparringConfig, pairs: &[[Spawn; 2]]) -> Result
     for pair in pairs {
         let first = sparring.spawn(*pair)?;
         for id in [first, sparring.opponent(first)?] {
-            sparring.order(id, Order::aim(0, Vec3::ZERO))?;
+            sparring.order(id, PolicyOrder::towards(0, Vec3::ZERO))?;
         }
     }
     Ok(sparring)

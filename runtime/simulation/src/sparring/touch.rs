@@ -1,15 +1,18 @@
 //! Touch of limbs: arms and legs stop, or slide, where they meet the opponent's body, guard or legs.
 //!
 //! Each limb stores its displacement from its motion. In a step the displacement fades, then elbow and wrist, or knee and
-//! ankle, are moved out of obstacles, as points of a [`Rod`]; fast limbs move in short pieces, so that none tunnels through
+//! ankle, are moved out of obstacles, as points of a [`LimbSegment`]; fast limbs move in short pieces, so that none tunnels through
 //! an obstacle. A leg that steps is displaced along the ground, one that kicks is displaced as arms are, and one that carries
 //! weight stays where it came down and is only an obstacle for others. Blows are tested against the motion without these
 //! displacements.
 
-use super::body::{Body, Capsule, NUM_CORE, Posed};
-use super::config::{TouchConfig, within};
+use super::body::{Capsule, NUM_CORE, SparringBody, WorldPose};
+use super::config::{TouchConfig, check_within};
 use super::distance::nearest_points;
-use super::rod::{Ball, LimbShape, Rod, SOFT_ELBOW_M, Way, arc, elbow_angle, part, reach, swing};
+use super::limb_segment::{
+    BoundingBall, LimbFreedom, LimbSegment, LimbShape, SOFT_ELBOW_M, elbow_angle, rotation_between, separate_segments,
+    solve_two_bones, swing_rotation,
+};
 use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
@@ -54,38 +57,38 @@ const FEET_APART_M: f32 = 0.6;
 const PARENTS: [Joint; NUM_LIMBS] = [Joint::LeftClavicle, Joint::RightClavicle, Joint::Hips, Joint::Hips];
 
 /// Root, middle and end of each limb of two characters, in the world (m).
-type Places = [[[Vec3; 3]; NUM_LIMBS]; 2];
+type LimbPositions = [[[Vec3; 3]; NUM_LIMBS]; 2];
 
 impl TouchConfig {
     pub(super) fn check(&self) -> Result<()> {
-        within("touch.half_life_s", self.half_life_s, 1e-3, 10.0, "between 0.001 and 10")?;
-        within("touch.elbow_radps", self.elbow_radps, 1.0, 1000.0, "between 1 and 1000")?;
-        within("touch.give_m", self.give_m, 0.0, 0.1, "between 0 and 0.1")
+        check_within("touch.half_life_s", self.half_life_s, 1e-3, 10.0, "between 0.001 and 10")?;
+        check_within("touch.elbow_radps", self.elbow_radps, 1.0, 1000.0, "between 1 and 1000")?;
+        check_within("touch.give_m", self.give_m, 0.0, 0.1, "between 0 and 0.1")
     }
 }
 
 /// State of the touch of one limb.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Limb {
+struct LimbOffset {
     /// Displacements of its middle and its end from the motion (m).
     off: [Vec3; 2],
     /// Root, middle and end in the motion at the last step (m).
     was: [Vec3; 3],
 }
 
-impl Limb {
+impl LimbOffset {
     fn is_displaced(&self) -> bool {
         self.off != [Vec3::ZERO; 2]
     }
 
     /// Displaced root, middle and end (m).
-    fn displaced(&self) -> [Vec3; 3] {
+    fn displaced_positions(&self) -> [Vec3; 3] {
         let [shoulder, elbow, wrist] = self.was;
         [shoulder, elbow + self.off[0], wrist + self.off[1]]
     }
 
     /// Share of the least bend that a displaced limb keeps: a limb that is hardly displaced may become straight again (0 to 1).
-    fn soft(&self) -> f32 {
+    fn bend_share(&self) -> f32 {
         (self.off[0].length().max(self.off[1].length()) / SOFT_ELBOW_M).min(1.0)
     }
 
@@ -93,18 +96,18 @@ impl Limb {
     /// direction from the root (rad).
     ///
     /// - `before`: angle at the elbow or knee at the last step (rad).
-    /// - `out`: see [`reach`].
+    /// - `out`: see [`solve_two_bones`].
     fn keep_lengths(&mut self, shape: &LimbShape, before: f32, most: f32, out: Vec3) {
-        let [shoulder, elbow, wrist] = self.displaced();
-        let soft = self.soft();
-        let mut ends = reach(shoulder, [elbow, wrist], shape, (out, soft));
+        let [shoulder, elbow, wrist] = self.displaced_positions();
+        let soft = self.bend_share();
+        let mut ends = solve_two_bones(shoulder, [elbow, wrist], shape, (out, soft));
         let angle = elbow_angle([shoulder, ends[0], ends[1]]);
         let slow = angle.clamp(before - most, before + most);
         if slow != angle {
             let [l1, l2] = shape.lengths;
             let distance = (l1 * l1 + l2 * l2 - 2.0 * l1 * l2 * maths::cos(slow)).max(0.0).sqrt();
             let wrist = shoulder + (ends[1] - shoulder).normalize_or_zero() * distance;
-            ends = reach(shoulder, [ends[0], wrist], shape, (out, soft));
+            ends = solve_two_bones(shoulder, [ends[0], wrist], shape, (out, soft));
         }
         self.off = [ends[0] - self.was[1], ends[1] - self.was[2]];
     }
@@ -112,8 +115,8 @@ impl Limb {
     /// Turns the whole limb about its root out of remaining obstacles, which turns no elbow.
     fn swing_out(&mut self, shape: &LimbShape, core: &[Capsule], give_m: f32) {
         for capsule in core.iter().cycle().take(SWINGS * core.len()) {
-            let [root, middle, end] = self.displaced();
-            let Some(turn) = swing(root, [middle, end], shape, capsule, give_m) else { continue };
+            let [root, middle, end] = self.displaced_positions();
+            let Some(turn) = swing_rotation(root, [middle, end], shape, capsule, give_m) else { continue };
             let turned = [middle, end].map(|p| root + maths::rotate(turn, p - root));
             self.off = [turned[0] - self.was[1], turned[1] - self.was[2]];
         }
@@ -122,15 +125,15 @@ impl Limb {
 
 /// State of the touch of the limbs of two opponents.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Touch {
+pub(crate) struct LimbTouch {
     /// Limbs of each of the two, in the order of [`LIMBS`].
-    limbs: [[Limb; NUM_LIMBS]; 2],
+    limbs: [[LimbOffset; NUM_LIMBS]; 2],
     /// Whether each of the two has a last step.
     seen: [bool; 2],
 }
 
 /// Shapes of a skeleton's limbs, in the order of [`LIMBS`].
-pub(crate) fn limb_shapes(skeleton: &Skeleton, body: &Body) -> [LimbShape; NUM_LIMBS] {
+pub(crate) fn limb_shapes(skeleton: &Skeleton, body: &SparringBody) -> [LimbShape; NUM_LIMBS] {
     std::array::from_fn(|l| {
         let [_, middle, end] = LIMBS[l];
         let lengths = [middle, end].map(|j| skeleton.offsets[j.index()].length().max(LEAST_M));
@@ -142,15 +145,15 @@ pub(crate) fn limb_shapes(skeleton: &Skeleton, body: &Body) -> [LimbShape; NUM_L
     })
 }
 
-impl Touch {
+impl LimbTouch {
     /// False for a state that no limbs can have.
-    pub fn may_be(&self) -> bool {
+    pub fn is_valid(&self) -> bool {
         let near = |v: &Vec3, most: f32| v.is_finite() && v.abs().max_element() < most;
         self.limbs.iter().flatten().all(|a| a.off.iter().all(|v| near(v, 100.0)) && a.was.iter().all(|v| near(v, 2e6)))
     }
 
     /// Resets the touch of one character that was moved to another place, and of the opponent that it touched.
-    pub fn forget(&mut self, one: usize) {
+    pub fn forget_character(&mut self, one: usize) {
         self.seen[one] = false;
         self.limbs.iter_mut().flatten().for_each(|limb| limb.off = [Vec3::ZERO; 2]);
     }
@@ -158,17 +161,17 @@ impl Touch {
     /// Computes the displacements of all limbs in a step.
     ///
     /// - `poses`: poses of the motion, with the planted parts of their feet.
-    pub fn settle(
+    pub fn solve_displacements(
         &mut self,
-        body: &Body,
+        body: &SparringBody,
         shapes: &[LimbShape; NUM_LIMBS],
-        (poses, contacts): (&[Posed<'_>; 2], [Contacts; 2]),
+        (poses, contacts): (&[WorldPose<'_>; 2], [Contacts; 2]),
         config: &TouchConfig,
         dt_s: f32,
     ) {
-        let now: Places = [0, 1].map(|k| LIMBS.map(|limb| limb.map(|j| poses[k].point(j, Vec3::ZERO))));
+        let now: LimbPositions = [0, 1].map(|k| LIMBS.map(|limb| limb.map(|j| poses[k].point_in_world(j, Vec3::ZERO))));
         let before = self.limbs;
-        let ways = [0, 1].map(|k| ways(&now[k], contacts[k]));
+        let ways = [0, 1].map(|k| limb_freedoms(&now[k], contacts[k]));
         let keep = maths::exp(-std::f32::consts::LN_2 * dt_s / config.half_life_s);
         for (k, l) in (0..2).flat_map(|k| (0..NUM_LIMBS).map(move |l| (k, l))) {
             let limb = &mut self.limbs[k][l];
@@ -176,35 +179,36 @@ impl Touch {
                 limb.was = now[k][l];
             }
             // A planted foot stays where it came down.
-            let end = if ways[k][l] == Way::Stays { 1.0 } else { keep };
+            let end = if ways[k][l] == LimbFreedom::Stays { 1.0 } else { keep };
             limb.off = [limb.off[0] * keep, limb.off[1] * end];
             if limb.off.iter().all(|o| o.length_squared() < AT_REST_M * AT_REST_M) {
                 limb.off = [Vec3::ZERO; 2];
             }
         }
         self.seen = [true; 2];
-        let hips = poses.each_ref().map(|p| p.point(Joint::Hips, Vec3::ZERO));
+        let hips = poses.each_ref().map(|p| p.point_in_world(Joint::Hips, Vec3::ZERO));
         let is_near = hips[0].distance_squared(hips[1]) < 4.0 * REACH_M * REACH_M;
         let touches = config.enabled && is_near && self.may_touch(shapes, &now, &ways, &hips);
-        let cores = touches.then(|| poses.each_ref().map(|p| body.obstacles(p)));
+        let cores = touches.then(|| poses.each_ref().map(|p| body.obstacle_capsules(p)));
         if let Some(cores) = &cores {
-            let toes = [0, 1].map(|k| TOES.map(|j| poses[k].point(j, Vec3::ZERO)));
+            let toes = [0, 1].map(|k| TOES.map(|j| poses[k].point_in_world(j, Vec3::ZERO)));
             let fastest = self.limbs.iter().flatten().zip(now.iter().flatten()).zip(ways.iter().flatten());
-            let fastest =
-                fastest.filter(|(_, way)| **way == Way::Free).map(|((limb, now), _)| now[2].distance(limb.was[2]));
+            let fastest = fastest
+                .filter(|(_, way)| **way == LimbFreedom::Free)
+                .map(|((limb, now), _)| now[2].distance(limb.was[2]));
             let pieces = ((fastest.fold(0.0, f32::max) / PIECE_M).ceil() as usize).clamp(1, MOST_PIECES);
-            let scene = Scene { shapes, cores, now: &now, toes: &toes, ways: &ways, give_m: config.give_m };
+            let scene = TouchScene { shapes, cores, now: &now, toes: &toes, freedoms: &ways, give_m: config.give_m };
             for piece in 1..=pieces {
-                self.piece(&scene, piece as f32 / pieces as f32);
+                self.advance_piece(&scene, piece as f32 / pieces as f32);
             }
         }
         for k in 0..2 {
-            for (l, out) in outwards(&now[k]).into_iter().enumerate() {
+            for (l, out) in bend_directions(&now[k]).into_iter().enumerate() {
                 let (limb, now) = (&mut self.limbs[k][l], now[k][l]);
                 let was = std::mem::replace(&mut limb.was, now);
                 if limb.is_displaced() {
                     let most = (elbow_angle(now) - elbow_angle(was)).abs().max(config.elbow_radps * dt_s);
-                    let before = elbow_angle(Limb { was, ..before[k][l] }.displaced());
+                    let before = elbow_angle(LimbOffset { was, ..before[k][l] }.displaced_positions());
                     limb.keep_lengths(&shapes[l], before, most, out);
                     if let Some(cores) = cores.as_ref().filter(|_| l < LEGS) {
                         limb.swing_out(&shapes[l], &cores[k ^ 1], config.give_m);
@@ -218,14 +222,14 @@ impl Touch {
     fn may_touch(
         &self,
         shapes: &[LimbShape; NUM_LIMBS],
-        now: &Places,
-        ways: &[[Way; NUM_LIMBS]; 2],
+        now: &LimbPositions,
+        ways: &[[LimbFreedom; NUM_LIMBS]; 2],
         hips: &[Vec3; 2],
     ) -> bool {
         /// Largest distance of a core, an arm with its fist there, or a thigh from the vertical axis over the hips (m).
         const WIDE: f32 = 0.45;
-        let kicks = |ways: &[Way; NUM_LIMBS]| ways[LEGS..].contains(&Way::Free);
-        if self.limbs.iter().flatten().any(Limb::is_displaced) || ways.iter().any(kicks) {
+        let kicks = |ways: &[LimbFreedom; NUM_LIMBS]| ways[LEGS..].contains(&LimbFreedom::Free);
+        if self.limbs.iter().flatten().any(LimbOffset::is_displaced) || ways.iter().any(kicks) {
             return true;
         }
         let ankles = |k: usize| now[k][LEGS..].iter().map(|leg| leg[2]);
@@ -248,35 +252,35 @@ impl Touch {
     }
 
     /// Advances the motion by a piece of the step, and moves limbs out of obstacles.
-    fn piece(&mut self, scene: &Scene<'_>, share: f32) {
-        let &Scene { shapes, now, ways, give_m, .. } = scene;
-        let free = |k: usize| (0..NUM_LIMBS).filter(move |l| ways[k][*l] == Way::Free);
-        let base: Places = std::array::from_fn(|k| {
+    fn advance_piece(&mut self, scene: &TouchScene<'_>, share: f32) {
+        let &TouchScene { shapes, now, freedoms: ways, give_m, .. } = scene;
+        let free = |k: usize| (0..NUM_LIMBS).filter(move |l| ways[k][*l] == LimbFreedom::Free);
+        let base: LimbPositions = std::array::from_fn(|k| {
             std::array::from_fn(|l| std::array::from_fn(|i| self.limbs[k][l].was[i].lerp(now[k][l][i], share)))
         });
-        let out = base.each_ref().map(outwards);
-        let mut rods: [[Rod; NUM_LIMBS]; 2] = std::array::from_fn(|k| {
+        let out = base.each_ref().map(bend_directions);
+        let mut rods: [[LimbSegment; NUM_LIMBS]; 2] = std::array::from_fn(|k| {
             std::array::from_fn(|l| {
                 let (b, limb) = (&base[k][l], &self.limbs[k][l]);
                 let mut ends = [0, 1].map(|i| b[i + 1] + limb.off[i]);
                 if limb.is_displaced() {
                     // A fading displacement does not keep the lengths of bones: the elbow has to be found again.
-                    ends = reach(b[0], ends, &shapes[l], (out[k][l], limb.soft()));
+                    ends = solve_two_bones(b[0], ends, &shapes[l], (out[k][l], limb.bend_share()));
                 }
                 let foot = if l < LEGS { Vec3::ZERO } else { scene.toes[k][l - LEGS] - now[k][l][2] };
-                Rod { ends, foot, way: ways[k][l], moved: false }
+                LimbSegment { ends, foot, freedom: ways[k][l], moved: false }
             })
         });
-        let obstacles = [0, 1].map(|k| obstacles(&now[k], shapes, &scene.cores[k]));
-        let mut near = [[Near::default(); NUM_LIMBS]; 2];
+        let obstacles = [0, 1].map(|k| limb_obstacles(&now[k], shapes, &scene.cores[k]));
+        let mut near = [[NearObstacles::default(); NUM_LIMBS]; 2];
         for (k, l) in [0, 1].into_iter().flat_map(|k| free(k).map(move |l| (k, l))) {
             let first = if l < LEGS { FOR_ARMS } else { 0 };
-            near[k][l] = Near::of(&rods[k][l], base[k][l][0], &shapes[l], (&obstacles[k ^ 1], first));
+            near[k][l] = NearObstacles::find_near(&rods[k][l], base[k][l][0], &shapes[l], (&obstacles[k ^ 1], first));
         }
         // Arms and kicking legs can touch each other; legs that step or carry weight can touch legs alone.
-        let balls = rods.each_ref().map(|rods| [0, 1, 2, 3].map(|l| rods[l].ball(&shapes[l])));
+        let balls = rods.each_ref().map(|rods| [0, 1, 2, 3].map(|l| rods[l].bounding_ball(&shapes[l])));
         let meet = |a: usize, b: usize| {
-            let are_alike = a.min(b) >= LEGS || [ways[0][a], ways[1][b]] == [Way::Free; 2];
+            let are_alike = a.min(b) >= LEGS || [ways[0][a], ways[1][b]] == [LimbFreedom::Free; 2];
             are_alike && balls[0][a].is_near(&balls[1][b])
         };
         for _ in 0..ROUNDS {
@@ -284,7 +288,7 @@ impl Touch {
             for (a, b) in (0..NUM_LIMBS).flat_map(|a| (0..NUM_LIMBS).map(move |b| (a, b))).filter(|(a, b)| meet(*a, *b))
             {
                 let [first, second] = &mut rods;
-                any |= part(&mut first[a], &shapes[a], &mut second[b], &shapes[b], give_m);
+                any |= separate_segments(&mut first[a], &shapes[a], &mut second[b], &shapes[b], give_m);
             }
             for k in 0..2 {
                 for l in free(k) {
@@ -292,10 +296,10 @@ impl Touch {
                     // The order is legs, upper arms, core: the last one counts most.
                     for (i, capsule) in obstacles[k ^ 1].iter().enumerate() {
                         if i >= FOR_UPPER && near.upper >> i & 1 == 1 {
-                            any |= rod.lift(base[k][l][0], shape, capsule, give_m);
+                            any |= rod.lift_out_of(base[k][l][0], shape, capsule, give_m);
                         }
                         if near.fore >> i & 1 == 1 {
-                            any |= rod.leave(shape, capsule, give_m);
+                            any |= rod.leave_capsule(shape, capsule, give_m);
                         }
                     }
                 }
@@ -305,7 +309,7 @@ impl Touch {
             }
             for k in 0..2 {
                 for (l, rod) in rods[k].iter_mut().enumerate().filter(|(_, rod)| rod.moved) {
-                    rod.ends = reach(base[k][l][0], rod.ends, &shapes[l], (out[k][l], 1.0));
+                    rod.ends = solve_two_bones(base[k][l][0], rod.ends, &shapes[l], (out[k][l], 1.0));
                 }
             }
         }
@@ -322,15 +326,15 @@ impl Touch {
     ///
     /// - `model`: pose of the motion in model space.
     /// - `locals`: pose relative to parents, or empty.
-    pub fn apply(&self, one: usize, root: Planar, model: &mut [Mat3x4], locals: &mut [LocalTransform]) {
+    pub fn apply_to_pose(&self, one: usize, root: Planar, model: &mut [Mat3x4], locals: &mut [LocalTransform]) {
         let to_model = root.rotation().conjugate();
         for (l, limb) in self.limbs[one].iter().enumerate().filter(|(_, limb)| limb.is_displaced()) {
             let joints = LIMBS[l].map(Joint::index);
             let [root, middle, end] = joints.map(|j| model[j].translation());
             let off = limb.off.map(|o| maths::rotate(to_model, o));
             let [to_middle, to_end] = [middle + off[0], end + off[1]];
-            let upper = arc(middle - root, to_middle - root);
-            let lower = arc(end - middle, to_end - to_middle);
+            let upper = rotation_between(middle - root, to_middle - root);
+            let lower = rotation_between(end - middle, to_end - to_middle);
             let mut turn = |j: usize, turn: Quat, at: Vec3| {
                 model[j] = Mat3x4::from_rotation_translation(turn, Vec3::ZERO) * model[j];
                 model[j].rows.iter_mut().zip(at.to_array()).for_each(|(row, v)| row[3] = v);
@@ -357,29 +361,29 @@ impl Touch {
 }
 
 /// Inputs of the displacement of two characters' limbs.
-struct Scene<'a> {
+struct TouchScene<'a> {
     shapes: &'a [LimbShape; NUM_LIMBS],
     cores: &'a [[Capsule; NUM_CORE + 1]; 2],
-    now: &'a Places,
+    now: &'a LimbPositions,
     toes: &'a [[Vec3; 2]; 2],
-    ways: &'a [[Way; NUM_LIMBS]; 2],
+    freedoms: &'a [[LimbFreedom; NUM_LIMBS]; 2],
     /// Depth to which flesh gives way (m).
     give_m: f32,
 }
 
 /// Freedom of each limb of a character, by its contacts and the heights of its ankles.
-fn ways(now: &[[Vec3; 3]; NUM_LIMBS], contacts: Contacts) -> [Way; NUM_LIMBS] {
+fn limb_freedoms(now: &[[Vec3; 3]; NUM_LIMBS], contacts: Contacts) -> [LimbFreedom; NUM_LIMBS] {
     let ankles = [0, 1].map(|k| now[LEGS + k][2].y);
     std::array::from_fn(|l| match l {
-        0..LEGS => Way::Free,
-        _ if ankles[l - LEGS] > ankles[LEGS + 1 - l] + RAISED_M => Way::Free,
-        _ if contacts.any(SOLES[l - LEGS]) => Way::Stays,
-        _ => Way::Level,
+        0..LEGS => LimbFreedom::Free,
+        _ if ankles[l - LEGS] > ankles[LEGS + 1 - l] + RAISED_M => LimbFreedom::Free,
+        _ if contacts.any(SOLES[l - LEGS]) => LimbFreedom::Stays,
+        _ => LimbFreedom::Level,
     })
 }
 
 /// Directions in which straight limbs bend: elbows outwards and down, knees ahead.
-fn outwards(limbs: &[[Vec3; 3]; NUM_LIMBS]) -> [Vec3; NUM_LIMBS] {
+fn bend_directions(limbs: &[[Vec3; 3]; NUM_LIMBS]) -> [Vec3; NUM_LIMBS] {
     let across = |l: usize| (limbs[l][0] - limbs[l + 1][0]).normalize_or_zero();
     let (shoulders, ahead) = (across(0), across(LEGS).cross(Vec3::Y));
     [shoulders - Vec3::Y, -shoulders - Vec3::Y, ahead, ahead]
@@ -390,7 +394,7 @@ const NUM_OBSTACLES: usize = FOR_UPPER + NUM_CORE + 1;
 const FOR_ARMS: usize = 2;
 const FOR_UPPER: usize = FOR_ARMS + LEGS;
 
-fn obstacles(
+fn limb_obstacles(
     limbs: &[[Vec3; 3]; NUM_LIMBS],
     shapes: &[LimbShape; NUM_LIMBS],
     core: &[Capsule; NUM_CORE + 1],
@@ -405,19 +409,24 @@ fn obstacles(
 
 /// Obstacles that the two bones of a limb might meet, a bit for each.
 #[derive(Clone, Copy, Debug, Default)]
-struct Near {
+struct NearObstacles {
     fore: u32,
     upper: u32,
 }
 
-impl Near {
+impl NearObstacles {
     /// - `first`: number of the first obstacle that is tested.
-    fn of(rod: &Rod, root: Vec3, shape: &LimbShape, (obstacles, first): (&[Capsule; NUM_OBSTACLES], usize)) -> Self {
-        let fore = rod.ball(shape);
-        let upper = Ball::about([root, rod.ends[0]], shape.upper_radius);
+    fn find_near(
+        rod: &LimbSegment,
+        root: Vec3,
+        shape: &LimbShape,
+        (obstacles, first): (&[Capsule; NUM_OBSTACLES], usize),
+    ) -> Self {
+        let fore = rod.bounding_ball(shape);
+        let upper = BoundingBall::around_segment([root, rod.ends[0]], shape.upper_radius);
         let mut near = Self::default();
         for (i, capsule) in obstacles.iter().enumerate().skip(first) {
-            let ball = Ball::about(capsule.ends, capsule.radius);
+            let ball = BoundingBall::around_segment(capsule.ends, capsule.radius);
             near.fore |= u32::from(fore.is_near(&ball)) << i;
             near.upper |= u32::from(upper.is_near(&ball)) << i;
         }

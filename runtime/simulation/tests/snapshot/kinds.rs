@@ -4,7 +4,7 @@ use super::scenes;
 use glam::Vec2;
 use proptest::prelude::*;
 use throng_core::stops::BODY_RADIUS_M;
-use throng_simulation::{GroupCast, Simulation};
+use throng_simulation::{AnyCharacterGroup, Simulation};
 
 /// The disc that somebody takes on the ground.
 fn disc(sim: &Simulation, who: usize) -> Option<(Vec2, f32)> {
@@ -16,7 +16,7 @@ fn disc(sim: &Simulation, who: usize) -> Option<(Vec2, f32)> {
 
 /// Casts of two who may be in each other: inhabitants keep what they hold, opponents spar.
 fn cast_of(sim: &Simulation, who: usize) -> usize {
-    sim.groups().iter().find(|g| g.characters.contains(&who)).map_or(0, |g| g.cast)
+    sim.groups().iter().find(|g| g.characters.contains(&who)).map_or(0, |g| g.character_group)
 }
 
 /// Deepest that two of different kinds are in each other (m).
@@ -36,9 +36,9 @@ fn deepest(sim: &Simulation) -> f32 {
 /// Tells a boxer to play a segment at once; false where that is refused.
 fn play(sim: &mut Simulation, who: usize, segment: u32) -> bool {
     let number = sim.locate(who).1;
-    match sim.cast_mut(cast_of(sim, who)) {
-        GroupCast::Policy(p) => p.play(number, segment).is_ok(),
-        GroupCast::Sparring(s) => s.play(number, segment).is_ok(),
+    match sim.character_group_mut(cast_of(sim, who)) {
+        AnyCharacterGroup::Policy(p) => p.play(number, segment).is_ok(),
+        AnyCharacterGroup::Sparring(s) => s.play(number, segment).is_ok(),
         _ => unreachable!("only those box"),
     }
 }

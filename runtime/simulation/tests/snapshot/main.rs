@@ -6,7 +6,7 @@ mod scenes;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use throng_core::*;
-use throng_simulation::{CompiledScene, Event, GroupCast, Happened, Simulation};
+use throng_simulation::{AnyCharacterGroup, CharacterEvent, CompiledScene, Simulation, SimulationEvent};
 use throng_world as world;
 
 const DT: f64 = 1.0 / 30.0;
@@ -17,7 +17,7 @@ struct Seen {
     hash: u64,
     roots: Vec<Option<Planar>>,
     poses: Vec<Option<[Mat3x4; NUM_JOINTS]>>,
-    events: Vec<Event>,
+    events: Vec<SimulationEvent>,
 }
 
 fn see(sim: &Simulation) -> Seen {
@@ -30,7 +30,7 @@ fn new(scene: &CompiledScene) -> Simulation {
 }
 
 /// What is seen after each of some steps.
-fn watch(sim: &mut Simulation, steps: usize, run: &dyn Run) -> Vec<Seen> {
+fn watch(sim: &mut Simulation, steps: usize, run: &dyn Executor) -> Vec<Seen> {
     let step = |_| {
         sim.step_on(DT, run).unwrap_or_else(|e| panic!("{e}"));
         see(sim)
@@ -41,7 +41,7 @@ fn watch(sim: &mut Simulation, steps: usize, run: &dyn Run) -> Vec<Seen> {
 /// So many threads, which take one part after the other.
 struct Threads(usize);
 
-impl Run for Threads {
+impl Executor for Threads {
     fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
         let next = AtomicUsize::new(0);
         std::thread::scope(|scope| {
@@ -96,14 +96,14 @@ fn scenes_are_busy_enough_to_prove_anything() {
     for (_, scene) in scenes::all() {
         let mut sim = new(&scene);
         let events = watch(&mut sim, 150, &Inline).into_iter().flat_map(|s| s.events);
-        happened.extend(events.map(|e| match e.happened {
-            Happened::Hit { .. } => "hit",
-            Happened::Struck { .. } => "struck",
-            Happened::Fulfilled => "fulfilled",
-            Happened::Arrived => "arrived",
-            Happened::Left => "left",
-            Happened::Stuck => "stuck",
-            Happened::RunInto { .. } => "run into",
+        happened.extend(events.map(|e| match e.kind {
+            CharacterEvent::Hit { .. } => "hit",
+            CharacterEvent::Struck { .. } => "struck",
+            CharacterEvent::Fulfilled => "fulfilled",
+            CharacterEvent::Arrived => "arrived",
+            CharacterEvent::Left => "left",
+            CharacterEvent::Stuck => "stuck",
+            CharacterEvent::RunInto { .. } => "run into",
         }));
     }
     for what in ["hit", "struck", "fulfilled", "arrived", "left"] {
@@ -149,16 +149,16 @@ fn what_is_told_from_outside_is_kept() {
     let before = sim.snapshot();
     let calm = watch(&mut sim, 30, &Inline);
     for cast in 0..3 {
-        match sim.cast_mut(cast) {
-            GroupCast::Policy(p) => {
+        match sim.character_group_mut(cast) {
+            AnyCharacterGroup::Policy(p) => {
                 p.set_home(2, glam::Vec3::new(1.0, 1.4, 0.0)).unwrap();
                 p.set_weights(&[0.3]).unwrap();
             }
-            GroupCast::Sparring(s) => {
+            AnyCharacterGroup::Sparring(s) => {
                 s.set_weights(&[-1.0]).unwrap();
                 s.play(3, 1).unwrap();
             }
-            GroupCast::Patches(p) => p.tell(1, Some(world::inhabitants::Wish::Roam)).unwrap(),
+            AnyCharacterGroup::Patches(p) => p.order_goal(1, Some(world::inhabitants::InhabitantGoal::Roam)).unwrap(),
             _ => unreachable!("three kinds"),
         }
     }
@@ -201,8 +201,8 @@ fn choices_do_not_depend_on_how_a_group_is_split() {
 /// What a character has chosen at random, apart from where a grid puts it: choices made and segment, or the body.
 fn chosen(sim: &Simulation, who: usize) -> (Option<(u32, u32)>, Option<[Mat3x4; NUM_JOINTS]>) {
     let (characters, number) = match sim.locate(who) {
-        (GroupCast::Policy(p), number) => (p.practice().characters(), number),
-        (GroupCast::Sparring(s), number) => (s.sparring().characters(), number),
+        (AnyCharacterGroup::Policy(p), number) => (p.practice().characters(), number),
+        (AnyCharacterGroup::Sparring(s), number) => (s.sparring().characters(), number),
         _ => return (None, sim.pose(who).copied()),
     };
     (Some((characters.num_choices(number), characters.segment(number).0)), None)

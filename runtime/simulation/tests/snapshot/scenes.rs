@@ -56,7 +56,7 @@ fn folder() -> &'static Path {
         ] {
             let stitched = made(name, || {
                 let world = made_up_world::world(&tables, &rows);
-                let graph = WorldGraph::new(tables.patches(), &world.view()).expect("a graph");
+                let graph = WorldGraph::new(tables.patches(), &world.tables()).expect("a graph");
                 let mut bytes = Vec::new();
                 world.write(&PathCosts::bake(&graph).expect("path costs"), &mut bytes).expect("a world");
                 bytes

@@ -1,7 +1,7 @@
 //! Tables of a world that `stitch` computes, so that opening it takes no search: the path hierarchy with its costs,
 //! paths to rest, narrow passages, open borders.
 
-use super::{Bounds, WorldGraph};
+use super::{OpenConnections, WorldGraph};
 use crate::path_hierarchy::PathHierarchy;
 use crate::pod;
 use serde::{Deserialize, Serialize};
@@ -21,8 +21,8 @@ impl PathCosts {
     /// # Errors
     /// [`FormatError::Layout`] where they cannot be encoded.
     pub fn bake(graph: &WorldGraph) -> Result<Self, FormatError> {
-        let (to_rest, narrow, bounds) = graph.derived();
-        let baked = BakedRef { to_rest, narrow, bounds, hierarchy: graph.hierarchy() };
+        let (to_rest, narrow, bounds) = graph.derived_tables();
+        let baked = BakedCostsRef { to_rest, narrow, bounds, hierarchy: graph.hierarchy() };
         let bytes = bincode::serde::encode_to_vec(baked, bincode::config::legacy());
         bytes.map(Self).map_err(|e| FormatError::layout(format!("path costs cannot be written: {e}")))
     }
@@ -34,25 +34,25 @@ impl PathCosts {
 }
 
 #[derive(Serialize)]
-struct BakedRef<'a> {
+struct BakedCostsRef<'a> {
     #[serde(with = "pod")]
     to_rest: &'a [u32],
     narrow: &'a [bool],
-    bounds: &'a Bounds,
+    bounds: &'a OpenConnections,
     hierarchy: &'a PathHierarchy,
 }
 
 /// Baked tables, as read from a file.
 #[derive(Deserialize)]
-pub(crate) struct Baked {
+pub(crate) struct BakedCosts {
     #[serde(with = "pod")]
     pub to_rest: Vec<u32>,
     pub narrow: Vec<bool>,
-    pub bounds: Bounds,
+    pub bounds: OpenConnections,
     pub hierarchy: PathHierarchy,
 }
 
-impl Baked {
+impl BakedCosts {
     /// Decodes a section. What it says is checked by [`WorldGraph::from_baked`].
     ///
     /// # Errors
@@ -72,13 +72,13 @@ mod tests {
     use super::*;
     use crate::made_up::{Tile, nodes, places};
     use crate::made_up_floor;
-    use crate::plan::{Planner, Target};
-    use crate::{Step, WorldData};
+    use crate::plan::{PlanTarget, WorldPlanner};
+    use crate::{WorldData, WorldStep};
     use throng_core::patch::NONE;
 
     fn floor(tile: &Tile) -> (WorldData, PathCosts) {
         let world = tile.floor(&places([3, 4, 2]));
-        let costs = PathCosts::bake(&WorldGraph::new(&tile.patches(), &world.view()).unwrap()).unwrap();
+        let costs = PathCosts::bake(&WorldGraph::new(&tile.patches(), &world.tables()).unwrap()).unwrap();
         (world, costs)
     }
 
@@ -86,15 +86,16 @@ mod tests {
     fn planning_with_baked_costs_finds_the_same_paths() {
         let tile = Tile::crossed_in(20, 16);
         let (world, costs) = floor(&tile);
-        let made = WorldGraph::new(&tile.patches(), &world.view()).unwrap();
-        let read = WorldGraph::from_baked(&tile.patches(), &world.view(), Baked::decode(&costs.0).unwrap()).unwrap();
+        let made = WorldGraph::new(&tile.patches(), &world.tables()).unwrap();
+        let read =
+            WorldGraph::from_baked(&tile.patches(), &world.tables(), BakedCosts::decode(&costs.0).unwrap()).unwrap();
         assert_eq!(PathCosts::bake(&read).unwrap().0, costs.0);
-        let (mut a, mut b) = (Planner::new(&made), Planner::new(&read));
-        let (mut steps_a, mut steps_b) = ([Step::NONE; 64], [Step::NONE; 64]);
+        let (mut a, mut b) = (WorldPlanner::new(&made), WorldPlanner::new(&read));
+        let (mut steps_a, mut steps_b) = ([WorldStep::NONE; 64], [WorldStep::NONE; 64]);
         let all = nodes(&made);
         for (from, to) in all.iter().step_by(7).flat_map(|f| all.iter().step_by(11).map(move |t| (*f, *t))) {
-            let plan = a.plan(&made, from, Target::Node(to), &mut steps_a);
-            assert_eq!(plan, b.plan(&read, from, Target::Node(to), &mut steps_b));
+            let plan = a.plan(&made, from, PlanTarget::Node(to), &mut steps_a);
+            assert_eq!(plan, b.plan(&read, from, PlanTarget::Node(to), &mut steps_b));
             assert_eq!(steps_a, steps_b);
         }
     }
@@ -103,10 +104,10 @@ mod tests {
     fn ways_to_rest_along_links_that_are_not_there_are_refused() {
         let tables = made_up_floor::tables();
         let mut world = made_up_floor::world(&tables, &["##", "##"]);
-        let graph = WorldGraph::new(tables.patches(), &world.view()).unwrap();
+        let graph = WorldGraph::new(tables.patches(), &world.tables()).unwrap();
         let costs = PathCosts::bake(&graph).unwrap();
         let open = |world: &WorldData| {
-            WorldGraph::from_baked(tables.patches(), &world.view(), Baked::decode(&costs.0).unwrap()).map(|_| ())
+            WorldGraph::from_baked(tables.patches(), &world.tables(), BakedCosts::decode(&costs.0).unwrap()).map(|_| ())
         };
         open(&world).unwrap();
         let link = *graph.to_rest.iter().find(|l| **l != NONE).unwrap();
@@ -119,23 +120,24 @@ mod tests {
     fn no_damage_to_costs_leads_out_of_their_tables() {
         let tile = Tile::crossed_in(20, 16);
         let (world, costs) = floor(&tile);
-        let all = nodes(&WorldGraph::new(&tile.patches(), &world.view()).unwrap());
-        let (mut steps, mut refused) = ([Step::NONE; 64], 0);
+        let all = nodes(&WorldGraph::new(&tile.patches(), &world.tables()).unwrap());
+        let (mut steps, mut refused) = ([WorldStep::NONE; 64], 0);
         for at in (0..costs.0.len()).step_by(costs.0.len() / 2000 + 1) {
             let mut bytes = costs.0.clone();
             bytes[at] ^= 0x80;
-            let read = Baked::decode(&bytes).and_then(|b| WorldGraph::from_baked(&tile.patches(), &world.view(), b));
+            let read =
+                BakedCosts::decode(&bytes).and_then(|b| WorldGraph::from_baked(&tile.patches(), &world.tables(), b));
             let Ok(graph) = read else {
                 refused += 1;
                 continue;
             };
-            let mut planner = Planner::new(&graph);
+            let mut planner = WorldPlanner::new(&graph);
             for pair in all.windows(2).step_by(40) {
-                let _ = planner.plan_soon(&graph, pair[0], Target::Node(all[all.len() - 1]), &mut steps);
-                let _ = planner.plan_soon(&graph, all[0], Target::Node(pair[1]), &mut steps);
+                let _ = planner.plan_soon(&graph, pair[0], PlanTarget::Node(all[all.len() - 1]), &mut steps);
+                let _ = planner.plan_soon(&graph, all[0], PlanTarget::Node(pair[1]), &mut steps);
             }
         }
         assert!(refused > 20, "{refused}");
-        assert!((0..costs.0.len()).step_by(97).all(|len| Baked::decode(&costs.0[..len]).is_err()));
+        assert!((0..costs.0.len()).step_by(97).all(|len| BakedCosts::decode(&costs.0[..len]).is_err()));
     }
 }

@@ -1,8 +1,8 @@
 //! Index of joints: the range of each cell and link in the tables.
 
-use crate::WorldView;
+use crate::WorldTables;
 use std::ops::Range;
-use throng_core::patch::{KIND_TILE, Patches};
+use throng_core::patch::{KIND_TILE, PatchTables};
 
 /// Places of joints by what they are at.
 #[derive(Clone, Debug, Default)]
@@ -15,7 +15,7 @@ pub(crate) struct JointIndex {
 
 impl JointIndex {
     /// Indexes all tables of a checked world.
-    pub fn new(patches: &Patches, world: &WorldView) -> Self {
+    pub fn new(patches: &PatchTables, world: &WorldTables) -> Self {
         let mut out = Self::default();
         for t in &world.tables {
             let range = t.first_joint as usize..(t.first_joint + t.num_joints) as usize;

@@ -1,32 +1,32 @@
 //! The graph over a world: nodes are (instance, cell), edges are links and joints. It is never stored, only walked.
 
 mod baked;
-mod bounds;
+mod connections;
 mod joints;
 mod passages;
 mod rest;
 mod steps;
 
-pub(crate) use baked::Baked;
+pub(crate) use baked::BakedCosts;
 pub use baked::PathCosts;
-pub(crate) use bounds::Bounds;
-pub(crate) use steps::{Crossing, Walk};
-pub use steps::{Node, Step};
+pub(crate) use connections::OpenConnections;
+pub(crate) use steps::{JointCrossing, StepVisitor};
+pub use steps::{WorldNode, WorldStep};
 
 use super::path_hierarchy::PathHierarchy;
-use super::{InstanceRecord, WorldView, is_set};
+use super::{InstanceRecord, WorldTables, is_set};
 use glam::Vec3;
 use joints::JointIndex;
 use std::sync::{Arc, OnceLock};
 use throng_core::format::FormatError;
-use throng_core::patch::{CellRecord, KIND_TILE, LinkRecord, NONE, Patches, Placement};
+use throng_core::patch::{CellRecord, KIND_TILE, LinkRecord, NONE, PatchTables, Placement};
 
 /// A world with its patches, and tables computed from them once: the number of every instance's first node, the links
 /// that lead to rest, and the connections between instances.
 #[derive(Clone, Debug)]
 pub struct WorldGraph {
-    patches: Patches,
-    world: WorldView,
+    patches: PatchTables,
+    world: WorldTables,
     /// Number of the first node of each instance, and of all nodes (instances + 1).
     first_node: Vec<u32>,
     /// Link of each node that leads towards the nearest rest cell within its instance; [`NONE`] where none does.
@@ -36,7 +36,7 @@ pub struct WorldGraph {
     /// Index of the joints in their tables.
     joints: JointIndex,
     /// Open connections between instances.
-    pub(crate) bounds: Bounds,
+    pub(crate) bounds: OpenConnections,
     /// Path hierarchy, computed by the first planner.
     hierarchy: Arc<OnceLock<PathHierarchy>>,
 }
@@ -47,11 +47,11 @@ impl WorldGraph {
     ///
     /// # Errors
     /// [`FormatError::Layout`] where the world has no instance, or more nodes than can be counted.
-    pub fn new(patches: &Patches, world: &WorldView) -> Result<Self, FormatError> {
-        let mut graph = Self::bare(patches, world)?;
-        graph.to_rest = rest::ways(&graph);
-        graph.bounds = Bounds::new(&graph);
-        graph.narrow = passages::find(&graph);
+    pub fn new(patches: &PatchTables, world: &WorldTables) -> Result<Self, FormatError> {
+        let mut graph = Self::without_costs(patches, world)?;
+        graph.to_rest = rest::links_to_rest(&graph);
+        graph.bounds = OpenConnections::new(&graph);
+        graph.narrow = passages::narrow_passages(&graph);
         Ok(graph)
     }
 
@@ -59,8 +59,12 @@ impl WorldGraph {
     ///
     /// # Errors
     /// As [`WorldGraph::new`], and where the tables do not fit the world.
-    pub(crate) fn from_baked(patches: &Patches, world: &WorldView, baked: Baked) -> Result<Self, FormatError> {
-        let mut graph = Self::bare(patches, world)?;
+    pub(crate) fn from_baked(
+        patches: &PatchTables,
+        world: &WorldTables,
+        baked: BakedCosts,
+    ) -> Result<Self, FormatError> {
+        let mut graph = Self::without_costs(patches, world)?;
         (graph.to_rest, graph.narrow, graph.bounds) = (baked.to_rest, baked.narrow, baked.bounds);
         if !graph.is_sound() || !baked.hierarchy.is_sound(&graph) {
             let message = "its path costs (section WPTH) are not those of its instances, or cannot be";
@@ -71,7 +75,7 @@ impl WorldGraph {
     }
 
     /// Counts nodes, and looks joints up.
-    fn bare(patches: &Patches, world: &WorldView) -> Result<Self, FormatError> {
+    fn without_costs(patches: &PatchTables, world: &WorldTables) -> Result<Self, FormatError> {
         if world.instances.is_empty() {
             return Err(FormatError::layout("the world has no instance: no character can be there"));
         }
@@ -92,13 +96,13 @@ impl WorldGraph {
             to_rest: Vec::new(),
             narrow: Vec::new(),
             joints: JointIndex::new(patches, world),
-            bounds: Bounds::default(),
+            bounds: OpenConnections::default(),
             hierarchy: Arc::default(),
         })
     }
 
     /// Tables that are computed once for a world: see the fields.
-    pub(crate) fn derived(&self) -> (&[u32], &[bool], &Bounds) {
+    pub(crate) fn derived_tables(&self) -> (&[u32], &[bool], &OpenConnections) {
         (&self.to_rest, &self.narrow, &self.bounds)
     }
 
@@ -109,7 +113,7 @@ impl WorldGraph {
             let (links, here) = (self.links(instance), &self.to_rest[first..][..self.cells(instance).len()]);
             let begins = |(cell, &link): (u32, &u32)| {
                 let can_be_taken = |l: &LinkRecord| {
-                    let inside = self.is_node(Node { instance, cell: l.to });
+                    let inside = self.is_node(WorldNode { instance, cell: l.to });
                     l.from == cell && !l.is_for_two() && inside && self.is_link_enabled(instance, link)
                 };
                 link == NONE || links.get(link as usize).is_some_and(can_be_taken)
@@ -123,12 +127,12 @@ impl WorldGraph {
     }
 
     /// The world.
-    pub fn world(&self) -> &WorldView {
+    pub fn world(&self) -> &WorldTables {
         &self.world
     }
 
     /// The patches that it consists of.
-    pub fn patches(&self) -> &Patches {
+    pub fn patches(&self) -> &PatchTables {
         &self.patches
     }
 
@@ -143,7 +147,7 @@ impl WorldGraph {
     }
 
     /// Number of a node among all.
-    pub(crate) fn index(&self, node: Node) -> usize {
+    pub(crate) fn index(&self, node: WorldNode) -> usize {
         (self.first_node[node.instance as usize] + node.cell) as usize
     }
 
@@ -173,38 +177,38 @@ impl WorldGraph {
     }
 
     /// The cell of a node (the node exists).
-    pub fn cell(&self, node: Node) -> &CellRecord {
+    pub fn cell(&self, node: WorldNode) -> &CellRecord {
         &self.cells(node.instance)[node.cell as usize]
     }
 
     /// Placement of a node in the world: planar root and height of the hips.
-    pub fn place(&self, node: Node) -> Placement {
+    pub fn place(&self, node: WorldNode) -> Placement {
         self.instance(node.instance).placement.compose(self.cell(node).placement)
     }
 
     /// True where a cell is enabled and not an exit: those are the entries of neighbours (the node exists).
-    pub fn is_node(&self, node: Node) -> bool {
-        self.is_enabled(node) && !self.cell(node).is(CellRecord::IS_EXIT)
+    pub fn is_node(&self, node: WorldNode) -> bool {
+        self.is_enabled(node) && !self.cell(node).has_flags(CellRecord::IS_EXIT)
     }
 
     /// True where a character may stay (the node exists).
-    pub fn is_rest(&self, node: Node) -> bool {
+    pub fn is_rest(&self, node: WorldNode) -> bool {
         let link = self.to_rest[self.index(node)];
         link != NONE && self.links(node.instance)[link as usize].to == node.cell
     }
 
     /// True where a rest cell can be reached without leaving the instance (the node exists).
-    pub fn is_safe(&self, node: Node) -> bool {
+    pub fn is_safe(&self, node: WorldNode) -> bool {
         self.to_rest[self.index(node)] != NONE
     }
 
     /// True where a character may rest during a path: within an instance that is no narrow passage. (the node exists)
-    pub fn is_stop(&self, node: Node) -> bool {
+    pub fn is_stop(&self, node: WorldNode) -> bool {
         self.is_safe(node) && !self.narrow[node.instance as usize]
     }
 
     /// True where motion with a tag begins at a node inside of an instance, and a character may stay there.
-    pub fn begins(&self, node: Node, tag: u16) -> bool {
+    pub fn can_begin_tag(&self, node: WorldNode, tag: u16) -> bool {
         let cell = self.cell(node);
         let mut links = cell.first_link..cell.first_link + cell.num_links;
         let shows = |l| self.links(node.instance)[l as usize].tag == tag && self.step_along(node.instance, l).is_some();
@@ -218,13 +222,13 @@ impl WorldGraph {
     }
 
     /// First step towards rest from a node that is safe; at a rest cell, the step that stays there.
-    pub(crate) fn step_to_rest(&self, node: Node) -> Option<Step> {
+    pub(crate) fn step_to_rest(&self, node: WorldNode) -> Option<WorldStep> {
         let link = self.to_rest[self.index(node)];
         if link == NONE { None } else { self.step_along(node.instance, link) }
     }
 
     /// True where a cell is enabled (the node exists).
-    pub fn is_enabled(&self, node: Node) -> bool {
+    pub fn is_enabled(&self, node: WorldNode) -> bool {
         is_set(&self.world.cell_words, self.instance(node.instance).first_cell_word, node.cell)
     }
 
@@ -239,14 +243,14 @@ impl WorldGraph {
     }
 
     /// Lowest and highest corner of all that bodies reach in an instance, in its patch's frame (m).
-    pub(crate) fn reach(&self, instance: u32) -> [Vec3; 2] {
+    pub(crate) fn reach_bounds(&self, instance: u32) -> [Vec3; 2] {
         let p = &self.patches.patches[self.instance(instance).patch as usize];
         [p.min, p.max].map(Vec3::from_array)
     }
 
     /// Middle of all that bodies reach in an instance (m).
     pub(crate) fn centre(&self, instance: u32) -> Vec3 {
-        let [min, max] = self.reach(instance);
+        let [min, max] = self.reach_bounds(instance);
         self.instance(instance).placement.transform_point((min + max) * 0.5)
     }
 }

@@ -11,7 +11,7 @@ const LONGEST: usize = 8;
 const AROUND: usize = 5;
 
 /// True for every instance that is part of a narrow passage (instances).
-pub(super) fn find(graph: &WorldGraph) -> Vec<bool> {
+pub(super) fn narrow_passages(graph: &WorldGraph) -> Vec<bool> {
     let mut narrow: Vec<bool> = (0..graph.num_instances() as u32).map(|i| is_narrow(graph, i)).collect();
     let mut seen = vec![false; narrow.len()];
     for first in 0..narrow.len() {

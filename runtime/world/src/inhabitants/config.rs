@@ -1,10 +1,10 @@
 //! Settings, goals and activities of inhabitants.
 
-use crate::{Node, Place};
+use crate::{RestPlace, WorldNode};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
-use throng_base::error::check;
+use throng_base::error::check_value;
 use throng_base::limits::{CAPACITY, PATH_STEPS, STEP_S};
 use throng_core::characters::CharactersConfig;
 
@@ -32,16 +32,16 @@ impl InhabitantsConfig {
         CAPACITY.check_count("capacity", capacity)?;
         PATH_STEPS.check_count("capacity times max_path", capacity.saturating_mul(self.max_path))?;
         let patience = self.patience_s;
-        check("patience_s", None, patience, patience > 0.0 && patience < 1e6, "more than 0 and below 1e6")?;
-        check("plans_per_step", None, self.plans_per_step as f64, self.plans_per_step > 0, "at least 1")?;
+        check_value("patience_s", None, patience, patience > 0.0 && patience < 1e6, "more than 0 and below 1e6")?;
+        check_value("plans_per_step", None, self.plans_per_step as f64, self.plans_per_step > 0, "at least 1")?;
         let max = self.max_path;
-        check("max_path", None, max as f64, (8..=65536).contains(&max), "between 8 and 65536")
+        check_value("max_path", None, max as f64, (8..=65536).contains(&max), "between 8 and 65536")
     }
 }
 
 /// Goal of an inhabitant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub enum Wish {
+pub enum InhabitantGoal {
     /// Wander about.
     #[default]
     Roam,
@@ -53,7 +53,7 @@ pub enum Wish {
     /// Go to a place, and stay.
     GoToPlace {
         /// See [`crate::World::near`].
-        place: Place,
+        place: RestPlace,
     },
     /// Go to the free place nearest to a point, and stay there; go to another one if it is taken first.
     GoNear {
@@ -71,14 +71,14 @@ pub enum Wish {
     },
     /// Perform an action with a partner, again and again, then stay; set by [`super::Inhabitants::meet`] alone.
     Meet {
-        /// Tag of the action, as for [`Wish::Perform`].
+        /// Tag of the action, as for [`InhabitantGoal::Perform`].
         tag: u16,
         /// Duration (s, >= 0).
         seconds: f32,
     },
 }
 
-impl Wish {
+impl InhabitantGoal {
     /// True where it leads nowhere.
     pub(super) fn is_roaming(&self) -> bool {
         *self == Self::Roam
@@ -87,7 +87,7 @@ impl Wish {
 
 /// Current activity of an inhabitant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Doing {
+pub enum InhabitantActivity {
     /// Wanders.
     #[default]
     Roaming,
@@ -115,11 +115,11 @@ pub enum Doing {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InhabitantState {
     /// Node that its motion leads to.
-    pub node: Node,
+    pub node: WorldNode,
     /// Goal.
-    pub wish: Wish,
+    pub goal: InhabitantGoal,
     /// Current activity.
-    pub doing: Doing,
+    pub activity: InhabitantActivity,
     /// Number of goals reached so far.
     pub num_fulfilled: u32,
     /// Time that it has waited for units that others hold (s).

@@ -2,15 +2,15 @@
 //!
 //! Decisions are made in the order of the characters, on one thread; they are few.
 
-use super::chain::{self, MAX_CHAIN, MAX_OPENED, ToPath, ToSafety};
-use super::config::{Doing, Wish};
+use super::chains::{self, MAX_CHAIN, MAX_OPENED, RejoinSearch, SafetySearch};
+use super::config::{InhabitantActivity, InhabitantGoal};
 use super::purpose::{BRISK_MPS, Purpose};
-use super::reservations::OUTSIDER;
-use super::{InhabitantEvent, Inhabitants, State, lay};
-use crate::plan::{Found, Target};
-use crate::{Step, World, WorldGraph};
+use super::reservations::EXTERNAL_HOLDER;
+use super::{InhabitantEvent, InhabitantMemory, Inhabitants, schedule};
+use crate::plan::{PlanTarget, SearchResult};
+use crate::{World, WorldGraph, WorldStep};
 use throng_base::Result;
-use throng_core::characters::uniform;
+use throng_core::characters::uniform_random;
 use throng_core::patch::LinkRecord;
 
 /// Random steps that are tried before those that need no search are taken.
@@ -23,11 +23,11 @@ const MAX_REJOINED: usize = 8;
 const MAX_REJOIN_OPENED: usize = 1000;
 /// Times that a character loses patience before it stays blocked: in all, and behind characters that stay.
 pub(super) const MAX_TRIES: u32 = 20;
-const MAX_TRIES_SETTLED: u32 = 3;
+const MAX_TRIES_STAYING: u32 = 3;
 /// Steps of its path after which a character is patient again.
 pub(super) const CALM_AFTER: u32 = 6;
 /// Factor on the patience of two characters that block each other's paths: of the one that yields, and of the other.
-const GIVES_WAY: f32 = 0.25;
+const YIELD_CHANCE: f32 = 0.25;
 const INSISTS: f32 = 4.0;
 /// Extra cost of an instance that others hold, for a character that lost patience (frames).
 const TOLL: f32 = 120.0;
@@ -35,21 +35,23 @@ const TOLL: f32 = 120.0;
 const TOLL_OF_WHO_STAYS: f32 = 3000.0;
 
 impl Inhabitants {
-    pub(super) fn control(&mut self, world: &World, dt_s: f32) -> Result<()> {
+    pub(super) fn control_all(&mut self, world: &World, dt_s: f32) -> Result<()> {
         let (motion_set, graph) = (world.motion_set(), world.graph());
         self.plan_paths(graph);
         self.begin_meetings(graph);
         let frames = dt_s * self.rate_hz;
         for c in 0..self.states.len() {
             while self.characters.frames_left(c) <= frames {
-                let Some(step) = self.decide(graph, c) else { break };
+                let Some(step) = self.decide_step(graph, c) else { break };
                 let from = std::mem::replace(&mut self.states[c].at, step.to);
                 self.states[c].through = [from.instance, step.instance];
                 self.states[c].plays_pair = graph.link(&step).is_some_and(LinkRecord::is_for_two);
                 let root = self.characters.scheduled_end(motion_set, c);
-                let Some(scheduled_clip) = lay::scheduled_clip(graph, motion_set, &step, Some(root)) else { break };
-                self.characters.lay(motion_set, c, &scheduled_clip)?;
-                self.release(graph, c);
+                let Some(scheduled_clip) = schedule::scheduled_clip(graph, motion_set, &step, Some(root)) else {
+                    break;
+                };
+                self.characters.schedule_clip(motion_set, c, &scheduled_clip)?;
+                self.release_units(graph, c);
             }
         }
         self.time_s += f64::from(dt_s);
@@ -59,15 +61,15 @@ impl Inhabitants {
     /// Plans the oldest requests.
     fn plan_paths(&mut self, graph: &WorldGraph) {
         for _ in 0..self.config.plans_per_step {
-            let Some(c) = self.paths.next() else { return };
-            let from = self.end(c);
+            let Some(c) = self.paths.next_waiting() else { return };
+            let from = self.end_node(c);
             let Some(mut target) = self.paths.target(c) else { continue };
-            if let Target::Tag { instance, tag } = target
+            if let PlanTarget::Tag { instance, tag } = target
                 && !self.reservations.are_free(graph, instance, c as u32)
                 && let Some(instance) = self.nearest_offer(graph, c, tag)
             {
-                target = Target::Tag { instance, tag };
-                self.paths.forget(c, Some(target));
+                target = PlanTarget::Tag { instance, tag };
+                self.paths.forget_path(c, Some(target));
             }
             if !self.reservations.are_free(graph, target.instance(), c as u32)
                 && self.turn_to_free(graph, c)
@@ -86,76 +88,78 @@ impl Inhabitants {
                 if partners == Some(i) {
                     return TOLL_OF_WHO_STAYS;
                 }
-                let held = reservations.other(graph, i, c as u32).filter(|_| i != target.instance());
+                let held = reservations.other_holder(graph, i, c as u32).filter(|_| i != target.instance());
                 let stays = match held.map(|other| states.get(other as usize)) {
                     None => return 0.0,
                     // As long as waiting for its end takes.
-                    Some(Some(s)) if s.doing == Doing::Performing => s.frames_left(rate_hz).min(TOLL_OF_WHO_STAYS),
-                    Some(Some(s)) if s.doing == Doing::Arrived && impatient => TOLL_OF_WHO_STAYS,
+                    Some(Some(s)) if s.doing == InhabitantActivity::Performing => {
+                        s.frames_left(rate_hz).min(TOLL_OF_WHO_STAYS)
+                    }
+                    Some(Some(s)) if s.doing == InhabitantActivity::Arrived && impatient => TOLL_OF_WHO_STAYS,
                     Some(_) => 0.0,
                 };
                 if impatient { stays.max(TOLL) } else { stays }
             };
-            match self.planner.plan_around(graph, from, target, toll, self.paths.room(c)) {
+            match self.planner.plan_around(graph, from, target, toll, self.paths.step_buffer(c)) {
                 Some(plan) => {
                     self.paths.set(c, from, plan);
-                    let steps = self.paths.of(c).iter().map(|s| Some(s.to.instance));
+                    let steps = self.paths.steps_of(c).iter().map(|s| Some(s.to.instance));
                     if partners.is_some() && steps.skip_while(|i| *i == partners).any(|i| i == partners) {
-                        self.states[c].doing = Doing::Unreachable;
+                        self.states[c].doing = InhabitantActivity::Unreachable;
                     }
                 }
                 None => {
-                    self.states[c].doing = Doing::Unreachable;
-                    self.events.push((self.roster.ids()[c], InhabitantEvent::NoWay));
+                    self.states[c].doing = InhabitantActivity::Unreachable;
+                    self.events.push((self.roster.ids()[c], InhabitantEvent::NoPath));
                 }
             }
         }
     }
 
     /// The next step of a character.
-    fn decide(&mut self, graph: &WorldGraph, c: usize) -> Option<Step> {
+    fn decide_step(&mut self, graph: &WorldGraph, c: usize) -> Option<WorldStep> {
         if let Some(step) = self.chains.pop(c) {
-            self.count(graph, c, &step);
+            self.count_step(graph, c, &step);
             return Some(step);
         }
         if let Some(step) = self.decide_together(graph, c) {
             return step;
         }
         if self.states[c].detour == 0 && self.time_s < self.states[c].until_s {
-            return self.rest(graph, c);
+            return self.rest_step(graph, c);
         }
         if self.states[c].detour > 0 {
             self.states[c].detour -= 1;
-            self.states[c].doing = Doing::Detour;
+            self.states[c].doing = InhabitantActivity::Detour;
             if self.states[c].detour == 0 {
-                self.pause(c);
+                self.pause_after_detour(c);
             }
             // A step aside to rest is not counted.
             let at = self.states[c].at;
-            let on = self.pick(graph, c, |s| s.to != at && !graph.is_rest(s.to));
-            let step = on.and_then(|step| self.go(graph, c, step, None));
-            return step.or_else(|| self.roam(graph, c)).or_else(|| self.rest(graph, c));
+            let on = self.pick_step(graph, c, |s| s.to != at && !graph.is_rest(s.to));
+            let step = on.and_then(|step| self.try_step(graph, c, step, None));
+            return step.or_else(|| self.roam_step(graph, c)).or_else(|| self.rest_step(graph, c));
         }
         let Some(target) = self.paths.target(c) else {
-            self.states[c].doing = Doing::Roaming;
-            return self.roam(graph, c).or_else(|| self.rest(graph, c));
+            self.states[c].doing = InhabitantActivity::Roaming;
+            return self.roam_step(graph, c).or_else(|| self.rest_step(graph, c));
         };
-        if matches!(self.states[c].doing, Doing::Unreachable | Doing::Arrived) {
-            return self.rest(graph, c);
+        if matches!(self.states[c].doing, InhabitantActivity::Unreachable | InhabitantActivity::Arrived) {
+            return self.rest_step(graph, c);
         }
         if self.has_performed(c) || target.is_at(graph, self.states[c].at) {
-            return self.there(graph, c, target);
+            return self.act_at_target(graph, c, target);
         }
-        let step = self.follow(graph, c);
-        step.iter().for_each(|step| self.count(graph, c, step));
-        step.or_else(|| self.rest(graph, c))
+        let step = self.follow_path(graph, c);
+        step.iter().for_each(|step| self.count_step(graph, c, step));
+        step.or_else(|| self.rest_step(graph, c))
     }
 
     /// Counts a step towards the time of an action that is to be performed. Of a slide, the first part leads to where a
     /// character may stop and begin again.
-    fn count(&mut self, graph: &WorldGraph, c: usize, step: &Step) {
+    fn count_step(&mut self, graph: &WorldGraph, c: usize, step: &WorldStep) {
         let state = &mut self.states[c];
-        if let Wish::Perform { tag, .. } = state.wish
+        if let InhabitantGoal::Perform { tag, .. } = state.wish
             && graph.link(step).is_some_and(|l| l.tag == tag)
         {
             state.performed = state.performed.saturating_add(step.num_frames());
@@ -165,142 +169,150 @@ impl Inhabitants {
     /// True once a character has performed its action long enough.
     fn has_performed(&self, c: usize) -> bool {
         let state = &self.states[c];
-        matches!(state.wish, Wish::Perform { .. }) && state.performed > 0 && state.frames_left(self.rate_hz) <= 0.0
+        matches!(state.wish, InhabitantGoal::Perform { .. })
+            && state.performed > 0
+            && state.frames_left(self.rate_hz) <= 0.0
     }
 
     /// Acts at the target: stays, or performs the action of its goal.
-    fn there(&mut self, graph: &WorldGraph, c: usize, target: Target) -> Option<Step> {
-        self.calm(c);
-        if let (Target::Tag { tag, .. }, Wish::Perform { seconds, .. }) = (target, self.states[c].wish)
+    fn act_at_target(&mut self, graph: &WorldGraph, c: usize, target: PlanTarget) -> Option<WorldStep> {
+        self.reset_patience(c);
+        if let (PlanTarget::Tag { tag, .. }, InhabitantGoal::Perform { seconds, .. }) = (target, self.states[c].wish)
             && seconds > 0.0
             && !self.has_performed(c)
         {
-            self.states[c].doing = Doing::Performing;
-            let shown = self.pick(graph, c, |s| graph.link(s).is_some_and(|l| l.tag == tag));
-            let step = shown.and_then(|step| self.go(graph, c, step, None));
-            step.iter().for_each(|step| self.count(graph, c, step));
-            return step.or_else(|| self.rest(graph, c));
+            self.states[c].doing = InhabitantActivity::Performing;
+            let shown = self.pick_step(graph, c, |s| graph.link(s).is_some_and(|l| l.tag == tag));
+            let step = shown.and_then(|step| self.try_step(graph, c, step, None));
+            step.iter().for_each(|step| self.count_step(graph, c, step));
+            return step.or_else(|| self.rest_step(graph, c));
         }
         let state = &mut self.states[c];
-        state.doing = Doing::Arrived;
+        state.doing = InhabitantActivity::Arrived;
         state.num_fulfilled = state.num_fulfilled.wrapping_add(1);
         self.events.push((self.roster.ids()[c], InhabitantEvent::Fulfilled));
-        self.rest(graph, c)
+        self.rest_step(graph, c)
     }
 
     /// Joins one of the next steps of its path, past some of them, on another path: back to a path that it left to
     /// wait, or around units that others hold, unless it may lead through these too.
     ///
     /// - returns false where there is no such path, or no short one.
-    fn rejoin(&mut self, graph: &WorldGraph, c: usize, past: usize, through: bool) -> bool {
+    fn rejoin_path(&mut self, graph: &WorldGraph, c: usize, past: usize, through: bool) -> bool {
         let at = self.states[c].at;
-        let left = self.paths.of(c);
+        let left = self.paths.steps_of(c);
         let next = &left[past.min(left.len())..left.len().min(past + MAX_REJOINED)];
         if next.is_empty() {
             return false;
         }
-        let mut space =
-            ToPath { graph, reservations: &self.reservations, character: c as u32, at, steps: next, through };
+        let mut space = RejoinSearch {
+            graph,
+            reservations: &self.reservations,
+            character: c as u32,
+            start: at,
+            steps: next,
+            through,
+        };
         let nodes = &mut self.planner.nodes;
-        let Found::Path(way) = nodes.search(graph, at, &mut space, MAX_REJOIN_OPENED) else { return false };
-        let mut steps = [Step::NONE; MAX_REJOINED];
-        let len = nodes.path(way, &mut steps);
+        let SearchResult::Path(way) = nodes.search(graph, at, &mut space, MAX_REJOIN_OPENED) else { return false };
+        let mut steps = [WorldStep::NONE; MAX_REJOINED];
+        let len = nodes.write_path(way, &mut steps);
         if len > MAX_REJOINED {
             return false;
         }
         let end = steps[..len].last().map(|s| s.to);
         let Some(joined) = next.iter().position(|s| Some(s.to) == end) else { return false };
-        self.paths.rejoin(c, at, &steps[..len], past + joined);
+        self.paths.rejoin_path(c, at, &steps[..len], past + joined);
         true
     }
 
     /// Another character that holds a unit which the first steps of a character's path need.
-    fn barred(&self, graph: &WorldGraph, c: usize, num_steps: usize) -> Option<usize> {
-        let steps = &self.paths.of(c)[..num_steps];
-        steps.iter().find_map(|s| chain::holder(graph, &self.reservations, c as u32, s)).map(|h| h as usize)
+    fn first_holder(&self, graph: &WorldGraph, c: usize, num_steps: usize) -> Option<usize> {
+        let steps = &self.paths.steps_of(c)[..num_steps];
+        steps.iter().find_map(|s| chains::holder(graph, &self.reservations, c as u32, s)).map(|h| h as usize)
     }
 
     /// Steps of a character's path up to where it may come to rest; none where they are not known.
-    fn stretch(&self, graph: &WorldGraph, c: usize) -> Option<&[Step]> {
-        let (path, target) = (self.paths.from(c, self.states[c].at), self.paths.target(c)?);
+    fn steps_to_rest(&self, graph: &WorldGraph, c: usize) -> Option<&[WorldStep]> {
+        let (path, target) = (self.paths.start_node(c, self.states[c].at), self.paths.target(c)?);
         let last = path.iter().position(|s| graph.is_stop(s.to) || target.is_at(graph, s.to))?;
         (last < MAX_CHAIN).then(|| &path[..=last])
     }
 
     /// The next steps of the path, where what they need is free.
-    fn follow(&mut self, graph: &WorldGraph, c: usize) -> Option<Step> {
-        if self.paths.begin(c).is_some_and(|from| from != self.states[c].at) {
-            let _ = self.rejoin(graph, c, 0, false) || self.rejoin(graph, c, 0, true);
+    fn follow_path(&mut self, graph: &WorldGraph, c: usize) -> Option<WorldStep> {
+        if self.paths.begin_node(c).is_some_and(|from| from != self.states[c].at) {
+            let _ = self.rejoin_path(graph, c, 0, false) || self.rejoin_path(graph, c, 0, true);
         }
-        let Some(steps) = self.stretch(graph, c) else {
-            if self.states[c].doing != Doing::Blocked {
-                self.states[c].doing = Doing::Planning;
+        let Some(steps) = self.steps_to_rest(graph, c) else {
+            if self.states[c].doing != InhabitantActivity::Blocked {
+                self.states[c].doing = InhabitantActivity::Planning;
             }
-            self.paths.ask(c);
+            self.paths.request_path(c);
             return None;
         };
         let mut len = steps.len();
-        if let Some(holder) = self.barred(graph, c, len) {
-            if self.rejoin(graph, c, len, false) {
-                len = self.stretch(graph, c).map_or(0, <[Step]>::len);
+        if let Some(holder) = self.first_holder(graph, c, len) {
+            if self.rejoin_path(graph, c, len, false) {
+                len = self.steps_to_rest(graph, c).map_or(0, <[WorldStep]>::len);
             }
-            if len == 0 || self.barred(graph, c, len).is_some() {
-                self.refuse(graph, c, holder);
+            if len == 0 || self.first_holder(graph, c, len).is_some() {
+                self.note_refusal(graph, c, holder);
                 return None;
             }
         }
-        self.chains.set(c, &self.paths.from(c, self.states[c].at)[..len]);
+        self.chains.set(c, &self.paths.start_node(c, self.states[c].at)[..len]);
         self.paths.advance(c, len);
         let state = &mut self.states[c];
-        state.doing = Doing::Walking;
+        state.doing = InhabitantActivity::Walking;
         state.refused_s = None;
         state.progress += 1;
         if state.progress >= CALM_AFTER {
             (state.progress, state.impatience) = (0, state.impatience.saturating_sub(1));
         }
-        self.reserve(graph, c)
+        self.reserve_chain(graph, c)
     }
 
     /// Notes that another character holds a unit that is needed.
     ///
     /// Behind a character that goes on, it waits, loses patience and makes a detour. If its place is taken by one that
     /// stays, or it lost patience too often, it waits and moves out of the way of others.
-    fn refuse(&mut self, graph: &WorldGraph, c: usize, holder: usize) {
-        let is_inhabitant = holder != OUTSIDER as usize;
-        let is_blocked = is_inhabitant && self.states[holder].doing == Doing::Blocked;
-        let is_settled = is_blocked || is_inhabitant && self.stays(holder);
-        let is_taken = is_settled && self.taken_by(graph, c).is_some();
+    fn note_refusal(&mut self, graph: &WorldGraph, c: usize, holder: usize) {
+        let is_inhabitant = holder != EXTERNAL_HOLDER as usize;
+        let is_blocked = is_inhabitant && self.states[holder].doing == InhabitantActivity::Blocked;
+        let is_settled = is_blocked || is_inhabitant && self.has_come_to_stay(holder);
+        let is_taken = is_settled && self.occupant_of(graph, c).is_some();
         self.forget_tries(c);
         // Of two that block each other's paths, one yields soon and the other one late.
-        let share = match is_inhabitant && self.needs_what_is_held(graph, holder, c) {
-            true if holder < c => GIVES_WAY,
+        let share = match is_inhabitant && self.needs_units_of(graph, holder, c) {
+            true if holder < c => YIELD_CHANCE,
             true => INSISTS,
             false => 1.0,
         };
-        let chance = self.chance(c);
+        let chance = self.draw_random(c);
         let (now, patience_s) = (self.time_s, f64::from(self.config.patience_s * share * (0.5 + chance)));
         let [tries, tries_settled] = self.states[c].tries;
-        let gives_up = tries >= MAX_TRIES || is_settled && tries_settled >= MAX_TRIES_SETTLED;
-        if is_taken && !gives_up && self.try_another(graph, c) || gives_up && self.stay_near(graph, c) {
+        let gives_up = tries >= MAX_TRIES || is_settled && tries_settled >= MAX_TRIES_STAYING;
+        if is_taken && !gives_up && self.try_another_place(graph, c) || gives_up && self.set_nearest_target(graph, c) {
             return;
         }
         if is_blocked {
             self.states[holder].in_the_way |= !is_taken && !gives_up;
         }
         let state = &mut self.states[c];
-        state.doing = if is_taken || gives_up { Doing::Blocked } else { Doing::Waiting };
+        state.doing = if is_taken || gives_up { InhabitantActivity::Blocked } else { InhabitantActivity::Waiting };
         state.progress = 0;
         let waits = now - *state.refused_s.get_or_insert(now) < patience_s;
         let makes_room = std::mem::take(&mut state.in_the_way) && !gives_up;
-        if state.doing == Doing::Blocked && !makes_room {
+        if state.doing == InhabitantActivity::Blocked && !makes_room {
             if !waits {
                 // Another path may have become free.
                 state.refused_s = None;
-                self.paths.ask(c);
+                self.paths.request_path(c);
             }
             return;
         }
-        if state.doing == Doing::Waiting && waits || is_settled && self.try_another(graph, c) {
+        if state.doing == InhabitantActivity::Waiting && waits || is_settled && self.try_another_place(graph, c) {
             return;
         }
         let state = &mut self.states[c];
@@ -309,7 +321,7 @@ impl Inhabitants {
         state.refused_s = None;
         state.detour = 1 + (chance * (2u32 << state.impatience) as f32) as u32;
         state.impatience = (state.impatience + 1).min(MAX_IMPATIENCE);
-        self.paths.forget(c, self.paths.target(c));
+        self.paths.forget_path(c, self.paths.target(c));
     }
 
     /// Resets the number of tries after a new order: without new ones, all characters come to rest in the end.
@@ -321,85 +333,86 @@ impl Inhabitants {
     }
 
     /// Sends a character to another free place near its target; false where there is none.
-    fn try_another(&mut self, graph: &WorldGraph, c: usize) -> bool {
+    fn try_another_place(&mut self, graph: &WorldGraph, c: usize) -> bool {
         let turned = self.turn_to_free(graph, c);
         if turned {
-            self.states[c].doing = Doing::Planning;
+            self.states[c].doing = InhabitantActivity::Planning;
             self.states[c].tries[1] += 1;
-            self.paths.ask(c);
+            self.paths.request_path(c);
         }
         turned
     }
 
     /// Waits after a detour, so that others have time to pass.
-    fn pause(&mut self, c: usize) {
+    fn pause_after_detour(&mut self, c: usize) {
         let longest_s = 0.5 * self.config.patience_s * (1u32 << self.states[c].impatience) as f32;
-        let pause_s = self.chance(c) * longest_s;
+        let pause_s = self.draw_random(c) * longest_s;
         self.states[c].until_s = self.time_s + f64::from(pause_s);
     }
 
     /// True where the next steps of a character's path need a unit that another character holds.
-    fn needs_what_is_held(&self, graph: &WorldGraph, character: usize, by: usize) -> bool {
-        self.barred_by(graph, character) == Some(by)
+    fn needs_units_of(&self, graph: &WorldGraph, character: usize, by: usize) -> bool {
+        self.holder_in_way(graph, character) == Some(by)
     }
 
     /// Character that holds a unit which the next steps of a character's path need.
-    pub(super) fn barred_by(&self, graph: &WorldGraph, c: usize) -> Option<usize> {
-        let stretch = self.stretch(graph, c)?.len();
-        self.barred(graph, c, stretch)
+    pub(super) fn holder_in_way(&self, graph: &WorldGraph, c: usize) -> Option<usize> {
+        let stretch = self.steps_to_rest(graph, c)?.len();
+        self.first_holder(graph, c, stretch)
     }
 
     /// Resets patience, as nothing blocks the character any more.
-    pub(super) fn calm(&mut self, c: usize) {
+    pub(super) fn reset_patience(&mut self, c: usize) {
         let state = &mut self.states[c];
         (state.refused_s, state.impatience, state.progress) = (None, 0, 0);
     }
 
     /// A random step anywhere else, preferably in the direction of the character's purpose, and further steps until it
     /// can come to rest.
-    fn roam(&mut self, graph: &WorldGraph, c: usize) -> Option<Step> {
-        self.go_on(graph, c);
+    fn roam_step(&mut self, graph: &WorldGraph, c: usize) -> Option<WorldStep> {
+        self.update_purpose(graph, c);
         let (at, purpose) = (self.states[c].at, self.states[c].purpose);
         let (rests, place, brisk) = (graph.is_rest(at), graph.place(at), self.rate_hz / BRISK_MPS);
         for attempt in 0..TRIES {
             // A character that has rested tries to leave first, not to rest elsewhere.
             let leave = rests && attempt < TRIES / 2;
-            let wanted = |s: &Step| s.to != at && !(leave && graph.is_rest(s.to));
-            let share = |s: &Step| if wanted(s) { purpose.share(graph, [place.x, place.z], s, brisk) } else { 0.0 };
-            let Some(step) = self.pick_of(graph, c, share) else { continue };
-            if let Some(step) = self.go(graph, c, step, Some(purpose)) {
+            let wanted = |s: &WorldStep| s.to != at && !(leave && graph.is_rest(s.to));
+            let share =
+                |s: &WorldStep| if wanted(s) { purpose.step_weight(graph, [place.x, place.z], s, brisk) } else { 0.0 };
+            let Some(step) = self.pick_step_of(graph, c, share) else { continue };
+            if let Some(step) = self.try_step(graph, c, step, Some(purpose)) {
                 return Some(step);
             }
         }
-        let step = self.pick(graph, c, |s| s.to != at && graph.is_stop(s.to))?;
-        self.go(graph, c, step, None)
+        let step = self.pick_step(graph, c, |s| s.to != at && graph.is_stop(s.to))?;
+        self.try_step(graph, c, step, None)
     }
 
     /// Stays at rest, or goes there within the units it holds.
-    pub(super) fn rest(&mut self, graph: &WorldGraph, c: usize) -> Option<Step> {
+    pub(super) fn rest_step(&mut self, graph: &WorldGraph, c: usize) -> Option<WorldStep> {
         let at = self.states[c].at;
         if !graph.is_rest(at) {
             return graph.step_to_rest(at);
         }
-        let still = |s: &Step| s.to == at && graph.link(s).is_some_and(|l| l.tag == 0);
-        self.pick(graph, c, still).or_else(|| graph.step_to_rest(at))
+        let still = |s: &WorldStep| s.to == at && graph.link(s).is_some_and(|l| l.tag == 0);
+        self.pick_step(graph, c, still).or_else(|| graph.step_to_rest(at))
     }
 
     /// Any of the steps that can be taken now and are wanted, with equal chances.
-    fn pick(&mut self, graph: &WorldGraph, c: usize, wanted: impl Fn(&Step) -> bool) -> Option<Step> {
-        self.pick_of(graph, c, |s| if wanted(s) { 1.0 } else { 0.0 })
+    fn pick_step(&mut self, graph: &WorldGraph, c: usize, wanted: impl Fn(&WorldStep) -> bool) -> Option<WorldStep> {
+        self.pick_step_of(graph, c, |s| if wanted(s) { 1.0 } else { 0.0 })
     }
 
     /// Random step among those that can be taken now, with the given weights (>= 0; 0 for steps that are not wanted).
-    fn pick_of(&mut self, graph: &WorldGraph, c: usize, share: impl Fn(&Step) -> f32) -> Option<Step> {
+    fn pick_step_of(&mut self, graph: &WorldGraph, c: usize, share: impl Fn(&WorldStep) -> f32) -> Option<WorldStep> {
         let (seed, name, mut draws) = (self.config.characters.seed, self.name(c), self.states[c].draws);
         let (mut chosen, mut sum) = (None, 0.0);
         graph.for_each_step(self.states[c].at, |step| {
             let share = share(&step);
-            if share > 0.0 && chain::is_free(graph, &self.reservations, c as u32, &step) {
+            if share > 0.0 && chains::is_free(graph, &self.reservations, c as u32, &step) {
                 sum += share;
                 draws = draws.wrapping_add(1);
-                if uniform(seed, name, draws.into()) * sum < share {
+                if uniform_random(seed, name, draws.into()) * sum < share {
                     chosen = Some(step);
                 }
             }
@@ -410,48 +423,56 @@ impl Inhabitants {
 
     /// Tries a step, with further steps until the character can come to rest, preferably along paths in the direction
     /// of its purpose.
-    fn go(&mut self, graph: &WorldGraph, c: usize, step: Step, purpose: Option<Purpose>) -> Option<Step> {
+    fn try_step(
+        &mut self,
+        graph: &WorldGraph,
+        c: usize,
+        step: WorldStep,
+        purpose: Option<Purpose>,
+    ) -> Option<WorldStep> {
         if graph.is_stop(step.to) {
             self.chains.set(c, &[step]);
-            return self.reserve(graph, c);
+            return self.reserve_chain(graph, c);
         }
         let (character, seed, draw) = (c as u32, self.config.characters.seed, self.states[c].draws);
         let start = graph.place(self.states[c].at);
         let bound = purpose.map(|p| (p, [start.x, start.z]));
-        let mut space = ToSafety { graph, reservations: &self.reservations, character, seed, draw, bound };
+        let mut space = SafetySearch { graph, reservations: &self.reservations, character, seed, draw, bound };
         let nodes = &mut self.planner.nodes;
-        let Found::Path(way) = nodes.search(graph, step.to, &mut space, MAX_OPENED) else { return None };
+        let SearchResult::Path(way) = nodes.search(graph, step.to, &mut space, MAX_OPENED) else { return None };
         if nodes.cost(way) == f32::INFINITY {
             return None;
         }
-        let len = nodes.path(way, self.chains.begin(c, step));
-        if self.chains.extend(c, len) { self.reserve(graph, c) } else { None }
+        let len = nodes.write_path(way, self.chains.begin_chain(c, step));
+        if self.chains.extend_chain(c, len) { self.reserve_chain(graph, c) } else { None }
     }
 
     /// Takes the units that the chain needs, and returns its first step.
-    fn reserve(&mut self, graph: &WorldGraph, c: usize) -> Option<Step> {
-        for step in self.chains.of(c) {
+    fn reserve_chain(&mut self, graph: &WorldGraph, c: usize) -> Option<WorldStep> {
+        for step in self.chains.steps_of(c) {
             if graph.link(step).is_some() {
-                self.reservations.take(graph.resources(step.instance), c as u32);
+                self.reservations.take_units(graph.resources(step.instance), c as u32);
             }
-            self.reservations.take(graph.resources(step.to.instance), c as u32);
+            self.reservations.take_units(graph.resources(step.to.instance), c as u32);
         }
         self.chains.pop(c)
     }
 
     /// Releases units that neither the present step nor those after it need.
-    fn release(&mut self, graph: &WorldGraph, c: usize) {
+    fn release_units(&mut self, graph: &WorldGraph, c: usize) {
         self.reservations.clear_marks();
         let reservations = &mut self.reservations;
-        needs(graph, &self.states[c], self.chains.of(c), |instance| reservations.mark(graph.resources(instance)));
-        reservations.release(c as u32);
+        visit_needed_instances(graph, &self.states[c], self.chains.steps_of(c), |instance| {
+            reservations.mark_units(graph.resources(instance))
+        });
+        reservations.release_unmarked(c as u32);
     }
 
     /// A random number of a character, in [0, 1).
-    pub(super) fn chance(&mut self, c: usize) -> f32 {
+    pub(super) fn draw_random(&mut self, c: usize) -> f32 {
         let (name, state) = (self.name(c), &mut self.states[c]);
         state.draws = state.draws.wrapping_add(1);
-        uniform(self.config.characters.seed, name, state.draws.into())
+        uniform_random(self.config.characters.seed, name, state.draws.into())
     }
 
     /// Name by which random numbers of a character are drawn, beside the seed and their number.
@@ -463,7 +484,12 @@ impl Inhabitants {
 }
 
 /// Calls `visit` with the instances whose units a character needs: of the present step and of those after it.
-pub(super) fn needs(graph: &WorldGraph, state: &State, chain: &[Step], mut visit: impl FnMut(u32)) {
+pub(super) fn visit_needed_instances(
+    graph: &WorldGraph,
+    state: &InhabitantMemory,
+    chain: &[WorldStep],
+    mut visit: impl FnMut(u32),
+) {
     state.through.iter().for_each(|&instance| visit(instance));
     visit(state.at.instance);
     for step in chain {

@@ -1,34 +1,34 @@
 //! Inhabitants: characters that live in a world, hold the units they need, and pursue their goals (Lee, Choi and Lee
 //! 2006, section 7).
 
-mod cast;
-mod chain;
+mod chains;
+mod character_group;
 mod config;
 mod decide;
 mod ground;
-mod lay;
 mod offers;
 mod pairs;
 mod paths;
 mod purpose;
 mod reservations;
 mod scatter;
+mod schedule;
 mod snapshot;
 mod targets;
 
-pub use cast::{InhabitantEvent, PLACED_WITHIN_M};
-pub use config::{Doing, InhabitantState, InhabitantsConfig, Wish};
+pub use character_group::{InhabitantEvent, PLACED_WITHIN_M};
+pub use config::{InhabitantActivity, InhabitantGoal, InhabitantState, InhabitantsConfig};
 pub use pairs::MeetingState;
-pub use scatter::scatter;
+pub use scatter::scatter_rest_nodes;
 
-use super::plan::{Plan, Planner};
-use super::{Node, Step, World};
-use chain::Chains;
-use ground::Grounds;
-use pairs::{Meeting, PairOffer, Parted};
-use paths::Paths;
+use super::plan::{WorldPlan, WorldPlanner};
+use super::{World, WorldNode, WorldStep};
+use chains::Chains;
+use ground::InstanceCapsules;
+use pairs::{PairMeeting, PairOffer, PartingReason};
+use paths::InhabitantPaths;
 use purpose::Purpose;
-use reservations::Reservations;
+use reservations::UnitReservations;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use throng_base::{Id, Result};
@@ -37,13 +37,13 @@ use throng_core::{Contacts, Planar, Roster};
 
 /// State of an inhabitant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct State {
+struct InhabitantMemory {
     /// Node that its motion leads to.
-    at: Node,
+    at: WorldNode,
     /// Instances that its motion leads through: the one where it began, and the one whose link it plays.
     through: [u32; 2],
-    wish: Wish,
-    doing: Doing,
+    wish: InhabitantGoal,
+    doing: InhabitantActivity,
     num_fulfilled: u32,
     /// Time at which it was first refused a unit, since it last got one (s).
     refused_s: Option<f64>,
@@ -67,32 +67,34 @@ struct State {
     tries: [u32; 2],
     told: u32,
     /// Meeting with a partner, if there is one.
-    meeting: Option<Meeting>,
+    meeting: Option<PairMeeting>,
     /// True while it plays what two do together.
     plays_pair: bool,
     /// Reason why its meeting ended since the last step, if it did.
-    parted: Option<Parted>,
+    parted: Option<PartingReason>,
     /// Time at which it goes on after an action with a partner: it need not rest for long (s).
     leaves_s: Option<f64>,
 }
 
-impl State {
+impl InhabitantMemory {
     /// Least remaining time of the action that it performs (frames).
     fn frames_left(&self, rate_hz: f32) -> f32 {
         match self.wish {
-            Wish::Perform { seconds, .. } | Wish::Meet { seconds, .. } => seconds * rate_hz - self.performed as f32,
+            InhabitantGoal::Perform { seconds, .. } | InhabitantGoal::Meet { seconds, .. } => {
+                seconds * rate_hz - self.performed as f32
+            }
             _ => 0.0,
         }
         .max(0.0)
     }
 
     /// At rest in a place, without a goal.
-    fn at(node: Node) -> Self {
+    fn resting_at(node: WorldNode) -> Self {
         Self {
             at: node,
             through: [node.instance; 2],
-            wish: Wish::Roam,
-            doing: Doing::Roaming,
+            wish: InhabitantGoal::Roam,
+            doing: InhabitantActivity::Roaming,
             num_fulfilled: 0,
             refused_s: None,
             draws: 0,
@@ -113,10 +115,10 @@ impl State {
     }
 
     /// Replaces the goal, which it has not begun to pursue.
-    fn wishing(self, wish: Wish) -> Self {
-        let doing = if wish.is_roaming() { Doing::Roaming } else { Doing::Planning };
+    fn with_goal(self, wish: InhabitantGoal) -> Self {
+        let doing = if wish.is_roaming() { InhabitantActivity::Roaming } else { InhabitantActivity::Planning };
         let Self { at, through, num_fulfilled, draws, purpose, progress, plays_pair, parted, leaves_s, .. } = self;
-        let new = Self { wish, doing, through, num_fulfilled, draws, purpose, progress, ..Self::at(at) };
+        let new = Self { wish, doing, through, num_fulfilled, draws, purpose, progress, ..Self::resting_at(at) };
         Self { plays_pair, parted, leaves_s, ..new }
     }
 }
@@ -136,13 +138,13 @@ pub struct Inhabitants {
     roster: Roster,
     characters: Characters,
     roots: Vec<Planar>,
-    states: Vec<State>,
+    states: Vec<InhabitantMemory>,
     chains: Chains,
-    paths: Paths,
-    reservations: Reservations,
+    paths: InhabitantPaths,
+    reservations: UnitReservations,
     /// Capsule of each instance, by its number; made when there are external obstacles.
-    grounds: Option<Arc<Grounds>>,
-    planner: Planner,
+    grounds: Option<Arc<InstanceCapsules>>,
+    planner: WorldPlanner,
     /// Instances that offer each tag, by `tag - 1`.
     offers: Vec<Vec<u32>>,
     /// Places for actions of two.
@@ -169,12 +171,12 @@ impl Inhabitants {
             roots: Vec::with_capacity(capacity),
             states: Vec::with_capacity(capacity),
             chains: Chains::new(capacity),
-            paths: Paths::new(capacity, config.max_path),
-            reservations: Reservations::new(graph, capacity),
+            paths: InhabitantPaths::new(capacity, config.max_path),
+            reservations: UnitReservations::new(graph, capacity),
             grounds: None,
-            planner: Planner::new(graph),
-            offers: offers::by_tag(graph),
-            pair_offers: pairs::offers(graph),
+            planner: WorldPlanner::new(graph),
+            offers: offers::offers_by_tag(graph),
+            pair_offers: pairs::pair_offers(graph),
             // In one step, a character may lose its partner, find no path, begin and arrive.
             events: Vec::with_capacity(4 * capacity),
             rate_hz: motion_set.rate_hz,
@@ -211,7 +213,7 @@ impl Inhabitants {
     pub fn state(&self, id: Id) -> Result<InhabitantState> {
         let s = &self.states[self.roster.row(id)?];
         let waited_s = s.refused_s.map_or(0.0, |since| (self.time_s - since) as f32);
-        Ok(InhabitantState { node: s.at, wish: s.wish, doing: s.doing, num_fulfilled: s.num_fulfilled, waited_s })
+        Ok(InhabitantState { node: s.at, goal: s.wish, activity: s.doing, num_fulfilled: s.num_fulfilled, waited_s })
     }
 
     /// Planted parts of a character's feet.
@@ -226,36 +228,36 @@ impl Inhabitants {
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
-    pub fn reserved(&self, id: Id) -> Result<&[Step]> {
-        Ok(self.chains.of(self.roster.row(id)?))
+    pub fn reserved_steps(&self, id: Id) -> Result<&[WorldStep]> {
+        Ok(self.chains.steps_of(self.roster.row(id)?))
     }
 
     /// Steps of its path that a character has not begun yet, as far as they are kept; empty where it has none.
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
-    pub fn path(&self, id: Id) -> Result<&[Step]> {
-        Ok(self.paths.of(self.roster.row(id)?))
+    pub fn path_steps(&self, id: Id) -> Result<&[WorldStep]> {
+        Ok(self.paths.steps_of(self.roster.row(id)?))
     }
 
     /// Result of a character's last planning, if there was one.
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
-    pub fn plan(&self, id: Id) -> Result<Option<&Plan>> {
-        Ok(self.paths.plan(self.roster.row(id)?))
+    pub fn last_plan(&self, id: Id) -> Result<Option<&WorldPlan>> {
+        Ok(self.paths.last_plan(self.roster.row(id)?))
     }
 
     /// Holder of a unit (unit < number of units).
     pub fn holder(&self, unit: u32) -> Option<Id> {
-        self.reservations.of(unit).map(|c| self.roster.ids()[c as usize])
+        self.reservations.holder_of(unit).map(|c| self.roster.ids()[c as usize])
     }
 
     /// Units that a character holds.
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
-    pub fn held(&self, id: Id) -> Result<impl Iterator<Item = u32> + '_> {
-        Ok(self.reservations.units(self.roster.row(id)? as u32))
+    pub fn units_of(&self, id: Id) -> Result<impl Iterator<Item = u32> + '_> {
+        Ok(self.reservations.units_of(self.roster.row(id)? as u32))
     }
 }

@@ -1,11 +1,11 @@
 //! Offers of instances: motion with a tag that begins at a reachable cell and from which a character can come to rest.
 
-use super::{Doing, Inhabitants, Wish};
-use crate::{Node, WorldGraph};
+use super::{InhabitantActivity, InhabitantGoal, Inhabitants};
+use crate::{WorldGraph, WorldNode};
 use throng_core::patch::LinkRecord;
 
 /// Instances that offer each tag, by `tag - 1`.
-pub(super) fn by_tag(graph: &WorldGraph) -> Vec<Vec<u32>> {
+pub(super) fn offers_by_tag(graph: &WorldGraph) -> Vec<Vec<u32>> {
     let alone = |l: &&LinkRecord| !l.is_for_two();
     let num_tags = graph.patches().links.iter().filter(alone).map(|l| usize::from(l.tag)).max().unwrap_or(0);
     let mut out = vec![Vec::new(); num_tags];
@@ -13,11 +13,11 @@ pub(super) fn by_tag(graph: &WorldGraph) -> Vec<Vec<u32>> {
         let mut come_to = None;
         for l in graph.links(instance).iter().filter(alone) {
             let Some(list) = usize::from(l.tag).checked_sub(1).map(|t| &mut out[t]) else { continue };
-            let from = Node { instance, cell: l.from };
-            if list.last() == Some(&instance) || !graph.begins(from, l.tag) {
+            let from = WorldNode { instance, cell: l.from };
+            if list.last() == Some(&instance) || !graph.can_begin_tag(from, l.tag) {
                 continue;
             }
-            if come_to.get_or_insert_with(|| graph.come_to(instance))[l.from as usize] {
+            if come_to.get_or_insert_with(|| graph.node_of_cell(instance))[l.from as usize] {
                 list.push(instance);
             }
         }
@@ -35,20 +35,21 @@ impl Inhabitants {
     pub(super) fn nearest_offer(&self, graph: &WorldGraph, character: usize, tag: u16) -> Option<u32> {
         let list = self.offers.get(usize::from(tag).checked_sub(1)?)?;
         let here = graph.place(self.states[character].at).translation();
-        let far = |i: u32| (graph.centre(i) - here).length() + WALK_MPS * self.held_for_s(graph, character, i);
+        let far = |i: u32| (graph.centre(i) - here).length() + WALK_MPS * self.others_held_for_s(graph, character, i);
         list.iter().copied().min_by(|&a, &b| far(a).total_cmp(&far(b)))
     }
 
     /// About how long others will hold an instance; 0 where it is free (s).
-    fn held_for_s(&self, graph: &WorldGraph, character: usize, instance: u32) -> f32 {
-        let others = graph.resources(instance).iter().filter_map(|&u| self.reservations.of(u)).map(|c| c as usize);
+    fn others_held_for_s(&self, graph: &WorldGraph, character: usize, instance: u32) -> f32 {
+        let others =
+            graph.resources(instance).iter().filter_map(|&u| self.reservations.holder_of(u)).map(|c| c as usize);
         let stays = |c: usize| {
             let (state, passes_s) = (&self.states[c], self.config.patience_s);
             match (state.doing, state.wish) {
-                (Doing::Performing, Wish::Perform { seconds, .. }) => {
+                (InhabitantActivity::Performing, InhabitantGoal::Perform { seconds, .. }) => {
                     (seconds - state.performed as f32 / self.rate_hz).max(passes_s)
                 }
-                (Doing::Arrived, _) => STAY_S,
+                (InhabitantActivity::Arrived, _) => STAY_S,
                 _ => passes_s,
             }
         };

@@ -7,13 +7,13 @@
 //! place of rest.
 
 use super::snapshot::is_time;
-use super::{Doing, InhabitantEvent, Inhabitants, Wish};
-use crate::plan::{Planner, Target};
-use crate::{Node, Step, WorldGraph};
+use super::{InhabitantActivity, InhabitantEvent, InhabitantGoal, Inhabitants};
+use crate::plan::{PlanTarget, WorldPlanner};
+use crate::{WorldGraph, WorldNode, WorldStep};
 use serde::{Deserialize, Serialize};
-use throng_base::error::check;
+use throng_base::error::check_value;
 use throng_base::{Error, Id, Result, maths};
-use throng_core::characters::uniform;
+use throng_core::characters::uniform_random;
 use throng_core::patch::{LinkRecord, NONE, Placement};
 use throng_core::planar::wrap_angle;
 use throng_core::{Contacts, Planar};
@@ -47,24 +47,24 @@ pub(super) struct PairOffer {
     /// Tag of the action: 1 + index into [`throng_core::format::Meta::link_tags`].
     pub tag: u16,
     /// Node where each begins.
-    pub starts: [Node; 2],
+    pub starts: [WorldNode; 2],
     /// Node where each ends.
-    pub ends: [Node; 2],
+    pub ends: [WorldNode; 2],
     /// Step of each, as a whole.
-    steps: [Step; 2],
+    steps: [WorldStep; 2],
 }
 
 impl PairOffer {
     /// The first frames of what one of the two plays; it is still where it begins then.
-    fn entry(&self, side: usize) -> Step {
+    fn entry_step(&self, side: usize) -> WorldStep {
         let whole = self.steps[side];
-        Step { to: self.starts[side], to_offset: ENTRY.min(whole.to_offset / 2).max(1), ..whole }
+        WorldStep { to: self.starts[side], to_offset: ENTRY.min(whole.to_offset / 2).max(1), ..whole }
     }
 }
 
 /// Stage of a meeting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-enum Stage {
+enum MeetingStage {
     /// The character is on its way.
     Coming,
     /// The character waits at its place for its partner.
@@ -79,7 +79,7 @@ enum Stage {
 
 /// Reason why two parted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) enum Parted {
+pub(super) enum PartingReason {
     /// The two had not begun.
     GaveUp,
     /// The two had begun.
@@ -88,14 +88,14 @@ pub(super) enum Parted {
 
 /// Meeting, as one of the partners stores it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Meeting {
+pub(super) struct PairMeeting {
     /// Partner.
     with: Id,
     /// Number of the offer.
     offer: u32,
     /// Side of the offer that it takes.
     side: u8,
-    stage: Stage,
+    stage: MeetingStage,
     /// Time at which they give up, if they have not begun (s).
     until_s: f64,
     /// Time at which it reached its place (s).
@@ -121,7 +121,7 @@ pub struct MeetingState {
 }
 
 /// All places for actions of two in a world, by instance.
-pub(super) fn offers(graph: &WorldGraph) -> Vec<PairOffer> {
+pub(super) fn pair_offers(graph: &WorldGraph) -> Vec<PairOffer> {
     let pairs = &graph.patches().pairs;
     let mut out = Vec::new();
     for instance in 0..graph.num_instances() as u32 {
@@ -135,14 +135,14 @@ pub(super) fn offers(graph: &WorldGraph) -> Vec<PairOffer> {
             }
             let sides = [(instance, pair.link), (beyond, pair.partner_link)];
             let [Some(a), Some(b)] = sides.map(|(i, l)| graph.step_along(i, l)) else { continue };
-            let start = |(i, l): (u32, u32)| Node { instance: i, cell: graph.links(i)[l as usize].from };
+            let start = |(i, l): (u32, u32)| WorldNode { instance: i, cell: graph.links(i)[l as usize].from };
             let offer = PairOffer {
                 tag: graph.links(instance)[pair.link as usize].tag & !LinkRecord::FOR_TWO,
                 starts: sides.map(start),
                 ends: [a.to, b.to],
                 steps: [a, b],
             };
-            let can_stay = |n: &Node| graph.is_enabled(*n) && graph.is_rest(*n) && graph.is_stop(*n);
+            let can_stay = |n: &WorldNode| graph.is_enabled(*n) && graph.is_rest(*n) && graph.is_stop(*n);
             if offer.starts.iter().chain(&offer.ends).all(can_stay) && offer.starts.iter().all(|n| graph.is_entered(*n))
             {
                 out.push(offer);
@@ -160,19 +160,19 @@ impl Inhabitants {
 
     /// Orders two characters to meet and perform an action together, again and again, then stay.
     ///
-    /// Both get [`Wish::Meet`]. If one of them gets another goal, or they do not begin in time (a minute, and twice the
+    /// Both get [`InhabitantGoal::Meet`]. If one of them gets another goal, or they do not begin in time (a minute, and twice the
     /// time to walk there), both are free ([`InhabitantEvent::BrokenOff`], [`InhabitantEvent::GaveUp`]).
     ///
     /// # Errors
     /// [`Error::Gone`], [`Error::Value`] for a character that is to meet itself, a time out of its range or a tag that
     /// is not offered to two, [`Error::Occupied`] where all places for two are taken or cannot be reached. Nothing has
     /// changed then.
-    pub fn meet(&mut self, two: [Id; 2], tag: u16, seconds: f32) -> Result<()> {
+    pub fn order_meeting(&mut self, two: [Id; 2], tag: u16, seconds: f32) -> Result<()> {
         let rows = [self.roster.row(two[0])?, self.roster.row(two[1])?];
         let who = Some(two[0]);
-        check("other", who, two[1].index, rows[0] != rows[1], "somebody else")?;
-        check("seconds", who, seconds, (0.0..1e9).contains(&seconds), "not negative and below 1e9 (s)")?;
-        check("tag", who, tag, self.offers_pair(tag), "one of motion of two that the world has room for")?;
+        check_value("other", who, two[1].index, rows[0] != rows[1], "somebody else")?;
+        check_value("seconds", who, seconds, (0.0..1e9).contains(&seconds), "not negative and below 1e9 (s)")?;
+        check_value("tag", who, tag, self.offers_pair(tag), "one of motion of two that the world has room for")?;
         let Some((offer, flipped, frames)) = self.nearest_pair_offer(rows, tag) else {
             return Err(Error::Occupied {
                 who: two[0],
@@ -182,21 +182,21 @@ impl Inhabitants {
         self.num_orders = self.num_orders.wrapping_add(1);
         let until_s = self.time_s + GIVE_UP_S + f64::from(GIVE_UP_WAYS * frames / self.rate_hz);
         for (k, c) in rows.into_iter().enumerate() {
-            self.part(c);
+            self.part_pair(c);
             let side = k ^ usize::from(flipped);
-            let target = Target::Node(self.pair_offers[offer as usize].starts[side]);
-            self.paths.forget(c, Some(target));
-            self.states[c] = self.states[c].wishing(Wish::Meet { tag, seconds });
-            self.states[c].meeting = Some(Meeting {
+            let target = PlanTarget::Node(self.pair_offers[offer as usize].starts[side]);
+            self.paths.forget_path(c, Some(target));
+            self.states[c] = self.states[c].with_goal(InhabitantGoal::Meet { tag, seconds });
+            self.states[c].meeting = Some(PairMeeting {
                 with: two[1 - k],
                 offer,
                 side: side as u8,
-                stage: Stage::Coming,
+                stage: MeetingStage::Coming,
                 until_s,
                 ready_s: 0.0,
                 rounds: 0,
             });
-            self.paths.ask(c);
+            self.paths.request_path(c);
         }
         Ok(())
     }
@@ -205,17 +205,17 @@ impl Inhabitants {
     ///
     /// # Errors
     /// [`Error::Gone`].
-    pub fn meeting(&self, id: Id) -> Result<Option<MeetingState>> {
+    pub fn meeting_state(&self, id: Id) -> Result<Option<MeetingState>> {
         let c = self.roster.row(id)?;
         let Some(m) = self.states[c].meeting else { return Ok(None) };
         let other = self.roster.row(m.with)?;
-        let has_begun = m.stage > Stage::Ready;
+        let has_begun = m.stage > MeetingStage::Ready;
         let waited_s = match m.stage {
-            Stage::Coming => 0.0,
-            Stage::Ready => self.time_s - m.ready_s,
+            MeetingStage::Coming => 0.0,
+            MeetingStage::Ready => self.time_s - m.ready_s,
             _ => self.states[other].meeting.map_or(0.0, |o| (o.ready_s - m.ready_s).max(0.0)),
         };
-        let is_with = |c: usize| self.states[c].meeting.is_some_and(|m| m.stage == Stage::Together);
+        let is_with = |c: usize| self.states[c].meeting.is_some_and(|m| m.stage == MeetingStage::Together);
         let partner = (is_with(c) && is_with(other)).then(|| {
             let motion_set = self.world.motion_set();
             let captured = [c, other].map(|c| {
@@ -240,10 +240,10 @@ impl Inhabitants {
         self.reservations.clear_marks();
         for c in (0..self.states.len()).filter(|c| !rows.contains(c)) {
             if let Some(target) = self.paths.target(c) {
-                self.reservations.mark(graph.resources(target.instance()));
+                self.reservations.mark_units(graph.resources(target.instance()));
             }
         }
-        let ends = rows.map(|c| self.end(c));
+        let ends = rows.map(|c| self.end_node(c));
         let here = ends.map(|node| graph.place(node).translation());
         let (mut tried, mut num_tried) = ([(NONE, false); MOST_TRIED], 0);
         let mut frames = [f32::INFINITY; MOST_TRIED];
@@ -254,7 +254,7 @@ impl Inhabitants {
                     let node = |row: usize| offer.starts[row ^ usize::from(flipped)];
                     let far = |row: usize| {
                         let instance = node(row).instance;
-                        let held = self.reservations.other(graph, instance, rows[row] as u32);
+                        let held = self.reservations.other_holder(graph, instance, rows[row] as u32);
                         let is_taken = held.is_some_and(|c| c as usize != rows[1 - row]);
                         let is_wanted = self.reservations.is_any_marked(graph.resources(instance));
                         let away = graph.place(node(row)).translation().distance(here[row]);
@@ -271,7 +271,7 @@ impl Inhabitants {
             // What is near may be far to walk to: on another floor, or behind a wall.
             let [a, b] = [0, 1].map(|row: usize| {
                 let to = self.pair_offers[k as usize].starts[row ^ usize::from(flipped)];
-                let least = |planner: &mut Planner| planner.least_frames(graph, ends[row], Target::Node(to));
+                let least = |planner: &mut WorldPlanner| planner.least_frames(graph, ends[row], PlanTarget::Node(to));
                 if ends[row] == to { 0.0 } else { least(&mut self.planner).unwrap_or(f32::INFINITY) }
             });
             frames[num_tried] = a.max(b);
@@ -286,38 +286,38 @@ impl Inhabitants {
     /// Begins the action of two that are both at their places, and gives up meetings that take too long.
     pub(super) fn begin_meetings(&mut self, graph: &WorldGraph) {
         for c in 0..self.states.len() {
-            let Some(m) = self.states[c].meeting.filter(|m| m.stage <= Stage::Ready) else { continue };
+            let Some(m) = self.states[c].meeting.filter(|m| m.stage <= MeetingStage::Ready) else { continue };
             let partner = self.partner(c);
-            let lost = partner.is_none() || self.states[c].doing == Doing::Unreachable;
+            let lost = partner.is_none() || self.states[c].doing == InhabitantActivity::Unreachable;
             let other = partner.unwrap_or(c);
             if lost || self.time_s > m.until_s {
-                self.part(c);
-                self.leave_wish(c);
+                self.part_pair(c);
+                self.finish_goal(c);
                 continue;
             }
-            let is_ready = |c: usize| self.states[c].meeting.is_some_and(|m| m.stage == Stage::Ready);
+            let is_ready = |c: usize| self.states[c].meeting.is_some_and(|m| m.stage == MeetingStage::Ready);
             if m.side == 0 && is_ready(c) && is_ready(other) {
                 let left = self.characters.frames_left(c).fract().clamp(0.0, 1.0);
                 for (c, with) in [(c, m.with), (other, self.roster.ids()[c])] {
-                    self.characters.cut(c, left);
-                    self.set_stage(c, Stage::Beginning);
+                    self.characters.shorten_clip(c, left);
+                    self.set_stage(c, MeetingStage::Beginning);
                     self.events.push((self.roster.ids()[c], InhabitantEvent::Began { with }));
                 }
             }
         }
         self.break_off(graph);
-        self.leave_soon(graph);
-        self.tell_parted();
+        self.allow_leaving(graph);
+        self.report_parted();
     }
 
     /// Lets characters that rest after an action of two leave soon, once they have a next goal.
-    fn leave_soon(&mut self, graph: &WorldGraph) {
+    fn allow_leaving(&mut self, graph: &WorldGraph) {
         for c in 0..self.states.len() {
             let state = &self.states[c];
             let Some(leaves_s) = state.leaves_s.filter(|&leaves_s| leaves_s <= self.time_s) else { continue };
             let knows = match self.paths.target(c) {
-                Some(_) => !self.paths.of(c).is_empty(),
-                None => state.doing != Doing::Arrived,
+                Some(_) => !self.paths.steps_of(c).is_empty(),
+                None => state.doing != InhabitantActivity::Arrived,
             };
             if self.time_s - leaves_s > HURRIES_S || !graph.is_rest(state.at) {
                 self.states[c].leaves_s = None;
@@ -326,7 +326,7 @@ impl Inhabitants {
                 && self.characters.contacts(c).all(BOTH_FEET)
                 && self.characters.frames_left(c) > 1.0
             {
-                self.characters.cut(c, self.characters.frames_left(c).fract());
+                self.characters.shorten_clip(c, self.characters.frames_left(c).fract());
                 self.states[c].leaves_s = None;
             }
         }
@@ -346,7 +346,7 @@ impl Inhabitants {
             let near = graph.rest_cells(state.at.instance).find(|&node| stands_at(graph.place(node), root));
             if let Some(node) = near {
                 let left = self.characters.frames_left(c).fract().clamp(0.0, 1.0);
-                self.characters.cut(c, left);
+                self.characters.shorten_clip(c, left);
                 let state = &mut self.states[c];
                 (state.at, state.plays_pair) = (node, false);
             }
@@ -355,71 +355,77 @@ impl Inhabitants {
 
     /// Instance in which the partner will stand, while one is on its way to it.
     pub(super) fn place_of_partner(&self, c: usize) -> Option<u32> {
-        let m = self.states[c].meeting.filter(|m| m.stage == Stage::Coming)?;
+        let m = self.states[c].meeting.filter(|m| m.stage == MeetingStage::Coming)?;
         Some(self.pair_offers[m.offer as usize].starts[1 - usize::from(m.side)].instance)
     }
 
     /// Next step of one of two; the inner `None` where it has to wait.
     ///
     /// - returns `None` where it is on its way, or has no partner.
-    pub(super) fn decide_together(&mut self, graph: &WorldGraph, c: usize) -> Option<Option<Step>> {
+    pub(super) fn decide_together(&mut self, graph: &WorldGraph, c: usize) -> Option<Option<WorldStep>> {
         let m = self.states[c].meeting?;
         let offer = self.pair_offers[m.offer as usize];
         let side = usize::from(m.side);
         let whole = offer.steps[side];
         match m.stage {
-            Stage::Coming if is_near(graph, self.states[c].at, offer.starts[side]) => {
-                self.calm(c);
-                (self.states[c].doing, self.states[c].detour) = (Doing::Meeting, 0);
+            MeetingStage::Coming if is_near(graph, self.states[c].at, offer.starts[side]) => {
+                self.reset_patience(c);
+                (self.states[c].doing, self.states[c].detour) = (InhabitantActivity::Meeting, 0);
                 if let Some(m) = &mut self.states[c].meeting {
-                    (m.stage, m.ready_s) = (Stage::Ready, self.time_s);
+                    (m.stage, m.ready_s) = (MeetingStage::Ready, self.time_s);
                 }
-                Some(self.rest(graph, c))
+                Some(self.rest_step(graph, c))
             }
-            Stage::Coming => None,
-            Stage::Ready => Some(self.rest(graph, c)),
-            Stage::Beginning => {
-                self.set_stage(c, Stage::Entering);
-                self.states[c].doing = Doing::Performing;
-                Some(Some(self.play(c, offer.entry(side))))
+            MeetingStage::Coming => None,
+            MeetingStage::Ready => Some(self.rest_step(graph, c)),
+            MeetingStage::Beginning => {
+                self.set_stage(c, MeetingStage::Entering);
+                self.states[c].doing = InhabitantActivity::Performing;
+                Some(Some(self.count_pair_step(c, offer.entry_step(side))))
             }
-            Stage::Entering => {
-                self.set_stage(c, Stage::Together);
-                let entered = offer.entry(side).to_offset;
-                Some(Some(self.play(c, Step { from_offset: entered, ..whole })))
+            MeetingStage::Entering => {
+                self.set_stage(c, MeetingStage::Together);
+                let entered = offer.entry_step(side).to_offset;
+                Some(Some(self.count_pair_step(c, WorldStep { from_offset: entered, ..whole })))
             }
-            Stage::Together => Some(self.go_on_together(graph, c, m, &offer)),
+            MeetingStage::Together => Some(self.continue_together(graph, c, m, &offer)),
         }
     }
 
     /// Continues after one round: with another one that begins where this one ended, or at the end of the action.
-    fn go_on_together(&mut self, graph: &WorldGraph, c: usize, m: Meeting, offer: &PairOffer) -> Option<Step> {
-        let Wish::Meet { seconds, .. } = self.states[c].wish else { return self.rest(graph, c) };
+    fn continue_together(
+        &mut self,
+        graph: &WorldGraph,
+        c: usize,
+        m: PairMeeting,
+        offer: &PairOffer,
+    ) -> Option<WorldStep> {
+        let InhabitantGoal::Meet { seconds, .. } = self.states[c].wish else { return self.rest_step(graph, c) };
         let fits = |o: &PairOffer| o.tag == offer.tag && o.starts == offer.ends;
         let num = self.pair_offers.iter().filter(|o| fits(o)).count();
         if num == 0 || self.states[c].performed as f32 / self.rate_hz >= seconds {
             let [least, most] = LINGERS_S;
-            let lingers_s = least + (most - least) * self.chance(c);
+            let lingers_s = least + (most - least) * self.draw_random(c);
             let state = &mut self.states[c];
-            (state.doing, state.meeting) = (Doing::Arrived, None);
+            (state.doing, state.meeting) = (InhabitantActivity::Arrived, None);
             state.leaves_s = Some(self.time_s + f64::from(lingers_s));
             state.num_fulfilled = state.num_fulfilled.wrapping_add(1);
             self.events.push((self.roster.ids()[c], InhabitantEvent::Fulfilled));
-            return self.rest(graph, c);
+            return self.rest_step(graph, c);
         }
         // Both draw the same number.
         let both = self.name(c) ^ self.roster.row(m.with).map_or(0, |other| self.name(other));
-        let drawn = (uniform(self.config.characters.seed, both, u64::from(m.rounds)) * num as f32) as usize;
+        let drawn = (uniform_random(self.config.characters.seed, both, u64::from(m.rounds)) * num as f32) as usize;
         let next = (0u32..).zip(&self.pair_offers).filter(|(_, o)| fits(o)).nth(drawn.min(num - 1));
         let (number, next) = next.map(|(k, o)| (k, *o))?;
         if let Some(m) = &mut self.states[c].meeting {
-            (m.offer, m.rounds, m.stage) = (number, m.rounds.wrapping_add(1), Stage::Entering);
+            (m.offer, m.rounds, m.stage) = (number, m.rounds.wrapping_add(1), MeetingStage::Entering);
         }
-        Some(self.play(c, next.entry(usize::from(m.side))))
+        Some(self.count_pair_step(c, next.entry_step(usize::from(m.side))))
     }
 
     /// Counts what one of two plays.
-    fn play(&mut self, c: usize, step: Step) -> Step {
+    fn count_pair_step(&mut self, c: usize, step: WorldStep) -> WorldStep {
         let state = &mut self.states[c];
         state.plays_pair = true;
         state.performed = state.performed.saturating_add(step.num_frames());
@@ -427,35 +433,35 @@ impl Inhabitants {
     }
 
     /// Ends the meeting of two: one of them does something else. The next step reports it.
-    pub(super) fn part(&mut self, c: usize) {
+    pub(super) fn part_pair(&mut self, c: usize) {
         let other = self.partner(c);
         let Some(m) = self.states[c].meeting.take() else { return };
-        let parted = if m.stage <= Stage::Ready { Parted::GaveUp } else { Parted::BrokeOff };
+        let parted = if m.stage <= MeetingStage::Ready { PartingReason::GaveUp } else { PartingReason::BrokeOff };
         self.states[c].parted = Some(parted);
         if let Some(other) = other {
             (self.states[other].meeting, self.states[other].parted) = (None, Some(parted));
-            self.leave_wish(other);
+            self.finish_goal(other);
         }
     }
 
     /// Reports the meetings that ended since the last step.
-    fn tell_parted(&mut self) {
+    fn report_parted(&mut self) {
         for c in 0..self.states.len() {
             let event = match self.states[c].parted.take() {
                 None => continue,
-                Some(Parted::GaveUp) => InhabitantEvent::GaveUp,
-                Some(Parted::BrokeOff) => InhabitantEvent::BrokenOff,
+                Some(PartingReason::GaveUp) => InhabitantEvent::GaveUp,
+                Some(PartingReason::BrokeOff) => InhabitantEvent::BrokenOff,
             };
             self.events.push((self.roster.ids()[c], event));
         }
     }
 
     /// Marks its goal as reached, where it is.
-    pub(super) fn leave_wish(&mut self, c: usize) {
-        self.states[c].doing = Doing::Arrived;
+    pub(super) fn finish_goal(&mut self, c: usize) {
+        self.states[c].doing = InhabitantActivity::Arrived;
     }
 
-    fn set_stage(&mut self, c: usize, stage: Stage) {
+    fn set_stage(&mut self, c: usize, stage: MeetingStage) {
         if let Some(m) = &mut self.states[c].meeting {
             m.stage = stage;
         }
@@ -475,25 +481,25 @@ fn stands_at(place: Placement, root: Planar) -> bool {
 }
 
 /// True where one rests at a node, or so near to it that the rest goes over when two begin.
-fn is_near(graph: &WorldGraph, at: Node, start: Node) -> bool {
+fn is_near(graph: &WorldGraph, at: WorldNode, start: WorldNode) -> bool {
     let [a, b] = [at, start].map(|n| graph.place(n));
     let near =
         maths::hypot(a.x - b.x, a.z - b.z) < NEAR_START.0 && wrap_angle(a.heading - b.heading).abs() < NEAR_START.1;
     at == start || at.instance == start.instance && near && graph.is_rest(at)
 }
 
-impl Meeting {
+impl PairMeeting {
     /// True where the offer exists, and the character is where the offer has it at this stage.
     ///
     /// - `at`: node that the character's motion leads to (the node exists).
-    pub fn is_sound(&self, graph: &WorldGraph, at: Node, offers: &[PairOffer]) -> bool {
+    pub fn is_sound(&self, graph: &WorldGraph, at: WorldNode, offers: &[PairOffer]) -> bool {
         let Some(offer) = offers.get(self.offer as usize).filter(|_| self.side < 2) else { return false };
         let [start, end] = [offer.starts, offer.ends].map(|of| of[usize::from(self.side)]);
         let stands = match self.stage {
-            Stage::Coming => true,
-            Stage::Ready | Stage::Beginning => is_near(graph, at, start),
-            Stage::Entering => at == start,
-            Stage::Together => at == end,
+            MeetingStage::Coming => true,
+            MeetingStage::Ready | MeetingStage::Beginning => is_near(graph, at, start),
+            MeetingStage::Entering => at == start,
+            MeetingStage::Together => at == end,
         };
         stands && is_time(self.until_s) && is_time(self.ready_s)
     }
@@ -507,27 +513,28 @@ mod tests {
     use crate::made_up_floor::{GIVE, tables, world};
     use glam::Vec3;
     use throng_base::Inline;
-    use throng_core::Cast;
+    use throng_core::CharacterGroup;
 
     #[test]
     fn two_are_restored_only_where_they_have_come_to() {
         let tables = tables();
         let world = World::from_data(&world(&tables, &["########"; 3]), &tables).unwrap();
         let mut people = Inhabitants::new(&world, 2, InhabitantsConfig::default()).unwrap();
-        let two = [0.0, 14.0].map(|x| people.spawn(world.near(Vec3::new(x, 0.9, 2.0), 1.0).unwrap().node).unwrap());
-        people.meet(two, GIVE, 1.0).unwrap();
+        let two =
+            [0.0, 14.0].map(|x| people.spawn(world.nearest_place(Vec3::new(x, 0.9, 2.0), 1.0).unwrap().node).unwrap());
+        people.order_meeting(two, GIVE, 1.0).unwrap();
         let save = |people: &Inhabitants| {
             let mut out = Vec::new();
             people.save(&mut out);
             out
         };
         let mut other = people.clone();
-        for stage in [Stage::Ready, Stage::Beginning, Stage::Entering, Stage::Together] {
+        for stage in [MeetingStage::Ready, MeetingStage::Beginning, MeetingStage::Entering, MeetingStage::Together] {
             people.set_stage(0, stage);
             let e = other.load(&save(&people)).unwrap_err().to_string();
             assert!(e.contains("where the world has no place for two"), "{stage:?}: {e}");
         }
-        people.set_stage(0, Stage::Coming);
+        people.set_stage(0, MeetingStage::Coming);
         let mut seen = Vec::new();
         for _ in 0..300 {
             other.load(&save(&people)).unwrap();
@@ -536,7 +543,11 @@ mod tests {
         }
         seen.dedup();
         // It begins and enters within one step of time.
-        assert_eq!((seen.first(), seen.last()), (Some(&Stage::Coming), Some(&Stage::Together)), "{seen:?}");
+        assert_eq!(
+            (seen.first(), seen.last()),
+            (Some(&MeetingStage::Coming), Some(&MeetingStage::Together)),
+            "{seen:?}"
+        );
         assert!(two.iter().all(|&id| people.state(id).unwrap().num_fulfilled == 1), "{seen:?}");
     }
 }

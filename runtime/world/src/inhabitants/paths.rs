@@ -1,33 +1,33 @@
 //! Planned paths of all characters, and the queue of requests for one.
 
 use super::snapshot::{are_steps, is_node};
-use crate::plan::{Plan, Target};
-use crate::{Node, Step, WorldGraph};
+use crate::plan::{PlanTarget, WorldPlan};
+use crate::{WorldGraph, WorldNode, WorldStep};
 use serde::{Deserialize, Serialize};
 
 /// The path of one character.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Path {
+pub(super) struct InhabitantPath {
     /// Target; none for a roaming character.
-    pub target: Option<Target>,
+    pub target: Option<PlanTarget>,
     /// Node that the next step begins at.
-    pub from: Option<Node>,
+    pub from: Option<WorldNode>,
     /// Index of the next step, and of the one after the last that is kept.
     next: usize,
     end: usize,
-    plan: Option<Plan>,
+    plan: Option<WorldPlan>,
     /// True while the character is in the queue.
     asked: bool,
 }
 
 /// Paths of all characters, their remaining steps, and the queue of requests.
-pub(super) type SavedPaths = (Vec<Path>, Vec<Vec<Step>>, Vec<u32>);
+pub(super) type SavedPaths = (Vec<InhabitantPath>, Vec<Vec<WorldStep>>, Vec<u32>);
 
 /// Paths of all characters; memory for all of them.
 #[derive(Clone, Debug)]
-pub(super) struct Paths {
-    paths: Vec<Path>,
-    steps: Vec<Step>,
+pub(super) struct InhabitantPaths {
+    paths: Vec<InhabitantPath>,
+    steps: Vec<WorldStep>,
     max_path: usize,
     /// Characters that wait for a path, a ring from `first` on.
     queue: Vec<u32>,
@@ -35,11 +35,11 @@ pub(super) struct Paths {
     len: usize,
 }
 
-impl Paths {
+impl InhabitantPaths {
     pub fn new(num_characters: usize, max_path: usize) -> Self {
         Self {
-            paths: vec![Path::default(); num_characters],
-            steps: vec![Step::NONE; num_characters * max_path],
+            paths: vec![InhabitantPath::default(); num_characters],
+            steps: vec![WorldStep::NONE; num_characters * max_path],
             max_path,
             queue: vec![0; num_characters],
             first: 0,
@@ -48,21 +48,21 @@ impl Paths {
     }
 
     /// Remaining steps of a path.
-    pub fn of(&self, character: usize) -> &[Step] {
+    pub fn steps_of(&self, character: usize) -> &[WorldStep] {
         let p = &self.paths[character];
         &self.steps[character * self.max_path..][p.next..p.end]
     }
 
     /// Remaining steps of a path that begins at a node; empty where it begins elsewhere.
-    pub fn from(&self, character: usize, node: Node) -> &[Step] {
-        if self.paths[character].from == Some(node) { self.of(character) } else { &[] }
+    pub fn start_node(&self, character: usize, node: WorldNode) -> &[WorldStep] {
+        if self.paths[character].from == Some(node) { self.steps_of(character) } else { &[] }
     }
 
-    pub fn plan(&self, character: usize) -> Option<&Plan> {
+    pub fn last_plan(&self, character: usize) -> Option<&WorldPlan> {
         self.paths[character].plan.as_ref()
     }
 
-    pub fn target(&self, character: usize) -> Option<Target> {
+    pub fn target(&self, character: usize) -> Option<PlanTarget> {
         self.paths[character].target
     }
 
@@ -75,7 +75,7 @@ impl Paths {
 
     /// Lets a path begin at another node, with other steps to the end of its step `joined` (of those left). Its last
     /// steps are dropped where they do not fit.
-    pub fn rejoin(&mut self, character: usize, from: Node, way: &[Step], joined: usize) {
+    pub fn rejoin_path(&mut self, character: usize, from: WorldNode, way: &[WorldStep], joined: usize) {
         let p = &mut self.paths[character];
         let steps = &mut self.steps[character * self.max_path..][..self.max_path];
         let rest = p.next + joined + 1..p.end;
@@ -89,18 +89,18 @@ impl Paths {
     }
 
     /// Node that the next step of a path begins at.
-    pub fn begin(&self, character: usize) -> Option<Node> {
+    pub fn begin_node(&self, character: usize) -> Option<WorldNode> {
         self.paths[character].from
     }
 
     /// Forgets a path, for another target or none.
-    pub fn forget(&mut self, character: usize, target: Option<Target>) {
+    pub fn forget_path(&mut self, character: usize, target: Option<PlanTarget>) {
         let p = &mut self.paths[character];
-        *p = Path { target, asked: p.asked, ..Path::default() };
+        *p = InhabitantPath { target, asked: p.asked, ..InhabitantPath::default() };
     }
 
     /// Asks for a path.
-    pub fn ask(&mut self, character: usize) {
+    pub fn request_path(&mut self, character: usize) {
         let p = &mut self.paths[character];
         if !p.asked {
             p.asked = true;
@@ -111,7 +111,7 @@ impl Paths {
     }
 
     /// A character leaves, and the last one takes its place.
-    pub fn leave(&mut self, character: usize, last: usize) {
+    pub fn remove_character(&mut self, character: usize, last: usize) {
         let n = self.queue.len();
         let mut kept = 0;
         for k in 0..self.len {
@@ -124,12 +124,12 @@ impl Paths {
         }
         self.len = kept;
         self.paths.swap(character, last);
-        self.paths[last] = Path::default();
+        self.paths[last] = InhabitantPath::default();
         self.steps.copy_within(last * self.max_path..(last + 1) * self.max_path, character * self.max_path);
     }
 
     /// The next character that waits for a path.
-    pub fn next(&mut self) -> Option<usize> {
+    pub fn next_waiting(&mut self) -> Option<usize> {
         if self.len == 0 {
             return None;
         }
@@ -140,16 +140,16 @@ impl Paths {
         Some(character)
     }
 
-    /// State of the first `n` characters' paths, for [`Paths::restore`].
-    pub fn saved(&self, n: usize) -> SavedPaths {
+    /// State of the first `n` characters' paths, for [`InhabitantPaths::restore`].
+    pub fn saved_paths(&self, n: usize) -> SavedPaths {
         let waiting = (0..self.len).map(|k| self.queue[(self.first + k) % self.queue.len()]);
-        let steps = (0..n).map(|c| self.of(c).to_vec());
+        let steps = (0..n).map(|c| self.steps_of(c).to_vec());
         (self.paths[..n].to_vec(), steps.collect(), waiting.collect())
     }
 
     /// Restores the saved paths of `n` characters (there is room); false where they are inconsistent.
     pub fn restore(&mut self, graph: &WorldGraph, (paths, steps, waiting): &SavedPaths, n: usize) -> bool {
-        let is_sound = |(path, steps): (&Path, &Vec<Step>)| {
+        let is_sound = |(path, steps): (&InhabitantPath, &Vec<WorldStep>)| {
             path.next <= path.end
                 && path.end <= self.max_path
                 && steps.len() == path.end - path.next
@@ -162,7 +162,7 @@ impl Paths {
         if [paths.len(), steps.len()] != [n; 2] || !waiting.iter().all(once) || !paths.iter().zip(steps).all(is_sound) {
             return false;
         }
-        self.paths.fill(Path::default());
+        self.paths.fill(InhabitantPath::default());
         self.paths[..n].copy_from_slice(paths);
         for (c, (path, steps)) in self.paths.iter_mut().zip(steps).enumerate() {
             path.asked = asked[c];
@@ -174,12 +174,12 @@ impl Paths {
     }
 
     /// Room for the steps of a path.
-    pub fn room(&mut self, character: usize) -> &mut [Step] {
+    pub fn step_buffer(&mut self, character: usize) -> &mut [WorldStep] {
         &mut self.steps[character * self.max_path..][..self.max_path]
     }
 
     /// Sets the path whose steps were written to its slots.
-    pub fn set(&mut self, character: usize, from: Node, plan: Plan) {
+    pub fn set(&mut self, character: usize, from: WorldNode, plan: WorldPlan) {
         let p = &mut self.paths[character];
         (p.from, p.next, p.end, p.plan) = (Some(from), 0, plan.num_stored, Some(plan));
     }

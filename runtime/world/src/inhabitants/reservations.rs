@@ -4,11 +4,11 @@ use crate::WorldGraph;
 use throng_core::patch::NONE;
 
 /// Holder of units on a region that an external obstacle reserves.
-pub(super) const OUTSIDER: u32 = NONE - 1;
+pub(super) const EXTERNAL_HOLDER: u32 = NONE - 1;
 
 /// Use of an instance's ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Ground {
+pub(super) enum InstanceGround {
     /// Free for inhabitants.
     Free,
     /// Reserved by an external obstacle.
@@ -19,11 +19,11 @@ pub(super) enum Ground {
 
 /// Reservations of all units.
 #[derive(Clone, Debug)]
-pub(super) struct Reservations {
+pub(super) struct UnitReservations {
     /// Holder of each unit, or [`NONE`].
     holder: Vec<u32>,
     /// Use of each instance's ground.
-    ground: Vec<Ground>,
+    ground: Vec<InstanceGround>,
     /// The unit after each one in its holder's list.
     next: Vec<u32>,
     /// First unit of each character.
@@ -33,7 +33,7 @@ pub(super) struct Reservations {
     stamp: u32,
 }
 
-impl Reservations {
+impl UnitReservations {
     pub fn new(graph: &WorldGraph, num_characters: usize) -> Self {
         Self::with_sizes(graph.world().units.len(), graph.num_instances(), num_characters)
     }
@@ -41,7 +41,7 @@ impl Reservations {
     fn with_sizes(num_units: usize, num_instances: usize, num_characters: usize) -> Self {
         Self {
             holder: vec![NONE; num_units],
-            ground: vec![Ground::Free; num_instances],
+            ground: vec![InstanceGround::Free; num_instances],
             next: vec![NONE; num_units],
             first: vec![NONE; num_characters],
             marks: vec![0; num_units],
@@ -50,41 +50,41 @@ impl Reservations {
     }
 
     /// Holder of a unit.
-    pub fn of(&self, unit: u32) -> Option<u32> {
+    pub fn holder_of(&self, unit: u32) -> Option<u32> {
         Some(self.holder[unit as usize]).filter(|&c| c != NONE)
     }
 
-    /// Another holder in an instance: a character with one of its units, or [`OUTSIDER`] on its ground.
-    pub fn other(&self, graph: &WorldGraph, instance: u32, character: u32) -> Option<u32> {
+    /// Another holder in an instance: a character with one of its units, or [`EXTERNAL_HOLDER`] on its ground.
+    pub fn other_holder(&self, graph: &WorldGraph, instance: u32, character: u32) -> Option<u32> {
         let units = graph.resources(instance);
-        self.other_of(units, character).or_else(|| {
-            let is_there = || units.iter().all(|&u| self.of(u) == Some(character));
+        self.other_holder_of(units, character).or_else(|| {
+            let is_there = || units.iter().all(|&u| self.holder_of(u) == Some(character));
             let may_enter = match self.ground[instance as usize] {
-                Ground::Free => true,
-                Ground::Barred => false,
-                Ground::Shared => is_there(),
+                InstanceGround::Free => true,
+                InstanceGround::Barred => false,
+                InstanceGround::Shared => is_there(),
             };
-            (!may_enter).then_some(OUTSIDER)
+            (!may_enter).then_some(EXTERNAL_HOLDER)
         })
     }
 
     /// Another holder of one of these units.
-    pub fn other_of(&self, units: &[u32], character: u32) -> Option<u32> {
-        units.iter().filter_map(|&u| self.of(u)).find(|&c| c != character)
+    pub fn other_holder_of(&self, units: &[u32], character: u32) -> Option<u32> {
+        units.iter().filter_map(|&u| self.holder_of(u)).find(|&c| c != character)
     }
 
     /// Use of each instance's ground.
-    pub fn ground_mut(&mut self) -> &mut [Ground] {
+    pub fn ground_mut(&mut self) -> &mut [InstanceGround] {
         &mut self.ground
     }
 
     /// True where a character may be in an instance.
     pub fn are_free(&self, graph: &WorldGraph, instance: u32, character: u32) -> bool {
-        self.other(graph, instance, character).is_none()
+        self.other_holder(graph, instance, character).is_none()
     }
 
     /// Assigns units to a character; they are free or its own.
-    pub fn take(&mut self, units: &[u32], character: u32) {
+    pub fn take_units(&mut self, units: &[u32], character: u32) {
         for &u in units {
             if self.holder[u as usize] == NONE {
                 self.holder[u as usize] = character;
@@ -104,7 +104,7 @@ impl Reservations {
     }
 
     /// Marks units.
-    pub fn mark(&mut self, units: &[u32]) {
+    pub fn mark_units(&mut self, units: &[u32]) {
         for &u in units {
             self.marks[u as usize] = self.stamp;
         }
@@ -116,7 +116,7 @@ impl Reservations {
     }
 
     /// Releases units that a character holds and that are not marked.
-    pub fn release(&mut self, character: u32) {
+    pub fn release_unmarked(&mut self, character: u32) {
         let mut unit = std::mem::replace(&mut self.first[character as usize], NONE);
         while unit != NONE {
             let after = self.next[unit as usize];
@@ -141,7 +141,7 @@ impl Reservations {
     }
 
     /// Units that a character holds.
-    pub fn units(&self, character: u32) -> impl Iterator<Item = u32> + '_ {
+    pub fn units_of(&self, character: u32) -> impl Iterator<Item = u32> + '_ {
         let some = |u: u32| Some(u).filter(|&u| u != NONE);
         std::iter::successors(some(self.first[character as usize]), move |&u| some(self.next[u as usize]))
     }
@@ -153,22 +153,25 @@ mod tests {
 
     #[test]
     fn units_have_one_holder_and_are_let_go_unless_kept() {
-        let mut h = Reservations::with_sizes(6, 6, 2);
-        h.take(&[0, 2, 4], 0);
-        h.take(&[1, 5], 1);
-        assert_eq!([0, 1].map(|c| h.other_of(&[0, 3], c)), [None, Some(0)]);
-        h.take(&[0, 3], 0);
+        let mut h = UnitReservations::with_sizes(6, 6, 2);
+        h.take_units(&[0, 2, 4], 0);
+        h.take_units(&[1, 5], 1);
+        assert_eq!([0, 1].map(|c| h.other_holder_of(&[0, 3], c)), [None, Some(0)]);
+        h.take_units(&[0, 3], 0);
         h.clear_marks();
-        h.mark(&[2, 3, 5]);
-        h.release(0);
-        let mut held: Vec<_> = h.units(0).collect();
+        h.mark_units(&[2, 3, 5]);
+        h.release_unmarked(0);
+        let mut held: Vec<_> = h.units_of(0).collect();
         held.sort_unstable();
         assert_eq!(held, [2, 3]);
-        assert_eq!((0..6).map(|u| h.of(u)).collect::<Vec<_>>(), [None, Some(1), Some(0), Some(0), None, Some(1)]);
+        assert_eq!(
+            (0..6).map(|u| h.holder_of(u)).collect::<Vec<_>>(),
+            [None, Some(1), Some(0), Some(0), None, Some(1)]
+        );
         h.clear_marks();
-        h.release(0);
+        h.release_unmarked(0);
         h.hand_over(1, 0);
-        assert_eq!((0..6).map(|u| h.of(u)).collect::<Vec<_>>(), [None, Some(0), None, None, None, Some(0)]);
-        assert!(h.units(1).next().is_none() && h.units(0).count() == 2);
+        assert_eq!((0..6).map(|u| h.holder_of(u)).collect::<Vec<_>>(), [None, Some(0), None, None, None, Some(0)]);
+        assert!(h.units_of(1).next().is_none() && h.units_of(0).count() == 2);
     }
 }

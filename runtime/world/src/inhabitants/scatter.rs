@@ -1,34 +1,34 @@
 //! Places for characters to begin at.
 
-use super::reservations::Reservations;
-use crate::{Node, WorldGraph, is_set};
+use super::reservations::UnitReservations;
+use crate::{WorldGraph, WorldNode, is_set};
 use glam::Vec3;
-use throng_core::characters::uniform;
+use throng_core::characters::uniform_random;
 use throng_core::patch::{CellRecord, NONE};
 
 /// Rest cells at random places for up to `n` characters, each in an instance whose units are free.
 ///
 /// - returns fewer where the world is full.
-pub fn scatter(graph: &WorldGraph, n: usize, seed: u64) -> Vec<Node> {
+pub fn scatter_rest_nodes(graph: &WorldGraph, n: usize, seed: u64) -> Vec<WorldNode> {
     let mut order: Vec<u32> = (0..graph.num_instances() as u32).collect();
     for i in (1..order.len()).rev() {
-        let other = (uniform(seed, 0, i as u64) * (i + 1) as f32) as usize;
+        let other = (uniform_random(seed, 0, i as u64) * (i + 1) as f32) as usize;
         order.swap(i, other.min(i));
     }
-    let mut reservations = Reservations::new(graph, 1);
+    let mut reservations = UnitReservations::new(graph, 1);
     let mut out = Vec::with_capacity(n.min(order.len()));
     for instance in order {
         if out.len() == n {
             break;
         }
         let units = graph.resources(instance);
-        if units.iter().any(|&u| reservations.of(u).is_some()) {
+        if units.iter().any(|&u| reservations.holder_of(u).is_some()) {
             continue;
         }
         let count = graph.rest_cells(instance).count();
-        let chosen = (uniform(seed, 1, u64::from(instance)) * count as f32) as usize;
+        let chosen = (uniform_random(seed, 1, u64::from(instance)) * count as f32) as usize;
         if let Some(node) = graph.rest_cells(instance).nth(chosen.min(count.saturating_sub(1))) {
-            reservations.take(units, 0);
+            reservations.take_units(units, 0);
             out.push(node);
         }
     }
@@ -37,12 +37,12 @@ pub fn scatter(graph: &WorldGraph, n: usize, seed: u64) -> Vec<Node> {
 
 impl WorldGraph {
     /// Nodes of an instance where a character may stay (instance < num_instances).
-    pub fn rest_cells(&self, instance: u32) -> impl Iterator<Item = Node> + '_ {
-        (0..self.num_cells(instance)).map(move |cell| Node { instance, cell }).filter(|n| self.is_rest(*n))
+    pub fn rest_cells(&self, instance: u32) -> impl Iterator<Item = WorldNode> + '_ {
+        (0..self.num_cells(instance)).map(move |cell| WorldNode { instance, cell }).filter(|n| self.is_rest(*n))
     }
 
     /// False for a node of a tile that nothing leads to from its edges. Allocates nothing.
-    pub(super) fn is_entered(&self, node: Node) -> bool {
+    pub(super) fn is_entered(&self, node: WorldNode) -> bool {
         let (cells, links) = (self.cells(node.instance), self.links(node.instance));
         // One bit a cell. Cells of a larger tile count as entered, as do all cells of a tile that blocks lead into.
         let mut found = [0u64; 64];
@@ -51,7 +51,7 @@ impl WorldGraph {
         }
         let first = self.instance(node.instance).first_neighbour;
         let is_entry = |cell: &CellRecord| {
-            cell.is(CellRecord::IS_ENTRY)
+            cell.has_flags(CellRecord::IS_ENTRY)
                 && cell.edge != NONE
                 && self.world().neighbours[(first + cell.edge) as usize] != NONE
         };
@@ -60,7 +60,10 @@ impl WorldGraph {
             let before = found;
             for (k, l) in (0..).zip(links) {
                 let is_new = is_set(&found, 0, l.to) && !is_set(&found, 0, l.from);
-                if is_new && self.is_link_enabled(node.instance, k) && self.is_enabled(Node { cell: l.from, ..node }) {
+                if is_new
+                    && self.is_link_enabled(node.instance, k)
+                    && self.is_enabled(WorldNode { cell: l.from, ..node })
+                {
                     found[l.from as usize / 64] |= 1 << (l.from % 64);
                 }
             }
@@ -72,12 +75,12 @@ impl WorldGraph {
     }
 
     /// The node nearest to a point where a character may stay, and to which it can come (m).
-    pub fn nearest_rest(&self, point: Vec3) -> Option<Node> {
+    pub fn nearest_rest(&self, point: Vec3) -> Option<WorldNode> {
         self.nearest_rest_of(point, |_| true)
     }
 
     /// Nearest rest cell of the instances that are wanted.
-    pub(crate) fn nearest_rest_of(&self, point: Vec3, is_wanted: impl Fn(u32) -> bool) -> Option<Node> {
+    pub(crate) fn nearest_rest_of(&self, point: Vec3, is_wanted: impl Fn(u32) -> bool) -> Option<WorldNode> {
         let mut best = (f32::INFINITY, None);
         for instance in 0..self.num_instances() as u32 {
             let r = self.instance(instance);

@@ -1,18 +1,19 @@
 //! Saves the state of inhabitants and goes back to it.
 
-use super::chain::MAX_CHAIN;
-use super::decide::{CALM_AFTER, MAX_IMPATIENCE, MAX_TRIES, needs};
+use super::chains::MAX_CHAIN;
+use super::decide::{CALM_AFTER, MAX_IMPATIENCE, MAX_TRIES, visit_needed_instances};
 use super::paths::SavedPaths;
-use super::reservations::Reservations;
-use super::{Inhabitants, State};
-use crate::{Node, Step, WorldGraph};
+use super::reservations::UnitReservations;
+use super::{InhabitantMemory, Inhabitants};
+use crate::{WorldGraph, WorldNode, WorldStep};
 use throng_base::maths;
 use throng_base::{Error, Hash128, Result, SnapshotKind};
 use throng_core::Roster;
 use throng_core::characters::CharactersSnapshot;
 
 /// Time, number of orders, ids, bodies, states, chains, paths. Reservations follow from these.
-type Saved = ((f64, u32), Roster, CharactersSnapshot, Vec<State>, Vec<Vec<Step>>, SavedPaths);
+type SavedInhabitants =
+    ((f64, u32), Roster, CharactersSnapshot, Vec<InhabitantMemory>, Vec<Vec<WorldStep>>, SavedPaths);
 
 /// A character's motion ends this far from its node at most: more is a sign of damage (m).
 const ASTRAY_M: f32 = 1.0;
@@ -22,8 +23,8 @@ const LATEST_S: f64 = 1e12;
 impl Inhabitants {
     /// Appends all that the next steps depend on.
     pub(super) fn write(&self, out: &mut Vec<u8>) {
-        let chains = (0..self.states.len()).map(|c| self.chains.of(c)).collect::<Vec<_>>();
-        let paths = self.paths.saved(self.states.len());
+        let chains = (0..self.states.len()).map(|c| self.chains.steps_of(c)).collect::<Vec<_>>();
+        let paths = self.paths.saved_paths(self.states.len());
         let state =
             ((self.time_s, self.num_orders), &self.roster, self.characters.snapshot(), &self.states, chains, paths);
         self.snapshot_kind().write(&state, out);
@@ -35,26 +36,26 @@ impl Inhabitants {
     /// [`Error::Snapshot`]; nothing has changed then.
     pub(super) fn read(&mut self, bytes: &[u8]) -> Result<()> {
         let kind = self.snapshot_kind();
-        let saved: Saved = kind.read_all(bytes)?;
+        let saved: SavedInhabitants = kind.read_all(bytes)?;
         let refuse = |what| Error::Snapshot { what: kind.what, why: format!("{what}; it is damaged") };
         self.restore(&saved).map_err(refuse)
     }
 
     fn snapshot_kind(&self) -> SnapshotKind {
         let mut setup = Hash128::default();
-        setup.bytes(&self.world.hash().to_le_bytes());
-        setup.bytes(format!("{:?} {}", self.config, self.capacity()).as_bytes());
+        setup.add_bytes(&self.world.hash().to_le_bytes());
+        setup.add_bytes(format!("{:?} {}", self.config, self.capacity()).as_bytes());
         SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 8, setup: setup.finish() }
     }
 
     /// Restores a state of unknown origin, or changes nothing and says what does not fit.
     fn restore(
         &mut self,
-        ((time_s, num_orders), roster, characters, states, chains, paths): &Saved,
+        ((time_s, num_orders), roster, characters, states, chains, paths): &SavedInhabitants,
     ) -> Result<(), &'static str> {
         let (world, n) = (self.world.clone(), roster.ids().len());
         let graph = world.graph();
-        let (mut bodies, mut held) = (self.characters.clone(), Reservations::new(graph, self.capacity()));
+        let (mut bodies, mut held) = (self.characters.clone(), UnitReservations::new(graph, self.capacity()));
         let mut new_roster = self.roster.clone();
         let (mut new_chains, mut new_paths) = (self.chains.clone(), self.paths.clone());
         let check = |good: bool, what| if good { Ok(()) } else { Err(what) };
@@ -65,7 +66,7 @@ impl Inhabitants {
         let is_laid = |c| bodies.segment(c).0 == u32::MAX;
         check(bodies.num_characters() == n && (0..n).all(is_laid), "its rows do not fit together")?;
         check(states.iter().all(|s| is_sound(graph, s)), "a character is where the world has no place")?;
-        let meets = |s: &State| s.meeting.is_none_or(|m| m.is_sound(graph, s.at, &self.pair_offers));
+        let meets = |s: &InhabitantMemory| s.meeting.is_none_or(|m| m.is_sound(graph, s.at, &self.pair_offers));
         let are_offered = states.iter().all(meets);
         check(are_offered, "two meet where the world has no place for two")?;
         for (c, (state, chain)) in states.iter().zip(chains).enumerate() {
@@ -81,10 +82,10 @@ impl Inhabitants {
             )?;
             new_chains.set(c, chain);
             let mut are_free = true;
-            needs(graph, state, chain, |instance| {
+            visit_needed_instances(graph, state, chain, |instance| {
                 let units = graph.resources(instance);
-                are_free &= held.other_of(units, c as u32).is_none();
-                held.take(units, c as u32);
+                are_free &= held.other_holder_of(units, c as u32).is_none();
+                held.take_units(units, c as u32);
             });
             check(are_free, "two hold the same unit")?;
         }
@@ -98,7 +99,7 @@ impl Inhabitants {
     }
 }
 
-fn is_sound(graph: &WorldGraph, state: &State) -> bool {
+fn is_sound(graph: &WorldGraph, state: &InhabitantMemory) -> bool {
     is_node(graph, state.at)
         && state.through.iter().all(|&i| (i as usize) < graph.num_instances())
         && state.impatience <= MAX_IMPATIENCE
@@ -116,14 +117,14 @@ pub(super) fn is_time(time_s: f64) -> bool {
 }
 
 /// True for a node that the world has.
-pub(super) fn is_node(graph: &WorldGraph, node: Node) -> bool {
+pub(super) fn is_node(graph: &WorldGraph, node: WorldNode) -> bool {
     (node.instance as usize) < graph.num_instances()
         && node.cell < graph.num_cells(node.instance)
         && graph.is_node(node)
 }
 
 /// True where steps can be taken one after the other from a node (the node exists).
-pub(super) fn are_steps(graph: &WorldGraph, from: Node, steps: &[Step]) -> bool {
+pub(super) fn are_steps(graph: &WorldGraph, from: WorldNode, steps: &[WorldStep]) -> bool {
     if !is_node(graph, from) {
         return false;
     }
@@ -143,14 +144,14 @@ mod tests {
     use crate::inhabitants::InhabitantsConfig;
     use crate::made_up_floor::{tables, world};
     use glam::Vec3;
-    use throng_core::Cast;
+    use throng_core::CharacterGroup;
 
     #[test]
     fn times_beyond_all_are_refused() {
         let tables = tables();
         let world = World::from_data(&world(&tables, &["##"]), &tables).unwrap();
         let mut people = Inhabitants::new(&world, 1, InhabitantsConfig::default()).unwrap();
-        people.spawn(world.near(Vec3::Y, 1.0).unwrap().node).unwrap();
+        people.spawn(world.nearest_place(Vec3::Y, 1.0).unwrap().node).unwrap();
         let mut refused = |since: f64| {
             people.states[0].refused_s = Some(since);
             let mut kept = Vec::new();

@@ -1,11 +1,11 @@
 //! Targets of goals: places that exist and are free.
 
-use super::reservations::OUTSIDER;
-use super::{Doing, InhabitantEvent, Inhabitants, Wish};
-use crate::plan::Target;
-use crate::{Node, WorldGraph};
+use super::reservations::EXTERNAL_HOLDER;
+use super::{InhabitantActivity, InhabitantEvent, InhabitantGoal, Inhabitants};
+use crate::plan::PlanTarget;
+use crate::{WorldGraph, WorldNode};
 use glam::Vec3;
-use throng_base::error::{check, check_index};
+use throng_base::error::{check_index, check_value};
 use throng_base::{Error, Id, Result};
 
 impl Inhabitants {
@@ -13,67 +13,73 @@ impl Inhabitants {
     ///
     /// # Errors
     /// As [`throng_core::Cast::order`] of inhabitants.
-    pub(super) fn target_of(&mut self, id: Id, c: usize, wish: Wish) -> Result<Option<Target>> {
+    pub(super) fn target_of(&mut self, id: Id, c: usize, wish: InhabitantGoal) -> Result<Option<PlanTarget>> {
         let (world, who) = (self.world.clone(), Some(id));
         let graph = world.graph();
         let target = match wish {
-            Wish::Roam => return Ok(None),
-            Wish::Meet { tag, .. } => {
-                check("wish", who, tag, false, "not to meet somebody: tell two with `Inhabitants::meet`")?;
+            InhabitantGoal::Roam => return Ok(None),
+            InhabitantGoal::Meet { tag, .. } => {
+                check_value("wish", who, tag, false, "not to meet somebody: tell two with `Inhabitants::meet`")?;
                 return Ok(None);
             }
-            Wish::GoTo { instance } => {
+            InhabitantGoal::GoTo { instance } => {
                 check_index("instance", who, instance as usize, graph.num_instances())?;
                 let has_place = graph.rest_cells(instance).next().is_some();
-                check("instance", who, instance, has_place, "one in which one can stay")?;
-                Target::Rest { instance }
+                check_value("instance", who, instance, has_place, "one in which one can stay")?;
+                PlanTarget::Rest { instance }
             }
-            Wish::GoToPlace { place } => {
+            InhabitantGoal::GoToPlace { place } => {
                 check_place(graph, who, place.node)?;
-                Target::Node(place.node)
+                PlanTarget::Node(place.node)
             }
-            Wish::GoNear { place, within_m } => {
-                let nearest = world.near(place, within_m).map_err(|e| match e {
+            InhabitantGoal::GoNear { place, within_m } => {
+                let nearest = world.nearest_place(place, within_m).map_err(|e| match e {
                     Error::Value { what, got, expected, .. } => Error::Value { what, who, got, expected },
                     e => e,
                 })?;
                 let instance = self.free_near(graph, c, place, within_m, None).unwrap_or(nearest.node.instance);
-                Target::Rest { instance }
+                PlanTarget::Rest { instance }
             }
-            Wish::Perform { tag, seconds } => {
-                check("seconds", who, seconds, (0.0..1e9).contains(&seconds), "not negative and below 1e9 (s)")?;
+            InhabitantGoal::Perform { tag, seconds } => {
+                check_value("seconds", who, seconds, (0.0..1e9).contains(&seconds), "not negative and below 1e9 (s)")?;
                 let offer = self.nearest_offer(graph, c, tag);
-                check("tag", who, tag, offer.is_some(), "one of motion that begins where one can come to and stay")?;
+                check_value(
+                    "tag",
+                    who,
+                    tag,
+                    offer.is_some(),
+                    "one of motion that begins where one can come to and stay",
+                )?;
                 // Another instance may offer it where no path leads to this one.
-                return Ok(offer.map(|instance| Target::Tag { instance, tag }));
+                return Ok(offer.map(|instance| PlanTarget::Tag { instance, tag }));
             }
         };
-        let from = self.end(c);
+        let from = self.end_node(c);
         // For a goal that names a place, reachability is checked at once.
         let leads = match wish {
-            Wish::GoToPlace { .. } | Wish::GoNear { .. } => {
+            InhabitantGoal::GoToPlace { .. } | InhabitantGoal::GoNear { .. } => {
                 self.planner.plan_soon(graph, from, target, &mut []).is_some()
             }
             _ => self.planner.least_frames(graph, from, target).is_some(),
         };
         if !target.is_at(graph, from) && !leads {
             let [from, to] = [graph.place(from).translation(), self.place_of(target)];
-            return Err(Error::NoWay { who, from, to });
+            return Err(Error::NoPath { who, from, to });
         }
         Ok(Some(target))
     }
 
     /// Node that all that a character is sure to do leads to.
-    pub(super) fn end(&self, c: usize) -> Node {
-        self.chains.of(c).last().map_or(self.states[c].at, |s| s.to)
+    pub(super) fn end_node(&self, c: usize) -> WorldNode {
+        self.chains.steps_of(c).last().map_or(self.states[c].at, |s| s.to)
     }
 
     /// About where a target is (m).
-    pub(super) fn place_of(&self, target: Target) -> Vec3 {
+    pub(super) fn place_of(&self, target: PlanTarget) -> Vec3 {
         let graph = self.world.graph();
         match target {
-            Target::Node(node) => graph.place(node).translation(),
-            Target::Rest { instance } | Target::Tag { instance, .. } => graph.centre(instance),
+            PlanTarget::Node(node) => graph.place(node).translation(),
+            PlanTarget::Rest { instance } | PlanTarget::Tag { instance, .. } => graph.centre(instance),
         }
     }
 
@@ -84,7 +90,7 @@ impl Inhabitants {
         self.reservations.clear_marks();
         for other in (0..self.states.len()).filter(|&other| other != c) {
             if let Some(target) = self.paths.target(other) {
-                self.reservations.mark(graph.resources(target.instance()));
+                self.reservations.mark_units(graph.resources(target.instance()));
             }
         }
         let reservations = &self.reservations;
@@ -99,45 +105,47 @@ impl Inhabitants {
     }
 
     /// Character that stays where another one is to go and stay.
-    pub(super) fn taken_by(&self, graph: &WorldGraph, c: usize) -> Option<usize> {
-        let target = self.paths.target(c).filter(|t| !matches!(t, Target::Tag { .. }))?;
-        let other = self.reservations.other(graph, target.instance(), c as u32)?;
-        (other != OUTSIDER && self.stays(other as usize)).then_some(other as usize)
+    pub(super) fn occupant_of(&self, graph: &WorldGraph, c: usize) -> Option<usize> {
+        let target = self.paths.target(c).filter(|t| !matches!(t, PlanTarget::Tag { .. }))?;
+        let other = self.reservations.other_holder(graph, target.instance(), c as u32)?;
+        (other != EXTERNAL_HOLDER && self.has_come_to_stay(other as usize)).then_some(other as usize)
     }
 
     /// True for a character that has come to stay. One that arrived in this step may get another goal before the next
     /// one.
-    pub(super) fn stays(&self, c: usize) -> bool {
+    pub(super) fn has_come_to_stay(&self, c: usize) -> bool {
         let came = (self.roster.ids()[c], InhabitantEvent::Fulfilled);
-        self.states[c].doing == Doing::Meeting || self.states[c].doing == Doing::Arrived && !self.events.contains(&came)
+        self.states[c].doing == InhabitantActivity::Meeting
+            || self.states[c].doing == InhabitantActivity::Arrived && !self.events.contains(&came)
     }
 
     /// Sends a character to another free place near its target; false where there is none.
     pub(super) fn turn_to_free(&mut self, graph: &WorldGraph, c: usize) -> bool {
-        let Wish::GoNear { place, within_m } = self.states[c].wish else { return false };
+        let InhabitantGoal::GoNear { place, within_m } = self.states[c].wish else { return false };
         let now = self.paths.target(c).map(|t| t.instance());
         let Some(instance) = self.free_near(graph, c, place, within_m, now) else { return false };
-        self.paths.forget(c, Some(Target::Rest { instance }));
+        self.paths.forget_path(c, Some(PlanTarget::Rest { instance }));
         true
     }
 
     /// Lets a character stay where it is, if that is near enough to its target; false where it is not.
-    pub(super) fn stay_near(&mut self, graph: &WorldGraph, c: usize) -> bool {
-        let (Wish::GoNear { place, within_m }, here) = (self.states[c].wish, self.states[c].at.instance) else {
+    pub(super) fn set_nearest_target(&mut self, graph: &WorldGraph, c: usize) -> bool {
+        let (InhabitantGoal::GoNear { place, within_m }, here) = (self.states[c].wish, self.states[c].at.instance)
+        else {
             return false;
         };
-        let is_near = |node: Node| graph.place(node).translation().distance(place) <= within_m;
+        let is_near = |node: WorldNode| graph.place(node).translation().distance(place) <= within_m;
         let is_enough = graph.rest_cells(here).any(is_near);
         if is_enough {
-            self.paths.forget(c, Some(Target::Rest { instance: here }));
+            self.paths.forget_path(c, Some(PlanTarget::Rest { instance: here }));
         }
         is_enough
     }
 }
 
 /// Checks that a character can stay at a node.
-pub(super) fn check_place(graph: &WorldGraph, who: Option<Id>, node: Node) -> Result<()> {
+pub(super) fn check_place(graph: &WorldGraph, who: Option<Id>, node: WorldNode) -> Result<()> {
     check_index("instance", who, node.instance as usize, graph.num_instances())?;
     check_index("cell", who, node.cell as usize, graph.num_cells(node.instance) as usize)?;
-    check("cell", who, node.cell, graph.is_rest(node), "one where one can stay, see `World::near` and `scatter`")
+    check_value("cell", who, node.cell, graph.is_rest(node), "one where one can stay, see `World::near` and `scatter`")
 }

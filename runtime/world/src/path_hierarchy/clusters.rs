@@ -30,7 +30,7 @@ impl Clusters {
         let n = graph.num_instances();
         let mut sets =
             Sets { parent: (0..n as u32).collect(), cells: (0..n as u32).map(|i| graph.num_cells(i)).collect() };
-        let member = |i: u32| floors.of(i).is_none();
+        let member = |i: u32| floors.floor_of(i).is_none();
         let mut pairs = Vec::new();
         for i in (0..n as u32).filter(|&i| member(i)) {
             let r = graph.instance(i);
@@ -78,12 +78,12 @@ impl Clusters {
     }
 
     /// Cluster of an instance; none for a tile of a floor.
-    pub fn of(&self, instance: u32) -> Option<u32> {
+    pub fn cluster_of(&self, instance: u32) -> Option<u32> {
         Some(self.of[instance as usize]).filter(|d| *d != NONE)
     }
 
     /// Number of an instance within its cluster.
-    pub fn number(&self, cluster: u32, instance: u32) -> u32 {
+    pub fn instance_number(&self, cluster: u32, instance: u32) -> u32 {
         self.members[cluster as usize].partition_point(|&m| m < instance) as u32
     }
 

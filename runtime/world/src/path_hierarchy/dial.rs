@@ -43,7 +43,7 @@ impl<T: Copy> Arcs<T> {
     }
 
     /// Arcs that begin at a node.
-    pub fn of(&self, node: u32) -> &[(T, u16)] {
+    pub fn arcs_from(&self, node: u32) -> &[(T, u16)] {
         &self.list[self.first[node as usize] as usize..self.first[node as usize + 1] as usize]
     }
 }
@@ -66,7 +66,7 @@ impl Default for Dial {
 
 impl Dial {
     /// Least costs from any of the sources, which have costs of their own, to all states. `visit` calls
-    /// [`Dial::reach`] for every state that the given one leads to.
+    /// [`Dial::reach_state`] for every state that the given one leads to.
     pub fn run(
         &mut self,
         num_states: usize,
@@ -79,7 +79,7 @@ impl Dial {
         self.queue.grow(num_states);
         self.cost = 0;
         for (state, cost) in sources {
-            self.reach(state, cost);
+            self.reach_state(state, cost);
         }
         while let Some((cost, state)) = self.queue.pop() {
             self.cost = cost;
@@ -88,7 +88,7 @@ impl Dial {
     }
 
     /// Notes an arc of so many frames from the visited state to another one.
-    pub fn reach(&mut self, to: u32, frames: u16) {
+    pub fn reach_state(&mut self, to: u32, frames: u16) {
         let total = (self.cost + u32::from(frames)).min(LONGEST);
         if total < self.costs[to as usize] {
             self.costs[to as usize] = total;
@@ -112,7 +112,7 @@ mod tests {
         // A chain of links, each of them 40000 frames.
         search.run(5, [(0, 0)].into_iter(), |search, at| {
             if at < 3 {
-                search.reach(at + 1, 40_000);
+                search.reach_state(at + 1, 40_000);
             }
         });
         let costs: Vec<_> = (0..5).map(|s| search.cost(s)).collect();

@@ -1,6 +1,6 @@
 //! Floors: tiles that fill a plane together, with what stands where among them, and the regions that they consist of.
 
-use super::plane::Plane;
+use super::plane::TilePlane;
 use super::regions;
 use crate::WorldGraph;
 use serde::{Deserialize, Serialize};
@@ -29,7 +29,7 @@ pub(crate) struct Floors {
 
 impl Floors {
     /// Follows neighbours from tile to tile.
-    pub fn new(graph: &WorldGraph, planes: &[Option<Plane>]) -> Self {
+    pub fn new(graph: &WorldGraph, planes: &[Option<TilePlane>]) -> Self {
         let n = graph.num_instances();
         let mut out = Self { of: vec![NONE; n], regions: vec![NONE; n], places: vec![[0, 0]; n], patches: Vec::new() };
         let (mut tiles, mut floor) = (Vec::new(), 0);
@@ -59,7 +59,7 @@ impl Floors {
     }
 
     /// True where every instance has a place, and regions consist of tiles of one patch that fills a plane.
-    pub fn is_sound(&self, graph: &WorldGraph, planes: &[Option<Plane>]) -> bool {
+    pub fn is_sound(&self, graph: &WorldGraph, planes: &[Option<TilePlane>]) -> bool {
         let n = graph.num_instances();
         let patch_of = |r: u32| self.patches.get(r as usize).copied();
         let region = |(i, &r): (u32, &u32)| r == NONE || patch_of(r) == Some(graph.instance(i).patch);
@@ -76,7 +76,7 @@ impl Floors {
     }
 
     /// Floor of an instance; none where it is part of a cluster.
-    pub fn of(&self, instance: u32) -> Option<u32> {
+    pub fn floor_of(&self, instance: u32) -> Option<u32> {
         Some(self.of[instance as usize]).filter(|r| *r != NONE)
     }
 
@@ -104,7 +104,7 @@ impl Floors {
     /// Parts a floor into regions.
     fn part(&mut self, patch: u32, tiles: &[u32]) {
         let places: BTreeMap<[i32; 2], u32> = tiles.iter().map(|&t| (self.places[t as usize], t)).collect();
-        for region in regions::part(places.keys().copied().collect()) {
+        for region in regions::part_into_regions(places.keys().copied().collect()) {
             region.iter().for_each(|place| self.regions[places[place] as usize] = self.patches.len() as u32);
             self.patches.push(patch);
         }
@@ -127,7 +127,7 @@ mod tests {
     fn places_that_are_too_far_are_refused_to_the_last_number() {
         let tile = Tile::crossed_in(20, 16);
         let world = tile.floor(&places([3, 4, 2]));
-        let graph = WorldGraph::new(&tile.patches(), &world.view()).unwrap();
+        let graph = WorldGraph::new(&tile.patches(), &world.tables()).unwrap();
         let n = graph.num_instances();
         let far = [MAX_PLACE + 1, -MAX_PLACE - 1, i32::MAX, i32::MIN];
         for (place, is_near) in [0, MAX_PLACE, -MAX_PLACE].map(|p| (p, true)).into_iter().chain(far.map(|p| (p, false)))

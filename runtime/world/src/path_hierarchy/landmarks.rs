@@ -27,7 +27,7 @@ impl Landmarks {
     ///
     /// None where costs through regions are not kept: each search would work all of them out anew.
     pub fn new(graph: &WorldGraph, hierarchy: &PathHierarchy) -> Self {
-        let landmarks = if hierarchy.region_costs.are_kept() { choose(graph, hierarchy) } else { Vec::new() };
+        let landmarks = if hierarchy.region_costs.keeps_rows() { choose(graph, hierarchy) } else { Vec::new() };
         let num_states = hierarchy.entrances.len() + hierarchy.exits.len();
         let mut out = Self { costs: vec![[UNREACHED; NUM]; num_states] };
         let costs = each(&landmarks, |&to, search| {
@@ -46,12 +46,12 @@ impl Landmarks {
     }
 
     /// Distances from nowhere.
-    pub fn none() -> ToLandmarks {
+    pub fn unknown_distances() -> ToLandmarks {
         [UNREACHED; NUM]
     }
 
     /// Notes that a state is so near to somewhere, from where costs are known so far.
-    pub fn meet(&self, from: &mut ToLandmarks, state: u32, cost: f32) {
+    pub fn note_distance(&self, from: &mut ToLandmarks, state: u32, cost: f32) {
         if cost < f32::from(UNREACHED) {
             let near = cost.max(0.0) as u16;
             for (from, on) in from.iter_mut().zip(&self.costs[state as usize]) {
@@ -61,7 +61,7 @@ impl Landmarks {
     }
 
     /// Lower bound of the cost from somewhere to a state (frames).
-    pub fn least(&self, from: &ToLandmarks, state: u32) -> f32 {
+    pub fn least_cost(&self, from: &ToLandmarks, state: u32) -> f32 {
         let pairs = from.iter().zip(&self.costs[state as usize]);
         // The largest stored cost may stand for a larger one, and bounds no difference.
         let known = |(from, on): (&u16, &u16)| if *on < UNREACHED - 1 { from.saturating_sub(*on) } else { 0 };
@@ -91,14 +91,14 @@ fn search_back(hierarchy: &PathHierarchy, to: u32, search: &mut Dial) {
         let Some(out) = state.checked_sub(num_entrances) else {
             if let Entrance::Cluster { from, to } = hierarchy.entrances[state as usize] {
                 let exits = hierarchy.exits_of(from).filter(|&o| hierarchy.exits[o as usize].to == Some(to));
-                exits.for_each(|o| search.reach(num_entrances + o, 0));
+                exits.for_each(|o| search.reach_state(num_entrances + o, 0));
             }
             let Some((region, ..)) = hierarchy.leads_from(state) else { return };
             for (place, &frames) in
                 hierarchy.region_costs.list(region).zip(hierarchy.region_costs.row(state, region).unwrap_or_default())
             {
                 if frames != UNREACHED {
-                    search.reach(hierarchy.region_costs.states[place], frames);
+                    search.reach_state(hierarchy.region_costs.states[place], frames);
                 }
             }
             return;
@@ -106,9 +106,9 @@ fn search_back(hierarchy: &PathHierarchy, to: u32, search: &mut Dial) {
         let cluster = hierarchy.exits[out as usize].cluster;
         let number = out - hierarchy.exits_of(cluster).start;
         for (k, entrance) in hierarchy.entrances_of(cluster).enumerate() {
-            let frames = hierarchy.costs_in(cluster).across(k as u32, number);
+            let frames = hierarchy.costs_in(cluster).cost_across(k as u32, number);
             if frames < f32::INFINITY {
-                search.reach(entrance, frames as u16);
+                search.reach_state(entrance, frames as u16);
             }
         }
     });
@@ -134,10 +134,10 @@ mod tests {
             let to_all = |from| std::array::from_fn(|k| cost(from, k % 5));
             let landmarks = Landmarks { costs: (0..8).map(to_all).collect() };
             for from in 0..8 {
-                let mut near = Landmarks::none();
-                landmarks.meet(&mut near, from as u32, 0.0);
+                let mut near = Landmarks::unknown_distances();
+                landmarks.note_distance(&mut near, from as u32, 0.0);
                 for to in (0..8).filter(|&to| far[from][to] < u32::MAX) {
-                    prop_assert!(landmarks.least(&near, to as u32) <= far[from][to] as f32, "{} {}", from, to);
+                    prop_assert!(landmarks.least_cost(&near, to as u32) <= far[from][to] as f32, "{} {}", from, to);
                 }
             }
         }

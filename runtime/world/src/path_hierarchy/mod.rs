@@ -15,12 +15,12 @@ mod region_costs;
 mod regions;
 
 use super::WorldGraph;
-use cluster_costs::{Beyond, ClusterCosts, Outline};
+use cluster_costs::{AdjacentPart, ClusterCosts, ClusterOutline};
 use clusters::Clusters;
 use dial::Dial;
 use floors::Floors;
 pub(crate) use landmarks::{Landmarks, ToLandmarks};
-pub(crate) use plane::{Look, Plane, Spot, class};
+pub(crate) use plane::{CellCost, CostLookup, TilePlane, class_of};
 use region_costs::RegionCosts;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -41,7 +41,7 @@ pub(crate) enum Entrance {
     Tile {
         /// The tile.
         tile: u32,
-        /// The cells, see [`Plane`].
+        /// The cells, see [`TilePlane`].
         goal: u32,
     },
     /// From another cluster into a cluster.
@@ -57,7 +57,7 @@ pub(crate) enum Entrance {
         from: u32,
         /// The tile.
         tile: u32,
-        /// The cells, see [`Plane`].
+        /// The cells, see [`TilePlane`].
         goal: u32,
     },
 }
@@ -88,7 +88,7 @@ pub(crate) struct Exit {
 /// Costs of a world's parts, see the module.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct PathHierarchy {
-    planes: Vec<Option<Plane>>,
+    planes: Vec<Option<TilePlane>>,
     /// Floors: tiles that fill a plane together.
     pub floors: Floors,
     /// Clusters: everything else.
@@ -119,7 +119,7 @@ impl PathHierarchy {
     pub fn new(graph: &WorldGraph) -> Self {
         let patches = graph.patches();
         let mut search = Dial::default();
-        let planes: Vec<_> = (0..patches.patches.len()).map(|p| Plane::new(patches, p, &mut search)).collect();
+        let planes: Vec<_> = (0..patches.patches.len()).map(|p| TilePlane::new(patches, p, &mut search)).collect();
         let floors = Floors::new(graph, &planes);
         let clusters = Clusters::new(graph, &floors);
         let num_regions = floors.num_regions();
@@ -155,7 +155,7 @@ impl PathHierarchy {
         let records = &patches.patches;
         let longest =
             patches.links.iter().filter(|l| !l.is_for_two()).map(|l| u32::from(l.num_frames)).max().unwrap_or(0);
-        let plane = |(p, plane): (&PatchRecord, &Option<Plane>)| {
+        let plane = |(p, plane): (&PatchRecord, &Option<TilePlane>)| {
             plane.as_ref().is_none_or(|plane| plane.is_sound(p.num_cells, p.num_edges))
         };
         let costs = |cluster: u32| self.cluster_costs.get(*self.costs_of.get(cluster as usize)? as usize);
@@ -232,13 +232,13 @@ impl PathHierarchy {
             return false;
         }
         let Some(tile) = exit.tile else { return true };
-        let spots = self.costs_in(exit.cluster).spots(number - self.exits_of(exit.cluster).start);
+        let spots = self.costs_in(exit.cluster).exit_landings(number - self.exits_of(exit.cluster).start);
         (tile as usize) < graph.num_instances()
             && spots.into_iter().all(|(offset, cell, _)| cell < graph.num_cells(tile) && is_near(offset))
     }
 
     /// The plane of a region's tiles.
-    pub fn plane(&self, region: u32) -> Option<&Plane> {
+    pub fn plane(&self, region: u32) -> Option<&TilePlane> {
         self.planes[self.floors.patch(region) as usize].as_ref()
     }
 
@@ -251,7 +251,7 @@ impl PathHierarchy {
 
     /// Cluster of an instance, and the number of its first cell there; none for a tile of a floor.
     pub fn cluster(&self, instance: u32) -> Option<(u32, u32)> {
-        self.clusters.of(instance).map(|d| (d, self.clusters.first_cell(instance)))
+        self.clusters.cluster_of(instance).map(|d| (d, self.clusters.first_cell(instance)))
     }
 
     /// Number of clusters.
@@ -276,11 +276,12 @@ impl PathHierarchy {
 
     fn add_clusters(&mut self, graph: &WorldGraph) {
         let (floors, clusters) = (&self.floors, &self.clusters);
-        let outlines: Vec<_> =
-            (0..clusters.members.len() as u32).map(|cluster| Outline::new(graph, floors, clusters, cluster)).collect();
+        let outlines: Vec<_> = (0..clusters.members.len() as u32)
+            .map(|cluster| ClusterOutline::new(graph, floors, clusters, cluster))
+            .collect();
         let (mut known, mut kinds) = (BTreeMap::new(), Vec::new());
         for outline in &outlines {
-            self.costs_of.push(*known.entry(outline.key()).or_insert_with(|| {
+            self.costs_of.push(*known.entry(outline.cost_key()).or_insert_with(|| {
                 kinds.push(outline);
                 kinds.len() as u32 - 1
             }));
@@ -288,24 +289,24 @@ impl PathHierarchy {
         self.cluster_costs = each(&kinds, |outline, search| ClusterCosts::new(outline, search));
         let mut goals = entrance_cells(graph, &kinds, &self.cluster_costs);
         let planes = (0u32..).zip(&self.planes).filter_map(|(patch, plane)| Some((patch, plane.as_ref()?)));
-        goals.extend(planes.flat_map(|(patch, p)| p.rests().into_iter().map(move |r| (patch, r))));
+        goals.extend(planes.flat_map(|(patch, p)| p.is_rest_goal().into_iter().map(move |r| (patch, r))));
         add_goals(&mut self.planes, goals);
         for (outline, &costs_in) in outlines.iter().zip(&self.costs_of) {
             let costs_in = &self.cluster_costs[costs_in as usize];
             for &k in &costs_in.exits {
-                let beyond = outline.beyond[k as usize];
+                let beyond = outline.adjacent_parts[k as usize];
                 if let Some(region) = beyond.tile().and_then(|t| floors.region(t)) {
                     self.region_exits[region as usize].push(self.exits.len() as u32);
                 }
                 self.exits.push(Exit { cluster: outline.cluster, tile: beyond.tile(), to: beyond.cluster() });
             }
             for (k, cells) in &costs_in.entrances {
-                self.entrances.push(match outline.beyond[*k as usize] {
-                    Beyond::Tile(tile) => {
+                self.entrances.push(match outline.adjacent_parts[*k as usize] {
+                    AdjacentPart::Tile(tile) => {
                         let plane = self.planes[graph.instance(tile).patch as usize].as_ref();
                         Entrance::Tile { tile, goal: plane.and_then(|p| p.goal(cells)).unwrap_or(0) }
                     }
-                    Beyond::Cluster(from) => Entrance::Cluster { from, to: outline.cluster },
+                    AdjacentPart::Cluster(from) => Entrance::Cluster { from, to: outline.cluster },
                 });
             }
             self.first.push([self.entrances.len() as u32, self.exits.len() as u32]);
@@ -332,13 +333,13 @@ impl PathHierarchy {
 /// Patches with the cells that entrances of clusters begin in.
 fn entrance_cells(
     graph: &WorldGraph,
-    outlines: &[&Outline<'_>],
+    outlines: &[&ClusterOutline<'_>],
     cluster_costs: &[ClusterCosts],
-) -> BTreeSet<(u32, Vec<Spot>)> {
+) -> BTreeSet<(u32, Vec<CellCost>)> {
     let mut goals = BTreeSet::new();
     for (outline, costs_in) in outlines.iter().zip(cluster_costs) {
         for (beyond, cells) in &costs_in.entrances {
-            let Some(tile) = outline.beyond[*beyond as usize].tile() else { continue };
+            let Some(tile) = outline.adjacent_parts[*beyond as usize].tile() else { continue };
             goals.insert((graph.instance(tile).patch, cells.clone()));
         }
     }
@@ -346,7 +347,7 @@ fn entrance_cells(
 }
 
 /// Adds cells of patches to the goals of their planes.
-fn add_goals(planes: &mut [Option<Plane>], goals: BTreeSet<(u32, Vec<Spot>)>) {
+fn add_goals(planes: &mut [Option<TilePlane>], goals: BTreeSet<(u32, Vec<CellCost>)>) {
     let goals: Vec<_> = goals.into_iter().filter(|(p, _)| planes[*p as usize].is_some()).collect();
     let cells: BTreeSet<_> = goals.iter().flat_map(|(p, cells)| cells.iter().map(|c| (*p, c.0))).collect();
     let cells: Vec<_> = cells.into_iter().collect();
@@ -355,8 +356,8 @@ fn add_goals(planes: &mut [Option<Plane>], goals: BTreeSet<(u32, Vec<Spot>)>) {
     for (patch, cells) in goals {
         let parts: Vec<_> = cells.iter().filter_map(|c| Some((rows.get(&(patch, c.0))?, c.1))).collect();
         if let Some(plane) = planes[patch as usize].as_mut().filter(|p| p.goal(&cells).is_none()) {
-            let joined = plane.join(&parts);
-            plane.add(joined);
+            let joined = plane.join_costs(&parts);
+            plane.add_goal(joined);
         }
     }
 }

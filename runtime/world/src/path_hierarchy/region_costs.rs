@@ -1,6 +1,6 @@
 //! Costs through a region, from every entrance into it to every exit from it.
 
-use super::plane::Plane;
+use super::plane::TilePlane;
 use super::{Entrance, PathHierarchy, each};
 use crate::path_hierarchy::dial::UNREACHED;
 use serde::{Deserialize, Serialize};
@@ -50,14 +50,14 @@ pub(crate) struct RegionCosts {
 impl RegionCosts {
     /// Computes the costs through regions, when a hierarchy has all its entrances and exits.
     pub fn new(hierarchy: &PathHierarchy) -> Self {
-        let mut out = Self::ways(hierarchy);
+        let mut out = Self::without_costs(hierarchy);
         out.add_rows(hierarchy);
         out.add_others(hierarchy);
         out
     }
 
     /// Entrances and exits of each region, without costs.
-    fn ways(hierarchy: &PathHierarchy) -> Self {
+    fn without_costs(hierarchy: &PathHierarchy) -> Self {
         let num_entrances = hierarchy.entrances.len() as u32;
         let mut out = Self { place: vec![NONE; hierarchy.entrances.len() + hierarchy.exits.len()], ..Self::default() };
         for (exits, portals) in hierarchy.region_exits.iter().zip(&hierarchy.region_portals) {
@@ -79,7 +79,7 @@ impl RegionCosts {
     /// True where costs read from a file are of the paths of a hierarchy whose paths are sound, and all entries are in
     /// range.
     pub fn is_sound(&self, hierarchy: &PathHierarchy) -> bool {
-        let (ways, entrances) = (Self::ways(hierarchy), hierarchy.entrances.len());
+        let (ways, entrances) = (Self::without_costs(hierarchy), hierarchy.entrances.len());
         let are_ways = (&self.first, &self.states, &self.place, &self.leaving)
             == (&ways.first, &ways.states, &ways.place, &ways.leaving);
         let first = &self.first_other;
@@ -115,7 +115,7 @@ impl RegionCosts {
     }
 
     /// True where rows are kept.
-    pub fn are_kept(&self) -> bool {
+    pub fn keeps_rows(&self) -> bool {
         !self.rows.is_empty()
     }
 
@@ -128,7 +128,7 @@ impl RegionCosts {
             Some(out) => cost_from_exit(hierarchy, plane, out, tile, goal),
             None => match hierarchy.entrances[state as usize] {
                 Entrance::Portal { tile: at, goal: into, .. } => {
-                    plane.least(plane.look(goal, hierarchy.floors.offset(at, tile)), into)
+                    plane.least(plane.lookup(goal, hierarchy.floors.offset(at, tile)), into)
                 }
                 _ => f32::INFINITY,
             },
@@ -137,7 +137,7 @@ impl RegionCosts {
     }
 
     /// Others of an entrance: each with what it costs at most to go there instead (frames).
-    pub fn others(&self, entrance: u32) -> &[(u32, u16)] {
+    pub fn substitutes(&self, entrance: u32) -> &[(u32, u16)] {
         let at = entrance as usize;
         &self.others[self.first_other[at] as usize..self.first_other[at + 1] as usize]
     }
@@ -189,13 +189,13 @@ impl RegionCosts {
 }
 
 /// Least cost from where an exit of a cluster leads to on to a goal on a tile.
-fn cost_from_exit(hierarchy: &PathHierarchy, plane: &Plane, out: u32, tile: u32, goal: u32) -> f32 {
+fn cost_from_exit(hierarchy: &PathHierarchy, plane: &TilePlane, out: u32, tile: u32, goal: u32) -> f32 {
     let record = &hierarchy.exits[out as usize];
     let Some(through) = record.tile else { return f32::INFINITY };
     let [u, v] = hierarchy.floors.offset(through, tile);
-    let spots = hierarchy.costs_in(record.cluster).spots(out - hierarchy.exits_of(record.cluster).start);
+    let spots = hierarchy.costs_in(record.cluster).exit_landings(out - hierarchy.exits_of(record.cluster).start);
     let cost =
-        |([du, dv], cell, part): ([i32; 2], u32, f32)| part + plane.cost(plane.look(goal, [u - du, v - dv]), cell);
+        |([du, dv], cell, part): ([i32; 2], u32, f32)| part + plane.cost(plane.lookup(goal, [u - du, v - dv]), cell);
     spots.map(cost).fold(f32::INFINITY, f32::min)
 }
 
@@ -211,12 +211,12 @@ mod tests {
     /// Checks that no path to the best cell of any other costs more than it says; how many there are.
     fn check_others(tile: &Tile, depths: [i32; 3]) -> usize {
         let world = tile.floor(&places(depths));
-        let graph = WorldGraph::new(&tile.patches(), &world.view()).unwrap();
+        let graph = WorldGraph::new(&tile.patches(), &world.tables()).unwrap();
         let hierarchy = graph.hierarchy();
         let mut count = 0;
         for entrance in 0..hierarchy.entrances.len() as u32 {
             let Some((region, at, goal)) = hierarchy.leads_from(entrance) else { continue };
-            let (plane, others) = (hierarchy.plane(region).unwrap(), hierarchy.region_costs.others(entrance));
+            let (plane, others) = (hierarchy.plane(region).unwrap(), hierarchy.region_costs.substitutes(entrance));
             assert!(others.len() <= MAX_OTHERS && others.iter().all(|o| o.0 != entrance), "{entrance}: {others:?}");
             let found: Vec<_> = plane.cells(goal).iter().map(|&(cell, _)| tile.dijkstra(cell)).collect();
             for &(other, most) in others {
@@ -252,7 +252,7 @@ mod tests {
     fn ways_of_other_regions_are_refused() {
         let tables = made_up_floor::tables();
         let data = made_up_floor::world(&tables, &["######", "####b#", "######", "###...", "#b#...", "###..."]);
-        let graph = WorldGraph::new(tables.patches(), &data.view()).unwrap();
+        let graph = WorldGraph::new(tables.patches(), &data.tables()).unwrap();
         let is_sound = |forge: &dyn Fn(&mut PathHierarchy)| {
             let mut hierarchy = graph.hierarchy().clone();
             assert_eq!([hierarchy.region_exits.len(), hierarchy.region_portals.len()], [2; 2]);
@@ -282,7 +282,7 @@ mod tests {
     fn without_rows_costs_are_the_same_and_landmarks_say_nothing() {
         let tile = Tile::crossed_in(20, 16);
         let world = tile.floor(&places([3, 4, 2]));
-        let graph = WorldGraph::new(&tile.patches(), &world.view()).unwrap();
+        let graph = WorldGraph::new(&tile.patches(), &world.tables()).unwrap();
         let mut hierarchy = graph.hierarchy().clone();
         let num_entrances = hierarchy.entrances.len() as u32;
         for entrance in 0..num_entrances {
@@ -297,9 +297,9 @@ mod tests {
         let most = |landmarks: &Landmarks| {
             let all = (0..num_entrances).flat_map(|from| (0..num_entrances).map(move |to| (from, to)));
             let least = |(from, to)| {
-                let mut near = Landmarks::none();
-                landmarks.meet(&mut near, from, 7.0);
-                landmarks.least(&near, to)
+                let mut near = Landmarks::unknown_distances();
+                landmarks.note_distance(&mut near, from, 7.0);
+                landmarks.least_cost(&near, to)
             };
             all.map(least).fold(0.0, f32::max)
         };

@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 const FULL: f32 = 0.95;
 
 /// Parts places into regions: all of them into one, or into rectangles, the largest first (copies).
-pub(super) fn part(mut places: BTreeSet<[i32; 2]>) -> Vec<Vec<[i32; 2]>> {
+pub(super) fn part_into_regions(mut places: BTreeSet<[i32; 2]>) -> Vec<Vec<[i32; 2]>> {
     let mut out = Vec::new();
     if is_full(&places) {
         out.push(places.into_iter().collect());
@@ -65,13 +65,13 @@ mod tests {
     #[test]
     fn a_rectangle_with_a_hole_is_one_region() {
         let places = rectangle([-3, 2], [6, 5]).filter(|p| *p != [0, 4]).collect();
-        assert_eq!(part(places).len(), 1);
+        assert_eq!(part_into_regions(places).len(), 1);
     }
 
     #[test]
     fn an_angle_is_parted_at_its_corner() {
         let places: BTreeSet<_> = rectangle([0, 0], [10, 2]).chain(rectangle([0, 2], [2, 6])).collect();
-        let mut regions: Vec<_> = part(places).iter().map(Vec::len).collect();
+        let mut regions: Vec<_> = part_into_regions(places).iter().map(Vec::len).collect();
         regions.sort_unstable();
         assert_eq!(regions, [12, 20]);
     }
@@ -80,7 +80,7 @@ mod tests {
         #[test]
         fn every_place_is_in_one_region(places in prop::collection::btree_set((0i32..6, 0i32..6), 1..30)) {
             let places: BTreeSet<[i32; 2]> = places.into_iter().map(|(u, v)| [u, v]).collect();
-            let mut all: Vec<_> = part(places.clone()).concat();
+            let mut all: Vec<_> = part_into_regions(places.clone()).concat();
             prop_assert_eq!(all.len(), places.len());
             all.sort_unstable();
             prop_assert_eq!(all, places.into_iter().collect::<Vec<_>>());

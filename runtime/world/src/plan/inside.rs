@@ -5,9 +5,9 @@ use crate::path_hierarchy::PathHierarchy;
 use crate::queue::Buckets;
 
 /// Costs of the cells of one cluster; memory of the search for them. Its states are those that the costs_in's links lead
-/// back to, see `ClusterCosts::back`.
+/// back to, see `ClusterCosts::arcs_into`.
 #[derive(Clone, Debug)]
-pub(super) struct Inside {
+pub(super) struct ClusterSearch {
     cluster: u32,
     /// (frames, states of the largest cluster)
     costs: Vec<u32>,
@@ -17,7 +17,7 @@ pub(super) struct Inside {
     queue: Buckets,
 }
 
-impl Inside {
+impl ClusterSearch {
     /// Memory for the clusters of a world.
     pub fn new(graph: &WorldGraph, hierarchy: &PathHierarchy) -> Self {
         let num_states =
@@ -48,7 +48,7 @@ impl Inside {
         }
         self.cluster = cluster;
         self.queue.clear();
-        targets.for_each(|cell| self.reach(cell, 0));
+        targets.for_each(|cell| self.reach_state(cell, 0));
     }
 
     /// Cost from a state of the cluster, without leaving it; infinite where no path leads on (frames).
@@ -57,8 +57,8 @@ impl Inside {
         while self.stamps[state as usize] != self.stamp + 1 {
             let Some((cost, next)) = self.queue.pop() else { return f32::INFINITY };
             self.stamps[next as usize] = self.stamp + 1;
-            for &(from, frames) in costs_in.back(next) {
-                self.reach(from, cost + u32::from(frames));
+            for &(from, frames) in costs_in.arcs_into(next) {
+                self.reach_state(from, cost + u32::from(frames));
             }
         }
         self.costs[state as usize] as f32
@@ -70,7 +70,7 @@ impl Inside {
         starts.iter().map(|&(state, part)| self.cost(hierarchy, state) - f32::from(part)).fold(f32::INFINITY, f32::min)
     }
 
-    fn reach(&mut self, state: u32, cost: u32) {
+    fn reach_state(&mut self, state: u32, cost: u32) {
         let s = state as usize;
         if self.stamps[s] & !1 != self.stamp || cost < self.costs[s] {
             self.stamps[s] = self.stamp;

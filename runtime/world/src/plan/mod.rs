@@ -1,28 +1,28 @@
 //! Path planning in two layers (Lee, Choi and Lee 2006, section 7): over the entrances and exits of structures on open
 //! ground, then over the motion itself, towards what the upper layer estimates as near.
 
-mod end;
 mod inside;
 mod next_entrances;
 mod nodes;
+mod target_location;
 #[cfg(test)]
 mod tests;
 mod upper;
 
 use super::path_hierarchy::PathHierarchy;
-use super::{Node, Step, WorldGraph};
-pub(crate) use nodes::{Found, Nodes, Space};
+use super::{WorldGraph, WorldNode, WorldStep};
+pub(crate) use nodes::{Nodes, SearchResult, SearchSpace};
 use serde::{Deserialize, Serialize};
-use upper::Upper;
+use upper::UpperSearch;
 
-/// A path of [`Planner::plan`] takes at most this many times as long as the fastest one.
+/// A path of [`WorldPlanner::plan`] takes at most this many times as long as the fastest one.
 pub const WORST: f32 = 1.05;
 
 /// Target of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Target {
+pub enum PlanTarget {
     /// A single node.
-    Node(Node),
+    Node(WorldNode),
     /// Any rest cell of an instance.
     Rest {
         /// The instance.
@@ -37,7 +37,7 @@ pub enum Target {
     },
 }
 
-impl Target {
+impl PlanTarget {
     /// The instance that it is in.
     pub fn instance(&self) -> u32 {
         match *self {
@@ -48,23 +48,23 @@ impl Target {
 
     /// True where the world has what is named.
     pub(crate) fn exists(&self, graph: &WorldGraph) -> bool {
-        let has_cell = |node: Node| node.cell < graph.num_cells(node.instance);
+        let has_cell = |node: WorldNode| node.cell < graph.num_cells(node.instance);
         (self.instance() as usize) < graph.num_instances() && !matches!(*self, Self::Node(n) if !has_cell(n))
     }
 
     /// True where a node is what was meant.
-    pub fn is_at(&self, graph: &WorldGraph, node: Node) -> bool {
+    pub fn is_at(&self, graph: &WorldGraph, node: WorldNode) -> bool {
         match *self {
             Self::Node(n) => n == node,
             Self::Rest { instance } => node.instance == instance && graph.is_rest(node),
-            Self::Tag { instance, tag } => node.instance == instance && graph.begins(node, tag),
+            Self::Tag { instance, tag } => node.instance == instance && graph.can_begin_tag(node, tag),
         }
     }
 }
 
 /// A path that was found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Plan {
+pub struct WorldPlan {
     /// Steps of the whole path.
     pub num_steps: usize,
     /// Number of steps written, the first ones.
@@ -83,15 +83,15 @@ pub struct Plan {
 
 /// Plans paths through a world; all its memory is allocated when it is made.
 #[derive(Clone, Debug)]
-pub struct Planner {
-    upper: Upper,
+pub struct WorldPlanner {
+    upper: UpperSearch,
     pub(crate) nodes: Nodes,
 }
 
-impl Planner {
+impl WorldPlanner {
     /// Memory for a world. The tables of the world are computed by the first planner and kept with it.
     pub fn new(graph: &WorldGraph) -> Self {
-        Self { upper: Upper::new(graph, graph.hierarchy()), nodes: Nodes::new(graph) }
+        Self { upper: UpperSearch::new(graph, graph.hierarchy()), nodes: Nodes::new(graph) }
     }
 
     /// Finds a path from a node to a target that takes at most [`WORST`] times as long as the fastest one, and writes
@@ -100,31 +100,43 @@ impl Planner {
     /// - returns `None` where no path leads there.
     ///
     /// (nodes and instances exist)
-    pub fn plan(&mut self, graph: &WorldGraph, from: Node, target: Target, out: &mut [Step]) -> Option<Plan> {
+    pub fn plan(
+        &mut self,
+        graph: &WorldGraph,
+        from: WorldNode,
+        target: PlanTarget,
+        out: &mut [WorldStep],
+    ) -> Option<WorldPlan> {
         let plan = self.plan_soon(graph, from, target, out)?;
         self.prove(graph, from, target, plan, out)
     }
 
-    /// Finds a path in less time, which may be worse. [`Plan::least_frames`] bounds by how much.
-    pub fn plan_soon(&mut self, graph: &WorldGraph, from: Node, target: Target, out: &mut [Step]) -> Option<Plan> {
+    /// Finds a path in less time, which may be worse. [`WorldPlan::least_frames`] bounds by how much.
+    pub fn plan_soon(
+        &mut self,
+        graph: &WorldGraph,
+        from: WorldNode,
+        target: PlanTarget,
+        out: &mut [WorldStep],
+    ) -> Option<WorldPlan> {
         self.find(graph, from, target, &|_| 0.0, &[(HASTE, usize::MAX)], out)
     }
 
-    /// Finds a path as [`Planner::plan_soon`] does, with a toll for entering instances, which counts as time (frames).
+    /// Finds a path as [`WorldPlanner::plan_soon`] does, with a toll for entering instances, which counts as time (frames).
     pub(crate) fn plan_around(
         &mut self,
         graph: &WorldGraph,
-        from: Node,
-        target: Target,
+        from: WorldNode,
+        target: PlanTarget,
         toll: impl Fn(u32) -> f32,
-        out: &mut [Step],
-    ) -> Option<Plan> {
+        out: &mut [WorldStep],
+    ) -> Option<WorldPlan> {
         self.find(graph, from, target, &toll, &TRIES, out)
     }
 
     /// Lower bound of the time of the path from a node to a target, from the tables of the world (frames); `None` where
     /// it is plain that no path leads there.
-    pub(crate) fn least_frames(&mut self, graph: &WorldGraph, from: Node, target: Target) -> Option<f32> {
+    pub(crate) fn least_frames(&mut self, graph: &WorldGraph, from: WorldNode, target: PlanTarget) -> Option<f32> {
         let hierarchy = graph.hierarchy();
         let leads = self.upper.run(graph, hierarchy, target, from, 0.0);
         leads.then(|| self.upper.estimate(hierarchy, from).min(self.upper.limit))
@@ -134,12 +146,12 @@ impl Planner {
     fn find(
         &mut self,
         graph: &WorldGraph,
-        from: Node,
-        target: Target,
+        from: WorldNode,
+        target: PlanTarget,
         toll: &impl Fn(u32) -> f32,
         tries: &[(f32, usize)],
-        out: &mut [Step],
-    ) -> Option<Plan> {
+        out: &mut [WorldStep],
+    ) -> Option<WorldPlan> {
         let (hierarchy, mut opened_nodes, mut opened_instances) = (graph.hierarchy(), 0, 0);
         let mut wide = 0.0;
         loop {
@@ -161,7 +173,7 @@ impl Planner {
                 };
                 let found = self.nodes.search(graph, from, &mut way, most);
                 opened_nodes += self.nodes.opened;
-                if let Found::Path(way) = found {
+                if let SearchResult::Path(way) = found {
                     cost = self.nodes.cost(way);
                     let plan = self.report(graph, way, out);
                     // A path around what it pays for may be far from the best ones.
@@ -169,7 +181,7 @@ impl Planner {
                         break;
                     }
                     let least_frames = (least.ceil() as u32).min(plan.num_frames);
-                    return Some(Plan { opened_nodes, opened_instances, least_frames, ..plan });
+                    return Some(WorldPlan { opened_nodes, opened_instances, least_frames, ..plan });
                 }
             }
             // Without a path among the best ones, the search is repeated everywhere.
@@ -184,7 +196,14 @@ impl Planner {
     ///
     /// All nodes are opened through which such a path might lead, and no others: of A* with estimates weighted by as
     /// much as that path may be worse (Pohl 1970), they would only be a part (Thayer and Ruml 2008).
-    fn prove(&mut self, graph: &WorldGraph, from: Node, target: Target, plan: Plan, out: &mut [Step]) -> Option<Plan> {
+    fn prove(
+        &mut self,
+        graph: &WorldGraph,
+        from: WorldNode,
+        target: PlanTarget,
+        plan: WorldPlan,
+        out: &mut [WorldStep],
+    ) -> Option<WorldPlan> {
         let (hierarchy, enough) = (graph.hierarchy(), plan.num_frames as f32 / WORST);
         let least_frames = plan.least_frames.max(enough.ceil() as u32);
         if plan.least_frames as f32 >= enough {
@@ -206,25 +225,25 @@ impl Planner {
         };
         let found = self.nodes.search(graph, from, &mut way, usize::MAX);
         opened_nodes += self.nodes.opened;
-        let Found::Path(way) = found else {
-            return Some(Plan { opened_nodes, opened_instances, least_frames, ..plan });
+        let SearchResult::Path(way) = found else {
+            return Some(WorldPlan { opened_nodes, opened_instances, least_frames, ..plan });
         };
         let plan = self.report(graph, way, out);
-        Some(Plan { opened_nodes, opened_instances, least_frames: plan.num_frames, ..plan })
+        Some(WorldPlan { opened_nodes, opened_instances, least_frames: plan.num_frames, ..plan })
     }
 
     /// Writes the steps of a path that was found.
-    fn report(&mut self, graph: &WorldGraph, way: u32, out: &mut [Step]) -> Plan {
-        let mut plan = Plan::default();
-        let mut at = self.nodes.turn(way);
-        while let Some((next, step)) = self.nodes.next(at) {
+    fn report(&mut self, graph: &WorldGraph, way: u32, out: &mut [WorldStep]) -> WorldPlan {
+        let mut plan = WorldPlan::default();
+        let mut at = self.nodes.reverse_path(way);
+        while let Some((next, step)) = self.nodes.next_step(at) {
             if let Some(slot) = out.get_mut(plan.num_steps) {
                 *slot = step;
                 plan.num_stored += 1;
             }
             plan.num_steps += 1;
             plan.num_frames += step.num_frames();
-            plan.length_m += graph.length(&step);
+            plan.length_m += graph.step_length(&step);
             at = next;
         }
         plan
@@ -240,29 +259,29 @@ const TRIES: [(f32, usize); 3] = [(HASTE, 4000), (1.5, 10000), (3.0, usize::MAX)
 struct TowardsTarget<'a, T> {
     graph: &'a WorldGraph,
     hierarchy: &'a PathHierarchy,
-    target: Target,
+    target: PlanTarget,
     /// Weight of estimates.
     greed: f32,
     /// Length from which paths are useless (frames).
     limit: f32,
-    upper: &'a mut Upper,
+    upper: &'a mut UpperSearch,
     toll: &'a T,
 }
 
-impl<T: Fn(u32) -> f32> Space for TowardsTarget<'_, T> {
+impl<T: Fn(u32) -> f32> SearchSpace for TowardsTarget<'_, T> {
     fn admits(&self, _: u32) -> bool {
         true
     }
 
-    fn is_target(&self, node: Node) -> bool {
+    fn is_target(&self, node: WorldNode) -> bool {
         self.target.is_at(self.graph, node)
     }
 
-    fn estimate(&mut self, node: Node) -> f32 {
+    fn estimate(&mut self, node: WorldNode) -> f32 {
         self.greed * self.upper.estimate(self.hierarchy, node)
     }
 
-    fn cost(&self, step: &Step) -> f32 {
+    fn cost(&self, step: &WorldStep) -> f32 {
         let toll = if step.to.instance == step.instance { 0.0 } else { (self.toll)(step.to.instance) };
         step.num_frames() as f32 + toll
     }

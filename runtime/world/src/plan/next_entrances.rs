@@ -1,6 +1,6 @@
 //! The cheapest entrances from a tile towards the target.
 
-use crate::path_hierarchy::{Look, Plane};
+use crate::path_hierarchy::{CostLookup, TilePlane};
 
 /// Most entrances that are kept for a tile.
 const MAX_KEPT: usize = 12;
@@ -8,7 +8,7 @@ const MAX_KEPT: usize = 12;
 /// Next entrance from a tile: the location of the costs to it, and the cost from there (frames).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NextEntrance {
-    pub look: Look,
+    pub lookup: CostLookup,
     pub cost: f32,
 }
 
@@ -30,8 +30,8 @@ impl NextEntrances {
     }
 
     /// Keeps an entrance, or the cost of the worst one.
-    pub fn add(&mut self, plane: &Plane, entrance: NextEntrance) {
-        let least = entrance.cost + plane.least_of_all(entrance.look);
+    pub fn add(&mut self, plane: &TilePlane, entrance: NextEntrance) {
+        let least = entrance.cost + plane.least_of_all(entrance.lookup);
         let len = self.len as usize;
         let at = self.list[..len].partition_point(|g| g.0 <= least);
         if least == f32::INFINITY || at == MAX_KEPT {
@@ -47,13 +47,13 @@ impl NextEntrances {
     }
 
     /// The least cost from a cell of the tile by any of them, or `direct` where that is less.
-    pub fn cost(&self, plane: &Plane, cell: u32, direct: f32) -> f32 {
+    pub fn cost(&self, plane: &TilePlane, cell: u32, direct: f32) -> f32 {
         let mut best = direct.min(self.others);
         for (least, entrance) in &self.list[..self.len as usize] {
             if *least >= best {
                 break;
             }
-            best = best.min(entrance.cost + plane.cost(entrance.look, cell));
+            best = best.min(entrance.cost + plane.cost(entrance.lookup, cell));
         }
         best
     }

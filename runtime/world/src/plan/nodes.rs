@@ -1,21 +1,21 @@
 //! The lower layer: A* over nodes, in memory that is used again by every search.
 
-use crate::graph::Walk;
+use crate::graph::StepVisitor;
 use crate::queue::Heap;
-use crate::{Node, Step, WorldGraph};
+use crate::{WorldGraph, WorldNode, WorldStep};
 use bytemuck::{Pod, Zeroable};
 use throng_core::patch::NONE;
 
 /// Space of a search: its instances, target and costs.
-pub(crate) trait Space {
+pub(crate) trait SearchSpace {
     /// True where the search may go into an instance.
     fn admits(&self, instance: u32) -> bool;
     /// True where it ends.
-    fn is_target(&self, node: Node) -> bool;
+    fn is_target(&self, node: WorldNode) -> bool;
     /// Estimated cost from a node to the target; infinite where no path leads there (frames).
-    fn estimate(&mut self, node: Node) -> f32;
+    fn estimate(&mut self, node: WorldNode) -> f32;
     /// Cost of a step (frames).
-    fn cost(&self, step: &Step) -> f32;
+    fn cost(&self, step: &WorldStep) -> f32;
     /// Cost, with the estimate, from which paths are left out (frames).
     fn limit(&self) -> f32 {
         f32::INFINITY
@@ -29,8 +29,8 @@ pub(crate) trait Space {
 
 /// Result of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Found {
-    /// A path to a target; the number is for [`Nodes::path`].
+pub(crate) enum SearchResult {
+    /// A path to a target; the number is for [`Nodes::write_path`].
     Path(u32),
     /// No path leads to a target.
     Nothing,
@@ -41,7 +41,7 @@ pub(crate) enum Found {
 /// Memory of searches over nodes: of all nodes of a world, touched only as far as searches go.
 #[derive(Clone, Debug)]
 pub(crate) struct Nodes {
-    /// [`State`] of each node.
+    /// [`NodeState`] of each node.
     states: Vec<[u32; 4]>,
     /// Node before each, or after it on a path that was turned around.
     parents: Vec<u32>,
@@ -56,7 +56,7 @@ pub(crate) struct Nodes {
 /// State of a node: in one place, since every step there needs it.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
-struct State {
+struct NodeState {
     /// The search that came to it, an even number, and 1 where it was opened.
     stamp: u32,
     /// Costs of the best path there, and from there on; not a number where not yet needed (frames).
@@ -66,7 +66,7 @@ struct State {
     left: f32,
 }
 
-impl State {
+impl NodeState {
     /// State of a node that was not reached.
     fn new(stamp: u32) -> Self {
         Self { stamp, cost: f32::INFINITY, estimate: f32::NAN, left: f32::INFINITY }
@@ -92,33 +92,45 @@ impl Nodes {
     }
 
     /// Finds the cheapest path from a node to a target, opening at most `most` nodes.
-    pub fn search(&mut self, graph: &WorldGraph, from: Node, space: &mut impl Space, most: usize) -> Found {
+    pub fn search(
+        &mut self,
+        graph: &WorldGraph,
+        from: WorldNode,
+        space: &mut impl SearchSpace,
+        most: usize,
+    ) -> SearchResult {
         self.begin();
-        let start = State { cost: 0.0, estimate: 0.0, ..State::new(self.stamp) };
-        self.reach(graph.index(from) as u32, start, NONE, &Step { to: from, ..Step::NONE }, f32::INFINITY);
+        let start = NodeState { cost: 0.0, estimate: 0.0, ..NodeState::new(self.stamp) };
+        self.reach_node(
+            graph.index(from) as u32,
+            start,
+            NONE,
+            &WorldStep { to: from, ..WorldStep::NONE },
+            f32::INFINITY,
+        );
         while let Some((_, at)) = self.heap.pop() {
             let node = self.step(at).to;
             if space.is_target(node) {
-                return Found::Path(at);
+                return SearchResult::Path(at);
             }
             if self.opened == most {
-                return Found::Limit;
+                return SearchResult::Limit;
             }
             self.opened += 1;
             let state = self.state(at);
-            self.states[at as usize] = bytemuck::cast(State { stamp: self.stamp | 1, ..state });
+            self.states[at as usize] = bytemuck::cast(NodeState { stamp: self.stamp | 1, ..state });
             let cost = state.cost;
-            graph.walk(node, &mut Opening { nodes: self, graph, space, at, cost });
+            graph.visit_steps(node, &mut NodeOpening { nodes: self, graph, space, at, cost });
         }
-        Found::Nothing
+        SearchResult::Nothing
     }
 
     /// Writes the first steps of a path, as many as fit, and returns how many it has.
-    pub fn path(&self, way: u32, out: &mut [Step]) -> usize {
+    pub fn write_path(&self, way: u32, out: &mut [WorldStep]) -> usize {
         let mut len = 0;
-        self.walk(way, |_| len += 1);
+        self.visit_path(way, |_| len += 1);
         let mut at = len;
-        self.walk(way, |step| {
+        self.visit_path(way, |step| {
             at -= 1;
             if let Some(slot) = out.get_mut(at) {
                 *slot = step;
@@ -128,7 +140,7 @@ impl Nodes {
     }
 
     /// Calls `visit` with every step of a path, the last one first.
-    pub fn walk(&self, way: u32, mut visit: impl FnMut(Step)) {
+    pub fn visit_path(&self, way: u32, mut visit: impl FnMut(WorldStep)) {
         let mut at = way;
         while self.parents[at as usize] != NONE {
             visit(self.step(at));
@@ -136,9 +148,9 @@ impl Nodes {
         }
     }
 
-    /// Turns a path around, so that it can be followed from its beginning with [`Nodes::next`]; it is no longer a path
+    /// Turns a path around, so that it can be followed from its beginning with [`Nodes::next_step`]; it is no longer a path
     /// for the other functions.
-    pub fn turn(&mut self, way: u32) -> u32 {
+    pub fn reverse_path(&mut self, way: u32) -> u32 {
         let (mut at, mut after) = (way, NONE);
         while at != NONE {
             after = std::mem::replace(&mut self.parents[at as usize], after);
@@ -148,7 +160,7 @@ impl Nodes {
     }
 
     /// The step that follows on a path that was turned around, and where it leads to.
-    pub fn next(&self, at: u32) -> Option<(u32, Step)> {
+    pub fn next_step(&self, at: u32) -> Option<(u32, WorldStep)> {
         let next = self.parents[at as usize];
         (next != NONE).then(|| (next, self.step(next)))
     }
@@ -169,13 +181,13 @@ impl Nodes {
     }
 
     /// State of a node in this search.
-    fn state(&self, at: u32) -> State {
-        let state: State = bytemuck::cast(self.states[at as usize]);
-        if state.stamp & !1 == self.stamp { state } else { State::new(self.stamp) }
+    fn state(&self, at: u32) -> NodeState {
+        let state: NodeState = bytemuck::cast(self.states[at as usize]);
+        if state.stamp & !1 == self.stamp { state } else { NodeState::new(self.stamp) }
     }
 
     /// Notes the best path to a node so far, which is followed where it may cost less than `limit`.
-    fn reach(&mut self, at: u32, state: State, parent: u32, step: &Step, limit: f32) {
+    fn reach_node(&mut self, at: u32, state: NodeState, parent: u32, step: &WorldStep, limit: f32) {
         let i = at as usize;
         self.states[i] = bytemuck::cast(state);
         let key = state.cost + state.estimate;
@@ -189,15 +201,15 @@ impl Nodes {
     }
 
     /// The step that led to a node.
-    fn step(&self, at: u32) -> Step {
+    fn step(&self, at: u32) -> WorldStep {
         let [to, cell, instance, link, offsets] = self.steps[at as usize];
         let (from_offset, to_offset) = ((offsets >> 16) as u16, offsets as u16);
-        Step { to: Node { instance: to, cell }, instance, link, from_offset, to_offset }
+        WorldStep { to: WorldNode { instance: to, cell }, instance, link, from_offset, to_offset }
     }
 }
 
 /// A node that is opened.
-struct Opening<'a, S> {
+struct NodeOpening<'a, S> {
     nodes: &'a mut Nodes,
     graph: &'a WorldGraph,
     space: &'a mut S,
@@ -205,19 +217,19 @@ struct Opening<'a, S> {
     cost: f32,
 }
 
-impl<S: Space> Walk for Opening<'_, S> {
+impl<S: SearchSpace> StepVisitor for NodeOpening<'_, S> {
     /// Follows the links of a cell once: where blocks overlap, many cells are joined to the same one.
-    fn leaves(&mut self, from: Node) -> bool {
+    fn follows_links_of(&mut self, from: WorldNode) -> bool {
         let at = self.graph.index(from) as u32;
         let state = self.nodes.state(at);
         let first = self.cost < state.left;
         if first {
-            self.nodes.states[at as usize] = bytemuck::cast(State { left: self.cost, ..state });
+            self.nodes.states[at as usize] = bytemuck::cast(NodeState { left: self.cost, ..state });
         }
         first
     }
 
-    fn follow(&mut self, step: Step) {
+    fn visit_step(&mut self, step: WorldStep) {
         let (total, to) = (self.cost + self.space.cost(&step), self.graph.index(step.to) as u32);
         let mut state = self.nodes.state(to);
         if total >= state.cost || state.is_opened() && !self.space.opens_again() {
@@ -230,6 +242,6 @@ impl<S: Space> Walk for Opening<'_, S> {
             state.estimate = self.space.estimate(step.to);
         }
         state.cost = total;
-        self.nodes.reach(to, state, self.at, &step, self.space.limit());
+        self.nodes.reach_node(to, state, self.at, &step, self.space.limit());
     }
 }

@@ -5,7 +5,7 @@ use crate::made_up::{costs_to, nodes, places, tiles};
 use proptest::prelude::*;
 
 /// Checks that the steps follow each other from a node to another one, and take as long as the plan says.
-fn check_way(graph: &WorldGraph, from: Node, to: Node, plan: &Plan, steps: &[Step]) {
+fn check_way(graph: &WorldGraph, from: WorldNode, to: WorldNode, plan: &WorldPlan, steps: &[WorldStep]) {
     assert_eq!(plan.num_stored, plan.num_steps);
     let mut at = from;
     for step in &steps[..plan.num_stored] {
@@ -15,7 +15,7 @@ fn check_way(graph: &WorldGraph, from: Node, to: Node, plan: &Plan, steps: &[Ste
         at = step.to;
     }
     assert_eq!(at, to);
-    assert_eq!(steps[..plan.num_stored].iter().map(Step::num_frames).sum::<u32>(), plan.num_frames);
+    assert_eq!(steps[..plan.num_stored].iter().map(WorldStep::num_frames).sum::<u32>(), plan.num_frames);
 }
 
 proptest! {
@@ -28,14 +28,14 @@ proptest! {
         pairs in prop::collection::vec((any::<prop::sample::Index>(), any::<prop::sample::Index>()), 6),
     ) {
         let world = tile.floor(&places(depths));
-        let graph = WorldGraph::new(&tile.patches(), &world.view()).unwrap();
-        let (nodes, mut planner) = (nodes(&graph), Planner::new(&graph));
-        let (mut steps, mut soon_steps) = (vec![Step::NONE; 400], vec![Step::NONE; 400]);
+        let graph = WorldGraph::new(&tile.patches(), &world.tables()).unwrap();
+        let (nodes, mut planner) = (nodes(&graph), WorldPlanner::new(&graph));
+        let (mut steps, mut soon_steps) = (vec![WorldStep::NONE; 400], vec![WorldStep::NONE; 400]);
         for (from, to) in pairs {
             let (from, to) = (*from.get(&nodes), *to.get(&nodes));
             let best = costs_to(&graph, to).get(&from).copied();
-            let plan = planner.plan(&graph, from, Target::Node(to), &mut steps);
-            let soon = planner.plan_soon(&graph, from, Target::Node(to), &mut soon_steps);
+            let plan = planner.plan(&graph, from, PlanTarget::Node(to), &mut steps);
+            let soon = planner.plan_soon(&graph, from, PlanTarget::Node(to), &mut soon_steps);
             prop_assert_eq!([plan.is_some(), soon.is_some()], [best.is_some(); 2], "{:?} {:?}", from, to);
             let (Some(best), Some(plan), Some(soon)) = (best, plan, soon) else { continue };
             check_way(&graph, from, to, &plan, &steps);

@@ -3,12 +3,12 @@
 #[cfg(test)]
 mod tests;
 
-use super::Target;
-use super::end::End;
+use super::PlanTarget;
 use super::next_entrances::{NextEntrance, NextEntrances};
-use crate::path_hierarchy::{Entrance, Landmarks, PathHierarchy, Spot, ToLandmarks};
+use super::target_location::TargetLocation;
+use crate::path_hierarchy::{CellCost, Entrance, Landmarks, PathHierarchy, ToLandmarks};
 use crate::queue::Heap;
-use crate::{Node, WorldGraph};
+use crate::{WorldGraph, WorldNode};
 use throng_core::patch::NONE;
 
 /// Factor on the cost of the best path, and addition to it, up to which the search opens other paths (frames).
@@ -21,7 +21,7 @@ const UNKNOWN: i32 = i32::MAX;
 
 /// Memory of the upper layer, and what its last search found.
 #[derive(Clone, Debug)]
-pub(super) struct Upper {
+pub(super) struct UpperSearch {
     /// Costs of the states (frames).
     costs: Vec<f32>,
     stamps: Vec<u32>,
@@ -38,20 +38,20 @@ pub(super) struct Upper {
     next_stamps: Vec<u32>,
     /// Next entrances, by instance.
     next_entrances: Vec<NextEntrances>,
-    end: End,
+    end: TargetLocation,
     /// No path that the search left out costs less (frames).
     pub limit: f32,
     /// States opened.
     pub opened: usize,
 }
 
-impl Upper {
+impl UpperSearch {
     /// Memory for a world.
     pub fn new(graph: &WorldGraph, hierarchy: &PathHierarchy) -> Self {
         let num_states = hierarchy.entrances.len() + hierarchy.exits.len();
         let num_regions = hierarchy.floors.num_regions();
         Self {
-            from: Landmarks::none(),
+            from: Landmarks::unknown_distances(),
             costs: vec![0.0; num_states],
             stamps: vec![0; num_states],
             known: vec![UNKNOWN; hierarchy.region_costs.states.len()],
@@ -62,7 +62,7 @@ impl Upper {
             next: vec![NONE; hierarchy.entrances.len()],
             next_stamps: vec![0; hierarchy.entrances.len()],
             next_entrances: vec![NextEntrances::default(); graph.num_instances()],
-            end: End::new(graph, hierarchy),
+            end: TargetLocation::new(graph, hierarchy),
             limit: 0.0,
             opened: 0,
         }
@@ -76,13 +76,13 @@ impl Upper {
         &mut self,
         graph: &WorldGraph,
         hierarchy: &PathHierarchy,
-        target: Target,
-        from: Node,
+        target: PlanTarget,
+        from: WorldNode,
         most: f32,
     ) -> bool {
         self.begin();
         self.meet_landmarks(hierarchy, from);
-        if !self.end.find(graph, hierarchy, target) {
+        if !self.end.locate_target(graph, hierarchy, target) {
             return false;
         }
         let mut least = self.end.cost(hierarchy, from);
@@ -107,7 +107,7 @@ impl Upper {
     }
 
     /// Lower bound of the cost from a node to the target; infinite where no path is known (frames).
-    pub fn estimate(&mut self, hierarchy: &PathHierarchy, node: Node) -> f32 {
+    pub fn estimate(&mut self, hierarchy: &PathHierarchy, node: WorldNode) -> f32 {
         let direct = self.end.cost(hierarchy, node);
         if let Some((cluster, first)) = hierarchy.cluster(node.instance) {
             return direct.min(self.through(hierarchy, cluster, first + node.cell)).max(0.0);
@@ -134,12 +134,12 @@ impl Upper {
     }
 
     /// Finds out what it costs from a node to landmarks.
-    fn meet_landmarks(&mut self, hierarchy: &PathHierarchy, from: Node) {
-        self.from = Landmarks::none();
+    fn meet_landmarks(&mut self, hierarchy: &PathHierarchy, from: WorldNode) {
+        self.from = Landmarks::unknown_distances();
         if let Some((cluster, first)) = hierarchy.cluster(from.instance) {
             for (k, out) in (0..).zip(hierarchy.exits_of(cluster)) {
                 let cost = hierarchy.costs_in(cluster).to_exit(k, first + from.cell);
-                hierarchy.landmarks.meet(&mut self.from, hierarchy.entrances.len() as u32 + out, cost);
+                hierarchy.landmarks.note_distance(&mut self.from, hierarchy.entrances.len() as u32 + out, cost);
             }
             return;
         }
@@ -149,8 +149,8 @@ impl Upper {
         };
         for &entrance in &hierarchy.region_costs.leaving[region as usize] {
             let Some((_, tile, goal)) = hierarchy.leads_from(entrance) else { continue };
-            let cost = plane.cost(plane.look(goal, hierarchy.floors.offset(from.instance, tile)), from.cell);
-            hierarchy.landmarks.meet(&mut self.from, entrance, cost);
+            let cost = plane.cost(plane.lookup(goal, hierarchy.floors.offset(from.instance, tile)), from.cell);
+            hierarchy.landmarks.note_distance(&mut self.from, entrance, cost);
         }
     }
 
@@ -171,7 +171,7 @@ impl Upper {
         for &k in &hierarchy.region_exits[region as usize] {
             let (out, state) = (&hierarchy.exits[k as usize], hierarchy.entrances.len() as u32 + k);
             let Some(offset) = out.tile.map(offset) else { continue };
-            let spots = hierarchy.costs_in(out.cluster).spots(k - hierarchy.exits_of(out.cluster).start);
+            let spots = hierarchy.costs_in(out.cluster).exit_landings(k - hierarchy.exits_of(out.cluster).start);
             let costs = spots.map(|([u, v], cell, part)| {
                 part + self.end.cost_at(hierarchy, region, [offset[0] - u, offset[1] - v], cell)
             });
@@ -185,7 +185,7 @@ impl Upper {
                 continue;
             };
             let offset = hierarchy.floors.offset(tile, self.end.instance);
-            let cost = |&(cell, part): &Spot| f32::from(part) + self.end.cost_at(hierarchy, region, offset, cell);
+            let cost = |&(cell, part): &CellCost| f32::from(part) + self.end.cost_at(hierarchy, region, offset, cell);
             let costs = plane.cells(goal).iter().map(cost);
             let cost = costs.fold(f32::INFINITY, f32::min);
             self.reach(hierarchy, portal, cost);
@@ -241,7 +241,7 @@ impl Upper {
         if let Some(place) = hierarchy.region_costs.place(state) {
             self.known[place] = cost.ceil() as i32;
         }
-        let left = hierarchy.landmarks.least(&self.from, state);
+        let left = hierarchy.landmarks.least_cost(&self.from, state);
         self.heap.push(state, cost + left);
     }
 
@@ -269,7 +269,7 @@ impl Upper {
             let o = other as usize;
             self.next_stamps[o] == self.stamp && self.costs[o] + f32::from(most) <= cost
         };
-        hierarchy.region_costs.others(state).iter().any(is_less)
+        hierarchy.region_costs.substitutes(state).iter().any(is_less)
     }
 
     /// Adds an entrance to those from a region.
@@ -294,12 +294,12 @@ impl Upper {
         let number = out - hierarchy.exits_of(cluster).start;
         let costs_in = hierarchy.costs_in(cluster);
         for (k, entrance) in hierarchy.entrances_of(cluster).enumerate() {
-            self.reach(hierarchy, entrance, cost + costs_in.across(k as u32, number));
+            self.reach(hierarchy, entrance, cost + costs_in.cost_across(k as u32, number));
         }
     }
 
     /// Cost from a node by one of the entrances or exits.
-    fn cost_by(&self, hierarchy: &PathHierarchy, node: Node, state: u32, cost: f32) -> f32 {
+    fn cost_by(&self, hierarchy: &PathHierarchy, node: WorldNode, state: u32, cost: f32) -> f32 {
         let Some(out) = state.checked_sub(hierarchy.entrances.len() as u32) else {
             let Some((region, tile, goal)) = hierarchy.leads_from(state) else { return f32::INFINITY };
             let Some(plane) =
@@ -307,7 +307,7 @@ impl Upper {
             else {
                 return f32::INFINITY;
             };
-            return cost + plane.cost(plane.look(goal, hierarchy.floors.offset(node.instance, tile)), node.cell);
+            return cost + plane.cost(plane.lookup(goal, hierarchy.floors.offset(node.instance, tile)), node.cell);
         };
         let cluster = hierarchy.exits[out as usize].cluster;
         let number = out - hierarchy.exits_of(cluster).start;
@@ -339,8 +339,8 @@ impl Upper {
         let mut state = self.first_of(region);
         while state != NONE {
             if let Some((_, to, goal)) = hierarchy.entrances[state as usize].tile() {
-                let look = plane.look(goal, hierarchy.floors.offset(tile, to));
-                found.add(plane, NextEntrance { look, cost: self.costs[state as usize] });
+                let look = plane.lookup(goal, hierarchy.floors.offset(tile, to));
+                found.add(plane, NextEntrance { lookup: look, cost: self.costs[state as usize] });
             }
             state = self.next[state as usize];
         }

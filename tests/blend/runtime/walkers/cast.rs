@@ -51,14 +51,14 @@ fn walkers_beyond_the_capacity_are_refused() {
 fn orders_stay_until_the_next_one() {
     let mut outing = Outing::new(&MadeUp::locomotion(), WalkersConfig::default(), 2);
     let [a, b] = [outing.ids[0], outing.ids[1]];
-    assert_eq!(outing.walkers.status(a).expect("a walker"), Status::Idle);
+    assert_eq!(outing.walkers.status(a).expect("a walker"), OrderStatus::Idle);
     outing.walkers.order(a, Control::walk(Vec2::new(0.0, 1.5))).expect("an order");
     let arc = Control { turning_rate: Some(0.5), ..Control::walk(Vec2::new(0.0, 1.0)) };
     outing.walkers.order(b, arc).expect("an order");
     for _ in 0..120 {
         outing.walkers.step(DT_S, &Inline).expect("a step");
     }
-    assert_eq!(outing.walkers.status(a).expect("a walker"), Status::There);
+    assert_eq!(outing.walkers.status(a).expect("a walker"), OrderStatus::Arrived);
     let (straight, turned) = (outing.walkers.root(0), outing.walkers.root(1));
     assert!(straight.x.abs() < 1e-3 && (straight.z - 3.0).abs() < 1e-3, "{straight:?}");
     // A radius of 2 m, and 1 rad of it.

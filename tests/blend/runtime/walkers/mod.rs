@@ -11,7 +11,9 @@ use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use throng_runtime::blend::HeightField;
 use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Cast, Contacts, Error, Id, Inline, Joint, Mat3x4, Planar, Rayon, Run, Skeleton, Status};
+use throng_runtime::{
+    CharacterGroup, Contacts, Error, Executor, Id, Inline, Joint, Mat3x4, OrderStatus, Planar, Rayon, Skeleton,
+};
 
 const DT_S: f32 = 1.0 / 60.0;
 
@@ -54,7 +56,7 @@ impl Outing {
         self.step_on(course, &Inline);
     }
 
-    fn step_on(&mut self, course: Course, run: &dyn Run) {
+    fn step_on(&mut self, course: Course, run: &dyn Executor) {
         self.time_s += DT_S;
         for (c, (id, position)) in self.ids.iter().zip(&mut self.positions).enumerate() {
             let (velocity, heading) = course(c, self.time_s);

@@ -6,7 +6,7 @@ use super::*;
 fn threads_and_splits_do_not_change_results() {
     let made_up = MadeUp::locomotion();
     let config = WalkersConfig { local_transforms: true, ..WalkersConfig::default() };
-    let run = |run: &(dyn Run + Sync), threads: usize, n: usize| -> Vec<[Mat3x4; 22]> {
+    let run = |run: &(dyn Executor + Sync), threads: usize, n: usize| -> Vec<[Mat3x4; 22]> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         let mut outing = Outing::new(&made_up, config, n);
         pool.install(|| (0..40).for_each(|_| outing.step_on(wandering, run)));

@@ -44,7 +44,7 @@ fn groups_of_all_kinds_are_played_rewound_and_restarted() {
     let boxing = Boxing::new();
     let folder = boxing.bundle().parent().unwrap().to_path_buf();
     let mut document = open(&folder, GROUPS).unwrap();
-    assert!(document.bundle().is_some() && document.standing().obstacles.len() == 1);
+    assert!(document.bundle().is_some() && document.surroundings().obstacles.len() == 1);
     let mut frames = vec![seen(&document)];
     for _ in 0..200 {
         document.run_mut().step().unwrap();
@@ -53,7 +53,7 @@ fn groups_of_all_kinds_are_played_rewound_and_restarted() {
     assert!(frames[0] != frames[200] && document.run().trail(5, 1.0).count() > 8);
     for step in [199, 60, 59, 130, 0, 200] {
         document.run_mut().seek(step).unwrap();
-        assert_eq!(document.run().head.now(), step);
+        assert_eq!(document.run().head.shown_step(), step);
         assert!(seen(&document) == frames[step as usize], "step {step} looks as it did");
     }
     document.run_mut().seek(150).unwrap();
@@ -62,9 +62,9 @@ fn groups_of_all_kinds_are_played_rewound_and_restarted() {
     let choice = SceneChoice { characters: 20, seed: 9, ..document.choice() };
     document.restart(choice, None, || {}).unwrap();
     assert_eq!(document.restarting(), Some(choice));
-    assert!(document.take_in(true).unwrap());
+    assert!(document.adopt_restart(true).unwrap());
     assert_eq!((document.choice(), document.run().simulation().num_characters()), (choice, 20));
-    assert_eq!(document.run().head.now(), 0);
+    assert_eq!(document.run().head.shown_step(), 0);
     assert!(
         document.restart(SceneChoice { characters: 0, ..choice }, None, || {}).unwrap_err().contains("1 to 100000")
     );
@@ -83,11 +83,11 @@ fn a_saved_state_is_restored_and_anything_else_refused() {
     document.save(&file).unwrap();
     let at = seen(&document);
     document.restart(SceneChoice { characters: 8, ..document.choice() }, None, || {}).unwrap();
-    assert!(document.take_in(true).unwrap());
+    assert!(document.adopt_restart(true).unwrap());
     assert_eq!(document.run().simulation().num_characters(), 8);
     document.restore(&file, || {}).unwrap();
-    assert!(document.take_in(true).unwrap());
-    assert_eq!((document.choice().characters, document.run().head.now(), document.num_runs()), (24, 90, 2));
+    assert!(document.adopt_restart(true).unwrap());
+    assert_eq!((document.choice().characters, document.run().head.shown_step(), document.num_runs()), (24, 90, 2));
     assert!(seen(&document) == at);
     std::fs::write(&file, "something else").unwrap();
     let e = document.restore(&file, || {}).unwrap_err();

@@ -12,18 +12,18 @@ use std::sync::Arc;
 use std::sync::mpsc::TryRecvError;
 use throng_planner::planner::Planners;
 use throng_planner::rotation::Rigid;
-use throng_planner::task::{ActorClip, Handle, Scenery, Task, TaskOutcome};
+use throng_planner::task::{ActorClip, Handle, Task, TaskOutcome, TaskScenery};
 use throng_precompute::Clip;
 use throng_precompute::files::write_atomically;
-use throng_precompute::plans::{self, PlanReport, Sources};
-use throng_runtime::base::text::Source;
+use throng_precompute::plans::{self, PlanReport, TaskSources};
+use throng_runtime::base::text::TomlSource;
 
 /// Things are carried where they are farther than this from where they would be by themselves (m).
 const CARRIED_M: f64 = 1e-4;
 
 /// A task with the clips of its walkers, before anything was planned.
 #[derive(Clone, Debug)]
-pub struct Staged {
+pub struct StagedTask {
     /// With the times of everything.
     pub task: Task,
     /// One for each character.
@@ -31,7 +31,7 @@ pub struct Staged {
     /// The clips, placed in the scene.
     pub placed: Vec<Clip>,
     /// Positions of all things over time.
-    pub scenery: Scenery,
+    pub scenery: TaskScenery,
 }
 
 /// A motion that was planned.
@@ -49,8 +49,8 @@ pub struct PlannedMotion {
 
 /// Motions that were planned at once, for one scene.
 #[derive(Clone, Debug)]
-struct Motions {
-    staged: Arc<Staged>,
+struct PlannedMotions {
+    staged: Arc<StagedTask>,
     all: Vec<PlannedMotion>,
 }
 
@@ -58,13 +58,13 @@ struct Motions {
 #[derive(Debug)]
 pub struct TaskDocument {
     path: PathBuf,
-    sources: Arc<Sources>,
+    sources: Arc<TaskSources>,
     /// Task as in the file, with later changes: walkers have no times yet.
     task: Task,
     /// Task with times and clips.
-    staged: Staged,
+    staged: StagedTask,
     meshes: Arc<[SolidMesh]>,
-    motions: Option<Motions>,
+    motions: Option<PlannedMotions>,
     /// Motion that is shown; none shows the clip before planning.
     shown: Option<usize>,
     planning: Option<Planning>,
@@ -167,17 +167,17 @@ impl TaskDocument {
 
     /// Position of a thing in the motion that is shown (thing < number of things).
     pub fn place_of_thing(&self, thing: usize, time_s: f64) -> Rigid {
-        let own = self.staged.scenery.paths[thing].at(time_s);
+        let own = self.staged.scenery.paths[thing].place_at(time_s);
         let Some(motion) = self.shown_motion() else { return own };
-        let [before, after] = motion.outcome.scenery.each_ref().map(|s| s.paths[thing].at(time_s));
+        let [before, after] = motion.outcome.scenery.each_ref().map(|s| s.paths[thing].place_at(time_s));
         let is_carried = before.position.distance(after.position) > CARRIED_M
-            || throng_planner::rotation::angle(before.rotation, after.rotation) > CARRIED_M;
+            || throng_planner::rotation::angle_between(before.rotation, after.rotation) > CARRIED_M;
         if is_carried { after } else { own }
     }
 
     /// Position of a movable thing or place, before a character takes it.
     pub fn place_of(&self, handle: Handle, time_s: f64) -> Option<Rigid> {
-        self.staged.task.place_of(handle, &self.staged.scenery, time_s)
+        self.staged.task.handle_place(handle, &self.staged.scenery, time_s)
     }
 
     /// Moves a thing or place by an offset (m).
@@ -198,16 +198,16 @@ impl TaskDocument {
             let at = self.place_of(handle, time_s)?;
             let (position, turn): (Vec3, Quat) = (at.position.as_vec3(), at.rotation.as_quat());
             let along = (position - ray.origin).dot(ray.direction);
-            let near = along > 0.0 && ray.may_meet(position, within_m(position));
+            let near = along > 0.0 && ray.passes_within(position, within_m(position));
             let met = match handle {
-                Handle::Thing(i) => self.meshes.get(i)?.meets(ray, (position, turn)).or(near.then_some(along)),
+                Handle::Thing(i) => self.meshes.get(i)?.intersect(ray, (position, turn)).or(near.then_some(along)),
                 // A place yields to things that lie on it.
                 Handle::Place(_) => near.then_some(along - within_m(position)),
             };
             Some((met?, handle))
         });
         let (distance, handle) = met.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some((handle, ray.at(distance)))
+        Some((handle, ray.point_at(distance)))
     }
 
     /// Plans motions in the background; stops the plan under way.
@@ -219,9 +219,9 @@ impl TaskDocument {
     pub fn plan(&mut self, number: u64, seed: Option<u64>, goes_on: bool) {
         self.cancel();
         self.refused = None;
-        self.planners = Arc::new(if goes_on { self.planners.next() } else { Planners::default() });
+        self.planners = Arc::new(if goes_on { self.planners.for_next_run() } else { Planners::default() });
         let (sources, planners) = (Arc::clone(&self.sources), Arc::clone(&self.planners));
-        let job = worker::Job { sources, task: self.task.clone(), number, seed, planners };
+        let job = worker::PlanningJob { sources, task: self.task.clone(), number, seed, planners };
         self.planning = Some(Planning::begin(job, self.revision, self.task.num_steps()));
     }
 
@@ -233,7 +233,7 @@ impl TaskDocument {
     /// Adopts motions planned meanwhile; true if the plan has ended.
     ///
     /// - `waits`: until it has.
-    pub fn take_in(&mut self, waits: bool) -> bool {
+    pub fn adopt_plan(&mut self, waits: bool) -> bool {
         let Some(planning) = &self.planning else { return false };
         let done = match planning.poll(waits) {
             Ok(done) => done,
@@ -245,11 +245,11 @@ impl TaskDocument {
         match done {
             Ok((staged, all)) => {
                 if revision == self.revision {
-                    self.staged = Staged::clone(&staged);
+                    self.staged = StagedTask::clone(&staged);
                 }
                 self.planned_revision = revision;
                 self.shown = Some(self.shown.unwrap_or(0).min(all.len().saturating_sub(1)));
-                self.motions = Some(Motions { staged, all });
+                self.motions = Some(PlannedMotions { staged, all });
             }
             Err(why) => self.refused = Some(why),
         }
@@ -270,8 +270,8 @@ impl TaskDocument {
                 self.path.display()
             ));
         }
-        let source = Source::read(&self.path, "a task").map_err(|e| e.to_string())?;
-        let text = self.task.written(&source).map_err(|e| e.to_string())?;
+        let source = TomlSource::read(&self.path, "a task").map_err(|e| e.to_string())?;
+        let text = self.task.write_back(&source).map_err(|e| e.to_string())?;
         write_atomically(path, |out| out.write_all(text.as_bytes())).map_err(|e| e.to_string())
     }
 
@@ -294,7 +294,7 @@ impl TaskDocument {
                 v.time_s, v.what
             ));
         }
-        let Staged { task, clips, .. } = &*motions.staged;
-        plans::write(task, clips, &motion.outcome, path, 0).map_err(|e| e.to_string())
+        let StagedTask { task, clips, .. } = &*motions.staged;
+        plans::write_plan(task, clips, &motion.outcome, path, 0).map_err(|e| e.to_string())
     }
 }

@@ -1,20 +1,20 @@
 //! Opens a task: its motion, and the meshes of its things.
 
-use super::{Staged, TaskDocument};
+use super::{StagedTask, TaskDocument};
 use crate::render::SolidMesh;
 use glam::{Quat, Vec3};
 use std::path::Path;
 use std::sync::Arc;
-use throng_planner::shape::Shape;
-use throng_planner::task::{Task, Thing};
+use throng_planner::shape::SolidShape;
+use throng_planner::task::{Task, TaskThing};
 use throng_precompute::config::BuildConfig;
-use throng_precompute::plans::{self, Sources};
-use throng_precompute::run::Cached;
+use throng_precompute::plans::{self, TaskSources};
+use throng_precompute::run::BuildContext;
 
-impl Staged {
+impl StagedTask {
     /// Lets the walkers of a task walk.
-    pub(super) fn of(sources: &Sources, task: Task, seed: Option<u64>) -> Result<Self, String> {
-        let (task, clips) = sources.staged(task, seed).map_err(|e| e.to_string())?;
+    pub(super) fn walk_walkers(sources: &TaskSources, task: Task, seed: Option<u64>) -> Result<Self, String> {
+        let (task, clips) = sources.stage_task(task, seed).map_err(|e| e.to_string())?;
         let (scenery, placed) = task.scenery(&clips).map_err(|e| e.to_string())?;
         Ok(Self { task, clips, placed, scenery })
     }
@@ -22,7 +22,7 @@ impl Staged {
 
 impl TaskDocument {
     /// True for a file with tasks.
-    pub fn is_one(path: &Path) -> bool {
+    pub fn is_task_file(path: &Path) -> bool {
         plans::is_task(path)
     }
 
@@ -32,12 +32,12 @@ impl TaskDocument {
     ///
     /// # Errors
     /// A message that names the file, what is wrong with it and the way out.
-    pub fn open(path: &Path, with: &Cached<'_>) -> Result<Self, String> {
+    pub fn open(path: &Path, with: &BuildContext<'_>) -> Result<Self, String> {
         let task = Task::read(path).map_err(|e| e.to_string())?;
         let config = BuildConfig::of_motion("", Vec::new()).map_err(|e| e.to_string())?;
         let named = |why: String| format!("{}: {why}", path.display());
-        let sources = plans::sources(&task, &config, None, with).map_err(|e| named(e.to_string()))?;
-        let staged = Staged::of(&sources, task.clone(), None).map_err(named)?;
+        let sources = plans::load_sources(&task, &config, None, with).map_err(|e| named(e.to_string()))?;
+        let staged = StagedTask::walk_walkers(&sources, task.clone(), None).map_err(named)?;
         let meshes = task.things.iter().map(mesh).collect();
         Ok(Self {
             path: path.to_path_buf(),
@@ -57,13 +57,13 @@ impl TaskDocument {
 }
 
 /// All shapes of a thing, in its frame.
-fn mesh(thing: &Thing) -> SolidMesh {
+fn mesh(thing: &TaskThing) -> SolidMesh {
     let mut mesh = SolidMesh::default();
     for shape in &thing.shapes {
         match shape {
-            Shape::Round { core, radius } => mesh.add_bar(core.a.as_vec3(), core.b.as_vec3(), *radius as f32),
-            Shape::Cuboid { half } => mesh.add_box(Vec3::ZERO, Quat::IDENTITY, half.as_vec3()),
-            Shape::Mesh(triangles) => triangles.corners().iter().for_each(|t| mesh.add_triangle(*t)),
+            SolidShape::Round { core, radius } => mesh.add_bar(core.a.as_vec3(), core.b.as_vec3(), *radius as f32),
+            SolidShape::Cuboid { half } => mesh.add_box(Vec3::ZERO, Quat::IDENTITY, half.as_vec3()),
+            SolidShape::Mesh(triangles) => triangles.corners().iter().for_each(|t| mesh.add_triangle(*t)),
         }
     }
     mesh

@@ -1,16 +1,16 @@
 //! Plans on its own thread, so that the window keeps drawing.
 
-use super::{PlannedMotion, Staged};
+use super::{PlannedMotion, StagedTask};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use throng_planner::planner::Planners;
-use throng_planner::task::{Task, Watch};
-use throng_precompute::plans::{self, Sources};
+use throng_planner::task::{RunOptions, Task};
+use throng_precompute::plans::{self, TaskSources};
 
 /// Input of a plan.
-pub(super) struct Job {
-    pub sources: Arc<Sources>,
+pub(super) struct PlanningJob {
+    pub sources: Arc<TaskSources>,
     pub task: Task,
     /// Number of motions.
     pub number: u64,
@@ -21,13 +21,13 @@ pub(super) struct Job {
 }
 
 /// The timed scene and the motions for it, or a message why there are none.
-pub(super) type Made = Result<(Arc<Staged>, Vec<PlannedMotion>), String>;
+pub(super) type PlanningResult = Result<(Arc<StagedTask>, Vec<PlannedMotion>), String>;
 
 /// A plan under way.
 #[derive(Debug)]
 pub struct Planning {
-    made: Receiver<Made>,
-    shared: Arc<Shared>,
+    made: Receiver<PlanningResult>,
+    shared: Arc<PlanningShared>,
     /// Revision of the scene that is planned for.
     pub(super) revision: u64,
     /// Number of things to do.
@@ -35,7 +35,7 @@ pub struct Planning {
 }
 
 #[derive(Debug, Default)]
-struct Shared {
+struct PlanningShared {
     is_cancelled: AtomicBool,
     /// Things done or tried of the motion that is made now, and motions made before it.
     tried: AtomicUsize,
@@ -43,9 +43,9 @@ struct Shared {
 }
 
 impl Planning {
-    pub(super) fn begin(job: Job, revision: u64, total: usize) -> Self {
+    pub(super) fn begin(job: PlanningJob, revision: u64, total: usize) -> Self {
         let (send, made) = channel();
-        let shared = Arc::new(Shared::default());
+        let shared = Arc::new(PlanningShared::default());
         let told = Arc::clone(&shared);
         std::thread::spawn(move || {
             // The receiver is gone if another plan was started meanwhile.
@@ -60,12 +60,12 @@ impl Planning {
     }
 
     /// Things done or tried of all that is to be done, and number of the motion that is made, from 1.
-    pub fn far(&self) -> ([usize; 2], usize) {
+    pub fn progress(&self) -> ([usize; 2], usize) {
         let tried = self.shared.tried.load(Ordering::Relaxed).min(self.total);
         ([tried, self.total], self.shared.motions.load(Ordering::Relaxed) + 1)
     }
 
-    pub(super) fn poll(&self, waits: bool) -> Result<Made, TryRecvError> {
+    pub(super) fn poll(&self, waits: bool) -> Result<PlanningResult, TryRecvError> {
         match waits {
             true => self.made.recv().map_err(|_| TryRecvError::Disconnected),
             false => self.made.try_recv(),
@@ -73,10 +73,10 @@ impl Planning {
     }
 }
 
-impl Job {
-    fn carry_out(self, shared: &Shared) -> Made {
+impl PlanningJob {
+    fn carry_out(self, shared: &PlanningShared) -> PlanningResult {
         let Self { sources, task, number, seed, planners } = self;
-        let staged = Arc::new(Staged::of(&sources, task, seed)?);
+        let staged = Arc::new(StagedTask::walk_walkers(&sources, task, seed)?);
         let tell = |tried: usize| {
             // From one on for each motion.
             if tried < shared.tried.swap(tried, Ordering::Relaxed) {
@@ -84,13 +84,13 @@ impl Job {
             }
         };
         let cancel = Some(&shared.is_cancelled);
-        let watch = Watch { seed, cancel, tell: Some(&tell), keeps_trees: true, planners: Some(&planners) };
-        let Staged { task, clips, .. } = &*staged;
+        let watch = RunOptions { seed, cancel, on_progress: Some(&tell), keeps_trees: true, planners: Some(&planners) };
+        let StagedTask { task, clips, .. } = &*staged;
         let found = plans::variants(task, clips, number, &watch).map_err(|e| e.to_string())?;
-        let distances = plans::report(task, &found).map_or_else(Vec::new, |r| r.variants);
+        let distances = plans::plan_report(task, &found).map_or_else(Vec::new, |r| r.variants);
         let motions = found.into_iter().enumerate().filter_map(|(i, one)| {
             let one = [one];
-            let report = plans::report(task, &one)?;
+            let report = plans::plan_report(task, &one)?;
             let [(seed, outcome)] = one;
             Some(PlannedMotion { seed, outcome, report, distance_rad: distances.get(i).map(|v| v.distance_rad) })
         });

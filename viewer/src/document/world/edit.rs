@@ -1,7 +1,7 @@
 //! Edits: units come, go and are moved, and the world is stitched again around them.
 
-use super::orders::{Change, Order, Work};
-use super::worker::{self, Begun, Done, Job, Outcome, Stitched};
+use super::orders::{EditorOrder, EditorWork, UnitChange};
+use super::worker::{self, EditJob, EditOutcome, EditResult, NewInhabitants, StitchedWorld};
 use super::{Roamers, WorldDocument};
 use std::collections::VecDeque;
 use std::path::Path;
@@ -9,48 +9,48 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError};
 use throng_precompute::environment::PlacedUnit;
 use throng_runtime::patch::Placement;
-use throng_runtime::world::inhabitants::Wish;
+use throng_runtime::world::inhabitants::InhabitantGoal;
 
 /// An edit that was made.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Edited {
+pub struct EditSummary {
     /// The edit, as text.
-    pub what: String,
+    pub description: String,
     /// Time of stitching (s).
     pub stitch_s: f64,
     /// Time of the whole edit: stitching, preparing the world for walking, and placing the characters (s).
     pub total_s: f64,
     /// Characters that found no place any more.
-    pub lost: usize,
+    pub num_lost: usize,
     /// Characters with orders that can no longer be carried out: they decide for themselves again.
-    pub free: usize,
+    pub num_released: usize,
 }
 
 /// An edit that could not be made; the world is unchanged.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Refused {
+pub struct RefusedEdit {
     /// Why.
-    pub why: String,
+    pub reason: String,
     /// The unit with its intended placement, or the unit that was to be removed.
     pub at: Option<PlacedUnit>,
 }
 
 /// An edit under way, or characters being placed.
 #[derive(Debug)]
-pub struct Working {
-    work: Work,
+pub struct EditInProgress {
+    work: EditorWork,
     /// Present activity, as text.
     pub doing: String,
     /// The unit with its new placement, or the unit that is removed.
     pub at: Option<PlacedUnit>,
     /// Orders that come after it.
-    next: VecDeque<Order>,
-    pub(super) done: Receiver<Done>,
+    next: VecDeque<EditorOrder>,
+    pub(super) done: Receiver<EditResult>,
 }
 
 /// Result of an edit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Taken {
+pub enum EditStatus {
     /// The world has changed; with the place of the unit that was added or moved, if any.
     Changed(Option<usize>),
     /// The world is unchanged and has new inhabitants.
@@ -59,11 +59,11 @@ pub enum Taken {
     Refused,
 }
 
-impl Working {
+impl EditInProgress {
     /// Place of the unit that is moved or removed.
     pub fn place(&self) -> Option<usize> {
         match self.work.order()? {
-            Order::Change(Change::Move { place, .. } | Change::Remove { place }) => Some(place),
+            EditorOrder::Change(UnitChange::Move { place, .. } | UnitChange::Remove { place }) => Some(place),
             _ => None,
         }
     }
@@ -72,12 +72,12 @@ impl Working {
 impl WorldDocument {
     /// The edit under way. Time stands still meanwhile, since all inhabitants return to their shown positions
     /// afterwards.
-    pub fn working(&self) -> Option<&Working> {
+    pub fn working(&self) -> Option<&EditInProgress> {
         self.working.as_ref()
     }
 
     /// The last edit, if it was refused.
-    pub fn refused(&self) -> Option<&Refused> {
+    pub fn refused(&self) -> Option<&RefusedEdit> {
         self.refused.as_ref()
     }
 
@@ -97,31 +97,31 @@ impl WorldDocument {
     }
 
     /// Placement of a unit after all pending orders (place < number of places).
-    pub fn will_stand(&self, place: usize) -> Placement {
+    pub fn ordered_placement(&self, place: usize) -> Placement {
         let working = self.working.as_ref();
         let orders = working.into_iter().flat_map(|w| w.work.order().into_iter().chain(w.next.iter().copied()));
         let moved = orders.filter_map(|o| o.moves()).rfind(|m| m.0 == place);
         moved.map_or(self.placed()[place].placement, |m| m.1)
     }
 
-    /// Starts an edit on its own thread; [`WorldDocument::take_in`] adopts the new world when it is stitched.
+    /// Starts an edit on its own thread; [`WorldDocument::adopt_edit`] adopts the new world when it is stitched.
     ///
     /// While an edit is under way, or characters are being placed, changes can be queued to be undone and redone, and
     /// the moved unit can be moved further.
     ///
     /// # Errors
     /// A message that names what is under way, for anything else meanwhile: the numbers of places may become others.
-    pub fn order(&mut self, order: Order) -> Result<(), String> {
+    pub fn order(&mut self, order: EditorOrder) -> Result<(), String> {
         let Some(working) = &mut self.working else {
             self.begin(order);
             return Ok(());
         };
-        let moved = |o: Order| o.moves().map(|m| m.0);
+        let moved = |o: EditorOrder| o.moves().map(|m| m.0);
         let last = working.next.back().copied().or(working.work.order());
         let goes_on = moved(order).is_some() && last.and_then(moved) == moved(order);
         match order {
-            Order::Change(_) if !goes_on => return Err(format!("{} is still under way", working.work.name())),
-            Order::Change(Change::Move { place, to }) => {
+            EditorOrder::Change(_) if !goes_on => return Err(format!("{} is still under way", working.work.name())),
+            EditorOrder::Change(UnitChange::Move { place, to }) => {
                 if let Some(last) = working.next.back_mut() {
                     *last = order;
                 } else {
@@ -144,39 +144,40 @@ impl WorldDocument {
             return Err(format!("the run can restart when {} is done", working.work.name()));
         }
         self.refused = None;
-        let done = worker::begin_anew(Arc::clone(&self.ground), Roamers { characters, seed });
+        let done = worker::begin_populating(Arc::clone(&self.walkable), Roamers { characters, seed });
         let doing = format!("Finding room for {characters} characters");
-        self.working = Some(Working { work: Work::Populate, doing, at: None, next: VecDeque::new(), done });
+        self.working =
+            Some(EditInProgress { work: EditorWork::Populate, doing, at: None, next: VecDeque::new(), done });
         Ok(())
     }
 
-    fn begin(&mut self, order: Order) {
+    fn begin(&mut self, order: EditorOrder) {
         self.refused = None;
         let doing = match order {
-            Order::Change(change) => format!("Stitching the world around {}", self.name_of(change)),
-            Order::Undo => match self.to_undo() {
+            EditorOrder::Change(change) => format!("Stitching the world around {}", self.name_of(change)),
+            EditorOrder::Undo => match self.to_undo() {
                 Some(last) => format!("Undoing: {last}"),
                 None => return,
             },
-            Order::Redo => match self.to_redo() {
+            EditorOrder::Redo => match self.to_redo() {
                 Some(next) => format!("Redoing: {next}"),
                 None => return,
             },
         };
-        let (work, at) = (Work::Edit(order), self.at(order));
+        let (work, at) = (EditorWork::Edit(order), self.edited_unit(order));
         let Some(workshop) = self.workshop.take() else {
-            self.refused = Some(Refused { why: work.ended().to_owned(), at });
+            self.refused = Some(RefusedEdit { reason: work.ended().to_owned(), at });
             return;
         };
         let places = (0..self.run.num_characters()).map(|c| self.run.hips(c)).collect();
-        let done = worker::begin(Job { workshop, order, seed: self.roamers.seed, places });
-        self.working = Some(Working { work, doing, at, next: VecDeque::new(), done });
+        let done = worker::begin(EditJob { workshop, order, seed: self.roamers.seed, places });
+        self.working = Some(EditInProgress { work, doing, at, next: VecDeque::new(), done });
     }
 
     /// Adopts the world stitched since the last call; none if there is no new one.
     ///
     /// - `waits`: blocks until no edit is under way.
-    pub fn take_in(&mut self, waits: bool) -> Option<Taken> {
+    pub fn adopt_edit(&mut self, waits: bool) -> Option<EditStatus> {
         let mut taken = None;
         while let Some(working) = &self.working {
             let done = match waits {
@@ -200,7 +201,7 @@ impl WorldDocument {
         taken
     }
 
-    fn finish(&mut self, working: Working, done: Option<Done>) -> Taken {
+    fn finish(&mut self, working: EditInProgress, done: Option<EditResult>) -> EditStatus {
         let result = match done {
             Some(done) => {
                 self.workshop = done.workshop.or(self.workshop.take());
@@ -210,81 +211,87 @@ impl WorldDocument {
         };
         let order = working.work.order();
         let name = match order {
-            Some(Order::Change(change)) => Some(self.describe(change)),
-            Some(Order::Undo | Order::Redo) | None => None,
+            Some(EditorOrder::Change(change)) => Some(self.describe(change)),
+            Some(EditorOrder::Undo | EditorOrder::Redo) | None => None,
         };
         let is_new = result.is_ok();
         let what = match order {
-            Some(Order::Undo) => format!("undid: {}", self.to_undo().unwrap_or_default()),
-            Some(Order::Redo) => format!("redid: {}", self.to_redo().unwrap_or_default()),
-            Some(Order::Change(_)) | None => name.clone().unwrap_or_default(),
+            Some(EditorOrder::Undo) => format!("undid: {}", self.to_undo().unwrap_or_default()),
+            Some(EditorOrder::Redo) => format!("redid: {}", self.to_redo().unwrap_or_default()),
+            Some(EditorOrder::Change(_)) | None => name.clone().unwrap_or_default(),
         };
-        let counts = self.workshop.as_ref().and_then(|w| w.with(|e| [e.num_undos(), e.num_redos()]));
+        let counts = self.workshop.as_ref().and_then(|w| w.run(|e| [e.num_undos(), e.num_redos()]));
         if let Some(counts) = counts {
             self.made.follow(counts, name.filter(|_| is_new));
         }
         match result {
-            Ok(Outcome::Stitched(stitched)) => Taken::Changed(self.show(*stitched, what)),
-            Ok(Outcome::Begun(begun)) => {
-                self.begin_with(*begun);
-                Taken::Begun
+            Ok(EditOutcome::Stitched(stitched)) => EditStatus::Changed(self.show(*stitched, what)),
+            Ok(EditOutcome::Begun(begun)) => {
+                self.replace_inhabitants(*begun);
+                EditStatus::Begun
             }
             Err(why) => {
-                self.refused = Some(Refused { why, at: working.at });
-                Taken::Refused
+                self.refused = Some(RefusedEdit { reason: why, at: working.at });
+                EditStatus::Refused
             }
         }
     }
 
     /// Replaces the inhabitants of the world.
-    fn begin_with(&mut self, begun: Begun) {
+    fn replace_inhabitants(&mut self, begun: NewInhabitants) {
         let mut run = begun.run;
         run.reel.head.play_like(&self.run.reel.head);
         (self.run, self.roamers) = (run, begun.roamers);
     }
 
     /// Shows another world; returns the place that came or was moved.
-    fn show(&mut self, new: Stitched, what: String) -> Option<usize> {
-        let place = changed(&self.environment.units, &new.environment.units);
+    fn show(&mut self, new: StitchedWorld, what: String) -> Option<usize> {
+        let place = changed_place(&self.environment.units, &new.environment.units);
         let lost = self.run.num_characters() - new.before.len();
         let mut run = new.run;
         run.reel.head.play_like(&self.run.reel.head);
         let mut free = 0;
         for (character, &before) in new.before.iter().enumerate() {
-            let Some(wish) = self.run.told(before) else { continue };
+            let Some(wish) = self.run.order_of(before) else { continue };
             // Instances and places have new numbers in the new world.
-            let is_kept = !matches!(wish, Wish::GoTo { .. } | Wish::GoToPlace { .. });
-            if !is_kept || run.tell(character, Some(wish)).is_err() {
+            let is_kept = !matches!(wish, InhabitantGoal::GoTo { .. } | InhabitantGoal::GoToPlace { .. });
+            if !is_kept || run.give_order(character, Some(wish)).is_err() {
                 free += 1;
             }
         }
-        (self.ground, self.run, self.report) = (Arc::new(new.ground), run, new.report);
+        (self.walkable, self.run, self.report) = (Arc::new(new.ground), run, new.report);
         (self.environment, self.geometry) = (new.environment, new.geometry);
         self.revision += 1;
-        self.edited = Some(Edited { what, stitch_s: new.stitch_s, total_s: new.total_s, lost, free });
+        self.edited = Some(EditSummary {
+            description: what,
+            stitch_s: new.stitch_s,
+            total_s: new.total_s,
+            num_lost: lost,
+            num_released: free,
+        });
         place
     }
 
     /// The unit of an order, with its new placement or before its removal.
-    fn at(&self, order: Order) -> Option<PlacedUnit> {
-        let Order::Change(change) = order else { return None };
+    fn edited_unit(&self, order: EditorOrder) -> Option<PlacedUnit> {
+        let EditorOrder::Change(change) = order else { return None };
         match change {
-            Change::Add { unit, at } => Some(PlacedUnit { unit, placement: at }),
-            Change::Remove { place } => self.placed().get(place).cloned(),
-            Change::Move { place, to } => Some(PlacedUnit { unit: self.placed().get(place)?.unit, placement: to }),
+            UnitChange::Add { unit, at } => Some(PlacedUnit { unit, placement: at }),
+            UnitChange::Remove { place } => self.placed().get(place).cloned(),
+            UnitChange::Move { place, to } => Some(PlacedUnit { unit: self.placed().get(place)?.unit, placement: to }),
         }
     }
 
-    fn name_of(&self, change: Change) -> &str {
-        let unit = self.at(Order::Change(change)).and_then(|p| self.kit().units.units.get(p.unit));
+    fn name_of(&self, change: UnitChange) -> &str {
+        let unit = self.edited_unit(EditorOrder::Change(change)).and_then(|p| self.kit().units.units.get(p.unit));
         unit.map_or("a unit", |u| &u.name)
     }
 
-    fn describe(&self, change: Change) -> String {
+    fn describe(&self, change: UnitChange) -> String {
         let done = match change {
-            Change::Add { .. } => "added",
-            Change::Remove { .. } => "removed",
-            Change::Move { .. } => "moved",
+            UnitChange::Add { .. } => "added",
+            UnitChange::Remove { .. } => "removed",
+            UnitChange::Move { .. } => "moved",
         };
         format!("{done} {}", self.name_of(change))
     }
@@ -300,7 +307,7 @@ impl WorldDocument {
 }
 
 /// The place of a unit that came or was moved; none if one went.
-fn changed(before: &[PlacedUnit], after: &[PlacedUnit]) -> Option<usize> {
+fn changed_place(before: &[PlacedUnit], after: &[PlacedUnit]) -> Option<usize> {
     let first = before.iter().zip(after).position(|(a, b)| a != b);
     (after.len() >= before.len()).then(|| first.or((after.len() > before.len()).then_some(before.len()))).flatten()
 }
@@ -320,7 +327,7 @@ mod tests {
             (&[1.0, 2.0, 3.0], &[1.0, 3.0], None),
             (&[1.0, 2.0], &[1.0, 2.0], None),
         ] {
-            assert_eq!(changed(&units(before), &units(after)), place, "{before:?} {after:?}");
+            assert_eq!(changed_place(&units(before), &units(after)), place, "{before:?} {after:?}");
         }
     }
 }

@@ -3,28 +3,30 @@
 mod edit;
 mod open;
 mod orders;
-mod settle;
+mod placement;
 mod views;
 mod worker;
 
-pub use edit::{Edited, Refused, Taken, Working};
+pub use edit::{EditInProgress, EditStatus, EditSummary, RefusedEdit};
 pub use open::unit_mesh;
-pub use orders::{Change, Order};
+pub use orders::{EditorOrder, UnitChange};
 
 use crate::bundle::OpenBundle;
 use crate::render::{Ray, SolidMesh, upright};
 use crate::run::WorldRun;
 use glam::Vec3;
-use orders::Made;
+use orders::EditHistory;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use throng_precompute::environment::{Environment, PlacedGeometry, PlacedUnit, Unit};
-use throng_precompute::stitch::{Item, Kit, Library, Reason, StitchReport, Why, WorldSource};
+use throng_precompute::environment::{Environment, PlacedGeometry, PlacedUnit, UnitObject};
+use throng_precompute::stitch::{
+    InstanceItem, Library, RemovalExplanation, RemovalReason, StitchKit, StitchReport, WorldSource,
+};
 use throng_runtime::patch::{LinkRecord, Placement};
 use throng_runtime::world::WorldGraph;
-use throng_runtime::world::inhabitants::Wish;
-use views::{Ground, Workshop};
+use throng_runtime::world::inhabitants::InhabitantGoal;
+use views::{EditorThread, WalkableWorld};
 
 /// Characters that roam in a world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,19 +42,19 @@ pub struct WorldDocument {
     path: PathBuf,
     source: WorldSource,
     roamers: Roamers,
-    kit: Arc<Kit>,
+    kit: Arc<StitchKit>,
     /// The editor; none while an edit is under way.
-    workshop: Option<Workshop>,
-    ground: Arc<Ground>,
+    workshop: Option<EditorThread>,
+    walkable: Arc<WalkableWorld>,
     environment: Environment,
     geometry: PlacedGeometry,
     report: StitchReport,
     meshes: Arc<[SolidMesh]>,
     run: WorldRun,
-    made: Made,
-    working: Option<Working>,
-    edited: Option<Edited>,
-    refused: Option<Refused>,
+    made: EditHistory,
+    working: Option<EditInProgress>,
+    edited: Option<EditSummary>,
+    refused: Option<RefusedEdit>,
     /// Grows with every edit.
     revision: u64,
 }
@@ -71,7 +73,7 @@ impl WorldDocument {
 
     /// Bundle with the patches of the world.
     pub fn bundle(&self) -> &OpenBundle {
-        self.ground.bundle()
+        self.walkable.bundle()
     }
 
     /// The inhabitants.
@@ -80,12 +82,12 @@ impl WorldDocument {
     }
 
     /// The bundle's units, decoded.
-    pub fn kit(&self) -> &Kit {
+    pub fn kit(&self) -> &StitchKit {
         &self.kit
     }
 
     /// A unit object of the bundle (unit < number of units of the bundle).
-    pub fn unit(&self, unit: usize) -> &Unit {
+    pub fn unit(&self, unit: usize) -> &UnitObject {
         &self.kit().units.units[unit]
     }
 
@@ -96,7 +98,7 @@ impl WorldDocument {
 
     /// The world as it can be walked.
     pub fn graph(&self) -> &WorldGraph {
-        self.ground.graph()
+        self.walkable.graph()
     }
 
     /// Units with their placements.
@@ -120,7 +122,7 @@ impl WorldDocument {
     }
 
     /// The last edit and its times.
-    pub fn edited(&self) -> Option<&Edited> {
+    pub fn edited(&self) -> Option<&EditSummary> {
         self.edited.as_ref()
     }
 
@@ -136,13 +138,13 @@ impl WorldDocument {
     }
 
     /// Why an item of an instance is disabled, in a word; none for an enabled item, or while an edit is under way.
-    pub fn reason(&self, instance: u32, item: Item) -> Option<Reason> {
-        self.workshop.as_ref()?.with(move |editor| editor.reason(instance, item))?
+    pub fn reason(&self, instance: u32, item: InstanceItem) -> Option<RemovalReason> {
+        self.workshop.as_ref()?.run(move |editor| editor.reason(instance, item))?
     }
 
     /// Why an item of an instance is disabled, with the obstacle.
-    pub fn why(&self, instance: u32, item: Item) -> Option<Why> {
-        self.workshop.as_ref()?.with(move |editor| editor.why(instance, item))?
+    pub fn full_reason(&self, instance: u32, item: InstanceItem) -> Option<RemovalExplanation> {
+        self.workshop.as_ref()?.run(move |editor| editor.explain_removal(instance, item))?
     }
 
     /// Instances that a placed unit is part of.
@@ -168,19 +170,19 @@ impl WorldDocument {
     pub fn pick(&self, ray: &Ray) -> Option<(Option<usize>, Vec3)> {
         let units = self.placed().iter().enumerate().filter_map(|(place, p)| {
             let bounds = self.geometry.geometry(place).bounds;
-            let near =
-                ray.may_meet(p.placement.transform_point(bounds.centre()), 0.5 * (bounds.max - bounds.min).length());
-            let met = near.then(|| self.meshes.get(p.unit)?.meets(ray, upright(p.placement))).flatten();
+            let near = ray
+                .passes_within(p.placement.transform_point(bounds.centre()), 0.5 * (bounds.max - bounds.min).length());
+            let met = near.then(|| self.meshes.get(p.unit)?.intersect(ray, upright(p.placement))).flatten();
             met.map(|distance| (distance, Some(place)))
         });
         let unit = units.min_by(|a, b| a.0.total_cmp(&b.0));
-        let ground = ray.meets_ground().map(|p| (p.distance(ray.origin), None));
+        let ground = ray.intersect_ground().map(|p| (p.distance(ray.origin), None));
         // A floor panel at ground level is picked before the ground.
         let nearest = match (unit, ground) {
             (Some(u), Some(g)) => Some(if u.0 <= g.0 + 1e-3 { u } else { g }),
             (u, g) => u.or(g),
         };
-        nearest.map(|(distance, place)| (place, ray.at(distance)))
+        nearest.map(|(distance, place)| (place, ray.point_at(distance)))
     }
 
     /// One step forward, recorded or new, unless an edit is under way.
@@ -203,11 +205,11 @@ impl WorldDocument {
     ///
     /// # Errors
     /// A message for a place or a tag that is not there.
-    pub fn tell(&mut self, character: usize, wish: Option<Wish>) -> Result<(), String> {
+    pub fn give_order(&mut self, character: usize, wish: Option<InhabitantGoal>) -> Result<(), String> {
         if character >= self.run.num_characters() {
             return Err(format!("there is no character {character}"));
         }
-        self.run.tell(character, wish).map_err(|e| e.to_string())
+        self.run.give_order(character, wish).map_err(|e| e.to_string())
     }
 }
 

@@ -1,24 +1,24 @@
 //! Opens worlds, which are stitched in memory.
 
-use super::orders::Made;
-use super::views::{Ground, Workshop};
+use super::orders::EditHistory;
+use super::views::{EditorThread, WalkableWorld};
 use super::{Roamers, WorldDocument};
 use crate::bundle::OpenBundle;
 use crate::render::SolidMesh;
 use crate::run::WorldRun;
 use std::path::Path;
 use std::sync::Arc;
-use throng_precompute::environment::{PlacedGeometry, Solid, UnitGeometry};
-use throng_precompute::run::{Cached, ensure_bundle};
-use throng_precompute::stitch::{Kit, WorldSource};
-use throng_runtime::world::inhabitants::scatter;
+use throng_precompute::environment::{PlacedGeometry, UnitGeometry, UnitSolid};
+use throng_precompute::run::{BuildContext, ensure_bundle};
+use throng_precompute::stitch::{StitchKit, WorldSource};
+use throng_runtime::world::inhabitants::scatter_rest_nodes;
 
 /// Number of characters that roam in a world.
 const ROAMERS: usize = 20;
 
 impl WorldDocument {
     /// True for the file of a world.
-    pub fn is_one(path: &Path) -> bool {
+    pub fn is_world_file(path: &Path) -> bool {
         WorldSource::is_one(path)
     }
 
@@ -27,20 +27,20 @@ impl WorldDocument {
     /// # Errors
     /// A message that names the file and line or key, why the bundle cannot be opened, or the units that do not go
     /// together, and the way out.
-    pub fn open(path: &Path, with: &Cached<'_>) -> Result<Self, String> {
+    pub fn open(path: &Path, with: &BuildContext<'_>) -> Result<Self, String> {
         let source = WorldSource::load(path).map_err(|e| e.to_string())?;
         let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
         ensure_bundle(&source.bundle, source.config.as_deref(), with).map_err(|e| fail(&e))?;
         let bundle = Arc::new(OpenBundle::open(&source.bundle).map_err(|e| fail(&format!("its bundle: {e}")))?);
-        let kit = Arc::new(Kit::new(bundle.tables(), &source.bundle).map_err(|e| e.to_string())?);
+        let kit = Arc::new(StitchKit::new(bundle.tables(), &source.bundle).map_err(|e| e.to_string())?);
         let environment = source.environment(&kit.units, path).map_err(|e| e.to_string())?;
         let geometry = PlacedGeometry::new(&environment, &kit.geometries);
         let meshes = kit.geometries.iter().map(|g| unit_mesh(g)).collect();
-        let workshop = Workshop::new(Arc::clone(&bundle), Arc::clone(&kit), environment.clone(), &source.stitch)
+        let workshop = EditorThread::new(Arc::clone(&bundle), Arc::clone(&kit), environment.clone(), &source.stitch)
             .map_err(|e| fail(&e))?;
-        let stitched = workshop.with(|editor| (editor.world().clone(), editor.report().clone()));
+        let stitched = workshop.run(|editor| (editor.world().clone(), editor.report().clone()));
         let (world, report) = stitched.ok_or("stitching the world ended unexpectedly")?;
-        let ground = Arc::new(Ground::new(bundle, &world)?);
+        let ground = Arc::new(WalkableWorld::new(bundle, &world)?);
         let mut roamers = Roamers { characters: ROAMERS, seed: 1 };
         let run = populate(&mut roamers, &ground)?;
         Ok(Self {
@@ -49,13 +49,13 @@ impl WorldDocument {
             roamers,
             kit,
             workshop: Some(workshop),
-            ground,
+            walkable: ground,
             environment,
             geometry,
             report,
             meshes,
             run,
-            made: Made::default(),
+            made: EditHistory::default(),
             working: None,
             edited: None,
             refused: None,
@@ -65,8 +65,8 @@ impl WorldDocument {
 }
 
 /// Places the requested number of characters, as far as there is room.
-pub(super) fn populate(roamers: &mut Roamers, ground: &Ground) -> Result<WorldRun, String> {
-    let starts = scatter(ground.graph(), roamers.characters, roamers.seed);
+pub(super) fn populate(roamers: &mut Roamers, ground: &WalkableWorld) -> Result<WorldRun, String> {
+    let starts = scatter_rest_nodes(ground.graph(), roamers.characters, roamers.seed);
     roamers.characters = starts.len();
     WorldRun::new(ground.world(), roamers.seed, &starts).map_err(|e| e.to_string())
 }
@@ -76,9 +76,9 @@ pub fn unit_mesh(geometry: &UnitGeometry) -> SolidMesh {
     let mut mesh = SolidMesh::default();
     for solid in &geometry.solids {
         match solid {
-            Solid::Box { centre, rotation, half } => mesh.add_box(*centre, *rotation, *half),
-            Solid::Bar { from, to, radius } => mesh.add_bar(*from, *to, *radius),
-            Solid::Mesh(triangles) => triangles.corners().iter().for_each(|t| mesh.add_triangle(*t)),
+            UnitSolid::Box { centre, rotation, half } => mesh.add_box(*centre, *rotation, *half),
+            UnitSolid::Bar { from, to, radius } => mesh.add_bar(*from, *to, *radius),
+            UnitSolid::Mesh(triangles) => triangles.corners().iter().for_each(|t| mesh.add_triangle(*t)),
         }
     }
     mesh
@@ -93,7 +93,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         std::fs::write(&path, text).unwrap();
-        assert!(WorldDocument::is_one(&path));
+        assert!(WorldDocument::is_world_file(&path));
         quietly(|with| WorldDocument::open(&path, with)).map(|_| ()).unwrap_err()
     }
 

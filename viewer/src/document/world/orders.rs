@@ -4,7 +4,7 @@ use throng_runtime::patch::Placement;
 
 /// A change of the placed units.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Change {
+pub enum UnitChange {
     /// One more unit.
     Add {
         /// Number of the unit in the bundle's set.
@@ -28,20 +28,20 @@ pub enum Change {
 
 /// Order to the editor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Order {
+pub enum EditorOrder {
     /// Make a change.
-    Change(Change),
+    Change(UnitChange),
     /// Undo the last change.
     Undo,
     /// Redo the last undone change.
     Redo,
 }
 
-impl Order {
+impl EditorOrder {
     /// The place that is moved, and where to.
     pub(super) fn moves(self) -> Option<(usize, Placement)> {
         match self {
-            Self::Change(Change::Move { place, to }) => Some((place, to)),
+            Self::Change(UnitChange::Move { place, to }) => Some((place, to)),
             _ => None,
         }
     }
@@ -49,16 +49,16 @@ impl Order {
 
 /// Work done on its own thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Work {
+pub(super) enum EditorWork {
     /// The editor carries out an order.
-    Edit(Order),
+    Edit(EditorOrder),
     /// New inhabitants are placed in the unchanged world.
     Populate,
 }
 
-impl Work {
+impl EditorWork {
     /// Order that the editor carries out, if it is at work.
-    pub fn order(self) -> Option<Order> {
+    pub fn order(self) -> Option<EditorOrder> {
         match self {
             Self::Edit(order) => Some(order),
             Self::Populate => None,
@@ -84,13 +84,13 @@ impl Work {
 
 /// History of changes as text, as far as the editor can undo and redo them.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Made {
+pub(super) struct EditHistory {
     names: Vec<String>,
     /// Number of changes in effect; the others were undone.
     made: usize,
 }
 
-impl Made {
+impl EditHistory {
     /// Follows the editor, which can undo and redo these numbers of changes.
     ///
     /// - `new`: the change made last, if it is a new one.
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn names_follow_undo_and_redo() {
-        let mut made = Made::default();
+        let mut made = EditHistory::default();
         for (counts, new, last, next) in [
             ([0, 0], None, None, None),
             ([1, 0], Some("a"), Some("a"), None),

@@ -5,33 +5,33 @@ use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel};
 use throng_precompute::environment::Environment;
 use throng_precompute::progress::Silent;
-use throng_precompute::stitch::{Editor, Kit, StitchConfig};
+use throng_precompute::stitch::{Editor, StitchConfig, StitchKit};
 use throng_runtime::world::{World, WorldData, WorldGraph};
 
 /// Work for the thread of an editor.
-type Request = Box<dyn FnOnce(&mut Editor<'_>) + Send>;
+type EditorRequest = Box<dyn FnOnce(&mut Editor<'_>) + Send>;
 
 /// The editor of a world on its own thread, which ends with this value, and the bundle of its patches.
 ///
 /// An editor borrows from the bundle; the thread holds both.
-pub(super) struct Workshop {
+pub(super) struct EditorThread {
     bundle: Arc<OpenBundle>,
-    kit: Arc<Kit>,
-    requests: Sender<Request>,
+    kit: Arc<StitchKit>,
+    requests: Sender<EditorRequest>,
 }
 
-impl Workshop {
+impl EditorThread {
     /// Stitches a world.
     ///
     /// # Errors
     /// A message that names the units that do not go together, and the way out.
     pub fn new(
         bundle: Arc<OpenBundle>,
-        kit: Arc<Kit>,
+        kit: Arc<StitchKit>,
         environment: Environment,
         config: &StitchConfig,
     ) -> Result<Self, String> {
-        let ((requests, received), (send, made)) = (channel::<Request>(), channel());
+        let ((requests, received), (send, made)) = (channel::<EditorRequest>(), channel());
         let (own_bundle, own_kit, config) = (Arc::clone(&bundle), Arc::clone(&kit), config.clone());
         std::thread::spawn(move || {
             let tables = own_bundle.tables();
@@ -51,7 +51,7 @@ impl Workshop {
     }
 
     /// The bundle's units.
-    pub fn kit(&self) -> &Kit {
+    pub fn kit(&self) -> &StitchKit {
         &self.kit
     }
 
@@ -60,9 +60,9 @@ impl Workshop {
     }
 
     /// Runs work on the editor and returns its result; none if the editor has ended unexpectedly.
-    pub fn with<T: Send + 'static>(&self, work: impl FnOnce(&mut Editor<'_>) -> T + Send + 'static) -> Option<T> {
+    pub fn run<T: Send + 'static>(&self, work: impl FnOnce(&mut Editor<'_>) -> T + Send + 'static) -> Option<T> {
         let (send, receive) = channel();
-        let request: Request = Box::new(move |editor| {
+        let request: EditorRequest = Box::new(move |editor| {
             let _ = send.send(work(editor));
         });
         self.requests.send(request).ok()?;
@@ -71,12 +71,12 @@ impl Workshop {
 }
 
 /// A stitched world and its bundle.
-pub(super) struct Ground {
+pub(super) struct WalkableWorld {
     bundle: Arc<OpenBundle>,
     world: World,
 }
 
-impl Ground {
+impl WalkableWorld {
     /// # Errors
     /// A message where the world cannot be walked.
     pub fn new(bundle: Arc<OpenBundle>, world: &WorldData) -> Result<Self, String> {

@@ -2,9 +2,9 @@
 
 use super::Roamers;
 use super::open::populate;
-use super::orders::{Change, Order, Work};
-use super::settle::settle;
-use super::views::{Ground, Workshop};
+use super::orders::{EditorOrder, EditorWork, UnitChange};
+use super::placement::place_inhabitants;
+use super::views::{EditorThread, WalkableWorld};
 use crate::run::WorldRun;
 use glam::Vec3;
 use std::sync::Arc;
@@ -14,10 +14,10 @@ use throng_precompute::environment::{Environment, PlacedGeometry};
 use throng_precompute::stitch::{Editor, StitchReport};
 
 /// Input of an edit.
-pub(super) struct Job {
-    pub workshop: Workshop,
+pub(super) struct EditJob {
+    pub workshop: EditorThread,
     /// Order to the editor.
-    pub order: Order,
+    pub order: EditorOrder,
     /// Seed of the inhabitants' choices.
     pub seed: u64,
     /// Positions of the inhabitants (m).
@@ -25,23 +25,23 @@ pub(super) struct Job {
 }
 
 /// Result of a job.
-pub(super) struct Done {
+pub(super) struct EditResult {
     /// The editor; none if the job did not need it.
-    pub workshop: Option<Workshop>,
+    pub workshop: Option<EditorThread>,
     /// The new state of the world; on failure a message with the reason, and the world is unchanged.
-    pub result: Result<Outcome, String>,
+    pub result: Result<EditOutcome, String>,
 }
 
 /// New state after a job.
-pub(super) enum Outcome {
+pub(super) enum EditOutcome {
     /// Another world.
-    Stitched(Box<Stitched>),
+    Stitched(Box<StitchedWorld>),
     /// New inhabitants in the unchanged world.
-    Begun(Box<Begun>),
+    Begun(Box<NewInhabitants>),
 }
 
 /// New inhabitants of a world.
-pub(super) struct Begun {
+pub(super) struct NewInhabitants {
     /// Number of inhabitants, as far as there was room.
     pub roamers: Roamers,
     /// They at their first step.
@@ -49,8 +49,8 @@ pub(super) struct Begun {
 }
 
 /// A world that was stitched, with its inhabitants.
-pub(super) struct Stitched {
-    pub ground: Ground,
+pub(super) struct StitchedWorld {
+    pub ground: WalkableWorld,
     pub environment: Environment,
     pub geometry: PlacedGeometry,
     pub report: StitchReport,
@@ -65,19 +65,22 @@ pub(super) struct Stitched {
 }
 
 /// Starts a job; it ends by sending its result.
-pub(super) fn begin(job: Job) -> Receiver<Done> {
+pub(super) fn begin(job: EditJob) -> Receiver<EditResult> {
     spawn(move || job.carry_out())
 }
 
 /// Starts to place new inhabitants in a world.
-pub(super) fn begin_anew(ground: Arc<Ground>, mut roamers: Roamers) -> Receiver<Done> {
+pub(super) fn begin_populating(ground: Arc<WalkableWorld>, mut roamers: Roamers) -> Receiver<EditResult> {
     spawn(move || {
         let run = populate(&mut roamers, &ground);
-        Done { workshop: None, result: run.map(|run| Outcome::Begun(Box::new(Begun { roamers, run }))) }
+        EditResult {
+            workshop: None,
+            result: run.map(|run| EditOutcome::Begun(Box::new(NewInhabitants { roamers, run }))),
+        }
     })
 }
 
-fn spawn(work: impl FnOnce() -> Done + Send + 'static) -> Receiver<Done> {
+fn spawn(work: impl FnOnce() -> EditResult + Send + 'static) -> Receiver<EditResult> {
     let (send, receive) = channel();
     std::thread::spawn(move || {
         // The receiver is gone if another file was opened meanwhile.
@@ -86,27 +89,27 @@ fn spawn(work: impl FnOnce() -> Done + Send + 'static) -> Receiver<Done> {
     receive
 }
 
-impl Job {
-    fn carry_out(self) -> Done {
+impl EditJob {
+    fn carry_out(self) -> EditResult {
         let begin = Instant::now();
         let stitched = self.change(self.order).and_then(|()| {
             let stitch_s = begin.elapsed().as_secs_f64();
-            match self.settled() {
-                Ok(stitched) => Ok(Stitched { stitch_s, total_s: begin.elapsed().as_secs_f64(), ..stitched }),
-                Err(why) => self.go_back().and(Err(why)),
+            match self.place_in_new_world() {
+                Ok(stitched) => Ok(StitchedWorld { stitch_s, total_s: begin.elapsed().as_secs_f64(), ..stitched }),
+                Err(why) => self.revert().and(Err(why)),
             }
         });
-        let result = stitched.map(|stitched| Outcome::Stitched(Box::new(stitched)));
-        Done { workshop: Some(self.workshop), result }
+        let result = stitched.map(|stitched| EditOutcome::Stitched(Box::new(stitched)));
+        EditResult { workshop: Some(self.workshop), result }
     }
 
-    fn change(&self, order: Order) -> Result<(), String> {
-        let made = self.workshop.with(move |editor| match order {
-            Order::Change(Change::Add { unit, at }) => editor.add(unit, at).map(|_| true),
-            Order::Change(Change::Remove { place }) => editor.remove(place).map(|()| true),
-            Order::Change(Change::Move { place, to }) => editor.drag(place, to).map(|()| true),
-            Order::Undo => editor.undo(),
-            Order::Redo => editor.redo(),
+    fn change(&self, order: EditorOrder) -> Result<(), String> {
+        let made = self.workshop.run(move |editor| match order {
+            EditorOrder::Change(UnitChange::Add { unit, at }) => editor.add(unit, at).map(|_| true),
+            EditorOrder::Change(UnitChange::Remove { place }) => editor.remove(place).map(|()| true),
+            EditorOrder::Change(UnitChange::Move { place, to }) => editor.drag(place, to).map(|()| true),
+            EditorOrder::Undo => editor.undo(),
+            EditorOrder::Redo => editor.redo(),
         });
         match made {
             None => Err(self.ended().into()),
@@ -117,28 +120,28 @@ impl Job {
     }
 
     fn ended(&self) -> &'static str {
-        Work::Edit(self.order).ended()
+        EditorWork::Edit(self.order).ended()
     }
 
     /// The world that the editor had before.
-    fn go_back(&self) -> Result<(), String> {
+    fn revert(&self) -> Result<(), String> {
         let order = self.order;
         let back = move |editor: &mut Editor<'_>| match order {
-            Order::Change(_) => editor.withdraw(),
-            Order::Undo => editor.redo(),
-            Order::Redo => editor.undo(),
+            EditorOrder::Change(_) => editor.withdraw_last(),
+            EditorOrder::Undo => editor.redo(),
+            EditorOrder::Redo => editor.undo(),
         };
-        self.workshop.with(back).ok_or(self.ended())?.map(|_| ()).map_err(|e| e.to_string())
+        self.workshop.run(back).ok_or(self.ended())?.map(|_| ()).map_err(|e| e.to_string())
     }
 
     /// The new world, with all inhabitants at the nearest rest nodes.
-    fn settled(&self) -> Result<Stitched, String> {
+    fn place_in_new_world(&self) -> Result<StitchedWorld, String> {
         let look = |e: &mut Editor<'_>| (e.world().clone(), e.environment().clone(), e.report().clone());
-        let (world, environment, report) = self.workshop.with(look).ok_or(self.ended())?;
-        let ground = Ground::new(self.workshop.shared_bundle(), &world)?;
-        let (before, starts): (Vec<_>, Vec<_>) = settle(ground.graph(), &self.places).into_iter().unzip();
+        let (world, environment, report) = self.workshop.run(look).ok_or(self.ended())?;
+        let ground = WalkableWorld::new(self.workshop.shared_bundle(), &world)?;
+        let (before, starts): (Vec<_>, Vec<_>) = place_inhabitants(ground.graph(), &self.places).into_iter().unzip();
         let run = WorldRun::new(ground.world(), self.seed, &starts).map_err(|e| e.to_string())?;
         let geometry = PlacedGeometry::new(&environment, &self.workshop.kit().geometries);
-        Ok(Stitched { ground, environment, geometry, report, run, before, stitch_s: 0.0, total_s: 0.0 })
+        Ok(StitchedWorld { ground, environment, geometry, report, run, before, stitch_s: 0.0, total_s: 0.0 })
     }
 }

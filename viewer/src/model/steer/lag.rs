@@ -1,8 +1,8 @@
 //! Delay from a key press to a visible change: a twin without the key press runs beside the steered character.
 
 use crate::bundle::OpenBundle;
-use crate::command::Held;
-use crate::run::{BlendRun, Fork, Run, TargetMode};
+use crate::command::SteerInput;
+use crate::run::{BlendRun, CrowdFork, CrowdRun, TargetMode};
 use glam::Vec3;
 use throng_runtime::{Mat3x4, NUM_JOINTS, Planar};
 
@@ -42,7 +42,7 @@ impl Lags {
         (self.frames.len(), self.unseen)
     }
 
-    fn keep(&mut self, steps: Option<u32>) {
+    fn record(&mut self, steps: Option<u32>) {
         match steps {
             // The first step that depends on a key is shown one frame after the key press.
             Some(steps) => self.frames.push(steps),
@@ -57,28 +57,28 @@ impl Lags {
 /// A copy of the run in which the key was not pressed.
 #[derive(Clone, Debug)]
 pub(super) struct Twin {
-    who: Who,
+    who: TwinRun,
     steps: u32,
 }
 
 #[derive(Clone, Debug)]
-enum Who {
-    Crowd { fork: Box<Fork>, character: usize, is_shared: bool, held: Held },
+enum TwinRun {
+    Crowd { fork: Box<CrowdFork>, character: usize, is_shared: bool, held: SteerInput },
     Blend(Box<BlendRun>),
 }
 
 impl Twin {
     /// - `held`: input that the twin keeps holding down.
-    pub fn of_crowd(run: &Run, character: usize, held: Held) -> Option<Self> {
+    pub fn fork_crowd(run: &CrowdRun, character: usize, held: SteerInput) -> Option<Self> {
         if run.config().characters > MOST_CHARACTERS {
             return None;
         }
         let is_shared = run.config().targets == TargetMode::Shared;
-        Some(Self { who: Who::Crowd { fork: Box::new(run.fork()), character, is_shared, held }, steps: 0 })
+        Some(Self { who: TwinRun::Crowd { fork: Box::new(run.fork()), character, is_shared, held }, steps: 0 })
     }
 
-    pub fn of_blend(run: &BlendRun) -> Option<Self> {
-        Some(Self { who: Who::Blend(Box::new(run.clone())), steps: 0 })
+    pub fn copy_blend(run: &BlendRun) -> Option<Self> {
+        Some(Self { who: TwinRun::Blend(Box::new(run.clone())), steps: 0 })
     }
 
     /// Goes on by as many steps and compares; false where that is over.
@@ -89,18 +89,18 @@ impl Twin {
         bundle: &OpenBundle,
         steps: u32,
         seen: (Planar, &[Mat3x4]),
-        way: impl Fn(Held, Vec3) -> Option<Vec3>,
+        way: impl Fn(SteerInput, Vec3) -> Option<Vec3>,
         lags: &mut Lags,
     ) -> bool {
         for _ in 0..steps {
             let done = match &mut self.who {
-                Who::Crowd { fork, character, is_shared, held } => {
+                TwinRun::Crowd { fork, character, is_shared, held } => {
                     if let Some(to) = way(*held, fork.characters().root(*character).translation()) {
                         fork.send((!*is_shared).then_some(*character), to);
                     }
                     fork.step(bundle)
                 }
-                Who::Blend(run) => run.step(bundle),
+                TwinRun::Blend(run) => run.step(bundle),
             };
             if done.is_err() {
                 return false;
@@ -108,19 +108,19 @@ impl Twin {
             self.steps += 1;
         }
         let (root, pose) = match &self.who {
-            Who::Crowd { fork, character, .. } => {
+            TwinRun::Crowd { fork, character, .. } => {
                 (fork.characters().root(*character), fork.characters().pose(*character))
             }
-            Who::Blend(run) => (run.moment().roots[0], &run.moment().poses[..NUM_JOINTS]),
+            TwinRun::Blend(run) => (run.moment().roots[0], &run.moment().poses[..NUM_JOINTS]),
         };
         let place = |root: Planar, m: &Mat3x4| root.rotation() * m.translation() + root.translation();
         let apart = seen.1.iter().zip(pose).map(|(a, b)| place(seen.0, a).distance(place(root, b)));
         if apart.fold(0.0, f32::max) > SEEN_M {
-            lags.keep(Some(self.steps));
+            lags.record(Some(self.steps));
             return false;
         }
         if self.steps >= MOST_STEPS {
-            lags.keep(None);
+            lags.record(None);
             return false;
         }
         true

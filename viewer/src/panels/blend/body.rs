@@ -1,7 +1,7 @@
 //! The walking body, and its companion.
 
 use super::slider;
-use crate::run::{Beside, Blending, LEGS, SIZES};
+use crate::run::{BlendCompanions, Blending, LEGS, SIZES};
 use eframe::egui::{Grid, Ui};
 
 /// Shows size, legs, retargeting and the companion.
@@ -27,15 +27,15 @@ pub fn show(ui: &mut Ui, wanted: &mut Blending) {
     ui.horizontal_wrapped(|ui| {
         ui.label("beside");
         for (beside, name, tip) in [
-            (Beside::Nobody, "nobody", "It walks alone"),
+            (BlendCompanions::None, "nobody", "It walks alone"),
             (
-                Beside::Retargeting,
+                BlendCompanions::Retargeting,
                 if wanted.retarget { "not retargeted" } else { "retargeted" },
                 "The same body with the other setting",
             ),
-            (Beside::Sizes, "sizes", "The smallest and the largest body, on the same path"),
+            (BlendCompanions::Sizes, "sizes", "The smallest and the largest body, on the same path"),
         ] {
-            ui.selectable_value(&mut wanted.beside, beside, name).on_hover_text(tip);
+            ui.selectable_value(&mut wanted.companions, beside, name).on_hover_text(tip);
         }
     });
 }

@@ -1,11 +1,11 @@
 //! The map of two axes: the weight of an example in colours, all examples as dots, and the point.
 
-use super::plane::{Plane, Shown, unit};
-use super::surface::{self, Key, Surface};
-use super::{Look, State, of_weight, tell};
+use super::plane::{MapAxes, MapPlane, unit};
+use super::surface::{self, SurfaceKey, WeightSurface};
+use super::{BlendPanelInput, BlendPanelState, describe_example, weight_colour};
 use crate::panels::paint::legend;
 use crate::run::Blending;
-use crate::theme::Palette;
+use crate::theme::ThemePalette;
 use eframe::egui::{
     Align2, Color32, EventFilter, FontId, Modifiers, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke,
     StrokeKind, Ui, Visuals, WidgetInfo, pos2, vec2,
@@ -24,18 +24,24 @@ const STEPS: [f32; 2] = [0.1, 0.02];
 const DOT: [f32; 2] = [2.6, 6.0];
 
 /// Shows the map; dragging moves the point.
-pub fn show(ui: &mut Ui, look: &Look<'_>, state: &mut State, shown: Shown, wanted: &mut Blending) {
+pub fn show(
+    ui: &mut Ui,
+    look: &BlendPanelInput<'_>,
+    state: &mut BlendPanelState,
+    shown: MapAxes,
+    wanted: &mut Blending,
+) {
     let width = ui.available_width();
     let height = if shown.up.is_some() { (0.74 * width).clamp(HEIGHTS[0], HEIGHTS[1]) } else { LOW_HEIGHT };
     let (all, response) = ui.allocate_exact_size(vec2(width, height), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Parameter space"));
     let rect = Rect::from_min_max(all.min + vec2(LEFT, 8.0), all.max - vec2(10.0, BELOW));
-    let plane = Plane::new(look.space.axes(), shown, rect);
+    let plane = MapPlane::new(look.space.axes(), shown, rect);
     move_point(ui, &response, look, state, &plane, wanted);
     let dark = ui.visuals().dark_mode;
-    let key = Key::new(look.document, look.number, look.example, &wanted.point, plane, dark);
+    let key = SurfaceKey::new(look.document, look.number, look.example, &wanted.point, plane, dark);
     if state.surface.as_ref().is_none_or(|s| s.key != key) {
-        state.surface = Some(Surface::new(key, look.space));
+        state.surface = Some(WeightSurface::new(key, look.space));
     }
     let painter = ui.painter_at(all);
     if let Some(s) = &state.surface {
@@ -48,7 +54,14 @@ pub fn show(ui: &mut Ui, look: &Look<'_>, state: &mut State, shown: Shown, wante
 }
 
 /// The mouse and the arrow keys.
-fn move_point(ui: &Ui, response: &Response, look: &Look<'_>, state: &mut State, plane: &Plane, wanted: &mut Blending) {
+fn move_point(
+    ui: &Ui,
+    response: &Response,
+    look: &BlendPanelInput<'_>,
+    state: &mut BlendPanelState,
+    plane: &MapPlane,
+    wanted: &mut Blending,
+) {
     let (axes, examples) = (look.space.axes(), look.space.examples());
     let pointed_at = |at: Pos2| plane.pointed_at(axes, examples, &wanted.point, at);
     state.hovered = response.hover_pos().filter(|_| !response.dragged()).and_then(pointed_at);
@@ -67,7 +80,7 @@ fn move_point(ui: &Ui, response: &Response, look: &Look<'_>, state: &mut State, 
     }
     if let Some(example) = state.hovered {
         response.clone().on_hover_ui_at_pointer(|ui| {
-            tell(ui, look, example);
+            describe_example(ui, look, example);
             ui.weak("A click shows its weights.");
         });
     }
@@ -98,7 +111,7 @@ const ARROWS: [(eframe::egui::Key, f32, f32); 4] = [
 ];
 
 /// Edges, ticks and names of the axes.
-fn frame(painter: &Painter, visuals: &Visuals, look: &Look<'_>, plane: &Plane, has_focus: bool) {
+fn frame(painter: &Painter, visuals: &Visuals, look: &BlendPanelInput<'_>, plane: &MapPlane, has_focus: bool) {
     let (rect, weak) = (plane.rect, visuals.weak_text_color());
     let line = if has_focus { visuals.selection.stroke } else { visuals.widgets.noninteractive.bg_stroke };
     painter.rect_stroke(rect, 0.0, line, StrokeKind::Outside);
@@ -140,7 +153,7 @@ fn bracketed(kind: u32) -> String {
 }
 
 /// Draws the examples as dots: larger with their weights, fainter with their distance from the plane.
-fn dots(painter: &Painter, visuals: &Visuals, look: &Look<'_>, state: &State, plane: &Plane) {
+fn dots(painter: &Painter, visuals: &Visuals, look: &BlendPanelInput<'_>, state: &BlendPanelState, plane: &MapPlane) {
     let edge = visuals.extreme_bg_color;
     for (i, e) in look.space.examples().iter().enumerate() {
         let (at, weight) = (plane.screen(&e.parameters), look.weights.get(i).copied().unwrap_or(0.0));
@@ -151,7 +164,7 @@ fn dots(painter: &Painter, visuals: &Visuals, look: &Look<'_>, state: &State, pl
             painter.circle(
                 at,
                 radius,
-                of_weight(weight, visuals.dark_mode).gamma_multiply(strength.max(0.5)),
+                weight_colour(weight, visuals.dark_mode).gamma_multiply(strength.max(0.5)),
                 Stroke::new(1.5, edge),
             );
         } else {
@@ -159,16 +172,20 @@ fn dots(painter: &Painter, visuals: &Visuals, look: &Look<'_>, state: &State, pl
             painter.circle(at, radius, edge.gamma_multiply(strength), Stroke::new(1.4, ink));
         }
         if state.hovered == Some(i) || look.example == i {
-            let ring = if state.hovered == Some(i) { visuals.strong_text_color() } else { Palette::of(visuals).state };
+            let ring = if state.hovered == Some(i) {
+                visuals.strong_text_color()
+            } else {
+                ThemePalette::for_visuals(visuals).state
+            };
             painter.circle_stroke(at, radius + 3.0, Stroke::new(1.8, ring));
         }
     }
 }
 
 /// Draws the requested point as a cross-hair, and the blended point that approaches it.
-fn point(painter: &Painter, visuals: &Visuals, look: &Look<'_>, plane: &Plane, wanted: &Blending) {
+fn point(painter: &Painter, visuals: &Visuals, look: &BlendPanelInput<'_>, plane: &MapPlane, wanted: &Blending) {
     let (at, now) = (plane.screen(&wanted.point), plane.screen(look.now));
-    let colour = Palette::of(visuals).head;
+    let colour = ThemePalette::for_visuals(visuals).head;
     if at.distance(now) > 1.0 {
         painter.line_segment([now, at], Stroke::new(1.5, colour.gamma_multiply(0.6)));
         painter.circle_filled(now, 3.0, colour);
@@ -183,7 +200,7 @@ fn point(painter: &Painter, visuals: &Visuals, look: &Look<'_>, plane: &Plane, w
 }
 
 /// Shows the example on the map, and the range of its colours.
-fn key_to_colours(ui: &mut Ui, look: &Look<'_>, state: &mut State) {
+fn key_to_colours(ui: &mut Ui, look: &BlendPanelInput<'_>, state: &mut BlendPanelState) {
     let dark = ui.visuals().dark_mode;
     ui.horizontal_wrapped(|ui| {
         let [low, high] = surface::RANGE;

@@ -9,23 +9,23 @@ mod surface;
 mod timing;
 
 use super::paint::{empty, no_bundle};
-use crate::command::Command;
+use crate::command::ViewerCommand;
 use crate::model::Model;
 use crate::run::Blending;
 use eframe::egui::{Color32, ComboBox, Grid, Role, Slider, Ui, WidgetInfo};
-use plane::{Shown, unit};
-use surface::Surface;
+use plane::{MapAxes, unit};
+use surface::WeightSurface;
 use throng_runtime::blend::{BlendSpace, ExampleRecord};
 use throng_runtime::format::BlendMeta;
 
 /// View settings of the panel, and cached results.
 #[derive(Clone, Debug, Default)]
-pub struct State {
+pub struct BlendPanelState {
     /// Axes of the map, and the document and space that they are of.
-    shown: Option<((u64, usize), Shown)>,
+    shown: Option<((u64, usize), MapAxes)>,
     /// Example whose weights are shown; without a choice, the strongest one.
     example: Option<usize>,
-    surface: Option<Surface>,
+    surface: Option<WeightSurface>,
     /// Examples that weigh nothing are listed, too.
     all: bool,
     /// Example under the pointer in the frame before.
@@ -34,7 +34,7 @@ pub struct State {
     focus: bool,
 }
 
-impl State {
+impl BlendPanelState {
     /// True where the arrow keys move the point.
     pub fn has_focus(&self) -> bool {
         self.focus
@@ -42,7 +42,7 @@ impl State {
 }
 
 /// Input shared by all parts of the panel.
-struct Look<'a> {
+struct BlendPanelInput<'a> {
     number: usize,
     space: &'a BlendSpace,
     meta: &'a BlendMeta,
@@ -63,7 +63,7 @@ const NO_SPACES: &str = "A blend space makes bodies from example motions at any 
      config with `[blend.NAME]`; data/locomotion.toml is one.";
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &mut Vec<ViewerCommand>) {
     state.focus = false;
     if let (Some(_), Some(bundle)) = (model.document.scene(), model.document.bundle()) {
         let bundle = bundle.path().display();
@@ -80,11 +80,11 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     let key = (model.generation, blending.space);
     let shown = state.shown.filter(|s| s.0 == key).map(|s| s.1);
     if shown.is_none() {
-        *state = State { all: state.all, ..State::default() };
+        *state = BlendPanelState { all: state.all, ..BlendPanelState::default() };
     }
-    let mut shown = shown.unwrap_or_else(|| Shown::of(space.axes())).checked(space.axes());
+    let mut shown = shown.unwrap_or_else(|| MapAxes::default_for(space.axes())).checked(space.axes());
     let strongest = timing::order(&moment.weights, false).first().copied().unwrap_or(0);
-    let look = Look {
+    let look = BlendPanelInput {
         number: blending.space,
         space,
         meta: bundle.blend_meta(blending.space),
@@ -106,11 +106,11 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     ui.separator();
     rows::show(ui, &look, state);
     if wanted != blending {
-        commands.push(Command::Blend(wanted));
+        commands.push(ViewerCommand::Blend(wanted));
     } else if !model.shows_blend() {
         ui.add_space(4.0);
         if ui.button("Show it walking").clicked() {
-            commands.push(Command::Stage(crate::command::Stage::Blend));
+            commands.push(ViewerCommand::Stage(crate::command::ViewStage::Blend));
         }
     }
 }
@@ -121,8 +121,8 @@ fn choices(
     model: &Model,
     spaces: &[BlendSpace],
     wanted: &mut Blending,
-    shown: &mut Shown,
-    look: &Look<'_>,
+    shown: &mut MapAxes,
+    look: &BlendPanelInput<'_>,
 ) {
     ui.horizontal_wrapped(|ui| {
         let Some(bundle) = model.document.bundle() else { return };
@@ -156,8 +156,8 @@ fn choices(
 }
 
 /// The point in another space, as far as axes of the same kinds exist.
-fn carried_over(look: &Look<'_>, from: &Blending, number: usize, space: &BlendSpace) -> Blending {
-    let fresh = Blending::of(number, space);
+fn carried_over(look: &BlendPanelInput<'_>, from: &Blending, number: usize, space: &BlendSpace) -> Blending {
+    let fresh = Blending::straight_walk(number, space);
     let mut point = fresh.point;
     for (axis, record) in space.axes().iter().enumerate() {
         let same = look.space.axes().iter().position(|a| a.kind == record.kind);
@@ -170,7 +170,7 @@ fn carried_over(look: &Look<'_>, from: &Blending, number: usize, space: &BlendSp
     Blending { space: number, point, ..*from }
 }
 
-fn axis_choice(ui: &mut Ui, name: &str, look: &Look<'_>, now: usize) -> Option<usize> {
+fn axis_choice(ui: &mut Ui, name: &str, look: &BlendPanelInput<'_>, now: usize) -> Option<usize> {
     let mut chosen = now;
     let combo = ComboBox::from_id_salt(name).width(64.0).selected_text(&look.meta.axes[now]).show_ui(ui, |ui| {
         for (axis, text) in look.meta.axes.iter().enumerate() {
@@ -182,7 +182,7 @@ fn axis_choice(ui: &mut Ui, name: &str, look: &Look<'_>, now: usize) -> Option<u
 }
 
 /// One for every axis.
-fn sliders(ui: &mut Ui, look: &Look<'_>, wanted: &mut Blending) {
+fn sliders(ui: &mut Ui, look: &BlendPanelInput<'_>, wanted: &mut Blending) {
     Grid::new("axes").num_columns(2).spacing([8.0, 3.0]).show(ui, |ui| {
         for (axis, record) in look.space.axes().iter().enumerate() {
             let name = look.meta.axes[axis].as_str();
@@ -205,7 +205,7 @@ fn slider(ui: &mut Ui, name: &str, value: &mut f32, [low, high]: [f32; 2], unit:
 }
 
 /// An example in words, over several lines.
-fn tell(ui: &mut Ui, look: &Look<'_>, example: usize) {
+fn describe_example(ui: &mut Ui, look: &BlendPanelInput<'_>, example: usize) {
     let Some(e) = look.space.examples().get(example) else { return };
     ui.strong(look.meta.examples.get(example).map_or("", String::as_str));
     for line in facts(e) {
@@ -232,7 +232,7 @@ fn facts(e: &ExampleRecord) -> Vec<String> {
 }
 
 /// Colour of an example's weight, for dots and bars.
-fn of_weight(weight: f32, dark: bool) -> Color32 {
+fn weight_colour(weight: f32, dark: bool) -> Color32 {
     match (weight < 0.0, dark) {
         (true, _) => surface::colour(surface::RANGE[0], dark),
         (false, true) => Color32::from_rgb(0x3f, 0xc9, 0x9d),

@@ -10,16 +10,16 @@ const NEAR: f32 = 9.0;
 
 /// Axes of a map: across, and upwards if there is more than one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shown {
+pub struct MapAxes {
     /// From left to right.
     pub across: usize,
     /// From below upwards.
     pub up: Option<usize>,
 }
 
-impl Shown {
+impl MapAxes {
     /// Turning rate across and speed upwards where the box has both, else its first two axes.
-    pub fn of(axes: &[AxisRecord]) -> Self {
+    pub fn default_for(axes: &[AxisRecord]) -> Self {
         let of = |kind: u32| axes.iter().position(|a| a.kind == kind);
         let up = of(axis::SPEED).unwrap_or(0);
         let other = |a: &usize| *a != up;
@@ -30,14 +30,14 @@ impl Shown {
         }
     }
 
-    /// These axes if they exist and differ; else those of [`Shown::of`].
+    /// These axes if they exist and differ; else those of [`MapAxes::of`].
     pub fn checked(self, axes: &[AxisRecord]) -> Self {
         let is_there = |a: usize| a < axes.len();
         let good = match self.up {
             Some(up) => is_there(up) && is_there(self.across) && up != self.across,
             None => axes.len() == 1 && self.across == 0,
         };
-        if good { self } else { Self::of(axes) }
+        if good { self } else { Self::default_for(axes) }
     }
 
     /// Shows another axis across; swaps the two axes if it was the one upwards.
@@ -53,9 +53,9 @@ impl Shown {
 
 /// Maps points of a parameter box to the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plane {
+pub struct MapPlane {
     /// The axes.
-    pub shown: Shown,
+    pub shown: MapAxes,
     /// Low and high of the axis across.
     across: [f32; 2],
     /// Low and high of the axis upwards.
@@ -66,9 +66,9 @@ pub struct Plane {
     turned: bool,
 }
 
-impl Plane {
+impl MapPlane {
     /// The map of two axes within a part of the screen (the axes that are shown are there).
-    pub fn new(axes: &[AxisRecord], shown: Shown, rect: Rect) -> Self {
+    pub fn new(axes: &[AxisRecord], shown: MapAxes, rect: Rect) -> Self {
         let bounds = |a: usize| [axes[a].low, axes[a].high];
         let turned = [axis::GYRATION, axis::SIDE].contains(&axes[shown.across].kind);
         Self { shown, across: bounds(shown.across), up: shown.up.map_or([0.0, 1.0], bounds), rect, turned }
@@ -77,11 +77,11 @@ impl Plane {
     /// Screen position of a point.
     pub fn screen(&self, point: &[f32; MAX_AXES]) -> Pos2 {
         let up = self.shown.up.map_or(0.5, |a| ratio(point[a], self.up));
-        self.at(ratio(point[self.shown.across], self.across), up)
+        self.position_at(ratio(point[self.shown.across], self.across), up)
     }
 
     /// Screen position of ratios from low to high.
-    pub fn at(&self, across: f32, up: f32) -> Pos2 {
+    pub fn position_at(&self, across: f32, up: f32) -> Pos2 {
         let across = if self.turned { 1.0 - across } else { across };
         pos2(self.rect.left() + across * self.rect.width(), self.rect.bottom() - up * self.rect.height())
     }
@@ -91,7 +91,7 @@ impl Plane {
         let across = ((to.x - self.rect.left()) / self.rect.width()).clamp(0.0, 1.0);
         let across = if self.turned { 1.0 - across } else { across };
         let up = ((self.rect.bottom() - to.y) / self.rect.height()).clamp(0.0, 1.0);
-        self.set(point, across, up)
+        self.point_with(point, across, up)
     }
 
     /// A point moved by parts of the map to the right and upwards, within the box.
@@ -99,11 +99,11 @@ impl Plane {
         let right = if self.turned { -right } else { right };
         let across = (ratio(point[self.shown.across], self.across) + right).clamp(0.0, 1.0);
         let upwards = self.shown.up.map_or(0.5, |a| (ratio(point[a], self.up) + up).clamp(0.0, 1.0));
-        self.set(point, across, upwards)
+        self.point_with(point, across, upwards)
     }
 
     /// A point with other values on the shown axes, as ratios from low to high.
-    pub fn set(&self, point: &[f32; MAX_AXES], across: f32, up: f32) -> [f32; MAX_AXES] {
+    pub fn point_with(&self, point: &[f32; MAX_AXES], across: f32, up: f32) -> [f32; MAX_AXES] {
         let mut out = *point;
         out[self.shown.across] = value(across, self.across);
         if let Some(a) = self.shown.up {
@@ -135,13 +135,14 @@ impl Plane {
 
     /// Round values across, with their screen positions.
     pub fn ticks_across(&self) -> impl Iterator<Item = (f32, Pos2)> {
-        ticks(self.across, (self.rect.width() / 60.0) as usize).map(|v| (v, self.at(ratio(v, self.across), 0.0)))
+        ticks(self.across, (self.rect.width() / 60.0) as usize)
+            .map(|v| (v, self.position_at(ratio(v, self.across), 0.0)))
     }
 
     /// Round values upwards, with their screen positions; none if one axis alone is shown.
     pub fn ticks_up(&self) -> impl Iterator<Item = (f32, Pos2)> {
         let most = self.shown.up.map_or(0, |_| (self.rect.height() / 32.0) as usize);
-        ticks(self.up, most).map(|v| (v, self.at(if self.turned { 1.0 } else { 0.0 }, ratio(v, self.up))))
+        ticks(self.up, most).map(|v| (v, self.position_at(if self.turned { 1.0 } else { 0.0 }, ratio(v, self.up))))
     }
 }
 
@@ -183,9 +184,9 @@ mod tests {
         [record(axis::STYLE, 0.0, 2.0), record(axis::SPEED, -1.0, 3.0), record(axis::GYRATION, -1.5, 1.5)]
     }
 
-    fn plane() -> Plane {
+    fn plane() -> MapPlane {
         let rect = Rect::from_min_size(pos2(10.0, 20.0), vec2(300.0, 200.0));
-        Plane::new(&axes(), Shown::of(&axes()), rect)
+        MapPlane::new(&axes(), MapAxes::default_for(&axes()), rect)
     }
 
     fn point(values: [f32; 3]) -> [f32; MAX_AXES] {
@@ -194,14 +195,14 @@ mod tests {
 
     #[test]
     fn turning_rate_and_speed_are_shown_where_there_are_both() {
-        assert_eq!(Shown::of(&axes()), Shown { across: 2, up: Some(1) });
-        assert_eq!(Shown::of(&axes()[..2]), Shown { across: 0, up: Some(1) });
-        assert_eq!(Shown::of(&axes()[2..]), Shown { across: 0, up: None });
-        let shown = Shown::of(&axes());
-        assert_eq!(shown.with_across(1), Shown { across: 1, up: Some(2) });
-        assert_eq!(shown.with_up(0), Shown { across: 2, up: Some(0) });
-        assert_eq!(shown.checked(&axes()[..2]), Shown { across: 0, up: Some(1) });
-        assert_eq!(Shown { across: 0, up: Some(2) }.checked(&axes()), Shown { across: 0, up: Some(2) });
+        assert_eq!(MapAxes::default_for(&axes()), MapAxes { across: 2, up: Some(1) });
+        assert_eq!(MapAxes::default_for(&axes()[..2]), MapAxes { across: 0, up: Some(1) });
+        assert_eq!(MapAxes::default_for(&axes()[2..]), MapAxes { across: 0, up: None });
+        let shown = MapAxes::default_for(&axes());
+        assert_eq!(shown.with_across(1), MapAxes { across: 1, up: Some(2) });
+        assert_eq!(shown.with_up(0), MapAxes { across: 2, up: Some(0) });
+        assert_eq!(shown.checked(&axes()[..2]), MapAxes { across: 0, up: Some(1) });
+        assert_eq!(MapAxes { across: 0, up: Some(2) }.checked(&axes()), MapAxes { across: 0, up: Some(2) });
     }
 
     #[test]

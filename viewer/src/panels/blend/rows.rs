@@ -1,8 +1,8 @@
 //! The examples of the blend: weights as bars, and when their feet stand over generic time.
 
-use super::timing::{Stands, Steps, order};
-use super::{Look, State, of_weight, tell};
-use crate::theme::Palette;
+use super::timing::{CycleContacts, StanceIntervals, order};
+use super::{BlendPanelInput, BlendPanelState, describe_example, weight_colour};
+use crate::theme::ThemePalette;
 use eframe::egui::{
     Align2, FontId, Painter, Rangef, Rect, Role, Sense, Stroke, StrokeKind, Ui, Visuals, WidgetInfo, pos2, vec2,
 };
@@ -18,15 +18,15 @@ const SECONDS: f32 = 0.12;
 const NUMBER: f32 = 30.0;
 
 /// Positions of the columns of a row.
-struct Columns {
+struct ExampleColumns {
     name: Rangef,
     bar: Rangef,
     time: Rangef,
     seconds: Rangef,
 }
 
-impl Columns {
-    fn of(rect: Rect) -> Self {
+impl ExampleColumns {
+    fn in_rect(rect: Rect) -> Self {
         let at = |share: f32| rect.left() + share * rect.width();
         let end = 1.0 - SECONDS;
         Self {
@@ -39,10 +39,10 @@ impl Columns {
 }
 
 /// Shows the blend and the examples, the largest weights first; a click on an example shows its weights on the map.
-pub fn show(ui: &mut Ui, look: &Look<'_>, state: &mut State) {
+pub fn show(ui: &mut Ui, look: &BlendPanelInput<'_>, state: &mut BlendPanelState) {
     ui.horizontal_wrapped(|ui| {
         ui.strong("Keytimes").on_hover_text("Planted feet, over generic time");
-        let palette = Palette::of(ui.visuals());
+        let palette = ThemePalette::for_visuals(ui.visuals());
         ui.colored_label(palette.left, "left foot");
         ui.colored_label(palette.right, "right foot");
         ui.checkbox(&mut state.all, "all").on_hover_text("Also examples of weight 0");
@@ -64,7 +64,7 @@ pub fn show(ui: &mut Ui, look: &Look<'_>, state: &mut State) {
         if response.hovered() {
             hovered = Some(e);
         }
-        response.on_hover_ui(|ui| tell(ui, look, e));
+        response.on_hover_ui(|ui| describe_example(ui, look, e));
     }
     // The map highlights it in the next frame.
     state.hovered = state.hovered.or(hovered);
@@ -85,27 +85,27 @@ fn short_names(names: &[String]) -> Vec<String> {
 }
 
 /// Row of the blend: its contacts, and the duration of its cycle.
-fn blend_row(ui: &mut Ui, look: &Look<'_>) {
+fn blend_row(ui: &mut Ui, look: &BlendPanelInput<'_>) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), BLEND_ROW), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, "Blend"));
     let mut weights = look.weights.to_vec();
     weights.resize(look.space.stride(), 0.0);
-    let Ok(steps) = Steps::of_blend(look.space, &weights) else { return };
-    let (visuals, columns, painter) = (ui.visuals(), Columns::of(rect), ui.painter());
+    let Ok(steps) = CycleContacts::from_blend(look.space, &weights) else { return };
+    let (visuals, columns, painter) = (ui.visuals(), ExampleColumns::in_rect(rect), ui.painter());
     let font = FontId::proportional(13.0);
     let ink = visuals.strong_text_color();
     painter.text(pos2(columns.name.min, rect.center().y), Align2::LEFT_CENTER, "blend", font.clone(), ink);
     let phase = format!("{:.2}", look.phase);
     let at = pos2(columns.bar.max, rect.center().y);
-    painter.text(at, Align2::RIGHT_CENTER, phase, FontId::proportional(11.0), Palette::of(visuals).head);
+    painter.text(at, Align2::RIGHT_CENTER, phase, FontId::proportional(11.0), ThemePalette::for_visuals(visuals).head);
     chart(painter, visuals, Rect::from_x_y_ranges(columns.time, rect.y_range()), &steps.feet, look.phase);
     let at = pos2(columns.seconds.max, rect.center().y);
     painter.text(at, Align2::RIGHT_CENTER, format!("{:.2} s", steps.seconds), FontId::proportional(11.0), ink);
     response.on_hover_text("Generic time, and when the feet of the blend stand; its cycle lasts as the examples' do");
 }
 
-fn example_row(ui: &Ui, look: &Look<'_>, e: usize, name: &str, rect: Rect, is_hovered: bool) {
-    let (visuals, columns) = (ui.visuals(), Columns::of(rect));
+fn example_row(ui: &Ui, look: &BlendPanelInput<'_>, e: usize, name: &str, rect: Rect, is_hovered: bool) {
+    let (visuals, columns) = (ui.visuals(), ExampleColumns::in_rect(rect));
     let painter = ui.painter_at(rect);
     if look.example == e || is_hovered {
         let fill = if look.example == e { visuals.selection.bg_fill } else { visuals.widgets.hovered.bg_fill };
@@ -118,7 +118,7 @@ fn example_row(ui: &Ui, look: &Look<'_>, e: usize, name: &str, rect: Rect, is_ho
     let weight = look.weights.get(e).copied().unwrap_or(0.0);
     bar(&painter, visuals, Rect::from_x_y_ranges(columns.bar, rect.y_range()), weight);
     let Some(example) = look.space.examples().get(e) else { return };
-    let steps = Steps::of_example(example);
+    let steps = CycleContacts::from_example(example);
     chart(&painter, visuals, Rect::from_x_y_ranges(columns.time, rect.y_range()), &steps.feet, look.phase);
     let seconds = format!("{:.2} s", steps.seconds);
     let at = pos2(columns.seconds.max, middle);
@@ -132,15 +132,15 @@ fn bar(painter: &Painter, visuals: &Visuals, all: Rect, weight: f32) {
     let zero = rect.left() + BEFORE * rect.width();
     let end = (zero + weight.clamp(-0.2, 1.0) * (rect.right() - zero)).clamp(rect.left(), rect.right());
     let filled = Rect::from_x_y_ranges(zero.min(end)..=zero.max(end), rect.shrink2(vec2(0.0, 4.0)).y_range());
-    painter.rect_filled(filled, 1.0, of_weight(weight, visuals.dark_mode));
+    painter.rect_filled(filled, 1.0, weight_colour(weight, visuals.dark_mode));
     painter.vline(zero, rect.shrink2(vec2(0.0, 2.0)).y_range(), Stroke::new(1.0, visuals.weak_text_color()));
     let at = pos2(all.right(), rect.center().y);
     painter.text(at, Align2::RIGHT_CENTER, format!("{weight:.2}"), FontId::proportional(11.0), visuals.text_color());
 }
 
 /// When the left foot stands above, the right one below it, and the generic time that is shown.
-fn chart(painter: &Painter, visuals: &Visuals, rect: Rect, feet: &[Stands; 2], phase: f32) {
-    let palette = Palette::of(visuals);
+fn chart(painter: &Painter, visuals: &Visuals, rect: Rect, feet: &[StanceIntervals; 2], phase: f32) {
+    let palette = ThemePalette::for_visuals(visuals);
     let rect = rect.shrink2(vec2(0.0, 2.0));
     painter.rect_stroke(rect, 0.0, visuals.widgets.noninteractive.bg_stroke, StrokeKind::Inside);
     let x = |t: f32| rect.left() + t * rect.width();

@@ -1,6 +1,6 @@
 //! The weight of one example over two axes of a parameter box, in colours.
 
-use super::plane::Plane;
+use super::plane::MapPlane;
 use eframe::egui::Color32;
 use eframe::egui::epaint::Mesh;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ const PIECES: usize = 48;
 
 /// Key of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Key {
+pub struct SurfaceKey {
     /// Generation of the document.
     pub document: u64,
     /// Blend space.
@@ -23,39 +23,46 @@ pub struct Key {
     /// Coordinates on the hidden axes; 0 on the shown ones.
     pub through: [f32; MAX_AXES],
     /// Map on the screen.
-    pub plane: Plane,
+    pub plane: MapPlane,
     /// In the colours of the dark theme.
     pub dark: bool,
 }
 
-impl Key {
+impl SurfaceKey {
     /// The surface of an example through a point.
-    pub fn new(document: u64, space: usize, example: usize, point: &[f32; MAX_AXES], plane: Plane, dark: bool) -> Self {
+    pub fn new(
+        document: u64,
+        space: usize,
+        example: usize,
+        point: &[f32; MAX_AXES],
+        plane: MapPlane,
+        dark: bool,
+    ) -> Self {
         // Moving the point within the plane does not change the picture.
-        let through = plane.set(point, 0.0, 0.0);
+        let through = plane.point_with(point, 0.0, 0.0);
         Self { document, space, example, through, plane, dark }
     }
 }
 
 /// The picture.
 #[derive(Clone, Debug)]
-pub struct Surface {
+pub struct WeightSurface {
     /// Key that the picture was computed for.
-    pub key: Key,
+    pub key: SurfaceKey,
     /// Coloured triangles.
     pub mesh: Arc<Mesh>,
     /// Least and largest weight.
     pub range: [f32; 2],
 }
 
-impl Surface {
+impl WeightSurface {
     /// Works the picture out (example < number of examples).
-    pub fn new(key: Key, space: &BlendSpace) -> Self {
+    pub fn new(key: SurfaceKey, space: &BlendSpace) -> Self {
         let rows = if key.plane.shown.up.is_some() { PIECES } else { 1 };
         let ratio = |i: usize, n: usize| i as f32 / n as f32;
         let places = (0..=rows).flat_map(|k| (0..=PIECES).map(move |i| (ratio(i, PIECES), ratio(k, rows))));
         let places: Vec<(f32, f32)> = places.collect();
-        let points: Vec<_> = places.iter().map(|&(i, k)| key.plane.set(&key.through, i, k)).collect();
+        let points: Vec<_> = places.iter().map(|&(i, k)| key.plane.point_with(&key.through, i, k)).collect();
         let mut weights = vec![0.0; points.len() * space.stride()];
         let mut mesh = Mesh::default();
         let mut range = [f32::INFINITY, f32::NEG_INFINITY];
@@ -63,7 +70,7 @@ impl Surface {
             for (&(i, k), row) in places.iter().zip(weights.chunks_exact(space.stride())) {
                 let w = row[key.example];
                 range = [range[0].min(w), range[1].max(w)];
-                mesh.colored_vertex(key.plane.at(i, k), colour(w, key.dark));
+                mesh.colored_vertex(key.plane.position_at(i, k), colour(w, key.dark));
             }
             let width = PIECES as u32 + 1;
             for below in (0..rows as u32 * width).filter(|v| v % width != width - 1) {
@@ -103,7 +110,7 @@ pub fn colour(weight: f32, dark: bool) -> Color32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::plane::Shown;
+    use super::super::plane::MapAxes;
     use super::*;
     use crate::bundle::OpenBundle;
     use crate::fixtures::paces::Paces;
@@ -115,9 +122,9 @@ mod tests {
         let bundle = OpenBundle::open(&paces.bundle()).unwrap();
         let space = &bundle.blends()[0];
         let rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(480.0, 480.0));
-        let plane = Plane::new(space.axes(), Shown::of(space.axes()), rect);
+        let plane = MapPlane::new(space.axes(), MapAxes::default_for(space.axes()), rect);
         for example in [0, 7, 19] {
-            let surface = Surface::new(Key::new(1, 0, example, &[0.0; MAX_AXES], plane, true), space);
+            let surface = WeightSurface::new(SurfaceKey::new(1, 0, example, &[0.0; MAX_AXES], plane, true), space);
             assert_eq!(surface.mesh.vertices.len(), (PIECES + 1) * (PIECES + 1));
             assert!(surface.range[1] > 0.8 && surface.range[0] > -0.5, "{:?}", surface.range);
             let near = |e: usize| {
@@ -133,9 +140,10 @@ mod tests {
     #[test]
     fn moving_the_point_within_the_plane_leaves_the_picture_as_it_is() {
         let axes = [0, 1, 3].map(|kind| throng_runtime::blend::AxisRecord { kind, num_knots: 2, low: 0.0, high: 1.0 });
-        let plane = Plane::new(&axes, Shown { across: 0, up: Some(1) }, Rect::EVERYTHING);
-        let key =
-            |p: [f32; 3]| Key::new(1, 0, 0, &std::array::from_fn(|a| p.get(a).copied().unwrap_or(0.0)), plane, true);
+        let plane = MapPlane::new(&axes, MapAxes { across: 0, up: Some(1) }, Rect::EVERYTHING);
+        let key = |p: [f32; 3]| {
+            SurfaceKey::new(1, 0, 0, &std::array::from_fn(|a| p.get(a).copied().unwrap_or(0.0)), plane, true)
+        };
         assert!(key([0.1, 0.2, 0.5]) == key([0.9, 0.8, 0.5]));
         assert!(key([0.1, 0.2, 0.5]) != key([0.1, 0.2, 0.6]));
     }

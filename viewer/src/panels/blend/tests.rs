@@ -1,36 +1,36 @@
 //! The panel, driven as a user does.
 
 use super::*;
-use crate::command::Stage;
+use crate::command::ViewStage;
 use crate::fixtures::boxing::Boxing;
 use crate::fixtures::golden_path;
 use crate::fixtures::paces::Paces;
 use crate::panels::tests::{Trial, click, trial};
-use crate::run::Beside;
+use crate::run::BlendCompanions;
 use eframe::egui::{Key, Modifiers, Pos2, Rect, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use plane::Plane;
+use plane::MapPlane;
 
-fn panel(paces: &Paces) -> Harness<'static, Trial<State>> {
-    let mut h = trial::<State>(Some(&paces.bundle()), vec2(400.0, 900.0), show);
+fn panel(paces: &Paces) -> Harness<'static, Trial<BlendPanelState>> {
+    let mut h = trial::<BlendPanelState>(Some(&paces.bundle()), vec2(400.0, 900.0), show);
     h.run_steps(3);
     h
 }
 
-fn blending(h: &Harness<'_, Trial<State>>) -> Blending {
+fn blending(h: &Harness<'_, Trial<BlendPanelState>>) -> Blending {
     *h.state().model.document.blend().unwrap().1.blending()
 }
 
 /// The map as it was drawn.
-fn plane(h: &Harness<'_, Trial<State>>) -> Plane {
+fn plane(h: &Harness<'_, Trial<BlendPanelState>>) -> MapPlane {
     h.state().state.surface.as_ref().unwrap().key.plane
 }
 
 #[test]
 fn a_bundle_without_blend_spaces_says_so_and_what_to_do() {
     let boxing = Boxing::new();
-    let mut h = trial::<State>(Some(&boxing.bundle()), vec2(400.0, 300.0), show);
+    let mut h = trial::<BlendPanelState>(Some(&boxing.bundle()), vec2(400.0, 300.0), show);
     h.run_steps(2);
     h.get_by_label("There is no blend space");
     h.get_by_label_contains("[blend.NAME]");
@@ -38,12 +38,12 @@ fn a_bundle_without_blend_spaces_says_so_and_what_to_do() {
 
 #[test]
 fn beside_a_crowd_the_point_waits_until_it_is_shown_walking() {
-    let mut h = trial::<State>(Some(&golden_path()), vec2(400.0, 900.0), show);
+    let mut h = trial::<BlendPanelState>(Some(&golden_path()), vec2(400.0, 900.0), show);
     h.run_steps(2);
-    assert_eq!(h.state().model.shown_stage(), Stage::Crowd);
+    assert_eq!(h.state().model.shown_stage(), ViewStage::Crowd);
     h.get_by_label("Show it walking").click();
     h.run_steps(2);
-    assert_eq!(h.state().model.shown_stage(), Stage::Blend);
+    assert_eq!(h.state().model.shown_stage(), ViewStage::Blend);
     assert!(h.query_by_label("Show it walking").is_none());
 }
 
@@ -52,11 +52,11 @@ fn a_click_beside_the_examples_moves_the_point_and_one_on_an_example_shows_its_w
     let paces = Paces::new();
     let mut h = panel(&paces);
     let plane = plane(&h);
-    let to = plane.at(0.37, 0.81);
+    let to = plane.position_at(0.37, 0.81);
     click(&mut h, to);
     let wanted = plane.moved(&[0.0; 6], to);
     assert_eq!(blending(&h).point, wanted);
-    assert_eq!(h.state().model.shown_stage(), Stage::Blend);
+    assert_eq!(h.state().model.shown_stage(), ViewStage::Blend);
     let example = 7;
     let at = {
         let bundle = h.state().model.document.bundle().unwrap();
@@ -77,7 +77,7 @@ fn arrow_keys_move_the_point_once_the_map_has_the_focus() {
     h.key_press(Key::ArrowUp);
     h.run_steps(2);
     let before = blending(&h).point;
-    let (plane, at) = (plane(&h), plane(&h).at(0.45, 0.4));
+    let (plane, at) = (plane(&h), plane(&h).position_at(0.45, 0.4));
     click(&mut h, at);
     assert!(h.state().state.has_focus());
     let clicked = blending(&h).point;
@@ -96,7 +96,7 @@ fn the_body_is_changed_and_others_walk_beside() {
     let mut h = panel(&paces);
     h.get_by_label("sizes").click();
     h.run_steps(2);
-    assert_eq!(blending(&h).beside, Beside::Sizes);
+    assert_eq!(blending(&h).companions, BlendCompanions::Sizes);
     assert_eq!(h.state().model.document.blend().unwrap().1.bodies().len(), 3);
     h.get_by_label("retarget").click();
     h.run_steps(2);
@@ -109,7 +109,7 @@ fn examples_are_listed_by_weight_and_a_click_chooses_one() {
     let paces = Paces::new();
     let mut h = panel(&paces);
     let names = h.state().model.document.bundle().unwrap().blend_meta(0).examples.clone();
-    let shown = |h: &Harness<'_, Trial<State>>| -> Vec<Rect> {
+    let shown = |h: &Harness<'_, Trial<BlendPanelState>>| -> Vec<Rect> {
         names.iter().filter_map(|n| Some(h.query_by_label(n)?.rect())).collect()
     };
     let few = shown(&h).len();
@@ -128,9 +128,9 @@ fn another_space_keeps_axes_of_the_same_kind() {
     let paces = Paces::new();
     let bundle = crate::bundle::OpenBundle::open(&paces.bundle()).unwrap();
     let space = &bundle.blends()[0];
-    let mut from = Blending::of(0, space);
+    let mut from = Blending::straight_walk(0, space);
     from.point[..2].copy_from_slice(&[1.0, -0.3]);
-    let look = Look {
+    let look = BlendPanelInput {
         number: 0,
         space,
         meta: bundle.blend_meta(0),

@@ -2,26 +2,26 @@
 
 use std::ops::Range;
 use throng_runtime::Error;
-use throng_runtime::blend::{BlendSpace, ExampleRecord, Posture, channel};
+use throng_runtime::blend::{BlendSpace, BlendedPosture, ExampleRecord, channel};
 
 /// Moments at which a blend is sampled.
 const MOMENTS: usize = 96;
 
 /// Contact intervals of a foot, as parts of a cycle; intervals across the end of the cycle are cut there.
-pub type Stands = Vec<Range<f32>>;
+pub type StanceIntervals = Vec<Range<f32>>;
 
 /// The steps of a cycle of generic time.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Steps {
+pub struct CycleContacts {
     /// When the left foot stands, and the right one.
-    pub feet: [Stands; 2],
+    pub feet: [StanceIntervals; 2],
     /// Time of the cycle (s).
     pub seconds: f32,
 }
 
-impl Steps {
+impl CycleContacts {
     /// Contacts of an example, from its keytimes.
-    pub fn of_example(e: &ExampleRecord) -> Self {
+    pub fn from_example(e: &ExampleRecord) -> Self {
         let whole = || vec![0.0..1.0];
         let [left_off, right_strike, right_off] = e.keytimes;
         let feet = match e.flags & ExampleRecord::IS_STILL != 0 {
@@ -37,11 +37,11 @@ impl Steps {
     ///
     /// # Errors
     /// [`Error`] where the weights are not a row of the space.
-    pub fn of_blend(space: &BlendSpace, weights: &[f32]) -> Result<Self, Error> {
+    pub fn from_blend(space: &BlendSpace, weights: &[f32]) -> Result<Self, Error> {
         let phases: Vec<f32> = (0..MOMENTS).map(|i| (i as f32 + 0.5) / MOMENTS as f32).collect();
         let rows = weights.repeat(MOMENTS);
-        let mut postures = vec![Posture::default(); MOMENTS];
-        space.pose(&rows, &phases, &mut postures)?;
+        let mut postures = vec![BlendedPosture::default(); MOMENTS];
+        space.blend_postures(&rows, &phases, &mut postures)?;
         let feet = [channel::LEFT_CONTACT, channel::RIGHT_CONTACT].map(|c| {
             let down: Vec<bool> = postures.iter().map(|p| p.channel(c) > 0.5).collect();
             runs(&down)
@@ -52,7 +52,7 @@ impl Steps {
 }
 
 /// From a strike to a lift, cut where the cycle ends.
-fn cut(strike: f32, off: f32) -> Stands {
+fn cut(strike: f32, off: f32) -> StanceIntervals {
     match off > strike {
         true => vec![strike..off],
         false => [strike..1.0, 0.0..off].into_iter().filter(|r| r.end > r.start).collect(),
@@ -60,8 +60,8 @@ fn cut(strike: f32, off: f32) -> Stands {
 }
 
 /// Intervals of samples that are true, as parts of the whole.
-fn runs(down: &[bool]) -> Stands {
-    let (n, mut out) = (down.len() as f32, Stands::new());
+fn runs(down: &[bool]) -> StanceIntervals {
+    let (n, mut out) = (down.len() as f32, StanceIntervals::new());
     for (i, _) in down.iter().enumerate().filter(|d| *d.1) {
         let (from, to) = (i as f32 / n, (i + 1) as f32 / n);
         match out.last_mut() {
@@ -100,7 +100,7 @@ mod tests {
         assert_eq!(cut(0.5, 0.1), vec![0.5..1.0, 0.0..0.1]);
         assert_eq!(cut(0.5, 0.0), vec![0.5..1.0]);
         assert_eq!(runs(&[true, false, true, true]), vec![0.0..0.25, 0.5..1.0]);
-        assert_eq!(runs(&[false; 3]), Stands::new());
+        assert_eq!(runs(&[false; 3]), StanceIntervals::new());
     }
 
     #[test]
@@ -111,14 +111,17 @@ mod tests {
         for e in [0, 6, 13] {
             let mut weights = vec![0.0; space.stride()];
             weights[e] = 1.0;
-            let (blend, own) = (Steps::of_blend(space, &weights).unwrap(), Steps::of_example(&space.examples()[e]));
+            let (blend, own) = (
+                CycleContacts::from_blend(space, &weights).unwrap(),
+                CycleContacts::from_example(&space.examples()[e]),
+            );
             assert!((blend.seconds / own.seconds - 1.0).abs() < 0.03, "{} {}", blend.seconds, own.seconds);
             for (a, b) in blend.feet.iter().zip(&own.feet) {
-                let length = |s: &Stands| s.iter().map(|r| r.end - r.start).sum::<f32>();
+                let length = |s: &StanceIntervals| s.iter().map(|r| r.end - r.start).sum::<f32>();
                 assert!((length(a) - length(b)).abs() < 0.08, "{a:?} {b:?}");
             }
         }
-        assert!(Steps::of_blend(space, &[1.0]).is_err());
+        assert!(CycleContacts::from_blend(space, &[1.0]).is_err());
     }
 
     #[test]

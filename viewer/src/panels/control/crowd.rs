@@ -1,13 +1,18 @@
 //! Settings of a crowd.
 
-use crate::command::Command;
-use crate::run::{MAX_CHARACTERS, RunConfig, TargetMode};
+use crate::command::ViewerCommand;
+use crate::run::{CrowdRunConfig, MAX_CHARACTERS, TargetMode};
 use eframe::egui::{self, ComboBox, DragValue, Grid, Slider, Ui};
 
 /// Shows the settings of a crowd.
 ///
 /// - `dragged`: the config during a drag.
-pub fn show(ui: &mut Ui, config: &RunConfig, dragged: &mut Option<RunConfig>, commands: &mut Vec<Command>) {
+pub fn show(
+    ui: &mut Ui,
+    config: &CrowdRunConfig,
+    dragged: &mut Option<CrowdRunConfig>,
+    commands: &mut Vec<ViewerCommand>,
+) {
     ui.strong("Crowd");
     ui.weak("A change restarts the run. The same settings give the same run.");
     let mut c = dragged.unwrap_or(*config);
@@ -63,6 +68,6 @@ pub fn show(ui: &mut Ui, config: &RunConfig, dragged: &mut Option<RunConfig>, co
     });
     *dragged = is_dragged.then_some(c);
     if c != *config && !is_dragged {
-        commands.push(Command::Configure(c));
+        commands.push(ViewerCommand::Configure(c));
     }
 }

@@ -4,28 +4,28 @@ mod crowd;
 mod scene;
 mod target;
 
-use crate::command::Command;
-use crate::document::Document;
+use crate::command::ViewerCommand;
+use crate::document::OpenDocument;
 use crate::model::Model;
-use crate::run::{Input, RunConfig};
+use crate::run::{CrowdRunConfig, RunInput};
 use crate::settings::PanelKind;
 use eframe::egui::{Grid, Slider, Ui};
 
 /// State of the panel.
 #[derive(Clone, Debug, Default)]
-pub struct State {
+pub struct ControlPanelState {
     /// The config during a drag: every change starts a new run, so it takes effect on release.
-    dragged: Option<RunConfig>,
+    dragged: Option<CrowdRunConfig>,
     /// State of the controls of a scene.
-    scene: scene::State,
+    scene: scene::SceneControlState,
 }
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut ControlPanelState, commands: &mut Vec<ViewerCommand>) {
     if model.document.world().is_some() {
         ui.weak("The panel Patches gives orders to the characters of a world.");
         if ui.button("Open it").clicked() {
-            commands.push(Command::TogglePanel(PanelKind::Patches));
+            commands.push(ViewerCommand::TogglePanel(PanelKind::Patches));
         }
         return;
     }
@@ -37,7 +37,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
         return;
     };
     let run = match &model.document {
-        Document::Bundle(b) => &b.run,
+        OpenDocument::Bundle(b) => &b.run,
         _ => return,
     };
     let run = match run {
@@ -47,7 +47,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
             if model.document.blend().is_some() {
                 ui.weak("Its characters are blended from examples. The panel Blend controls one of them.");
                 if ui.button("Open it").clicked() {
-                    commands.push(Command::TogglePanel(PanelKind::Blend));
+                    commands.push(ViewerCommand::TogglePanel(PanelKind::Blend));
                 }
             }
             return;
@@ -69,7 +69,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
 /// Weights of behaviours.
 ///
 /// - `of`: any character of the group that they are for.
-fn behaviours(ui: &mut Ui, names: &[&str], now: &[f32], of: usize, commands: &mut Vec<Command>) {
+fn behaviours(ui: &mut Ui, names: &[&str], now: &[f32], of: usize, commands: &mut Vec<ViewerCommand>) {
     ui.strong("Behaviours");
     ui.weak("Weight of each behaviour when an action is chosen; 0 switches it off.");
     let mut weights = now.to_vec();
@@ -83,7 +83,7 @@ fn behaviours(ui: &mut Ui, names: &[&str], now: &[f32], of: usize, commands: &mu
         }
     });
     if weights != now {
-        commands.push(Command::Input(Input::Weights { of, weights }));
+        commands.push(ViewerCommand::Input(RunInput::Weights { member: of, weights }));
     }
 }
 

@@ -1,24 +1,24 @@
 //! A scene: groups, numbers, seed, saved states, orders of the selected character, and events.
 
 use super::{behaviours, target};
-use crate::command::{Command, SceneCommand};
+use crate::command::{SceneCommand, ViewerCommand};
 use crate::document::{MAX_SCENE_CHARACTERS, SceneChoice, SceneDocument};
 use crate::model::Model;
 use crate::panels::words;
-use crate::run::Input;
+use crate::run::RunInput;
 use eframe::egui::{ComboBox, DragValue, Grid, Role, Slider, TextEdit, Ui, WidgetInfo};
 use std::path::PathBuf;
 use throng_runtime::crowd::Scheme;
 use throng_runtime::simulation::scene::engine;
-use throng_runtime::simulation::{Event, Group, GroupCast, Happened, Simulation};
-use throng_runtime::sparring::Part;
+use throng_runtime::simulation::{AnyCharacterGroup, CharacterEvent, SceneGroup, Simulation, SimulationEvent};
+use throng_runtime::sparring::StruckPart;
 
 /// Events that are listed.
 const MAX_EVENTS: usize = 12;
 
 /// State of the controls of a scene.
 #[derive(Clone, Debug, Default)]
-pub struct State {
+pub struct SceneControlState {
     /// Numbers as they are dragged to.
     dragged: Option<SceneChoice>,
     /// File of a saved state as typed, and the scene that it belongs to.
@@ -26,10 +26,16 @@ pub struct State {
 }
 
 /// Shows the groups of a scene, its settings, and its last events.
-pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut State, commands: &mut Vec<Command>) {
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    scene: &SceneDocument,
+    state: &mut SceneControlState,
+    commands: &mut Vec<ViewerCommand>,
+) {
     ui.strong(format!("Scene {}", scene.scene().name));
     ui.weak("A change restarts the scene; the file is not changed.");
-    choose(ui, scene, &mut state.dragged, commands);
+    scene_choice(ui, scene, &mut state.dragged, commands);
     saved(ui, scene, state, commands);
     ui.add_space(8.0);
     let simulation = scene.run().simulation();
@@ -43,14 +49,14 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut State
         ui.weak("Nothing has happened yet.");
     }
     for event in events {
-        if ui.link(told(event)).on_hover_text("Select this character").clicked() {
-            commands.push(Command::SelectCharacter(Some(event.who)));
+        if ui.link(event_text(event)).on_hover_text("Select this character").clicked() {
+            commands.push(ViewerCommand::SelectCharacter(Some(event.who)));
         }
     }
 }
 
 /// Shows the selected character, and the orders that it can be given.
-fn selected(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Vec<Command>) {
+fn selected(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Vec<ViewerCommand>) {
     let simulation = scene.run().simulation();
     let who = model.selection.character.filter(|&who| who < simulation.num_characters());
     ui.strong("Selected");
@@ -58,24 +64,26 @@ fn selected(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Ve
         ui.horizontal_wrapped(|ui| {
             ui.weak("Click a character or an agent in the 3-D view, or");
             if ui.small_button("select character 0").clicked() {
-                commands.push(Command::SelectCharacter(Some(0)));
+                commands.push(ViewerCommand::SelectCharacter(Some(0)));
             }
         });
         return;
     };
     ui.label(text);
     match simulation.locate(who) {
-        (GroupCast::Policy(p), member) => target::hanging(ui, who, p.practice().targets()[member].home, commands),
-        (GroupCast::Sparring(_), member) if ui.small_button("select its opponent").clicked() => {
-            commands.push(Command::SelectCharacter(Some(who - member + (member ^ 1))));
+        (AnyCharacterGroup::Policy(p), member) => {
+            target::hanging(ui, who, p.practice().targets()[member].home, commands)
         }
-        (GroupCast::Patches(people), member) if people.is_told(member) => {
+        (AnyCharacterGroup::Sparring(_), member) if ui.small_button("select its opponent").clicked() => {
+            commands.push(ViewerCommand::SelectCharacter(Some(who - member + (member ^ 1))));
+        }
+        (AnyCharacterGroup::Patches(people), member) if people.is_ordered(member) => {
             let tip = "It decides for itself again";
             if ui.button("Let go").on_hover_text(tip).clicked() {
-                commands.push(Command::Input(Input::Wish { character: who, wish: None }));
+                commands.push(ViewerCommand::Input(RunInput::Goal { character: who, goal: None }));
             }
         }
-        (GroupCast::Patches(_), _) => _ = ui.weak("Ctrl and a click send it to a place."),
+        (AnyCharacterGroup::Patches(_), _) => _ = ui.weak("Ctrl and a click send it to a place."),
         _ => {}
     }
     if let Some((names, weights)) = scene.weights(who) {
@@ -83,7 +91,12 @@ fn selected(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Ve
     }
 }
 
-fn choose(ui: &mut Ui, scene: &SceneDocument, dragged: &mut Option<SceneChoice>, commands: &mut Vec<Command>) {
+fn scene_choice(
+    ui: &mut Ui,
+    scene: &SceneDocument,
+    dragged: &mut Option<SceneChoice>,
+    commands: &mut Vec<ViewerCommand>,
+) {
     let now = scene.restarting().unwrap_or(scene.choice());
     let mut wanted = dragged.unwrap_or(now);
     let mut is_dragged = false;
@@ -109,7 +122,7 @@ fn choose(ui: &mut Ui, scene: &SceneDocument, dragged: &mut Option<SceneChoice>,
             let seed = DragValue::new(&mut wanted.seed).update_while_editing(false);
             is_dragged |= ui.add(seed).labelled_by(label.id).dragged();
             if ui.button("Restart").on_hover_text("With the same settings (R)").clicked() {
-                commands.push(Command::Restart);
+                commands.push(ViewerCommand::Restart);
             }
             if scene.restarting().is_some() {
                 ui.spinner();
@@ -119,7 +132,7 @@ fn choose(ui: &mut Ui, scene: &SceneDocument, dragged: &mut Option<SceneChoice>,
     });
     *dragged = is_dragged.then_some(wanted);
     if !is_dragged && wanted != now {
-        commands.push(Command::Scene(SceneCommand::Restart(wanted)));
+        commands.push(ViewerCommand::Scene(SceneCommand::Restart(wanted)));
     }
 }
 
@@ -134,7 +147,7 @@ fn meaning(scheme: Scheme) -> &'static str {
 }
 
 /// Saves the state at the step shown, and goes on from a saved one.
-fn saved(ui: &mut Ui, scene: &SceneDocument, state: &mut State, commands: &mut Vec<Command>) {
+fn saved(ui: &mut Ui, scene: &SceneDocument, state: &mut SceneControlState, commands: &mut Vec<ViewerCommand>) {
     if state.file.as_ref().is_none_or(|f| f.0 != scene.path()) {
         let suggested = scene.path().with_extension("state");
         state.file = Some((scene.path().to_path_buf(), suggested.display().to_string()));
@@ -147,9 +160,9 @@ fn saved(ui: &mut Ui, scene: &SceneDocument, state: &mut State, commands: &mut V
         field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Snapshot file"));
         let path = PathBuf::from(file.trim());
         if save.clicked() && !file.trim().is_empty() {
-            commands.push(Command::Scene(SceneCommand::Save(path)));
+            commands.push(ViewerCommand::Scene(SceneCommand::Save(path)));
         } else if restore.clicked() && !file.trim().is_empty() {
-            commands.push(Command::Scene(SceneCommand::Restore(path)));
+            commands.push(ViewerCommand::Scene(SceneCommand::Restore(path)));
         }
     });
 }
@@ -163,27 +176,27 @@ fn groups(ui: &mut Ui, simulation: &Simulation) {
         for group in simulation.groups() {
             ui.label(&group.name);
             ui.label(group.motion.name());
-            ui.label(format!("{} of {}", present(simulation, group), group.characters.len()));
+            ui.label(format!("{} of {}", num_present(simulation, group), group.characters.len()));
             ui.end_row();
         }
     });
 }
 
-fn present(simulation: &Simulation, group: &Group) -> usize {
+fn num_present(simulation: &Simulation, group: &SceneGroup) -> usize {
     group.characters.clone().filter(|&who| simulation.root(who).is_some()).count()
 }
 
 /// An event in words.
-fn told(event: &Event) -> String {
-    let what = match event.happened {
-        Happened::Hit { .. } => "hit its target".to_owned(),
-        Happened::Struck { opponent, part: Part::Arm, .. } => format!("was blocked by {opponent}"),
-        Happened::Struck { opponent, .. } => format!("hit {opponent}"),
-        Happened::Fulfilled => "did what it wanted".to_owned(),
-        Happened::Arrived => "arrived at its goal".to_owned(),
-        Happened::Left => "left at its goal".to_owned(),
-        Happened::Stuck => "makes no progress".to_owned(),
-        Happened::RunInto { obstacle } => format!("was run into by obstacle {obstacle}"),
+fn event_text(event: &SimulationEvent) -> String {
+    let what = match event.kind {
+        CharacterEvent::Hit { .. } => "hit its target".to_owned(),
+        CharacterEvent::Struck { opponent, part: StruckPart::Arm, .. } => format!("was blocked by {opponent}"),
+        CharacterEvent::Struck { opponent, .. } => format!("hit {opponent}"),
+        CharacterEvent::Fulfilled => "did what it wanted".to_owned(),
+        CharacterEvent::Arrived => "arrived at its goal".to_owned(),
+        CharacterEvent::Left => "left at its goal".to_owned(),
+        CharacterEvent::Stuck => "makes no progress".to_owned(),
+        CharacterEvent::RunInto { obstacle } => format!("was run into by obstacle {obstacle}"),
     };
     format!("{:.2} s  {} {what}", event.time_s, event.who)
 }

@@ -1,19 +1,19 @@
 //! The target of the selected character: a place on the ground, or something to be struck.
 
-use crate::command::{Command, SteerCommand};
+use crate::command::{SteerCommand, ViewerCommand};
 use crate::model::Model;
-use crate::run::{Input, MAX_TARGET_M, Run, TargetMode};
+use crate::run::{CrowdRun, MAX_TARGET_M, RunInput, TargetMode};
 use eframe::egui::{DragValue, Ui};
 use glam::Vec3;
 
 /// Shows the target of the selected character of a crowd, and lets it be moved.
-pub fn show(ui: &mut Ui, model: &Model, run: &Run, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, model: &Model, run: &CrowdRun, commands: &mut Vec<ViewerCommand>) {
     ui.strong("Target");
     let Some(c) = model.selection.character else {
         ui.horizontal_wrapped(|ui| {
             ui.weak("Click a character in the 3-D view, or");
             if ui.small_button("select character 0").clicked() {
-                commands.push(Command::SelectCharacter(Some(0)));
+                commands.push(ViewerCommand::SelectCharacter(Some(0)));
             }
         });
         return;
@@ -25,7 +25,7 @@ pub fn show(ui: &mut Ui, model: &Model, run: &Run, commands: &mut Vec<Command>) 
         ui.label("of character");
         let last = run.config().characters - 1;
         if ui.add(DragValue::new(&mut number).range(0..=last)).changed() {
-            commands.push(Command::SelectCharacter(Some(number)));
+            commands.push(ViewerCommand::SelectCharacter(Some(number)));
         }
         coordinate(ui, "x", &mut to.x);
         coordinate(ui, "z", &mut to.z);
@@ -33,21 +33,21 @@ pub fn show(ui: &mut Ui, model: &Model, run: &Run, commands: &mut Vec<Command>) 
     ui.label(format!("{:.2} m away", (root.x - target.x).hypot(root.z - target.z)));
     if to != target {
         let who = (run.config().targets != TargetMode::Shared).then_some(c);
-        commands.push(Command::Input(Input::Target { character: who, to }));
+        commands.push(ViewerCommand::Input(RunInput::Target { character: who, to }));
     }
     let tip = "With W A S D; Shift runs, X strikes (G)";
     if model.steering().is_none() && ui.button("Steer it").on_hover_text(tip).clicked() {
-        commands.push(Command::Steer(SteerCommand::Toggle));
+        commands.push(ViewerCommand::Steer(SteerCommand::Toggle));
     }
     let tip = "All targets move to where this character stands";
     if ui.button("Everybody comes here").on_hover_text(tip).clicked() {
         let here = Vec3::new(root.x, 0.0, root.z);
-        commands.push(Command::Input(Input::Target { character: None, to: here }));
+        commands.push(ViewerCommand::Input(RunInput::Target { character: None, to: here }));
     }
 }
 
 /// Shows the position of a hanging target, and lets it be moved.
-pub fn hanging(ui: &mut Ui, who: usize, home: Vec3, commands: &mut Vec<Command>) {
+pub fn hanging(ui: &mut Ui, who: usize, home: Vec3, commands: &mut Vec<ViewerCommand>) {
     let mut to = home;
     ui.horizontal_wrapped(|ui| {
         ui.label("its target");
@@ -56,7 +56,7 @@ pub fn hanging(ui: &mut Ui, who: usize, home: Vec3, commands: &mut Vec<Command>)
         coordinate(ui, "z", &mut to.z);
     });
     if to != home {
-        commands.push(Command::Input(Input::Target { character: Some(who), to }));
+        commands.push(ViewerCommand::Input(RunInput::Target { character: Some(who), to }));
     }
 }
 

@@ -12,14 +12,14 @@ fn a_scene_is_restarted_saved_and_restored() {
     let ctx = harness.ctx.clone();
     let model = &mut harness.state_mut().model;
     model.is_unhurried = true;
-    model.apply(&ctx, Command::Play(false));
-    model.apply(&ctx, Command::Step(30));
+    model.apply(&ctx, ViewerCommand::Play(false));
+    model.apply(&ctx, ViewerCommand::Step(30));
     harness.run_steps(3);
-    let press = |harness: &mut Harness<'static, Trial<State>>, label: &str| {
+    let press = |harness: &mut Harness<'static, Trial<ControlPanelState>>, label: &str| {
         let at = harness.get_by_label(label).rect().center();
         click(harness, at);
     };
-    let time = |harness: &Harness<'static, Trial<State>>| {
+    let time = |harness: &Harness<'static, Trial<ControlPanelState>>| {
         harness.state().model.document.scene().unwrap().run().simulation().time_s()
     };
     press(&mut harness, "Save");

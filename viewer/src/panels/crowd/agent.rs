@@ -1,12 +1,12 @@
 //! The selected agent: how it moves, when it acts next, and the forces on it.
 
 use super::{colour, swatch};
-use crate::command::Command;
+use crate::command::ViewerCommand;
 use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::panels::words;
 use crate::render::Rgba;
-use crate::run::agents::{Details, FORCE_TERMS, details, first_agent};
+use crate::run::agents::{AgentDetails, FORCE_TERMS, agent_details, first_agent};
 use crate::stage::agents::{TAKEN, colour_of_force};
 use eframe::egui::{Color32, DragValue, Grid, Rect, RichText, Sense, Ui, pos2, vec2};
 use glam::Vec3;
@@ -16,14 +16,14 @@ use throng_runtime::planar::wrap_angle;
 const BAR: f32 = 96.0;
 
 /// Shows the agent.
-pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Vec<ViewerCommand>) {
     let simulation = scene.run().simulation();
     let (n, first) = (simulation.num_characters(), first_agent(simulation).unwrap_or(0));
     let Some(who) = model.selection.character.filter(|&who| who < n) else {
         ui.horizontal_wrapped(|ui| {
             ui.weak("Click an agent in the view, or");
             if ui.small_button(format!("select agent {first}")).clicked() {
-                commands.push(Command::SelectCharacter(Some(first)));
+                commands.push(ViewerCommand::SelectCharacter(Some(first)));
             }
         });
         return;
@@ -32,14 +32,14 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Ve
         let mut number = who;
         let label = ui.label("number");
         if ui.add(DragValue::new(&mut number).range(0..=n - 1)).labelled_by(label.id).changed() {
-            commands.push(Command::SelectCharacter(Some(number)));
+            commands.push(ViewerCommand::SelectCharacter(Some(number)));
         }
-        ui.label(super::who(scene, who));
+        ui.label(super::agent_name(scene, who));
         if ui.small_button("none").clicked() {
-            commands.push(Command::SelectCharacter(None));
+            commands.push(ViewerCommand::SelectCharacter(None));
         }
     });
-    let Some(details) = details(simulation, who) else {
+    let Some(details) = agent_details(simulation, who) else {
         ui.label(match simulation.root(who) {
             Some(_) => "It is no agent: it is not in the crowd.",
             None => "It has left the crowd.",
@@ -51,7 +51,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Ve
     forces(ui, &details);
 }
 
-fn facts(ui: &mut Ui, time_s: f64, d: &Details) {
+fn facts(ui: &mut Ui, time_s: f64, d: &AgentDetails) {
     Grid::new("agent").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
         let mut row = |name: &str, tip: &str, text: String| {
             ui.label(name).on_hover_text(tip);
@@ -60,7 +60,7 @@ fn facts(ui: &mut Ui, time_s: f64, d: &Details) {
         };
         let speed = d.velocity.length();
         row("speed", "Now, and desired", format!("{speed:.2} m/s, {:.2} wanted", d.speed));
-        row("distance left", "Along its route", format!("{:.2} m", d.way_left));
+        row("distance left", "Along its route", format!("{:.2} m", d.route_left));
         let grown = d.bound_radius - d.radius;
         row(
             "bound",
@@ -74,7 +74,7 @@ fn facts(ui: &mut Ui, time_s: f64, d: &Details) {
 }
 
 /// A table of all terms: colour, name, a bar, a number and where it points.
-fn forces(ui: &mut Ui, d: &Details) {
+fn forces(ui: &mut Ui, d: &AgentDetails) {
     let dark = ui.visuals().dark_mode;
     let ahead = if d.velocity.length() > 0.05 { d.velocity } else { d.desired };
     ui.weak(format!("Forces in m/s², of at most {:.1}; directions from where it goes", d.limit));

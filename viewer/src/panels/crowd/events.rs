@@ -1,10 +1,10 @@
 //! List of events, the latest first; a click selects the agent.
 
-use super::{State, colour, look};
-use crate::command::Command;
+use super::{CrowdPanelState, colour, options_command};
+use crate::command::ViewerCommand;
 use crate::document::SceneDocument;
 use crate::model::Model;
-use crate::run::agents::{EventFilter, Happened, What, With};
+use crate::run::agents::{AgentEvent, AgentEventKind, EventFilter, OtherParty};
 use crate::stage::agents::colour_of_event;
 use eframe::egui::{Align2, Color32, ComboBox, Role, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
@@ -17,13 +17,19 @@ const TIME: f32 = 86.0;
 const KIND: f32 = 78.0;
 
 /// Shows the list.
-pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut State, commands: &mut Vec<Command>) {
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    scene: &SceneDocument,
+    state: &mut CrowdPanelState,
+    commands: &mut Vec<ViewerCommand>,
+) {
     let run = scene.run();
     ui.checkbox(&mut state.only_selected, "of the selected agent only");
-    if let Some(minds) = run.simulation().minds() {
+    if let Some(minds) = run.simulation().brains() {
         ui.horizontal_wrapped(|ui| {
-            choice(ui, "place", "any place", minds.places(), &mut state.place);
-            choice(ui, "message", "any message", minds.events(), &mut state.message);
+            choice(ui, "place", "any place", minds.place_names(), &mut state.place);
+            choice(ui, "message", "any message", minds.event_names(), &mut state.message);
         });
         kinds(ui, model, commands);
     }
@@ -46,7 +52,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut State
     area.show_rows(ui, height, list.len(), |ui, rows| {
         for h in &list[rows] {
             if row(ui, scene, h, model.selection.character, height) {
-                commands.push(Command::SelectCharacter(Some(h.agent)));
+                commands.push(ViewerCommand::SelectCharacter(Some(h.agent)));
             }
         }
     });
@@ -69,21 +75,21 @@ fn choice(ui: &mut Ui, what: &str, any: &str, names: &[String], chosen: &mut Opt
 }
 
 /// Buttons that show all kinds, or hide the many kinds of the engine.
-fn kinds(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+fn kinds(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
     ui.horizontal(|ui| {
         ui.label("kinds").on_hover_text("Each kind can be shown and hidden above, below the rates");
         if ui.small_button("all").clicked() {
-            commands.push(look(model, |l| l.kinds = [true; What::COUNT]));
+            commands.push(options_command(model, |l| l.kinds = [true; AgentEventKind::COUNT]));
         }
         let tip = "Hides what the engine of the crowd does, such as resetting bounds";
         if ui.small_button("without the engine's").on_hover_text(tip).clicked() {
-            commands.push(look(model, |l| l.kinds = What::all().map(|what| !what.is_of_engine())));
+            commands.push(options_command(model, |l| l.kinds = AgentEventKind::all().map(|what| !what.is_of_engine())));
         }
     });
 }
 
 /// One event; true if it was clicked.
-fn row(ui: &mut Ui, scene: &SceneDocument, h: &Happened, selected: Option<usize>, height: f32) -> bool {
+fn row(ui: &mut Ui, scene: &SceneDocument, h: &AgentEvent, selected: Option<usize>, height: f32) -> bool {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::click());
     let is_about = selected.is_some_and(|m| h.is_about(m));
     if is_about || response.hovered() {
@@ -97,42 +103,43 @@ fn row(ui: &mut Ui, scene: &SceneDocument, h: &Happened, selected: Option<usize>
         painter.text(at, Align2::LEFT_CENTER, text, style.resolve(ui.style()), colour);
     };
     write(2.0, format!("{:>8.3} s", h.time_s), TextStyle::Monospace, visuals.weak_text_color());
-    let kind = colour(colour_of_event(h.what, visuals.dark_mode));
-    write(TIME, h.what.name().to_owned(), TextStyle::Body, kind);
+    let kind = colour(colour_of_event(h.kind, visuals.dark_mode));
+    write(TIME, h.kind.name().to_owned(), TextStyle::Body, kind);
     write(TIME + KIND, in_words(scene, h), TextStyle::Body, visuals.text_color());
-    let name = format!("Event {} {}", h.what.name(), h.agent);
+    let name = format!("Event {} {}", h.kind.name(), h.agent);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     let clicked = response.clicked();
-    response.on_hover_text(format!("{}. A click selects agent {}.", h.what.meaning(), h.agent));
+    response.on_hover_text(format!("{}. A click selects agent {}.", h.kind.meaning(), h.agent));
     clicked
 }
 
 /// Agent of the event, and the other party.
-fn in_words(scene: &SceneDocument, h: &Happened) -> String {
-    let agent = super::who(scene, h.agent);
+fn in_words(scene: &SceneDocument, h: &AgentEvent) -> String {
+    let agent = super::agent_name(scene, h.agent);
     let simulation = scene.run().simulation();
-    let minds = simulation.minds();
-    let place = h.place.and_then(|p| minds?.places().get(p)).map_or_else(String::new, |p| format!(" at {p}"));
-    let message = h.message.and_then(|e| minds?.events().get(e));
+    let minds = simulation.brains();
+    let place = h.place.and_then(|p| minds?.place_names().get(p)).map_or_else(String::new, |p| format!(" at {p}"));
+    let message = h.message.and_then(|e| minds?.event_names().get(e));
     let on = message.map_or_else(String::new, |e| format!(", on {e}"));
-    let with = |other: Option<usize>| other.map_or_else(String::new, |o| format!(", with {}", super::who(scene, o)));
-    match h.with {
-        With::Nobody => format!("{agent}{place}"),
-        With::Message(how, other) => {
-            let from = other.map_or_else(String::new, |o| format!(" by {}", super::who(scene, o)));
+    let with =
+        |other: Option<usize>| other.map_or_else(String::new, |o| format!(", with {}", super::agent_name(scene, o)));
+    match h.other_party {
+        OtherParty::None => format!("{agent}{place}"),
+        OtherParty::Message(how, other) => {
+            let from = other.map_or_else(String::new, |o| format!(" by {}", super::agent_name(scene, o)));
             let event = message.map_or("", String::as_str);
             format!("{agent} – {event}, {how}{from}")
         }
-        With::Rule(rule, other) => {
-            format!("{agent} – \"{}\"{}{place}{on}", minds.map_or("", |m| m.rule(rule)), with(other))
+        OtherParty::Rule(rule, other) => {
+            format!("{agent} – \"{}\"{}{place}{on}", minds.map_or("", |m| m.rule_name(rule)), with(other))
         }
-        With::Edge(graph, edge, other) => {
+        OtherParty::Edge(graph, edge, other) => {
             let edge = simulation.scene().graphs.values().nth(graph).and_then(|g| g.edges.get(edge));
             let states =
                 edge.map_or_else(String::new, |e| format!("{} > {}", e.from.as_deref().unwrap_or("any"), e.to));
             format!("{agent} – {states}{}{place}{on}", with(other))
         }
-        With::Agent(other) => format!("{agent} – {}", super::who(scene, other)),
-        With::Obstacle(o) => format!("{agent} – obstacle {o}"),
+        OtherParty::Agent(other) => format!("{agent} – {}", super::agent_name(scene, other)),
+        OtherParty::Obstacle(o) => format!("{agent} – obstacle {o}"),
     }
 }

@@ -2,9 +2,9 @@
 
 use crate::document::SceneDocument;
 use crate::panels::paint::time_text;
-use crate::theme::Palette;
+use crate::theme::ThemePalette;
 use eframe::egui::{Grid, RichText, Ui};
-use throng_runtime::simulation::GroupCast;
+use throng_runtime::simulation::AnyCharacterGroup;
 
 /// Shows figures of the moment shown.
 pub fn show(ui: &mut Ui, scene: &SceneDocument) {
@@ -12,10 +12,10 @@ pub fn show(ui: &mut Ui, scene: &SceneDocument) {
     let Some(f) = scene.run().figures().agents else { return };
     let discs = (0..simulation.num_characters()).filter_map(|who| simulation.disc(who));
     let speed = discs.map(|d| f64::from(d.velocity.length())).sum::<f64>() / f.present.max(1) as f64;
-    let speeds: Vec<f64> = simulation.casts().iter().flat_map(desired_speeds).collect();
+    let speeds: Vec<f64> = simulation.character_groups().iter().flat_map(desired_speeds).collect();
     let n = speeds.len();
     let desired = speeds.iter().sum::<f64>() / n.max(1) as f64;
-    let palette = Palette::of(ui.visuals());
+    let palette = ThemePalette::for_visuals(ui.visuals());
     let good = |is_good: bool| if is_good { palette.good } else { palette.warning };
     Grid::new("now").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
         let mut row = |name: &str, tip: &str, text: RichText| {
@@ -40,10 +40,10 @@ pub fn show(ui: &mut Ui, scene: &SceneDocument) {
 }
 
 /// Desired speeds of the agents among characters, at their start (m/s).
-fn desired_speeds(cast: &GroupCast) -> Vec<f64> {
+fn desired_speeds(cast: &AnyCharacterGroup) -> Vec<f64> {
     match cast {
-        GroupCast::Ground(agents) => agents.layout().setup.agents.iter().map(|a| f64::from(a.speed)).collect(),
-        GroupCast::Air(agents) => agents.layout().setup.agents.iter().map(|a| f64::from(a.speed)).collect(),
+        AnyCharacterGroup::Ground(agents) => agents.layout().setup.agents.iter().map(|a| f64::from(a.speed)).collect(),
+        AnyCharacterGroup::Air(agents) => agents.layout().setup.agents.iter().map(|a| f64::from(a.speed)).collect(),
         _ => Vec::new(),
     }
 }

@@ -1,17 +1,17 @@
 //! Agents of a scene: view options, figures, the selected agent, and events.
 
 mod agent;
-pub mod boards;
-mod drawn;
+mod agent_brain;
+pub mod blackboards;
 mod events;
 mod figures;
 mod graphs;
-mod minds;
-mod news;
+mod message_spread;
+mod overlays;
 mod rates;
 
 use super::paint::empty;
-use crate::command::{Command, SceneCommand, SceneLook};
+use crate::command::{SceneCommand, SceneViewOptions, ViewerCommand};
 use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::render::Rgba;
@@ -21,7 +21,7 @@ use eframe::egui::{CollapsingHeader, Color32, RichText, Sense, Ui, vec2};
 
 /// State of the panel.
 #[derive(Clone, Debug, Default)]
-pub struct State {
+pub struct CrowdPanelState {
     /// Only events of the selected agent are listed.
     only_selected: bool,
     /// Only events about the place, or the message, of this number are listed.
@@ -33,7 +33,7 @@ const NO_SCENE: &str = "Scenes of agents need no bundle: data/scenes/corridor.to
      bottleneck.toml, square.toml, flock.toml.";
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut CrowdPanelState, commands: &mut Vec<ViewerCommand>) {
     let Some(scene) = model.document.scene().filter(|s| first_agent(s.run().simulation()).is_some()) else {
         return empty(ui, "No scene with agents is open", NO_SCENE);
     };
@@ -43,17 +43,17 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
             ui.label(&group.name);
         }
     });
-    drawn::show(ui, model, commands);
+    overlays::show(ui, model, commands);
     section(ui, "Now", |ui| figures::show(ui, scene));
     section(ui, "Agent", |ui| agent::show(ui, model, scene, commands));
-    if let Some(minds) = scene.run().simulation().minds() {
-        section(ui, "What it has in mind", |ui| minds::show(ui, model, scene, minds));
+    if let Some(minds) = scene.run().simulation().brains() {
+        section(ui, "What it has in mind", |ui| agent_brain::show(ui, model, scene, minds));
         if !scene.run().simulation().scene().graphs.is_empty() {
             section(ui, "State graphs", |ui| graphs::show(ui, model, scene, minds));
         }
         if minds.has_events() {
-            section(ui, "News", |ui| news::show(ui, model, scene, minds, commands));
-            section(ui, "Billboards", |ui| boards::show(ui, model, scene, minds, commands));
+            section(ui, "News", |ui| message_spread::show(ui, model, scene, minds, commands));
+            section(ui, "Billboards", |ui| blackboards::show(ui, model, scene, minds, commands));
         }
     }
     section(ui, "Event rate", |ui| rates::show(ui, model, scene, commands));
@@ -78,7 +78,7 @@ fn swatch(ui: &mut Ui, colour: Color32) {
 }
 
 /// Name of an agent, for people.
-fn who(scene: &SceneDocument, agent: usize) -> String {
+fn agent_name(scene: &SceneDocument, agent: usize) -> String {
     let groups = scene.run().simulation().groups();
     match groups.iter().find(|g| g.characters.contains(&agent)) {
         Some(group) if groups.len() > 1 => format!("{agent} ({})", group.name),
@@ -87,10 +87,10 @@ fn who(scene: &SceneDocument, agent: usize) -> String {
 }
 
 /// Draws more or less.
-fn look(model: &Model, change: impl FnOnce(&mut SceneLook)) -> Command {
+fn options_command(model: &Model, change: impl FnOnce(&mut SceneViewOptions)) -> ViewerCommand {
     let mut look = model.selection.scene;
     change(&mut look);
-    Command::Scene(SceneCommand::Look(look))
+    ViewerCommand::Scene(SceneCommand::SetOptions(look))
 }
 
 #[cfg(test)]

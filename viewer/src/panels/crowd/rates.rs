@@ -1,10 +1,10 @@
 //! Event rates: a plot of the last ten seconds, with a key that shows and hides kinds.
 
-use super::{colour, look};
-use crate::command::Command;
+use super::{colour, options_command};
+use crate::command::ViewerCommand;
 use crate::document::SceneDocument;
 use crate::model::Model;
-use crate::run::agents::{WINDOW_S, What};
+use crate::run::agents::{AgentEventKind, WINDOW_S};
 use crate::stage::agents::colour_of_event;
 use eframe::egui::{Grid, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
 use egui_plot::{AxisHints, HoverPosition, Line, Plot, PlotPoints, uniform_grid_spacer};
@@ -17,12 +17,12 @@ const MARKS_S: [f64; 3] = [2.0, 10.0, 60.0];
 const COLUMNS: usize = 3;
 
 /// Shows the plot and the key.
-pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Vec<ViewerCommand>) {
     let (run, dark) = (scene.run(), ui.visuals().dark_mode);
     let now = run.simulation().time_s();
     let rates = run.log().rates();
     ui.weak("Events of one agent in a second, over the last 10 s.");
-    let before = rates.before(now);
+    let before = rates.rates_until(now);
     let plot = Plot::new("event rates")
         .height(HEIGHT)
         .include_y(0.0)
@@ -44,7 +44,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Ve
     let totals = rates.totals(now);
     let kinds = model.selection.scene.kinds;
     plot.show(ui, |p| {
-        for what in What::all().into_iter().filter(|w| kinds[w.number()] && totals[w.number()] > 0) {
+        for what in AgentEventKind::all().into_iter().filter(|w| kinds[w.number()] && totals[w.number()] > 0) {
             let points: PlotPoints<'_> = before.iter().map(|(t, r)| [*t, r[what.number()]]).collect();
             p.line(Line::new(what.name(), points).color(colour(colour_of_event(what, dark))).width(1.8));
         }
@@ -53,14 +53,21 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Ve
 }
 
 /// Names of kinds with how many there were; a click shows or hides one in plot, list and view.
-fn key(ui: &mut Ui, model: &Model, totals: [u64; What::COUNT], commands: &mut Vec<Command>) {
+fn key(ui: &mut Ui, model: &Model, totals: [u64; AgentEventKind::COUNT], commands: &mut Vec<ViewerCommand>) {
     let dark = ui.visuals().dark_mode;
     // Kinds that only the occupancy scheme or agent brains report are left out if there are none.
-    let is_special = |w: &What| {
-        let of_minds = What::Came.number() <= w.number();
-        of_minds || matches!(w, What::Entering | What::Leaving | What::Contacting | What::Separating)
+    let is_special = |w: &AgentEventKind| {
+        let of_minds = AgentEventKind::EnteredPlace.number() <= w.number();
+        of_minds
+            || matches!(
+                w,
+                AgentEventKind::Entering
+                    | AgentEventKind::Leaving
+                    | AgentEventKind::Contacting
+                    | AgentEventKind::Separating
+            )
     };
-    let there = What::all().into_iter().filter(|w| !is_special(w) || totals[w.number()] > 0);
+    let there = AgentEventKind::all().into_iter().filter(|w| !is_special(w) || totals[w.number()] > 0);
     Grid::new("kinds").num_columns(COLUMNS).spacing([10.0, 2.0]).show(ui, |ui| {
         for (i, what) in there.enumerate() {
             let is_on = model.selection.scene.kinds[what.number()];
@@ -80,7 +87,7 @@ fn key(ui: &mut Ui, model: &Model, totals: [u64; What::COUNT], commands: &mut Ve
             let r = inner.inner;
             r.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, is_on, format!("Kind {}", what.name())));
             if r.clicked() {
-                commands.push(look(model, |l| l.kinds[what.number()] = !is_on));
+                commands.push(options_command(model, |l| l.kinds[what.number()] = !is_on));
             }
             r.on_hover_text(format!("{}. A click shows or hides them.", what.meaning()));
             if i % COLUMNS == COLUMNS - 1 {

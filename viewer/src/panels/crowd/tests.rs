@@ -1,22 +1,22 @@
 use super::*;
-use crate::command::Boards;
+use crate::command::BlackboardFilter;
 use crate::fixtures::market::Market;
 use crate::fixtures::meeting::Meeting;
 use crate::fixtures::paces::Paces;
 use crate::panels::tests::{Trial, click, trial};
-use crate::run::agents::{EventFilter, What};
+use crate::run::agents::{AgentEventKind, EventFilter};
 use eframe::egui::vec2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 /// The panel alone, with a scene that has run for some steps.
-fn panel(meeting: &Meeting, steps: i32) -> Harness<'static, Trial<State>> {
+fn panel(meeting: &Meeting, steps: i32) -> Harness<'static, Trial<CrowdPanelState>> {
     let mut harness = trial(Some(&meeting.scene(12)), vec2(380.0, 1300.0), show);
     let ctx = harness.ctx.clone();
     let model = &mut harness.state_mut().model;
     model.is_unhurried = true;
-    model.apply(&ctx, Command::Play(false));
-    model.apply(&ctx, Command::Step(steps));
+    model.apply(&ctx, ViewerCommand::Play(false));
+    model.apply(&ctx, ViewerCommand::Step(steps));
     model.advance(&ctx, 0.0);
     harness.run_steps(3);
     harness
@@ -27,8 +27,8 @@ fn overlays_can_be_switched() {
     let meeting = Meeting::new();
     let mut harness = panel(&meeting, 60);
     for (label, is_done) in [
-        ("bounds: all", (|m| m.selection.scene.bounds == crate::command::Whose::All) as fn(&Model) -> bool),
-        ("paths: none", |m| m.selection.scene.paths == crate::command::Whose::Nobody),
+        ("bounds: all", (|m| m.selection.scene.bounds == crate::command::OverlayScope::All) as fn(&Model) -> bool),
+        ("paths: none", |m| m.selection.scene.paths == crate::command::OverlayScope::None),
         ("trails: all", |m| m.settings.overlays.trails && m.settings.overlays.of_all),
         ("cells", |m| !m.selection.scene.cells),
         ("Kind colliding", |m| !m.selection.scene.kinds[1]),
@@ -41,20 +41,20 @@ fn overlays_can_be_switched() {
 }
 
 /// The panel with a market that has run for some steps, and an agent of it.
-fn market(market: &Market, steps: i32) -> Harness<'static, Trial<State>> {
+fn market(market: &Market, steps: i32) -> Harness<'static, Trial<CrowdPanelState>> {
     let mut harness = trial(Some(&market.scene(24)), vec2(380.0, 2600.0), show);
     let ctx = harness.ctx.clone();
     let model = &mut harness.state_mut().model;
     model.is_unhurried = true;
-    model.apply(&ctx, Command::Play(false));
-    model.apply(&ctx, Command::SelectCharacter(Some(5)));
-    model.apply(&ctx, Command::Step(steps));
+    model.apply(&ctx, ViewerCommand::Play(false));
+    model.apply(&ctx, ViewerCommand::SelectCharacter(Some(5)));
+    model.apply(&ctx, ViewerCommand::Step(steps));
     model.advance(&ctx, 0.0);
     harness.run_steps(3);
     harness
 }
 
-fn press(harness: &mut Harness<'static, Trial<State>>, label: &str) {
+fn press(harness: &mut Harness<'static, Trial<CrowdPanelState>>, label: &str) {
     let at = harness.get_by_label(label).rect().center();
     click(harness, at);
     harness.run_steps(2);
@@ -72,18 +72,18 @@ fn graphs_messages_and_boards_of_a_market_are_shown() {
     assert!(harness.get_all_by_label_contains("Entry cell").next().is_some());
     harness.get_by_label_contains("Entry global: opening, as it happened at 0.5 s, for 26.5 s more");
     press(&mut harness, "board cells: 4 m");
-    assert_eq!(harness.state().model.selection.scene.boards, Boards::Level(1));
+    assert_eq!(harness.state().model.selection.scene.blackboards, BlackboardFilter::Level(1));
     let entry = harness.get_all_by_label_contains("Entry cell").next().unwrap().rect().center();
     click(&mut harness, entry);
     assert!(harness.state().model.selection.scene.cell.is_some_and(|c| c.level == 1));
     // The agent that wrote it is selected.
     let writer = harness.state().model.selection.character.unwrap();
-    let minds = harness.state().model.document.scene().unwrap().run().simulation().minds().unwrap();
-    assert!(minds.learnt(writer, 1).is_some());
+    let minds = harness.state().model.document.scene().unwrap().run().simulation().brains().unwrap();
+    assert!(minds.learnt_event(writer, 1).is_some());
     press(&mut harness, "Happen opening");
-    let events = |h: &Harness<'static, Trial<State>>| h.state().model.selection.scene.kinds;
+    let events = |h: &Harness<'static, Trial<CrowdPanelState>>| h.state().model.selection.scene.kinds;
     press(&mut harness, "without the engine's");
-    assert!(!events(&harness)[What::Resetting.number()] && events(&harness)[What::Learnt.number()]);
+    assert!(!events(&harness)[AgentEventKind::Resetting.number()] && events(&harness)[AgentEventKind::Learnt.number()]);
 }
 
 #[test]
@@ -91,7 +91,8 @@ fn events_are_filtered_by_message_and_place() {
     let place = Market::new();
     let mut harness = market(&place, 240);
     press(&mut harness, "without the engine's");
-    let named = |h: &Harness<'static, Trial<State>>, label: &str| h.query_all_by_label_contains(label).count();
+    let named =
+        |h: &Harness<'static, Trial<CrowdPanelState>>, label: &str| h.query_all_by_label_contains(label).count();
     assert!(named(&harness, "Event edge") > 2);
     harness.state_mut().state.message = Some(0);
     harness.run_steps(2);
@@ -119,8 +120,8 @@ fn a_click_on_an_event_selects_its_agent_and_shows_its_forces() {
     let mut harness = panel(&meeting, 90);
     assert!(harness.query_by_label("driving").is_none());
     let scene = harness.state().model.document.scene().unwrap();
-    let last = scene.run().log().last(&EventFilter::of_kinds([true; What::COUNT]), f64::INFINITY, 1)[0];
-    let name = format!("Event {} {}", last.what.name(), last.agent);
+    let last = scene.run().log().last(&EventFilter::of_kinds([true; AgentEventKind::COUNT]), f64::INFINITY, 1)[0];
+    let name = format!("Event {} {}", last.kind.name(), last.agent);
     let at = harness.get_all_by_label(&name).next().unwrap().rect().center();
     click(&mut harness, at);
     harness.run_steps(2);

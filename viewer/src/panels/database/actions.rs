@@ -1,18 +1,18 @@
 //! The list of the actions from a frame.
 
-use super::outgoing::{Outgoing, displacement_texts};
+use super::outgoing::{OutgoingActions, displacement_texts};
 use crate::bundle::OpenBundle;
-use crate::command::Command;
-use crate::panels::paint::{Cell, Click, Column, Table, time_text};
+use crate::command::ViewerCommand;
+use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn, time_text};
 use eframe::egui::{RichText, Ui};
 
-const COLUMNS: [Column<'static>; 6] = [
-    Column::text("Leads to", "Clip, and the frames of it that are played", 96.0, 1.0),
-    Column::number("Ahead", "How far it goes ahead, as seen from its start", 48.0),
-    Column::number("Aside", "How far it goes to the side, as seen from its start", 74.0).spare(1),
-    Column::number("Turn", "How far it turns", 66.0).spare(1),
-    Column::number("Lasts", "Duration", 52.0).spare(2),
-    Column::number("Error", ERROR_HINT, 60.0),
+const COLUMNS: [TableColumn<'static>; 6] = [
+    TableColumn::text("Leads to", "Clip, and the frames of it that are played", 96.0, 1.0),
+    TableColumn::number("Ahead", "How far it goes ahead, as seen from its start", 48.0),
+    TableColumn::number("Aside", "How far it goes to the side, as seen from its start", 74.0).spare(1),
+    TableColumn::number("Turn", "How far it turns", 66.0).spare(1),
+    TableColumn::number("Lasts", "Duration", 52.0).spare(2),
+    TableColumn::number("Error", ERROR_HINT, 60.0),
 ];
 const ERROR_HINT: &str = "Difference of the poses before and after; none if the clip continues";
 
@@ -22,9 +22,9 @@ const ERROR_HINT: &str = "Difference of the poses before and after; none if the 
 pub fn show(
     ui: &mut Ui,
     bundle: &OpenBundle,
-    out: Option<&Outgoing>,
+    out: Option<&OutgoingActions>,
     frame: u32,
-    commands: &mut Vec<Command>,
+    commands: &mut Vec<ViewerCommand>,
 ) -> Option<u32> {
     let Some(out) = out else {
         ui.strong("Actions from here");
@@ -40,33 +40,33 @@ pub fn show(
         let text = format!("of state {}{standing}, {when}", out.from.state);
         let response = ui.link(text).on_hover_text("Select this state, and go to its frame");
         if response.clicked() {
-            commands.push(Command::SelectState(Some(out.from.state)));
-            commands.push(Command::ShowClip { clip: bundle.clip_of(row_of(bundle, out)), frame: out.from.frame });
+            commands.push(ViewerCommand::SelectState(Some(out.from.state)));
+            commands.push(ViewerCommand::ShowClip { clip: bundle.clip_of(row_of(bundle, out)), frame: out.from.frame });
         }
     });
-    let table = Table { click: Click::Does("Go to"), ..Table::new("actions", &COLUMNS, out.actions.len()) };
+    let table = RowTable { click: RowClick::Does("Go to"), ..RowTable::new("actions", &COLUMNS, out.actions.len()) };
     let response = table.show(ui, |row, column| {
         let action = &out.actions[row];
         match column {
             0 => {
                 let name = bundle.clip_name(action.clip);
-                Cell::new(format!("{name} {}–{}", action.start, action.start + action.num_frames)).ending()
+                TableCell::new(format!("{name} {}–{}", action.start, action.start + action.num_frames)).ending()
             }
             1..=3 => {
                 let texts = displacement_texts(action.displacement);
-                Cell::new(texts.into_iter().nth(column - 1).unwrap_or_default())
+                TableCell::new(texts.into_iter().nth(column - 1).unwrap_or_default())
             }
-            4 => Cell::new(time_text(f64::from(action.num_frames) / f64::from(bundle.rate_hz()))),
-            _ if action.continues => Cell::weak("continues"),
-            _ => Cell::new(format!("{:.2}", action.error)),
+            4 => TableCell::new(time_text(f64::from(action.num_frames) / f64::from(bundle.rate_hz()))),
+            _ if action.continues => TableCell::weak("continues"),
+            _ => TableCell::new(format!("{:.2}", action.error)),
         }
     });
     if let Some(action) = response.chosen.and_then(|row| out.actions.get(row)) {
-        commands.push(Command::ShowClip { clip: action.clip, frame: action.start });
+        commands.push(ViewerCommand::ShowClip { clip: action.clip, frame: action.start });
     }
     response.hovered.and_then(|(row, _)| out.actions.get(row)).map(|w| w.segment)
 }
 
-fn row_of(bundle: &OpenBundle, out: &Outgoing) -> u32 {
+fn row_of(bundle: &OpenBundle, out: &OutgoingActions) -> u32 {
     bundle.tables().graph().states[out.from.state as usize].frame
 }

@@ -1,13 +1,13 @@
 //! The clips of a bundle as a list: searched and sorted.
 
 use crate::bundle::OpenBundle;
-use crate::panels::paint::Sort;
+use crate::panels::paint::TableSort;
 use std::cmp::Ordering;
 use std::ops::Range;
 
 /// Columns of the list, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Field {
+pub enum ClipColumn {
     /// Name.
     Name,
     /// Length.
@@ -24,7 +24,7 @@ pub enum Field {
     Tags,
 }
 
-impl Field {
+impl ClipColumn {
     /// All of them, as the list shows them.
     pub const ALL: [Self; 7] =
         [Self::Name, Self::Duration, Self::Usable, Self::Played, Self::States, Self::Actions, Self::Tags];
@@ -32,7 +32,7 @@ impl Field {
 
 /// A clip in the list.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Entry {
+pub struct CatalogueClip {
     /// Name.
     pub name: String,
     /// A copy with left and right exchanged.
@@ -55,14 +55,14 @@ pub struct Entry {
 
 /// All clips of a bundle.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Catalogue {
+pub struct ClipCatalogue {
     /// In the order of the bundle.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<CatalogueClip>,
 }
 
-impl Catalogue {
+impl ClipCatalogue {
     /// Collects the entries of the list.
-    pub fn of(bundle: &OpenBundle) -> Self {
+    pub fn from_bundle(bundle: &OpenBundle) -> Self {
         let played = played_rows(bundle);
         let graph = bundle.tables().graph();
         let entries = bundle
@@ -74,7 +74,7 @@ impl Catalogue {
                 let excluded = (0..record.num_frames).filter(|f| meta.excluded.iter().any(|e| e.1 <= *f && *f < e.2));
                 let kept = played[rows.start as usize..rows.end as usize].iter().filter(|p| **p).count();
                 let tags = tag_names(&meta.tags);
-                Entry {
+                CatalogueClip {
                     name: meta.name.clone(),
                     mirrored: record.mirrored != 0,
                     duration_s: f64::from(record.num_frames) / f64::from(bundle.rate_hz()),
@@ -96,12 +96,12 @@ impl Catalogue {
     }
 
     /// Numbers of the clips that have every word of the query in name, tags or source, in the order asked for.
-    pub fn select(&self, query: &str, sort: Sort) -> Vec<usize> {
+    pub fn select(&self, query: &str, sort: TableSort) -> Vec<usize> {
         let query = query.to_lowercase();
         let words: Vec<&str> = query.split_whitespace().collect();
-        let matches = |e: &Entry| words.iter().all(|w| e.haystack.contains(w));
+        let matches = |e: &CatalogueClip| words.iter().all(|w| e.haystack.contains(w));
         let mut out: Vec<usize> = (0..self.entries.len()).filter(|&i| matches(&self.entries[i])).collect();
-        if let Some(field) = Field::ALL.get(sort.column) {
+        if let Some(field) = ClipColumn::ALL.get(sort.column) {
             out.sort_by(|&a, &b| {
                 let order = compare(&self.entries[a], &self.entries[b], *field);
                 if sort.descending { order.reverse() } else { order }
@@ -111,15 +111,15 @@ impl Catalogue {
     }
 }
 
-fn compare(a: &Entry, b: &Entry, field: Field) -> Ordering {
+fn compare(a: &CatalogueClip, b: &CatalogueClip, field: ClipColumn) -> Ordering {
     match field {
-        Field::Name => a.name.cmp(&b.name),
-        Field::Duration => a.duration_s.total_cmp(&b.duration_s),
-        Field::Usable => a.usable.total_cmp(&b.usable),
-        Field::Played => a.played.total_cmp(&b.played),
-        Field::States => a.states.cmp(&b.states),
-        Field::Actions => a.actions.cmp(&b.actions),
-        Field::Tags => a.tags.cmp(&b.tags),
+        ClipColumn::Name => a.name.cmp(&b.name),
+        ClipColumn::Duration => a.duration_s.total_cmp(&b.duration_s),
+        ClipColumn::Usable => a.usable.total_cmp(&b.usable),
+        ClipColumn::Played => a.played.total_cmp(&b.played),
+        ClipColumn::States => a.states.cmp(&b.states),
+        ClipColumn::Actions => a.actions.cmp(&b.actions),
+        ClipColumn::Tags => a.tags.cmp(&b.tags),
     }
 }
 
@@ -152,15 +152,25 @@ mod tests {
     use super::*;
     use crate::fixtures::golden;
 
-    fn entry(name: &str, source: &str, tags: &str, states: u32) -> Entry {
+    fn entry(name: &str, source: &str, tags: &str, states: u32) -> CatalogueClip {
         let haystack = format!("{name}\n{source}\n{tags}").to_lowercase();
         let (name, tags) = (name.to_owned(), tags.to_owned());
         let duration_s = name.len() as f64;
-        Entry { name, mirrored: false, duration_s, usable: 1.0, played: 0.5, states, actions: 2, tags, haystack }
+        CatalogueClip {
+            name,
+            mirrored: false,
+            duration_s,
+            usable: 1.0,
+            played: 0.5,
+            states,
+            actions: 2,
+            tags,
+            haystack,
+        }
     }
 
-    fn catalogue() -> Catalogue {
-        Catalogue {
+    fn catalogue() -> ClipCatalogue {
+        ClipCatalogue {
             entries: vec![
                 entry("Walk_01", "mocap/a.bvh", "walk, slow", 3),
                 entry("run_02", "mocap/b.bvh", "run", 9),
@@ -172,7 +182,7 @@ mod tests {
     #[test]
     fn every_word_has_to_match_name_tags_or_source_in_any_case() {
         let c = catalogue();
-        let found = |query| c.select(query, Sort::default());
+        let found = |query| c.select(query, TableSort::default());
         assert_eq!(found("").len(), 3);
         assert_eq!(found("  WALK "), [0, 2]);
         assert_eq!(found("walk b.bvh"), [2]);
@@ -183,16 +193,16 @@ mod tests {
     #[test]
     fn the_order_is_that_of_the_column() {
         let c = catalogue();
-        let column = Field::ALL.iter().position(|f| *f == Field::States).unwrap();
-        assert_eq!(c.select("", Sort { column, descending: false }), [0, 2, 1]);
-        assert_eq!(c.select("", Sort { column, descending: true }), [1, 2, 0]);
-        assert_eq!(c.select("walk", Sort { column, descending: true }), [2, 0]);
+        let column = ClipColumn::ALL.iter().position(|f| *f == ClipColumn::States).unwrap();
+        assert_eq!(c.select("", TableSort { column, descending: false }), [0, 2, 1]);
+        assert_eq!(c.select("", TableSort { column, descending: true }), [1, 2, 0]);
+        assert_eq!(c.select("walk", TableSort { column, descending: true }), [2, 0]);
     }
 
     #[test]
     fn sums_over_clips_are_those_of_the_bundle() {
         let bundle = golden();
-        let c = Catalogue::of(&bundle);
+        let c = ClipCatalogue::from_bundle(&bundle);
         let graph = bundle.tables().graph();
         assert_eq!(c.entries.iter().map(|e| e.states as usize).sum::<usize>(), graph.states.len());
         assert_eq!(c.entries.iter().map(|e| e.actions as usize).sum::<usize>(), graph.action_segments.len());

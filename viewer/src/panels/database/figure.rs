@@ -1,6 +1,6 @@
 //! A body seen from its right side, small.
 
-use crate::theme::Palette;
+use crate::theme::ThemePalette;
 use eframe::egui::{Color32, Painter, Pos2, Stroke, Vec2, vec2};
 use glam::Vec3;
 use throng_runtime::pose::Mat3x4;
@@ -8,7 +8,7 @@ use throng_runtime::{Contacts, Joint, NUM_JOINTS, Skeleton};
 
 /// A body in the plane in which it walks: x ahead, y up, from the point of the ground below its hips.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Figure {
+pub struct PoseFigure {
     /// Joints (m).
     joints: [Vec2; NUM_JOINTS],
     /// Top of the head, tips of the left and the right toe (m).
@@ -19,7 +19,7 @@ pub struct Figure {
 
 /// Style of a painted figure.
 #[derive(Clone, Copy, Debug)]
-pub struct Look {
+pub struct FigureStyle {
     /// Points a metre.
     pub scale: f32,
     /// Background colour.
@@ -30,7 +30,7 @@ pub struct Look {
     pub halo: Option<(Color32, f32)>,
 }
 
-impl Figure {
+impl PoseFigure {
     /// From joints in model space, above the planar root (NUM_JOINTS).
     pub fn new(skeleton: &Skeleton, joints: &[Mat3x4], contacts: Contacts) -> Self {
         let flat = |p: Vec3| vec2(p.z, p.y);
@@ -46,7 +46,7 @@ impl Figure {
     }
 
     /// Paints it with its place on the ground at `foot`: the far, left side first.
-    pub fn paint(&self, painter: &Painter, foot: Pos2, look: Look, palette: &Palette) {
+    pub fn paint(&self, painter: &Painter, foot: Pos2, look: FigureStyle, palette: &ThemePalette) {
         use Joint::*;
         // Opaque, so that limbs which lie over each other do not show their joints.
         let colour = |c: Color32| look.halo.map_or(c.lerp_to_gamma(look.paper, look.fade), |h| h.0);
@@ -76,7 +76,7 @@ impl Figure {
     }
 
     /// A bar on the ground under every part of a foot that stands.
-    fn paint_contacts(&self, painter: &Painter, foot: Pos2, look: Look, palette: &Palette) {
+    fn paint_contacts(&self, painter: &Painter, foot: Pos2, look: FigureStyle, palette: &ThemePalette) {
         use Joint::{LeftFoot, LeftToe, RightFoot, RightToe};
         let parts = [
             (Contacts::LEFT_HEEL, LeftFoot, palette.left, 3.5),
@@ -109,7 +109,7 @@ mod tests {
     fn a_standing_body_is_as_high_as_its_head_and_its_toes_point_ahead() {
         let skeleton = Skeleton::default();
         let joints = skeleton.rest_positions().map(|p| Mat3x4::from_rotation_translation(Quat::IDENTITY, p));
-        let figure = Figure::new(&skeleton, &joints, Contacts::NONE);
+        let figure = PoseFigure::new(&skeleton, &joints, Contacts::NONE);
         let head = skeleton.rest_positions()[Joint::Head.index()] + skeleton.tips[0];
         assert!((figure.top() - head.y).abs() < 1e-5);
         assert!(figure.tips[1].x > figure.joints[Joint::LeftToe.index()].x + 0.05);

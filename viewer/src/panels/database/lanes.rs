@@ -1,11 +1,11 @@
 //! The lanes of a timeline: contacts, tags, excluded and played frames, states, actions.
 
-use super::outgoing::Outgoing;
-use super::timeline::Scene;
-use super::track::{Named, Track};
+use super::outgoing::OutgoingActions;
+use super::timeline::TimelineInput;
+use super::track::{NamedRun, TimelineTrack};
 use crate::panels::glitches;
-use crate::panels::paint::{Axis, hatch};
-use crate::theme::Palette;
+use crate::panels::paint::{FrameAxis, hatch};
+use crate::theme::ThemePalette;
 use eframe::egui::{
     Align2, Color32, FontId, Painter, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, Ui, Visuals,
     epaint::CubicBezierShape, pos2, vec2,
@@ -19,13 +19,13 @@ const GLITCHES: f32 = 11.0;
 /// A glitch of a frame or two is seen in a long clip, too (points).
 const LEAST_GLITCH: f32 = 3.0;
 const STATES: f32 = 15.0;
-const WAYS: f32 = 30.0;
+const ACTIONS: f32 = 30.0;
 /// Space between lanes (points).
 const GAP: f32 = 4.0;
 
 /// Positions of the lanes.
 #[derive(Clone, Debug)]
-pub struct Lanes {
+pub struct TimelineLanes {
     labels: Rangef,
     feet: [Rect; 4],
     tags: Vec<Rect>,
@@ -37,16 +37,16 @@ pub struct Lanes {
     states: Option<[Rect; 2]>,
 }
 
-impl Lanes {
+impl TimelineLanes {
     /// Height of all lanes of a clip (points).
-    pub fn height(track: &Track) -> f32 {
+    pub fn height(track: &TimelineTrack) -> f32 {
         let glitches = if track.glitches.is_empty() { 0.0 } else { GAP + GLITCHES };
-        let states = if track.played.is_some() { GAP + STATES + WAYS } else { GAP };
+        let states = if track.played.is_some() { GAP + STATES + ACTIONS } else { GAP };
         GAP + 4.0 * (FOOT + 1.0) + GAP + TAG * track.tag_lanes() as f32 + GAP + USE + glitches + states
     }
 
     /// Lays them out below `top`; `rect` holds the labels too, `plot` only the frames.
-    pub fn below(top: f32, rect: Rect, plot: Rect, track: &Track) -> Self {
+    pub fn below(top: f32, rect: Rect, plot: Rect, track: &TimelineTrack) -> Self {
         let mut y = top + GAP;
         let mut lane = |height: f32, space: f32| {
             let rect = Rect::from_x_y_ranges(plot.x_range(), y..=y + height);
@@ -58,15 +58,15 @@ impl Lanes {
         lane(0.0, GAP);
         let usage = lane(USE, GAP);
         let glitches = (!track.glitches.is_empty()).then(|| lane(GLITCHES, GAP));
-        let states = track.played.is_some().then(|| [lane(STATES, 0.0), lane(WAYS, 0.0)]);
+        let states = track.played.is_some().then(|| [lane(STATES, 0.0), lane(ACTIONS, 0.0)]);
         Self { labels: Rangef::new(rect.left(), plot.left()), feet, tags, usage, glitches, states }
     }
 }
 
 /// Paints the lanes.
-pub fn paint(ui: &Ui, lanes: &Lanes, axis: &Axis, scene: &Scene<'_>) {
+pub fn paint(ui: &Ui, lanes: &TimelineLanes, axis: &FrameAxis, scene: &TimelineInput<'_>) {
     let visuals = ui.visuals();
-    let palette = Palette::of(visuals);
+    let palette = ThemePalette::for_visuals(visuals);
     let clip = Rect::from_x_y_ranges(axis.x, ui.clip_rect().y_range());
     let painter = ui.painter().with_clip_rect(clip.intersect(ui.clip_rect()));
     let (track, label) = (scene.track, |rect: Rect, text| label(ui, lanes.labels, rect, text));
@@ -105,14 +105,21 @@ fn label(ui: &Ui, x: Rangef, lane: Rect, text: &str) {
     ui.painter().text(at, Align2::RIGHT_CENTER, text, FontId::proportional(11.0), ui.visuals().weak_text_color());
 }
 
-fn run_rect(lane: Rect, axis: &Axis, frames: &Range<u32>) -> Option<Rect> {
+fn run_rect(lane: Rect, axis: &FrameAxis, frames: &Range<u32>) -> Option<Rect> {
     let x = axis.place(frames)?;
     // A short run stays visible when a long clip is shown as a whole.
     Some(Rect::from_x_y_ranges(x.min..=x.max.max(x.min + 1.0), lane.y_range()))
 }
 
 /// Heels and toes; the two parts of a foot differ in strength.
-fn feet(painter: &Painter, lanes: &Lanes, axis: &Axis, track: &Track, palette: &Palette, visuals: &Visuals) {
+fn feet(
+    painter: &Painter,
+    lanes: &TimelineLanes,
+    axis: &FrameAxis,
+    track: &TimelineTrack,
+    palette: &ThemePalette,
+    visuals: &Visuals,
+) {
     for (i, (lane, runs)) in lanes.feet.iter().zip(&track.planted).enumerate() {
         painter.rect_filled(*lane, 0.0, visuals.faint_bg_color);
         let side = if i < 2 { palette.left } else { palette.right };
@@ -123,7 +130,7 @@ fn feet(painter: &Painter, lanes: &Lanes, axis: &Axis, track: &Track, palette: &
     }
 }
 
-fn named_run(painter: &Painter, lane: Rect, axis: &Axis, run: &Named, fill: Color32, visuals: &Visuals) {
+fn named_run(painter: &Painter, lane: Rect, axis: &FrameAxis, run: &NamedRun, fill: Color32, visuals: &Visuals) {
     let Some(rect) = run_rect(lane, axis, &run.frames) else { return };
     painter.rect_filled(rect, 3.0, fill);
     if rect.width() > 24.0 {
@@ -134,7 +141,14 @@ fn named_run(painter: &Painter, lane: Rect, axis: &Axis, run: &Named, fill: Colo
 }
 
 /// Paints the frames that the motion graph plays, and the excluded ones over them, hatched, with the reason.
-fn usage(painter: &Painter, lane: Rect, axis: &Axis, track: &Track, palette: &Palette, visuals: &Visuals) {
+fn usage(
+    painter: &Painter,
+    lane: Rect,
+    axis: &FrameAxis,
+    track: &TimelineTrack,
+    palette: &ThemePalette,
+    visuals: &Visuals,
+) {
     painter.rect_filled(lane, 0.0, visuals.faint_bg_color);
     for rect in track.played.iter().flatten().filter_map(|r| run_rect(lane, axis, r)) {
         painter.rect_filled(rect, 0.0, palette.kept);
@@ -154,7 +168,7 @@ fn usage(painter: &Painter, lane: Rect, axis: &Axis, track: &Track, palette: &Pa
 }
 
 /// A tick for every state; standing ones have a dot, the one that is next is longer.
-fn state_marks(painter: &Painter, lane: Rect, axis: &Axis, scene: &Scene<'_>, palette: &Palette) {
+fn state_marks(painter: &Painter, lane: Rect, axis: &FrameAxis, scene: &TimelineInput<'_>, palette: &ThemePalette) {
     let seen = axis.seen();
     let states = &scene.track.states;
     let from = states.partition_point(|s| s.frame < seen.start);
@@ -177,9 +191,16 @@ fn state_marks(painter: &Painter, lane: Rect, axis: &Axis, scene: &Scene<'_>, pa
 }
 
 /// Curves from the state to the start of each of its actions within the clip.
-fn arcs(painter: &Painter, lane: Rect, axis: &Axis, out: &Outgoing, scene: &Scene<'_>, palette: &Palette) {
+fn arcs(
+    painter: &Painter,
+    lane: Rect,
+    axis: &FrameAxis,
+    out: &OutgoingActions,
+    scene: &TimelineInput<'_>,
+    palette: &ThemePalette,
+) {
     let from = pos2(axis.x_of(out.from.frame as f32), lane.top());
-    let inside = out.actions.iter().filter(|w| scene.stays(w.clip));
+    let inside = out.actions.iter().filter(|w| scene.is_shown_clip(w.clip));
     for action in inside {
         let strong = scene.highlighted == Some(action.segment);
         let stroke =

@@ -1,47 +1,47 @@
 //! The list of clips, with a search field.
 
-use super::catalogue::{Catalogue, Entry, Field};
-use crate::command::Command;
-use crate::panels::paint::{Cell, Column, Sort, Table, time_text};
+use super::catalogue::{CatalogueClip, ClipCatalogue, ClipColumn};
+use crate::command::ViewerCommand;
+use crate::panels::paint::{RowTable, TableCell, TableColumn, TableSort, time_text};
 use eframe::egui::{Label, RichText, TextEdit, Ui};
 
-/// Columns, in the order of [`Field::ALL`].
-const COLUMNS: [Column<'static>; Field::ALL.len()] = [
-    Column::text("Clip", "Name; copies with left and right exchanged are dimmed and end in ~mirror", 100.0, 3.0),
-    Column::number("Length", "Duration", 62.0),
-    Column::number("Usable", "Share of the frames that are not left out", 52.0).spare(1),
-    Column::number("Played", "Share of the frames that the motion graph plays", 52.0).spare(1),
-    Column::number("States", "States of the motion graph that lie in the clip", 48.0).spare(2),
-    Column::number("Actions", "Actions that leave these states", 54.0).spare(2),
-    Column::text("Tags", "Names of its tags", 48.0, 1.0),
+/// Columns, in the order of [`ClipColumn::ALL`].
+const COLUMNS: [TableColumn<'static>; ClipColumn::ALL.len()] = [
+    TableColumn::text("Clip", "Name; copies with left and right exchanged are dimmed and end in ~mirror", 100.0, 3.0),
+    TableColumn::number("Length", "Duration", 62.0),
+    TableColumn::number("Usable", "Share of the frames that are not left out", 52.0).spare(1),
+    TableColumn::number("Played", "Share of the frames that the motion graph plays", 52.0).spare(1),
+    TableColumn::number("States", "States of the motion graph that lie in the clip", 48.0).spare(2),
+    TableColumn::number("Actions", "Actions that leave these states", 54.0).spare(2),
+    TableColumn::text("Tags", "Names of its tags", 48.0, 1.0),
 ];
 
 /// State of the list.
 #[derive(Clone, Debug)]
-pub struct State {
+pub struct ClipListState {
     query: String,
-    sort: Sort,
+    sort: TableSort,
     /// Key of the rows: document, query, order.
-    made_of: Option<(u64, String, Sort)>,
-    catalogue: Catalogue,
+    made_of: Option<(u64, String, TableSort)>,
+    catalogue: ClipCatalogue,
     rows: Vec<usize>,
     shown: Option<usize>,
 }
 
-impl Default for State {
+impl Default for ClipListState {
     fn default() -> Self {
         Self {
             query: String::new(),
-            sort: Sort::NONE,
+            sort: TableSort::NONE,
             made_of: None,
-            catalogue: Catalogue::default(),
+            catalogue: ClipCatalogue::default(),
             rows: Vec::new(),
             shown: None,
         }
     }
 }
 
-impl State {
+impl ClipListState {
     /// Numbers of the clips that are listed, in order.
     #[cfg(test)]
     pub fn rows(&self) -> &[usize] {
@@ -49,7 +49,7 @@ impl State {
     }
 
     /// Rebuilds the rows if something has changed.
-    fn refresh(&mut self, document: u64, catalogue: impl FnOnce() -> Catalogue) {
+    fn refresh(&mut self, document: u64, catalogue: impl FnOnce() -> ClipCatalogue) {
         let now = (document, self.query.clone(), self.sort);
         if self.made_of.as_ref() == Some(&now) {
             return;
@@ -69,11 +69,11 @@ impl State {
 /// - `selected`: the selected clip.
 pub fn show(
     ui: &mut Ui,
-    state: &mut State,
+    state: &mut ClipListState,
     document: u64,
-    catalogue: impl FnOnce() -> Catalogue,
+    catalogue: impl FnOnce() -> ClipCatalogue,
     selected: usize,
-    commands: &mut Vec<Command>,
+    commands: &mut Vec<ViewerCommand>,
 ) {
     state.refresh(document, catalogue);
     search(ui, state);
@@ -85,24 +85,25 @@ pub fn show(
         });
         return;
     }
-    let columns = if state.catalogue.has_tags() { &COLUMNS[..] } else { &COLUMNS[..Field::ALL.len() - 1] };
-    let table = Table {
+    let columns = if state.catalogue.has_tags() { &COLUMNS[..] } else { &COLUMNS[..ClipColumn::ALL.len() - 1] };
+    let table = RowTable {
         selected: state.rows.iter().position(|r| *r == selected),
         sort: Some(state.sort),
         scroll_to_selected: state.shown != Some(selected),
-        ..Table::new("clips", columns, state.rows.len())
+        ..RowTable::new("clips", columns, state.rows.len())
     };
-    let response = table.show(ui, |row, column| cell(&state.catalogue.entries[state.rows[row]], Field::ALL[column]));
+    let response =
+        table.show(ui, |row, column| cell(&state.catalogue.entries[state.rows[row]], ClipColumn::ALL[column]));
     state.shown = Some(selected);
     if let Some(sort) = response.sort {
         state.sort = sort;
     }
     if let Some(clip) = response.chosen.map(|row| state.rows[row]) {
-        commands.push(Command::ShowClip { clip, frame: 0 });
+        commands.push(ViewerCommand::ShowClip { clip, frame: 0 });
     }
 }
 
-fn search(ui: &mut Ui, state: &mut State) {
+fn search(ui: &mut Ui, state: &mut ClipListState) {
     ui.horizontal(|ui| {
         let total = state.catalogue.entries.len();
         let count = if state.rows.len() == total {
@@ -122,17 +123,21 @@ fn search(ui: &mut Ui, state: &mut State) {
     });
 }
 
-fn cell(entry: &Entry, field: Field) -> Cell {
+fn cell(entry: &CatalogueClip, field: ClipColumn) -> TableCell {
     let share = |v: f32| format!("{:.0} %", 100.0 * v);
-    let count = |n: u32| if n == 0 { Cell::weak("0") } else { Cell::new(n.to_string()) };
+    let count = |n: u32| if n == 0 { TableCell::weak("0") } else { TableCell::new(n.to_string()) };
     match field {
-        Field::Name if entry.mirrored => Cell::weak(&entry.name).ending(),
-        Field::Name => Cell::new(&entry.name).ending(),
-        Field::Duration => Cell::new(time_text(entry.duration_s)),
-        Field::Usable => Cell { text: share(entry.usable), weak: entry.usable >= 1.0, ..Cell::default() },
-        Field::Played => Cell { text: share(entry.played), weak: entry.played <= 0.0, ..Cell::default() },
-        Field::States => count(entry.states),
-        Field::Actions => count(entry.actions),
-        Field::Tags => Cell::new(&entry.tags),
+        ClipColumn::Name if entry.mirrored => TableCell::weak(&entry.name).ending(),
+        ClipColumn::Name => TableCell::new(&entry.name).ending(),
+        ClipColumn::Duration => TableCell::new(time_text(entry.duration_s)),
+        ClipColumn::Usable => {
+            TableCell { text: share(entry.usable), weak: entry.usable >= 1.0, ..TableCell::default() }
+        }
+        ClipColumn::Played => {
+            TableCell { text: share(entry.played), weak: entry.played <= 0.0, ..TableCell::default() }
+        }
+        ClipColumn::States => count(entry.states),
+        ClipColumn::Actions => count(entry.actions),
+        ClipColumn::Tags => TableCell::new(&entry.tags),
     }
 }

@@ -12,54 +12,60 @@ mod track;
 
 use super::paint::{no_bundle, time_text};
 use crate::bundle::OpenBundle;
-use crate::command::Command;
-use crate::document::{Document, RawMotion};
+use crate::command::ViewerCommand;
+use crate::document::{OpenDocument, RawMotion};
 use crate::model::Model;
-use crate::theme::Palette;
-use catalogue::Catalogue;
+use crate::theme::ThemePalette;
+use catalogue::ClipCatalogue;
 use eframe::egui::{Button, CentralPanel, Frame, Label, Panel, RichText, ScrollArea, Ui};
-use outgoing::Outgoing;
-use strip::{Source, Strip};
-use timeline::{Scene, View};
-use track::Track;
+use outgoing::OutgoingActions;
+use strip::{PoseSource, TimelineStrip};
+use timeline::{TimelineInput, TimelineView};
+use track::TimelineTrack;
 
 /// Width from which on the actions lie beside the timeline (points).
 const WIDE: f32 = 820.0;
 
 /// View settings of the panel, and cached results.
 #[derive(Clone, Debug, Default)]
-pub struct State {
-    list: list::State,
-    view: View,
-    strip: Strip,
-    track: Option<(u64, usize, Track)>,
+pub struct DatabasePanelState {
+    list: list::ClipListState,
+    view: TimelineView,
+    strip: TimelineStrip,
+    track: Option<(u64, usize, TimelineTrack)>,
     highlighted: Option<u32>,
 }
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut DatabasePanelState, commands: &mut Vec<ViewerCommand>) {
     match (&model.document, model.document.bundle()) {
-        (Document::Clip(raw), _) => raw_view(ui, raw, model, state, commands),
+        (OpenDocument::Clip(raw), _) => raw_view(ui, raw, model, state, commands),
         (_, Some(bundle)) => bundle_view(ui, bundle, model, state, commands),
         (document, None) => no_bundle(ui, document),
     }
 }
 
-fn bundle_view(ui: &mut Ui, bundle: &OpenBundle, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+fn bundle_view(
+    ui: &mut Ui,
+    bundle: &OpenBundle,
+    model: &Model,
+    state: &mut DatabasePanelState,
+    commands: &mut Vec<ViewerCommand>,
+) {
     let (document, clip) = (model.generation, model.selection.clip);
     Panel::left("clips").default_size(430.0).min_size(300.0).frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
-        list::show(ui, &mut state.list, document, || Catalogue::of(bundle), clip, commands);
+        list::show(ui, &mut state.list, document, || ClipCatalogue::from_bundle(bundle), clip, commands);
     });
     if state.track.as_ref().is_none_or(|t| (t.0, t.1) != (document, clip)) {
-        state.track = Track::of_bundle(bundle, clip).map(|t| (document, clip, t));
+        state.track = TimelineTrack::from_bundle(bundle, clip).map(|t| (document, clip, t));
     }
     let Some((_, _, track)) = &state.track else { return };
     let head = (model.player.frame as u32).min(track.num_frames - 1);
-    let outgoing = Outgoing::of(bundle, clip, track, head);
-    let scene = Scene {
+    let outgoing = OutgoingActions::from_frame(bundle, clip, track, head);
+    let scene = TimelineInput {
         document,
         track,
-        source: Source::Bundle(bundle, clip),
+        source: PoseSource::Bundle(bundle, clip),
         outgoing: outgoing.as_ref(),
         highlighted: state.highlighted,
         head,
@@ -71,25 +77,37 @@ fn bundle_view(ui: &mut Ui, bundle: &OpenBundle, model: &Model, state: &mut Stat
         state.highlighted = actions::show(ui, bundle, outgoing.as_ref(), head, commands);
     });
     let goes_to = clip_view(ui, &scene, &mut state.view, &mut state.strip);
-    commands.extend(goes_to.map(|frame| Command::ShowClip { clip, frame }));
+    commands.extend(goes_to.map(|frame| ViewerCommand::ShowClip { clip, frame }));
 }
 
-fn raw_view(ui: &mut Ui, raw: &RawMotion, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+fn raw_view(
+    ui: &mut Ui,
+    raw: &RawMotion,
+    model: &Model,
+    state: &mut DatabasePanelState,
+    commands: &mut Vec<ViewerCommand>,
+) {
     let document = model.generation;
     if state.track.as_ref().is_none_or(|t| (t.0, t.1) != (document, 0)) {
-        state.track = Track::of_raw(raw).map(|t| (document, 0, t));
+        state.track = TimelineTrack::from_raw(raw).map(|t| (document, 0, t));
     }
     let Some((_, _, track)) = &state.track else { return };
     // The player counts frames of the file.
     let step = raw.imported.clip.rate_hz / f64::from(track.rate_hz);
     let head = ((f64::from(model.player.frame) / step).round() as u32).min(track.num_frames - 1);
-    let scene = Scene { document, track, source: Source::Raw(raw), outgoing: None, highlighted: None, head };
+    let scene =
+        TimelineInput { document, track, source: PoseSource::Raw(raw), outgoing: None, highlighted: None, head };
     let goes_to = clip_view(ui, &scene, &mut state.view, &mut state.strip);
-    commands.extend(goes_to.map(|frame| Command::Seek((f64::from(frame) * step).round() as u32)));
+    commands.extend(goes_to.map(|frame| ViewerCommand::Seek((f64::from(frame) * step).round() as u32)));
 }
 
 /// Shows a description of a clip, and its timeline.
-fn clip_view(ui: &mut Ui, scene: &Scene<'_>, view: &mut View, strip: &mut Strip) -> Option<u32> {
+fn clip_view(
+    ui: &mut Ui,
+    scene: &TimelineInput<'_>,
+    view: &mut TimelineView,
+    strip: &mut TimelineStrip,
+) -> Option<u32> {
     let frame = Frame::NONE.inner_margin(4);
     CentralPanel::default_margins()
         .frame(frame)
@@ -104,17 +122,17 @@ fn clip_view(ui: &mut Ui, scene: &Scene<'_>, view: &mut View, strip: &mut Strip)
         .inner
 }
 
-fn header(ui: &mut Ui, scene: &Scene<'_>, view: &mut View) {
+fn header(ui: &mut Ui, scene: &TimelineInput<'_>, view: &mut TimelineView) {
     let track = scene.track;
     ui.horizontal(|ui| {
         let fit = Button::new("Fit").small();
         let hint = "Show all of the clip. Scroll to zoom, drag with the right button to move.";
         if ui.add_enabled(view.is_zoomed(), fit).on_hover_text(hint).on_disabled_hover_text(hint).clicked() {
-            view.fit();
+            view.show_all();
         }
         ui.strong(&track.name);
         let here = format!("at {:.2} s, frame {}", scene.head as f32 / track.rate_hz, scene.head);
-        ui.label(RichText::new(here).color(Palette::of(ui.visuals()).head));
+        ui.label(RichText::new(here).color(ThemePalette::for_visuals(ui.visuals()).head));
         let mirrored = if track.mirrored { "mirrored, " } else { "" };
         let (frames, rate, time) = (track.num_frames, track.rate_hz, time_text(track.duration_s()));
         let facts = format!("{mirrored}{frames} frames at {rate} Hz, {time}, from {}", track.source);

@@ -1,6 +1,6 @@
 //! The actions from a frame: those of its state, or of the next state.
 
-use super::track::{StateMark, Track};
+use super::track::{StateMark, TimelineTrack};
 use crate::bundle::OpenBundle;
 use throng_runtime::Planar;
 
@@ -25,18 +25,18 @@ pub struct OutgoingAction {
 
 /// A state and its actions.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outgoing {
+pub struct OutgoingActions {
     /// The state.
     pub from: StateMark,
     /// Actions of the state, the one that continues the clip first, then by error.
     pub actions: Vec<OutgoingAction>,
 }
 
-impl Outgoing {
+impl OutgoingActions {
     /// The actions from a frame; none if no state of the clip follows.
     ///
     /// - `clip`: the clip that `track` shows.
-    pub fn of(bundle: &OpenBundle, clip: usize, track: &Track, frame: u32) -> Option<Self> {
+    pub fn from_frame(bundle: &OpenBundle, clip: usize, track: &TimelineTrack, frame: u32) -> Option<Self> {
         let from = track.state_from(frame)?;
         let tables = bundle.tables();
         let graph = tables.graph();
@@ -86,7 +86,7 @@ mod tests {
         let (tables, graph) = (bundle.tables(), bundle.tables().graph());
         let mut found = 0;
         for (clip, record) in tables.clips().iter().enumerate() {
-            let track = Track::of_bundle(&bundle, clip).unwrap();
+            let track = TimelineTrack::from_bundle(&bundle, clip).unwrap();
             let rows = record.first_frame..record.first_frame + record.num_frames;
             for frame in 0..record.num_frames {
                 let after = |s: &usize| {
@@ -94,7 +94,7 @@ mod tests {
                     rows.contains(&row) && row >= rows.start + frame
                 };
                 let state = (0..graph.states.len()).filter(after).min_by_key(|s| graph.states[*s].frame);
-                let out = Outgoing::of(&bundle, clip, &track, frame);
+                let out = OutgoingActions::from_frame(&bundle, clip, &track, frame);
                 assert_eq!(out.as_ref().map(|o| o.from.state as usize), state);
                 let Some((out, state)) = out.zip(state) else { continue };
                 let actions = graph.action_offsets[state] as usize..graph.action_offsets[state + 1] as usize;

@@ -1,10 +1,10 @@
 //! Poses of a clip at regular intervals along an axis, as an onion skin.
 
-use super::figure::{Figure, Look};
+use super::figure::{FigureStyle, PoseFigure};
 use crate::bundle::OpenBundle;
 use crate::document::RawMotion;
-use crate::panels::paint::Axis;
-use crate::theme::Palette;
+use crate::panels::paint::FrameAxis;
+use crate::theme::ThemePalette;
 use eframe::egui::{Rect, Stroke, Ui, pos2};
 use glam::{Quat, Vec3};
 use throng_runtime::characters::SampleJob;
@@ -19,7 +19,7 @@ const LEAST_HEIGHT_M: f32 = 1.8;
 
 /// Source of poses.
 #[derive(Clone, Copy, Debug)]
-pub enum Source<'a> {
+pub enum PoseSource<'a> {
     /// A clip of a bundle.
     Bundle(&'a OpenBundle, usize),
     /// The clip that a build would make of a motion file.
@@ -28,7 +28,7 @@ pub enum Source<'a> {
 
 /// Which poses have been sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Key {
+struct StripKey {
     document: u64,
     clip: usize,
     first: u32,
@@ -39,22 +39,22 @@ struct Key {
 
 /// Poses as they were last sampled.
 #[derive(Clone, Debug, Default)]
-pub struct Strip {
-    key: Option<Key>,
+pub struct TimelineStrip {
+    key: Option<StripKey>,
     /// Frames and their poses; the one at the play head comes last.
-    figures: Vec<(u32, Figure)>,
+    figures: Vec<(u32, PoseFigure)>,
 }
 
-impl Strip {
+impl TimelineStrip {
     /// Paints the poses within the axis and the one at the play head.
     ///
     /// - `document`: number of the shown version.
-    pub fn show(&mut self, ui: &Ui, rect: Rect, axis: &Axis, source: Source<'_>, document: u64, head: u32) {
-        let clip = if let Source::Bundle(_, clip) = source { clip } else { 0 };
+    pub fn show(&mut self, ui: &Ui, rect: Rect, axis: &FrameAxis, source: PoseSource<'_>, document: u64, head: u32) {
+        let clip = if let PoseSource::Bundle(_, clip) = source { clip } else { 0 };
         let step = step(DISTANCE * rect.height() / axis.points_per_frame());
         let seen = axis.seen();
         let (first, last) = (seen.start / step * step, seen.end.saturating_sub(1));
-        let key = Key { document, clip, first, last, step, head };
+        let key = StripKey { document, clip, first, last, step, head };
         if self.key != Some(key) {
             let mut frames: Vec<u32> = (first..=last).step_by(step as usize).collect();
             frames.push(head);
@@ -64,8 +64,8 @@ impl Strip {
         self.paint(ui, rect, axis);
     }
 
-    fn paint(&self, ui: &Ui, rect: Rect, axis: &Axis) {
-        let palette = Palette::of(ui.visuals());
+    fn paint(&self, ui: &Ui, rect: Rect, axis: &FrameAxis) {
+        let palette = ThemePalette::for_visuals(ui.visuals());
         let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
         let ground = rect.bottom() - BELOW;
         let line = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
@@ -74,9 +74,9 @@ impl Strip {
         let scale = (ground - rect.top() - 2.0) / highest;
         let Some((head, others)) = self.figures.split_last() else { return };
         let paper = ui.visuals().extreme_bg_color;
-        let paint = |(frame, figure): &(u32, Figure), fade, halo| {
+        let paint = |(frame, figure): &(u32, PoseFigure), fade, halo| {
             let foot = pos2(axis.x_of(*frame as f32), ground);
-            figure.paint(&painter, foot, Look { scale, paper, fade, halo }, &palette);
+            figure.paint(&painter, foot, FigureStyle { scale, paper, fade, halo }, &palette);
         };
         for other in others.iter().filter(|o| o.0 != head.0) {
             paint(other, 0.5, None);
@@ -98,9 +98,9 @@ fn step(least: f32) -> u32 {
     }
 }
 
-impl Source<'_> {
+impl PoseSource<'_> {
     /// Figures of frames of the clip, numbered from its start.
-    fn sample(self, frames: &[u32]) -> Vec<Figure> {
+    fn sample(self, frames: &[u32]) -> Vec<PoseFigure> {
         match self {
             Self::Bundle(bundle, clip) => sample_bundle(bundle, clip, frames).unwrap_or_default(),
             Self::Raw(raw) => sample_raw(raw, frames),
@@ -108,7 +108,7 @@ impl Source<'_> {
     }
 }
 
-fn sample_bundle(bundle: &OpenBundle, clip: usize, frames: &[u32]) -> Option<Vec<Figure>> {
+fn sample_bundle(bundle: &OpenBundle, clip: usize, frames: &[u32]) -> Option<Vec<PoseFigure>> {
     let tables = bundle.tables();
     let record = tables.clips().get(clip)?;
     let rows: Vec<u32> = frames.iter().map(|f| record.first_frame + f.min(&(record.num_frames - 1))).collect();
@@ -117,10 +117,10 @@ fn sample_bundle(bundle: &OpenBundle, clip: usize, frames: &[u32]) -> Option<Vec
     let motion_set = bundle.motion_set();
     SampleJob { motion_set, frames: &rows, ratios: &ratios, matrices: &mut matrices }.run().ok()?;
     let figures = rows.iter().zip(matrices.chunks(NUM_JOINTS));
-    Some(figures.map(|(r, m)| Figure::new(tables.skeleton(), m, tables.contacts()[*r as usize])).collect())
+    Some(figures.map(|(r, m)| PoseFigure::new(tables.skeleton(), m, tables.contacts()[*r as usize])).collect())
 }
 
-fn sample_raw(raw: &RawMotion, frames: &[u32]) -> Vec<Figure> {
+fn sample_raw(raw: &RawMotion, frames: &[u32]) -> Vec<PoseFigure> {
     let Some(clip) = raw.clips.clips.first().filter(|c| c.num_frames() > 0) else { return Vec::new() };
     let skeleton: &Skeleton = &raw.clips.skeleton;
     let figure = |f: &u32| {
@@ -130,7 +130,7 @@ fn sample_raw(raw: &RawMotion, frames: &[u32]) -> Vec<Figure> {
         let joints = clip
             .joint_transforms(skeleton, frame)
             .map(|(p, r): (Vec3, Quat)| Mat3x4::from_rotation_translation(turn * r, turn * (p - planar.translation())));
-        Figure::new(skeleton, &joints, clip.contacts.get(frame).copied().unwrap_or_default())
+        PoseFigure::new(skeleton, &joints, clip.contacts.get(frame).copied().unwrap_or_default())
     };
     frames.iter().map(figure).collect()
 }
@@ -153,18 +153,18 @@ mod tests {
     fn poses_of_a_bundle_stand_on_the_ground() {
         let bundle = golden();
         for clip in 0..bundle.tables().clips().len() {
-            for figure in Source::Bundle(&bundle, clip).sample(&[0, 10, 1_000_000]) {
+            for figure in PoseSource::Bundle(&bundle, clip).sample(&[0, 10, 1_000_000]) {
                 assert!((1.0..2.2).contains(&figure.top()), "{figure:?}");
             }
         }
-        assert!(Source::Bundle(&bundle, usize::MAX).sample(&[0]).is_empty());
+        assert!(PoseSource::Bundle(&bundle, usize::MAX).sample(&[0]).is_empty());
     }
 
     #[test]
     fn poses_of_a_motion_file_face_ahead_wherever_the_body_goes() {
         let Some(path) = recording("bandai-1/dataset-1_walk_normal_001.bvh") else { return };
         let raw = RawMotion::open(&path).unwrap();
-        let figures = Source::Raw(&raw).sample(&[0, 20, 40, 60]);
+        let figures = PoseSource::Raw(&raw).sample(&[0, 20, 40, 60]);
         assert_eq!(figures.len(), 4);
         assert!(figures.iter().all(|f| (1.2..2.2).contains(&f.top())));
     }

@@ -8,10 +8,10 @@ use eframe::egui::{Key, MouseWheelSource, Pos2, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-type Browser = Harness<'static, Trial<State>>;
+type Browser = Harness<'static, Trial<DatabasePanelState>>;
 
 fn browser() -> Browser {
-    let mut harness = trial::<State>(Some(&golden_path()), vec2(1300.0, 320.0), show);
+    let mut harness = trial::<DatabasePanelState>(Some(&golden_path()), vec2(1300.0, 320.0), show);
     harness.run();
     harness
 }
@@ -29,7 +29,7 @@ fn place(harness: &Browser, ratio: f32) -> Pos2 {
 
 #[test]
 fn without_a_document_the_panel_says_what_to_do() {
-    let mut harness = trial::<State>(None, vec2(900.0, 300.0), show);
+    let mut harness = trial::<DatabasePanelState>(None, vec2(900.0, 300.0), show);
     harness.run();
     harness.get_by_label_contains("Open a bundle or a motion file");
 }
@@ -59,13 +59,13 @@ fn a_click_selects_a_clip_and_the_arrow_keys_go_on_from_it() {
     let names = names(&harness);
     harness.get_by_label(&names[1]).click();
     harness.run();
-    assert_eq!(harness.state().commands, [Command::ShowClip { clip: 1, frame: 0 }]);
+    assert_eq!(harness.state().commands, [ViewerCommand::ShowClip { clip: 1, frame: 0 }]);
     harness.key_press(Key::ArrowUp);
     harness.run();
-    assert_eq!(harness.state().commands.last(), Some(&Command::ShowClip { clip: 0, frame: 0 }));
+    assert_eq!(harness.state().commands.last(), Some(&ViewerCommand::ShowClip { clip: 0, frame: 0 }));
     harness.key_press(Key::End);
     harness.run();
-    assert_eq!(harness.state().commands.last(), Some(&Command::ShowClip { clip: names.len() - 1, frame: 0 }));
+    assert_eq!(harness.state().commands.last(), Some(&ViewerCommand::ShowClip { clip: names.len() - 1, frame: 0 }));
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn a_click_on_the_timeline_goes_there() {
     click(&mut harness, middle);
     let frame = harness.state().model.player.frame;
     assert!((frame - 0.5 * n as f32).abs() <= 1.0, "{frame} of {n}");
-    assert_eq!(harness.state().commands, [Command::ShowClip { clip: 0, frame: frame as u32 }]);
+    assert_eq!(harness.state().commands, [ViewerCommand::ShowClip { clip: 0, frame: frame as u32 }]);
     let end = place(&harness, 0.999);
     click(&mut harness, end);
     assert_eq!(harness.state().model.player.frame, (n - 1) as f32);
@@ -126,26 +126,26 @@ fn an_action_leads_to_the_start_of_its_segment() {
     let mut harness = browser();
     let bundle = harness.state().model.document.bundle().unwrap();
     let clip = harness.state().model.selection.clip;
-    let track = Track::of_bundle(bundle, clip).unwrap();
-    let out = Outgoing::of(bundle, clip, &track, 0).unwrap();
+    let track = TimelineTrack::from_bundle(bundle, clip).unwrap();
+    let out = OutgoingActions::from_frame(bundle, clip, &track, 0).unwrap();
     let action = *out.actions.last().unwrap();
     let label =
         format!("Go to {} {}–{}", bundle.clip_name(action.clip), action.start, action.start + action.num_frames);
     harness.get_by_label(&label).click();
     harness.run();
-    assert_eq!(harness.state().commands, [Command::ShowClip { clip: action.clip, frame: action.start }]);
+    assert_eq!(harness.state().commands, [ViewerCommand::ShowClip { clip: action.clip, frame: action.start }]);
 }
 
 #[test]
 fn a_motion_file_is_scrubbed_in_frames_of_the_file() {
     let Some(path) = recording("cmu-asfamc/02/02_01.amc") else { return };
-    let mut harness = trial::<State>(Some(&path), vec2(1000.0, 320.0), show);
+    let mut harness = trial::<DatabasePanelState>(Some(&path), vec2(1000.0, 320.0), show);
     harness.run_steps(3);
-    let Document::Clip(raw) = &harness.state().model.document else { panic!("a motion file is open") };
+    let OpenDocument::Clip(raw) = &harness.state().model.document else { panic!("a motion file is open") };
     let n = raw.imported.clip.num_frames as f32;
     let rect = harness.get_by_label("Timeline").rect();
     click(&mut harness, rect.center());
     let frame = harness.state().model.player.frame;
     assert!((frame - 0.5 * n).abs() < 0.02 * n, "{frame} of {n}");
-    assert!(matches!(harness.state().commands[..], [Command::Seek(_)]));
+    assert!(matches!(harness.state().commands[..], [ViewerCommand::Seek(_)]));
 }

@@ -1,11 +1,11 @@
 //! The timeline of a clip: a ruler, poses, and lanes for all data of its frames.
 
-use super::lanes::{self, Lanes};
-use super::outgoing::Outgoing;
-use super::strip::{Source, Strip};
-use super::track::{FEET, Track};
-use crate::panels::paint::{Axis, RULER_HEIGHT, Span, ruler};
-use crate::theme::Palette;
+use super::lanes::{self, TimelineLanes};
+use super::outgoing::OutgoingActions;
+use super::strip::{PoseSource, TimelineStrip};
+use super::track::{FEET, TimelineTrack};
+use crate::panels::paint::{FrameAxis, FrameSpan, RULER_HEIGHT, ruler};
+use crate::theme::ThemePalette;
 use eframe::egui::{
     CursorIcon, Id, PointerButton, Pos2, Rangef, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
@@ -17,46 +17,46 @@ const ZOOM_PER_POINT: f32 = 0.004;
 
 /// Input of a timeline.
 #[derive(Clone, Copy, Debug)]
-pub struct Scene<'a> {
+pub struct TimelineInput<'a> {
     /// Number of the shown version.
     pub document: u64,
     /// Data of the clip.
-    pub track: &'a Track,
+    pub track: &'a TimelineTrack,
     /// Source of the poses.
-    pub source: Source<'a>,
+    pub source: PoseSource<'a>,
     /// Actions from the play head.
-    pub outgoing: Option<&'a Outgoing>,
+    pub outgoing: Option<&'a OutgoingActions>,
     /// Segment of an action to highlight.
     pub highlighted: Option<u32>,
     /// Frame of the play head.
     pub head: u32,
 }
 
-impl Scene<'_> {
+impl TimelineInput<'_> {
     /// True where a clip of the bundle is the one shown.
-    pub fn stays(&self, clip: usize) -> bool {
-        matches!(self.source, Source::Bundle(_, shown) if shown == clip)
+    pub fn is_shown_clip(&self, clip: usize) -> bool {
+        matches!(self.source, PoseSource::Bundle(_, shown) if shown == clip)
     }
 }
 
 /// Visible part of a clip.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct View {
+pub struct TimelineView {
     /// Document and clip that the part belongs to.
     shown: Option<(u64, usize)>,
-    span: Option<Span>,
+    span: Option<FrameSpan>,
     head: u32,
 }
 
-impl View {
+impl TimelineView {
     /// The part that is seen: all of a clip that was not shown before, else with the play head in sight.
-    fn span(&mut self, scene: &Scene<'_>) -> Span {
+    fn span(&mut self, scene: &TimelineInput<'_>) -> FrameSpan {
         let n = scene.track.num_frames;
-        let clip = if let Source::Bundle(_, clip) = scene.source { clip } else { 0 };
+        let clip = if let PoseSource::Bundle(_, clip) = scene.source { clip } else { 0 };
         if self.shown != Some((scene.document, clip)) {
             *self = Self { shown: Some((scene.document, clip)), span: None, head: scene.head };
         }
-        let mut span = self.span.unwrap_or(Span::whole(n));
+        let mut span = self.span.unwrap_or(FrameSpan::whole(n));
         if self.head != scene.head {
             self.head = scene.head;
             span = span.followed(scene.head as f32, n);
@@ -70,7 +70,7 @@ impl View {
     }
 
     /// Shows all of the clip.
-    pub fn fit(&mut self) {
+    pub fn show_all(&mut self) {
         self.span = None;
     }
 }
@@ -78,19 +78,19 @@ impl View {
 /// Shows a timeline, and chooses its height.
 ///
 /// - returns the frame that the user went to.
-pub fn show(ui: &mut Ui, scene: &Scene<'_>, view: &mut View, strip: &mut Strip) -> Option<u32> {
-    let rest = Lanes::height(scene.track);
+pub fn show(ui: &mut Ui, scene: &TimelineInput<'_>, view: &mut TimelineView, strip: &mut TimelineStrip) -> Option<u32> {
+    let rest = TimelineLanes::height(scene.track);
     let poses = (ui.available_height() - rest - RULER_HEIGHT).clamp(56.0, 150.0);
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), RULER_HEIGHT + poses + rest), Sense::hover());
     let plot = rect.with_min_x((rect.left() + GUTTER).min(rect.right() - 1.0));
     let response = interact(ui, plot, ui.scope_id().with("timeline"));
-    let mut axis = Axis {
+    let mut axis = FrameAxis {
         span: view.span(scene),
         x: plot.x_range(),
         rate_hz: scene.track.rate_hz,
         num_frames: scene.track.num_frames,
     };
-    axis.span = moved(ui, &response, &axis);
+    axis.span = moved_span(ui, &response, &axis);
     view.span = Some(axis.span).filter(|s| !s.is_whole(scene.track.num_frames));
 
     let ruler_rect = plot.with_max_y(plot.top() + RULER_HEIGHT);
@@ -98,11 +98,11 @@ pub fn show(ui: &mut Ui, scene: &Scene<'_>, view: &mut View, strip: &mut Strip) 
     ui.painter().rect_filled(plot, 2.0, ui.visuals().extreme_bg_color);
     ruler(ui, ruler_rect, &axis);
     strip.show(ui, poses_rect, &axis, scene.source, scene.document, scene.head);
-    let lanes = Lanes::below(poses_rect.bottom(), rect, plot, scene.track);
+    let lanes = TimelineLanes::below(poses_rect.bottom(), rect, plot, scene.track);
     lanes::paint(ui, &lanes, &axis, scene);
     paint_head(ui, plot, &axis, scene.head);
     hover(ui, &response, plot, &axis, scene);
-    let goes_to = scrubbed(&response, &axis).filter(|f| *f != scene.head);
+    let goes_to = scrubbed_frame(&response, &axis).filter(|f| *f != scene.head);
     if goes_to.is_some() {
         // The view follows the play head on its own accord, not while the user holds it.
         view.head = goes_to.unwrap_or(view.head);
@@ -117,7 +117,7 @@ fn interact(ui: &Ui, plot: Rect, id: Id) -> Response {
 }
 
 /// The span after scrolling, zooming and panning. The consumed scroll input is removed.
-fn moved(ui: &Ui, response: &Response, axis: &Axis) -> Span {
+fn moved_span(ui: &Ui, response: &Response, axis: &FrameAxis) -> FrameSpan {
     let (mut span, n) = (axis.span, axis.num_frames);
     if response.dragged_by(PointerButton::Middle) || response.dragged_by(PointerButton::Secondary) {
         span = span.panned(-response.drag_delta().x / axis.points_per_frame(), n);
@@ -138,15 +138,15 @@ fn moved(ui: &Ui, response: &Response, axis: &Axis) -> Span {
 }
 
 /// The frame that the user points at while the primary button is down, or was clicked.
-fn scrubbed(response: &Response, axis: &Axis) -> Option<u32> {
+fn scrubbed_frame(response: &Response, axis: &FrameAxis) -> Option<u32> {
     let scrubs = response.clicked() || response.dragged_by(PointerButton::Primary);
     let held = response.is_pointer_button_down_on() && response.ctx.input(|i| i.pointer.primary_down());
     let pointer = response.interact_pointer_pos().filter(|_| scrubs || held)?;
     Some(axis.frame_at(pointer.x))
 }
 
-fn paint_head(ui: &Ui, plot: Rect, axis: &Axis, head: u32) {
-    let colour = Palette::of(ui.visuals()).head;
+fn paint_head(ui: &Ui, plot: Rect, axis: &FrameAxis, head: u32) {
+    let colour = ThemePalette::for_visuals(ui.visuals()).head;
     let x = axis.x_of(head as f32);
     let painter = ui.painter().with_clip_rect(plot.expand2(vec2(5.0, 0.0)).intersect(ui.clip_rect()));
     if !plot.x_range().contains(x) {
@@ -158,7 +158,7 @@ fn paint_head(ui: &Ui, plot: Rect, axis: &Axis, head: u32) {
     painter.add(Shape::convex_polygon(points, colour, Stroke::NONE));
 }
 
-fn hover(ui: &Ui, response: &Response, plot: Rect, axis: &Axis, scene: &Scene<'_>) {
+fn hover(ui: &Ui, response: &Response, plot: Rect, axis: &FrameAxis, scene: &TimelineInput<'_>) {
     let Some(pointer) = response.hover_pos() else { return };
     let frame = axis.frame_at(pointer.x);
     let x = axis.x_of(frame as f32);
@@ -176,7 +176,7 @@ fn hover(ui: &Ui, response: &Response, plot: Rect, axis: &Axis, scene: &Scene<'_
 }
 
 /// Description of a frame, one line for each fact.
-pub fn describe(track: &Track, frame: u32) -> Vec<String> {
+pub fn describe(track: &TimelineTrack, frame: u32) -> Vec<String> {
     let mut out = vec![format!("{:.3} s, frame {frame}", frame as f32 / track.rate_hz)];
     let contacts = track.contacts.get(frame as usize).copied().unwrap_or_default();
     let planted: Vec<&str> = FEET.iter().filter(|(part, _)| contacts.any(*part)).map(|f| f.1).collect();
@@ -206,11 +206,11 @@ mod tests {
     fn a_frame_is_described_by_all_that_is_known_of_it() {
         let bundle = golden();
         let clip = (0..bundle.tables().clips().len())
-            .find(|c| Track::of_bundle(&bundle, *c).is_some_and(|t| !t.states.is_empty()))
+            .find(|c| TimelineTrack::from_bundle(&bundle, *c).is_some_and(|t| !t.states.is_empty()))
             .unwrap();
-        let mut track = Track::of_bundle(&bundle, clip).unwrap();
+        let mut track = TimelineTrack::from_bundle(&bundle, clip).unwrap();
         let state = track.states[0];
-        track.tags = vec![super::super::track::Named { name: "walk".into(), frames: 0..track.num_frames, lane: 0 }];
+        track.tags = vec![super::super::track::NamedRun { name: "walk".into(), frames: 0..track.num_frames, lane: 0 }];
         let lines = describe(&track, state.frame);
         assert!(lines[0].ends_with(&format!("frame {}", state.frame)));
         assert!(lines.contains(&"tags: walk".to_owned()));

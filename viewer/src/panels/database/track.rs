@@ -3,7 +3,7 @@
 use super::catalogue::{played_rows, states_within};
 use crate::bundle::OpenBundle;
 use crate::document::RawMotion;
-use crate::panels::glitches::{self, Mark};
+use crate::panels::glitches::{self, GlitchMark};
 use std::ops::Range;
 use throng_precompute::clip;
 use throng_runtime::Contacts;
@@ -18,7 +18,7 @@ pub const FEET: [(Contacts, &str); 4] = [
 
 /// A named run of frames.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Named {
+pub struct NamedRun {
     /// The name, or the reason.
     pub name: String,
     /// The frames.
@@ -40,7 +40,7 @@ pub struct StateMark {
 
 /// Data of a clip for a timeline. Frames are numbered from the clip's start at the database rate.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Track {
+pub struct TimelineTrack {
     /// Name.
     pub name: String,
     /// File it came from.
@@ -56,20 +56,20 @@ pub struct Track {
     /// Runs of contact of each of [`FEET`].
     pub planted: [Vec<Range<u32>>; 4],
     /// Tags.
-    pub tags: Vec<Named>,
+    pub tags: Vec<NamedRun>,
     /// Excluded runs with their reasons.
-    pub excluded: Vec<Named>,
+    pub excluded: Vec<NamedRun>,
     /// Glitches of the recording.
-    pub glitches: Vec<Mark>,
+    pub glitches: Vec<GlitchMark>,
     /// Runs that the motion graph plays; none if there is no graph.
     pub played: Option<Vec<Range<u32>>>,
     /// States, ascending by frame.
     pub states: Vec<StateMark>,
 }
 
-impl Track {
+impl TimelineTrack {
     /// A clip of a bundle.
-    pub fn of_bundle(bundle: &OpenBundle, clip: usize) -> Option<Self> {
+    pub fn from_bundle(bundle: &OpenBundle, clip: usize) -> Option<Self> {
         let (record, meta) = bundle.clips().nth(clip)?;
         let rows = record.first_frame..record.first_frame + record.num_frames;
         let within = rows.start as usize..rows.end as usize;
@@ -86,7 +86,7 @@ impl Track {
             planted: planted(&contacts),
             tags: in_lanes(meta.tags.iter().map(|t| (t.0.clone(), t.1..t.2)), record.num_frames),
             excluded: in_lanes(meta.excluded.iter().map(|e| (e.0.clone(), e.1..e.2)), record.num_frames),
-            glitches: glitches::of_clip(meta),
+            glitches: glitches::clip_glitches(meta),
             played: Some(runs(&played[within], |p| *p)),
             states: states
                 .map(|s| StateMark {
@@ -100,7 +100,7 @@ impl Track {
     }
 
     /// The clip that a build would make of a motion file.
-    pub fn of_raw(raw: &RawMotion) -> Option<Self> {
+    pub fn from_raw(raw: &RawMotion) -> Option<Self> {
         let clip = raw.clips.clips.first().filter(|c| c.num_frames() > 0)?;
         let n = clip.num_frames() as u32;
         let range = |r: &Range<usize>| r.start as u32..r.end as u32;
@@ -113,7 +113,7 @@ impl Track {
             planted: planted(&clip.contacts),
             tags: in_lanes(clip.tags.iter().map(|t| (t.name.clone(), range(&t.range))), n),
             excluded: in_lanes(clip.excluded.iter().map(|e| (e.reason.to_string(), range(&e.range))), n),
-            glitches: glitches::of_raw(raw).into_iter().map(|m| at_rate(m, raw)).collect(),
+            glitches: glitches::raw_glitches(raw).into_iter().map(|m| glitch_at_clip_rate(m, raw)).collect(),
             played: None,
             states: Vec::new(),
             contacts: clip.contacts.clone(),
@@ -137,9 +137,9 @@ impl Track {
 }
 
 /// A glitch of a motion file, in frames of the clip that a build would make of it.
-fn at_rate(mark: Mark, raw: &RawMotion) -> Mark {
+fn glitch_at_clip_rate(mark: GlitchMark, raw: &RawMotion) -> GlitchMark {
     let [first, last] = [mark.frames.start, mark.frames.end.saturating_sub(1)].map(|f| raw.clip_frame(f as f32) as u32);
-    Mark { frames: first..last + 1, ..mark }
+    GlitchMark { frames: first..last + 1, ..mark }
 }
 
 fn planted(contacts: &[Contacts]) -> [Vec<Range<u32>>; 4] {
@@ -148,14 +148,14 @@ fn planted(contacts: &[Contacts]) -> [Vec<Range<u32>>; 4] {
 
 /// The longest runs of items for which `holds` is true, in order.
 fn runs<T>(items: &[T], holds: impl Fn(&T) -> bool) -> Vec<Range<u32>> {
-    let runs = clip::runs(0..items.len(), |i| holds(&items[i]));
+    let runs = clip::runs_where(0..items.len(), |i| holds(&items[i]));
     runs.into_iter().map(|r| r.start as u32..r.end as u32).collect()
 }
 
 /// Sorts runs by their start and lays each into the first lane that is free.
-fn in_lanes(runs: impl Iterator<Item = (String, Range<u32>)>, num_frames: u32) -> Vec<Named> {
-    let mut out: Vec<Named> = runs
-        .map(|(name, r)| Named { name, frames: r.start.min(num_frames)..r.end.min(num_frames), lane: 0 })
+fn in_lanes(runs: impl Iterator<Item = (String, Range<u32>)>, num_frames: u32) -> Vec<NamedRun> {
+    let mut out: Vec<NamedRun> = runs
+        .map(|(name, r)| NamedRun { name, frames: r.start.min(num_frames)..r.end.min(num_frames), lane: 0 })
         .filter(|n| !n.frames.is_empty())
         .collect();
     out.sort_by(|a, b| (a.frames.start, a.frames.end, &a.name).cmp(&(b.frames.start, b.frames.end, &b.name)));
@@ -196,7 +196,7 @@ mod tests {
         let bundle = golden();
         let tables = bundle.tables();
         for (i, record) in tables.clips().iter().enumerate() {
-            let track = Track::of_bundle(&bundle, i).unwrap();
+            let track = TimelineTrack::from_bundle(&bundle, i).unwrap();
             for f in 0..track.num_frames {
                 let row = record.first_frame + f;
                 for ((part, _), runs) in FEET.iter().zip(&track.planted) {
@@ -209,6 +209,6 @@ mod tests {
                 assert_eq!(track.state_from(f).map(|s| s.state as usize), expected);
             }
         }
-        assert_eq!(Track::of_bundle(&bundle, tables.clips().len()), None);
+        assert_eq!(TimelineTrack::from_bundle(&bundle, tables.clips().len()), None);
     }
 }

@@ -1,10 +1,10 @@
 //! Paints the graph: clips, segments, states, and the links of the selected states.
 
-use super::layout::{Bar, Lane, Layout};
-use super::links::{Link, Links, outgoing};
-use super::view::Scale;
+use super::layout::{ClipLane, GraphLayout, SegmentBar};
+use super::links::{ActionLink, ActionLinks, outgoing};
+use super::view::GraphScale;
 use crate::bundle::OpenBundle;
-use crate::theme::{Palette, viridis};
+use crate::theme::{ThemePalette, viridis};
 use eframe::egui::epaint::CubicBezierShape;
 use eframe::egui::text::{LayoutJob, TextFormat, TextWrapping};
 use eframe::egui::{Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Ui, Vec2, pos2};
@@ -17,15 +17,15 @@ const REACH: f32 = 7.0;
 
 /// Input of the drawing.
 #[derive(Clone, Copy)]
-pub struct Drawing<'a> {
+pub struct GraphDrawing<'a> {
     /// The bundle.
     pub bundle: &'a OpenBundle,
     /// Places.
-    pub layout: &'a Layout,
+    pub layout: &'a GraphLayout,
     /// Links.
-    pub links: &'a Links,
+    pub links: &'a ActionLinks,
     /// Places on the screen.
-    pub scale: Scale,
+    pub scale: GraphScale,
     /// Selected state.
     pub selected: Option<u32>,
     /// State under the pointer.
@@ -36,7 +36,7 @@ pub struct Drawing<'a> {
     pub playing: Option<(u32, f32)>,
 }
 
-impl Drawing<'_> {
+impl GraphDrawing<'_> {
     /// Paints all that can be seen.
     pub fn paint(&self, ui: &Ui, painter: &Painter) {
         let focused: Vec<u32> = self.selected.into_iter().chain(self.hovered).collect();
@@ -55,17 +55,17 @@ impl Drawing<'_> {
         self.paint_character(ui, painter);
     }
 
-    fn lanes(&self) -> impl Iterator<Item = &Lane> {
+    fn lanes(&self) -> impl Iterator<Item = &ClipLane> {
         let [low, high] = self.scale.range_s();
         let rows = &self.layout.rows[self.scale.rows(self.layout)];
         rows.iter().flat_map(|r| &self.layout.lanes[r.clone()]).filter(move |l| l.end >= low && l.start <= high)
     }
 
-    fn rect(&self, bar: &Bar) -> Rect {
+    fn rect(&self, bar: &SegmentBar) -> Rect {
         self.scale.bar(&self.layout.lanes[bar.lane as usize], bar)
     }
 
-    fn paint_lane(&self, ui: &Ui, painter: &Painter, lane: &Lane, faint: bool) {
+    fn paint_lane(&self, ui: &Ui, painter: &Painter, lane: &ClipLane, faint: bool) {
         let visuals = ui.visuals();
         let rect = self.scale.lane(lane);
         painter.rect_filled(rect.expand2(Vec2::new(2.0, 0.0)), 2.0, visuals.faint_bg_color);
@@ -114,7 +114,11 @@ impl Drawing<'_> {
 
     fn paint_links(&self, ui: &Ui, painter: &Painter, graph: &MotionGraph, state: u32) {
         for link in self.links.leading_to(state) {
-            self.paint_link(painter, link, Stroke::new(0.8, Palette::of(ui.visuals()).incoming.gamma_multiply(0.7)));
+            self.paint_link(
+                painter,
+                link,
+                Stroke::new(0.8, ThemePalette::for_visuals(ui.visuals()).incoming.gamma_multiply(0.7)),
+            );
         }
         for link in outgoing(graph, state) {
             self.paint_link(painter, &link, Stroke::new(1.3, self.cost_colour(ui, link.error)));
@@ -129,7 +133,7 @@ impl Drawing<'_> {
     }
 
     /// From a state to where the next segment starts.
-    fn paint_link(&self, painter: &Painter, link: &Link, stroke: Stroke) {
+    fn paint_link(&self, painter: &Painter, link: &ActionLink, stroke: Stroke) {
         let Some(from) = self.state_place(link.from) else { return };
         let to = self.rect(self.layout.bar(link.segment)).left_center();
         if from.distance(to) < 2.0 {
@@ -154,7 +158,7 @@ impl Drawing<'_> {
                 let at = self.scale.bar(lane, bar).right_center();
                 if graph.states[state as usize].standing != 0 {
                     let square = Rect::from_center_size(at, Vec2::splat(2.2 * radius));
-                    painter.rect_filled(square, 0.0, Palette::of(visuals).standing);
+                    painter.rect_filled(square, 0.0, ThemePalette::for_visuals(visuals).standing);
                 } else {
                     painter.circle(at, radius, fill, Stroke::new(0.5, edge));
                 }
@@ -174,7 +178,7 @@ impl Drawing<'_> {
         let bar = self.layout.bar(segment);
         let rect = self.rect(bar);
         let x = self.scale.x(self.layout.moment(bar, frames));
-        let colour = Palette::of(ui.visuals()).character;
+        let colour = ThemePalette::for_visuals(ui.visuals()).character;
         painter.rect_stroke(rect.expand(1.0), 1.0, Stroke::new(1.5, colour), eframe::egui::StrokeKind::Outside);
         painter.vline(x, rect.expand(3.0).y_range(), Stroke::new(2.0, colour));
         let tip = pos2(x, rect.top() - 2.0);
@@ -192,7 +196,7 @@ impl Drawing<'_> {
     pub fn state_at(&self, point: Pos2) -> Option<u32> {
         let graph = self.bundle.tables().graph();
         let reach = [-REACH, REACH].map(|r| self.scale.seconds(point.x + r));
-        let near = |lane: &Lane| self.scale.lane(lane).expand(REACH).contains(point);
+        let near = |lane: &ClipLane| self.scale.lane(lane).expand(REACH).contains(point);
         let bars = self.lanes().filter(|l| near(l)).flat_map(|l| {
             self.layout.bars_within(l, reach).iter().map(|b| (b, self.scale.bar(l, b).right_center().distance(point)))
         });

@@ -5,7 +5,7 @@ use throng_runtime::Bundle;
 
 /// The numbers of a motion graph.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Facts {
+pub struct GraphFacts {
     states: usize,
     standing: usize,
     actions: usize,
@@ -15,7 +15,7 @@ pub struct Facts {
     frames: [u64; 2],
 }
 
-impl Facts {
+impl GraphFacts {
     /// Counts the contents of a bundle.
     pub fn new(tables: &Bundle) -> Self {
         let graph = tables.graph();

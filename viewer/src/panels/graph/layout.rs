@@ -13,7 +13,7 @@ const GAP: f32 = 0.012;
 
 /// A clip that takes part.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lane {
+pub struct ClipLane {
     /// Number of the clip.
     pub clip: usize,
     /// Row it lies in.
@@ -26,13 +26,13 @@ pub struct Lane {
     pub first_frame: u32,
     /// Segments that overlap in time lie in different tracks (>= 1).
     pub num_tracks: u32,
-    /// Segments of the clip, as a range of [`Layout::segments`].
+    /// Segments of the clip, as a range of [`GraphLayout::segments`].
     pub segments: Range<usize>,
 }
 
 /// A segment's place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bar {
+pub struct SegmentBar {
     /// Number of the segment.
     pub segment: u32,
     /// Lane it lies in.
@@ -47,13 +47,13 @@ pub struct Bar {
 
 /// The drawing without its scale.
 #[derive(Clone, Debug, Default)]
-pub struct Layout {
+pub struct GraphLayout {
     /// Clips that take part, by row and then by place.
-    pub lanes: Vec<Lane>,
+    pub lanes: Vec<ClipLane>,
     /// Lanes of each row (number of rows).
     pub rows: Vec<Range<usize>>,
     /// Segments, by lane and then by start.
-    pub segments: Vec<Bar>,
+    pub segments: Vec<SegmentBar>,
     /// Place of each segment in `segments` (number of segments).
     pub bar_of: Vec<u32>,
     /// Bar with the state at its end, for each state with one (number of states).
@@ -63,7 +63,7 @@ pub struct Layout {
     rate_hz: f32,
 }
 
-impl Layout {
+impl GraphLayout {
     /// Lays out the graph of a bundle.
     pub fn new(tables: &Bundle) -> Self {
         let graph = tables.graph();
@@ -103,9 +103,9 @@ impl Layout {
             tracks[track] = end;
             last = last.max(end);
             let at = |frame: u32| (frame - first_frame) as f32 / self.rate_hz;
-            self.segments.push(Bar { segment, lane, track: track as u32, start: at(s.start), end: at(end) });
+            self.segments.push(SegmentBar { segment, lane, track: track as u32, start: at(s.start), end: at(end) });
         }
-        self.lanes.push(Lane {
+        self.lanes.push(ClipLane {
             clip: of(&order[0]).clip as usize,
             row: 0,
             start: 0.0,
@@ -145,17 +145,17 @@ impl Layout {
     }
 
     /// The bar that a segment is drawn as (segment < number of segments).
-    pub fn bar(&self, segment: u32) -> &Bar {
+    pub fn bar(&self, segment: u32) -> &SegmentBar {
         &self.segments[self.bar_of[segment as usize] as usize]
     }
 
     /// Place of a moment of a segment along its row (frames from its start; s).
-    pub fn moment(&self, bar: &Bar, frames: f32) -> f32 {
+    pub fn moment(&self, bar: &SegmentBar, frames: f32) -> f32 {
         (bar.start + frames / self.rate_hz).min(bar.end)
     }
 
     /// Bars of a lane that overlap a range of places; may include neighbours.
-    pub fn bars_within(&self, lane: &Lane, [low, high]: [f32; 2]) -> &[Bar] {
+    pub fn bars_within(&self, lane: &ClipLane, [low, high]: [f32; 2]) -> &[SegmentBar] {
         let bars = &self.segments[lane.segments.clone()];
         let longest = bars.iter().map(|b| b.end - b.start).fold(0.0, f32::max);
         let from = bars.partition_point(|b| b.start < low - longest);
@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn lanes_of_a_row_do_not_overlap_and_all_segments_lie_in_theirs() {
         let b = golden();
-        let layout = Layout::new(b.tables());
+        let layout = GraphLayout::new(b.tables());
         assert_eq!(layout.segments.len(), b.tables().graph().segments.len());
         for (r, row) in layout.rows.iter().enumerate() {
             let lanes = &layout.lanes[row.clone()];
@@ -197,7 +197,7 @@ mod tests {
             reserved: 0,
         };
         let segments = [segment(10, 20), segment(12, 18), segment(15, 30), segment(30, 5), segment(31, 4)];
-        let mut layout = Layout { rate_hz: 30.0, ..Layout::default() };
+        let mut layout = GraphLayout { rate_hz: 30.0, ..GraphLayout::default() };
         layout.add_lane(&segments, &[0, 1, 2, 3, 4]);
         assert_eq!(layout.lanes[0].num_tracks, 3);
         for (i, a) in layout.segments.iter().enumerate() {
@@ -210,14 +210,14 @@ mod tests {
     #[test]
     fn visible_bars_of_a_lane_are_found() {
         let b = golden();
-        let layout = Layout::new(b.tables());
+        let layout = GraphLayout::new(b.tables());
         for lane in &layout.lanes {
             for part in 0..8 {
                 let low = lane.start + (lane.end - lane.start) * part as f32 / 8.0;
                 let range = [low, low + 0.7];
                 let found = layout.bars_within(lane, range);
-                let seen = |bar: &&Bar| bar.end >= range[0] && bar.start <= range[1];
-                let all: Vec<&Bar> = layout.segments[lane.segments.clone()].iter().filter(seen).collect();
+                let seen = |bar: &&SegmentBar| bar.end >= range[0] && bar.start <= range[1];
+                let all: Vec<&SegmentBar> = layout.segments[lane.segments.clone()].iter().filter(seen).collect();
                 assert!(all.iter().all(|bar| found.contains(bar)));
             }
         }

@@ -4,7 +4,7 @@ use throng_runtime::graph::MotionGraph;
 
 /// An action, by the state that may take it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Link {
+pub struct ActionLink {
     /// State that may take it.
     pub from: u32,
     /// Segment it plays.
@@ -15,9 +15,9 @@ pub struct Link {
 
 /// Actions by the state that they lead to.
 #[derive(Clone, Debug, Default)]
-pub struct Links {
+pub struct ActionLinks {
     offsets: Vec<u32>,
-    incoming: Vec<Link>,
+    incoming: Vec<ActionLink>,
     /// Actions that play each segment (number of segments).
     pub plays: Vec<u32>,
     /// The largest of them.
@@ -26,7 +26,7 @@ pub struct Links {
     pub max_error: f32,
 }
 
-impl Links {
+impl ActionLinks {
     /// Goes through all actions of a graph.
     pub fn new(graph: &MotionGraph) -> Self {
         let num_states = graph.states.len();
@@ -40,7 +40,7 @@ impl Links {
             offsets[s + 1] += offsets[s];
         }
         let mut next = offsets.clone();
-        let mut incoming = vec![Link { from: 0, segment: 0, error: 0.0 }; graph.action_segments.len()];
+        let mut incoming = vec![ActionLink { from: 0, segment: 0, error: 0.0 }; graph.action_segments.len()];
         for from in 0..num_states as u32 {
             for link in outgoing(graph, from) {
                 let to = graph.segments[link.segment as usize].end as usize;
@@ -54,17 +54,17 @@ impl Links {
     }
 
     /// Actions that lead into a state, by the state that may take them (state < number of states).
-    pub fn leading_to(&self, state: u32) -> &[Link] {
+    pub fn leading_to(&self, state: u32) -> &[ActionLink] {
         let s = state as usize;
         &self.incoming[self.offsets[s] as usize..self.offsets[s + 1] as usize]
     }
 }
 
 /// Actions of a state, in order (state < number of states).
-pub fn outgoing(graph: &MotionGraph, from: u32) -> impl Iterator<Item = Link> {
+pub fn outgoing(graph: &MotionGraph, from: u32) -> impl Iterator<Item = ActionLink> {
     let first = graph.action_offsets[from as usize] as usize;
     let errors = &graph.action_errors[first..];
-    graph.segments_of(from).iter().zip(errors).map(move |(&segment, &error)| Link { from, segment, error })
+    graph.segments_of(from).iter().zip(errors).map(move |(&segment, &error)| ActionLink { from, segment, error })
 }
 
 #[cfg(test)]
@@ -76,11 +76,11 @@ mod tests {
     fn actions_into_a_state_are_those_that_a_search_finds() {
         let b = golden();
         let graph = b.tables().graph();
-        let links = Links::new(graph);
+        let links = ActionLinks::new(graph);
         let mut total = 0;
         for to in 0..graph.states.len() as u32 {
-            let leads = |l: &Link| graph.segments[l.segment as usize].end == to;
-            let searched: Vec<Link> =
+            let leads = |l: &ActionLink| graph.segments[l.segment as usize].end == to;
+            let searched: Vec<ActionLink> =
                 (0..graph.states.len() as u32).flat_map(|s| outgoing(graph, s)).filter(leads).collect();
             assert_eq!(links.leading_to(to), searched);
             total += searched.len();

@@ -1,24 +1,24 @@
 //! The list of a state's actions; a click plays one.
 
-use super::State;
-use super::links::{Link, outgoing};
+use super::GraphPanelState;
+use super::links::{ActionLink, outgoing};
 use crate::bundle::OpenBundle;
-use crate::command::Command;
+use crate::command::ViewerCommand;
 use crate::model::Model;
-use crate::panels::paint::{Cell, Click, Column, Sort, Table, least_width};
+use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn, TableSort, least_width};
 use crate::panels::words;
-use crate::run::Input;
+use crate::run::RunInput;
 use eframe::egui::{Response, RichText, Ui};
 use std::cmp::Ordering;
 use throng_runtime::Planar;
 
 /// The columns.
-const COLUMNS: [Column<'static>; 5] = [
-    Column::text("plays", "Clip and frames of the segment", 165.0, 1.0),
-    Column::number("s", "Duration [s]", 44.0).spare(1),
-    Column::text("leads", "Displacement and turn, as seen from the character", 200.0, 0.5).spare(2),
-    Column::number("error", "Difference of the frames at the transition [rad]; 0 if the clip continues", 56.0),
-    Column::number("to", "State it leads to", 46.0).spare(3),
+const COLUMNS: [TableColumn<'static>; 5] = [
+    TableColumn::text("plays", "Clip and frames of the segment", 165.0, 1.0),
+    TableColumn::number("s", "Duration [s]", 44.0).spare(1),
+    TableColumn::text("leads", "Displacement and turn, as seen from the character", 200.0, 0.5).spare(2),
+    TableColumn::number("error", "Difference of the frames at the transition [rad]; 0 if the clip continues", 56.0),
+    TableColumn::number("to", "State it leads to", 46.0).spare(3),
 ];
 
 /// Width of the list (points).
@@ -27,7 +27,14 @@ pub fn width() -> f32 {
 }
 
 /// Shows the actions of a state; notes the segment under the pointer.
-pub fn show(ui: &mut Ui, model: &Model, bundle: &OpenBundle, state: u32, own: &mut State, commands: &mut Vec<Command>) {
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    bundle: &OpenBundle,
+    state: u32,
+    own: &mut GraphPanelState,
+    commands: &mut Vec<ViewerCommand>,
+) {
     let graph = bundle.tables().graph();
     let Some(record) = graph.states.get(state as usize) else { return };
     let clip = bundle.clip_of(record.frame);
@@ -38,7 +45,7 @@ pub fn show(ui: &mut Ui, model: &Model, bundle: &OpenBundle, state: u32, own: &m
         let kind = if record.standing != 0 { ", standing" } else { "" };
         ui.label(format!("{} {frame}{kind}", bundle.clip_name(clip)));
         if ui.small_button("show").on_hover_text("Show this frame in the 3-D view").clicked() {
-            commands.push(Command::ShowClip { clip, frame });
+            commands.push(ViewerCommand::ShowClip { clip, frame });
         }
     });
     let incoming = own.drawn.as_ref().map_or(0, |d| d.links.leading_to(state).len());
@@ -56,8 +63,11 @@ pub fn show(ui: &mut Ui, model: &Model, bundle: &OpenBundle, state: u32, own: &m
         None => ui.label(RichText::new("No character is selected: a click shows the motion instead.").weak()),
     };
     let rows = sorted(bundle, state, own.sort);
-    let table =
-        Table { click: Click::Does("Play"), sort: Some(own.sort), ..Table::new("actions", &COLUMNS, rows.len()) };
+    let table = RowTable {
+        click: RowClick::Does("Play"),
+        sort: Some(own.sort),
+        ..RowTable::new("actions", &COLUMNS, rows.len())
+    };
     let response = table.show(ui, |row, column| cell(bundle, &rows[row], column));
     own.sort = response.sort.unwrap_or(own.sort);
     if let Some(link) = response.chosen.and_then(|row| rows.get(row)) {
@@ -65,52 +75,56 @@ pub fn show(ui: &mut Ui, model: &Model, bundle: &OpenBundle, state: u32, own: &m
     }
     if let Some((row, response)) = response.hovered {
         own.hovered_action = Some(rows[row].segment);
-        tell(bundle, response, &rows[row]);
+        show_tooltip(bundle, response, &rows[row]);
     }
 }
 
-fn cell(bundle: &OpenBundle, link: &Link, column: usize) -> Cell {
+fn cell(bundle: &OpenBundle, link: &ActionLink, column: usize) -> TableCell {
     let segment = bundle.tables().graph().segments[link.segment as usize];
     match column {
-        0 => Cell::new(bundle.describe_segment(link.segment)).ending(),
-        1 => Cell::new(format!("{:.2}", segment.num_frames as f32 / bundle.rate_hz())),
-        2 => Cell::new(words::way(segment.displacement())),
-        3 => Cell::new(format!("{:.3}", link.error)),
-        _ => Cell::new(segment.end.to_string()),
+        0 => TableCell::new(bundle.describe_segment(link.segment)).ending(),
+        1 => TableCell::new(format!("{:.2}", segment.num_frames as f32 / bundle.rate_hz())),
+        2 => TableCell::new(words::displacement(segment.displacement())),
+        3 => TableCell::new(format!("{:.3}", link.error)),
+        _ => TableCell::new(segment.end.to_string()),
     }
 }
 
 /// Lets a character play a segment; without a character, shows its motion.
-fn play(bundle: &OpenBundle, segment: u32, player: Option<usize>) -> Command {
+fn play(bundle: &OpenBundle, segment: u32, player: Option<usize>) -> ViewerCommand {
     let record = bundle.tables().graph().segments[segment as usize];
     let first = bundle.tables().clips()[record.clip as usize].first_frame;
     match player {
-        Some(character) => Command::Input(Input::Play { character, segment }),
-        None => Command::ShowClip { clip: record.clip as usize, frame: record.start - first },
+        Some(character) => ViewerCommand::Input(RunInput::Play { character, segment }),
+        None => ViewerCommand::ShowClip { clip: record.clip as usize, frame: record.start - first },
     }
 }
 
 /// Shows a tooltip with details that may not fit the row.
-fn tell(bundle: &OpenBundle, response: Response, link: &Link) {
+fn show_tooltip(bundle: &OpenBundle, response: Response, link: &ActionLink) {
     let segment = bundle.tables().graph().segments[link.segment as usize];
     response.on_hover_ui(|ui| {
         ui.strong(bundle.describe_segment(link.segment));
         let seconds = segment.num_frames as f32 / bundle.rate_hz();
-        ui.label(format!("{seconds:.2} s, {} frames: {}", segment.num_frames, words::way(segment.displacement())));
+        ui.label(format!(
+            "{seconds:.2} s, {} frames: {}",
+            segment.num_frames,
+            words::displacement(segment.displacement())
+        ));
         ui.label(format!("error {:.3} rad, leads to state {}", link.error, segment.end));
     });
 }
 
 /// A state's actions in the order asked for.
-fn sorted(bundle: &OpenBundle, state: u32, sort: Sort) -> Vec<Link> {
+fn sorted(bundle: &OpenBundle, state: u32, sort: TableSort) -> Vec<ActionLink> {
     let graph = bundle.tables().graph();
-    let mut links: Vec<Link> = outgoing(graph, state).collect();
-    let of = |l: &Link| &graph.segments[l.segment as usize];
-    let distance = |l: &Link| {
+    let mut links: Vec<ActionLink> = outgoing(graph, state).collect();
+    let of = |l: &ActionLink| &graph.segments[l.segment as usize];
+    let distance = |l: &ActionLink| {
         let Planar { x, z, .. } = of(l).displacement();
         x.hypot(z)
     };
-    let compare = |a: &Link, b: &Link| -> Ordering {
+    let compare = |a: &ActionLink, b: &ActionLink| -> Ordering {
         match sort.column {
             0 => (of(a).clip, of(a).start).cmp(&(of(b).clip, of(b).start)),
             1 => of(a).num_frames.cmp(&of(b).num_frames),

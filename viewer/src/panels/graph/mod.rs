@@ -8,38 +8,38 @@ mod list;
 mod view;
 
 use crate::bundle::OpenBundle;
-use crate::command::Command;
+use crate::command::ViewerCommand;
 use crate::model::Model;
-use crate::panels::paint::{Sort, legend};
-use crate::theme::{Palette, viridis};
-use draw::Drawing;
+use crate::panels::paint::{TableSort, legend};
+use crate::theme::{ThemePalette, viridis};
+use draw::GraphDrawing;
 use eframe::egui::{
     Align, CursorIcon, Layout as UiLayout, Rect, Response, RichText, Role, Sense, Ui, UiBuilder, Vec2, WidgetInfo,
 };
-use facts::Facts;
-use layout::Layout;
-use links::Links;
-use view::View;
+use facts::GraphFacts;
+use layout::GraphLayout;
+use links::ActionLinks;
+use view::GraphView;
 
 /// Motion shown around a clip that is searched (s).
 const AROUND_S: f32 = 8.0;
 
 /// Results computed once for a bundle.
 #[derive(Clone, Debug)]
-struct Drawn {
+struct DrawnGraph {
     /// Generation of the document.
     document: u64,
-    layout: Layout,
-    links: Links,
-    facts: Facts,
+    layout: GraphLayout,
+    links: ActionLinks,
+    facts: GraphFacts,
 }
 
 /// View settings of the graph.
 #[derive(Clone, Debug)]
-pub struct State {
-    drawn: Option<Drawn>,
-    view: View,
-    sort: Sort,
+pub struct GraphPanelState {
+    drawn: Option<DrawnGraph>,
+    view: GraphView,
+    sort: TableSort,
     search: String,
     follow: bool,
     /// Segment that stands out since the last frame.
@@ -51,12 +51,12 @@ pub struct State {
     rect: Rect,
 }
 
-impl Default for State {
+impl Default for GraphPanelState {
     fn default() -> Self {
         Self {
             drawn: None,
-            view: View::default(),
-            sort: Sort { column: 3, descending: false },
+            view: GraphView::default(),
+            sort: TableSort { column: 3, descending: false },
             search: String::new(),
             follow: false,
             marked: None,
@@ -68,7 +68,7 @@ impl Default for State {
 }
 
 /// Shows the motion graph of the open bundle.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut GraphPanelState, commands: &mut Vec<ViewerCommand>) {
     let Some(bundle) = model.document.bundle() else {
         ui.weak("A motion graph is part of a bundle; open one to see it.");
         return;
@@ -80,7 +80,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     state.prepare(bundle, model.generation);
     show_header(ui, bundle, state);
     state.marked = state.hovered_action.take();
-    let looked_at = model.looked_at_state().filter(|&s| (s as usize) < bundle.tables().graph().states.len());
+    let looked_at = model.inspected_state().filter(|&s| (s as usize) < bundle.tables().graph().states.len());
     let rest = ui.available_rect_before_wrap();
     let list_width = if looked_at.is_some() { list::width().min(0.5 * rest.width()) } else { 0.0 };
     let (drawing, side) = rest.split_left_right_at_x(rest.right() - list_width);
@@ -92,27 +92,28 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     }
 }
 
-impl State {
+impl GraphPanelState {
     /// Computes the results that depend on the bundle alone.
     fn prepare(&mut self, bundle: &OpenBundle, document: u64) {
         if self.drawn.as_ref().is_some_and(|d| d.document == document) {
             return;
         }
         let tables = bundle.tables();
-        let (layout, links, facts) = (Layout::new(tables), Links::new(tables.graph()), Facts::new(tables));
-        self.drawn = Some(Drawn { document, layout, links, facts });
-        self.view = View::default();
+        let (layout, links, facts) =
+            (GraphLayout::new(tables), ActionLinks::new(tables.graph()), GraphFacts::new(tables));
+        self.drawn = Some(DrawnGraph { document, layout, links, facts });
+        self.view = GraphView::default();
     }
 }
 
-fn show_header(ui: &mut Ui, bundle: &OpenBundle, state: &mut State) {
-    let State { drawn, view, search, follow, rect, .. } = state;
+fn show_header(ui: &mut Ui, bundle: &OpenBundle, state: &mut GraphPanelState) {
+    let GraphPanelState { drawn, view, search, follow, rect, .. } = state;
     let Some(drawn) = drawn else { return };
     ui.horizontal_wrapped(|ui| {
         drawn.facts.show(ui);
         ui.separator();
         if ui.button("Fit").on_hover_text("Show all of the graph").clicked() {
-            *view = View::default();
+            *view = GraphView::default();
         }
         ui.checkbox(follow, "Follow").on_hover_text("Keep the segment of the selected character in sight");
         let edit =
@@ -126,14 +127,14 @@ fn show_header(ui: &mut Ui, bundle: &OpenBundle, state: &mut State) {
         let most = drawn.links.max_plays as f32;
         legend(ui, [0.0, most], "bars: played by", |t| viridis::line(t.sqrt(), dark));
         legend(ui, [0.0, drawn.links.max_error], "links: error", |t| viridis::line(t, dark));
-        let palette = Palette::of(ui.visuals());
+        let palette = ThemePalette::for_visuals(ui.visuals());
         ui.colored_label(palette.incoming, "links in");
         ui.colored_label(palette.standing, "standing");
     });
 }
 
 /// Place of the first used clip with a name that contains a text.
-fn find(bundle: &OpenBundle, layout: &Layout, text: &str) -> Option<(usize, f32)> {
+fn find(bundle: &OpenBundle, layout: &GraphLayout, text: &str) -> Option<(usize, f32)> {
     let text = text.trim().to_lowercase();
     let is_meant = |clip: usize| bundle.clip_name(clip).to_lowercase().contains(&text);
     let lane = layout.lanes.iter().find(|l| !text.is_empty() && is_meant(l.clip))?;
@@ -145,8 +146,8 @@ fn show_drawing(
     rect: Rect,
     model: &Model,
     bundle: &OpenBundle,
-    state: &mut State,
-    commands: &mut Vec<Command>,
+    state: &mut GraphPanelState,
+    commands: &mut Vec<ViewerCommand>,
 ) {
     ui.advance_cursor_after_rect(rect);
     // A fixed name keeps the widget's identity, whatever is shown above it.
@@ -165,12 +166,12 @@ fn show_drawing(
         let row = drawn.layout.lanes[bar.lane as usize].row;
         state.view.centre(&drawn.layout, rect, (row, drawn.layout.moment(bar, frames)));
     }
-    let mut drawing = Drawing {
+    let mut drawing = GraphDrawing {
         bundle,
         layout: &drawn.layout,
         links: &drawn.links,
         scale: state.view.scale(&drawn.layout, rect),
-        selected: model.looked_at_state(),
+        selected: model.inspected_state(),
         hovered: None,
         marked: state.marked,
         playing,
@@ -184,13 +185,13 @@ fn show_drawing(
         state.pressed = drawing.hovered;
     }
     if response.clicked() && response.interact_pointer_pos().is_some() {
-        commands.push(Command::SelectState(state.pressed.take()));
+        commands.push(ViewerCommand::SelectState(state.pressed.take()));
     }
-    tell(response, &drawing);
+    show_tooltip(response, &drawing);
 }
 
 /// Shows a tooltip about the state or segment under the pointer.
-fn tell(response: Response, drawing: &Drawing<'_>) {
+fn show_tooltip(response: Response, drawing: &GraphDrawing<'_>) {
     let Some(point) = response.hover_pos().filter(|_| !response.dragged()) else { return };
     let (bundle, graph) = (drawing.bundle, drawing.bundle.tables().graph());
     if let Some(state) = drawing.hovered {

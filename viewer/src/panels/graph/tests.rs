@@ -3,24 +3,24 @@
 use super::*;
 pub(super) use crate::fixtures::golden;
 use crate::fixtures::golden_path;
-use crate::run::Input;
-use crate::settings::Settings;
+use crate::run::RunInput;
+use crate::settings::ViewerSettings;
 use eframe::egui::{Event, Modifiers, PointerButton, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 struct Panel {
     model: Model,
-    state: State,
-    commands: Vec<Command>,
+    state: GraphPanelState,
+    commands: Vec<ViewerCommand>,
 }
 use crate::fixtures::quietly;
 
 fn panel(prepare: impl FnOnce(&mut Model)) -> Harness<'static, Panel> {
-    let mut model = Model::new(Settings::default());
+    let mut model = Model::new(ViewerSettings::default());
     quietly(|with| model.open_now(&golden_path(), with)).unwrap();
     prepare(&mut model);
-    let panel = Panel { model, state: State::default(), commands: Vec::new() };
+    let panel = Panel { model, state: GraphPanelState::default(), commands: Vec::new() };
     Harness::builder()
         .with_size([1200.0, 320.0])
         .build_ui_state(|ui, p: &mut Panel| show(ui, &p.model, &mut p.state, &mut p.commands), panel)
@@ -29,7 +29,7 @@ fn panel(prepare: impl FnOnce(&mut Model)) -> Harness<'static, Panel> {
 fn place_of(h: &Harness<'_, Panel>, state: u32) -> Pos2 {
     let p = h.state();
     let drawn = p.state.drawn.as_ref().unwrap();
-    let drawing = Drawing {
+    let drawing = GraphDrawing {
         bundle: p.model.document.bundle().unwrap(),
         layout: &drawn.layout,
         links: &drawn.links,
@@ -57,11 +57,11 @@ fn a_click_on_a_state_selects_it_and_one_beside_it_none() {
     h.step();
     let at = place_of(&h, 5);
     click_at(&mut h, at);
-    assert_eq!(h.state().commands, [Command::SelectState(Some(5))]);
+    assert_eq!(h.state().commands, [ViewerCommand::SelectState(Some(5))]);
     h.state_mut().commands.clear();
     let empty = h.state().state.rect.right_bottom() - Vec2::splat(3.0);
     click_at(&mut h, empty);
-    assert_eq!(h.state().commands, [Command::SelectState(None)]);
+    assert_eq!(h.state().commands, [ViewerCommand::SelectState(None)]);
 }
 
 #[test]
@@ -82,7 +82,7 @@ fn a_click_selects_what_was_pressed_though_the_drawing_moves_before_the_release(
     assert!(h.state().state.rect.top() > top + 10.0);
     h.event(button(false));
     h.step();
-    assert_eq!(h.state().commands, [Command::SelectState(Some(5))]);
+    assert_eq!(h.state().commands, [ViewerCommand::SelectState(Some(5))]);
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn a_click_on_an_action_lets_the_selected_character_play_it() {
     h.get_by_label(&format!("Play {}", bundle.describe_segment(segment))).click();
     h.step();
     let commands = &h.state().commands;
-    assert_eq!(commands.as_slice(), [Command::Input(Input::Play { character: 3, segment })]);
+    assert_eq!(commands.as_slice(), [ViewerCommand::Input(RunInput::Play { character: 3, segment })]);
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn without_a_character_a_click_on_an_action_shows_its_motion() {
     h.step();
     let s = bundle.tables().graph().segments[segment as usize];
     let frame = s.start - bundle.tables().clips()[s.clip as usize].first_frame;
-    assert_eq!(h.state().commands, [Command::ShowClip { clip: s.clip as usize, frame }]);
+    assert_eq!(h.state().commands, [ViewerCommand::ShowClip { clip: s.clip as usize, frame }]);
 }
 
 /// Segments of a state's actions, the cheapest first, as they are listed at first.
@@ -123,7 +123,7 @@ fn outgoing_segments(bundle: &OpenBundle, state: u32) -> Vec<u32> {
 #[test]
 fn a_searched_clip_scrolls_into_sight() {
     let bundle = golden();
-    let layout = Layout::new(bundle.tables());
+    let layout = GraphLayout::new(bundle.tables());
     let lane = layout.lanes.last().unwrap();
     let name = bundle.clip_name(lane.clip).to_uppercase();
     let (row, s) = find(&bundle, &layout, &name).unwrap();

@@ -1,6 +1,6 @@
 //! From places in the layout to places on the screen: zoom and pan.
 
-use super::layout::{Bar, Lane, Layout};
+use super::layout::{ClipLane, GraphLayout, SegmentBar};
 use eframe::egui::{Pos2, Rect, Response, Ui, Vec2};
 
 /// Least and largest height of a row (points).
@@ -16,14 +16,14 @@ const MARGIN: f32 = 8.0;
 
 /// Which part of the drawing is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
+pub struct GraphView {
     /// Zoom relative to the scale at which everything fits (>= 1).
     zoom: f32,
     /// Scroll offset to the right and down (points).
     offset: Vec2,
 }
 
-impl Default for View {
+impl Default for GraphView {
     fn default() -> Self {
         Self { zoom: 1.0, offset: Vec2::ZERO }
     }
@@ -31,7 +31,7 @@ impl Default for View {
 
 /// The scale of a drawing on a part of the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scale {
+pub struct GraphScale {
     /// The part of the screen.
     pub rect: Rect,
     origin: Pos2,
@@ -39,20 +39,20 @@ pub struct Scale {
     row_height: f32,
 }
 
-impl View {
+impl GraphView {
     /// Scale for a part of the screen.
-    pub fn scale(&self, layout: &Layout, rect: Rect) -> Scale {
+    pub fn scale(&self, layout: &GraphLayout, rect: Rect) -> GraphScale {
         let rows = layout.rows.len().max(1) as f32;
         let fit = (rect.width() - 2.0 * MARGIN).max(1.0) / layout.length_s.max(1e-3);
         let fit_height = (rect.height() - 2.0 * MARGIN).max(1.0) / rows;
         let [least, most] = ROW_HEIGHT;
         let row_height = (fit_height.clamp(least, most) * self.zoom).min(most);
         let origin = rect.min + Vec2::splat(MARGIN) - self.offset;
-        Scale { rect, origin, per_s: fit * self.zoom, row_height }
+        GraphScale { rect, origin, per_s: fit * self.zoom, row_height }
     }
 
     /// Drags, scrolls and zooms.
-    pub fn interact(&mut self, ui: &Ui, layout: &Layout, response: &Response) {
+    pub fn interact(&mut self, ui: &Ui, layout: &GraphLayout, response: &Response) {
         let rect = response.rect;
         if response.dragged() {
             self.offset -= response.drag_delta();
@@ -68,7 +68,7 @@ impl View {
     }
 
     /// Zooms around a point.
-    pub fn zoom_at(&mut self, layout: &Layout, rect: Rect, point: Pos2, factor: f32) {
+    pub fn zoom_at(&mut self, layout: &GraphLayout, rect: Rect, point: Pos2, factor: f32) {
         let before = self.scale(layout, rect);
         let (s, row) = (before.seconds(point.x), (point.y - before.origin.y) / before.row_height);
         let fit = before.per_s / self.zoom;
@@ -79,7 +79,7 @@ impl View {
     }
 
     /// Centres a place, zooming in until `span_s` fills the width.
-    pub fn show(&mut self, layout: &Layout, rect: Rect, place: (usize, f32), span_s: f32) {
+    pub fn show(&mut self, layout: &GraphLayout, rect: Rect, place: (usize, f32), span_s: f32) {
         let fit = self.scale(layout, rect).per_s / self.zoom;
         let zoom = rect.width() / span_s.max(0.1) / fit;
         self.zoom = zoom.clamp(1.0, (MAX_SCALE / fit).max(1.0));
@@ -87,7 +87,7 @@ impl View {
     }
 
     /// Centres a place.
-    pub fn centre(&mut self, layout: &Layout, rect: Rect, (row, s): (usize, f32)) {
+    pub fn centre(&mut self, layout: &GraphLayout, rect: Rect, (row, s): (usize, f32)) {
         let scale = self.scale(layout, rect);
         let place = Pos2::new(scale.x(s), scale.row_top(row) + 0.5 * scale.row_height);
         self.offset += place - rect.center();
@@ -95,7 +95,7 @@ impl View {
     }
 
     /// Keeps the drawing in sight.
-    fn limit(&mut self, layout: &Layout, rect: Rect) {
+    fn limit(&mut self, layout: &GraphLayout, rect: Rect) {
         let scale = self.scale(layout, rect);
         let size = Vec2::new(layout.length_s * scale.per_s, layout.rows.len() as f32 * scale.row_height);
         let most = (size + Vec2::splat(2.0 * MARGIN) - rect.size()).max(Vec2::ZERO);
@@ -103,7 +103,7 @@ impl View {
     }
 }
 
-impl Scale {
+impl GraphScale {
     /// Screen position of a place along a row.
     pub fn x(&self, s: f32) -> f32 {
         self.origin.x + s * self.per_s
@@ -125,7 +125,7 @@ impl Scale {
     }
 
     /// Rows that can be seen.
-    pub fn rows(&self, layout: &Layout) -> std::ops::Range<usize> {
+    pub fn rows(&self, layout: &GraphLayout) -> std::ops::Range<usize> {
         let at = |y: f32| ((y - self.origin.y) / self.row_height).max(0.0);
         let to = (at(self.rect.bottom()).ceil() as usize).min(layout.rows.len());
         (at(self.rect.top()) as usize).min(to)..to
@@ -142,13 +142,13 @@ impl Scale {
     }
 
     /// The part of the screen that a lane takes, its name above its bars.
-    pub fn lane(&self, lane: &Lane) -> Rect {
+    pub fn lane(&self, lane: &ClipLane) -> Rect {
         let top = self.row_top(lane.row);
         Rect::from_min_max(Pos2::new(self.x(lane.start), top), Pos2::new(self.x(lane.end), top + self.row_height - 4.0))
     }
 
     /// The part of the screen that a bar takes.
-    pub fn bar(&self, lane: &Lane, bar: &Bar) -> Rect {
+    pub fn bar(&self, lane: &ClipLane, bar: &SegmentBar) -> Rect {
         let lane_rect = self.lane(lane);
         let top = lane_rect.top() + if self.has_names() { NAME_HEIGHT } else { 2.0 };
         let height = (lane_rect.bottom() - top) / lane.num_tracks as f32;
@@ -170,8 +170,8 @@ mod tests {
 
     #[test]
     fn zooming_keeps_the_place_under_the_pointer() {
-        let layout = Layout::new(golden().tables());
-        let mut view = View::default();
+        let layout = GraphLayout::new(golden().tables());
+        let mut view = GraphView::default();
         let point = Pos2::new(300.0, 120.0);
         for factor in [1.5, 1.2, 2.0] {
             let before = view.scale(&layout, screen()).seconds(point.x);
@@ -184,8 +184,8 @@ mod tests {
 
     #[test]
     fn all_of_it_fits_at_first_and_bars_lie_within_their_lanes() {
-        let layout = Layout::new(golden().tables());
-        let scale = View::default().scale(&layout, screen());
+        let layout = GraphLayout::new(golden().tables());
+        let scale = GraphView::default().scale(&layout, screen());
         assert_eq!(scale.rows(&layout), 0..layout.rows.len());
         for bar in &layout.segments {
             let lane = &layout.lanes[bar.lane as usize];
@@ -197,9 +197,9 @@ mod tests {
 
     #[test]
     fn a_place_can_be_brought_into_sight() {
-        let layout = Layout::new(golden().tables());
+        let layout = GraphLayout::new(golden().tables());
         let lane = layout.lanes.last().unwrap();
-        let mut view = View::default();
+        let mut view = GraphView::default();
         view.show(&layout, screen(), (lane.row, lane.end), 2.0);
         let scale = view.scale(&layout, screen());
         assert!(scale.rect.x_range().contains(scale.x(lane.end)));

@@ -1,6 +1,6 @@
 //! A body for scale: the pose of a frame, as a silhouette.
 
-use super::view::Place;
+use super::view::HitViewPlace;
 use crate::bundle::OpenBundle;
 use eframe::egui::{Color32, Painter, Stroke};
 use glam::Vec3;
@@ -9,7 +9,7 @@ use throng_runtime::{Joint, Mat3x4, NUM_JOINTS};
 
 /// The pose of a frame, as seen from its planar root.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Body {
+pub struct PoseSilhouette {
     /// Frame row of the pose.
     pub row: u32,
     /// (m)
@@ -18,9 +18,9 @@ pub struct Body {
     tips: [Vec3; 3],
 }
 
-impl Body {
+impl PoseSilhouette {
     /// The pose of a frame; none if there is no such frame.
-    pub fn of(bundle: &OpenBundle, row: u32) -> Option<Self> {
+    pub fn sample_row(bundle: &OpenBundle, row: u32) -> Option<Self> {
         let mut matrices = [Mat3x4::default(); NUM_JOINTS];
         let motion_set = bundle.motion_set();
         SampleJob { motion_set, frames: &[row], ratios: &[0.0], matrices: &mut matrices }.run().ok()?;
@@ -41,7 +41,7 @@ impl Body {
     }
 
     /// Paints the body in one opaque colour, so that overlapping limbs do not show.
-    pub fn paint(&self, painter: &Painter, place: &Place, colour: Color32) {
+    pub fn paint(&self, painter: &Painter, place: &HitViewPlace, colour: Color32) {
         use Joint::*;
         let at = |p: Vec3| place.screen(p);
         let joint = |j: Joint| at(self.joints[j.index()]);

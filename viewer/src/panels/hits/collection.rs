@@ -1,7 +1,7 @@
 //! The effective hits of a bundle, and which of them are selected.
 
 use crate::bundle::OpenBundle;
-use crate::panels::paint::Sort;
+use crate::panels::paint::TableSort;
 use glam::Vec3;
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
@@ -9,7 +9,7 @@ use throng_runtime::Joint;
 
 /// Columns of the list, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Field {
+pub enum HitColumn {
     /// Clip and time.
     Moment,
     /// Kind of blow.
@@ -26,7 +26,7 @@ pub enum Field {
     Height,
 }
 
-impl Field {
+impl HitColumn {
     /// All of them, as the list shows them.
     pub const ALL: [Self; 7] =
         [Self::Moment, Self::Kind, Self::Limb, Self::Force, Self::Angle, Self::Distance, Self::Height];
@@ -34,7 +34,7 @@ impl Field {
 
 /// An effective hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Entry {
+pub struct HitEntry {
     /// Frame row of the hit.
     pub row: u32,
     /// Clip of the hit.
@@ -55,7 +55,7 @@ pub struct Entry {
     pub direction: Vec3,
 }
 
-impl Entry {
+impl HitEntry {
     /// Angle from straight ahead to the left (rad).
     pub fn angle(&self) -> f32 {
         self.position.x.atan2(self.position.z)
@@ -69,23 +69,23 @@ impl Entry {
 
 /// Which hits are selected.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Filter {
+pub struct HitFilter {
     /// Only of this kind.
     pub kind: Option<u32>,
     /// Only with this joint.
     pub joint: Option<Joint>,
 }
 
-impl Filter {
+impl HitFilter {
     /// True for a selected hit.
-    pub fn admits(&self, e: &Entry) -> bool {
+    pub fn admits(&self, e: &HitEntry) -> bool {
         self.kind.is_none_or(|k| k == e.kind) && self.joint.is_none_or(|j| j == e.joint)
     }
 }
 
 /// Least and greatest angle, distance and height, as the paper reports them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ranges {
+pub struct HitRanges {
     /// (rad)
     pub angle: [f32; 2],
     /// (m)
@@ -98,20 +98,20 @@ pub struct Ranges {
 
 /// All hits of a bundle.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Collection {
+pub struct HitCollection {
     /// In the order of the bundle.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<HitEntry>,
     /// Names of the kinds, by number.
     pub kinds: Vec<String>,
 }
 
-impl Collection {
+impl HitCollection {
     /// Collects them.
-    pub fn of(bundle: &OpenBundle) -> Self {
+    pub fn from_bundle(bundle: &OpenBundle) -> Self {
         let tables = bundle.tables();
         let entry = |h: &throng_runtime::HitRecord| {
             let clip = bundle.clip_of(h.frame);
-            Entry {
+            HitEntry {
                 row: h.frame,
                 clip,
                 frame: h.frame - tables.clips()[clip].first_frame,
@@ -143,9 +143,9 @@ impl Collection {
     }
 
     /// Numbers of the selected hits, in the order asked for.
-    pub fn select(&self, filter: Filter, sort: Sort) -> Vec<usize> {
+    pub fn select(&self, filter: HitFilter, sort: TableSort) -> Vec<usize> {
         let mut out: Vec<usize> = (0..self.entries.len()).filter(|&i| filter.admits(&self.entries[i])).collect();
-        if let Some(field) = Field::ALL.get(sort.column) {
+        if let Some(field) = HitColumn::ALL.get(sort.column) {
             out.sort_by(|&a, &b| {
                 let order = compare(&self.entries[a], &self.entries[b], *field);
                 if sort.descending { order.reverse() } else { order }
@@ -155,29 +155,29 @@ impl Collection {
     }
 
     /// Ranges over some of the hits; none if there are none.
-    pub fn ranges(&self, of: &[usize]) -> Option<Ranges> {
-        let bounds = |value: fn(&Entry) -> f32| {
+    pub fn ranges(&self, of: &[usize]) -> Option<HitRanges> {
+        let bounds = |value: fn(&HitEntry) -> f32| {
             let grow = |[low, high]: [f32; 2], v: f32| [low.min(v), high.max(v)];
             of.iter().map(|&i| value(&self.entries[i])).fold([f32::INFINITY, f32::NEG_INFINITY], grow)
         };
-        (!of.is_empty()).then(|| Ranges {
-            angle: bounds(Entry::angle),
-            distance: bounds(Entry::distance),
+        (!of.is_empty()).then(|| HitRanges {
+            angle: bounds(HitEntry::angle),
+            distance: bounds(HitEntry::distance),
             height: bounds(|e| e.position.y),
             force: bounds(|e| e.force),
         })
     }
 }
 
-fn compare(a: &Entry, b: &Entry, field: Field) -> Ordering {
+fn compare(a: &HitEntry, b: &HitEntry, field: HitColumn) -> Ordering {
     match field {
-        Field::Moment => a.row.cmp(&b.row),
-        Field::Kind => a.kind.cmp(&b.kind),
-        Field::Limb => a.joint.cmp(&b.joint),
-        Field::Force => a.force.total_cmp(&b.force),
-        Field::Angle => a.angle().total_cmp(&b.angle()),
-        Field::Distance => a.distance().total_cmp(&b.distance()),
-        Field::Height => a.position.y.total_cmp(&b.position.y),
+        HitColumn::Moment => a.row.cmp(&b.row),
+        HitColumn::Kind => a.kind.cmp(&b.kind),
+        HitColumn::Limb => a.joint.cmp(&b.joint),
+        HitColumn::Force => a.force.total_cmp(&b.force),
+        HitColumn::Angle => a.angle().total_cmp(&b.angle()),
+        HitColumn::Distance => a.distance().total_cmp(&b.distance()),
+        HitColumn::Height => a.position.y.total_cmp(&b.position.y),
     }
 }
 
@@ -190,9 +190,9 @@ pub fn joint_name(joint: Joint) -> String {
 mod tests {
     use super::*;
 
-    fn entry(row: u32, kind: u32, joint: Joint, position: Vec3) -> Entry {
+    fn entry(row: u32, kind: u32, joint: Joint, position: Vec3) -> HitEntry {
         let direction = Vec3::Z;
-        Entry {
+        HitEntry {
             row,
             clip: 0,
             frame: row,
@@ -205,8 +205,8 @@ mod tests {
         }
     }
 
-    fn collection() -> Collection {
-        Collection {
+    fn collection() -> HitCollection {
+        HitCollection {
             entries: vec![
                 entry(3, 0, Joint::LeftHand, Vec3::new(0.3, 1.5, 0.4)),
                 entry(5, 0, Joint::RightHand, Vec3::new(0.0, 1.2, 1.0)),
@@ -219,7 +219,7 @@ mod tests {
     #[test]
     fn only_hits_of_the_chosen_kind_and_limb_are_shown() {
         let c = collection();
-        let found = |kind, joint| c.select(Filter { kind, joint }, Sort::NONE);
+        let found = |kind, joint| c.select(HitFilter { kind, joint }, TableSort::NONE);
         assert_eq!(found(None, None), [0, 1, 2]);
         assert_eq!(found(Some(0), None), [0, 1]);
         assert_eq!(found(None, Some(Joint::RightHand)), [1]);
@@ -230,13 +230,13 @@ mod tests {
     #[test]
     fn the_order_is_that_of_the_column() {
         let c = collection();
-        let by = |field: Field, descending| {
-            let column = Field::ALL.iter().position(|f| *f == field).unwrap();
-            c.select(Filter::default(), Sort { column, descending })
+        let by = |field: HitColumn, descending| {
+            let column = HitColumn::ALL.iter().position(|f| *f == field).unwrap();
+            c.select(HitFilter::default(), TableSort { column, descending })
         };
-        assert_eq!(by(Field::Distance, false), [2, 0, 1]);
-        assert_eq!(by(Field::Force, true), [0, 1, 2]);
-        assert_eq!(by(Field::Height, true), [0, 1, 2]);
+        assert_eq!(by(HitColumn::Distance, false), [2, 0, 1]);
+        assert_eq!(by(HitColumn::Force, true), [0, 1, 2]);
+        assert_eq!(by(HitColumn::Height, true), [0, 1, 2]);
     }
 
     #[test]

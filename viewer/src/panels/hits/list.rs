@@ -1,22 +1,22 @@
 //! The hits as a list.
 
-use super::collection::{Collection, Entry, Field, joint_name};
+use super::collection::{HitCollection, HitColumn, HitEntry, joint_name};
 use crate::bundle::OpenBundle;
-use crate::panels::paint::{Cell, Click, Column, Sort, Table};
+use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn, TableSort};
 use eframe::egui::Ui;
 
-const COLUMNS: [Column<'static>; 7] = [
-    Column::text("moment", "Clip and time", 110.0, 1.0),
-    Column::text("kind", "Kind of blow, or name of the tag", 48.0, 0.0).spare(2),
-    Column::text("limb", "What strikes", 76.0, 0.0),
-    Column::number("force", "Speed over that of the fastest hit of its kind", 50.0),
-    Column::number("angle", "From straight ahead to the left [rad]", 48.0).spare(1),
-    Column::number("dist.", "Distance over ground [m]", 44.0),
-    Column::number("height", "Above the ground [m]", 50.0),
+const COLUMNS: [TableColumn<'static>; 7] = [
+    TableColumn::text("moment", "Clip and time", 110.0, 1.0),
+    TableColumn::text("kind", "Kind of blow, or name of the tag", 48.0, 0.0).spare(2),
+    TableColumn::text("limb", "What strikes", 76.0, 0.0),
+    TableColumn::number("force", "Speed over that of the fastest hit of its kind", 50.0),
+    TableColumn::number("angle", "From straight ahead to the left [rad]", 48.0).spare(1),
+    TableColumn::number("dist.", "Distance over ground [m]", 44.0),
+    TableColumn::number("height", "Above the ground [m]", 50.0),
 ];
 
 /// Actions of the user in the list.
-pub struct Listed {
+pub struct HitListResponse {
     /// Hit that was clicked.
     pub chosen: Option<usize>,
     /// Hit whose row is under the pointer.
@@ -28,37 +28,40 @@ pub struct Listed {
 /// - `selected`: number of the hit that stands out; `scrolls` brings it into sight.
 pub fn show(
     ui: &mut Ui,
-    (bundle, hits): (&OpenBundle, &Collection),
+    (bundle, hits): (&OpenBundle, &HitCollection),
     shown: &[usize],
-    sort: &mut Sort,
+    sort: &mut TableSort,
     (selected, scrolls): (Option<usize>, bool),
-) -> Listed {
-    let table = Table {
-        click: Click::Does("Show"),
+) -> HitListResponse {
+    let table = RowTable {
+        click: RowClick::Does("Show"),
         sort: Some(*sort),
         selected: selected.and_then(|s| shown.iter().position(|&i| i == s)),
         scroll_to_selected: scrolls,
-        ..Table::new("hits", &COLUMNS, shown.len())
+        ..RowTable::new("hits", &COLUMNS, shown.len())
     };
-    let response = table.show(ui, |row, column| cell(bundle, hits, &hits.entries[shown[row]], Field::ALL[column]));
+    let response = table.show(ui, |row, column| cell(bundle, hits, &hits.entries[shown[row]], HitColumn::ALL[column]));
     *sort = response.sort.unwrap_or(*sort);
     let of_row = |row: usize| shown.get(row).copied();
-    Listed { chosen: response.chosen.and_then(of_row), hovered: response.hovered.and_then(|(row, _)| of_row(row)) }
+    HitListResponse {
+        chosen: response.chosen.and_then(of_row),
+        hovered: response.hovered.and_then(|(row, _)| of_row(row)),
+    }
 }
 
-fn cell(bundle: &OpenBundle, hits: &Collection, e: &Entry, field: Field) -> Cell {
+fn cell(bundle: &OpenBundle, hits: &HitCollection, e: &HitEntry, field: HitColumn) -> TableCell {
     match field {
-        Field::Moment => Cell::new(moment(bundle, e)).ending(),
-        Field::Kind => Cell::new(hits.kind(e.kind)),
-        Field::Limb => Cell::new(joint_name(e.joint)),
-        Field::Force => Cell::new(format!("{:.2}", e.force)).bar(e.force),
-        Field::Angle => Cell::new(format!("{:.2}", e.angle())),
-        Field::Distance => Cell::new(format!("{:.2}", e.distance())),
-        Field::Height => Cell::new(format!("{:.2}", e.position.y)),
+        HitColumn::Moment => TableCell::new(moment(bundle, e)).ending(),
+        HitColumn::Kind => TableCell::new(hits.kind(e.kind)),
+        HitColumn::Limb => TableCell::new(joint_name(e.joint)),
+        HitColumn::Force => TableCell::new(format!("{:.2}", e.force)).bar(e.force),
+        HitColumn::Angle => TableCell::new(format!("{:.2}", e.angle())),
+        HitColumn::Distance => TableCell::new(format!("{:.2}", e.distance())),
+        HitColumn::Height => TableCell::new(format!("{:.2}", e.position.y)),
     }
 }
 
 /// Clip and time of a hit.
-pub fn moment(bundle: &OpenBundle, e: &Entry) -> String {
+pub fn moment(bundle: &OpenBundle, e: &HitEntry) -> String {
     format!("{} {:.2} s", bundle.clip_name(e.clip), e.frame as f32 / bundle.rate_hz())
 }

@@ -7,15 +7,15 @@ mod outline;
 mod plot;
 mod view;
 
-use super::paint::{Sort, empty, legend, no_bundle};
+use super::paint::{TableSort, empty, legend, no_bundle};
 use super::words;
 use crate::bundle::OpenBundle;
-use crate::command::Command;
+use crate::command::ViewerCommand;
 use crate::model::Model;
-use crate::theme::{Palette, viridis};
+use crate::theme::{ThemePalette, viridis};
 use crate::volume::Volume;
-use body::Body;
-use collection::{Collection, Entry, Filter, Ranges, joint_name};
+use body::PoseSilhouette;
+use collection::{HitCollection, HitEntry, HitFilter, HitRanges, joint_name};
 use eframe::egui::epaint::Mesh;
 use eframe::egui::{
     CentralPanel, Color32, ComboBox, Frame, Panel, Rect, Response, RichText, Role, Sense, Ui, Visuals, WidgetInfo,
@@ -23,14 +23,14 @@ use eframe::egui::{
 use glam::{Vec2, Vec3};
 use throng_runtime::Joint;
 use throng_runtime::policy::PolicyTable;
-use view::{Bounds, Place};
+use view::{HitBounds, HitViewPlace};
 
 /// Width from which on the list lies beside the views (points).
 const WIDE: f32 = 700.0;
 
 /// Meaning of the colours of hits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Colours {
+enum HitColouring {
     /// Force of the blow.
     #[default]
     Force,
@@ -40,39 +40,39 @@ enum Colours {
 
 /// View settings of the panel, and cached results.
 #[derive(Clone, Debug, Default)]
-pub struct State {
-    hits: Option<(u64, Collection)>,
-    filter: Filter,
-    colours: Colours,
+pub struct HitsPanelState {
+    hits: Option<(u64, HitCollection)>,
+    filter: HitFilter,
+    colours: HitColouring,
     /// The views show the whole body, not only the part near the hits.
     whole_body: bool,
     /// Behaviour whose volume is drawn; without a choice, the first one with heights.
     outlined: Option<Option<usize>>,
-    sort: Sort,
-    body: Option<(u64, Body)>,
-    dots: Option<(Key, [Mesh; 3])>,
+    sort: TableSort,
+    body: Option<(u64, PoseSilhouette)>,
+    dots: Option<(HitDotsKey, [Mesh; 3])>,
     /// Hit under the pointer in the frame before, and true if it was in the list.
     hovered: Option<(usize, bool)>,
 }
 
 /// Key of the dots.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Key {
+struct HitDotsKey {
     document: u64,
-    filter: Filter,
-    colours: Colours,
+    filter: HitFilter,
+    colours: HitColouring,
     dark: bool,
-    places: [Place; 3],
+    places: [HitViewPlace; 3],
 }
 
 /// Input shared by all views.
-struct Scene<'a> {
-    body: Option<&'a Body>,
+struct HitViewInput<'a> {
+    body: Option<&'a PoseSilhouette>,
     outlined: Option<&'a PolicyTable>,
 }
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut HitsPanelState, commands: &mut Vec<ViewerCommand>) {
     let Some(bundle) = model.document.bundle() else {
         if model.document.raw_motion().is_some() {
             return empty(ui, "Hits are part of a bundle", "Build one from this motion, then open it.");
@@ -81,8 +81,8 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     };
     if state.hits.as_ref().is_none_or(|h| h.0 != model.generation) {
         let (colours, whole_body, sort) = (state.colours, state.whole_body, state.sort);
-        *state = State { colours, whole_body, sort, ..State::default() };
-        state.hits = Some((model.generation, Collection::of(bundle)));
+        *state = HitsPanelState { colours, whole_body, sort, ..HitsPanelState::default() };
+        state.hits = Some((model.generation, HitCollection::from_bundle(bundle)));
     }
     let Some((_, hits)) = state.hits.take() else { return };
     if hits.entries.is_empty() {
@@ -100,9 +100,9 @@ fn show_hits(
     ui: &mut Ui,
     model: &Model,
     bundle: &OpenBundle,
-    hits: &Collection,
-    state: &mut State,
-    commands: &mut Vec<Command>,
+    hits: &HitCollection,
+    state: &mut HitsPanelState,
+    commands: &mut Vec<ViewerCommand>,
 ) {
     let shown = hits.select(state.filter, state.sort);
     let ranges = hits.ranges(&shown);
@@ -132,11 +132,17 @@ fn show_hits(
         chosen = chosen.or(clicked);
     });
     if let Some(e) = chosen.map(|i| hits.entries[i]) {
-        commands.push(Command::ShowClip { clip: e.clip, frame: e.frame });
+        commands.push(ViewerCommand::ShowClip { clip: e.clip, frame: e.frame });
     }
 }
 
-fn options(ui: &mut Ui, bundle: &OpenBundle, hits: &Collection, state: &mut State, ranges: Option<Ranges>) {
+fn options(
+    ui: &mut Ui,
+    bundle: &OpenBundle,
+    hits: &HitCollection,
+    state: &mut HitsPanelState,
+    ranges: Option<HitRanges>,
+) {
     ui.horizontal_wrapped(|ui| {
         let kind = state.filter.kind.map_or("all kinds", |k| hits.kind(k));
         let combo = ComboBox::from_id_salt("kind").selected_text(kind).width(84.0).show_ui(ui, |ui| {
@@ -158,14 +164,14 @@ fn options(ui: &mut Ui, bundle: &OpenBundle, hits: &Collection, state: &mut Stat
         ui.checkbox(&mut state.whole_body, "whole body");
         ui.separator();
         ui.label("colour");
-        ui.selectable_value(&mut state.colours, Colours::Force, "force");
-        ui.selectable_value(&mut state.colours, Colours::Limb, "limb");
+        ui.selectable_value(&mut state.colours, HitColouring::Force, "force");
+        ui.selectable_value(&mut state.colours, HitColouring::Limb, "limb");
         let visuals = ui.visuals().clone();
         match (state.colours, ranges) {
-            (Colours::Force, Some(r)) => legend(ui, r.force, "", |t| viridis::line(t, visuals.dark_mode)),
-            (Colours::Limb, _) => {
+            (HitColouring::Force, Some(r)) => legend(ui, r.force, "", |t| viridis::line(t, visuals.dark_mode)),
+            (HitColouring::Limb, _) => {
                 for joint in hits.joints_present() {
-                    ui.colored_label(of_limb(joint, &visuals), joint_name(joint));
+                    ui.colored_label(limb_colour(joint, &visuals), joint_name(joint));
                 }
             }
             _ => {}
@@ -183,11 +189,11 @@ fn volumes(bundle: &OpenBundle) -> impl Iterator<Item = (usize, &PolicyTable)> {
         .filter(|(_, p)| !p.grid().is_polar() || Volume::of_region(p.region()).is_some())
 }
 
-fn outlined(bundle: &OpenBundle, state: &State) -> Option<usize> {
+fn outlined(bundle: &OpenBundle, state: &HitsPanelState) -> Option<usize> {
     state.outlined.unwrap_or_else(|| volumes(bundle).find(|v| !v.1.grid().is_polar()).map(|v| v.0))
 }
 
-fn outline_choice(ui: &mut Ui, bundle: &OpenBundle, state: &mut State) {
+fn outline_choice(ui: &mut Ui, bundle: &OpenBundle, state: &mut HitsPanelState) {
     if volumes(bundle).next().is_none() {
         return;
     }
@@ -208,7 +214,7 @@ fn outline_choice(ui: &mut Ui, bundle: &OpenBundle, state: &mut State) {
     }
 }
 
-fn summary(ui: &mut Ui, hits: &Collection, shown: &[usize], ranges: Option<Ranges>) {
+fn summary(ui: &mut Ui, hits: &HitCollection, shown: &[usize], ranges: Option<HitRanges>) {
     let Some(r) = ranges else { return };
     let all = hits.entries.len();
     let count =
@@ -224,23 +230,23 @@ fn summary(ui: &mut Ui, hits: &Collection, shown: &[usize], ranges: Option<Range
 fn views(
     ui: &mut Ui,
     model: &Model,
-    (bundle, hits): (&OpenBundle, &Collection),
+    (bundle, hits): (&OpenBundle, &HitCollection),
     shown: &[usize],
-    state: &mut State,
+    state: &mut HitsPanelState,
     standing_out: Option<usize>,
 ) -> Option<usize> {
     let (rect, _) = ui.allocate_exact_size(ui.available_size(), Sense::hover());
     let outlined = outlined(bundle, state).and_then(|p| bundle.motion_set().policy(p));
-    let edges = outlined.into_iter().flat_map(edges);
+    let edges = outlined.into_iter().flat_map(outline_points);
     let seen = hits.entries.iter().map(|e| e.position).chain(edges).collect::<Vec<_>>();
-    let bounds = Bounds::around(seen.iter().copied(), state.whole_body);
-    let places = Place::lay_out(bounds, rect);
+    let bounds = HitBounds::around(seen.iter().copied(), state.whole_body);
+    let places = HitViewPlace::lay_out(bounds, rect);
     let visuals = ui.visuals().clone();
-    let row = standing_out.map_or_else(|| Body::standing_row(bundle), |i| hits.entries[i].row);
+    let row = standing_out.map_or_else(|| PoseSilhouette::standing_row(bundle), |i| hits.entries[i].row);
     if state.body.as_ref().is_none_or(|b| (b.0, b.1.row) != (model.generation, row)) {
-        state.body = Body::of(bundle, row).map(|b| (model.generation, b));
+        state.body = PoseSilhouette::sample_row(bundle, row).map(|b| (model.generation, b));
     }
-    let key = Key {
+    let key = HitDotsKey {
         document: model.generation,
         filter: state.filter,
         colours: state.colours,
@@ -249,11 +255,12 @@ fn views(
     };
     if state.dots.as_ref().is_none_or(|d| d.0 != key) {
         let ranges = hits.ranges(shown);
-        let colour = |e: &Entry| colour(e, state.colours, ranges, &visuals);
-        let of = |p: &Place| plot::dots(p, shown.iter().map(|&i| &hits.entries[i]).map(|e| (e.position, colour(e))));
+        let colour = |e: &HitEntry| colour(e, state.colours, ranges, &visuals);
+        let of =
+            |p: &HitViewPlace| plot::dots(p, shown.iter().map(|&i| &hits.entries[i]).map(|e| (e.position, colour(e))));
         state.dots = Some((key, places.each_ref().map(of)));
     }
-    let scene = Scene { body: state.body.as_ref().map(|b| &b.1), outlined };
+    let scene = HitViewInput { body: state.body.as_ref().map(|b| &b.1), outlined };
     let painter = ui.painter_at(rect);
     let mut clicked = None;
     for (k, place) in places.iter().enumerate() {
@@ -261,15 +268,15 @@ fn views(
         plot::paint(&painter, &visuals, place, &scene, dots);
         if let Some(e) = standing_out.map(|i| &hits.entries[i]) {
             let colour = colour(e, state.colours, hits.ranges(shown), &visuals);
-            plot::mark(&painter, place, e.position, e.direction, colour, &visuals);
+            plot::paint_mark(&painter, place, e.position, e.direction, colour, &visuals);
         }
-        let response = sensed(ui, place);
+        let response = view_response(ui, place);
         let Some(at) = response.hover_pos() else { continue };
         let places = shown.iter().map(|&i| (i, hits.entries[i].position));
         if let Some(hit) = plot::pointed_at(place, at, places) {
             state.hovered = Some((hit, false));
             clicked = response.clicked().then_some(hit).or(clicked);
-            tell(response, bundle, hits, &hits.entries[hit]);
+            show_tooltip(response, bundle, hits, &hits.entries[hit]);
             ui.ctx().request_repaint();
         }
     }
@@ -277,7 +284,7 @@ fn views(
 }
 
 /// Corners of the outline of a behaviour (m).
-fn edges(policy: &PolicyTable) -> Vec<Vec3> {
+fn outline_points(policy: &PolicyTable) -> Vec<Vec3> {
     let of_grid = (!policy.grid().is_polar()).then(|| Volume::of_grid(policy));
     let volumes = of_grid.into_iter().chain(Volume::of_region(policy.region()));
     let of_volume = |v: Volume| {
@@ -288,7 +295,7 @@ fn edges(policy: &PolicyTable) -> Vec<Vec3> {
     volumes.flat_map(of_volume).collect()
 }
 
-fn sensed(ui: &Ui, place: &Place) -> Response {
+fn view_response(ui: &Ui, place: &HitViewPlace) -> Response {
     let rect: Rect = place.rect;
     let name = format!("Hits, {} view", place.view.title().to_lowercase());
     let response = ui.interact(rect, ui.scope_id().with(&name), Sense::click());
@@ -297,7 +304,7 @@ fn sensed(ui: &Ui, place: &Place) -> Response {
 }
 
 /// Shows a tooltip about a hit.
-fn tell(response: Response, bundle: &OpenBundle, hits: &Collection, e: &Entry) {
+fn show_tooltip(response: Response, bundle: &OpenBundle, hits: &HitCollection, e: &HitEntry) {
     response.on_hover_ui_at_pointer(|ui| {
         ui.label(RichText::new(format!("{}, {}", hits.kind(e.kind), joint_name(e.joint))).strong());
         ui.label(format!("force {:.2}, {:.1} m/s", e.force, e.speed_mps));
@@ -308,17 +315,17 @@ fn tell(response: Response, bundle: &OpenBundle, hits: &Collection, e: &Entry) {
     });
 }
 
-fn colour(e: &Entry, colours: Colours, ranges: Option<Ranges>, visuals: &Visuals) -> Color32 {
+fn colour(e: &HitEntry, colours: HitColouring, ranges: Option<HitRanges>, visuals: &Visuals) -> Color32 {
     match colours {
-        Colours::Force => {
+        HitColouring::Force => {
             viridis::line(viridis::ratio(e.force, ranges.map_or([0.0, 1.0], |r| r.force)), visuals.dark_mode)
         }
-        Colours::Limb => of_limb(e.joint, visuals),
+        HitColouring::Limb => limb_colour(e.joint, visuals),
     }
 }
 
-fn of_limb(joint: Joint, visuals: &Visuals) -> Color32 {
-    let p = Palette::of(visuals);
+fn limb_colour(joint: Joint, visuals: &Visuals) -> Color32 {
+    let p = ThemePalette::for_visuals(visuals);
     match joint {
         Joint::LeftHand => p.left,
         Joint::RightHand => p.right,

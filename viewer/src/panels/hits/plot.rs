@@ -1,8 +1,8 @@
 //! One view of the hits: axes, a body for scale, the volume of a behaviour, and the hits themselves.
 
-use super::Scene;
+use super::HitViewInput;
 use super::outline;
-use super::view::{Place, View};
+use super::view::{HitViewPlace, HitViewpoint};
 use crate::volume::Volume;
 use eframe::egui::epaint::Mesh;
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, Visuals, vec2};
@@ -18,7 +18,7 @@ const NEAR: f32 = 9.0;
 const ARROW_M: f32 = 0.22;
 
 /// Paints everything but the highlighted hit.
-pub fn paint(painter: &Painter, visuals: &Visuals, place: &Place, scene: &Scene<'_>, dots: Mesh) {
+pub fn paint(painter: &Painter, visuals: &Visuals, place: &HitViewPlace, scene: &HitViewInput<'_>, dots: Mesh) {
     axes(painter, visuals, place);
     let inside = painter.with_clip_rect(place.rect.intersect(painter.clip_rect()));
     if let Some(body) = scene.body {
@@ -38,7 +38,7 @@ pub fn paint(painter: &Painter, visuals: &Visuals, place: &Place, scene: &Scene<
 }
 
 /// The hits as one mesh: a dot each.
-pub fn dots(place: &Place, hits: impl Iterator<Item = (Vec3, Color32)>) -> Mesh {
+pub fn dots(place: &HitViewPlace, hits: impl Iterator<Item = (Vec3, Color32)>) -> Mesh {
     const CORNERS: u32 = 8;
     let mut mesh = Mesh::default();
     for (position, colour) in hits {
@@ -53,7 +53,14 @@ pub fn dots(place: &Place, hits: impl Iterator<Item = (Vec3, Color32)>) -> Mesh 
 }
 
 /// Highlights a hit under the pointer or shown as a clip, with its direction.
-pub fn mark(painter: &Painter, place: &Place, position: Vec3, direction: Vec3, colour: Color32, visuals: &Visuals) {
+pub fn paint_mark(
+    painter: &Painter,
+    place: &HitViewPlace,
+    position: Vec3,
+    direction: Vec3,
+    colour: Color32,
+    visuals: &Visuals,
+) {
     let painter = painter.with_clip_rect(place.rect.intersect(painter.clip_rect()));
     let at = place.screen(position);
     let tip = place.screen(position + direction * ARROW_M);
@@ -64,13 +71,13 @@ pub fn mark(painter: &Painter, place: &Place, position: Vec3, direction: Vec3, c
 }
 
 /// The hit nearest to the pointer.
-pub fn pointed_at(place: &Place, at: Pos2, hits: impl Iterator<Item = (usize, Vec3)>) -> Option<usize> {
+pub fn pointed_at(place: &HitViewPlace, at: Pos2, hits: impl Iterator<Item = (usize, Vec3)>) -> Option<usize> {
     let distances = hits.map(|(i, p)| (i, place.screen(p).distance(at))).filter(|d| d.1 < NEAR);
     distances.min_by(|a, b| a.1.total_cmp(&b.1)).map(|d| d.0)
 }
 
 /// Lines with numbers, in metres, and the words at the ends of the axes.
-fn axes(painter: &Painter, visuals: &Visuals, place: &Place) {
+fn axes(painter: &Painter, visuals: &Visuals, place: &HitViewPlace) {
     let (rect, font) = (place.rect, FontId::proportional(10.5));
     let (line, weak) = (visuals.widgets.noninteractive.bg_stroke.color, visuals.weak_text_color());
     painter.rect_filled(rect, 0.0, visuals.extreme_bg_color);
@@ -98,12 +105,12 @@ fn axes(painter: &Painter, visuals: &Visuals, place: &Place) {
     words(painter, visuals, place, font);
 }
 
-fn words(painter: &Painter, visuals: &Visuals, place: &Place, font: FontId) {
+fn words(painter: &Painter, visuals: &Visuals, place: &HitViewPlace, font: FontId) {
     let (rect, weak): (Rect, Color32) = (place.rect, visuals.weak_text_color());
     let [left, right] = place.view.ends();
     painter.text(rect.left_bottom() + vec2(0.0, 2.0), Align2::LEFT_TOP, left, font.clone(), weak);
     painter.text(rect.right_bottom() + vec2(0.0, 2.0), Align2::RIGHT_TOP, right, font.clone(), weak);
-    let unit = if place.view == View::Top { "ahead, m" } else { "height, m" };
+    let unit = if place.view == HitViewpoint::Top { "ahead, m" } else { "height, m" };
     painter.text(rect.right_top() - vec2(0.0, 2.0), Align2::RIGHT_BOTTOM, unit, font, weak);
     let title = FontId::proportional(12.5);
     let at = rect.left_top() - vec2(0.0, 2.0);

@@ -8,15 +8,15 @@ use eframe::egui::vec2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-fn panel(boxing: &Boxing) -> Harness<'static, Trial<State>> {
-    let mut h = trial::<State>(Some(&boxing.bundle()), vec2(1200.0, 320.0), show);
+fn panel(boxing: &Boxing) -> Harness<'static, Trial<HitsPanelState>> {
+    let mut h = trial::<HitsPanelState>(Some(&boxing.bundle()), vec2(1200.0, 320.0), show);
     h.run_steps(3);
     h
 }
 
 #[test]
 fn a_bundle_without_hits_says_so_and_what_to_do() {
-    let mut h = trial::<State>(Some(&golden_path()), vec2(900.0, 300.0), show);
+    let mut h = trial::<HitsPanelState>(Some(&golden_path()), vec2(900.0, 300.0), show);
     h.run_steps(2);
     h.get_by_label("This bundle has no effective hits");
     h.get_by_label_contains("annotate.hits");
@@ -34,7 +34,7 @@ fn a_click_on_a_hit_in_any_view_shows_its_clip_at_its_frame() {
         let all = hits.entries.iter().enumerate().map(|(i, e)| (i, e.position));
         let e = hits.entries[plot::pointed_at(&place, at, all).unwrap()];
         click(&mut h, at);
-        assert_eq!(h.state().commands.last(), Some(&Command::ShowClip { clip: e.clip, frame: e.frame }));
+        assert_eq!(h.state().commands.last(), Some(&ViewerCommand::ShowClip { clip: e.clip, frame: e.frame }));
         let row = h.state().model.shown_row().unwrap();
         assert_eq!(row, e.row);
         // The body that is drawn for scale is the one that strikes.
@@ -46,9 +46,9 @@ fn a_click_on_a_hit_in_any_view_shows_its_clip_at_its_frame() {
 fn the_fist_of_the_body_is_where_the_hit_is() {
     let boxing = Boxing::new();
     let bundle = OpenBundle::open(&boxing.bundle()).unwrap();
-    let hits = Collection::of(&bundle);
+    let hits = HitCollection::from_bundle(&bundle);
     for e in &hits.entries {
-        let body = Body::of(&bundle, e.row).unwrap();
+        let body = PoseSilhouette::sample_row(&bundle, e.row).unwrap();
         let apart = body.joint(e.joint).distance(e.position);
         // The striking point lies beyond the wrist or the ankle.
         assert!(apart < 0.25, "{apart} m at row {}", e.row);

@@ -12,7 +12,7 @@ const GAP: f32 = 8.0;
 
 /// From where the hits are seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum View {
+pub enum HitViewpoint {
     /// Face to face: the left side of the body is at the right.
     Front,
     /// From above: ahead is up, the left side is at the left, as on the map of values.
@@ -21,7 +21,7 @@ pub enum View {
     Side,
 }
 
-impl View {
+impl HitViewpoint {
     /// All of them, from left to right.
     pub const ALL: [Self; 3] = [Self::Front, Self::Top, Self::Side];
 
@@ -61,14 +61,14 @@ impl View {
 
 /// A box around all that is to be seen, as seen from the planar root (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
+pub struct HitBounds {
     /// Least left, up, ahead.
     pub low: Vec3,
     /// Greatest.
     pub high: Vec3,
 }
 
-impl Bounds {
+impl HitBounds {
     /// Room for all places and for a standing body, or for as much of one as is near the places.
     pub fn around(places: impl Iterator<Item = Vec3> + Clone, whole_body: bool) -> Self {
         let lowest = places.clone().map(|p| p.y).fold(1.2, f32::min);
@@ -85,9 +85,9 @@ impl Bounds {
 
 /// Placement of a view on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct HitViewPlace {
     /// Viewpoint.
-    pub view: View,
+    pub view: HitViewpoint,
     /// The part of the screen that shows places.
     pub rect: Rect,
     /// Points that a metre takes.
@@ -96,10 +96,10 @@ pub struct Place {
     origin: Pos2,
 }
 
-impl Place {
+impl HitViewPlace {
     /// Lays the views side by side at the largest scale that fits all three.
-    pub fn lay_out(bounds: Bounds, rect: Rect) -> [Self; 3] {
-        let corners = View::ALL.map(|v| {
+    pub fn lay_out(bounds: HitBounds, rect: Rect) -> [Self; 3] {
+        let corners = HitViewpoint::ALL.map(|v| {
             let (a, b) = (v.flat(bounds.low), v.flat(bounds.high));
             (a.min(b), a.max(b))
         });
@@ -111,7 +111,7 @@ impl Place {
         let bottom = rect.top() + ABOVE + 0.5 * (room.y + height * per_m).max(height * per_m);
         let mut next = 0;
         corners.map(|(low, high)| {
-            let view = View::ALL[next];
+            let view = HitViewpoint::ALL[next];
             next += 1;
             let size = (high - low) * per_m;
             let rect = Rect::from_min_max(pos2(x + LEFT, bottom - size.y), pos2(x + LEFT + size.x, bottom));
@@ -150,12 +150,12 @@ mod tests {
     fn every_place_is_seen_in_all_views_and_goes_back_to_itself() {
         let places = [Vec3::new(0.9, 1.6, 0.8), Vec3::new(-0.2, 2.1, 1.4), Vec3::new(0.0, 0.3, -0.6)];
         for whole_body in [true, false] {
-            let bounds = Bounds::around(places.into_iter(), whole_body);
+            let bounds = HitBounds::around(places.into_iter(), whole_body);
             for rect in [
                 Rect::from_min_size(pos2(10.0, 20.0), vec2(900.0, 260.0)),
                 Rect::from_min_size(pos2(0.0, 0.0), vec2(400.0, 500.0)),
             ] {
-                let views = Place::lay_out(bounds, rect);
+                let views = HitViewPlace::lay_out(bounds, rect);
                 for view in views {
                     assert!(rect.contains_rect(view.rect), "{view:?}");
                     for p in places {
@@ -172,9 +172,9 @@ mod tests {
     #[test]
     fn sides_are_where_their_words_say() {
         let left = Vec3::X;
-        assert!(View::Front.flat(left).x > 0.0 && View::Front.ends()[1] == "left");
-        assert!(View::Top.flat(left).x < 0.0 && View::Top.ends()[0] == "left");
-        assert!(View::Side.flat(Vec3::Z).x > 0.0 && View::Side.ends()[1] == "ahead");
-        assert_eq!(View::Top.across(View::Top.flat(left).x), 1.0);
+        assert!(HitViewpoint::Front.flat(left).x > 0.0 && HitViewpoint::Front.ends()[1] == "left");
+        assert!(HitViewpoint::Top.flat(left).x < 0.0 && HitViewpoint::Top.ends()[0] == "left");
+        assert!(HitViewpoint::Side.flat(Vec3::Z).x > 0.0 && HitViewpoint::Side.ends()[1] == "ahead");
+        assert_eq!(HitViewpoint::Top.across(HitViewpoint::Top.flat(left).x), 1.0);
     }
 }

@@ -9,14 +9,14 @@ const FEWEST: f32 = 8.0;
 /// Visible part of a clip, from the left edge to the right one. A frame is as wide as the time to the next and its
 /// instant lies in its middle, so that a whole clip of n frames goes from -0.5 to n - 0.5. (frames)
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Span {
+pub struct FrameSpan {
     /// At the left edge.
     pub from: f32,
     /// At the right edge.
     pub to: f32,
 }
 
-impl Span {
+impl FrameSpan {
     /// All of a clip.
     pub fn whole(num_frames: u32) -> Self {
         Self { from: -0.5, to: num_frames.max(1) as f32 - 0.5 }
@@ -74,9 +74,9 @@ impl Span {
 
 /// Maps frames to the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Axis {
+pub struct FrameAxis {
     /// The frames that are seen.
-    pub span: Span,
+    pub span: FrameSpan,
     /// Range on the screen (points).
     pub x: Rangef,
     /// Frames a second (Hz).
@@ -85,7 +85,7 @@ pub struct Axis {
     pub num_frames: u32,
 }
 
-impl Axis {
+impl FrameAxis {
     /// Place of an instant (points).
     pub fn x_of(&self, frame: f32) -> f32 {
         self.x.min + (frame - self.span.from) * self.points_per_frame()
@@ -124,26 +124,26 @@ impl Axis {
 mod tests {
     use super::*;
 
-    fn axis(span: Span) -> Axis {
-        Axis { span, x: Rangef::new(70.0, 770.0), rate_hz: 30.0, num_frames: 1000 }
+    fn axis(span: FrameSpan) -> FrameAxis {
+        FrameAxis { span, x: Rangef::new(70.0, 770.0), rate_hz: 30.0, num_frames: 1000 }
     }
 
     #[test]
     fn a_frame_goes_to_its_place_and_back() {
-        for span in [Span::whole(1000), Span { from: 11.3, to: 42.0 }, Span { from: 900.0, to: 999.5 }] {
+        for span in [FrameSpan::whole(1000), FrameSpan { from: 11.3, to: 42.0 }, FrameSpan { from: 900.0, to: 999.5 }] {
             let axis = axis(span);
             for frame in axis.seen() {
                 assert_eq!(axis.frame_at(axis.x_of(frame as f32)), frame, "{span:?}");
                 assert!((axis.instant_at(axis.x_of(frame as f32)) - frame as f32).abs() < 1e-2);
             }
         }
-        assert_eq!(axis(Span::whole(1000)).frame_at(-1e6), 0);
-        assert_eq!(axis(Span::whole(1000)).frame_at(1e6), 999);
+        assert_eq!(axis(FrameSpan::whole(1000)).frame_at(-1e6), 0);
+        assert_eq!(axis(FrameSpan::whole(1000)).frame_at(1e6), 999);
     }
 
     #[test]
     fn neighbouring_runs_meet_and_those_out_of_sight_have_no_place() {
-        let axis = axis(Span { from: 99.5, to: 199.5 });
+        let axis = axis(FrameSpan { from: 99.5, to: 199.5 });
         let (a, b) = (axis.place(&(90..120)).unwrap(), axis.place(&(120..150)).unwrap());
         assert_eq!(a.min, 70.0);
         assert_eq!(a.max, b.min);
@@ -154,21 +154,21 @@ mod tests {
 
     #[test]
     fn zooming_keeps_what_is_pointed_at_and_stays_inside() {
-        let span = Span::whole(1000).zoomed(400.0, 4.0, 1000);
+        let span = FrameSpan::whole(1000).zoomed(400.0, 4.0, 1000);
         assert!((span.len() - 250.0).abs() < 1e-3);
-        let ratio = |s: Span| (400.0 - s.from) / s.len();
-        assert!((ratio(span) - ratio(Span::whole(1000))).abs() < 1e-4);
+        let ratio = |s: FrameSpan| (400.0 - s.from) / s.len();
+        assert!((ratio(span) - ratio(FrameSpan::whole(1000))).abs() < 1e-4);
         assert!(span.zoomed(400.0, 1e-6, 1000).is_whole(1000));
         assert!((span.zoomed(400.0, 1e9, 1000).len() - FEWEST).abs() < 1e-3);
         assert_eq!(span.zoomed(400.0, f32::NAN, 1000), span);
         assert_eq!(span.panned(1e6, 1000).to, 999.5);
         assert_eq!(span.panned(-1e6, 1000).from, -0.5);
-        assert!(Span::whole(3).zoomed(1.0, 100.0, 3).is_whole(3));
+        assert!(FrameSpan::whole(3).zoomed(1.0, 100.0, 3).is_whole(3));
     }
 
     #[test]
     fn a_frame_out_of_sight_is_followed() {
-        let span = Span { from: 100.0, to: 200.0 };
+        let span = FrameSpan { from: 100.0, to: 200.0 };
         assert_eq!(span.followed(150.0, 1000), span);
         for frame in [201.0, 640.0, 999.0, 99.0, 0.0] {
             let s = span.followed(frame, 1000);

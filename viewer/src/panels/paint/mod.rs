@@ -6,13 +6,13 @@ mod legend;
 mod ruler;
 mod table;
 
-pub use axis::{Axis, Span};
+pub use axis::{FrameAxis, FrameSpan};
 pub use hatch::hatch;
 pub use legend::legend;
 pub use ruler::{RULER_HEIGHT, ruler};
-pub use table::{Cell, Click, Column, Sort, Table, TableResponse, least_width};
+pub use table::{RowClick, RowTable, TableCell, TableColumn, TableResponse, TableSort, least_width};
 
-use crate::document::Document;
+use crate::document::OpenDocument;
 use eframe::egui::{Align, Layout, RichText, Ui};
 
 /// Shows a title and a hint in the middle of an empty panel.
@@ -25,10 +25,10 @@ pub fn empty(ui: &mut Ui, title: &str, hint: &str) {
 }
 
 /// Hint of panels about bundles for a document without one.
-pub fn no_bundle(ui: &mut Ui, document: &Document) {
+pub fn no_bundle(ui: &mut Ui, document: &OpenDocument) {
     match document {
-        Document::Task(_) => empty(ui, "A task has no bundle", "The panel Plan (F11) shows what is to do."),
-        Document::Scene(_) => empty(ui, "This scene has no bundle", "The panel Control (F1) shows its groups."),
+        OpenDocument::Task(_) => empty(ui, "A task has no bundle", "The panel Plan (F11) shows what is to do."),
+        OpenDocument::Scene(_) => empty(ui, "This scene has no bundle", "The panel Control (F1) shows its groups."),
         _ => nothing_open(ui),
     }
 }

@@ -1,6 +1,6 @@
 //! Seconds along an axis.
 
-use super::Axis;
+use super::FrameAxis;
 use eframe::egui::{Align2, FontId, Rect, Stroke, Ui, Visuals};
 use throng_precompute::picture::step_up;
 
@@ -15,7 +15,7 @@ const TICK_DISTANCE: f32 = 7.0;
 const BESIDE: f32 = 8.0;
 
 /// Paints a ruler in seconds; where frames are wide enough, they have ticks of their own.
-pub fn ruler(ui: &Ui, rect: Rect, axis: &Axis) {
+pub fn ruler(ui: &Ui, rect: Rect, axis: &FrameAxis) {
     let visuals = ui.visuals();
     let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
     let points_per_s = axis.points_per_frame() * axis.rate_hz;
@@ -41,7 +41,7 @@ fn line(visuals: &Visuals) -> eframe::egui::Color32 {
     visuals.widgets.noninteractive.bg_stroke.color
 }
 
-fn ticks(axis: &Axis, step_s: f64, mut tick: impl FnMut(f32, f64)) {
+fn ticks(axis: &FrameAxis, step_s: f64, mut tick: impl FnMut(f32, f64)) {
     let rate = f64::from(axis.rate_hz);
     let first = (f64::from(axis.span.from.max(0.0)) / rate / step_s).ceil() as i64;
     let last = (f64::from(axis.span.to) / rate / step_s).floor() as i64;

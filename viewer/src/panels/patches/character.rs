@@ -1,27 +1,33 @@
 //! The selected inhabitant: its activity, its planned path, and its orders.
 
-use super::State;
-use crate::command::{Command, WorldCommand};
+use super::PatchesPanelState;
+use crate::command::{ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
 use crate::panels::words;
 use crate::stage::world::{KINDS, colour_of};
 use eframe::egui::text::LayoutJob;
 use eframe::egui::{Align, Color32, DragValue, FontSelection, Grid, Label, RichText, Ui};
-use throng_runtime::world::inhabitants::{Doing, Wish};
+use throng_runtime::world::inhabitants::{InhabitantActivity, InhabitantGoal};
 
 /// Default duration of an action (s).
 const PERFORM_S: f32 = 10.0;
 
 /// Shows the character that is selected.
-pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut State, commands: &mut Vec<Command>) {
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    world: &WorldDocument,
+    state: &mut PatchesPanelState,
+    commands: &mut Vec<ViewerCommand>,
+) {
     population(ui, world, state, commands);
     let run = world.run();
     let Some(c) = model.selection.character.filter(|&c| c < run.num_characters()) else {
         ui.horizontal_wrapped(|ui| {
             ui.weak("Click a character in the 3-D view, or");
             if run.num_characters() > 0 && ui.small_button("select character 0").clicked() {
-                commands.push(Command::SelectCharacter(Some(0)));
+                commands.push(ViewerCommand::SelectCharacter(Some(0)));
             }
         });
         return;
@@ -30,15 +36,15 @@ pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut State
         let mut number = c;
         ui.strong("Character");
         if ui.add(DragValue::new(&mut number).range(0..=run.num_characters() - 1)).changed() {
-            commands.push(Command::SelectCharacter(Some(number)));
+            commands.push(ViewerCommand::SelectCharacter(Some(number)));
         }
-        ui.weak(if run.told(c).is_some() { "follows its order" } else { "decides for itself" });
+        ui.weak(if run.order_of(c).is_some() { "follows its order" } else { "decides for itself" });
     });
     status(ui, world, c);
-    tell(ui, world, c, state, commands);
+    show_orders(ui, world, c, state, commands);
 }
 
-fn population(ui: &mut Ui, world: &WorldDocument, state: &mut State, commands: &mut Vec<Command>) {
+fn population(ui: &mut Ui, world: &WorldDocument, state: &mut PatchesPanelState, commands: &mut Vec<ViewerCommand>) {
     let (run, scene) = (world.run(), world.roamers());
     ui.horizontal_wrapped(|ui| {
         let mut n = state.characters.unwrap_or(run.num_characters());
@@ -48,11 +54,11 @@ fn population(ui: &mut Ui, world: &WorldDocument, state: &mut State, commands: &
         state.characters = field.dragged().then_some(n);
         if !field.dragged() && n != run.num_characters() {
             let seed = scene.seed;
-            commands.push(Command::World(WorldCommand::Populate { characters: n, seed }));
+            commands.push(ViewerCommand::World(WorldCommand::Populate { characters: n, seed }));
         }
         ui.label("characters");
         let states = &run.moment().states;
-        let waiting = states.iter().filter(|m| m.doing == Doing::Waiting).count();
+        let waiting = states.iter().filter(|m| m.activity == InhabitantActivity::Waiting).count();
         let done: u32 = states.iter().map(|m| m.num_fulfilled).sum();
         let tip = format!("The last step of all of them took {:.2} ms", 1e3 * run.step_s());
         ui.weak(format!("{waiting} wait · {done} orders done")).on_hover_text(tip);
@@ -86,15 +92,15 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
             ui.add(Label::new(value).wrap());
             ui.end_row();
         };
-        row("is to", words::wish(seen.wish, tags));
-        row("now", words::doing(&seen));
+        row("is to", words::goal(seen.goal, tags));
+        row("now", words::inhabitant_activity(&seen));
         row("patch", format!("{} ({})", world.patch_name(seen.node.instance), seen.node.instance));
         if !run.reel.head.is_live() {
             row("way", "known at the last step only".into());
             return;
         }
         let rate = world.bundle().rate_hz();
-        let plan = inhabitants.plan(id).ok().flatten();
+        let plan = inhabitants.last_plan(id).ok().flatten();
         match plan {
             Some(p) => row(
                 "way",
@@ -103,7 +109,7 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
                     p.length_m,
                     p.num_frames as f32 / rate,
                     p.num_steps,
-                    inhabitants.path(id).map_or(0, <[_]>::len)
+                    inhabitants.path_steps(id).map_or(0, <[_]>::len)
                 ),
             ),
             None => row("way", "no path is planned".into()),
@@ -113,9 +119,14 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
         }
         let name = |u: u32| world.placed().get(u as usize).map_or("unit", |p| &world.unit(p.unit).name);
         let held: Vec<String> =
-            inhabitants.held(id).into_iter().flatten().map(|u| format!("{} {u}", name(u))).collect();
+            inhabitants.units_of(id).into_iter().flatten().map(|u| format!("{} {u}", name(u))).collect();
         row("holds", held.join(", "));
-        if let Some(step) = inhabitants.path(id).unwrap_or_default().first().filter(|_| seen.doing == Doing::Waiting) {
+        if let Some(step) = inhabitants
+            .path_steps(id)
+            .unwrap_or_default()
+            .first()
+            .filter(|_| seen.activity == InhabitantActivity::Waiting)
+        {
             let wanted = world.graph().resources(step.to.instance).iter();
             let others = wanted.filter_map(|&u| Some((u, inhabitants.holder(u).filter(|&h| h != id)?.index())));
             let text: Vec<String> =
@@ -125,14 +136,20 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
     });
 }
 
-fn tell(ui: &mut Ui, world: &WorldDocument, c: usize, state: &mut State, commands: &mut Vec<Command>) {
-    let mut told = |wish| commands.push(Command::World(WorldCommand::Tell { character: c, wish }));
+fn show_orders(
+    ui: &mut Ui,
+    world: &WorldDocument,
+    c: usize,
+    state: &mut PatchesPanelState,
+    commands: &mut Vec<ViewerCommand>,
+) {
+    let mut told = |wish| commands.push(ViewerCommand::World(WorldCommand::Order { character: c, goal: wish }));
     ui.horizontal_wrapped(|ui| {
         if ui.button("Roam").on_hover_text("Wander about until it gets another order").clicked() {
-            told(Some(Wish::Roam));
+            told(Some(InhabitantGoal::Roam));
         }
         let tip = "It decides for itself again, as the scene says";
-        if world.run().told(c).is_some() && ui.button("Let go").on_hover_text(tip).clicked() {
+        if world.run().order_of(c).is_some() && ui.button("Let go").on_hover_text(tip).clicked() {
             told(None);
         }
         let tags = &world.bundle().tables().meta().link_tags;
@@ -143,7 +160,7 @@ fn tell(ui: &mut Ui, world: &WorldDocument, c: usize, state: &mut State, command
         for (t, tag) in tags.iter().enumerate() {
             let tip = format!("Go to the nearest place where motion is tagged {tag}, and do that");
             if ui.button(tag).on_hover_text(tip).clicked() {
-                told(Some(Wish::Perform { tag: t as u16 + 1, seconds: *seconds }));
+                told(Some(InhabitantGoal::Perform { tag: t as u16 + 1, seconds: *seconds }));
             }
         }
         ui.label("for");

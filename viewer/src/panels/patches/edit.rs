@@ -1,25 +1,34 @@
 //! Units of a world: one that is created, the selected one, the last edit, and the file to save to.
 
-use super::State;
-use crate::command::{Command, Tool, WorldCommand};
+use super::PatchesPanelState;
+use crate::command::{Tool, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
-use crate::document::world::Change;
+use crate::document::world::UnitChange;
 use crate::model::Model;
 use eframe::egui::{Button, ComboBox, DragValue, TextEdit, Ui};
 use std::path::{Path, PathBuf};
 use throng_runtime::patch::Placement;
 
 /// Shows the editing controls.
-pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut State, commands: &mut Vec<Command>) {
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    world: &WorldDocument,
+    state: &mut PatchesPanelState,
+    commands: &mut Vec<ViewerCommand>,
+) {
     ui.strong("Units");
     create(ui, model, world, state, commands);
     selected(ui, model, world, commands);
     if let Some(e) = world.edited() {
-        let lost = if e.lost > 0 { format!("; {} characters found no place", e.lost) } else { String::new() };
-        let free =
-            if e.free > 0 { format!("; {} can no longer do what they were told", e.free) } else { String::new() };
+        let lost = if e.num_lost > 0 { format!("; {} characters found no place", e.num_lost) } else { String::new() };
+        let free = if e.num_released > 0 {
+            format!("; {} can no longer do what they were told", e.num_released)
+        } else {
+            String::new()
+        };
         let [total, stitch] = [e.total_s, e.stitch_s].map(|s| 1e3 * s);
-        ui.label(format!("{} in {total:.0} ms, {stitch:.0} ms of it stitching{lost}{free}", e.what));
+        ui.label(format!("{} in {total:.0} ms, {stitch:.0} ms of it stitching{lost}{free}", e.description));
     }
     let r = world.report();
     ui.weak(format!(
@@ -29,7 +38,13 @@ pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut State
     save(ui, world, state, commands);
 }
 
-fn create(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut State, commands: &mut Vec<Command>) {
+fn create(
+    ui: &mut Ui,
+    model: &Model,
+    world: &WorldDocument,
+    state: &mut PatchesPanelState,
+    commands: &mut Vec<ViewerCommand>,
+) {
     let units = &world.kit().units.units;
     state.unit = state.unit.min(units.len().saturating_sub(1));
     ui.horizontal_wrapped(|ui| {
@@ -45,20 +60,20 @@ fn create(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut State, 
         let text = if creates { "click where it is to stand" } else { "Place …" };
         let clicked = ui.selectable_label(creates, text).clicked();
         if clicked || (creates && before != state.unit) {
-            let tool = if clicked && creates { Tool::Look } else { Tool::Create(state.unit) };
-            commands.push(Command::World(WorldCommand::Tool(tool)));
+            let tool = if clicked && creates { Tool::Select } else { Tool::Create(state.unit) };
+            commands.push(ViewerCommand::World(WorldCommand::Tool(tool)));
         }
     });
 }
 
 /// The selected unit by its numbers.
-fn selected(ui: &mut Ui, model: &Model, world: &WorldDocument, commands: &mut Vec<Command>) {
+fn selected(ui: &mut Ui, model: &Model, world: &WorldDocument, commands: &mut Vec<ViewerCommand>) {
     let Some(place) = model.selection.world.place.filter(|&p| p < world.placed().len()) else {
         ui.weak("No unit is selected.");
         return;
     };
     let placed = &world.placed()[place];
-    let now = world.will_stand(place);
+    let now = world.ordered_placement(place);
     let mut p = now;
     ui.horizontal_wrapped(|ui| {
         ui.label(format!("{} {place}", world.unit(placed.unit).name));
@@ -67,40 +82,40 @@ fn selected(ui: &mut Ui, model: &Model, world: &WorldDocument, commands: &mut Ve
             let field = DragValue::new(value).range(-1e4..=1e4).speed(0.0).update_while_editing(false);
             ui.add(field.suffix(" m").fixed_decimals(2));
         }
-        let mut degrees = p.wrapped().heading.to_degrees();
+        let mut degrees = p.with_wrapped_heading().heading.to_degrees();
         let field = DragValue::new(&mut degrees).range(-180.0..=180.0).speed(0.0).update_while_editing(false);
         if ui.add(field.suffix("°").fixed_decimals(0)).changed() {
             p.heading = degrees.to_radians();
         }
         if p != now {
-            commands.push(edit(Change::Move { place, to: p }));
+            commands.push(edit(UnitChange::Move { place, to: p }));
         }
     });
     ui.horizontal_wrapped(|ui| {
         for (text, tip, degrees) in [("⟲ 90°", "Turn it left", 90.0f32), ("⟳ 90°", "Turn it right", -90.0)] {
             if ui.button(text).on_hover_text(tip).clicked() {
-                let to = Placement { heading: p.heading + degrees.to_radians(), ..p }.wrapped();
-                commands.push(edit(Change::Move { place, to }));
+                let to = Placement { heading: p.heading + degrees.to_radians(), ..p }.with_wrapped_heading();
+                commands.push(edit(UnitChange::Move { place, to }));
             }
         }
         let remove = ui.add_enabled(world.working().is_none(), Button::new("Remove"));
         if remove.on_hover_text("Delete, while units are moved").clicked() {
-            commands.push(edit(Change::Remove { place }));
+            commands.push(edit(UnitChange::Remove { place }));
         }
     });
 }
 
-fn edit(change: Change) -> Command {
-    Command::World(WorldCommand::Edit(change))
+fn edit(change: UnitChange) -> ViewerCommand {
+    ViewerCommand::World(WorldCommand::Edit(change))
 }
 
-fn save(ui: &mut Ui, world: &WorldDocument, state: &mut State, commands: &mut Vec<Command>) {
+fn save(ui: &mut Ui, world: &WorldDocument, state: &mut PatchesPanelState, commands: &mut Vec<ViewerCommand>) {
     ui.horizontal(|ui| {
         let file = state.file.get_or_insert_with(|| suggested(world.path()).display().to_string());
         let button = ui.button("Save").on_hover_text("Write the world as a list of places");
         ui.add(TextEdit::singleline(file).desired_width(f32::INFINITY));
         if button.clicked() && !file.trim().is_empty() {
-            commands.push(Command::World(WorldCommand::Save(PathBuf::from(file.trim()))));
+            commands.push(ViewerCommand::World(WorldCommand::Save(PathBuf::from(file.trim()))));
         }
     });
 }

@@ -1,16 +1,16 @@
 //! Figures of an instance of a patch.
 
-use crate::command::{Command, WorldCommand};
+use crate::command::{ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
 use crate::stage::world::{DISABLED, ENABLED};
 use eframe::egui::{Color32, ComboBox, Grid, Label, Ui};
-use throng_precompute::stitch::{Item, Reason};
+use throng_precompute::stitch::{InstanceItem, RemovalReason};
 use throng_runtime::patch::CellRecord;
 
 /// Figures of an instance.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Facts {
+pub struct InstanceFacts {
     /// Cells that are left, and all.
     pub cells: [usize; 2],
     /// Entries that are left, and all.
@@ -20,51 +20,51 @@ pub struct Facts {
     /// Enabled rest cells, and all.
     pub rests: [usize; 2],
     /// Why each link is disabled; none for an enabled link.
-    pub links: Vec<Option<Reason>>,
+    pub links: Vec<Option<RemovalReason>>,
     /// Instances that it has joints with.
     pub neighbours: usize,
 }
 
-impl Facts {
+impl InstanceFacts {
     /// Counts cells and links of an instance (instance < number of instances).
-    pub fn of(world: &WorldDocument, instance: u32) -> Self {
+    pub fn count_cells(world: &WorldDocument, instance: u32) -> Self {
         let graph = world.graph();
         let mut facts = Self { neighbours: graph.instance(instance).num_adjacencies as usize, ..Self::default() };
         for (c, cell) in graph.cells(instance).iter().enumerate() {
-            let left = usize::from(world.reason(instance, Item::Cell(c as u32)).is_none());
+            let left = usize::from(world.reason(instance, InstanceItem::Cell(c as u32)).is_none());
             let count = |is_one: bool, counts: &mut [usize; 2]| {
                 if is_one {
                     (counts[0], counts[1]) = (counts[0] + left, counts[1] + 1);
                 }
             };
             count(true, &mut facts.cells);
-            count(cell.is(CellRecord::IS_ENTRY), &mut facts.entries);
-            count(cell.is(CellRecord::IS_EXIT), &mut facts.exits);
-            count(cell.is(CellRecord::IS_REST), &mut facts.rests);
+            count(cell.has_flags(CellRecord::IS_ENTRY), &mut facts.entries);
+            count(cell.has_flags(CellRecord::IS_EXIT), &mut facts.exits);
+            count(cell.has_flags(CellRecord::IS_REST), &mut facts.rests);
         }
         let links = 0..graph.links(instance).len() as u32;
-        facts.links = links.map(|l| world.reason(instance, Item::Link(l))).collect();
+        facts.links = links.map(|l| world.reason(instance, InstanceItem::Link(l))).collect();
         facts
     }
 
     /// Number of links disabled for a reason.
-    pub fn taken_out(&self, reason: Reason) -> usize {
+    pub fn num_taken_out(&self, reason: RemovalReason) -> usize {
         self.links.iter().filter(|l| **l == Some(reason)).count()
     }
 
     /// Links that are left.
-    pub fn left(&self) -> usize {
+    pub fn num_left(&self) -> usize {
         self.links.iter().filter(|l| l.is_none()).count()
     }
 }
 
 /// A reason in plain words.
-pub fn words(reason: Reason) -> &'static str {
+pub fn reason_text(reason: RemovalReason) -> &'static str {
     match reason {
-        Reason::NoNeighbour => "no tile across the edge",
-        Reason::Obstacle => "a unit is in the way",
-        Reason::DeadEnd => "leads nowhere",
-        Reason::OutsideComponent => "not reached from the rest",
+        RemovalReason::NoNeighbour => "no tile across the edge",
+        RemovalReason::Obstacle => "a unit is in the way",
+        RemovalReason::DeadEnd => "leads nowhere",
+        RemovalReason::OutsideComponent => "not reached from the rest",
     }
 }
 
@@ -73,8 +73,8 @@ pub fn show(
     ui: &mut Ui,
     model: &Model,
     world: &WorldDocument,
-    (instance, facts): (u32, &Facts),
-    commands: &mut Vec<Command>,
+    (instance, facts): (u32, &InstanceFacts),
+    commands: &mut Vec<ViewerCommand>,
 ) {
     ui.horizontal_wrapped(|ui| {
         ui.strong(format!("Patch {}", world.patch_name(instance)));
@@ -96,16 +96,16 @@ pub fn show(
             row("exits", of(facts.exits));
         }
         row("places to stay", of(facts.rests));
-        row("links", of([facts.left(), facts.links.len()]));
+        row("links", of([facts.num_left(), facts.links.len()]));
         row("overlaps", format!("{} others", facts.neighbours));
     });
-    for reason in Reason::ALL.into_iter().filter(|&r| facts.taken_out(r) > 0) {
-        ui.label(format!("{} taken out: {}", facts.taken_out(reason), words(reason)));
+    for reason in RemovalReason::ALL.into_iter().filter(|&r| facts.num_taken_out(r) > 0) {
+        ui.label(format!("{} taken out: {}", facts.num_taken_out(reason), reason_text(reason)));
     }
     let mut shown = !model.selection.world.hides_links;
     ui.horizontal_wrapped(|ui| {
         if ui.checkbox(&mut shown, "Draw links:").changed() {
-            commands.push(Command::World(WorldCommand::ShowLinks(shown)));
+            commands.push(ViewerCommand::World(WorldCommand::ShowLinks(shown)));
         }
         for (colour, name) in [(ENABLED, "left"), (DISABLED, "taken out")] {
             let [r, g, b, _] = colour.0;
@@ -122,7 +122,7 @@ fn unit(world: &WorldDocument, place: u32) -> String {
 }
 
 /// One of the instances that the selected unit is part of.
-fn choose(ui: &mut Ui, model: &Model, world: &WorldDocument, instance: u32, commands: &mut Vec<Command>) {
+fn choose(ui: &mut Ui, model: &Model, world: &WorldDocument, instance: u32, commands: &mut Vec<ViewerCommand>) {
     let Some(place) = model.selection.world.place else { return };
     let all = world.instances_of(place);
     if all.len() < 2 {
@@ -134,7 +134,7 @@ fn choose(ui: &mut Ui, model: &Model, world: &WorldDocument, instance: u32, comm
         ComboBox::from_id_salt("instance").selected_text(name(instance)).show_ui(ui, |ui| {
             for i in all {
                 if ui.selectable_label(i == instance, name(i)).clicked() {
-                    commands.push(Command::World(WorldCommand::SelectInstance(Some(i))));
+                    commands.push(ViewerCommand::World(WorldCommand::SelectInstance(Some(i))));
                 }
             }
         });

@@ -1,18 +1,18 @@
 //! The disabled links of an instance, as a list.
 
-use super::facts::{Facts, words};
-use crate::command::{Command, WorldCommand};
+use super::facts::{InstanceFacts, reason_text};
+use crate::command::{ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
-use crate::panels::paint::{Cell, Click, Column, Table};
+use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn};
 use eframe::egui::{CollapsingHeader, Ui, vec2};
 use throng_runtime::patch::LinkRecord;
 
-const COLUMNS: [Column<'static>; 4] = [
-    Column::number("link", "Number within the patch", 44.0),
-    Column::text("clip and time", "Motion it plays", 110.0, 1.0),
-    Column::number("frames", "Frames it plays", 48.0),
-    Column::text("taken out", "In a word; click for the whole reason", 120.0, 1.0),
+const COLUMNS: [TableColumn<'static>; 4] = [
+    TableColumn::number("link", "Number within the patch", 44.0),
+    TableColumn::text("clip and time", "Motion it plays", 110.0, 1.0),
+    TableColumn::number("frames", "Frames it plays", 48.0),
+    TableColumn::text("taken out", "In a word; click for the whole reason", 120.0, 1.0),
 ];
 /// Height of the list (points).
 const HEIGHT: f32 = 170.0;
@@ -22,8 +22,8 @@ pub fn show(
     ui: &mut Ui,
     model: &Model,
     world: &WorldDocument,
-    (instance, facts): (u32, &Facts),
-    commands: &mut Vec<Command>,
+    (instance, facts): (u32, &InstanceFacts),
+    commands: &mut Vec<ViewerCommand>,
 ) {
     let (graph, selected) = (world.graph(), model.selection.world.link);
     let out: Vec<usize> = (0..facts.links.len()).filter(|&l| facts.links[l].is_some()).collect();
@@ -34,22 +34,22 @@ pub fn show(
         let size = vec2(ui.available_width(), HEIGHT);
         ui.allocate_ui(size, |ui| {
             ui.set_min_size(size);
-            let table = Table {
-                click: Click::Does("Show"),
+            let table = RowTable {
+                click: RowClick::Does("Show"),
                 selected: selected.and_then(|s| out.iter().position(|&l| l == s as usize)),
-                ..Table::new("links taken out", &COLUMNS, out.len())
+                ..RowTable::new("links taken out", &COLUMNS, out.len())
             };
             let response = table.show(ui, |row, column| {
                 let (number, link) = (out[row], &graph.links(instance)[out[row]]);
                 match column {
-                    0 => Cell::new(number.to_string()),
-                    1 => Cell::new(motion(world, link)).ending(),
-                    2 => Cell::new(link.num_frames.to_string()),
-                    _ => Cell::new(facts.links[number].map_or("", words)),
+                    0 => TableCell::new(number.to_string()),
+                    1 => TableCell::new(motion(world, link)).ending(),
+                    2 => TableCell::new(link.num_frames.to_string()),
+                    _ => TableCell::new(facts.links[number].map_or("", reason_text)),
                 }
             });
             if let Some(&link) = response.chosen.and_then(|row| out.get(row)) {
-                commands.push(Command::World(WorldCommand::SelectLink(Some(link as u32))));
+                commands.push(ViewerCommand::World(WorldCommand::SelectLink(Some(link as u32))));
             }
         });
     });

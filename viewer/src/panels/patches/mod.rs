@@ -5,22 +5,22 @@ mod edit;
 mod facts;
 mod links;
 
-use crate::command::{Command, Tool, WorldCommand};
+use crate::command::{Tool, ViewerCommand, WorldCommand};
 use crate::model::Model;
 use eframe::egui::{Button, Ui};
-use facts::Facts;
-use throng_precompute::stitch::Item;
+use facts::InstanceFacts;
+use throng_precompute::stitch::InstanceItem;
 
 /// World, its state, instance and link that a reason is for.
-type Asked = (u64, u64, u32, u32);
+type ReasonKey = (u64, u64, u32, u32);
 
 /// State of the panel.
 #[derive(Clone, Debug, Default)]
-pub struct State {
+pub struct PatchesPanelState {
     /// Figures of the selected patch, with the world, its revision and the instance that they belong to.
-    facts: Option<((u64, u64, u32), Facts)>,
+    facts: Option<((u64, u64, u32), InstanceFacts)>,
     /// Why the selected link is disabled, with the key that the reason belongs to.
-    why: Option<(Asked, Option<String>)>,
+    why: Option<(ReasonKey, Option<String>)>,
     /// Unit that is to be placed.
     unit: usize,
     /// File that the world is written to, as typed.
@@ -32,7 +32,7 @@ pub struct State {
 }
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut PatchesPanelState, commands: &mut Vec<ViewerCommand>) {
     let Some(world) = model.document.world() else {
         ui.weak("Open a world of motion patches, or a scene in one: data/worlds/*.toml, data/scenes/*.toml.");
         return;
@@ -41,20 +41,20 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     ui.separator();
     character::show(ui, model, world, state, commands);
     ui.separator();
-    match model.looked_at_instance() {
+    match model.inspected_instance() {
         None => _ = ui.weak("Click a unit, or a character, to see the patch there."),
         Some(instance) => {
             let key = (model.generation, world.revision(), instance);
             if state.facts.as_ref().is_none_or(|f| f.0 != key) {
                 // No reason is available while the world is stitched again.
                 let is_known = world.working().is_none();
-                state.facts = is_known.then(|| (key, Facts::of(world, instance)));
+                state.facts = is_known.then(|| (key, InstanceFacts::count_cells(world, instance)));
             }
             if let Some((_, facts)) = &state.facts {
                 facts::show(ui, model, world, (instance, facts), commands);
                 links::show(ui, model, world, (instance, facts), commands);
             }
-            why(ui, model, state, instance);
+            show_reason(ui, model, state, instance);
         }
     }
     ui.separator();
@@ -62,25 +62,25 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
 }
 
 /// Choice of the tool.
-fn tools(ui: &mut Ui, model: &Model, state: &State, commands: &mut Vec<Command>) {
+fn tools(ui: &mut Ui, model: &Model, state: &PatchesPanelState, commands: &mut Vec<ViewerCommand>) {
     let now = model.selection.world.tool;
     ui.horizontal_wrapped(|ui| {
         for (tool, name, tip) in [
-            (Tool::Look, "Look", "A click selects a character or a unit"),
+            (Tool::Select, "Look", "A click selects a character or a unit"),
             (Tool::Send, "Send", "A click sends the selected character there; Ctrl + click always does"),
             (Tool::Move, "Move", "Units are dragged; Q and E turn the selected one, Delete removes it"),
             (Tool::Create(state.unit), "Create", "A click places a unit; Q and E turn it first"),
         ] {
             let is_on = std::mem::discriminant(&now) == std::mem::discriminant(&tool);
             if ui.selectable_label(is_on, name).on_hover_text(tip).clicked() {
-                commands.push(Command::World(WorldCommand::Tool(tool)));
+                commands.push(ViewerCommand::World(WorldCommand::Tool(tool)));
             }
         }
         ui.separator();
         history(ui, model, commands);
     });
     let hint = match now {
-        Tool::Look => "Click a character or a unit.",
+        Tool::Select => "Click a character or a unit.",
         Tool::Send if model.selection.character.is_none() => "Select a character first (Look).",
         Tool::Send => "Click where the selected character is to go.",
         Tool::Move => {
@@ -93,7 +93,7 @@ fn tools(ui: &mut Ui, model: &Model, state: &State, commands: &mut Vec<Command>)
 }
 
 /// Buttons that take changes back and make them again.
-fn history(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+fn history(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
     let Some(world) = model.document.world() else { return };
     for (text, change, tip, key, command) in [
         ("Undo", world.to_undo(), "Undo", "Ctrl+Z", WorldCommand::Undo),
@@ -102,13 +102,13 @@ fn history(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let button = ui.add_enabled(change.is_some(), Button::new(text));
         let tip = format!("{tip}: {} ({key})", change.unwrap_or("nothing"));
         if button.on_hover_text(&tip).on_disabled_hover_text(&tip).clicked() {
-            commands.push(Command::World(command));
+            commands.push(ViewerCommand::World(command));
         }
     }
 }
 
 /// Result of the last edit.
-fn outcome(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+fn outcome(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
     let Some(world) = model.document.world() else { return };
     if let Some(working) = world.working() {
         ui.horizontal(|ui| {
@@ -117,16 +117,16 @@ fn outcome(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         });
     } else if let Some(refused) = world.refused() {
         ui.horizontal_wrapped(|ui| {
-            ui.colored_label(ui.visuals().error_fg_color, format!("The world is unchanged: {}", refused.why));
+            ui.colored_label(ui.visuals().error_fg_color, format!("The world is unchanged: {}", refused.reason));
             if ui.small_button("✖").on_hover_text("Close this message (Escape)").clicked() {
-                commands.push(Command::World(WorldCommand::ForgetRefused));
+                commands.push(ViewerCommand::World(WorldCommand::ForgetRefused));
             }
         });
     }
 }
 
 /// Shows why the selected link is disabled.
-fn why(ui: &mut Ui, model: &Model, state: &mut State, instance: u32) {
+fn show_reason(ui: &mut Ui, model: &Model, state: &mut PatchesPanelState, instance: u32) {
     let (Some(world), Some(link)) = (model.document.world(), model.selection.world.link) else { return };
     if link as usize >= world.graph().links(instance).len() {
         return;
@@ -136,7 +136,7 @@ fn why(ui: &mut Ui, model: &Model, state: &mut State, instance: u32) {
         if world.working().is_some() {
             return;
         }
-        state.why = Some((key, world.why(instance, Item::Link(link)).map(|w| w.message)));
+        state.why = Some((key, world.full_reason(instance, InstanceItem::Link(link)).map(|w| w.message)));
     }
     ui.add_space(4.0);
     match state.why.as_ref().and_then(|w| w.1.as_deref()) {

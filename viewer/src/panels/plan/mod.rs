@@ -6,29 +6,29 @@ mod motions;
 mod tests;
 mod timeline;
 
-use crate::command::{Command, PlanCommand, PlanLook};
+use crate::command::{PlanCommand, PlanViewOptions, ViewerCommand};
 use crate::document::TaskDocument;
 use crate::model::Model;
-use crate::theme::Palette;
+use crate::theme::ThemePalette;
 use eframe::egui::{Button, DragValue, ProgressBar, RichText, ScrollArea, TextEdit, Ui};
 use std::path::{Path, PathBuf};
-use timeline::Along;
+use timeline::PlotDirection;
 
 /// Most motions that are planned at once.
 const MOST: u64 = 20;
 
 /// State of the panel.
 #[derive(Clone, Debug, Default)]
-pub struct State {
+pub struct PlanPanelState {
     /// Vertical axis of the plot over time.
-    along: Along,
+    along: PlotDirection,
     /// Files that a motion and the task are written to, as they were typed.
     file: Option<String>,
     task: Option<String>,
 }
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut PlanPanelState, commands: &mut Vec<ViewerCommand>) {
     let Some(task) = model.task() else {
         ui.weak("Open a task of limbs: data/tasks/*.toml. Things and places can be dragged in the view then.");
         return;
@@ -49,13 +49,13 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
         save(ui, task, state, commands);
     });
     if wanted != look {
-        commands.push(Command::Plan(PlanCommand::Look(wanted)));
+        commands.push(ViewerCommand::Plan(PlanCommand::SetOptions(wanted)));
     }
 }
 
 /// Shows the steps of the task, and their results.
-fn steps(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanLook, commands: &mut Vec<Command>) {
-    let palette = Palette::of(ui.visuals());
+fn steps(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, commands: &mut Vec<ViewerCommand>) {
+    let palette = ThemePalette::for_visuals(ui.visuals());
     let (windows, rate_hz) = (task.task().windows_s(), task.frames().1);
     let motion = task.shown_motion();
     ui.strong("To do");
@@ -63,7 +63,7 @@ fn steps(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanLook, commands: &mut
         let done = motion.and_then(|m| m.outcome.done.get(i));
         let (mark, colour) = match done {
             None => ("·", ui.visuals().weak_text_color()),
-            Some(d) if d.why.is_none() => ("✔", palette.good),
+            Some(d) if d.reason.is_none() => ("✔", palette.good),
             Some(_) => ("✖", ui.visuals().error_fg_color),
         };
         let at_s = task.task().times_s()[i];
@@ -74,29 +74,29 @@ fn steps(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanLook, commands: &mut
                 wanted.step = (!is_on).then_some(i);
                 let begin_s = windows[i].map(|w| w[1]).filter(|_| !is_on);
                 if let Some(s) = at_s.or(begin_s).filter(|_| !is_on) {
-                    commands.push(Command::Seek((s * f64::from(rate_hz)).round() as u32));
+                    commands.push(ViewerCommand::Seek((s * f64::from(rate_hz)).round() as u32));
                 }
             }
             at_s.iter().for_each(|s| _ = ui.weak(format!("at {s:.2} s")));
         });
-        if let Some(why) = done.and_then(|d| d.why.as_deref()) {
+        if let Some(why) = done.and_then(|d| d.reason.as_deref()) {
             ui.label(RichText::new(why).small().color(ui.visuals().error_fg_color));
         }
     }
 }
 
 /// Shows the options of planning, and its progress.
-fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanLook, commands: &mut Vec<Command>) {
+fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, commands: &mut Vec<ViewerCommand>) {
     ui.horizontal_wrapped(|ui| {
         let tip = "Plan motions beside the window; the same seed gives the same motion";
         if ui.add(Button::new("Plan")).on_hover_text(tip).clicked() {
-            commands.push(Command::Plan(PlanCommand::Plan));
+            commands.push(ViewerCommand::Plan(PlanCommand::Plan));
         }
-        let mut number = wanted.number;
+        let mut number = wanted.num_motions;
         let unit = if number == 1 { " motion" } else { " motions" };
         ui.add(DragValue::new(&mut number).range(1..=MOST).speed(0.05).suffix(unit))
             .on_hover_text("So many that differ, where seeds give them");
-        wanted.number = number.clamp(1, MOST);
+        wanted.num_motions = number.clamp(1, MOST);
         let own = task.task().config.budget.seed;
         let mut seed = wanted.seed.unwrap_or(own);
         ui.add(DragValue::new(&mut seed).speed(0.05).prefix("seed ")).on_hover_text("In place of the task's");
@@ -104,11 +104,11 @@ fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanLook, commands: &
         ui.checkbox(&mut wanted.replans, "after each drag").on_hover_text("Plan as soon as something was dragged");
     });
     if let Some(planning) = task.planning() {
-        let ([tried, total], motion) = planning.far();
+        let ([tried, total], motion) = planning.progress();
         ui.horizontal(|ui| {
             let tip = "Stop planning; the motions stay as they are";
             if ui.button("Cancel").on_hover_text(tip).clicked() {
-                commands.push(Command::Plan(PlanCommand::Cancel));
+                commands.push(ViewerCommand::Plan(PlanCommand::Cancel));
             }
             ui.label(format!("motion {motion}: {tried} of {total}"));
             ui.add(ProgressBar::new(tried as f32 / total.max(1) as f32).desired_height(8.0).corner_radius(4));
@@ -117,20 +117,20 @@ fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanLook, commands: &
         ui.colored_label(ui.visuals().error_fg_color, format!("Nothing was planned: {why}"));
     } else if task.is_changed() {
         ui.colored_label(
-            Palette::of(ui.visuals()).warning,
+            ThemePalette::for_visuals(ui.visuals()).warning,
             "The scene has changed since; what is shown was planned before.",
         );
     }
 }
 
-fn save(ui: &mut Ui, task: &TaskDocument, state: &mut State, commands: &mut Vec<Command>) {
+fn save(ui: &mut Ui, task: &TaskDocument, state: &mut PlanPanelState, commands: &mut Vec<ViewerCommand>) {
     let file = state.file.get_or_insert_with(|| suggested(task.path()).display().to_string());
     let tip = "Write the motion that is shown, and who carries what beside it, as `throng plan` does";
     let motion = written(ui, file, Button::new("Save"), tip, task.shown_motion().is_some()).map(PlanCommand::Save);
     let file = state.task.get_or_insert_with(|| task.path().display().to_string());
     let tip = "Write the task with things and places where they are; comments and all other numbers stay";
     let own = written(ui, file, Button::new("Save the task"), tip, true).map(PlanCommand::SaveTask);
-    commands.extend(motion.into_iter().chain(own).map(Command::Plan));
+    commands.extend(motion.into_iter().chain(own).map(ViewerCommand::Plan));
 }
 
 /// A file's name, and the button that writes it; returns the name when that was clicked.

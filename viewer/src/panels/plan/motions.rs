@@ -1,19 +1,19 @@
 //! The motions that were planned, side by side in a list, and the figures of the one shown.
 
-use crate::command::{Command, PlanCommand, PlanLook};
+use crate::command::{PlanCommand, PlanViewOptions, ViewerCommand};
 use crate::document::{PlannedMotion, TaskDocument};
-use crate::theme::Palette;
+use crate::theme::ThemePalette;
 use eframe::egui::{RichText, Ui};
 
 /// Shows the list.
-pub fn show(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanLook, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, commands: &mut Vec<ViewerCommand>) {
     ui.horizontal(|ui| {
         ui.strong("Motions");
         ui.checkbox(&mut wanted.ghosts, "ghosts of the others").on_hover_text("Other motions, and the clip as it was");
     });
     let shown = task.shown();
     if ui.selectable_label(shown.is_none(), "the clip as it was").clicked() {
-        commands.push(Command::Plan(PlanCommand::Show(None)));
+        commands.push(ViewerCommand::Plan(PlanCommand::Show(None)));
     }
     for (i, motion) in task.motions().iter().enumerate() {
         let apart = motion.distance_rad.map_or_else(String::new, |d| format!(" · {d:.3} rad from the next"));
@@ -21,7 +21,7 @@ pub fn show(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanLook, commands: &
         ui.horizontal(|ui| {
             let text = format!("{} · seed {} · {length:.2} rad long{apart}", i + 1, motion.seed);
             if ui.selectable_label(shown == Some(i), text).clicked() {
-                commands.push(Command::Plan(PlanCommand::Show(Some(i))));
+                commands.push(ViewerCommand::Plan(PlanCommand::Show(Some(i))));
             }
             if !motion.report.solved {
                 ui.colored_label(ui.visuals().error_fg_color, "✖");
@@ -49,7 +49,9 @@ fn figures(ui: &mut Ui, motion: &PlannedMotion) {
     );
     ui.label(RichText::new(clear).weak());
     match motion.outcome.recheck.violations.first() {
-        None => _ = ui.label(RichText::new("The check finds no fault.").color(Palette::of(ui.visuals()).good)),
+        None => {
+            _ = ui.label(RichText::new("The check finds no fault.").color(ThemePalette::for_visuals(ui.visuals()).good))
+        }
         Some(v) => {
             let text = format!("The check finds {} faults: at {:.3} s {}", r.recheck_violations, v.time_s, v.what);
             ui.colored_label(ui.visuals().error_fg_color, text);

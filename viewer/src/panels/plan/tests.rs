@@ -8,19 +8,19 @@ use egui_kittest::kittest::Queryable;
 use glam::DVec3;
 use throng_planner::task::Handle;
 
-fn panel() -> Harness<'static, Trial<State>> {
+fn panel() -> Harness<'static, Trial<PlanPanelState>> {
     let task = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/tasks/arm-low.toml");
-    let mut h = trial::<State>(Some(&task), vec2(420.0, 900.0), show);
+    let mut h = trial::<PlanPanelState>(Some(&task), vec2(420.0, 900.0), show);
     h.state_mut().model.is_unhurried = true;
     let ctx = h.ctx.clone();
-    h.state_mut().model.apply(&ctx, Command::Plan(PlanCommand::Plan));
+    h.state_mut().model.apply(&ctx, ViewerCommand::Plan(PlanCommand::Plan));
     h.run_steps(3);
     h
 }
 
 #[test]
 fn without_a_task_it_says_what_to_open() {
-    let mut h = trial::<State>(None, vec2(400.0, 300.0), show);
+    let mut h = trial::<PlanPanelState>(None, vec2(400.0, 300.0), show);
     h.run_steps(2);
     h.get_by_label_contains("data/tasks/*.toml");
 }
@@ -28,7 +28,7 @@ fn without_a_task_it_says_what_to_open() {
 #[test]
 fn motions_are_listed_shown_and_told_apart() {
     let mut h = panel();
-    h.state_mut().model.selection.plan.number = 2;
+    h.state_mut().model.selection.plan.num_motions = 2;
     h.run_steps(2);
     h.get_by_label("Plan").click();
     h.run_steps(4);
@@ -50,22 +50,23 @@ fn motions_are_listed_shown_and_told_apart() {
 fn what_is_put_elsewhere_is_planned_for_again() {
     let mut h = panel();
     let ctx = h.ctx.clone();
-    let clip = |h: &Harness<'_, Trial<State>>| h.state().model.task().expect("a task").clip(0).clone();
+    let clip = |h: &Harness<'_, Trial<PlanPanelState>>| h.state().model.task().expect("a task").clip(0).clone();
     let (before, handle) = (clip(&h), Handle::Thing(0));
-    let place = |h: &Harness<'_, Trial<State>>| {
+    let place = |h: &Harness<'_, Trial<PlanPanelState>>| {
         let task = h.state().model.task().expect("a task");
         task.place_of(handle, 0.0).expect("a place").position
     };
     let was = place(&h);
-    let model =
-        |h: &mut Harness<'static, Trial<State>>, c: PlanCommand| h.state_mut().model.apply(&ctx, Command::Plan(c));
+    let model = |h: &mut Harness<'static, Trial<PlanPanelState>>, c: PlanCommand| {
+        h.state_mut().model.apply(&ctx, ViewerCommand::Plan(c))
+    };
     model(&mut h, PlanCommand::Move(handle, glam::Vec3::new(0.03, 0.0, 0.1)));
     h.run_steps(2);
     assert!(h.state().model.task().is_some_and(TaskDocument::is_changed));
     h.get_by_label_contains("The scene has changed since");
     // What is shown stays as it was planned until there is something new.
     assert_eq!(clip(&h), before);
-    model(&mut h, PlanCommand::Settle);
+    model(&mut h, PlanCommand::EndMove);
     h.run_steps(2);
     assert!(place(&h).distance(was + DVec3::new(0.03, 0.0, 0.1)) < 1e-6);
     let task = h.state().model.task().expect("a task");
@@ -79,12 +80,12 @@ fn a_motion_is_written_as_the_command_does_and_the_clip_as_it_was_is_not() {
     let (ctx, folder) = (h.ctx.clone(), tempfile::tempdir().expect("a folder"));
     let out = folder.path().join("a.bvh");
     let model = &mut h.state_mut().model;
-    model.apply(&ctx, Command::Plan(PlanCommand::Save(out.clone())));
+    model.apply(&ctx, ViewerCommand::Plan(PlanCommand::Save(out.clone())));
     let written = std::fs::read_to_string(&out).expect("a clip");
     assert!(written.starts_with("HIERARCHY") && model.messages.iter().all(|m| !m.is_error), "{:?}", model.messages);
-    model.apply(&ctx, Command::Plan(PlanCommand::Save(folder.path().join("a.txt"))));
-    model.apply(&ctx, Command::Plan(PlanCommand::Show(None)));
-    model.apply(&ctx, Command::Plan(PlanCommand::Save(folder.path().join("b.bvh"))));
+    model.apply(&ctx, ViewerCommand::Plan(PlanCommand::Save(folder.path().join("a.txt"))));
+    model.apply(&ctx, ViewerCommand::Plan(PlanCommand::Show(None)));
+    model.apply(&ctx, ViewerCommand::Plan(PlanCommand::Save(folder.path().join("b.bvh"))));
     assert_eq!(model.messages.iter().filter(|m| m.is_error).count(), 2);
     assert!(!folder.path().join("b.bvh").exists());
 }
@@ -96,16 +97,16 @@ fn what_was_put_elsewhere_is_written_into_the_tasks_file() {
     let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/tasks/arm-low.toml"));
     let text = text.expect("a task");
     std::fs::write(&path, &text).expect("a file");
-    let mut h = trial::<State>(Some(&path), vec2(420.0, 1500.0), show);
+    let mut h = trial::<PlanPanelState>(Some(&path), vec2(420.0, 1500.0), show);
     h.state_mut().model.is_unhurried = true;
     let ctx = h.ctx.clone();
-    h.state_mut().model.apply(&ctx, Command::Plan(PlanCommand::Plan));
-    h.state_mut().model.apply(&ctx, Command::Plan(PlanCommand::Move(Handle::Thing(0), glam::Vec3::Z * 0.03)));
-    h.state_mut().model.apply(&ctx, Command::Plan(PlanCommand::Settle));
+    h.state_mut().model.apply(&ctx, ViewerCommand::Plan(PlanCommand::Plan));
+    h.state_mut().model.apply(&ctx, ViewerCommand::Plan(PlanCommand::Move(Handle::Thing(0), glam::Vec3::Z * 0.03)));
+    h.state_mut().model.apply(&ctx, ViewerCommand::Plan(PlanCommand::EndMove));
     h.run_steps(3);
     let motion = h.state().model.task().and_then(TaskDocument::shown_motion).expect("a motion");
     assert!(motion.report.solved && motion.report.recheck_violations == 0);
-    h.state_mut().model.apply(&ctx, Command::Plan(PlanCommand::SaveTask(path.clone())));
+    h.state_mut().model.apply(&ctx, ViewerCommand::Plan(PlanCommand::SaveTask(path.clone())));
     h.run_steps(3);
     let written = std::fs::read_to_string(&path).expect("a task");
     let changed: Vec<_> = text.lines().zip(written.lines()).filter(|(a, b)| a != b).collect();
@@ -114,7 +115,7 @@ fn what_was_put_elsewhere_is_written_into_the_tasks_file() {
     assert!(h.state().model.task().is_some_and(|t| !t.motions().is_empty()));
     // Names in it are seen from its folder.
     let model = &mut h.state_mut().model;
-    model.apply(&ctx, Command::Plan(PlanCommand::SaveTask(std::env::temp_dir().join("arm.toml"))));
+    model.apply(&ctx, ViewerCommand::Plan(PlanCommand::SaveTask(std::env::temp_dir().join("arm.toml"))));
     assert!(model.messages.iter().any(|m| m.is_error && m.text.contains("in the folder of")), "{:?}", model.messages);
 }
 
@@ -126,8 +127,8 @@ fn a_plan_that_is_cancelled_leaves_the_motions() {
     let before = model.task().expect("a task").clip(0).clone();
     model.is_unhurried = false;
     model.selection.plan.seed = Some(9);
-    model.apply(&ctx, Command::Plan(PlanCommand::Plan));
-    model.apply(&ctx, Command::Plan(PlanCommand::Cancel));
+    model.apply(&ctx, ViewerCommand::Plan(PlanCommand::Plan));
+    model.apply(&ctx, ViewerCommand::Plan(PlanCommand::Cancel));
     assert!(!model.is_busy());
     model.advance(&ctx, 0.1);
     assert_eq!(*model.task().expect("a task").clip(0), before);

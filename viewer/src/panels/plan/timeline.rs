@@ -1,16 +1,16 @@
 //! Timeline of a task: when limbs leave the clip, reach, and are back; below it the trees of the searches and the
 //! paths of hands, one direction of space over time.
 
-use crate::command::{Command, PlanLook};
+use crate::command::{PlanViewOptions, ViewerCommand};
 use crate::document::TaskDocument;
 use crate::model::Model;
-use crate::panels::paint::{Axis, RULER_HEIGHT, Span, ruler};
-use crate::stage::task::{TREES, colour_of_node, end_of_limb, looked_at};
-use crate::theme::Palette;
+use crate::panels::paint::{FrameAxis, FrameSpan, RULER_HEIGHT, ruler};
+use crate::stage::task::{TREES, colour_of_node, end_of_limb, inspected_steps};
+use crate::theme::ThemePalette;
 use eframe::egui::epaint::Mesh;
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
 use glam::DVec3;
-use throng_planner::task::Done;
+use throng_planner::task::StepOutcome;
 
 /// Height of a row of something to do (points).
 const ROW: f32 = 14.0;
@@ -25,7 +25,7 @@ const MAX_NODES: usize = 6000;
 
 /// A direction of space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Along {
+pub enum PlotDirection {
     /// +X.
     X,
     /// Up.
@@ -35,10 +35,10 @@ pub enum Along {
     Z,
 }
 
-impl Along {
+impl PlotDirection {
     const ALL: [(Self, &'static str); 3] = [(Self::Up, "height"), (Self::X, "x"), (Self::Z, "z")];
 
-    fn of(self, p: DVec3) -> f64 {
+    fn component(self, p: DVec3) -> f64 {
         match self {
             Self::X => p.x,
             Self::Up => p.y,
@@ -52,14 +52,14 @@ pub fn show(
     ui: &mut Ui,
     model: &Model,
     task: &TaskDocument,
-    along: &mut Along,
-    wanted: &mut PlanLook,
-    commands: &mut Vec<Command>,
+    along: &mut PlotDirection,
+    wanted: &mut PlanViewOptions,
+    commands: &mut Vec<ViewerCommand>,
 ) {
     ui.horizontal_wrapped(|ui| {
         ui.strong("Over time");
         ui.checkbox(&mut wanted.trees, "trees").on_hover_text("Where hands and feet are in the trees of the searches");
-        for (direction, name) in Along::ALL {
+        for (direction, name) in PlotDirection::ALL {
             ui.selectable_value(along, direction, name);
         }
         for (colour, name) in TREES.into_iter().zip(["from the start", "from the goal"]) {
@@ -71,7 +71,7 @@ pub fn show(
     let height = RULER_HEIGHT + ROW * windows.len() as f32 + 4.0 + if wanted.trees { PLOT } else { 0.0 };
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::click_and_drag());
     let x = (rect.left() + LEFT..=rect.right() - 4.0).into();
-    let axis = Axis { span: span(task, &windows), x, rate_hz, num_frames };
+    let axis = FrameAxis { span: span(task, &windows), x, rate_hz, num_frames };
     let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
     ruler(ui, Rect::from_x_y_ranges(axis.x, rect.top()..=rect.top() + RULER_HEIGHT), &axis);
     let rows = Rect::from_min_size(rect.min + vec2(0.0, RULER_HEIGHT), vec2(rect.width(), ROW * windows.len() as f32));
@@ -82,30 +82,37 @@ pub fn show(
     }
     let head = axis.x_of(model.player.frame.round());
     if axis.x.contains(head) {
-        painter.vline(head, rect.y_range(), Stroke::new(1.5, Palette::of(ui.visuals()).head));
+        painter.vline(head, rect.y_range(), Stroke::new(1.5, ThemePalette::for_visuals(ui.visuals()).head));
     }
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked() || response.dragged()) {
-        commands.push(Command::Seek(axis.frame_at(at.x)));
+        commands.push(ViewerCommand::Seek(axis.frame_at(at.x)));
     }
     response.on_hover_text("Click or drag to move through the clip");
 }
 
 /// From a little before the first thing to do until a little after the last one.
-fn span(task: &TaskDocument, windows: &[Option<[f64; 3]>]) -> Span {
+fn span(task: &TaskDocument, windows: &[Option<[f64; 3]>]) -> FrameSpan {
     let (num_frames, rate_hz) = task.frames();
-    let whole = Span::whole(num_frames);
+    let whole = FrameSpan::whole(num_frames);
     let timed = windows.iter().flatten().filter(|w| w[2].is_finite());
     let spans = task.shown_motion().into_iter().flat_map(|m| m.outcome.done.iter().flat_map(|d| &d.trees));
     let ends = timed.map(|w| [w[0], w[2]]).chain(spans.map(|g| g.window_s));
     let both = ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
     let Some([from, to]) = both else { return whole };
     let frame = |s: f64| (s * f64::from(rate_hz)) as f32;
-    Span { from: frame(from - AROUND_S).max(whole.from), to: frame(to + AROUND_S).min(whole.to) }
+    FrameSpan { from: frame(from - AROUND_S).max(whole.from), to: frame(to + AROUND_S).min(whole.to) }
 }
 
 /// Bars of the times at which each limb leaves the clip, reaches, and is back.
-fn bars(ui: &Ui, painter: &Painter, rows: Rect, axis: &Axis, windows: &[Option<[f64; 3]>], selected: Option<usize>) {
-    let palette = Palette::of(ui.visuals());
+fn bars(
+    ui: &Ui,
+    painter: &Painter,
+    rows: Rect,
+    axis: &FrameAxis,
+    windows: &[Option<[f64; 3]>],
+    selected: Option<usize>,
+) {
+    let palette = ThemePalette::for_visuals(ui.visuals());
     for (i, window) in windows.iter().enumerate() {
         let top = rows.top() + ROW * i as f32;
         let y = pos2(rows.left() + LEFT - 4.0, top + 0.5 * ROW);
@@ -123,12 +130,20 @@ fn bars(ui: &Ui, painter: &Painter, rows: Rect, axis: &Axis, windows: &[Option<[
 }
 
 /// One direction over time: nodes and edges of trees, and the planned hand.
-fn plot(ui: &Ui, painter: &Painter, rect: Rect, axis: &Axis, model: &Model, task: &TaskDocument, along: Along) {
+fn plot(
+    ui: &Ui,
+    painter: &Painter,
+    rect: Rect,
+    axis: &FrameAxis,
+    model: &Model,
+    task: &TaskDocument,
+    along: PlotDirection,
+) {
     painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
-    let done: Vec<&Done> = looked_at(model, task).filter(|d| !d.trees.is_empty()).collect();
+    let done: Vec<&StepOutcome> = inspected_steps(model, task).filter(|d| !d.trees.is_empty()).collect();
     let nodes = || done.iter().flat_map(|d| &d.trees).flat_map(|g| g.trees.iter().flatten());
     let [low, high] = nodes().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], n| {
-        let v = along.of(n.at);
+        let v = along.component(n.tip);
         [low.min(v), high.max(v)]
     });
     if low > high {
@@ -144,7 +159,8 @@ fn plot(ui: &Ui, painter: &Painter, rect: Rect, axis: &Axis, model: &Model, task
     }
     let (low, high) = (low - 0.05, high + 0.05);
     let y_of = |v: f64| rect.bottom() - ((v - low) / (high - low)) as f32 * rect.height();
-    let point = |at: DVec3, time_s: f64| pos2(axis.x_of((time_s * f64::from(axis.rate_hz)) as f32), y_of(along.of(at)));
+    let point =
+        |at: DVec3, time_s: f64| pos2(axis.x_of((time_s * f64::from(axis.rate_hz)) as f32), y_of(along.component(at)));
     for (v, anchor) in [(low, Align2::RIGHT_BOTTOM), (high, Align2::RIGHT_TOP)] {
         let at = pos2(rect.left() - 4.0, y_of(v));
         painter.text(at, anchor, format!("{v:.2}"), FontId::proportional(10.5), ui.visuals().weak_text_color());
@@ -156,21 +172,27 @@ fn plot(ui: &Ui, painter: &Painter, rect: Rect, axis: &Axis, model: &Model, task
             for node in tree.iter().skip(1).step_by(tree.len() / MAX_NODES + 1) {
                 let [r, g, b, a] = colour_of_node(k, grown, node.time_s).0;
                 let parent = &tree[node.parent];
-                let ends = [point(parent.at, parent.time_s), point(node.at, node.time_s)];
+                let ends = [point(parent.tip, parent.time_s), point(node.tip, node.time_s)];
                 line(&mut mesh, ends, 0.6, Color32::from_rgba_unmultiplied(r, g, b, a));
             }
             if let Some(root) = tree.first() {
                 let [r, g, b, _] = TREES[k].0;
-                painter.circle_filled(point(root.at, root.time_s), 3.0, Color32::from_rgb(r, g, b));
+                painter.circle_filled(point(root.tip, root.time_s), 3.0, Color32::from_rgb(r, g, b));
             }
         }
     }
     painter.add(mesh);
-    hands(&painter, task, &done, &point, Palette::of(ui.visuals()).head);
+    hands(&painter, task, &done, &point, ThemePalette::for_visuals(ui.visuals()).head);
 }
 
 /// Paths of the ends of limbs in the shown motion.
-fn hands(painter: &Painter, task: &TaskDocument, done: &[&Done], point: &dyn Fn(DVec3, f64) -> Pos2, colour: Color32) {
+fn hands(
+    painter: &Painter,
+    task: &TaskDocument,
+    done: &[&StepOutcome],
+    point: &dyn Fn(DVec3, f64) -> Pos2,
+    colour: Color32,
+) {
     for done in done {
         let clip = task.clip(done.character);
         let last = clip.num_frames() - 1;

@@ -6,7 +6,7 @@ use throng_runtime::policy::MAX_RANKED;
 /// Beyond the first [`MAX_RANKED`] it is 0.
 ///
 /// [`RankedActions::choose`]: throng_runtime::policy::RankedActions::choose
-pub fn of(scores: &[f32], temperature: f32) -> Vec<f32> {
+pub fn choice_chances(scores: &[f32], temperature: f32) -> Vec<f32> {
     let Some(&best) = scores.first() else { return Vec::new() };
     let unit = temperature * best.abs();
     let weight = |(rank, &score): (usize, &f32)| match rank {
@@ -33,7 +33,7 @@ mod tests {
                 (ranked.scores[i], ranked.actions[i]) = (score, i as u8);
             }
             for temperature in [0.0, 0.05, 0.3, 5.0] {
-                let chances = of(scores, temperature);
+                let chances = choice_chances(scores, temperature);
                 assert!((chances.iter().sum::<f32>() - 1.0).abs() < 1e-6);
                 let mut counts = vec![0; scores.len()];
                 const DRAWS: usize = 20_000;
@@ -51,7 +51,7 @@ mod tests {
 
     #[test]
     fn without_chance_the_best_is_taken() {
-        assert_eq!(of(&[0.3, 0.3, 0.1], 0.0), [1.0, 0.0, 0.0]);
-        assert!(of(&[], 1.0).is_empty());
+        assert_eq!(choice_chances(&[0.3, 0.3, 0.1], 0.0), [1.0, 0.0, 0.0]);
+        assert!(choice_chances(&[], 1.0).is_empty());
     }
 }

@@ -8,14 +8,14 @@ use throng_runtime::policy::{GridRecord, KIND_SPACE_TIME, TargetGrid};
 
 /// The part of the ground that is nearest to a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sector {
+pub struct ChartSector {
     /// Nearest and farthest distance (m).
     pub radii: [f32; 2],
     /// First and last angle, from straight ahead to the left (rad).
     pub angles: [f32; 2],
 }
 
-impl Sector {
+impl ChartSector {
     /// True for a place close to one of its edges.
     #[cfg(test)]
     fn is_edge(&self, p: Vec2) -> bool {
@@ -35,11 +35,11 @@ impl Sector {
 
 /// The cells of one height as sectors.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Chart {
+pub struct PolicyChart {
     record: GridRecord,
 }
 
-impl Chart {
+impl PolicyChart {
     /// The chart of a grid.
     pub fn new(grid: &TargetGrid) -> Self {
         Self { record: *grid.record() }
@@ -63,13 +63,16 @@ impl Chart {
     }
 
     /// The sector of a cell, whatever its height.
-    pub fn sector(&self, cell: usize) -> Sector {
+    pub fn sector(&self, cell: usize) -> ChartSector {
         let r = &self.record;
         let ring = (cell / r.num_angles as usize % r.num_rings as usize) as f32;
         let angle = (cell % r.num_angles as usize) as f32;
         let [low, high] = self.angles();
         let at = |n: f32| (r.angle_start + n * r.angle_spacing).clamp(low, high);
-        Sector { radii: [self.radius(ring - 0.5), self.radius(ring + 0.5)], angles: [at(angle - 0.5), at(angle + 0.5)] }
+        ChartSector {
+            radii: [self.radius(ring - 0.5), self.radius(ring + 0.5)],
+            angles: [at(angle - 0.5), at(angle + 0.5)],
+        }
     }
 
     /// First and last angle of all sectors; never more than a full turn (rad).
@@ -153,7 +156,7 @@ mod tests {
     fn every_place_lies_in_one_sector_which_is_that_of_the_nearest_cell() {
         let mut rng = Pcg64Mcg::seed_from_u64(3);
         for grid in grids() {
-            let chart = Chart::new(&grid);
+            let chart = PolicyChart::new(&grid);
             let height = grid.record().num_heights - 1;
             for _ in 0..3000 {
                 let p = polar(rng.random_range(-PI..PI), rng.random_range(0.0..1.1) * chart.rim());
@@ -173,7 +176,7 @@ mod tests {
     #[test]
     fn the_bounds_hold_every_sector_and_no_more() {
         for grid in grids() {
-            let chart = Chart::new(&grid);
+            let chart = PolicyChart::new(&grid);
             let [low, high] = chart.bounds(Vec2::ZERO);
             let mut reached = [Vec2::ZERO; 2];
             let edges = chart.cells(0).map(|c| chart.sector(c));
@@ -188,7 +191,7 @@ mod tests {
 
     #[test]
     fn the_nearest_height_is_found_within_the_grid() {
-        let chart = Chart::new(&grids()[2]);
+        let chart = PolicyChart::new(&grids()[2]);
         assert_eq!(chart.nearest_height(chart.height(2) + 0.01), 2);
         assert_eq!((chart.nearest_height(-9.0), chart.nearest_height(9.0)), (0, 3));
     }
@@ -196,9 +199,10 @@ mod tests {
     #[test]
     fn sectors_fill_the_disc() {
         for grid in grids().iter().filter(|g| g.is_polar()) {
-            let chart = Chart::new(grid);
-            let area =
-                |s: Sector| 0.5 * (s.angles[1] - s.angles[0]) * (s.radii[1] * s.radii[1] - s.radii[0] * s.radii[0]);
+            let chart = PolicyChart::new(grid);
+            let area = |s: ChartSector| {
+                0.5 * (s.angles[1] - s.angles[0]) * (s.radii[1] * s.radii[1] - s.radii[0] * s.radii[0])
+            };
             let sum: f32 = chart.cells(0).map(|c| area(chart.sector(c))).sum();
             let disc = PI * chart.rim() * chart.rim();
             assert!((sum / disc - 1.0).abs() < 1e-4, "{sum} {disc}");

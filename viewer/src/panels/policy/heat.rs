@@ -1,6 +1,6 @@
 //! The picture of a state's values over the target grid, kept until it changes.
 
-use super::chart::{Chart, polar};
+use super::chart::{PolicyChart, polar};
 use crate::theme::viridis;
 use eframe::egui::epaint::Mesh;
 use eframe::egui::{Color32, Pos2, Rect, vec2};
@@ -22,7 +22,7 @@ const APART: f32 = 17.0;
 
 /// Key of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Key {
+pub struct HeatKey {
     /// Generation of the document.
     pub document: u64,
     /// Behaviour.
@@ -41,7 +41,7 @@ pub struct Key {
 
 /// Maps the ground around the character to the screen. Places are in the frame of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plan {
+pub struct MapProjection {
     /// Screen position of the grid's centre.
     origin: Pos2,
     /// Points that a metre takes.
@@ -50,12 +50,12 @@ pub struct Plan {
     pub character: Pos2,
 }
 
-impl Plan {
+impl MapProjection {
     /// Fits a chart and the character into a part of the screen.
     ///
     /// - `centre`: centre of the grid relative to the character (m).
     /// - `margin`: left free on all sides (points).
-    pub fn new(chart: &Chart, centre: Vec2, rect: Rect, margin: f32) -> Self {
+    pub fn new(chart: &PolicyChart, centre: Vec2, rect: Rect, margin: f32) -> Self {
         let [low, high] = chart.bounds(-centre);
         let (room, size) = (rect.shrink(margin), high - low);
         let per_m = (room.width() / size.x).min(room.height() / size.y).max(1.0);
@@ -79,11 +79,11 @@ impl Plan {
 
 /// The picture.
 #[derive(Clone, Debug)]
-pub struct Heat {
+pub struct HeatPicture {
     /// Key that the picture was computed for.
-    pub key: Key,
+    pub key: HeatKey,
     /// Places on the screen.
-    pub plan: Plan,
+    pub plan: MapProjection,
     /// Coloured sectors.
     pub mesh: Arc<Mesh>,
     /// Least and largest value of the state.
@@ -94,12 +94,12 @@ pub struct Heat {
     pub arrow_scale: f32,
 }
 
-impl Heat {
+impl HeatPicture {
     /// Works the picture out.
-    pub fn new(key: Key, policy: &PolicyTable, graph: &MotionGraph) -> Self {
-        let chart = Chart::new(&policy.grid_of(key.state));
+    pub fn new(key: HeatKey, policy: &PolicyTable, graph: &MotionGraph) -> Self {
+        let chart = PolicyChart::new(&policy.grid_of(key.state));
         let centre = policy.centre();
-        let plan = Plan::new(&chart, Vec2::new(centre.x, centre.z), key.rect, key.margin);
+        let plan = MapProjection::new(&chart, Vec2::new(centre.x, centre.z), key.rect, key.margin);
         let values = policy.values_of(key.state);
         let range = values.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[a, b], &v| [a.min(v), b.max(v)]);
         let colour = |v: f32| viridis::map(viridis::ratio(v, range));
@@ -120,7 +120,7 @@ impl Heat {
 }
 
 /// Sectors of one colour each.
-fn cells(chart: &Chart, plan: &Plan, height: u32, colour: impl Fn(usize) -> Color32) -> Mesh {
+fn cells(chart: &PolicyChart, plan: &MapProjection, height: u32, colour: impl Fn(usize) -> Color32) -> Mesh {
     let mut mesh = Mesh::default();
     for cell in chart.cells(height) {
         let sector = chart.sector(cell);
@@ -142,7 +142,13 @@ fn cells(chart: &Chart, plan: &Plan, height: u32, colour: impl Fn(usize) -> Colo
 }
 
 /// A net of colours over all of the chart.
-fn smooth(chart: &Chart, plan: &Plan, colour: impl Fn(Vec2) -> Color32, key: Key, policy: &PolicyTable) -> Mesh {
+fn smooth(
+    chart: &PolicyChart,
+    plan: &MapProjection,
+    colour: impl Fn(Vec2) -> Color32,
+    key: HeatKey,
+    policy: &PolicyTable,
+) -> Mesh {
     let mut mesh = Mesh::default();
     let grid = policy.grid_of(key.state);
     let record = grid.record();
@@ -172,7 +178,13 @@ fn stitch(mesh: &mut Mesh, first: u32, parts: u32) {
 }
 
 /// Arrows of the best actions of cells, for as many cells as there is room for.
-fn arrows(key: &Key, chart: &Chart, plan: &Plan, policy: &PolicyTable, graph: &MotionGraph) -> (Vec<[Pos2; 2]>, f32) {
+fn arrows(
+    key: &HeatKey,
+    chart: &PolicyChart,
+    plan: &MapProjection,
+    policy: &PolicyTable,
+    graph: &MotionGraph,
+) -> (Vec<[Pos2; 2]>, f32) {
     let segments = graph.segments_of(key.state);
     let way = |cell: usize| {
         let best = usize::from(policy.best_of(key.state, cell)[0]);

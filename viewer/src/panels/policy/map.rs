@@ -1,14 +1,14 @@
 //! The map: values around the character, the target, and where actions lead.
 
-use super::chart::Chart;
-use super::heat::{Heat, Key, Plan};
-use super::{State, slices, why::name};
+use super::chart::PolicyChart;
+use super::heat::{HeatKey, HeatPicture, MapProjection};
+use super::{PolicyPanelState, slices, why::behaviour_name};
 use crate::bundle::OpenBundle;
-use crate::command::Command;
+use crate::command::ViewerCommand;
 use crate::panels::paint::legend;
 use crate::panels::words;
-use crate::run::{Candidate, Why};
-use crate::theme::{Palette, viridis};
+use crate::run::{ActionCandidate, ChoiceReason};
+use crate::theme::{ThemePalette, viridis};
 use crate::volume::Volume;
 use eframe::egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui, Vec2 as Span,
@@ -28,7 +28,7 @@ const MARGINS: [f32; 2] = [18.0, 5.0];
 
 /// Input of the map.
 #[derive(Clone, Copy)]
-pub struct Shown<'a> {
+pub struct PolicyMapInput<'a> {
     /// Generation of the document.
     pub document: u64,
     /// The bundle.
@@ -42,15 +42,15 @@ pub struct Shown<'a> {
     /// Height, or time left, that is shown.
     pub slice: u32,
     /// Choice of the selected character, if it was made in this state.
-    pub why: Option<&'a Why>,
+    pub why: Option<&'a ChoiceReason>,
     /// Target as the selected character sees it now, and as it saw it when it chose (m).
     pub targets: [Option<Vec3>; 2],
 }
 
-impl Shown<'_> {
+impl PolicyMapInput<'_> {
     /// The grid of the state from above.
-    pub fn chart(&self) -> Chart {
-        Chart::new(&self.policy.grid_of(self.state))
+    pub fn chart(&self) -> PolicyChart {
+        PolicyChart::new(&self.policy.grid_of(self.state))
     }
 
     /// Centre of the grid over ground (m).
@@ -60,7 +60,7 @@ impl Shown<'_> {
 }
 
 /// Shows the map, or the maps of all heights, with options and legend.
-pub fn show(ui: &mut Ui, shown: &Shown<'_>, own: &mut State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState, commands: &mut Vec<ViewerCommand>) {
     options(ui, shown, own, commands);
     let heights = shown.policy.grid_of(shown.state).record().num_heights;
     let arrow_scale = if own.slices && heights > 1 {
@@ -74,11 +74,11 @@ pub fn show(ui: &mut Ui, shown: &Shown<'_>, own: &mut State, commands: &mut Vec<
     };
     let range = own.heats.first().map_or([0.0, 1.0], |h| h.range);
     ui.horizontal_wrapped(|ui| {
-        legend(ui, range, &format!("value by {}", name(shown.bundle, shown.number)), viridis::map)
+        legend(ui, range, &format!("value by {}", behaviour_name(shown.bundle, shown.number)), viridis::map)
     });
     ui.horizontal_wrapped(|ui| {
         ui.weak("cross: target now; ring: when it chose;");
-        ui.colored_label(Palette::of(ui.visuals()).character, "action taken (lengthened);");
+        ui.colored_label(ThemePalette::for_visuals(ui.visuals()).character, "action taken (lengthened);");
         let scale = if arrow_scale < 1.0 { format!(" at {:.0} %", 100.0 * arrow_scale) } else { String::new() };
         ui.weak(format!("small arrows: best action if the target were there{scale}"));
     });
@@ -89,17 +89,17 @@ pub fn show(ui: &mut Ui, shown: &Shown<'_>, own: &mut State, commands: &mut Vec<
 /// - `at`: number of the picture that is recorded, and the height.
 pub fn paint(
     ui: &Ui,
-    shown: &Shown<'_>,
-    own: &mut State,
+    shown: &PolicyMapInput<'_>,
+    own: &mut PolicyPanelState,
     (at, height): (usize, u32),
     rect: Rect,
     response: Response,
 ) -> f32 {
     let margin = MARGINS[usize::from(own.slices)];
     let (document, policy, state) = (shown.document, shown.number, shown.state);
-    let key = Key { document, policy, state, height, smooth: own.smooth, rect, margin };
+    let key = HeatKey { document, policy, state, height, smooth: own.smooth, rect, margin };
     if own.heats.get(at).is_none_or(|h| h.key != key) {
-        let heat = Heat::new(key, shown.policy, shown.bundle.tables().graph());
+        let heat = HeatPicture::new(key, shown.policy, shown.bundle.tables().graph());
         own.heats.truncate(at);
         own.heats.push(heat);
     }
@@ -116,11 +116,11 @@ pub fn paint(
     }
     choice(&painter, shown, own, &heat.plan);
     targets(&painter, shown, height, &heat.plan);
-    tell(response, shown, own, height, heat);
+    show_tooltip(response, shown, own, height, heat);
     heat.arrow_scale
 }
 
-fn options(ui: &mut Ui, shown: &Shown<'_>, own: &mut State, commands: &mut Vec<Command>) {
+fn options(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState, commands: &mut Vec<ViewerCommand>) {
     let heights = shown.policy.grid_of(shown.state).record().num_heights;
     ui.horizontal_wrapped(|ui| {
         ui.selectable_value(&mut own.smooth, false, "cells").on_hover_text("The stored value of every cell");
@@ -139,13 +139,13 @@ fn options(ui: &mut Ui, shown: &Shown<'_>, own: &mut State, commands: &mut Vec<C
         let slider = eframe::egui::Slider::new(&mut slice, 0..=heights - 1).text(what);
         ui.add(slider.custom_formatter(move |n, _| chart.height_name(n as u32)));
         if slice != shown.slice {
-            commands.push(Command::SelectSlice(slice));
+            commands.push(ViewerCommand::SelectSlice(slice));
         }
     }
 }
 
 /// Draws the active region of the behaviour, dashed, with a note if it is not active at this height.
-fn region(painter: &Painter, shown: &Shown<'_>, height: u32, plan: &Plan) {
+fn region(painter: &Painter, shown: &PolicyMapInput<'_>, height: u32, plan: &MapProjection) {
     let region = shown.policy.region();
     let Some(volume) = Volume::of_region(region) else { return };
     let mut outline: Vec<Pos2> = volume.over_ground().iter().map(|p| plan.screen(*p - shown.centre())).collect();
@@ -157,7 +157,7 @@ fn region(painter: &Painter, shown: &Shown<'_>, height: u32, plan: &Plan) {
 }
 
 /// Labels the directions on a grid that goes all around.
-fn directions(ui: &Ui, painter: &Painter, shown: &Shown<'_>, plan: &Plan) {
+fn directions(ui: &Ui, painter: &Painter, shown: &PolicyMapInput<'_>, plan: &MapProjection) {
     let chart = shown.chart();
     let radius = chart.rim();
     let weak = ui.visuals().weak_text_color();
@@ -172,32 +172,32 @@ fn directions(ui: &Ui, painter: &Painter, shown: &Shown<'_>, plan: &Plan) {
 }
 
 /// The character, which faces up.
-fn nose(painter: &Painter, plan: &Plan, size: f32) {
+fn nose(painter: &Painter, plan: &MapProjection, size: f32) {
     let corners = [Span::new(0.0, -7.0), Span::new(5.0, 5.0), Span::new(0.0, 2.0), Span::new(-5.0, 5.0)];
     let points = corners.map(|d| plan.character + d * size).to_vec();
     painter.add(Shape::convex_polygon(points, Color32::WHITE, Stroke::new(1.5 * size, Color32::BLACK)));
 }
 
-fn choice(painter: &Painter, shown: &Shown<'_>, own: &State, plan: &Plan) {
+fn choice(painter: &Painter, shown: &PolicyMapInput<'_>, own: &PolicyPanelState, plan: &MapProjection) {
     let Some(why) = shown.why else { return };
-    let tip = |c: &Candidate| {
+    let tip = |c: &ActionCandidate| {
         let to = Span::new(-c.displacement.x, -c.displacement.z) * plan.per_m;
         // A step is small on a map of many metres; an action without displacement has no direction.
         let length = if to.length() > 2.0 { to.length().max(MIN_ARROW) } else { 0.0 };
         plan.character + to.normalized() * length
     };
     if let Some(taken) = why.candidates.get(why.chosen) {
-        arrow(painter, plan.character, tip(taken), 2.6, Palette::CHARACTER_ON_MAP);
+        arrow(painter, plan.character, tip(taken), 2.6, ThemePalette::CHARACTER_ON_MAP);
     }
     for (segment, width) in [(own.picked, 2.0), (own.hovered_before, 2.6)] {
         if let Some(c) = why.candidates.iter().find(|c| Some(c.segment) == segment) {
-            arrow(painter, plan.character, tip(c), width, Palette::POINTED_ON_MAP);
+            arrow(painter, plan.character, tip(c), width, ThemePalette::POINTED_ON_MAP);
         }
     }
 }
 
 /// The target now and when it chose, on the map of the height that is nearest to it.
-fn targets(painter: &Painter, shown: &Shown<'_>, height: u32, plan: &Plan) {
+fn targets(painter: &Painter, shown: &PolicyMapInput<'_>, height: u32, plan: &MapProjection) {
     let (grid, chart) = (shown.policy.grid(), shown.chart());
     let at = |t: Vec3| {
         let t = shown.policy.to_grid(t);
@@ -245,7 +245,13 @@ fn arrow(painter: &Painter, from: Pos2, to: Pos2, width: f32, colour: Color32) {
 }
 
 /// Shows a tooltip with the value under the pointer, and the best action there.
-fn tell(response: Response, shown: &Shown<'_>, own: &State, height: u32, heat: &Heat) {
+fn show_tooltip(
+    response: Response,
+    shown: &PolicyMapInput<'_>,
+    own: &PolicyPanelState,
+    height: u32,
+    heat: &HeatPicture,
+) {
     let Some(point) = response.hover_pos() else { return };
     let chart = shown.chart();
     let place = heat.plan.ground(point);
@@ -270,6 +276,6 @@ fn tell(response: Response, shown: &Shown<'_>, own: &State, height: u32, heat: &
         let centre = shown.policy.grid_of(shown.state).cell_coordinates(cell);
         ui.label(format!("cell {cell}: {:.2} m, {}", centre.y, words::direction(centre.x)));
         ui.label(format!("best: {}", shown.bundle.describe_segment(segment)));
-        ui.label(words::way(graph.segments[segment as usize].displacement()));
+        ui.label(words::displacement(graph.segments[segment as usize].displacement()));
     });
 }

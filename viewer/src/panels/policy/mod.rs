@@ -9,20 +9,20 @@ mod story;
 mod why;
 
 use crate::bundle::OpenBundle;
-use crate::command::Command;
+use crate::command::ViewerCommand;
 use crate::model::Model;
-use crate::run::{About, explain};
+use crate::run::{GoalSubject, explain_choice};
 use eframe::egui::{ComboBox, RichText, Ui};
 use glam::{Vec2, Vec3};
-use heat::Heat;
+use heat::HeatPicture;
 use throng_runtime::policy::PolicyTable;
-use why::name;
+use why::behaviour_name;
 
 /// View settings of the policy.
 #[derive(Clone, Debug)]
-pub struct State {
+pub struct PolicyPanelState {
     /// Pictures that are kept, one for each map.
-    heats: Vec<Heat>,
+    heats: Vec<HeatPicture>,
     smooth: bool,
     arrows: bool,
     /// All heights side by side.
@@ -36,7 +36,7 @@ pub struct State {
     hovered_before: Option<u32>,
 }
 
-impl Default for State {
+impl Default for PolicyPanelState {
     fn default() -> Self {
         Self {
             heats: Vec::new(),
@@ -52,7 +52,7 @@ impl Default for State {
 }
 
 /// Shows a behaviour's policy and the choice of the selected character.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut PolicyPanelState, commands: &mut Vec<ViewerCommand>) {
     let Some(bundle) = model.document.bundle() else {
         ui.weak("Policies are part of a bundle; open one to see them.");
         return;
@@ -65,20 +65,20 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     state.hovered_before = state.hovered.take();
     let character = model.selection.character;
     let chooser = character.and_then(|c| model.document.chooser(c));
-    let why = chooser.as_ref().and_then(explain);
+    let why = chooser.as_ref().and_then(explain_choice);
     behaviour(ui, bundle, number, commands);
     facts(ui, bundle, policy, number);
     ui.separator();
     show_state(ui, model, bundle, commands);
-    if let Some(looked_at) = model.looked_at_state().filter(|&s| (s as usize) < policy.actions().num_states()) {
+    if let Some(looked_at) = model.inspected_state().filter(|&s| (s as usize) < policy.actions().num_states()) {
         let why = why.as_ref().filter(|w| w.state == looked_at);
         let then = why.and_then(|w| {
-            w.behaviours.iter().find(|b| b.policy == number).map_or(Some(w.local_target), |b| near(b.target))
+            w.behaviours.iter().find(|b| b.policy == number).map_or(Some(w.local_target), |b| coming_target(b.target))
         });
         let document = model.generation;
         let slice = model.selection.slice.min(policy.grid_of(looked_at).record().num_heights - 1);
         let targets = [local_target(model, number), then];
-        let shown = map::Shown { document, bundle, policy, number, state: looked_at, slice, why, targets };
+        let shown = map::PolicyMapInput { document, bundle, policy, number, state: looked_at, slice, why, targets };
         map::show(ui, &shown, state, commands);
     }
     ui.separator();
@@ -89,24 +89,25 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
 const NEVER_S: f32 = 100.0;
 
 /// A target, unless it stands for no coming blow.
-fn near(target: Vec3) -> Option<Vec3> {
+fn coming_target(target: Vec3) -> Option<Vec3> {
     (target.y < NEVER_S).then_some(target)
 }
 
 /// Subject of a behaviour relative to the selected character, at present (m).
 fn local_target(model: &Model, policy: usize) -> Option<Vec3> {
     let chooser = model.document.chooser(model.selection.character?)?;
-    let is_threat = chooser.goals.iter().any(|g| g.policy == policy && g.about == About::Threat);
-    let target = near(chooser.about(if is_threat { About::Threat } else { About::Target })?)?;
+    let is_threat = chooser.goals.iter().any(|g| g.policy == policy && g.subject == GoalSubject::Threat);
+    let target =
+        coming_target(chooser.subject_position(if is_threat { GoalSubject::Threat } else { GoalSubject::Target })?)?;
     let local = chooser.characters.root(chooser.number).inverse_transform_point(Vec2::new(target.x, target.z));
     Some(Vec3::new(local.x, target.y, local.y))
 }
 
-fn behaviour(ui: &mut Ui, bundle: &OpenBundle, number: usize, commands: &mut Vec<Command>) {
-    ComboBox::new("behaviour", "behaviour").selected_text(name(bundle, number)).show_ui(ui, |ui| {
+fn behaviour(ui: &mut Ui, bundle: &OpenBundle, number: usize, commands: &mut Vec<ViewerCommand>) {
+    ComboBox::new("behaviour", "behaviour").selected_text(behaviour_name(bundle, number)).show_ui(ui, |ui| {
         for policy in 0..bundle.tables().policies().len() {
-            if ui.selectable_label(policy == number, name(bundle, policy)).clicked() {
-                commands.push(Command::SelectPolicy(policy));
+            if ui.selectable_label(policy == number, behaviour_name(bundle, policy)).clicked() {
+                commands.push(ViewerCommand::SelectPolicy(policy));
             }
         }
     });
@@ -135,13 +136,13 @@ fn facts(ui: &mut Ui, bundle: &OpenBundle, policy: &PolicyTable, number: usize) 
 }
 
 /// The selected state, and how to select another.
-fn show_state(ui: &mut Ui, model: &Model, bundle: &OpenBundle, commands: &mut Vec<Command>) {
+fn show_state(ui: &mut Ui, model: &Model, bundle: &OpenBundle, commands: &mut Vec<ViewerCommand>) {
     let graph = bundle.tables().graph();
-    let Some(state) = model.looked_at_state() else {
+    let Some(state) = model.inspected_state() else {
         ui.horizontal_wrapped(|ui| {
             ui.label("No state is selected: click one in the motion graph, or");
             if ui.small_button("select state 0").clicked() {
-                commands.push(Command::SelectState(Some(0)));
+                commands.push(ViewerCommand::SelectState(Some(0)));
             }
         });
         return;
@@ -155,7 +156,7 @@ fn show_state(ui: &mut Ui, model: &Model, bundle: &OpenBundle, commands: &mut Ve
         if model.selection.state.is_none() {
             ui.weak("where the selected character last chose");
         } else if model.selection.character.is_some() && ui.small_button("follow the character").clicked() {
-            commands.push(Command::SelectState(None));
+            commands.push(ViewerCommand::SelectState(None));
         }
     });
 }

@@ -1,8 +1,8 @@
 //! All heights, or times, of a grid side by side, with the same colours.
 
-use super::State;
-use super::map::{Shown, paint};
-use crate::command::Command;
+use super::PolicyPanelState;
+use super::map::{PolicyMapInput, paint};
+use crate::command::ViewerCommand;
 use eframe::egui::{Align2, FontId, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2};
 
 /// Least width of one map (points).
@@ -13,7 +13,13 @@ const TITLE: f32 = 15.0;
 const GAP: f32 = 4.0;
 
 /// Shows the maps; a click shows one of them alone. Returns the least scale of their arrows.
-pub fn show(ui: &mut Ui, shown: &Shown<'_>, own: &mut State, heights: u32, commands: &mut Vec<Command>) -> f32 {
+pub fn show(
+    ui: &mut Ui,
+    shown: &PolicyMapInput<'_>,
+    own: &mut PolicyPanelState,
+    heights: u32,
+    commands: &mut Vec<ViewerCommand>,
+) -> f32 {
     let chart = shown.chart();
     let centre = shown.policy.centre();
     let [low, high] = chart.bounds(-glam::Vec2::new(centre.x, centre.z));
@@ -40,7 +46,7 @@ pub fn show(ui: &mut Ui, shown: &Shown<'_>, own: &mut State, heights: u32, comma
             ui.painter().rect_stroke(tile, 3.0, Stroke::new(1.0, colour), StrokeKind::Inside);
         }
         if response.clicked() {
-            commands.push(Command::SelectSlice(k));
+            commands.push(ViewerCommand::SelectSlice(k));
             own.slices = false;
         }
         let map = tile.with_min_y(tile.top() + TITLE);

@@ -3,25 +3,25 @@
 use super::chances;
 use crate::bundle::OpenBundle;
 use crate::panels::words;
-use crate::run::{About, BehaviourScore, Chooser, STEP_HZ, Why};
+use crate::run::{BehaviourScore, ChoiceReason, GoalSubject, PolicyChooser, STEP_HZ};
 use glam::Vec2;
 use throng_runtime::policy::RegionRecord;
 
 /// True if the stored best action of the nearest cell is loaded: weighing several behaviours needs a look-ahead.
-pub fn is_single_load(why: &Why, chooser: &Chooser<'_>) -> bool {
+pub fn is_single_load(why: &ChoiceReason, chooser: &PolicyChooser<'_>) -> bool {
     let weighed = why.behaviours.iter().filter(|b| b.weight != 0.0).count();
     chooser.single_load && (weighed == 1 || (weighed == 0 && why.behaviours.len() == 1))
 }
 
 /// Chances of the candidates (number of candidates).
-pub fn chances(why: &Why, chooser: &Chooser<'_>) -> Vec<f32> {
+pub fn chances(why: &ChoiceReason, chooser: &PolicyChooser<'_>) -> Vec<f32> {
     let scores: Vec<f32> = why.candidates.iter().map(|c| c.score).collect();
     // Where single loads are asked for, several behaviours are looked ahead without chance.
-    chances::of(&scores, if chooser.single_load { 0.0 } else { chooser.temperature })
+    chances::choice_chances(&scores, if chooser.single_load { 0.0 } else { chooser.temperature })
 }
 
 /// Text: when, where and towards which target the character chose.
-pub fn situation(why: &Why, bundle: &OpenBundle, character: usize, now: u32) -> String {
+pub fn situation(why: &ChoiceReason, bundle: &OpenBundle, character: usize, now: u32) -> String {
     let tables = bundle.tables();
     let frame = tables.graph().states[why.state as usize].frame;
     let clip = bundle.clip_of(frame);
@@ -38,7 +38,7 @@ pub fn situation(why: &Why, bundle: &OpenBundle, character: usize, now: u32) -> 
 /// Why a behaviour was not active: by how its target missed the region, in words.
 pub fn inactivity(region: &RegionRecord, b: &BehaviourScore) -> String {
     let t = b.target;
-    let (is_threat, distance, angle) = (b.about == About::Threat, t.x.hypot(t.z), t.x.atan2(t.z));
+    let (is_threat, distance, angle) = (b.subject == GoalSubject::Threat, t.x.hypot(t.z), t.x.atan2(t.z));
     let outside = |v: f32, [low, high]: [f32; 2]| v < low || v > high;
     let within = |[low, high]: [f32; 2]| format!("{low:.2} to {high:.2}");
     if outside(t.y, region.height) {
@@ -57,10 +57,10 @@ pub fn inactivity(region: &RegionRecord, b: &BehaviourScore) -> String {
 }
 
 /// Text: the action taken, and the rule.
-pub fn decision(why: &Why, chooser: &Chooser<'_>) -> String {
+pub fn decision(why: &ChoiceReason, chooser: &PolicyChooser<'_>) -> String {
     let bundle = chooser.bundle;
     let Some(taken) = why.candidates.get(why.chosen) else { return String::new() };
-    let action = format!("{}: {}", bundle.describe_segment(taken.segment), words::way(taken.displacement));
+    let action = format!("{}: {}", bundle.describe_segment(taken.segment), words::displacement(taken.displacement));
     let n = why.candidates.len();
     if why.behaviours.iter().all(|b| b.counted() == 0.0) && !is_single_load(why, chooser) {
         return format!("No behaviour counted, so all {n} actions were alike; it took {action}.");
@@ -92,7 +92,7 @@ pub fn decision(why: &Why, chooser: &Chooser<'_>) -> String {
 mod tests {
     use super::super::tests::golden_run;
     use super::*;
-    use crate::run::{RunConfig, explain};
+    use crate::run::{CrowdRunConfig, explain_choice};
     use glam::Vec3;
 
     #[test]
@@ -100,27 +100,30 @@ mod tests {
         let region = RegionRecord { distance: [0.3, 1.2], angle: [-1.0, 1.0], height: [1.2, 1.7] };
         let why = |about, x, y, z| {
             let target = Vec3::new(x, y, z);
-            inactivity(&region, &BehaviourScore { policy: 0, weight: 1.0, about, target, is_active: false, value: 0.0 })
+            inactivity(
+                &region,
+                &BehaviourScore { policy: 0, weight: 1.0, subject: about, target, is_active: false, value: 0.0 },
+            )
         };
-        assert_eq!(why(About::Target, 0.0, 1.5, 2.0), "the target was 2.00 m away, it acts at 0.30 to 1.20 m");
-        assert_eq!(why(About::Target, 0.0, 1.9, 2.0), "the target was 1.90 m high, it acts at 1.20 to 1.70 m");
-        assert_eq!(why(About::Target, 0.9, 1.5, 0.0), "the target was 90° to the left, it acts from -57° to 57°");
-        assert_eq!(why(About::Threat, 0.0, 1e3, 0.0), "no blow was coming");
+        assert_eq!(why(GoalSubject::Target, 0.0, 1.5, 2.0), "the target was 2.00 m away, it acts at 0.30 to 1.20 m");
+        assert_eq!(why(GoalSubject::Target, 0.0, 1.9, 2.0), "the target was 1.90 m high, it acts at 1.20 to 1.70 m");
+        assert_eq!(why(GoalSubject::Target, 0.9, 1.5, 0.0), "the target was 90° to the left, it acts from -57° to 57°");
+        assert_eq!(why(GoalSubject::Threat, 0.0, 1e3, 0.0), "no blow was coming");
     }
 
     #[test]
     fn the_story_names_the_action_that_is_played() {
         for (single_load, temperature) in [(false, 0.0), (false, 0.5), (true, 0.0)] {
-            let (bundle, run) = golden_run(RunConfig { single_load, temperature, ..RunConfig::default() });
+            let (bundle, run) = golden_run(CrowdRunConfig { single_load, temperature, ..CrowdRunConfig::default() });
             for c in 0..run.config().characters {
                 let chooser = run.chooser(&bundle, c).unwrap();
-                let why = explain(&chooser).unwrap();
+                let why = explain_choice(&chooser).unwrap();
                 let text = decision(&why, &chooser);
                 let played = bundle.describe_segment(run.characters().segment(c).0);
                 assert!(text.contains(&played), "{text}");
                 assert_eq!(text.contains("nearest cell"), single_load);
                 assert!((chances(&why, &chooser).iter().sum::<f32>() - 1.0).abs() < 1e-5);
-                let text = situation(&why, &bundle, c, run.now());
+                let text = situation(&why, &bundle, c, run.shown_step());
                 assert!(text.contains(&format!("state {} ", why.state)), "{text}");
             }
         }

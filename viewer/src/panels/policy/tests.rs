@@ -4,23 +4,23 @@ use super::*;
 use crate::fixtures::boxing::Boxing;
 use crate::fixtures::golden_path;
 use crate::fixtures::quietly;
-use crate::run::{Run, RunConfig};
-use crate::settings::Settings;
+use crate::run::{CrowdRun, CrowdRunConfig};
+use crate::settings::ViewerSettings;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 /// The bundle that every checkout has, and a run of some seconds.
-pub fn golden_run(config: RunConfig) -> (OpenBundle, Run) {
+pub fn golden_run(config: CrowdRunConfig) -> (OpenBundle, CrowdRun) {
     let bundle = OpenBundle::open(&golden_path()).unwrap();
-    let mut run = Run::new(&bundle, RunConfig { characters: 12, ..config }, &[]).unwrap();
+    let mut run = CrowdRun::new(&bundle, CrowdRunConfig { characters: 12, ..config }, &[]).unwrap();
     (0..150).for_each(|_| run.step(&bundle).unwrap());
     (bundle, run)
 }
 
 struct Panel {
     model: Model,
-    state: State,
-    commands: Vec<Command>,
+    state: PolicyPanelState,
+    commands: Vec<ViewerCommand>,
 }
 
 fn panel(prepare: impl FnOnce(&mut Model)) -> Harness<'static, Panel> {
@@ -28,10 +28,10 @@ fn panel(prepare: impl FnOnce(&mut Model)) -> Harness<'static, Panel> {
 }
 
 fn panel_of_width(width: f32, prepare: impl FnOnce(&mut Model)) -> Harness<'static, Panel> {
-    let mut model = Model::new(Settings::default());
+    let mut model = Model::new(ViewerSettings::default());
     quietly(|with| model.open_now(&golden_path(), with)).unwrap();
     prepare(&mut model);
-    let panel = Panel { model, state: State::default(), commands: Vec::new() };
+    let panel = Panel { model, state: PolicyPanelState::default(), commands: Vec::new() };
     Harness::builder()
         .with_size([width, 1000.0])
         .build_ui_state(|ui, p: &mut Panel| show(ui, &p.model, &mut p.state, &mut p.commands), panel)
@@ -43,7 +43,7 @@ fn without_a_selection_it_says_what_to_do() {
     h.step();
     h.get_by_label("select character 0").click();
     h.step();
-    assert_eq!(h.state().commands, [Command::SelectCharacter(Some(0))]);
+    assert_eq!(h.state().commands, [ViewerCommand::SelectCharacter(Some(0))]);
     assert!(h.state().state.heats.is_empty());
 }
 
@@ -52,7 +52,7 @@ fn the_motion_of_a_candidate_can_be_shown() {
     let mut h = panel(|m| m.selection.character = Some(4));
     h.step();
     let (bundle, run) = h.state().model.document.crowd().unwrap();
-    let why = explain(&run.chooser(bundle, 4).unwrap()).unwrap();
+    let why = explain_choice(&run.chooser(bundle, 4).unwrap()).unwrap();
     let second = why.candidates[1].segment;
     let record = bundle.tables().graph().segments[second as usize];
     let frame = record.start - bundle.tables().clips()[record.clip as usize].first_frame;
@@ -62,7 +62,7 @@ fn the_motion_of_a_candidate_can_be_shown() {
     assert_eq!(h.state().state.picked, Some(second));
     h.get_by_label("Show motion").click();
     h.step();
-    assert_eq!(h.state().commands, [Command::ShowClip { clip: record.clip as usize, frame }]);
+    assert_eq!(h.state().commands, [ViewerCommand::ShowClip { clip: record.clip as usize, frame }]);
 }
 
 #[test]
@@ -109,12 +109,13 @@ fn a_choice_of_few_candidates_leaves_the_length_of_the_list_as_it_was() {
 #[test]
 fn all_heights_are_shown_with_the_same_colours_and_a_click_looks_at_one() {
     let boxing = Boxing::new();
-    let mut model = Model::new(Settings::default());
+    let mut model = Model::new(ViewerSettings::default());
     quietly(|with| model.open_now(&boxing.bundle(), with)).unwrap();
     model.selection.state = Some(0);
     for (policy, heights, name) in [(1, 3, "high"), (2, 4, "left")] {
         model.selection.policy = policy;
-        let panel = Panel { model: std::mem::take(&mut model), state: State::default(), commands: Vec::new() };
+        let panel =
+            Panel { model: std::mem::take(&mut model), state: PolicyPanelState::default(), commands: Vec::new() };
         let mut h = Harness::builder()
             .with_size([420.0, 900.0])
             .build_ui_state(|ui, p: &mut Panel| show(ui, &p.model, &mut p.state, &mut p.commands), panel);
@@ -124,11 +125,11 @@ fn all_heights_are_shown_with_the_same_colours_and_a_click_looks_at_one() {
         assert!(heats.iter().all(|k| k.range == heats[0].range));
         assert!(heats.windows(2).all(|k| k[0].key.height + 1 == k[1].key.height));
         let bundle = h.state().model.document.bundle().unwrap();
-        let label = chart::Chart::new(&bundle.motion_set().policy(policy).unwrap().grid_of(0)).height_name(1);
+        let label = chart::PolicyChart::new(&bundle.motion_set().policy(policy).unwrap().grid_of(0)).height_name(1);
         assert!(label.ends_with(name), "{label}");
         h.get_by_label(&format!("Values {label}")).click();
         h.run_steps(2);
-        assert_eq!(h.state().commands, [Command::SelectSlice(1)]);
+        assert_eq!(h.state().commands, [ViewerCommand::SelectSlice(1)]);
         assert!(!h.state().state.slices && h.state().state.heats.len() == 1);
         model = std::mem::take(&mut h.state_mut().model);
     }

@@ -1,40 +1,40 @@
 //! "Why this action?": the candidates of a choice with their scores.
 
-use super::{State, story};
+use super::{PolicyPanelState, story};
 use crate::bundle::OpenBundle;
-use crate::command::Command;
+use crate::command::ViewerCommand;
 use crate::model::Model;
-use crate::panels::paint::{Cell, Click, Column, Table};
+use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn};
 use crate::panels::words;
-use crate::run::{Candidate, Chooser, Why};
+use crate::run::{ActionCandidate, ChoiceReason, PolicyChooser};
 use crate::theme::viridis;
 use eframe::egui::{DragValue, Response, Ui};
 
 /// Columns for every choice. A panel of the usual width has room for the action and its score.
-const COLUMNS: [Column<'static>; 7] = [
-    Column::number("#", "Place by score", 26.0),
-    Column::text("plays", "Clip and frames of the segment", 122.0, 1.0),
-    Column::number("score", "Reward and discounted value of where it leads", 58.0),
-    Column::text("leads", "Displacement and turn", 124.0, 0.6).spare(4),
-    Column::number("s", "Duration [s]", 40.0).spare(2),
-    Column::number("gap", "How far its score lies below the best", 52.0).spare(1),
-    Column::number("chance", "How likely it was to be taken", 56.0),
+const COLUMNS: [TableColumn<'static>; 7] = [
+    TableColumn::number("#", "Place by score", 26.0),
+    TableColumn::text("plays", "Clip and frames of the segment", 122.0, 1.0),
+    TableColumn::number("score", "Reward and discounted value of where it leads", 58.0),
+    TableColumn::text("leads", "Displacement and turn", 124.0, 0.6).spare(4),
+    TableColumn::number("s", "Duration [s]", 40.0).spare(2),
+    TableColumn::number("gap", "How far its score lies below the best", 52.0).spare(1),
+    TableColumn::number("chance", "How likely it was to be taken", 56.0),
 ];
 
 /// Shows the choice of the selected character.
 pub fn show(
     ui: &mut Ui,
     model: &Model,
-    own: &mut State,
-    (chooser, why): (Option<&Chooser<'_>>, Option<&Why>),
-    commands: &mut Vec<Command>,
+    own: &mut PolicyPanelState,
+    (chooser, why): (Option<&PolicyChooser<'_>>, Option<&ChoiceReason>),
+    commands: &mut Vec<ViewerCommand>,
 ) {
     ui.strong("Why this action?");
     let Some(character) = model.selection.character else {
         ui.horizontal_wrapped(|ui| {
             ui.label("Click a character in the 3-D view, or");
             if ui.small_button("select character 0").clicked() {
-                commands.push(Command::SelectCharacter(Some(0)));
+                commands.push(ViewerCommand::SelectCharacter(Some(0)));
             }
         });
         return;
@@ -72,12 +72,12 @@ pub fn show(
     candidates(ui, chooser, why, own);
 }
 
-fn behaviours(ui: &mut Ui, bundle: &OpenBundle, why: &Why) {
+fn behaviours(ui: &mut Ui, bundle: &OpenBundle, why: &ChoiceReason) {
     if why.behaviours.len() < 2 && why.behaviours.iter().all(|b| b.is_active) {
         return;
     }
     for b in &why.behaviours {
-        let name = name(bundle, b.policy);
+        let name = behaviour_name(bundle, b.policy);
         if b.is_active {
             ui.weak(format!("{name}: weight {:.2}, value of the state {}", b.weight, words::number(b.value)));
         } else if let Some(policy) = bundle.motion_set().policy(b.policy) {
@@ -86,21 +86,21 @@ fn behaviours(ui: &mut Ui, bundle: &OpenBundle, why: &Why) {
     }
 }
 
-fn candidates(ui: &mut Ui, chooser: &Chooser<'_>, why: &Why, own: &mut State) {
+fn candidates(ui: &mut Ui, chooser: &PolicyChooser<'_>, why: &ChoiceReason, own: &mut PolicyPanelState) {
     let bundle = chooser.bundle;
-    let mut columns: Vec<Column<'_>> = COLUMNS.to_vec();
+    let mut columns: Vec<TableColumn<'_>> = COLUMNS.to_vec();
     if why.behaviours.len() > 1 {
-        let by_each = why.behaviours.iter().map(|b| name(bundle, b.policy));
-        columns.extend(by_each.map(|n| Column::number(n, "Score by this behaviour alone", 60.0).spare(3)));
+        let by_each = why.behaviours.iter().map(|b| behaviour_name(bundle, b.policy));
+        columns.extend(by_each.map(|n| TableColumn::number(n, "Score by this behaviour alone", 60.0).spare(3)));
     }
     let chances = story::chances(why, chooser);
     let shown = own.shown.min(why.candidates.len());
-    let table = Table {
+    let table = RowTable {
         named_by: 1,
-        click: Click::Does("Candidate"),
+        click: RowClick::Does("Candidate"),
         selected: Some(why.chosen),
         most_rows: Some(shown),
-        ..Table::new("candidates", &columns, shown)
+        ..RowTable::new("candidates", &columns, shown)
     };
     let response = table.show(ui, |row, column| cell(bundle, why, row, column, &chances));
     if let Some(c) = response.chosen.and_then(|row| why.candidates.get(row)) {
@@ -108,54 +108,57 @@ fn candidates(ui: &mut Ui, chooser: &Chooser<'_>, why: &Why, own: &mut State) {
     }
     if let Some((row, response)) = response.hovered {
         own.hovered = Some(why.candidates[row].segment);
-        tell(bundle, why, response, &why.candidates[row]);
+        show_tooltip(bundle, why, response, &why.candidates[row]);
     }
 }
 
-fn cell(bundle: &OpenBundle, why: &Why, rank: usize, column: usize, chances: &[f32]) -> Cell {
+fn cell(bundle: &OpenBundle, why: &ChoiceReason, rank: usize, column: usize, chances: &[f32]) -> TableCell {
     let c = &why.candidates[rank];
     let best = why.candidates[0].score;
     match column {
-        0 => Cell::new((rank + 1).to_string()),
-        1 => Cell::new(bundle.describe_segment(c.segment)).ending(),
+        0 => TableCell::new((rank + 1).to_string()),
+        1 => TableCell::new(bundle.describe_segment(c.segment)).ending(),
         2 => {
             let least = why.candidates.last().map_or(0.0, |c| c.score);
-            Cell::new(format!("{:.3}", c.score)).bar(viridis::ratio(c.score, [least, best]))
+            TableCell::new(format!("{:.3}", c.score)).bar(viridis::ratio(c.score, [least, best]))
         }
-        3 => Cell::new(words::way(c.displacement)),
-        4 => Cell::new(format!("{:.2}", seconds(bundle, c))),
-        5 => Cell::new(format!("{:.3}", best - c.score)),
-        6 if chances[rank] > 0.0 => Cell::new(format!("{:.0} %", 100.0 * chances[rank])),
-        6 => Cell::weak("–"),
-        _ => c.by_behaviour.get(column - COLUMNS.len()).map_or_else(Cell::default, |s| Cell::new(format!("{s:.3}"))),
+        3 => TableCell::new(words::displacement(c.displacement)),
+        4 => TableCell::new(format!("{:.2}", seconds(bundle, c))),
+        5 => TableCell::new(format!("{:.3}", best - c.score)),
+        6 if chances[rank] > 0.0 => TableCell::new(format!("{:.0} %", 100.0 * chances[rank])),
+        6 => TableCell::weak("–"),
+        _ => c
+            .by_behaviour
+            .get(column - COLUMNS.len())
+            .map_or_else(TableCell::default, |s| TableCell::new(format!("{s:.3}"))),
     }
 }
 
 /// Shows a tooltip with details that may not fit the row.
-fn tell(bundle: &OpenBundle, why: &Why, response: Response, c: &Candidate) {
+fn show_tooltip(bundle: &OpenBundle, why: &ChoiceReason, response: Response, c: &ActionCandidate) {
     response.on_hover_ui(|ui| {
         ui.strong(bundle.describe_segment(c.segment));
-        ui.label(format!("{:.2} s: {}", seconds(bundle, c), words::way(c.displacement)));
+        ui.label(format!("{:.2} s: {}", seconds(bundle, c), words::displacement(c.displacement)));
         for (b, score) in why.behaviours.iter().zip(&c.by_behaviour) {
-            ui.label(format!("{}: {score:.4}", name(bundle, b.policy)));
+            ui.label(format!("{}: {score:.4}", behaviour_name(bundle, b.policy)));
         }
         ui.weak("A click keeps its arrow on the map.");
     });
 }
 
 /// Duration of a candidate's segment (s).
-fn seconds(bundle: &OpenBundle, c: &Candidate) -> f32 {
+fn seconds(bundle: &OpenBundle, c: &ActionCandidate) -> f32 {
     bundle.tables().graph().segments[c.segment as usize].num_frames as f32 / bundle.rate_hz()
 }
 
 /// Name of a behaviour.
-pub fn name(bundle: &OpenBundle, policy: usize) -> &str {
+pub fn behaviour_name(bundle: &OpenBundle, policy: usize) -> &str {
     bundle.tables().meta().behaviours.get(policy).map_or("behaviour", String::as_str)
 }
 
 /// Shows a segment from its first frame on.
-fn show_motion(bundle: &OpenBundle, segment: u32) -> Command {
+fn show_motion(bundle: &OpenBundle, segment: u32) -> ViewerCommand {
     let s = bundle.tables().graph().segments[segment as usize];
     let clip = s.clip as usize;
-    Command::ShowClip { clip, frame: s.start - bundle.tables().clips()[clip].first_frame }
+    ViewerCommand::ShowClip { clip, frame: s.start - bundle.tables().clips()[clip].first_frame }
 }

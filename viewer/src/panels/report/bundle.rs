@@ -2,36 +2,36 @@
 
 use super::{facts, section};
 use crate::bundle::OpenBundle;
-use crate::panels::paint::{Cell, Column, Sort, Table};
+use crate::panels::paint::{RowTable, TableCell, TableColumn, TableSort};
 use eframe::egui::{RichText, ScrollArea, TextEdit, Ui};
 use std::cmp::Ordering;
 use throng_runtime::format::SourceMeta;
 
-const COLUMNS: [Column<'static>; 3] = [
-    Column::text("File", "As the configuration names it", 120.0, 1.0),
-    Column::number("Size", "Length of the file", 66.0),
-    Column::text("Hash", "XXH3 of its content; click a row to copy path and hash", 84.0, 0.3).spare(1),
+const COLUMNS: [TableColumn<'static>; 3] = [
+    TableColumn::text("File", "As the configuration names it", 120.0, 1.0),
+    TableColumn::number("Size", "Length of the file", 66.0),
+    TableColumn::text("Hash", "XXH3 of its content; click a row to copy path and hash", 84.0, 0.3).spare(1),
 ];
 /// Rows of sources that are seen at once.
 const ROWS: usize = 9;
 
 /// State of the list of source files.
 #[derive(Clone, Debug)]
-pub struct Sources {
-    sort: Sort,
+pub struct SourceListState {
+    sort: TableSort,
     copied: Option<usize>,
     /// Key of `rows`: document and order.
-    made_of: Option<(u64, Sort)>,
+    made_of: Option<(u64, TableSort)>,
     rows: Vec<usize>,
 }
 
-impl Default for Sources {
+impl Default for SourceListState {
     fn default() -> Self {
-        Self { sort: Sort::NONE, copied: None, made_of: None, rows: Vec::new() }
+        Self { sort: TableSort::NONE, copied: None, made_of: None, rows: Vec::new() }
     }
 }
 
-impl Sources {
+impl SourceListState {
     fn refresh(&mut self, document: u64, sources: &[SourceMeta]) {
         if self.made_of == Some((document, self.sort)) {
             return;
@@ -40,7 +40,7 @@ impl Sources {
             self.copied = None;
         }
         self.rows = (0..sources.len()).collect();
-        let Sort { column, descending } = self.sort;
+        let TableSort { column, descending } = self.sort;
         self.rows.sort_by(|&a, &b| {
             let (a, b) = (&sources[a], &sources[b]);
             let order = match column {
@@ -56,7 +56,7 @@ impl Sources {
 }
 
 /// Shows where a bundle comes from.
-pub fn show(ui: &mut Ui, bundle: &OpenBundle, document: u64, sources: &mut Sources) {
+pub fn show(ui: &mut Ui, bundle: &OpenBundle, document: u64, sources: &mut SourceListState) {
     let meta = bundle.tables().meta();
     ScrollArea::vertical().id_salt("provenance").auto_shrink([false, false]).show(ui, |ui| {
         section(ui, "Bundle");
@@ -78,7 +78,7 @@ pub fn show(ui: &mut Ui, bundle: &OpenBundle, document: u64, sources: &mut Sourc
     });
 }
 
-fn source_list(ui: &mut Ui, sources: &[SourceMeta], document: u64, state: &mut Sources) {
+fn source_list(ui: &mut Ui, sources: &[SourceMeta], document: u64, state: &mut SourceListState) {
     state.refresh(document, sources);
     let bytes: u64 = sources.iter().map(|s| s.bytes).sum();
     section(ui, &format!("Made from {} files, {}", sources.len(), bytes_text(bytes)));
@@ -87,18 +87,18 @@ fn source_list(ui: &mut Ui, sources: &[SourceMeta], document: u64, state: &mut S
         return;
     }
     let rows = &state.rows;
-    let table = Table {
+    let table = RowTable {
         selected: state.copied.and_then(|c| rows.iter().position(|r| *r == c)),
         sort: Some(state.sort),
         most_rows: Some(ROWS),
-        ..Table::new("sources", &COLUMNS, rows.len())
+        ..RowTable::new("sources", &COLUMNS, rows.len())
     };
     let response = table.show(ui, |row, column| {
         let s = &sources[rows[row]];
         match column {
-            0 => Cell::new(&s.path).ending(),
-            1 => Cell::new(bytes_text(s.bytes)),
-            _ => Cell::weak(format!("{:032x}", s.hash)),
+            0 => TableCell::new(&s.path).ending(),
+            1 => TableCell::new(bytes_text(s.bytes)),
+            _ => TableCell::weak(format!("{:032x}", s.hash)),
         }
     });
     if let Some(source) = response.chosen.map(|row| rows[row]) {
@@ -148,16 +148,16 @@ mod tests {
     fn sources_are_sorted_by_the_column_asked_for() {
         let source = |path: &str, bytes, hash| SourceMeta { path: path.into(), bytes, hash };
         let all = [source("b", 5, 1), source("a", 7, 3), source("c", 6, 2)];
-        let mut state = Sources::default();
+        let mut state = SourceListState::default();
         let mut rows = |sort| {
             state.sort = sort;
             state.refresh(1, &all);
             state.rows.clone()
         };
-        assert_eq!(rows(Sort::NONE), [0, 1, 2]);
-        assert_eq!(rows(Sort { column: 0, descending: false }), [1, 0, 2]);
-        assert_eq!(rows(Sort { column: 1, descending: true }), [1, 2, 0]);
-        assert_eq!(rows(Sort { column: 2, descending: false }), [0, 2, 1]);
+        assert_eq!(rows(TableSort::NONE), [0, 1, 2]);
+        assert_eq!(rows(TableSort { column: 0, descending: false }), [1, 0, 2]);
+        assert_eq!(rows(TableSort { column: 1, descending: true }), [1, 2, 0]);
+        assert_eq!(rows(TableSort { column: 2, descending: false }), [0, 2, 1]);
     }
 
     #[test]

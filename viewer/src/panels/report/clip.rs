@@ -2,17 +2,17 @@
 
 use super::verdict::{Mood, verdict};
 use super::{facts, section};
-use crate::command::Command;
+use crate::command::ViewerCommand;
 use crate::document::RawMotion;
 use crate::panels::glitches;
 use crate::panels::paint::time_text;
-use crate::theme::Palette;
+use crate::theme::ThemePalette;
 use eframe::egui::{Color32, Frame, Grid, Label, Link, RichText, Sense, Stroke, TextStyle, Ui, vec2};
 use throng_precompute::inspect::ClipReport;
 use throng_runtime::Joint;
 
 /// Shows all that import found.
-pub fn show(ui: &mut Ui, raw: &RawMotion, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, raw: &RawMotion, commands: &mut Vec<ViewerCommand>) {
     let report = &raw.report;
     warnings(ui, report);
     motion(ui, report);
@@ -30,7 +30,7 @@ fn warnings(ui: &mut Ui, report: &ClipReport) {
     if report.warnings.is_empty() {
         return;
     }
-    let colour = Palette::of(ui.visuals()).warning;
+    let colour = ThemePalette::for_visuals(ui.visuals()).warning;
     let frame = Frame::group(ui.style()).stroke(Stroke::new(1.5, colour)).fill(colour.gamma_multiply(0.08));
     frame.show(ui, |ui| {
         ui.set_width(ui.available_width());
@@ -69,8 +69,8 @@ fn motion(ui: &mut Ui, r: &ClipReport) {
     let all = [
         ("File", r.file.clone()),
         ("Format", format!("{format}, {} joints", r.joints)),
-        ("Motion", format!("{} frames at {:.4} Hz, {}", r.frames, Rounded(r.rate_hz), time_text(r.duration_s))),
-        ("Unit", format!("{:.6} m", Rounded(r.metres_per_unit))),
+        ("Motion", format!("{} frames at {:.4} Hz, {}", r.frames, RoundedNumber(r.rate_hz), time_text(r.duration_s))),
+        ("Unit", format!("{:.6} m", RoundedNumber(r.metres_per_unit))),
         ("Up axis", r.up.to_string()),
         ("Rest pose", format!("{rest}, faces {:.0}°", r.facing_deg)),
         ("Height", format!("{:.2} m", r.height_m)),
@@ -80,9 +80,9 @@ fn motion(ui: &mut Ui, r: &ClipReport) {
 }
 
 /// A number without superfluous digits.
-struct Rounded(f64);
+struct RoundedNumber(f64);
 
-impl std::fmt::Display for Rounded {
+impl std::fmt::Display for RoundedNumber {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let digits = f.precision().unwrap_or(2) as i32;
         let unit = 10f64.powi(digits);
@@ -92,7 +92,7 @@ impl std::fmt::Display for Rounded {
 
 fn contacts(ui: &mut Ui, r: &ClipReport) {
     section(ui, "Feet");
-    let palette = Palette::of(ui.visuals());
+    let palette = ThemePalette::for_visuals(ui.visuals());
     for (mood, text) in verdict(&r.contact) {
         let colour = if mood == Mood::Good { palette.good } else { palette.warning };
         ui.horizontal_top(|ui| {
@@ -114,7 +114,7 @@ fn contacts(ui: &mut Ui, r: &ClipReport) {
 }
 
 /// Ranges that a build would leave out; a click goes there.
-fn excluded(ui: &mut Ui, r: &ClipReport, commands: &mut Vec<Command>) {
+fn excluded(ui: &mut Ui, r: &ClipReport, commands: &mut Vec<ViewerCommand>) {
     section(ui, "Left out by a build");
     if r.excluded.is_empty() {
         ui.label(RichText::new("Nothing: every frame is used.").weak());
@@ -123,25 +123,25 @@ fn excluded(ui: &mut Ui, r: &ClipReport, commands: &mut Vec<Command>) {
         let seconds = end.saturating_sub(*start) as f64 / r.rate_hz;
         let text = format!("{reason}: frames {start} to {end}, {}", time_text(seconds));
         if ui.link(text).on_hover_text("Go there").clicked() {
-            commands.push(Command::Seek(*start as u32));
+            commands.push(ViewerCommand::Seek(*start as u32));
         }
     }
 }
 
 /// Glitches of the recording; a click goes there.
-fn recorded(ui: &mut Ui, raw: &RawMotion, commands: &mut Vec<Command>) {
-    let marks = glitches::of_raw(raw);
+fn recorded(ui: &mut Ui, raw: &RawMotion, commands: &mut Vec<ViewerCommand>) {
+    let marks = glitches::raw_glitches(raw);
     if marks.is_empty() {
         return;
     }
     section(ui, "Glitches of the recording");
-    let palette = Palette::of(ui.visuals());
+    let palette = ThemePalette::for_visuals(ui.visuals());
     for mark in marks {
         ui.horizontal_top(|ui| {
             dot(ui, glitches::colour(&palette, mark.treated));
             let link = ui.add(Link::new(&mark.words));
             if link.on_hover_text("Go there").clicked() {
-                commands.push(Command::Seek(mark.frames.start));
+                commands.push(ViewerCommand::Seek(mark.frames.start));
             }
         });
     }
@@ -160,7 +160,7 @@ fn roles(ui: &mut Ui, r: &ClipReport) {
         let text = format!("Roles without a joint of their own: {missing} of {}.", Joint::ALL.len());
         ui.label(RichText::new(text).weak());
     }
-    let warning = Palette::of(ui.visuals()).warning;
+    let warning = ThemePalette::for_visuals(ui.visuals()).warning;
     Grid::new("roles").num_columns(2).striped(true).spacing([16.0, 3.0]).show(ui, |ui| {
         for role in Joint::ALL {
             ui.label(role.name().replace('_', " "));
@@ -175,11 +175,11 @@ fn roles(ui: &mut Ui, r: &ClipReport) {
 
 #[cfg(test)]
 mod tests {
-    use super::Rounded;
+    use super::RoundedNumber;
 
     #[test]
     fn numbers_have_no_needless_digits() {
-        assert_eq!(format!("{:.4}", Rounded(30.000_003)), "30");
-        assert_eq!(format!("{:.4}", Rounded(119.88)), "119.88");
+        assert_eq!(format!("{:.4}", RoundedNumber(30.000_003)), "30");
+        assert_eq!(format!("{:.4}", RoundedNumber(119.88)), "119.88");
     }
 }

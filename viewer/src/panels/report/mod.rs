@@ -5,21 +5,21 @@ mod clip;
 mod verdict;
 
 use super::paint::no_bundle;
-use crate::command::Command;
-use crate::document::Document;
+use crate::command::ViewerCommand;
+use crate::document::OpenDocument;
 use crate::model::Model;
 use eframe::egui::{Grid, Label, RichText, ScrollArea, TextWrapMode, Ui};
 
 /// State of the panel.
 #[derive(Clone, Debug, Default)]
-pub struct State {
-    sources: bundle::Sources,
+pub struct ReportPanelState {
+    sources: bundle::SourceListState,
 }
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut ReportPanelState, commands: &mut Vec<ViewerCommand>) {
     match (&model.document, model.document.bundle()) {
-        (Document::Clip(raw), _) => {
+        (OpenDocument::Clip(raw), _) => {
             ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| clip::show(ui, raw, commands));
         }
         (_, Some(bundle)) => bundle::show(ui, bundle, model.generation, &mut state.sources),

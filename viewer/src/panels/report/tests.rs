@@ -8,14 +8,14 @@ use egui_kittest::kittest::Queryable;
 
 #[test]
 fn without_a_document_the_panel_says_what_to_do() {
-    let mut harness = trial::<State>(None, vec2(400.0, 300.0), show);
+    let mut harness = trial::<ReportPanelState>(None, vec2(400.0, 300.0), show);
     harness.run();
     harness.get_by_label_contains("Open a bundle or a motion file");
 }
 
 #[test]
 fn a_bundle_tells_what_it_was_made_of() {
-    let mut harness = trial::<State>(Some(&golden_path()), vec2(420.0, 1400.0), show);
+    let mut harness = trial::<ReportPanelState>(Some(&golden_path()), vec2(420.0, 1400.0), show);
     harness.run();
     let bundle = crate::fixtures::golden();
     let meta = bundle.tables().meta();
@@ -34,14 +34,14 @@ fn a_bundle_tells_what_it_was_made_of() {
 #[test]
 fn a_click_on_an_excluded_range_goes_there() {
     let Some(path) = recording("snu/single/walk_clockwise.amc") else { return };
-    let mut harness = trial::<State>(Some(&path), vec2(420.0, 1400.0), show);
+    let mut harness = trial::<ReportPanelState>(Some(&path), vec2(420.0, 1400.0), show);
     harness.run();
-    let Document::Clip(raw) = &harness.state().model.document else { panic!("a motion file is open") };
+    let OpenDocument::Clip(raw) = &harness.state().model.document else { panic!("a motion file is open") };
     let (excluded, rate) = (raw.report.excluded.clone(), raw.report.rate_hz);
     assert!(rate > 0.0 && !excluded.is_empty());
     for (reason, start, end) in excluded {
         harness.get_by_label_contains(&format!("{reason}: frames {start} to {end}")).click();
         harness.run();
-        assert_eq!(harness.state().commands.last(), Some(&Command::Seek(start as u32)));
+        assert_eq!(harness.state().commands.last(), Some(&ViewerCommand::Seek(start as u32)));
     }
 }

@@ -1,7 +1,7 @@
 //! Demonstrations: scenes that come with the project, a card each.
 
 use super::heading;
-use crate::command::Command;
+use crate::command::ViewerCommand;
 use eframe::egui::{
     Align, ColorImage, Context, CornerRadius, Image, Label, Layout, Rect, RichText, Role, Sense, StrokeKind,
     TextureHandle, TextureOptions, Ui, UiBuilder, WidgetInfo, pos2, vec2,
@@ -58,7 +58,7 @@ const TEXT: f32 = 106.0;
 
 /// State of the demonstrations.
 #[derive(Clone, Default)]
-pub struct State {
+pub struct DemosState {
     /// The folder of scenes; none if it does not exist.
     folder: Option<PathBuf>,
     /// True for a scene with all its files; none if the scene does not exist.
@@ -66,15 +66,15 @@ pub struct State {
     pictures: Vec<Option<TextureHandle>>,
 }
 
-impl fmt::Debug for State {
+impl fmt::Debug for DemosState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("State").field("folder", &self.folder).field("complete", &self.complete).finish_non_exhaustive()
     }
 }
 
-impl State {
+impl DemosState {
     /// Checks which scenes exist, and whether their files do.
-    pub fn look(&mut self) {
+    pub fn check_files(&mut self) {
         self.folder = self.folder.take().filter(|f| f.is_dir()).or_else(folder);
         let Some(folder) = &self.folder else { return };
         let complete = |d: &Demo| Scene::load(folder.join(d.file)).ok().map(|scene| is_complete(&scene));
@@ -90,7 +90,7 @@ fn folder() -> Option<PathBuf> {
 }
 
 /// Shows a card for each demonstration.
-pub fn show(ui: &mut Ui, state: &mut State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, state: &mut DemosState, commands: &mut Vec<ViewerCommand>) {
     heading(ui, "Demonstrations");
     let Some(folder) = state.folder.clone() else {
         let text = format!("The scenes of the project ({SCENES}) are not here: start the viewer in its folder.");
@@ -110,7 +110,7 @@ pub fn show(ui: &mut Ui, state: &mut State, commands: &mut Vec<Command>) {
             for &i in row {
                 let (demo, is_complete) = (&DEMOS[i], state.complete[i].unwrap_or(false));
                 if card(ui, demo, is_complete, state.pictures[i].as_ref(), width) {
-                    commands.push(Command::Open(vec![folder.join(demo.file)]));
+                    commands.push(ViewerCommand::Open(vec![folder.join(demo.file)]));
                 }
             }
         });
@@ -161,8 +161,8 @@ mod tests {
 
     #[test]
     fn every_demonstration_is_there_with_a_picture() {
-        let (mut state, ctx) = (State::default(), Context::default());
-        state.look();
+        let (mut state, ctx) = (DemosState::default(), Context::default());
+        state.check_files();
         for (demo, complete) in DEMOS.iter().zip(&state.complete) {
             assert!(complete.is_some(), "{}", demo.file);
             let size = texture(&ctx, demo).map(|t| t.size_vec2());

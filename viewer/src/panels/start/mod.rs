@@ -5,7 +5,7 @@ mod motion;
 mod recent;
 
 use super::{PanelStates, build};
-use crate::command::Command;
+use crate::command::ViewerCommand;
 use crate::model::Model;
 use eframe::egui::{Label, RichText, ScrollArea, Ui};
 use std::path::PathBuf;
@@ -25,32 +25,32 @@ const EVERY_S: f64 = 1.0;
 
 /// State of the page.
 #[derive(Clone, Debug, Default)]
-pub struct State {
-    demos: demos::State,
+pub struct StartPageState {
+    demos: demos::DemosState,
     /// Recently opened entries, each with true if its files exist.
     recent: Vec<(Vec<PathBuf>, bool)>,
     /// When the files were looked at; none before that.
     looked_s: Option<f64>,
 }
 
-impl State {
+impl StartPageState {
     /// Checks at intervals which files exist.
-    fn look(&mut self, now_s: f64, model: &Model) {
+    fn check_files(&mut self, now_s: f64, model: &Model) {
         let is_new = self.recent.len() != model.settings.opened.len();
         if !is_new && self.looked_s.is_some_and(|s| (s..s + EVERY_S).contains(&now_s)) {
             return;
         }
         self.looked_s = Some(now_s);
-        self.demos.look();
+        self.demos.check_files();
         let is_there = |paths: &Vec<PathBuf>| (paths.clone(), paths.iter().all(|p| p.exists()));
         self.recent = model.settings.opened.iter().map(is_there).collect();
     }
 }
 
 /// Shows the page in all that is left of the window.
-pub fn show(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<ViewerCommand>) {
     let now_s = ui.input(|i| i.time);
-    states.start.look(now_s, model);
+    states.start.check_files(now_s, model);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         let room = ui.available_width();
         let width = (room - 2.0 * MARGIN).clamp(200.0, MAX_WIDTH);
@@ -64,7 +64,7 @@ pub fn show(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut
     });
 }
 
-fn page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
+fn page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<ViewerCommand>) {
     ui.add_space(GAP);
     ui.label(RichText::new("Throng").size(32.0).strong());
     ui.add(Label::new(RichText::new("Motion capture in, thousands of characters out.").size(15.0).weak()).wrap());

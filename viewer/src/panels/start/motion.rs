@@ -1,11 +1,11 @@
 //! Motion of one's own: a place to drop it, and dialogs to choose it with.
 
 use super::heading;
-use crate::panels::Dialog;
+use crate::panels::SystemDialog;
 use eframe::egui::{Frame, Label, Margin, RichText, Shape, Stroke, Ui};
 
 /// Shows the place.
-pub fn show(ui: &mut Ui, dialog: &mut Option<Dialog>) {
+pub fn show(ui: &mut Ui, dialog: &mut Option<SystemDialog>) {
     heading(ui, "Your own motion");
     let is_over = ui.input(|i| !i.raw.hovered_files.is_empty());
     let visuals = ui.visuals();
@@ -20,10 +20,10 @@ pub fn show(ui: &mut Ui, dialog: &mut Option<Dialog>) {
         ui.add_space(6.0);
         ui.horizontal_wrapped(|ui| {
             if ui.button("Choose a folder…").clicked() {
-                *dialog = Some(Dialog::Folder);
+                *dialog = Some(SystemDialog::Folder);
             }
             if ui.button("Choose files…").clicked() {
-                *dialog = Some(Dialog::Files);
+                *dialog = Some(SystemDialog::Files);
             }
         });
     });

@@ -1,10 +1,10 @@
 //! Recently opened files.
 
 use super::heading;
-use crate::command::Command;
+use crate::command::ViewerCommand;
 use crate::model::name_of;
-use crate::panels::words::all;
-use crate::theme::Palette;
+use crate::panels::words::path_list;
+use crate::theme::ThemePalette;
 use eframe::egui::{Align, Button, Label, Layout, Link, RichText, Ui, vec2};
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ const ROW: f32 = 34.0;
 /// Shows the list.
 ///
 /// - `entries`: the files of each, and whether all of them are there.
-pub fn show(ui: &mut Ui, entries: &[(Vec<PathBuf>, bool)], commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, entries: &[(Vec<PathBuf>, bool)], commands: &mut Vec<ViewerCommand>) {
     heading(ui, "Opened last");
     if entries.is_empty() {
         ui.weak("Nothing yet.");
@@ -24,10 +24,10 @@ pub fn show(ui: &mut Ui, entries: &[(Vec<PathBuf>, bool)], commands: &mut Vec<Co
         ui.allocate_ui_with_layout(size, Layout::right_to_left(Align::Min), |ui| {
             let remove = ui.add(Button::new("✖").small()).on_hover_text("Take it off this list");
             if remove.clicked() {
-                commands.push(Command::Forget(paths.clone()));
+                commands.push(ViewerCommand::Forget(paths.clone()));
             }
             if !is_there {
-                ui.colored_label(Palette::of(ui.visuals()).warning, "missing");
+                ui.colored_label(ThemePalette::for_visuals(ui.visuals()).warning, "missing");
             }
             ui.with_layout(Layout::top_down(Align::Min), |ui| entry(ui, paths, *is_there, commands));
         });
@@ -35,12 +35,12 @@ pub fn show(ui: &mut Ui, entries: &[(Vec<PathBuf>, bool)], commands: &mut Vec<Co
     }
 }
 
-fn entry(ui: &mut Ui, paths: &[PathBuf], is_there: bool, commands: &mut Vec<Command>) {
+fn entry(ui: &mut Ui, paths: &[PathBuf], is_there: bool, commands: &mut Vec<ViewerCommand>) {
     ui.spacing_mut().item_spacing.y = 1.0;
     let more = if paths.len() > 1 { format!(" and {} more", paths.len() - 1) } else { String::new() };
     let name = RichText::new(format!("{}{more}", name_of(paths))).size(14.0);
-    if ui.add_enabled(is_there, Link::new(name)).on_hover_text(all(paths)).clicked() {
-        commands.push(Command::Open(paths.to_vec()));
+    if ui.add_enabled(is_there, Link::new(name)).on_hover_text(path_list(paths)).clicked() {
+        commands.push(ViewerCommand::Open(paths.to_vec()));
     }
     let folder = paths.first().and_then(|p| p.parent()).map_or_else(String::new, |p| p.display().to_string());
     ui.add(Label::new(RichText::new(folder).weak().size(11.5)).truncate());

@@ -1,7 +1,7 @@
 //! The start page driven as a user would.
 
 use super::*;
-use crate::panels::Dialog;
+use crate::panels::SystemDialog;
 use crate::panels::tests::trial;
 use eframe::egui::{Role, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -13,9 +13,9 @@ fn a_card_asks_for_its_scene_and_buttons_for_dialogs() {
     harness.get_by_role_and_label(Role::Button, "Corridor").click();
     harness.step();
     let asked = harness.state().commands.clone();
-    let [Command::Open(paths)] = asked.as_slice() else { panic!("{asked:?}") };
+    let [ViewerCommand::Open(paths)] = asked.as_slice() else { panic!("{asked:?}") };
     assert!(paths[0].ends_with("data/scenes/corridor.toml") && paths[0].is_file(), "{paths:?}");
-    for (label, dialog) in [("Choose a folder…", Dialog::Folder), ("Choose files…", Dialog::Files)] {
+    for (label, dialog) in [("Choose a folder…", SystemDialog::Folder), ("Choose files…", SystemDialog::Files)] {
         harness.get_by_label(label).click();
         harness.step();
         assert_eq!(harness.state_mut().state.dialog.take(), Some(dialog));
@@ -41,5 +41,5 @@ fn what_is_missing_is_said_to_be_and_can_be_taken_off_the_list() {
     assert!(harness.query_by_label("missing").is_none());
     harness.get_by_label(&crate::model::name_of(&entries[1])).click();
     harness.run_steps(2);
-    assert_eq!(harness.state().commands.last(), Some(&Command::Open(entries[1].clone())));
+    assert_eq!(harness.state().commands.last(), Some(&ViewerCommand::Open(entries[1].clone())));
 }

@@ -83,7 +83,7 @@ fn penetration(ui: &mut Ui, history: &[(u32, BoutFigures)]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_runtime::sparring::Tally;
+    use throng_runtime::sparring::BlowTally;
 
     #[test]
     fn hits_a_minute_are_those_of_the_window() {
@@ -91,7 +91,10 @@ mod tests {
         let at = |step: u32| {
             let seconds = f64::from(step) / 60.0;
             let landed = (seconds as u32).min(30);
-            (step, BoutFigures { blows: Tally { landed, ..Tally::default() }, seconds, ..BoutFigures::default() })
+            (
+                step,
+                BoutFigures { blows: BlowTally { landed, ..BlowTally::default() }, seconds, ..BoutFigures::default() },
+            )
         };
         let history: Vec<_> = (0..=3600).map(at).collect();
         let rates = windowed(&history, 2);

@@ -3,7 +3,7 @@
 mod bout;
 
 use crate::model::Model;
-use crate::run::{Run, STEP_HZ, SceneRun, StepFigures};
+use crate::run::{CrowdRun, STEP_HZ, SceneRun, StepFigures};
 use eframe::egui::{self, CollapsingHeader, Color32, Grid, Ui};
 use egui_plot::{HoverPosition, Line, Plot, PlotPoints};
 use throng_runtime::Bundle;
@@ -25,13 +25,13 @@ const SMOOTH: usize = 6;
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model) {
     if let Some((_, run)) = model.document.crowd() {
-        now(ui, model, run);
+        show_current(ui, model, run);
         step_times(ui, run);
         slip(ui, &run.history().collect::<Vec<_>>());
         at_target(ui, run);
     }
     if let Some(scene) = model.document.scene() {
-        of_scene(ui, scene.run());
+        show_scene(ui, scene.run());
     }
     frame_times(ui, model);
     match model.document.bundle() {
@@ -43,7 +43,7 @@ pub fn show(ui: &mut Ui, model: &Model) {
     }
 }
 
-fn now(ui: &mut Ui, model: &Model, run: &Run) {
+fn show_current(ui: &mut Ui, model: &Model, run: &CrowdRun) {
     let f = run.figures();
     let n = run.config().characters;
     Grid::new("now").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
@@ -62,7 +62,7 @@ fn now(ui: &mut Ui, model: &Model, run: &Run) {
 }
 
 /// Shows the time of a step of a scene, and the state of its groups.
-fn of_scene(ui: &mut Ui, run: &SceneRun) {
+fn show_scene(ui: &mut Ui, run: &SceneRun) {
     let (f, n) = (run.figures(), run.simulation().num_characters());
     Grid::new("scene now").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
         row(ui, "present", format!("{} of {n}", run.num_present()));
@@ -86,7 +86,7 @@ fn row(ui: &mut Ui, name: &str, text: String) {
     ui.end_row();
 }
 
-fn step_times(ui: &mut Ui, run: &Run) {
+fn step_times(ui: &mut Ui, run: &CrowdRun) {
     section(ui, "Time of a step by phase", |ui| {
         ui.weak("Microseconds of all threads together, one phase on top of the other.");
         let history: Vec<_> = run.history().map(|(step, f)| (step, f.times.phases())).collect();
@@ -128,7 +128,7 @@ fn slip(ui: &mut Ui, history: &[(u32, &StepFigures)]) {
     });
 }
 
-fn at_target(ui: &mut Ui, run: &Run) {
+fn at_target(ui: &mut Ui, run: &CrowdRun) {
     section(ui, "Characters at target", |ui| {
         let n = run.config().characters as f64;
         let share: Vec<f64> = run.history().map(|h| 100.0 * h.1.at_target as f64 / n).collect();

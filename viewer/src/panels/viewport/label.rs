@@ -29,8 +29,8 @@ fn describe(model: &Model) -> Option<String> {
         let patch = world.patch_name(state.node.instance);
         return Some(format!(
             "character {c} · {} · {} · on {patch}",
-            words::doing(state),
-            words::wish(state.wish, tags)
+            words::inhabitant_activity(state),
+            words::goal(state.goal, tags)
         ));
     }
     if let Some(scene) = model.document.scene() {

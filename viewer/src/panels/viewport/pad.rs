@@ -3,7 +3,7 @@
 //!
 //! Built with the feature `gamepad` (gilrs), which on Linux needs the headers of libudev; without it no pad is ever there.
 
-use crate::command::Held;
+use crate::command::SteerInput;
 
 /// Dead zone: smaller deflections count as none, since sticks do not return exactly to the middle.
 const DEAD: f32 = 0.25;
@@ -16,7 +16,7 @@ const STEPS: f32 = 8.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pad {
     /// Input that is held down.
-    pub held: Held,
+    pub input: SteerInput,
     /// Strike.
     pub strikes: bool,
     /// Take over the selected character, or release it.
@@ -26,13 +26,13 @@ pub struct Pad {
 /// Input of a stick.
 ///
 /// - `x`, `y`: to the right and ahead (-1 to 1); `trigger`: pressure (0 to 1).
-pub fn held(x: f32, y: f32, trigger: f32) -> Held {
+pub fn stick_input(x: f32, y: f32, trigger: f32) -> SteerInput {
     let length = x.hypot(y);
     if length.is_nan() || length <= DEAD {
-        return Held::default();
+        return SteerInput::default();
     }
     let step = |v: f32| (v * STEPS).round() / STEPS;
-    Held { ahead: step(y), aside: step(x), runs: trigger > 0.5 || length > RUNS }
+    SteerInput { ahead: step(y), aside: step(x), runs: trigger > 0.5 || length > RUNS }
 }
 
 /// The pads that are plugged in.
@@ -88,13 +88,13 @@ mod tests {
 
     #[test]
     fn sticks_lead_where_they_point_and_rest_in_the_middle() {
-        assert_eq!(held(0.0, 0.0, 1.0), Held::default());
-        assert_eq!(held(0.2, -0.1, 0.0), Held::default());
-        assert_eq!(held(f32::NAN, 0.5, 0.0), Held::default());
-        let walks = held(0.0, 0.6, 0.0);
+        assert_eq!(stick_input(0.0, 0.0, 1.0), SteerInput::default());
+        assert_eq!(stick_input(0.2, -0.1, 0.0), SteerInput::default());
+        assert_eq!(stick_input(f32::NAN, 0.5, 0.0), SteerInput::default());
+        let walks = stick_input(0.0, 0.6, 0.0);
         assert!(walks.moves() && !walks.runs && walks.aside == 0.0 && (walks.ahead - 0.625).abs() < 1e-6);
-        assert!(held(0.0, 0.6, 0.9).runs && held(-1.0, 0.0, 0.0).runs);
+        assert!(stick_input(0.0, 0.6, 0.9).runs && stick_input(-1.0, 0.0, 0.0).runs);
         // A hand that shakes is no new way.
-        assert_eq!(held(0.5, 0.51, 0.0), held(0.51, 0.49, 0.0));
+        assert_eq!(stick_input(0.5, 0.51, 0.0), stick_input(0.51, 0.49, 0.0));
     }
 }

@@ -1,30 +1,30 @@
 //! The state of steering and the delay of keys, in a line over the 3-D view.
 
 use super::pad::Pad;
-use crate::command::{Command, Held, SteerCommand};
+use crate::command::{SteerCommand, SteerInput, ViewerCommand};
 use crate::model::Model;
 use eframe::egui::{Context, FontId, Key, Modifiers, Rect, Ui, vec2};
 
 /// Takes the steering keys out of the input; while no direction is held down, the input of a pad counts.
-pub fn keys(ctx: &Context, model: &Model, pad: Option<Pad>, commands: &mut Vec<Command>) {
+pub fn keys(ctx: &Context, model: &Model, pad: Option<Pad>, commands: &mut Vec<ViewerCommand>) {
     if pad.is_some_and(|p| p.toggles) {
-        commands.push(Command::Steer(SteerCommand::Toggle));
+        commands.push(ViewerCommand::Steer(SteerCommand::Toggle));
     }
     let Some(steering) = model.steering() else { return };
     let held = ctx.input(|i| {
         let axis = |more: Key, less: Key| f32::from(i8::from(i.key_down(more)) - i8::from(i.key_down(less)));
-        Held { ahead: axis(Key::W, Key::S), aside: axis(Key::D, Key::A), runs: i.modifiers.shift }
+        SteerInput { ahead: axis(Key::W, Key::S), aside: axis(Key::D, Key::A), runs: i.modifiers.shift }
     });
     // Without a direction, Shift does not matter.
-    let held = if held.moves() { held } else { pad.map_or(Held::default(), |p| p.held) };
-    if held != steering.held {
-        commands.push(Command::Steer(SteerCommand::Hold(held)));
+    let held = if held.moves() { held } else { pad.map_or(SteerInput::default(), |p| p.input) };
+    if held != steering.input {
+        commands.push(ViewerCommand::Steer(SteerCommand::Hold(held)));
     }
     for key in [Key::W, Key::A, Key::S, Key::D] {
         ctx.input_mut(|i| [Modifiers::NONE, Modifiers::SHIFT].map(|m| i.consume_key(m, key)));
     }
     if ctx.input_mut(|i| i.consume_key(Modifiers::NONE, Key::X)) || pad.is_some_and(|p| p.strikes) {
-        commands.push(Command::Steer(SteerCommand::Strike));
+        commands.push(ViewerCommand::Steer(SteerCommand::Strike));
     }
 }
 

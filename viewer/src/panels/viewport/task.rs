@@ -1,7 +1,7 @@
 //! Mouse in a task of limbs: selects and drags things and places.
 
-use super::{size, upright, within};
-use crate::command::{Command, PlanCommand, PlanLook};
+use super::{position_in_view, size, upright};
+use crate::command::{PlanCommand, PlanViewOptions, ViewerCommand};
 use crate::model::Model;
 use crate::render::Ray;
 use eframe::egui::{CursorIcon, PointerButton, Pos2, Response, Ui};
@@ -13,7 +13,7 @@ const GRAB: f32 = 10.0;
 
 /// Something that is dragged.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Held {
+pub struct DraggedThing {
     handle: Handle,
     /// Grabbed point, moved along (m).
     at: Vec3,
@@ -21,31 +21,37 @@ pub struct Held {
 }
 
 /// Thing or place under the pointer, and the point that was hit.
-fn under(model: &Model, ray: &Ray, view: Vec2) -> Option<(Handle, Vec3)> {
+fn pick_handle(model: &Model, ray: &Ray, view: Vec2) -> Option<(Handle, Vec3)> {
     let camera = model.settings.camera;
     let radius = |at: Vec3| GRAB / camera.pixels_per_metre(at.distance(camera.eye()), view.y);
     model.task()?.pick(ray, model.task_time_s(), radius)
 }
 
 /// Drags things; true while one is dragged.
-pub fn drag(ui: &Ui, response: &Response, model: &Model, held: &mut Option<Held>, commands: &mut Vec<Command>) -> bool {
+pub fn drag(
+    ui: &Ui,
+    response: &Response,
+    model: &Model,
+    held: &mut Option<DraggedThing>,
+    commands: &mut Vec<ViewerCommand>,
+) -> bool {
     if model.task().is_none() {
         *held = None;
         return false;
     }
     let (rect, camera) = (response.rect, model.settings.camera);
-    let ray = |at: Pos2| camera.ray(within(rect, at), size(rect));
+    let ray = |at: Pos2| camera.ray(position_in_view(rect, at), size(rect));
     let is_camera = ui.input(|i| i.modifiers.shift);
     if response.drag_started_by(PointerButton::Primary)
         && !is_camera
         && let Some(origin) = ui.input(|i| i.pointer.press_origin())
-        && let Some((handle, at)) = under(model, &ray(origin), size(rect))
+        && let Some((handle, at)) = pick_handle(model, &ray(origin), size(rect))
     {
-        *held = Some(Held { handle, at, has_moved: false });
+        *held = Some(DraggedThing { handle, at, has_moved: false });
         select(model, Some(handle), commands);
     }
     let Some(h) = held else {
-        let is_over = response.hover_pos().is_some_and(|at| under(model, &ray(at), size(rect)).is_some());
+        let is_over = response.hover_pos().is_some_and(|at| pick_handle(model, &ray(at), size(rect)).is_some());
         if is_over && !response.dragged() {
             ui.set_cursor_icon(CursorIcon::Grab);
         }
@@ -53,7 +59,7 @@ pub fn drag(ui: &Ui, response: &Response, model: &Model, held: &mut Option<Held>
     };
     if !response.dragged_by(PointerButton::Primary) {
         if h.has_moved {
-            commands.push(Command::Plan(PlanCommand::Settle));
+            commands.push(ViewerCommand::Plan(PlanCommand::EndMove));
         }
         *held = None;
         return false;
@@ -62,12 +68,12 @@ pub fn drag(ui: &Ui, response: &Response, model: &Model, held: &mut Option<Held>
         // The thing moves up and down while the Alt key is held, else it keeps its height.
         let to = match ui.input(|i| i.modifiers.alt) {
             true => upright(&ray(at), camera, h.at),
-            false => ray(at).meets_height(h.at.y),
+            false => ray(at).intersect_height(h.at.y),
         };
         let by = to.map(|to| to - h.at).filter(|by| by.length() > 1e-5 && by.length() < 100.0);
         if let Some(by) = by {
             (h.at, h.has_moved) = (h.at + by, true);
-            commands.push(Command::Plan(PlanCommand::Move(h.handle, by)));
+            commands.push(ViewerCommand::Plan(PlanCommand::Move(h.handle, by)));
         }
     }
     ui.set_cursor_icon(CursorIcon::Grabbing);
@@ -75,13 +81,13 @@ pub fn drag(ui: &Ui, response: &Response, model: &Model, held: &mut Option<Held>
 }
 
 /// A click selects what is under the pointer.
-pub fn click(model: &Model, ray: &Ray, view: Vec2, commands: &mut Vec<Command>) {
-    select(model, under(model, ray, view).map(|u| u.0), commands);
+pub fn click(model: &Model, ray: &Ray, view: Vec2, commands: &mut Vec<ViewerCommand>) {
+    select(model, pick_handle(model, ray, view).map(|u| u.0), commands);
 }
 
-fn select(model: &Model, handle: Option<Handle>, commands: &mut Vec<Command>) {
-    let look = PlanLook { handle, ..model.selection.plan };
+fn select(model: &Model, handle: Option<Handle>, commands: &mut Vec<ViewerCommand>) {
+    let look = PlanViewOptions { handle, ..model.selection.plan };
     if look != model.selection.plan {
-        commands.push(Command::Plan(PlanCommand::Look(look)));
+        commands.push(ViewerCommand::Plan(PlanCommand::SetOptions(look)));
     }
 }

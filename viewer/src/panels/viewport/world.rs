@@ -1,17 +1,17 @@
 //! Mouse and keys in a world: select, send, place, drag and turn.
 
-use crate::command::{Command, Draft, Tool, WorldCommand};
+use crate::command::{Tool, UnitDraft, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
-use crate::document::world::Change;
+use crate::document::world::UnitChange;
 use crate::model::Model;
 use crate::model::world::snapped;
 use crate::render::{self, Ray};
-use crate::stage::Layout;
+use crate::stage::StageLayout;
 use eframe::egui::{CursorIcon, Key, PointerButton, Response, Ui};
 use glam::Vec3;
 use std::f32::consts::PI;
 use throng_runtime::patch::Placement;
-use throng_runtime::world::inhabitants::Wish;
+use throng_runtime::world::inhabitants::InhabitantGoal;
 
 /// Distance within which a free place is searched around the clicked one (m).
 pub const SENT_WITHIN_M: f32 = 5.0;
@@ -22,7 +22,7 @@ const QUARTER: f32 = PI / 2.0;
 
 /// A unit that is dragged.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dragged {
+pub struct DraggedUnit {
     /// Number of the place.
     place: usize,
     /// Offset from the grabbed point, at that height, to the origin of the unit (m).
@@ -39,8 +39,8 @@ pub fn drag(
     response: &Response,
     model: &Model,
     ray: impl Fn(eframe::egui::Pos2) -> Ray,
-    dragged: &mut Option<Dragged>,
-    commands: &mut Vec<Command>,
+    dragged: &mut Option<DraggedUnit>,
+    commands: &mut Vec<ViewerCommand>,
 ) -> bool {
     let Some(world) = model.shown_world().filter(|_| model.selection.world.tool == Tool::Move) else {
         *dragged = None;
@@ -54,20 +54,20 @@ pub fn drag(
         && let Some(p) = world.placed().get(place)
     {
         let offset = p.placement.translation() - met;
-        *dragged = Some(Dragged { place, offset, height: met.y, free: p.placement });
-        commands.push(Command::World(WorldCommand::SelectPlace(Some(place))));
+        *dragged = Some(DraggedUnit { place, offset, height: met.y, free: p.placement });
+        commands.push(ViewerCommand::World(WorldCommand::SelectPlace(Some(place))));
     }
     let Some(d) = dragged else { return false };
     let Some(unit) = world.placed().get(d.place).map(|p| p.unit) else { return false };
-    if let Some(to) = response.interact_pointer_pos().and_then(|p| ray(p).meets_height(d.height)) {
+    if let Some(to) = response.interact_pointer_pos().and_then(|p| ray(p).intersect_height(d.height)) {
         let at = to + d.offset;
         d.free = Placement { x: at.x, z: at.z, heading: d.free.heading + turned(ui), ..d.free };
     }
     let at = fitted(ui, world, unit, Some(d.place), d.free);
-    commands.push(Command::World(WorldCommand::Draft(Some(Draft { unit, at }))));
+    commands.push(ViewerCommand::World(WorldCommand::Draft(Some(UnitDraft { unit, at }))));
     if !response.dragged_by(PointerButton::Primary) {
-        let change = Change::Move { place: d.place, to: at };
-        commands.push(Command::World(if world.placed()[d.place].placement == at {
+        let change = UnitChange::Move { place: d.place, to: at };
+        commands.push(ViewerCommand::World(if world.placed()[d.place].placement == at {
             WorldCommand::Draft(None)
         } else {
             WorldCommand::Edit(change)
@@ -101,35 +101,35 @@ fn turned(ui: &Ui) -> f32 {
 }
 
 /// Keys that turn and remove the selected unit, while units are moved.
-pub fn keys(ui: &Ui, model: &Model, is_dragging: bool, commands: &mut Vec<Command>) {
+pub fn keys(ui: &Ui, model: &Model, is_dragging: bool, commands: &mut Vec<ViewerCommand>) {
     let Some(world) = model.shown_world().filter(|_| model.selection.world.tool == Tool::Move && !is_dragging) else {
         return;
     };
     let Some(place) = model.selection.world.place.filter(|&p| p < world.placed().len()) else { return };
     let angle = turned(ui);
     if angle != 0.0 {
-        let at = world.will_stand(place);
-        let to = Placement { heading: at.heading + angle, ..at }.wrapped();
-        commands.push(Command::World(WorldCommand::Edit(Change::Move { place, to })));
+        let at = world.ordered_placement(place);
+        let to = Placement { heading: at.heading + angle, ..at }.with_wrapped_heading();
+        commands.push(ViewerCommand::World(WorldCommand::Edit(UnitChange::Move { place, to })));
     }
     let is_asked = || !ui.ctx().text_edit_focused() && ui.input(|i| i.key_pressed(Key::Delete));
     if world.working().is_none() && is_asked() {
-        commands.push(Command::World(WorldCommand::Edit(Change::Remove { place })));
+        commands.push(ViewerCommand::World(WorldCommand::Edit(UnitChange::Remove { place })));
     }
 }
 
 /// Shows the unit that a click would place.
-pub fn hover(ui: &Ui, model: &Model, ray: Option<Ray>, heading: &mut f32, commands: &mut Vec<Command>) {
+pub fn hover(ui: &Ui, model: &Model, ray: Option<Ray>, heading: &mut f32, commands: &mut Vec<ViewerCommand>) {
     let (Some(world), Tool::Create(unit)) = (model.shown_world(), model.selection.world.tool) else { return };
     if unit >= world.kit().units.units.len() {
         return;
     }
     *heading += turned(ui);
     let draft = ray
-        .and_then(|r| r.meets_height(height(world, unit, &r)))
-        .map(|p| Draft { unit, at: fitted(ui, world, unit, None, Placement::new(p.x, p.y, p.z, *heading)) });
+        .and_then(|r| r.intersect_height(height(world, unit, &r)))
+        .map(|p| UnitDraft { unit, at: fitted(ui, world, unit, None, Placement::new(p.x, p.y, p.z, *heading)) });
     if draft != model.selection.world.draft {
-        commands.push(Command::World(WorldCommand::Draft(draft)));
+        commands.push(ViewerCommand::World(WorldCommand::Draft(draft)));
     }
 }
 
@@ -143,20 +143,27 @@ fn height(world: &WorldDocument, unit: usize, ray: &Ray) -> f32 {
 }
 
 /// Effect of a click.
-pub fn click(ui: &Ui, model: &Model, world: &WorldDocument, layout: &Layout, ray: &Ray, commands: &mut Vec<Command>) {
+pub fn click(
+    ui: &Ui,
+    model: &Model,
+    world: &WorldDocument,
+    layout: &StageLayout,
+    ray: &Ray,
+    commands: &mut Vec<ViewerCommand>,
+) {
     let look = &model.selection.world;
     let sends = look.tool == Tool::Send || ui.input(|i| i.modifiers.command);
     if sends && let Some(character) = model.selection.character {
         if let Some((_, place)) = world.pick(ray) {
-            let wish = Some(Wish::GoNear { place, within_m: SENT_WITHIN_M });
-            commands.push(Command::World(WorldCommand::Tell { character, wish }));
+            let wish = Some(InhabitantGoal::GoNear { place, within_m: SENT_WITHIN_M });
+            commands.push(ViewerCommand::World(WorldCommand::Order { character, goal: wish }));
         }
         return;
     }
     if let Tool::Create(_) = look.tool {
         if let Some(d) = look.draft {
-            let change = Change::Add { unit: d.unit, at: d.at };
-            commands.push(Command::World(WorldCommand::Edit(change)));
+            let change = UnitChange::Add { unit: d.unit, at: d.at };
+            commands.push(ViewerCommand::World(WorldCommand::Edit(change)));
         }
         return;
     }
@@ -164,13 +171,13 @@ pub fn click(ui: &Ui, model: &Model, world: &WorldDocument, layout: &Layout, ray
     let unit = world.pick(ray);
     let far = unit.map_or(f32::INFINITY, |u| u.1.distance(ray.origin));
     match character.filter(|h| look.tool != Tool::Move && h.distance < far + 0.3) {
-        Some(hit) => commands.push(Command::SelectCharacter(Some(hit.character))),
+        Some(hit) => commands.push(ViewerCommand::SelectCharacter(Some(hit.character))),
         None => {
             let place = unit.and_then(|u| u.0);
             if place.is_none() && look.place.is_none() {
-                commands.push(Command::SelectCharacter(None));
+                commands.push(ViewerCommand::SelectCharacter(None));
             }
-            commands.push(Command::World(WorldCommand::SelectPlace(place)));
+            commands.push(ViewerCommand::World(WorldCommand::SelectPlace(place)));
         }
     }
 }

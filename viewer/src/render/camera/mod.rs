@@ -4,7 +4,7 @@ mod ray;
 mod text;
 
 pub use ray::Ray;
-pub use text::{CameraParseError, Preset};
+pub use text::{CameraParseError, CameraPreset};
 
 use glam::{Mat4, Vec2, Vec3};
 use std::f32::consts::FRAC_PI_2;
@@ -22,7 +22,7 @@ const TURN_PER_PIXEL: f32 = 0.0065;
 /// right of the picture. Depth is reversed: 1 at the near plane, 0 at infinity.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
-pub struct Camera {
+pub struct OrbitCamera {
     /// Point at the centre of the picture (m).
     pub target: Vec3,
     /// From eye to target (m).
@@ -35,14 +35,14 @@ pub struct Camera {
     pub fov_y: f32,
 }
 
-impl Default for Camera {
+impl Default for OrbitCamera {
     /// A character at the origin, seen from its front left and a little above.
     fn default() -> Self {
-        Preset::ThreeQuarter.camera()
+        CameraPreset::ThreeQuarter.camera()
     }
 }
 
-impl Camera {
+impl OrbitCamera {
     /// Turns around the target by a drag (pixels).
     pub fn orbit(&mut self, dx: f32, dy: f32) {
         self.yaw = throng_runtime::planar::wrap_angle(self.yaw - dx * TURN_PER_PIXEL);
@@ -93,7 +93,7 @@ impl Camera {
     }
 
     /// Distance of the near plane (m).
-    pub fn near(&self) -> f32 {
+    pub fn near_distance(&self) -> f32 {
         (self.distance * 0.02).clamp(0.004, 0.1)
     }
 
@@ -116,7 +116,7 @@ impl Camera {
             [f / aspect, 0.0, 0.0, 0.0],
             [0.0, f, 0.0, 0.0],
             [0.0, 0.0, 0.0, -1.0],
-            [0.0, 0.0, self.near(), 0.0],
+            [0.0, 0.0, self.near_distance(), 0.0],
         ]);
         projection * self.view()
     }
@@ -135,12 +135,12 @@ impl Camera {
     pub fn project(&self, point: Vec3, size: Vec2) -> Option<Vec2> {
         let size = size.max(Vec2::ONE);
         let clip = self.view_proj(size.x / size.y) * point.extend(1.0);
-        (clip.w >= self.near()).then(|| Vec2::new(clip.x / clip.w + 1.0, 1.0 - clip.y / clip.w) * 0.5 * size)
+        (clip.w >= self.near_distance()).then(|| Vec2::new(clip.x / clip.w + 1.0, 1.0 - clip.y / clip.w) * 0.5 * size)
     }
 
     /// Height in pixels of something one metre tall at a distance from the eye.
     pub fn pixels_per_metre(&self, distance: f32, viewport_height: f32) -> f32 {
-        viewport_height / (2.0 * (0.5 * self.fov_y).tan() * distance.max(self.near()))
+        viewport_height / (2.0 * (0.5 * self.fov_y).tan() * distance.max(self.near_distance()))
     }
 
     /// Frames a box from the present direction, from the least distance that shows all of it; `aspect` is width over
@@ -173,8 +173,8 @@ mod tests {
 
     const SIZE: Vec2 = Vec2::new(1280.0, 720.0);
 
-    fn any_camera(rng: &mut Pcg32) -> Camera {
-        let mut c = Camera {
+    fn any_camera(rng: &mut Pcg32) -> OrbitCamera {
+        let mut c = OrbitCamera {
             target: Vec3::new(rng.random_range(-9.0..9.0), rng.random_range(0.0..2.0), rng.random_range(-9.0..9.0)),
             distance: rng.random_range(0.5..40.0),
             yaw: rng.random_range(-3.1..3.1),
@@ -192,7 +192,7 @@ mod tests {
             let camera = any_camera(&mut rng);
             let pixel = Vec2::new(rng.random_range(0.0..SIZE.x), rng.random_range(0.0..SIZE.y));
             let ray = camera.ray(pixel, SIZE);
-            let point = ray.at(rng.random_range(0.5..60.0));
+            let point = ray.point_at(rng.random_range(0.5..60.0));
             let back = camera.project(point, SIZE).unwrap_or(Vec2::NAN);
             assert!((back - pixel).length() < 0.1, "{pixel} became {back}");
         }
@@ -201,7 +201,7 @@ mod tests {
     #[test]
     fn no_gesture_moves_the_camera_below_the_ground() {
         let mut rng = Pcg32::seed_from_u64(2);
-        let mut camera = Camera::default();
+        let mut camera = OrbitCamera::default();
         for _ in 0..5000 {
             let (x, y) = (rng.random_range(-300.0..300.0), rng.random_range(-300.0..300.0));
             match rng.random_range(0..3) {
@@ -217,7 +217,7 @@ mod tests {
 
     #[test]
     fn panning_keeps_the_target_under_the_pointer() {
-        let mut camera = Camera::default();
+        let mut camera = OrbitCamera::default();
         let before = camera.target;
         camera.pan(100.0, 40.0, SIZE.y);
         let moved = camera.project(before, SIZE).unwrap_or(Vec2::NAN) - SIZE * 0.5;
@@ -241,7 +241,7 @@ mod tests {
 
     #[test]
     fn the_left_side_of_a_character_is_at_the_right_of_its_front_view() {
-        let camera = Preset::Front.camera();
+        let camera = CameraPreset::Front.camera();
         let at = |x: f32| camera.project(Vec3::new(x, 1.0, 0.0), SIZE).map_or(f32::NAN, |p| p.x);
         assert!(at(0.5) > at(-0.5));
         assert!(camera.ray(SIZE * 0.5, SIZE).direction.z < 0.0);

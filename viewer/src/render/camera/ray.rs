@@ -13,29 +13,29 @@ pub struct Ray {
 
 impl Ray {
     /// The point at a distance along the ray (m).
-    pub fn at(&self, distance: f32) -> Vec3 {
+    pub fn point_at(&self, distance: f32) -> Vec3 {
         self.origin + self.direction * distance
     }
 
     /// Intersection with the horizontal plane at `height`; `None` if the ray never reaches it (m).
-    pub fn meets_height(&self, height: f32) -> Option<Vec3> {
+    pub fn intersect_height(&self, height: f32) -> Option<Vec3> {
         let t = (height - self.origin.y) / self.direction.y;
         (t.is_finite() && t >= 0.0).then(|| {
-            let p = self.at(t);
+            let p = self.point_at(t);
             Vec3::new(p.x, height, p.z)
         })
     }
 
     /// True where the ray passes a point within a distance (m).
-    pub fn may_meet(&self, centre: Vec3, radius: f32) -> bool {
+    pub fn passes_within(&self, centre: Vec3, radius: f32) -> bool {
         let to = centre - self.origin;
         let along = to.dot(self.direction).max(0.0);
         (to - self.direction * along).length_squared() <= radius * radius
     }
 
     /// Intersection with the ground, y = 0 (m).
-    pub fn meets_ground(&self) -> Option<Vec3> {
-        self.meets_height(0.0)
+    pub fn intersect_ground(&self) -> Option<Vec3> {
+        self.intersect_height(0.0)
     }
 }
 
@@ -46,8 +46,8 @@ mod tests {
     #[test]
     fn meets_the_ground_only_ahead() {
         let down = Ray { origin: Vec3::new(1.0, 2.0, 3.0), direction: Vec3::new(0.6, -0.8, 0.0) };
-        assert!(down.meets_ground().is_some_and(|p| p.abs_diff_eq(Vec3::new(2.5, 0.0, 3.0), 1e-5)));
-        assert_eq!(Ray { direction: Vec3::Y, ..down }.meets_ground(), None);
-        assert_eq!(Ray { direction: Vec3::X, ..down }.meets_ground(), None);
+        assert!(down.intersect_ground().is_some_and(|p| p.abs_diff_eq(Vec3::new(2.5, 0.0, 3.0), 1e-5)));
+        assert_eq!(Ray { direction: Vec3::Y, ..down }.intersect_ground(), None);
+        assert_eq!(Ray { direction: Vec3::X, ..down }.intersect_ground(), None);
     }
 }

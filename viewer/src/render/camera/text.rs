@@ -1,13 +1,13 @@
 //! Cameras as text: a preset's name, numbers, or both.
 
-use super::Camera;
+use super::OrbitCamera;
 use glam::Vec3;
 use std::fmt;
 use std::str::FromStr;
 
 /// A named view of a character at the origin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Preset {
+pub enum CameraPreset {
     /// Face to face.
     Front,
     /// From the character's left.
@@ -18,7 +18,7 @@ pub enum Preset {
     ThreeQuarter,
 }
 
-impl Preset {
+impl CameraPreset {
     /// Every preset, in the order of menus.
     pub const ALL: [Self; 4] = [Self::Front, Self::Side, Self::Top, Self::ThreeQuarter];
 
@@ -43,9 +43,9 @@ impl Preset {
     }
 
     /// The view of one character at the origin.
-    pub fn camera(self) -> Camera {
+    pub fn camera(self) -> OrbitCamera {
         let (yaw, pitch) = self.angles_deg();
-        Camera {
+        OrbitCamera {
             target: Vec3::new(0.0, 0.9, 0.0),
             distance: 4.5,
             yaw: yaw.to_radians(),
@@ -55,7 +55,7 @@ impl Preset {
     }
 
     /// Turns a camera into this direction and leaves its target and distance.
-    pub fn turn(self, camera: &mut Camera) {
+    pub fn turn(self, camera: &mut OrbitCamera) {
         let view = self.camera();
         (camera.yaw, camera.pitch) = (view.yaw, view.pitch);
         camera.limit();
@@ -100,7 +100,7 @@ pub enum CameraParseError {
     },
 }
 
-impl FromStr for Camera {
+impl FromStr for OrbitCamera {
     type Err = CameraParseError;
 
     /// A preset's name, or settings such as `yaw=30,pitch=20,distance=6,target=0:1:0,fov=35`, or a name followed by
@@ -111,7 +111,7 @@ impl FromStr for Camera {
             match part.split_once('=') {
                 Some((key, value)) => set(&mut camera, key.trim(), value.trim())?,
                 None => {
-                    let preset = Preset::ALL.into_iter().find(|p| p.name() == part);
+                    let preset = CameraPreset::ALL.into_iter().find(|p| p.name() == part);
                     let preset = preset.ok_or_else(|| CameraParseError::UnknownView { got: part.to_owned() })?;
                     preset.turn(&mut camera);
                 }
@@ -122,7 +122,7 @@ impl FromStr for Camera {
     }
 }
 
-fn set(camera: &mut Camera, key: &str, value: &str) -> Result<(), CameraParseError> {
+fn set(camera: &mut OrbitCamera, key: &str, value: &str) -> Result<(), CameraParseError> {
     match key {
         "yaw" => camera.yaw = number("yaw", value)?.to_radians(),
         "pitch" => camera.pitch = ranged("pitch", value, -80.0..=90.0, "-80 to 90 degrees")?.to_radians(),
@@ -158,7 +158,7 @@ fn point(value: &str) -> Result<Vec3, CameraParseError> {
     }
 }
 
-impl fmt::Display for Camera {
+impl fmt::Display for OrbitCamera {
     /// Text that parses back to the same camera, to three decimals.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Vec3 { x, y, z } = self.target;
@@ -186,18 +186,18 @@ mod tests {
             "yaw=30,pitch=20,distance=6,target=0:1:0,fov=35",
             "yaw=-171.5,pitch=90,distance=0.5,target=-3.25:0:2,fov=60",
         ] {
-            assert_eq!(text.parse::<Camera>().map(|c| c.to_string()), Ok(text.to_owned()));
+            assert_eq!(text.parse::<OrbitCamera>().map(|c| c.to_string()), Ok(text.to_owned()));
         }
-        for preset in Preset::ALL {
-            let parsed: Result<Camera, _> = preset.name().parse();
+        for preset in CameraPreset::ALL {
+            let parsed: Result<OrbitCamera, _> = preset.name().parse();
             assert_eq!(parsed.map(|c| c.to_string()), Ok(preset.camera().to_string()));
         }
-        assert!("side, distance=9".parse::<Camera>().is_ok_and(|c| c.distance == 9.0 && c.yaw > 1.5));
+        assert!("side, distance=9".parse::<OrbitCamera>().is_ok_and(|c| c.distance == 9.0 && c.yaw > 1.5));
     }
 
     #[test]
     fn says_what_is_wrong() {
-        let error = |text: &str| text.parse::<Camera>().err().map(|e| e.to_string()).unwrap_or_default();
+        let error = |text: &str| text.parse::<OrbitCamera>().err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error("frnt").contains("three-quarter"));
         assert!(error("roll=3").contains("`roll` is no setting"));
         assert!(error("yaw=x").contains("yaw=x is not a number"));

@@ -1,7 +1,7 @@
 //! A body of capsules: one around every limb, rigid on the joint at its start.
 
 use super::loft::{Loft, Ring, equal_area};
-use super::{Influence, Mesh, Part, Side};
+use super::{BodyMesh, BodySide, Influence, SurfacePart};
 use glam::Vec3;
 use std::f32::consts::FRAC_PI_2;
 use throng_runtime::{Joint, Skeleton};
@@ -12,80 +12,98 @@ pub(super) const LEVELS: usize = 3;
 const DETAIL: [(usize, usize); LEVELS] = [(12, 3), (7, 1), (3, 1)];
 
 /// The body at one level of detail.
-pub(super) fn build(skeleton: &Skeleton, level: usize) -> Mesh {
-    let mut mesh = Mesh::default();
+pub(super) fn build(skeleton: &Skeleton, level: usize) -> BodyMesh {
+    let mut mesh = BodyMesh::default();
     let (segments, end_rings) = DETAIL[level];
     let scale = skeleton.leg_length() / Skeleton::default().leg_length();
     for limb in limbs(skeleton).into_iter().filter(|l| level < 2 || l.radius > 0.028) {
-        let side = Side::of_joint(limb.joint);
+        let side = BodySide::of_joint(limb.joint);
         capsule(&limb, limb.radius * scale, side, (segments, end_rings), &mut mesh);
     }
     mesh
 }
 
 /// A capsule and the joint that carries it.
-struct Limb {
+struct LimbCapsule {
     joint: Joint,
     from: Vec3,
     to: Vec3,
     radius: f32,
-    part: Part,
+    part: SurfacePart,
 }
 
-fn limbs(skeleton: &Skeleton) -> Vec<Limb> {
+fn limbs(skeleton: &Skeleton) -> Vec<LimbCapsule> {
     let rest = skeleton.rest_positions();
-    let mut limbs: Vec<Limb> = Vec::with_capacity(26);
+    let mut limbs: Vec<LimbCapsule> = Vec::with_capacity(26);
     for joint in Joint::ALL {
         if let Some(parent) = joint.parent() {
-            let (radius, part) = look(joint);
-            limbs.push(Limb { joint: parent, from: rest[parent.index()], to: rest[joint.index()], radius, part });
+            let (radius, part) = limb_style(joint);
+            limbs.push(LimbCapsule {
+                joint: parent,
+                from: rest[parent.index()],
+                to: rest[joint.index()],
+                radius,
+                part,
+            });
         }
     }
     for (i, joint) in [Joint::Head, Joint::LeftToe, Joint::RightToe].into_iter().enumerate() {
         let from = rest[joint.index()];
-        let (radius, part) = if i == 0 { (0.085, Part::Skin) } else { (0.02, Part::Shoe) };
+        let (radius, part) = if i == 0 { (0.085, SurfacePart::Skin) } else { (0.02, SurfacePart::Shoe) };
         let to = from + skeleton.tips[i] * if i == 0 { 0.58 } else { 1.0 };
-        limbs.push(Limb { joint, from, to, radius, part });
+        limbs.push(LimbCapsule { joint, from, to, radius, part });
     }
     // The face.
     let top = skeleton.tips[0].length().clamp(0.05, 0.6);
     let eye = |x: f32| rest[Joint::Head.index()] + Vec3::new(x * top, 0.42 * top, 0.36 * top);
-    limbs.push(Limb { joint: Joint::Head, from: eye(0.18), to: eye(-0.18), radius: 0.029, part: Part::Visor });
-    for side in Side::BOTH {
-        let joint = side.of(Joint::LeftHand);
+    limbs.push(LimbCapsule {
+        joint: Joint::Head,
+        from: eye(0.18),
+        to: eye(-0.18),
+        radius: 0.029,
+        part: SurfacePart::Visor,
+    });
+    for side in BodySide::BOTH {
+        let joint = side.joint_on_side(Joint::LeftHand);
         let fore = skeleton.offsets[joint.index()];
         let from = rest[joint.index()];
-        limbs.push(Limb { joint, from, to: from + fore * 0.45, radius: 0.028, part: Part::Skin });
+        limbs.push(LimbCapsule { joint, from, to: from + fore * 0.45, radius: 0.028, part: SurfacePart::Skin });
     }
     limbs
 }
 
 /// Radius and part of the limb that ends in a joint (m).
-fn look(joint: Joint) -> (f32, Part) {
+fn limb_style(joint: Joint) -> (f32, SurfacePart) {
     use Joint::*;
     match joint {
-        Hips | Spine => (0.1, Part::Trousers),
-        Chest => (0.1, Part::Shirt),
-        UpperChest => (0.105, Part::Shirt),
-        Neck => (0.07, Part::Shirt),
-        Head => (0.045, Part::Skin),
-        LeftClavicle | RightClavicle => (0.05, Part::Shirt),
-        LeftUpperArm | RightUpperArm => (0.05, Part::Shirt),
-        LeftForearm | RightForearm => (0.045, Part::Shirt),
-        LeftHand | RightHand => (0.034, Part::Shirt),
-        LeftThigh | RightThigh => (0.074, Part::Trousers),
-        LeftShin | RightShin => (0.068, Part::Trousers),
-        LeftFoot | RightFoot => (0.05, Part::Trousers),
-        LeftToe | RightToe => (0.03, Part::Shoe),
+        Hips | Spine => (0.1, SurfacePart::Trousers),
+        Chest => (0.1, SurfacePart::Shirt),
+        UpperChest => (0.105, SurfacePart::Shirt),
+        Neck => (0.07, SurfacePart::Shirt),
+        Head => (0.045, SurfacePart::Skin),
+        LeftClavicle | RightClavicle => (0.05, SurfacePart::Shirt),
+        LeftUpperArm | RightUpperArm => (0.05, SurfacePart::Shirt),
+        LeftForearm | RightForearm => (0.045, SurfacePart::Shirt),
+        LeftHand | RightHand => (0.034, SurfacePart::Shirt),
+        LeftThigh | RightThigh => (0.074, SurfacePart::Trousers),
+        LeftShin | RightShin => (0.068, SurfacePart::Trousers),
+        LeftFoot | RightFoot => (0.05, SurfacePart::Trousers),
+        LeftToe | RightToe => (0.03, SurfacePart::Shoe),
     }
 }
 
-fn capsule(limb: &Limb, radius: f32, side: Side, (segments, end_rings): (usize, usize), mesh: &mut Mesh) {
+fn capsule(
+    limb: &LimbCapsule,
+    radius: f32,
+    side: BodySide,
+    (segments, end_rings): (usize, usize),
+    mesh: &mut BodyMesh,
+) {
     // Feet do not sink into the ground.
-    let lift = |p: Vec3| if limb.part == Part::Shoe { p.with_y(p.y.max(radius)) } else { p };
+    let lift = |p: Vec3| if limb.part == SurfacePart::Shoe { p.with_y(p.y.max(radius)) } else { p };
     let (from, to) = (lift(limb.from), lift(limb.to));
     let along = (to - from).normalize_or(Vec3::Y);
-    let mirrored = if side == Side::Right { -1.0 } else { 1.0 };
+    let mirrored = if side == BodySide::Right { -1.0 } else { 1.0 };
     let guide = if along.z.abs() < 0.7 { Vec3::Z } else { Vec3::Y };
     let v = (guide - along * guide.dot(along)).normalize_or(Vec3::Y);
     let u = (v.cross(along) * mirrored).normalize_or(Vec3::X);

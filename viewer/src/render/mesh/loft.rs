@@ -1,6 +1,6 @@
 //! The one builder of surfaces: rings of points, joined to a closed tube.
 
-use super::{Influence, Mesh, Part, Side, Vertex};
+use super::{BodyMesh, BodySide, Influence, SurfacePart, Vertex};
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::f32::consts::TAU;
@@ -54,11 +54,16 @@ impl Loft<'_> {
     ///
     /// - `weigh`: joints that move a rest position.
     /// - `part`: part and side of a face, from its middle.
-    pub fn build(&self, mesh: &mut Mesh, weigh: impl Fn(Vec3) -> Influence, part: impl Fn(Vec3) -> (Part, Side)) {
+    pub fn build(
+        &self,
+        mesh: &mut BodyMesh,
+        weigh: impl Fn(Vec3) -> Influence,
+        part: impl Fn(Vec3) -> (SurfacePart, BodySide),
+    ) {
         let points = self.points();
         let faces = self.faces();
         let normals = normals(&points, &faces);
-        let mut known: BTreeMap<(usize, Part, Side), u32> = BTreeMap::new();
+        let mut known: BTreeMap<(usize, SurfacePart, BodySide), u32> = BTreeMap::new();
         for face in faces {
             let middle = face.iter().map(|&i| points[i]).sum::<Vec3>() / face.len() as f32;
             let (part, side) = part(middle);

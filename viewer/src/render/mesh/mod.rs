@@ -17,20 +17,20 @@ pub const LEVELS: usize = 4;
 
 /// Appearance of a character.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-pub enum Body {
+pub enum BodyStyle {
     /// A capsule around every limb.
     #[default]
     Capsules,
     /// A smooth figure, skinned.
     Mannequin,
-    /// A mesh of the user's own; characters that cannot wear it look like [`Body::Mannequin`].
+    /// A mesh of the user's own; characters that cannot wear it look like [`BodyStyle::Mannequin`].
     Own,
 }
 
 /// Part of the surface; colours depend on it. Numbers match `shaders/body.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(u32)]
-pub enum Part {
+pub enum SurfacePart {
     /// Head, neck, hands.
     Skin = 0,
     /// Trunk and arms.
@@ -48,7 +48,7 @@ pub enum Part {
 /// Which side of the body a part is on: left and right are tinted apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(u32)]
-pub enum Side {
+pub enum BodySide {
     /// Trunk and head.
     Middle = 0,
     /// +X.
@@ -57,12 +57,12 @@ pub enum Side {
     Right = 16,
 }
 
-impl Side {
+impl BodySide {
     /// Both sides.
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
     /// A joint of the left side, on this side.
-    pub fn of(self, left: Joint) -> Joint {
+    pub fn joint_on_side(self, left: Joint) -> Joint {
         if self == Self::Right { left.mirrored() } else { left }
     }
 
@@ -82,7 +82,7 @@ impl Side {
 pub struct Vertex {
     /// Place in rest pose, model space (m).
     pub position: [f32; 3],
-    /// [`Part`] plus [`Side`].
+    /// [`SurfacePart`] plus [`BodySide`].
     pub part: u32,
     /// Outward in rest pose. Unit.
     pub normal: [f32; 3],
@@ -94,7 +94,7 @@ pub struct Vertex {
 
 /// A body at one level of detail.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Mesh {
+pub struct BodyMesh {
     /// Corners.
     pub vertices: Vec<Vertex>,
     /// Three for each triangle, anticlockwise from outside.
@@ -102,9 +102,9 @@ pub struct Mesh {
 }
 
 /// The body of a skeleton at every level of detail, finest first.
-pub fn build(body: Body, skeleton: &Skeleton) -> [Mesh; LEVELS] {
+pub fn build(body: BodyStyle, skeleton: &Skeleton) -> [BodyMesh; LEVELS] {
     std::array::from_fn(|level| match body {
-        Body::Capsules if level < capsules::LEVELS => capsules::build(skeleton, level),
+        BodyStyle::Capsules if level < capsules::LEVELS => capsules::build(skeleton, level),
         _ => mannequin::build(skeleton, level),
     })
 }
@@ -125,9 +125,9 @@ mod tests {
         [Skeleton::default(), small]
     }
 
-    fn every_mesh(mut check: impl FnMut(Body, usize, &Mesh)) {
+    fn every_mesh(mut check: impl FnMut(BodyStyle, usize, &BodyMesh)) {
         for skeleton in skeletons() {
-            for body in [Body::Capsules, Body::Mannequin] {
+            for body in [BodyStyle::Capsules, BodyStyle::Mannequin] {
                 for (level, mesh) in build(body, &skeleton).iter().enumerate() {
                     check(body, level, mesh);
                 }
@@ -178,8 +178,8 @@ mod tests {
 
     #[test]
     fn soles_rest_on_the_ground() {
-        let lowest = |m: &Mesh| m.vertices.iter().map(|v| v.position[1]).fold(f32::INFINITY, f32::min);
-        for body in [Body::Capsules, Body::Mannequin] {
+        let lowest = |m: &BodyMesh| m.vertices.iter().map(|v| v.position[1]).fold(f32::INFINITY, f32::min);
+        for body in [BodyStyle::Capsules, BodyStyle::Mannequin] {
             for mesh in build(body, &Skeleton::default()) {
                 assert!(lowest(&mesh).abs() < 0.02, "{body:?}: {}", lowest(&mesh));
             }
@@ -190,7 +190,7 @@ mod tests {
     fn both_sides_are_mirror_images() {
         every_mesh(|body, level, mesh| {
             let has = |p: Vec3| mesh.vertices.iter().any(|v| Vec3::from(v.position).abs_diff_eq(p, 2e-3));
-            let limbs = mesh.vertices.iter().filter(|v| v.part & 24 == Side::Left as u32);
+            let limbs = mesh.vertices.iter().filter(|v| v.part & 24 == BodySide::Left as u32);
             let missing = limbs.filter(|v| !has(Vec3::from(v.position) * Vec3::new(-1.0, 1.0, 1.0))).count();
             assert_eq!(missing, 0, "{body:?} {level}");
         });

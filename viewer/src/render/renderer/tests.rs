@@ -4,7 +4,9 @@ use crate::fixtures::golden_path;
 use crate::render::offscreen::read_back;
 use crate::render::{Rgba, Solids, device_descriptor};
 use glam::{Quat, Vec2, Vec3};
-use throng_runtime::characters::{Characters as People, CharactersConfig, FootLockConfig, Instance, Order, Start};
+use throng_runtime::characters::{
+    CharacterStart, Characters as People, CharactersConfig, FootLockConfig, PolicyOrder, PoseInstance,
+};
 use throng_runtime::{Joint, NUM_JOINTS, Planar};
 
 const SIZE: [u32; 2] = [400, 300];
@@ -45,12 +47,12 @@ struct Picture(Vec<u8>);
 impl Picture {
     fn take(
         renderer: &mut SceneRenderer,
-        body: Body,
+        body: BodyStyle,
         palette: &[Mat3x4],
         instances: &[CharacterInstance],
-        camera: &Camera,
+        camera: &OrbitCamera,
     ) -> (Self, [usize; LEVELS]) {
-        let (skeleton, shapes) = (&Skeleton::default(), &Shapes::new());
+        let (skeleton, shapes) = (&Skeleton::default(), &ShapeList::new());
         let solids = &Solids::default();
         let (records, rows) = (&[], None);
         let uploaded = renderer.upload(&SceneFrame {
@@ -90,11 +92,11 @@ fn size() -> Vec2 {
 fn a_body_appears_where_its_joints_project() {
     let Some(mut renderer) = renderer() else { return };
     let skeleton = Skeleton::default();
-    let (camera, palette) = (Camera::default(), standing(&skeleton, 0.0));
+    let (camera, palette) = (OrbitCamera::default(), standing(&skeleton, 0.0));
     let instance = [at_origin(Rgba::hex(0xd02020))];
-    let (empty, nothing) = Picture::take(&mut renderer, Body::Mannequin, &[], &[], &camera);
+    let (empty, nothing) = Picture::take(&mut renderer, BodyStyle::Mannequin, &[], &[], &camera);
     assert_eq!(nothing, [0; LEVELS]);
-    for body in [Body::Mannequin, Body::Capsules] {
+    for body in [BodyStyle::Mannequin, BodyStyle::Capsules] {
         let (picture, per_level) = Picture::take(&mut renderer, body, &palette, &instance, &camera);
         assert_eq!(per_level, [1, 0, 0, 0]);
         for joint in Joint::ALL {
@@ -106,7 +108,7 @@ fn a_body_appears_where_its_joints_project() {
     }
     let mut away = camera;
     away.target.x += 50.0;
-    let (_, per_level) = Picture::take(&mut renderer, Body::Mannequin, &palette, &instance, &away);
+    let (_, per_level) = Picture::take(&mut renderer, BodyStyle::Mannequin, &palette, &instance, &away);
     assert_eq!(per_level, [0; LEVELS]);
 }
 
@@ -114,15 +116,15 @@ fn a_body_appears_where_its_joints_project() {
 fn the_ground_is_darkest_at_a_planted_foot() {
     let Some(mut renderer) = renderer() else { return };
     let skeleton = Skeleton::default();
-    let camera: Camera = "yaw=60,pitch=12,distance=1,target=0.1:0.05:0.05".parse().unwrap_or_default();
+    let camera: OrbitCamera = "yaw=60,pitch=12,distance=1,target=0.1:0.05:0.05".parse().unwrap_or_default();
     let instance = [at_origin(Rgba::WHITE)];
-    let (empty, _) = Picture::take(&mut renderer, Body::Mannequin, &[], &[], &camera);
+    let (empty, _) = Picture::take(&mut renderer, BodyStyle::Mannequin, &[], &[], &camera);
     // Just outside the outer edge of the left sole, on the side of the camera.
     let beside = Vec3::new(skeleton.rest_positions()[Joint::LeftToe.index()].x + 0.056, 0.0, 0.1);
     let pixel = camera.project(beside, size()).unwrap_or_default();
     let mut darkening = |lift: f32| {
         let palette = standing(&skeleton, lift);
-        let (picture, _) = Picture::take(&mut renderer, Body::Mannequin, &palette, &instance, &camera);
+        let (picture, _) = Picture::take(&mut renderer, BodyStyle::Mannequin, &palette, &instance, &camera);
         picture.differs(&empty, pixel)
     };
     let (planted, lifted) = (darkening(0.0), darkening(0.2));
@@ -133,9 +135,10 @@ fn the_ground_is_darkest_at_a_planted_foot() {
 fn ghosts_let_the_ground_through() {
     let Some(mut renderer) = renderer() else { return };
     let skeleton = Skeleton::default();
-    let (camera, palette) = (Camera::default(), standing(&skeleton, 0.0));
+    let (camera, palette) = (OrbitCamera::default(), standing(&skeleton, 0.0));
     let chest = camera.project(skeleton.rest_positions()[Joint::Chest.index()], size()).unwrap_or_default();
-    let mut take = |colour| Picture::take(&mut renderer, Body::Mannequin, &palette, &[at_origin(colour)], &camera).0;
+    let mut take =
+        |colour| Picture::take(&mut renderer, BodyStyle::Mannequin, &palette, &[at_origin(colour)], &camera).0;
     let red = Rgba::hex(0xd02020);
     let (solid, ghost) = (take(red), take(red.alpha(0.3)));
     assert!(ghost.at(chest)[1] > solid.at(chest)[1] + 40);
@@ -146,7 +149,7 @@ fn a_window_shows_the_picture_unchanged_whether_it_encodes_or_not() {
     use wgpu::TextureFormat::{Rgba8Unorm, Rgba8UnormSrgb};
     for format in [Rgba8Unorm, Rgba8UnormSrgb] {
         let Some(mut renderer) = renderer_for(format) else { return };
-        renderer.draw(SIZE, &Camera::default(), &SceneColours::DARK);
+        renderer.draw(SIZE, &OrbitCamera::default(), &SceneColours::DARK);
         let (device, queue) = (renderer.device.clone(), renderer.queue.clone());
         let window = device.create_texture(&wgpu::TextureDescriptor {
             label: None,
@@ -180,15 +183,15 @@ fn a_window_shows_the_picture_unchanged_whether_it_encodes_or_not() {
 #[test]
 fn bad_uploads_are_refused_and_the_view_keeps_drawing() {
     let Some(mut renderer) = renderer() else { return };
-    let (skeleton, shapes) = (&Skeleton::default(), &Shapes::new());
+    let (skeleton, shapes) = (&Skeleton::default(), &ShapeList::new());
     let (palette, instances) = (&standing(skeleton, 0.0)[1..], &[at_origin(Rgba::WHITE)]);
     let solids = &Solids::default();
-    let (body, records, rows) = (Body::Mannequin, &[] as &[Record], None);
+    let (body, records, rows) = (BodyStyle::Mannequin, &[] as &[RecordInstance], None);
     let frame = SceneFrame { skeleton, body, worn: None, palette, instances, records, rows, shapes, solids };
     let expected = RenderError::PaletteLength { characters: 1, expected: NUM_JOINTS, got: NUM_JOINTS - 1 };
     assert!(renderer.pixels().is_err());
     assert_eq!(renderer.upload(&frame), Err(expected));
-    let per_level = renderer.draw([0, 0], &Camera::default(), &SceneColours::DARK);
+    let per_level = renderer.draw([0, 0], &OrbitCamera::default(), &SceneColours::DARK);
     assert_eq!(per_level, [0; LEVELS]);
     assert_eq!(renderer.pixels().map(|p| p.0), Ok([1, 1]));
 }
@@ -211,22 +214,22 @@ fn records_look_as_posed_characters_do() {
     let (motion_set, skeleton) = (bundle.motion_set(), bundle.tables().skeleton());
     let n = 40;
     let place = |i: usize| Planar::new((i % 8) as f32 - 3.5, 1.5 * (i / 8) as f32 - 3.0, 0.7 * i as f32);
-    let starts: Vec<Start> = (0..n).map(|i| Start { root: place(i), state: 0 }).collect();
+    let starts: Vec<CharacterStart> = (0..n).map(|i| CharacterStart { root: place(i), state: 0 }).collect();
     let free = FootLockConfig { enabled: false, ..FootLockConfig::default() };
     // How many are in a transition at a time, and so how much differs, is in proportion to this.
     let half_life_s = 0.1;
     let config = CharactersConfig { instances: true, foot_lock: free, half_life_s, ..CharactersConfig::default() };
     let mut people = People::new(motion_set, config, &starts).expect("starts exist");
-    let orders: Vec<Order> = (0..n).map(|i| Order::aim(0, place(i * 7 % n).translation())).collect();
-    let camera = Camera { distance: 12.0, pitch: 0.4, ..Camera::default() };
-    let (shapes, solids, body) = (&Shapes::new(), &Solids::default(), Body::Mannequin);
+    let orders: Vec<PolicyOrder> = (0..n).map(|i| PolicyOrder::towards(0, place(i * 7 % n).translation())).collect();
+    let camera = OrbitCamera { distance: 12.0, pitch: 0.4, ..OrbitCamera::default() };
+    let (shapes, solids, body) = (&ShapeList::new(), &Solids::default(), BodyStyle::Mannequin);
     let colour = Rgba::hex(0xd0a020);
     // Shares of the pixels of bodies that differ: of those whom no transition fades in, and of all.
     let mut worst = [0.0f32; 2];
     for _ in 0..6 {
         // Half a second each, at no whole number of frames.
         (0..17).for_each(|_| people.step(motion_set, 1.0 / 34.0, &orders).expect("a step"));
-        let mut take = |palette: &[Mat3x4], instances: &[CharacterInstance], records: &[Record]| {
+        let mut take = |palette: &[Mat3x4], instances: &[CharacterInstance], records: &[RecordInstance]| {
             let rows = Some(bundle.row_poses());
             let frame = SceneFrame { skeleton, body, worn: None, palette, instances, records, rows, shapes, solids };
             renderer.upload(&frame).expect("uploaded");
@@ -241,7 +244,7 @@ fn records_look_as_posed_characters_do() {
             let of = |&c: &usize| CharacterInstance { root: people.root(c), colour, is_selected: false, look: 0 };
             let palette: Vec<Mat3x4> = shown.iter().flat_map(|&c| people.pose(c)).copied().collect();
             let posed = take(&palette, &shown.iter().map(of).collect::<Vec<_>>(), &[]);
-            let record = |&c: &usize| Record { instance: people.instances()[c], colour, look: 0 };
+            let record = |&c: &usize| RecordInstance { instance: people.instances()[c], colour, look: 0 };
             let recorded = take(&[], &[], &shown.iter().map(record).collect::<Vec<_>>());
             let differing = |a: &[u8], b: &[u8]| {
                 let differs = |(a, b): (&[u8], &[u8])| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max() > Some(32);
@@ -257,11 +260,15 @@ fn records_look_as_posed_characters_do() {
 #[test]
 fn rows_that_there_are_not_are_refused() {
     let Some(mut renderer) = renderer() else { return };
-    let (skeleton, shapes, solids) = (&Skeleton::default(), &Shapes::new(), &Solids::default());
+    let (skeleton, shapes, solids) = (&Skeleton::default(), &ShapeList::new(), &Solids::default());
     let rows: Arc<[Mat3x4]> = vec![Mat3x4::default(); 3 * NUM_JOINTS].into();
-    let record = |row_b| Record { instance: Instance { row_b, ..Instance::default() }, colour: Rgba::WHITE, look: 0 };
-    let mut upload = |records: &[Record], rows| {
-        let (body, palette, instances) = (Body::Capsules, &[] as &[Mat3x4], &[] as &[CharacterInstance]);
+    let record = |row_b| RecordInstance {
+        instance: PoseInstance { row_b, ..PoseInstance::default() },
+        colour: Rgba::WHITE,
+        look: 0,
+    };
+    let mut upload = |records: &[RecordInstance], rows| {
+        let (body, palette, instances) = (BodyStyle::Capsules, &[] as &[Mat3x4], &[] as &[CharacterInstance]);
         renderer
             .upload(&SceneFrame { skeleton, body, worn: None, palette, instances, records, rows, shapes, solids })
             .err()

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 use throng_runtime::crowd::{Crowd, Id};
-use throng_runtime::simulation::agents::in_world;
-use throng_runtime::simulation::{GroupCast, Simulation};
+use throng_runtime::simulation::agents::world_vector;
+use throng_runtime::simulation::{AnyCharacterGroup, Simulation};
 
 /// Terms of the force field, with their equations in Kim, Kim and Shin 2003b.
 pub const FORCE_TERMS: [(&str, &str); 6] = [
@@ -17,7 +17,7 @@ pub const FORCE_TERMS: [(&str, &str); 6] = [
 
 /// More of one agent, in the world.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Details {
+pub struct AgentDetails {
     /// Velocity of the agent (m/s).
     pub velocity: Vec3,
     /// Radius of its body (m).
@@ -35,7 +35,7 @@ pub struct Details {
     /// Desired velocity; zero at its goal.
     pub desired: Vec3,
     /// Length of the route that is left (m).
-    pub way_left: f32,
+    pub route_left: f32,
     /// Last event, and the next one if no other comes between (s).
     pub events: [f64; 2],
     /// Both ends of the path of the agent's centre when braking (m).
@@ -48,43 +48,47 @@ pub struct Details {
 
 /// Number of the first agent among all characters; none in a scene without agents.
 pub fn first_agent(simulation: &Simulation) -> Option<usize> {
-    let is_of_agents = |cast: usize| matches!(simulation.casts()[cast], GroupCast::Ground(_) | GroupCast::Air(_));
-    simulation.groups().iter().find(|g| is_of_agents(g.cast)).map(|g| g.characters.start)
+    let is_of_agents = |cast: usize| {
+        matches!(simulation.character_groups()[cast], AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_))
+    };
+    simulation.groups().iter().find(|g| is_of_agents(g.character_group)).map(|g| g.characters.start)
 }
 
 /// The engine of an agent, and its name there; none for other characters.
 fn engine(simulation: &Simulation, who: usize) -> Option<(&Crowd, Id)> {
     match simulation.locate(who) {
-        (GroupCast::Ground(agents), member) => Some((agents.crowd(), agents.id(member)?)),
-        (GroupCast::Air(agents), member) => Some((agents.crowd(), agents.id(member)?)),
+        (AnyCharacterGroup::Ground(agents), member) => Some((agents.crowd(), agents.id(member)?)),
+        (AnyCharacterGroup::Air(agents), member) => Some((agents.crowd(), agents.id(member)?)),
         _ => None,
     }
 }
 
 /// Centre and radius of the time-varying bound of an agent; none for other characters and after it has left (m).
-pub fn bound(simulation: &Simulation, who: usize) -> Option<(Vec3, f32)> {
+pub fn agent_bound(simulation: &Simulation, who: usize) -> Option<(Vec3, f32)> {
     let (crowd, id) = engine(simulation, who)?;
     crowd.bound(id, crowd.now())
 }
 
 /// Corners of an agent's route, from its start to its goal; none for other characters (m).
-pub fn way(simulation: &Simulation, who: usize) -> Vec<Vec3> {
+pub fn agent_route(simulation: &Simulation, who: usize) -> Vec<Vec3> {
     match simulation.locate(who) {
-        (GroupCast::Ground(agents), member) => agents.layout().ways[member].iter().map(|&p| in_world(p)).collect(),
-        (GroupCast::Air(agents), member) => agents.layout().ways[member].clone(),
+        (AnyCharacterGroup::Ground(agents), member) => {
+            agents.layout().paths[member].iter().map(|&p| world_vector(p)).collect()
+        }
+        (AnyCharacterGroup::Air(agents), member) => agents.layout().paths[member].clone(),
         _ => Vec::new(),
     }
 }
 
 /// Details of an agent; none for other characters and after it has left.
-pub fn details(simulation: &Simulation, who: usize) -> Option<Details> {
+pub fn agent_details(simulation: &Simulation, who: usize) -> Option<AgentDetails> {
     let (crowd, id) = engine(simulation, who)?;
     let (agent, f) = (crowd.agent(id)?, crowd.forces(id)?);
     let events = [crowd.last_event(id)?, crowd.next_event(id)?];
     let (from, to) = crowd.stop_region(id)?;
     // The agent was registered at the position of its last event.
     let (side, then) = (crowd.cell_side(), crowd.position(id, events[0])?);
-    Some(Details {
+    Some(AgentDetails {
         velocity: crowd.velocity(id, crowd.now())?,
         radius: agent.radius,
         bound_radius: crowd.bound(id, crowd.now())?.1,
@@ -93,7 +97,7 @@ pub fn details(simulation: &Simulation, who: usize) -> Option<Details> {
         limit: agent.acceleration,
         speed: agent.speed,
         desired: crowd.desired_direction(id)?,
-        way_left: crowd.way_left(id)?,
+        route_left: crowd.way_left(id)?,
         events,
         stop: [from, to],
         cell: (then / side).floor() * side,

@@ -1,15 +1,15 @@
 //! Agents of a scene: their events, event rates, and details of one of them.
 
 mod details;
-mod happened;
+mod event_log;
 mod rates;
 mod spread;
 mod trace;
 
-pub use details::{Details, FORCE_TERMS, bound, details, first_agent, way};
-pub use happened::{EventFilter, EventLog, Happened, What, With};
-pub use rates::{Rates, WINDOW_S};
+pub use details::{AgentDetails, FORCE_TERMS, agent_bound, agent_details, agent_route, first_agent};
+pub use event_log::{AgentEvent, AgentEventKind, EventFilter, EventLog, OtherParty};
+pub use rates::{EventRates, WINDOW_S};
 pub use spread::SpreadLog;
-pub use trace::{Entry, Trace};
+pub use trace::{AgentTrace, StateEntry};
 
 use super::STEP_HZ;

@@ -1,6 +1,6 @@
 //! Number of agents that know each message, over time.
 
-use throng_runtime::simulation::scenario::{Minds, Turn, TurnKind};
+use throng_runtime::simulation::scenario::{AgentBrains, Turn, TurnKind};
 
 /// When agents came to know of every message, ascending (s).
 #[derive(Clone, Debug, Default)]
@@ -8,19 +8,19 @@ pub struct SpreadLog(Vec<Vec<f64>>);
 
 impl SpreadLog {
     /// Present knowledge of all agents.
-    pub fn of(minds: Option<&Minds>) -> Self {
+    pub fn from_agent_brains(minds: Option<&AgentBrains>) -> Self {
         let Some(minds) = minds else { return Self::default() };
         let times = |event: usize| {
-            let known = (0..minds.len()).filter_map(|agent| minds.learnt(agent, event));
+            let known = (0..minds.len()).filter_map(|agent| minds.learnt_event(agent, event));
             let mut times: Vec<f64> = known.map(|l| l.time_s).collect();
             times.sort_by(f64::total_cmp);
             times
         };
-        Self((0..minds.events().len()).map(times).collect())
+        Self((0..minds.event_names().len()).map(times).collect())
     }
 
     /// Records an event of an agent's brain, later than all others.
-    pub fn take(&mut self, turn: &Turn) {
+    pub fn record_turn(&mut self, turn: &Turn) {
         if let (TurnKind::Learns(_), Some(event)) = (turn.kind, turn.event) {
             self.0[event].push(turn.time_s);
         }
@@ -56,9 +56,9 @@ mod tests {
             event: Some(event),
         };
         for (time_s, event) in [(1.0, 0), (2.0, 1), (3.0, 0)] {
-            log.take(&learnt(time_s, event));
+            log.record_turn(&learnt(time_s, event));
         }
-        log.take(&Turn { kind: TurnKind::Follows(0), ..learnt(3.5, 0) });
+        log.record_turn(&Turn { kind: TurnKind::Follows(0), ..learnt(3.5, 0) });
         assert_eq!((log.times(0), log.times(1), log.times(7)), (&[1.0, 3.0][..], &[2.0][..], &[][..]));
         log.forget_after(2.0);
         assert_eq!((log.times(0), log.times(1)), (&[1.0][..], &[2.0][..]));

@@ -8,7 +8,7 @@ const NONE: u16 = u16::MAX;
 
 /// Last change at one level.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Level {
+struct LevelTrace {
     /// Time at which its state began, or began anew (s); NaN if unknown.
     since_s: f32,
     /// When the edge was taken (s).
@@ -21,11 +21,11 @@ struct Level {
 
 /// The last edges of one agent, the highest level first.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Trace([Level; 3]);
+pub struct AgentTrace([LevelTrace; 3]);
 
 /// Entry of an agent into its state at one level.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Entry {
+pub struct StateEntry {
     /// Time since which the agent is in this state (s); none if it was before the restored state.
     pub since_s: Option<f64>,
     /// The last edge taken at this level, and its time (s); it may have led back to the same state.
@@ -34,29 +34,29 @@ pub struct Entry {
     pub began_with: Option<usize>,
 }
 
-impl Trace {
+impl AgentTrace {
     /// Trace of an agent that has been in its states since a time; NaN if unknown (s).
-    fn begun(since_s: f32) -> Self {
-        Self([Level { since_s, taken_s: f32::NAN, edge: NONE, above: u8::MAX }; 3])
+    fn starting_at(since_s: f32) -> Self {
+        Self([LevelTrace { since_s, taken_s: f32::NAN, edge: NONE, above: u8::MAX }; 3])
     }
 
     /// Traces of all agents of a scene in its present state; empty if they have no brains.
-    pub fn of_all(simulation: &Simulation) -> Vec<Self> {
+    pub fn for_all_agents(simulation: &Simulation) -> Vec<Self> {
         let since_s = if simulation.time_s() == 0.0 { 0.0 } else { f32::NAN };
-        vec![Self::begun(since_s); simulation.minds().map_or(0, |m| m.len())]
+        vec![Self::starting_at(since_s); simulation.brains().map_or(0, |m| m.len())]
     }
 
     /// Records an event of the agent's brain.
-    pub fn take(&mut self, turn: &Turn) {
+    pub fn record_turn(&mut self, turn: &Turn) {
         let time_s = turn.time_s as f32;
         match turn.kind {
-            TurnKind::Starts => *self = Self::begun(time_s),
+            TurnKind::Starts => *self = Self::starting_at(time_s),
             TurnKind::Takes { level, edge, changes, .. } => {
                 let here = &mut self.0[level];
                 (here.edge, here.taken_s) = (edge as u16, time_s);
                 if changes {
                     (here.since_s, here.above) = (time_s, u8::MAX);
-                    let anew = Level { since_s: time_s, taken_s: f32::NAN, edge: NONE, above: level as u8 };
+                    let anew = LevelTrace { since_s: time_s, taken_s: f32::NAN, edge: NONE, above: level as u8 };
                     self.0[level + 1..].fill(anew);
                 }
             }
@@ -65,9 +65,9 @@ impl Trace {
     }
 
     /// Entry into the state at a level (level < 3).
-    pub fn at(&self, level: usize) -> Entry {
+    pub fn entry_at(&self, level: usize) -> StateEntry {
         let l = self.0[level];
-        Entry {
+        StateEntry {
             since_s: (!l.since_s.is_nan()).then_some(f64::from(l.since_s)),
             edge: (l.edge != NONE).then_some((usize::from(l.edge), f64::from(l.taken_s))),
             began_with: (l.above != u8::MAX).then_some(usize::from(l.above)),
@@ -89,22 +89,22 @@ mod tests {
 
     #[test]
     fn a_change_begins_what_is_below_anew_and_leaves_what_is_above() {
-        let mut trace = Trace::begun(0.0);
-        trace.take(&turn(1.0, edge(1, 4, true)));
-        trace.take(&turn(2.0, edge(2, 7, true)));
-        assert_eq!(trace.at(0), Entry { since_s: Some(0.0), edge: None, began_with: None });
-        assert_eq!(trace.at(2), Entry { since_s: Some(2.0), edge: Some((7, 2.0)), began_with: None });
+        let mut trace = AgentTrace::starting_at(0.0);
+        trace.record_turn(&turn(1.0, edge(1, 4, true)));
+        trace.record_turn(&turn(2.0, edge(2, 7, true)));
+        assert_eq!(trace.entry_at(0), StateEntry { since_s: Some(0.0), edge: None, began_with: None });
+        assert_eq!(trace.entry_at(2), StateEntry { since_s: Some(2.0), edge: Some((7, 2.0)), began_with: None });
         // Back to the same state: nothing begins anew.
-        trace.take(&turn(3.0, edge(1, 5, false)));
-        assert_eq!(trace.at(1), Entry { since_s: Some(1.0), edge: Some((5, 3.0)), began_with: None });
-        assert_eq!(trace.at(2).since_s, Some(2.0));
-        trace.take(&turn(4.0, edge(0, 1, true)));
-        assert_eq!(trace.at(0).edge, Some((1, 4.0)));
+        trace.record_turn(&turn(3.0, edge(1, 5, false)));
+        assert_eq!(trace.entry_at(1), StateEntry { since_s: Some(1.0), edge: Some((5, 3.0)), began_with: None });
+        assert_eq!(trace.entry_at(2).since_s, Some(2.0));
+        trace.record_turn(&turn(4.0, edge(0, 1, true)));
+        assert_eq!(trace.entry_at(0).edge, Some((1, 4.0)));
         for level in [1, 2] {
-            assert_eq!(trace.at(level), Entry { since_s: Some(4.0), edge: None, began_with: Some(0) });
+            assert_eq!(trace.entry_at(level), StateEntry { since_s: Some(4.0), edge: None, began_with: Some(0) });
         }
-        trace.take(&turn(5.0, TurnKind::Starts));
-        assert_eq!(trace.at(1), Entry { since_s: Some(5.0), edge: None, began_with: None });
-        assert_eq!(Trace::begun(f32::NAN).at(0).since_s, None);
+        trace.record_turn(&turn(5.0, TurnKind::Starts));
+        assert_eq!(trace.entry_at(1), StateEntry { since_s: Some(5.0), edge: None, began_with: None });
+        assert_eq!(AgentTrace::starting_at(f32::NAN).entry_at(0).since_s, None);
     }
 }

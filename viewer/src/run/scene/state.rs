@@ -1,16 +1,16 @@
 //! The state of a scene that later steps depend on.
 
-use crate::run::agents::Trace;
-use crate::run::choices::{About, Choices, RunGoal};
+use crate::run::agents::AgentTrace;
+use crate::run::choices::{ChoiceRecord, GoalSubject, RunGoal};
 use crate::run::figures::{BoutFigures, Slip, StepFigures};
-use crate::run::{Input, STEP_HZ};
+use crate::run::{RunInput, STEP_HZ};
 use glam::Vec3;
 use std::sync::Arc;
 use throng_precompute::run::AgentsMeter;
 use throng_precompute::slip::SlipMeter;
-use throng_runtime::simulation::{GroupCast, Simulation};
+use throng_runtime::simulation::{AnyCharacterGroup, Simulation};
 use throng_runtime::sparring::NO_THREAT_S;
-use throng_runtime::{Inline, Rayon, Result, Run as Threads};
+use throng_runtime::{Executor as Threads, Inline, Rayon, Result};
 
 /// Steps between two observations of all agents.
 const LOOK_EVERY: u32 = 2;
@@ -19,35 +19,38 @@ const PARALLEL_FROM: usize = 200;
 
 /// Characters that choose by policies, in one group.
 #[derive(Clone, Debug)]
-pub(super) struct Choosing {
+pub(super) struct ChoosingGroup {
     cast: usize,
     /// Number of the first of them.
     pub first: usize,
     pub goals: Arc<[RunGoal]>,
     pub weights: Arc<[f32]>,
-    pub choices: Choices,
+    pub choices: ChoiceRecord,
 }
 
 /// State that later steps depend on, and figures.
 #[derive(Clone)]
-pub(super) struct State {
+pub(super) struct SceneRunState {
     pub simulation: Simulation,
-    pub choosing: Vec<Choosing>,
+    pub choosing: Vec<ChoosingGroup>,
     feet: SlipMeter,
     agents: Option<AgentsMeter>,
     /// How agents came to their states (agents with brains).
-    pub traces: Vec<Trace>,
+    pub traces: Vec<AgentTrace>,
     pub figures: StepFigures,
 }
 
-impl State {
+impl SceneRunState {
     pub fn new(simulation: Simulation) -> Self {
-        let choosing = simulation.groups().iter().filter_map(|g| Choosing::new(&simulation, g.cast, &g.characters));
+        let choosing = simulation
+            .groups()
+            .iter()
+            .filter_map(|g| ChoosingGroup::new(&simulation, g.character_group, &g.characters));
         let mut state = Self {
             choosing: choosing.collect(),
             feet: SlipMeter::new(simulation.num_characters()),
             agents: AgentsMeter::new(&simulation),
-            traces: Trace::of_all(&simulation),
+            traces: AgentTrace::for_all_agents(&simulation),
             figures: StepFigures::default(),
             simulation,
         };
@@ -55,7 +58,7 @@ impl State {
         // All characters have chosen already; the data of choices before a saved state are unknown.
         let is_at_start = simulation.time_s() == 0.0;
         for c in &mut state.choosing {
-            let (targets, mut threats) = around(&simulation.casts()[c.cast]);
+            let (targets, mut threats) = targets_and_threats(&simulation.character_groups()[c.cast]);
             threats.fill(Vec3::new(0.0, NO_THREAT_S, 0.0));
             let weights = std::mem::replace(&mut c.weights, Arc::from([]));
             if is_at_start {
@@ -66,19 +69,20 @@ impl State {
         }
         state.feet.observe_simulation(simulation, 0..simulation.num_characters(), 0.0);
         state.figures.agents = state.agents.as_mut().map(|meter| meter.observe(simulation));
-        state.figures.bout = BoutFigures::of(simulation);
+        state.figures.bout = BoutFigures::collect_from(simulation);
         state
     }
 
     /// One step of all characters, and its measures.
     pub fn advance_to(&mut self, step: u32) -> Result<()> {
         let simulation = &mut self.simulation;
-        let before: Vec<_> = self.choosing.iter().map(|c| around(&simulation.casts()[c.cast])).collect();
+        let before: Vec<_> =
+            self.choosing.iter().map(|c| targets_and_threats(&simulation.character_groups()[c.cast])).collect();
         let was_s = simulation.time_s();
         let is_large = simulation.num_characters() >= PARALLEL_FROM;
         let threads: &dyn Threads = if is_large { &Rayon } else { &Inline };
         simulation.step_to(f64::from(step) / f64::from(STEP_HZ), threads)?;
-        self.follow_minds();
+        self.trace_agent_brains();
         let simulation = &mut self.simulation;
         for (c, (targets, threats)) in self.choosing.iter_mut().zip(&before) {
             c.observe(simulation, (targets, threats), step);
@@ -87,7 +91,7 @@ impl State {
         let dt_s = (simulation.time_s() - was_s) as f32;
         self.feet.observe_simulation(simulation, 0..simulation.num_characters(), dt_s);
         self.figures.slip = Slip::from(&self.feet);
-        self.figures.bout = BoutFigures::of(simulation);
+        self.figures.bout = BoutFigures::collect_from(simulation);
         if let Some(meter) = self.agents.as_mut().filter(|_| step.is_multiple_of(LOOK_EVERY)) {
             self.figures.agents = Some(meter.observe(simulation));
         }
@@ -95,50 +99,52 @@ impl State {
     }
 
     /// Records the events of agent brains.
-    fn follow_minds(&mut self) {
-        for turn in self.simulation.minds().map_or(&[][..], |m| m.turns()) {
-            self.traces[turn.agent].take(turn);
+    fn trace_agent_brains(&mut self) {
+        for turn in self.simulation.brains().map_or(&[][..], |m| m.turns()) {
+            self.traces[turn.agent].record_turn(turn);
         }
     }
 
     /// Applies an input.
-    pub fn take(&mut self, input: &Input) -> Result<()> {
+    pub fn apply_input(&mut self, input: &RunInput) -> Result<()> {
         match input {
-            Input::Target { character, to } => {
+            RunInput::Target { character, to } => {
                 for c in &self.choosing {
-                    if let GroupCast::Policy(practice) = self.simulation.cast_mut(c.cast) {
+                    if let AnyCharacterGroup::Policy(practice) = self.simulation.character_group_mut(c.cast) {
                         let all = 0..practice.practice().targets().len();
                         let mut moved = all.filter(|&m| character.is_none_or(|who| who == c.first + m));
                         moved.try_for_each(|m| practice.set_home(m, *to))?;
                     }
                 }
             }
-            Input::Weights { of, weights } => {
+            RunInput::Weights { member: of, weights } => {
                 let Some(c) = self.choosing.iter_mut().rev().find(|c| c.first <= *of) else { return Ok(()) };
-                match self.simulation.cast_mut(c.cast) {
-                    GroupCast::Policy(practice) => practice.set_weights(weights)?,
-                    GroupCast::Sparring(bouts) => bouts.set_weights(weights)?,
+                match self.simulation.character_group_mut(c.cast) {
+                    AnyCharacterGroup::Policy(practice) => practice.set_weights(weights)?,
+                    AnyCharacterGroup::Sparring(bouts) => bouts.set_weights(weights)?,
                     _ => {}
                 }
                 c.weights = weights.as_slice().into();
             }
-            Input::Play { character, segment } => {
+            RunInput::Play { character, segment } => {
                 let Some(c) = self.choosing.iter().rev().find(|c| c.first <= *character) else { return Ok(()) };
-                match self.simulation.cast_mut(c.cast) {
-                    GroupCast::Policy(practice) => practice.play(character - c.first, *segment)?,
-                    GroupCast::Sparring(bouts) => bouts.play(character - c.first, *segment)?,
+                match self.simulation.character_group_mut(c.cast) {
+                    AnyCharacterGroup::Policy(practice) => practice.play(character - c.first, *segment)?,
+                    AnyCharacterGroup::Sparring(bouts) => bouts.play(character - c.first, *segment)?,
                     _ => {}
                 }
             }
-            Input::Event(name) => {
-                self.simulation.raise(name)?;
-                self.follow_minds();
+            RunInput::Event(name) => {
+                self.simulation.raise_event(name)?;
+                self.trace_agent_brains();
             }
-            Input::Wish { character, wish } => {
+            RunInput::Goal { character, goal: wish } => {
                 let number = self.simulation.locate(*character).1;
                 let group = self.simulation.groups().iter().find(|g| g.characters.contains(character));
-                if let Some(GroupCast::Patches(people)) = group.map(|g| g.cast).map(|c| self.simulation.cast_mut(c)) {
-                    people.tell(number, *wish)?;
+                if let Some(AnyCharacterGroup::Patches(people)) =
+                    group.map(|g| g.character_group).map(|c| self.simulation.character_group_mut(c))
+                {
+                    people.order_goal(number, *wish)?;
                 }
             }
         }
@@ -146,32 +152,35 @@ impl State {
     }
 }
 
-impl Choosing {
+impl ChoosingGroup {
     /// The state of a group; none for a group without policies.
     fn new(simulation: &Simulation, cast: usize, characters: &std::ops::Range<usize>) -> Option<Self> {
-        let boxers = match &simulation.casts()[cast] {
-            GroupCast::Policy(p) => p.practice().boxers(),
-            GroupCast::Sparring(s) => s.sparring().boxers(),
+        let boxers = match &simulation.character_groups()[cast] {
+            AnyCharacterGroup::Policy(p) => p.practice().boxers(),
+            AnyCharacterGroup::Sparring(s) => s.sparring().boxers(),
             _ => return None,
         };
         let order = boxers.order_of(*boxers.ids().first()?).ok()?;
         let goal = |&policy: &u32| {
             let is_threat = boxers.motion_set().policy(policy as usize)?.grid().is_space_time();
-            Some(RunGoal { policy: policy as usize, about: if is_threat { About::Threat } else { About::Target } })
+            Some(RunGoal {
+                policy: policy as usize,
+                subject: if is_threat { GoalSubject::Threat } else { GoalSubject::Target },
+            })
         };
         Some(Self {
             cast,
             first: characters.start,
             goals: order.policies().iter().filter_map(goal).collect(),
             weights: order.weights().into(),
-            choices: Choices::new(characters.len()),
+            choices: ChoiceRecord::new(characters.len()),
         })
     }
 
     fn observe(&mut self, simulation: &Simulation, about: (&[Vec3], &[Vec3]), step: u32) {
-        let characters = match &simulation.casts()[self.cast] {
-            GroupCast::Policy(p) => p.practice().characters(),
-            GroupCast::Sparring(s) => s.sparring().characters(),
+        let characters = match &simulation.character_groups()[self.cast] {
+            AnyCharacterGroup::Policy(p) => p.practice().characters(),
+            AnyCharacterGroup::Sparring(s) => s.sparring().characters(),
             _ => return,
         };
         self.choices.observe(characters, about, &self.weights, step);
@@ -179,10 +188,10 @@ impl Choosing {
 }
 
 /// Targets, and coming blows for groups with opponents.
-fn around(cast: &GroupCast) -> (Vec<Vec3>, Vec<Vec3>) {
+fn targets_and_threats(cast: &AnyCharacterGroup) -> (Vec<Vec3>, Vec<Vec3>) {
     match cast {
-        GroupCast::Policy(p) => (p.practice().targets().iter().map(|t| t.position()).collect(), Vec::new()),
-        GroupCast::Sparring(s) => (s.sparring().aims().to_vec(), s.sparring().threats().to_vec()),
+        AnyCharacterGroup::Policy(p) => (p.practice().targets().iter().map(|t| t.position()).collect(), Vec::new()),
+        AnyCharacterGroup::Sparring(s) => (s.sparring().aims().to_vec(), s.sparring().threats().to_vec()),
         _ => Default::default(),
     }
 }

@@ -8,7 +8,7 @@ use crate::fixtures::meeting::Meeting;
 use crate::fixtures::paces::Paces;
 use crate::fixtures::quietly;
 use crate::run::agents::EventFilter;
-use crate::run::{Met, explain};
+use crate::run::{BlowResult, explain_choice};
 use std::path::Path;
 use throng_runtime::NUM_JOINTS;
 
@@ -33,7 +33,7 @@ fn targets(run: &SceneRun) -> Vec<Option<Vec3>> {
 }
 
 fn home(run: &SceneRun) -> Vec3 {
-    let GroupCast::Policy(practice) = &run.simulation().casts()[0] else { panic!("no targets") };
+    let AnyCharacterGroup::Policy(practice) = &run.simulation().character_groups()[0] else { panic!("no targets") };
     practice.practice().targets()[0].home
 }
 
@@ -42,7 +42,7 @@ fn a_recorded_bout_looks_and_counts_as_it_did() {
     let boxing = Boxing::new();
     let mut document = open(&boxing.pairs(4));
     let run = document.run_mut();
-    let marks = |run: &SceneRun| run.marks(2.0).copied().collect::<Vec<_>>();
+    let marks = |run: &SceneRun| run.blow_marks(2.0).copied().collect::<Vec<_>>();
     let state = |run: &SceneRun| {
         let f = run.figures();
         (poses(run), marks(run), f.bout, f.slip, targets(run))
@@ -50,10 +50,10 @@ fn a_recorded_bout_looks_and_counts_as_it_did() {
     let mut seen = vec![state(run)];
     for step in 1..=600 {
         if step == 130 {
-            run.input(Input::Weights { of: 2, weights: vec![1.0, 0.5, 0.0] }).unwrap();
+            run.input(RunInput::Weights { member: 2, weights: vec![1.0, 0.5, 0.0] }).unwrap();
         }
         if step == 200 {
-            run.input(Input::Play { character: 1, segment: 2 }).unwrap();
+            run.input(RunInput::Play { character: 1, segment: 2 }).unwrap();
         }
         run.step().unwrap();
         seen.push(state(run));
@@ -66,7 +66,7 @@ fn a_recorded_bout_looks_and_counts_as_it_did() {
         assert!(state(run) == seen[step as usize], "step {step}");
     }
     // Opponents' heads stay where they are.
-    run.input(Input::Target { character: Some(0), to: Vec3::ZERO }).unwrap();
+    run.input(RunInput::Target { character: Some(0), to: Vec3::ZERO }).unwrap();
     assert!(targets(run) == seen[300].4);
     assert_eq!(run.head.recorded(), 0..=300);
 }
@@ -78,11 +78,11 @@ fn marks_show_the_result_of_every_blow() {
     let run = document.run_mut();
     steps(run, 900);
     let blows = run.figures().bout.unwrap().blows;
-    let all: Vec<Mark> = run.marks(60.0).copied().collect();
-    let count = |is: fn(Met) -> bool| all.iter().filter(|m| is(m.met)).count() as u32;
+    let all: Vec<BlowMark> = run.blow_marks(60.0).copied().collect();
+    let count = |is: fn(BlowResult) -> bool| all.iter().filter(|m| is(m.result)).count() as u32;
     assert_eq!(all.len() as u32, blows.thrown);
-    assert_eq!(count(|m| matches!(m, Met::Body(_))), blows.landed + blows.blocked);
-    assert_eq!(count(|m| m == Met::Nothing), blows.missed);
+    assert_eq!(count(|m| matches!(m, BlowResult::Body(_))), blows.landed + blows.blocked);
+    assert_eq!(count(|m| m == BlowResult::Nothing), blows.missed);
     assert!(all.is_sorted_by(|a, b| a.step >= b.step));
 }
 
@@ -100,14 +100,14 @@ fn a_target_gives_way_comes_back_and_hangs_where_it_is_put() {
     }
     assert!(run.figures().bout.unwrap().blows.landed > 0, "{:?}", run.figures().bout);
     assert!(furthest > 0.05, "{furthest}");
-    let struck = run.marks(30.0).find(|m| m.met == Met::Target).unwrap().step;
+    let struck = run.blow_marks(30.0).find(|m| m.result == BlowResult::Target).unwrap().step;
     run.seek(struck.saturating_add(10).min(1800)).unwrap();
     run.seek(struck).unwrap();
     let there = at_rest + Vec3::new(0.4, 0.1, 0.3);
-    run.input(Input::Target { character: Some(0), to: there }).unwrap();
+    run.input(RunInput::Target { character: Some(0), to: there }).unwrap();
     assert_eq!(home(run), there);
     run.step().unwrap();
-    assert_eq!((home(run), run.head.now()), (there, struck + 1));
+    assert_eq!((home(run), run.head.shown_step()), (there, struck + 1));
     // Going back before the input and on again repeats it.
     run.seek(struck.saturating_sub(1)).unwrap();
     assert_eq!(home(run), at_rest);
@@ -128,7 +128,7 @@ fn the_reasons_of_a_boxer_name_what_it_does_and_which_behaviours_did_not_count()
         for c in 0..8 {
             let chooser = document.chooser(c).unwrap();
             // Who is struck may step away by a segment that it did not choose.
-            let Some(why) = explain(&chooser) else {
+            let Some(why) = explain_choice(&chooser) else {
                 not_chosen += 1;
                 continue;
             };
@@ -157,7 +157,7 @@ fn the_reasons_of_a_boxer_name_what_it_does_and_which_behaviours_did_not_count()
 fn walkers_on_hills_are_played_and_rewound() {
     let paces = Paces::new();
     let mut document = open(&paces.scene(7, 0.5));
-    assert!(document.standing().has_hills && document.standing().meshes.len() == 3);
+    assert!(document.surroundings().has_hills && document.surroundings().meshes.len() == 3);
     let run = document.run_mut();
     steps(run, 90);
     let seen = poses(run);
@@ -177,7 +177,7 @@ fn agents_are_measured_and_their_events_logged() {
     steps(run, 240);
     let figures = run.figures().agents.unwrap();
     assert!(figures.present == 24 && figures.overlaps == 0 && figures.progress_mps > 0.3, "{figures:?}");
-    let all = EventFilter::of_kinds([true; What::COUNT]);
+    let all = EventFilter::of_kinds([true; AgentEventKind::COUNT]);
     let log = run.log();
     let of_one = log.last_of_watched(&all, 9.0, 999);
     assert!(!of_one.is_empty() && of_one.iter().all(|h| h.is_about(3)));
@@ -185,7 +185,7 @@ fn agents_are_measured_and_their_events_logged() {
     assert!(log.rates().totals(9.0).iter().sum::<u64>() > 100);
     // What is told in the past drops what came after it.
     run.seek(120).unwrap();
-    run.input(Input::Target { character: None, to: Vec3::ZERO }).unwrap();
+    run.input(RunInput::Target { character: None, to: Vec3::ZERO }).unwrap();
     assert!(run.log().last(&all, 9.0, 99).iter().all(|h| h.time_s <= 2.0));
     steps(run, 10);
     assert_eq!(run.head.recorded(), 0..=130);
@@ -193,7 +193,7 @@ fn agents_are_measured_and_their_events_logged() {
 
 /// What agents came to, and who knows what, in words.
 fn minds_of(run: &SceneRun) -> String {
-    let minds = run.simulation().minds().unwrap();
+    let minds = run.simulation().brains().unwrap();
     let of = |agent: usize| (minds.states_of(agent), [0, 1, 2].map(|level| run.entry(agent, level)));
     let known = |e| run.spread().times(e).iter().filter(|t| **t <= run.simulation().time_s()).count();
     let all: Vec<_> = (0..minds.len()).map(of).collect();
@@ -214,11 +214,11 @@ fn what_agents_came_to_is_the_same_whichever_way_a_moment_is_shown() {
         run.seek(step).unwrap();
         assert!(minds_of(run) == seen[step as usize], "step {step}");
     }
-    let minds = run.simulation().minds().unwrap();
-    let sale = minds.events().iter().position(|e| e == "sale").unwrap();
+    let minds = run.simulation().brains().unwrap();
+    let sale = minds.event_names().iter().position(|e| e == "sale").unwrap();
     let times = run.spread().times(sale);
     assert!(times.len() > 2 && times.is_sorted() && times[..2] == [1.0, 1.0], "{times:?}");
-    assert_eq!(times.len(), minds.spread()[sale].informed);
+    assert_eq!(times.len(), minds.event_spreads()[sale].informed);
     // Whoever shops came there by the first edge, and all below is gone; who strolls, by none or the one back.
     let now = |agent: usize| minds.states_of(agent)[0].unwrap().state;
     let shopping = (0..24).find(|a| now(*a) == "shop").expect("somebody shops");
@@ -227,10 +227,12 @@ fn what_agents_came_to_is_the_same_whichever_way_a_moment_is_shown() {
     assert!(edge == 0 && entry.since_s == Some(at_s) && at_s >= 1.0, "{entry:?}");
     assert_eq!(minds.states_of(shopping)[1], None);
     // What is listed is what is known.
-    let kinds = What::all().map(|what| what == What::Learnt);
+    let kinds = AgentEventKind::all().map(|what| what == AgentEventKind::Learnt);
     let listed = run.log().last(&EventFilter { message: Some(sale), ..EventFilter::of_kinds(kinds) }, 9.0, 999);
     assert_eq!(listed.len(), times.len());
-    assert!(listed.iter().any(|h| matches!(h.with, With::Message("told", Some(_))) && h.other_at.is_some()));
+    assert!(
+        listed.iter().any(|h| matches!(h.other_party, OtherParty::Message("told", Some(_))) && h.other_at.is_some())
+    );
 }
 
 #[test]
@@ -241,10 +243,10 @@ fn an_event_in_the_past_changes_what_spreads_from_there_on() {
     steps(run, 240);
     let later = run.spread().times(1).len();
     run.seek(30).unwrap();
-    run.input(Input::Event("sale".into())).unwrap();
+    run.input(RunInput::Event("sale".into())).unwrap();
     assert_eq!(run.spread().times(1), [0.5, 0.5]);
-    let all = EventFilter::of_kinds([true; What::COUNT]);
-    assert!(run.log().last(&all, 9.0, 999).iter().any(|h| h.what == What::Learnt && h.message == Some(1)));
+    let all = EventFilter::of_kinds([true; AgentEventKind::COUNT]);
+    assert!(run.log().last(&all, 9.0, 999).iter().any(|h| h.kind == AgentEventKind::Learnt && h.message == Some(1)));
     let now = minds_of(run);
     steps(run, 100);
     assert!(later >= 2 && run.spread().times(1).len() >= 2);

@@ -1,10 +1,10 @@
 //! Marks where something happened, which fade.
 
 use super::Brush;
-use crate::command::SceneLook;
-use crate::render::{Rgba, Shapes};
+use crate::command::SceneViewOptions;
+use crate::render::{Rgba, ShapeList};
 use crate::run::SceneRun;
-use crate::run::agents::{EventFilter, Happened, What};
+use crate::run::agents::{AgentEvent, AgentEventKind, EventFilter};
 use glam::Vec3;
 
 /// Time that a mark stays (s).
@@ -22,54 +22,66 @@ const GONE_M: f32 = 0.3;
 const MARK_Y: f32 = 0.022;
 
 /// Colour of a kind of events, in the view and in the panel.
-pub fn colour_of(what: What, dark: bool) -> Rgba {
+pub fn colour_of(what: AgentEventKind, dark: bool) -> Rgba {
     let (on_dark, on_light) = match what {
-        What::Resetting => (0x7d93b2, 0x5b7196),
-        What::Colliding => (0xff6b8a, 0xc2185b),
-        What::Meeting => (0xd9c24a, 0x8a7400),
-        What::Entering => (0xb493ff, 0x6b3fd0),
-        What::Leaving => (0x8f9bff, 0x4048c8),
-        What::Contacting => (0xf2877d, 0xa33a2e),
-        What::Separating => (0xb9c97a, 0x5d7010),
-        What::Arrived => (0x55d98b, 0x14803f),
-        What::Left => (0x4fd0d9, 0x0b7a86),
-        What::Struck => (0xff5df0, 0x9c0f9c),
-        What::Stuck => (0xff5f50, 0xc01f14),
-        What::Came => (0xe6b06a, 0x95600f),
-        What::Went => (0xb8926a, 0x7a5a33),
-        What::Learnt => (0x6fd3ff, 0x0a6c9c),
-        What::Rule => (0xd9a0ff, 0x8324b8),
-        What::Edge => (0xc8e06a, 0x557000),
+        AgentEventKind::Resetting => (0x7d93b2, 0x5b7196),
+        AgentEventKind::Colliding => (0xff6b8a, 0xc2185b),
+        AgentEventKind::Meeting => (0xd9c24a, 0x8a7400),
+        AgentEventKind::Entering => (0xb493ff, 0x6b3fd0),
+        AgentEventKind::Leaving => (0x8f9bff, 0x4048c8),
+        AgentEventKind::Contacting => (0xf2877d, 0xa33a2e),
+        AgentEventKind::Separating => (0xb9c97a, 0x5d7010),
+        AgentEventKind::Arrived => (0x55d98b, 0x14803f),
+        AgentEventKind::Left => (0x4fd0d9, 0x0b7a86),
+        AgentEventKind::Struck => (0xff5df0, 0x9c0f9c),
+        AgentEventKind::Stuck => (0xff5f50, 0xc01f14),
+        AgentEventKind::EnteredPlace => (0xe6b06a, 0x95600f),
+        AgentEventKind::LeftPlace => (0xb8926a, 0x7a5a33),
+        AgentEventKind::Learnt => (0x6fd3ff, 0x0a6c9c),
+        AgentEventKind::Rule => (0xd9a0ff, 0x8324b8),
+        AgentEventKind::Edge => (0xc8e06a, 0x557000),
     };
     Rgba::hex(if dark { on_dark } else { on_light })
 }
 
 /// Duration of a mark of a kind (s).
-fn stay_s(what: What) -> f64 {
+fn mark_duration_s(what: AgentEventKind) -> f64 {
     match what {
-        What::Arrived | What::Left | What::Struck | What::Stuck | What::Learnt => RARE_S,
+        AgentEventKind::Arrived
+        | AgentEventKind::Left
+        | AgentEventKind::Struck
+        | AgentEventKind::Stuck
+        | AgentEventKind::Learnt => RARE_S,
         _ => MARK_S,
     }
 }
 
 /// Frequent events of all agents.
-fn is_quiet(what: What) -> bool {
-    matches!(what, What::Resetting | What::Entering | What::Leaving | What::Came | What::Went | What::Edge)
+fn is_frequent(what: AgentEventKind) -> bool {
+    matches!(
+        what,
+        AgentEventKind::Resetting
+            | AgentEventKind::Entering
+            | AgentEventKind::Leaving
+            | AgentEventKind::EnteredPlace
+            | AgentEventKind::LeftPlace
+            | AgentEventKind::Edge
+    )
 }
 
-pub(super) fn lay_out(shapes: &mut Shapes, run: &SceneRun, look: &SceneLook, brush: &Brush<'_>) {
+pub(super) fn lay_out(shapes: &mut ShapeList, run: &SceneRun, look: &SceneViewOptions, brush: &Brush<'_>) {
     let now = run.simulation().time_s();
-    let is_rare = What::all().map(|what| stay_s(what) > MARK_S);
+    let is_rare = AgentEventKind::all().map(|what| mark_duration_s(what) > MARK_S);
     let of_kinds = |rare: bool| EventFilter::of_kinds(std::array::from_fn(|k| look.kinds[k] && is_rare[k] == rare));
     let usual = run.log().last(&of_kinds(false), now, MAX_MARKS);
     let first_s = usual.last().map_or(now, |h| h.time_s);
     let mut more = run.log().last_of_watched(&of_kinds(false), now, MAX_MARKS);
     more.retain(|h| h.time_s < first_s);
     for h in run.log().last(&of_kinds(true), now, MAX_RARE).iter().chain(&usual).chain(&more) {
-        let age = ((now - h.time_s) / stay_s(h.what)) as f32;
+        let age = ((now - h.time_s) / mark_duration_s(h.kind)) as f32;
         if age < 1.0 {
             let radius = run.simulation().disc(h.agent).map_or(GONE_M, |d| d.radius);
-            mark(shapes, brush, h, (radius, age));
+            draw_mark(shapes, brush, h, (radius, age));
         }
     }
 }
@@ -78,17 +90,17 @@ pub(super) fn lay_out(shapes: &mut Shapes, run: &SceneRun, look: &SceneLook, bru
 ///
 /// - `radius`: of the agent (m).
 /// - `age`: 0 where it happens, 1 where the mark is gone.
-fn mark(shapes: &mut Shapes, brush: &Brush<'_>, h: &Happened, (radius, age): (f32, f32)) {
-    let strength = (1.0 - age) * if is_quiet(h.what) { 0.45 } else { 0.8 };
-    let colour = colour_of(h.what, brush.dark).alpha(strength);
+fn draw_mark(shapes: &mut ShapeList, brush: &Brush<'_>, h: &AgentEvent, (radius, age): (f32, f32)) {
+    let strength = (1.0 - age) * if is_frequent(h.kind) { 0.45 } else { 0.8 };
+    let colour = colour_of(h.kind, brush.dark).alpha(strength);
     let lift = if brush.in_the_air { Vec3::ZERO } else { Vec3::Y * MARK_Y };
     if let Some(other) = h.other_at {
         shapes.line(h.at + lift, other + lift, 1.6, colour);
     }
     let grown = radius
-        * match h.what {
-            what if is_quiet(what) => 1.0 + 0.25 * age,
-            what if stay_s(what) > MARK_S => 1.2 + 1.6 * age,
+        * match h.kind {
+            what if is_frequent(what) => 1.0 + 0.25 * age,
+            what if mark_duration_s(what) > MARK_S => 1.2 + 1.6 * age,
             _ => 1.05 + 0.6 * age,
         };
     if brush.in_the_air {

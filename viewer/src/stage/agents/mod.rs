@@ -1,23 +1,23 @@
 //! Agents of a scene: discs on the ground or balls in the air, their routes and bounds, and what happens to them.
 
-mod boards;
+mod blackboards;
 mod marks;
 pub(super) mod obstacles;
 mod selected;
 mod spread;
 
-pub(super) use boards::lay_out as boards;
-pub use boards::{cell_at, colour_of_message};
+pub(super) use blackboards::lay_out as boards;
+pub use blackboards::{cell_at, colour_of_message};
 pub use marks::colour_of as colour_of_event;
 pub use selected::{TAKEN, colour_of_force};
 pub(super) use spread::colour as colour_by_message;
 
-use super::{Layout, Palette, cues};
-use crate::command::Whose;
+use super::{StageLayout, StagePalette, cues};
+use crate::command::OverlayScope;
 use crate::document::SceneDocument;
 use crate::model::Model;
-use crate::render::{Rgba, Shapes};
-use crate::run::agents::{bound, first_agent, way};
+use crate::render::{Rgba, ShapeList};
+use crate::run::agents::{agent_bound, agent_route, first_agent};
 use glam::Vec3;
 use throng_runtime::crowd::Scheme;
 use throng_runtime::simulation::agents::Disc;
@@ -25,7 +25,7 @@ use throng_runtime::simulation::agents::Disc;
 /// Most agents whose routes are drawn.
 const MAX_LINES: usize = 1500;
 /// Heights of flat shapes above the ground, one over the other (m).
-const WAY_Y: f32 = 0.004;
+const ROUTE_Y: f32 = 0.004;
 const DISC_Y: f32 = 0.01;
 const EDGE_Y: f32 = 0.013;
 const BOUND_Y: f32 = 0.018;
@@ -36,7 +36,7 @@ const SLOW_MPS: f32 = 0.05;
 
 /// Drawing context shared by all parts.
 pub(super) struct Brush<'a> {
-    pub palette: &'a Palette,
+    pub palette: &'a StagePalette,
     pub dark: bool,
     in_the_air: bool,
     has_regions: bool,
@@ -45,14 +45,14 @@ pub(super) struct Brush<'a> {
 }
 
 impl<'a> Brush<'a> {
-    pub fn new(model: &Model, scene: &SceneDocument, palette: &'a Palette, dark: bool) -> Self {
+    pub fn new(model: &Model, scene: &SceneDocument, palette: &'a StagePalette, dark: bool) -> Self {
         let pixel_m = model.settings.camera.pixels_per_metre(model.settings.camera.distance, VIEW_HEIGHT).recip();
-        let (in_the_air, has_regions) = (scene.standing().in_the_air, scene.choice().engine == Scheme::default());
+        let (in_the_air, has_regions) = (scene.surroundings().in_the_air, scene.choice().engine == Scheme::default());
         Self { palette, dark, in_the_air, has_regions, pixel_m }
     }
 
     /// A circle on the ground, a ball that can be seen through in the air.
-    fn round(&self, shapes: &mut Shapes, at: Vec3, radius: f32, (width_px, colour): (f32, Rgba)) {
+    fn round(&self, shapes: &mut ShapeList, at: Vec3, radius: f32, (width_px, colour): (f32, Rgba)) {
         if self.in_the_air {
             shapes.sphere(at, radius, colour.alpha(0.16 * f32::from(colour.0[3]) / 255.0));
         } else {
@@ -68,14 +68,14 @@ impl<'a> Brush<'a> {
 }
 
 /// Routes, bounds and marks of agents, and details of the selected one.
-pub(super) fn lay_out(out: &mut Layout, model: &Model, scene: &SceneDocument, brush: &Brush<'_>) {
+pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocument, brush: &Brush<'_>) {
     let (run, look) = (scene.run(), &model.selection.scene);
     let simulation = run.simulation();
     let selected = model.selection.character.filter(|&who| simulation.disc(who).is_some());
-    let is_drawn = |whose: Whose, who: usize, count: usize| match whose {
-        Whose::Nobody => false,
-        Whose::Selected => selected == Some(who),
-        Whose::All => selected == Some(who) || count < MAX_LINES,
+    let is_drawn = |whose: OverlayScope, who: usize, count: usize| match whose {
+        OverlayScope::None => false,
+        OverlayScope::Selected => selected == Some(who),
+        OverlayScope::All => selected == Some(who) || count < MAX_LINES,
     };
     if let (Some(event), Some(first)) = (look.message, first_agent(simulation)) {
         spread::lay_out(&mut out.shapes, run, (first, event), selected, brush);
@@ -84,11 +84,11 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, scene: &SceneDocument, br
     for (g, group) in simulation.groups().iter().enumerate() {
         for who in group.characters.clone().filter(|&who| simulation.disc(who).is_some()) {
             if is_drawn(look.paths, who, count) {
-                route(out, &way(simulation, who), colour_of_group(g), selected == Some(who));
+                route(out, &agent_route(simulation, who), colour_of_group(g), selected == Some(who));
             }
-            if look.bounds == Whose::All
+            if look.bounds == OverlayScope::All
                 && selected != Some(who)
-                && let Some((at, radius)) = bound(simulation, who)
+                && let Some((at, radius)) = agent_bound(simulation, who)
             {
                 brush.round(&mut out.shapes, at, radius, (1.2, brush.palette.middle.alpha(0.4)));
             }
@@ -109,7 +109,7 @@ pub fn colour_of_group(group: usize) -> Rgba {
 }
 
 /// A disc with its direction of motion, or a ball.
-pub(super) fn disc(shapes: &mut Shapes, brush: &Brush<'_>, disc: &Disc, colour: Rgba, is_selected: bool) {
+pub(super) fn disc(shapes: &mut ShapeList, brush: &Brush<'_>, disc: &Disc, colour: Rgba, is_selected: bool) {
     let (radius, speed) = (disc.radius, disc.velocity.length());
     let ahead = disc.velocity * (radius / speed.max(1e-6));
     if brush.in_the_air {
@@ -140,8 +140,8 @@ pub(super) fn disc(shapes: &mut Shapes, brush: &Brush<'_>, disc: &Disc, colour: 
 }
 
 /// Corners of a route, and the goal.
-fn route(out: &mut Layout, corners: &[Vec3], colour: Rgba, is_selected: bool) {
-    let lift = Vec3::Y * WAY_Y;
+fn route(out: &mut StageLayout, corners: &[Vec3], colour: Rgba, is_selected: bool) {
+    let lift = Vec3::Y * ROUTE_Y;
     let points: Vec<Vec3> = corners.iter().map(|&p| p + lift).collect();
     let (width, strength) = if is_selected { (2.5, 0.9) } else { (1.0, 0.3) };
     out.shapes.polyline(&points, width, colour.alpha(strength));

@@ -1,9 +1,9 @@
 //! The selected agent: its bound, cells, stop region and forces.
 
 use super::{BOUND_Y, Brush};
-use crate::command::{SceneLook, Whose};
-use crate::render::{Rgba, Shapes};
-use crate::run::agents::{Details, bound, details};
+use crate::command::{OverlayScope, SceneViewOptions};
+use crate::render::{Rgba, ShapeList};
+use crate::run::agents::{AgentDetails, agent_bound, agent_details};
 use glam::Vec3;
 use throng_runtime::simulation::Simulation;
 
@@ -29,13 +29,19 @@ pub fn colour_of_force(term: usize, dark: bool) -> Rgba {
     Rgba::hex(FORCES[term][usize::from(!dark)])
 }
 
-pub(super) fn lay_out(shapes: &mut Shapes, simulation: &Simulation, look: &SceneLook, who: usize, brush: &Brush<'_>) {
+pub(super) fn lay_out(
+    shapes: &mut ShapeList,
+    simulation: &Simulation,
+    look: &SceneViewOptions,
+    who: usize,
+    brush: &Brush<'_>,
+) {
     let (Some((at, radius)), Some(details), Some(disc)) =
-        (bound(simulation, who), details(simulation, who), simulation.disc(who))
+        (agent_bound(simulation, who), agent_details(simulation, who), simulation.disc(who))
     else {
         return;
     };
-    if look.bounds != Whose::Nobody {
+    if look.bounds != OverlayScope::None {
         brush.round(shapes, at, radius, (2.5, brush.palette.selected));
     }
     if look.cells && brush.has_regions {
@@ -48,7 +54,7 @@ pub(super) fn lay_out(shapes: &mut Shapes, simulation: &Simulation, look: &Scene
 }
 
 /// Cell C, region R about its centre, and the cells alpha(C) that are looked at.
-fn cells(shapes: &mut Shapes, d: &Details, brush: &Brush<'_>) {
+fn cells(shapes: &mut ShapeList, d: &AgentDetails, brush: &Brush<'_>) {
     let (low, side) = (d.cell, d.cell_side);
     let squares = [(1.0, 1.0, 0.3), (0.5, 1.8, 0.6), (0.0, 2.5, 1.0)];
     for (beyond, width, strength) in squares {
@@ -70,7 +76,7 @@ fn cells(shapes: &mut Shapes, d: &Details, brush: &Brush<'_>) {
 }
 
 /// A square on the ground, the edges of a box in the air.
-fn frame(shapes: &mut Shapes, from: Vec3, to: Vec3, (width, colour): (f32, Rgba), brush: &Brush<'_>) {
+fn frame(shapes: &mut ShapeList, from: Vec3, to: Vec3, (width, colour): (f32, Rgba), brush: &Brush<'_>) {
     let ys = if brush.in_the_air { [from.y, to.y] } else { [BOUND_Y; 2] };
     let corner = |i: usize, y: f32| {
         let (right, up) = (matches!(i % 4, 1 | 2), matches!(i % 4, 2 | 3));
@@ -86,7 +92,7 @@ fn frame(shapes: &mut Shapes, from: Vec3, to: Vec3, (width, colour): (f32, Rgba)
 }
 
 /// Path under full braking, and its width.
-fn stop_region(shapes: &mut Shapes, d: &Details, brush: &Brush<'_>) {
+fn stop_region(shapes: &mut ShapeList, d: &AgentDetails, brush: &Brush<'_>) {
     let [from, to] = d.stop;
     let lift = Vec3::Y * if brush.in_the_air { 0.0 } else { BOUND_Y };
     let ahead = (to - from).normalize_or_zero();
@@ -103,7 +109,7 @@ fn stop_region(shapes: &mut Shapes, d: &Details, brush: &Brush<'_>) {
 }
 
 /// Draws an arrow for each term, and for the applied acceleration.
-fn forces(shapes: &mut Shapes, d: &Details, at: Vec3, brush: &Brush<'_>) {
+fn forces(shapes: &mut ShapeList, d: &AgentDetails, at: Vec3, brush: &Brush<'_>) {
     let radius = d.radius;
     let scale = ARROW_RADII * radius / d.limit.max(1e-6);
     let base = at + Vec3::Y * if brush.in_the_air { 0.0 } else { 0.05 };

@@ -1,10 +1,10 @@
 //! The spread of a message: which agents know it, and from whom.
 
 use super::Brush;
-use crate::render::{Rgba, Shapes};
+use crate::render::{Rgba, ShapeList};
 use crate::run::SceneRun;
 use glam::Vec3;
-use throng_runtime::simulation::scenario::Minds;
+use throng_runtime::simulation::scenario::AgentBrains;
 
 /// Height of lines above the ground (m).
 const LINE_Y: f32 = 0.03;
@@ -16,8 +16,8 @@ const FADED: f32 = 0.25;
 const MAX_LINES: usize = 1500;
 
 /// The colour of an agent: whether it knows of a message (agent < number of agents).
-pub(in crate::stage) fn colour(minds: &Minds, agent: usize, event: usize, brush: &Brush<'_>) -> Rgba {
-    match (minds.learnt(agent, event), brush.dark) {
+pub(in crate::stage) fn colour(minds: &AgentBrains, agent: usize, event: usize, brush: &Brush<'_>) -> Rgba {
+    match (minds.learnt_event(agent, event), brush.dark) {
         (Some(_), _) => super::colour_of_message(event),
         (None, true) => Rgba::hex(0x59616c),
         (None, false) => Rgba::hex(0xb4bac2),
@@ -26,21 +26,21 @@ pub(in crate::stage) fn colour(minds: &Minds, agent: usize, event: usize, brush:
 
 /// Draws lines from senders to receivers, and from the selected agent back to the origin of the message.
 pub(super) fn lay_out(
-    shapes: &mut Shapes,
+    shapes: &mut ShapeList,
     run: &SceneRun,
     (first, event): (usize, usize),
     selected: Option<usize>,
     brush: &Brush<'_>,
 ) {
     let simulation = run.simulation();
-    let Some(minds) = simulation.minds() else { return };
+    let Some(minds) = simulation.brains() else { return };
     let place = |agent: usize| {
         let lift = if brush.in_the_air { Vec3::ZERO } else { Vec3::Y * LINE_Y };
         simulation.disc(first + agent).map(|d| d.centre + lift)
     };
     let told = |agent: usize| {
-        let learnt = minds.learnt(agent, event)?;
-        Some((learnt.from()?, learnt.time_s))
+        let learnt = minds.learnt_event(agent, event)?;
+        Some((learnt.source_agent()?, learnt.time_s))
     };
     let colour = super::colour_of_message(event);
     let all = (0..minds.len()).filter_map(|agent| {

@@ -1,16 +1,16 @@
 use super::super::scene::pick;
 use super::*;
-use crate::command::{Command, SceneCommand, SceneLook};
+use crate::command::{SceneCommand, SceneViewOptions, ViewerCommand};
 use crate::fixtures::meeting::Meeting;
 use crate::fixtures::paces::Paces;
 use crate::fixtures::quietly;
-use crate::settings::Settings;
+use crate::settings::ViewerSettings;
 use eframe::egui;
 use glam::Vec2;
 use std::path::Path;
 
 fn open(path: &Path) -> Model {
-    let mut model = Model::new(Settings::default());
+    let mut model = Model::new(ViewerSettings::default());
     model.is_unhurried = true;
     quietly(|with| model.open_now(path, with)).unwrap();
     model
@@ -18,13 +18,13 @@ fn open(path: &Path) -> Model {
 
 fn advance(model: &mut Model, steps: i32) {
     let ctx = egui::Context::default();
-    model.apply(&ctx, Command::Play(false));
-    model.apply(&ctx, Command::Step(steps));
+    model.apply(&ctx, ViewerCommand::Play(false));
+    model.apply(&ctx, ViewerCommand::Step(steps));
     model.advance(&ctx, 0.0);
 }
 
 fn len(model: &Model) -> usize {
-    let mut layout = Layout::default();
+    let mut layout = StageLayout::default();
     layout.lay_out(model, true);
     layout.shapes.len()
 }
@@ -36,22 +36,33 @@ fn all_agents_are_drawn_and_details_of_the_selected_one() {
         let mut model = open(&path);
         advance(&mut model, 90);
         let ctx = egui::Context::default();
-        let quiet = SceneLook { marks: false, bounds: Whose::Nobody, paths: Whose::Nobody, ..SceneLook::default() };
-        model.apply(&ctx, Command::Scene(SceneCommand::Look(quiet)));
+        let quiet = SceneViewOptions {
+            marks: false,
+            bounds: OverlayScope::None,
+            paths: OverlayScope::None,
+            ..SceneViewOptions::default()
+        };
+        model.apply(&ctx, ViewerCommand::Scene(SceneCommand::SetOptions(quiet)));
         let plain = len(&model);
         assert!(plain >= 24, "{plain}");
-        model.apply(&ctx, Command::Scene(SceneCommand::Look(SceneLook { bounds: Whose::All, ..quiet })));
+        model.apply(
+            &ctx,
+            ViewerCommand::Scene(SceneCommand::SetOptions(SceneViewOptions { bounds: OverlayScope::All, ..quiet })),
+        );
         assert_eq!(len(&model), plain + 24);
-        model.apply(&ctx, Command::Scene(SceneCommand::Look(SceneLook { paths: Whose::All, ..quiet })));
+        model.apply(
+            &ctx,
+            ViewerCommand::Scene(SceneCommand::SetOptions(SceneViewOptions { paths: OverlayScope::All, ..quiet })),
+        );
         assert!(len(&model) >= plain + 48);
-        model.apply(&ctx, Command::Scene(SceneCommand::Look(SceneLook { marks: true, ..quiet })));
+        model.apply(&ctx, ViewerCommand::Scene(SceneCommand::SetOptions(SceneViewOptions { marks: true, ..quiet })));
         assert!(len(&model) > plain, "nothing has happened within 1.5 s");
-        model.apply(&ctx, Command::Scene(SceneCommand::Look(quiet)));
-        model.apply(&ctx, Command::SelectCharacter(Some(5)));
+        model.apply(&ctx, ViewerCommand::Scene(SceneCommand::SetOptions(quiet)));
+        model.apply(&ctx, ViewerCommand::SelectCharacter(Some(5)));
         let selected = len(&model);
         assert!(selected > plain + 12, "{plain} {selected}");
-        let fewer = SceneLook { cells: false, forces: false, ..quiet };
-        model.apply(&ctx, Command::Scene(SceneCommand::Look(fewer)));
+        let fewer = SceneViewOptions { cells: false, forces: false, ..quiet };
+        model.apply(&ctx, ViewerCommand::Scene(SceneCommand::SetOptions(fewer)));
         assert!(len(&model) < selected - 10);
     }
 }
@@ -61,7 +72,7 @@ fn bodies_are_drawn_over_discs_and_can_be_selected() {
     let paces = Paces::new();
     let mut model = open(&paces.crowd(4));
     advance(&mut model, 30);
-    let mut layout = Layout::default();
+    let mut layout = StageLayout::default();
     layout.lay_out(&model, true);
     assert_eq!(layout.instances.len(), 8);
     assert_eq!(layout.poses(&model).len(), 8 * throng_runtime::NUM_JOINTS);
@@ -71,12 +82,12 @@ fn bodies_are_drawn_over_discs_and_can_be_selected() {
         assert!(instance.root.translation().distance(at) < 0.3, "{i}");
     }
     let ctx = egui::Context::default();
-    let discs = SceneLook { bodies: false, ..SceneLook::default() };
-    model.apply(&ctx, Command::Scene(SceneCommand::Look(discs)));
+    let discs = SceneViewOptions { bodies: false, ..SceneViewOptions::default() };
+    model.apply(&ctx, ViewerCommand::Scene(SceneCommand::SetOptions(discs)));
     layout.lay_out(&model, true);
     assert!(layout.instances.is_empty() && layout.poses(&model).is_empty());
     // The clips that bodies are made of can be shown.
-    model.apply(&ctx, Command::ShowClip { clip: 0, frame: 3 });
+    model.apply(&ctx, ViewerCommand::ShowClip { clip: 0, frame: 3 });
     layout.lay_out(&model, true);
     assert!(model.shows_clip() && !layout.instances.is_empty());
 }

@@ -19,7 +19,7 @@ fn clip(positions: Vec<Vec3>, local: impl Fn(usize) -> Quat) -> Clip {
 
 fn annotated(mut clip: Clip, environment: &PlacedGeometry) -> Clip {
     let s = Skeleton::default();
-    annotate_in(&mut clip, &s, environment, &ContactConfig::default(), &TouchConfig::default());
+    annotate_in(&mut clip, &s, environment, &ContactConfig::default(), &GeometryTouchConfig::default());
     clip
 }
 
@@ -112,7 +112,7 @@ fn the_seat_slides_in_contact_but_does_not_land_in_contact() {
 #[test]
 fn supports_are_held_between_contacts_and_taken_from_the_first() {
     let none = f32::INFINITY;
-    assert_eq!(held(&[none, 0.2, none, 0.5, none]), [0.2, 0.2, 0.2, 0.5, 0.5]);
-    assert!(held(&[none, 0.0, 1e-4]).is_empty());
-    assert!(held(&[none, none]).is_empty());
+    assert_eq!(hold_values(&[none, 0.2, none, 0.5, none]), [0.2, 0.2, 0.2, 0.5, 0.5]);
+    assert!(hold_values(&[none, 0.0, 1e-4]).is_empty());
+    assert!(hold_values(&[none, none]).is_empty());
 }

@@ -1,8 +1,10 @@
 //! Removal of inferred pieces that the body passes through.
 
-use super::Piece;
+use super::InferredPiece;
 use crate::environment::annotate_in;
-use crate::environment::{Body, Environment, PlacedGeometry, PlacedUnit, TouchConfig, Unit, UnitSet, geometries};
+use crate::environment::{
+    BodySpheres, Environment, GeometryTouchConfig, PlacedGeometry, PlacedUnit, UnitObject, UnitSet, geometries,
+};
 use throng_core::Skeleton;
 use throng_core::patch::Placement;
 use throng_motion::annotate::ContactConfig;
@@ -22,21 +24,25 @@ const SHARE: f32 = 0.2;
 ///
 /// # Errors
 /// As [`geometries`].
-pub fn standing(pieces: &[(Piece, f32)], clips: &[&Clip], skeleton: &Skeleton) -> Result<Vec<bool>, BuildError> {
-    let unit = |(i, ((shape, _), _)): (usize, &(Piece, f32))| {
+pub fn keep_clear_pieces(
+    pieces: &[(InferredPiece, f32)],
+    clips: &[&Clip],
+    skeleton: &Skeleton,
+) -> Result<Vec<bool>, BuildError> {
+    let unit = |(i, ((shape, _), _)): (usize, &(InferredPiece, f32))| {
         let (name, shapes) = (format!("piece_{i}"), vec![shape.clone()]);
-        Unit { name, shapes, region: None, symmetry: 1, tile: None, floor: true }
+        UnitObject { name, shapes, region: None, symmetry: 1, tile: None, floor: true }
     };
     let set = UnitSet { units: pieces.iter().enumerate().map(unit).collect() };
     let geometries = geometries(&set)?;
     let at = Placement::new(0.0, 0.0, 0.0, 0.0);
     let units = (0..pieces.len()).map(|unit| PlacedUnit { unit, placement: at }).collect();
     let all = PlacedGeometry::new(&Environment { name: String::new(), units }, &geometries);
-    let body = Body::new(skeleton);
+    let body = BodySpheres::new(skeleton);
     let mut through_s = vec![0.0f32; pieces.len()];
     for clip in clips {
         let mut laid = (*clip).clone();
-        annotate_in(&mut laid, skeleton, &all, &ContactConfig::default(), &TouchConfig::default());
+        annotate_in(&mut laid, skeleton, &all, &ContactConfig::default(), &GeometryTouchConfig::default());
         for f in (0..laid.num_frames()).filter(|&f| laid.is_usable(f)) {
             let pose = body.pose(&laid.joint_transforms(skeleton, f), laid.contacts[f]);
             all.overlapping(&pose.bounds, |i| {
@@ -46,6 +52,6 @@ pub fn standing(pieces: &[(Piece, f32)], clips: &[&Clip], skeleton: &Skeleton) -
             });
         }
     }
-    let stands = |((_, held_s), through_s): (&(Piece, f32), &f32)| *through_s <= SHORTEST.max(SHARE * held_s);
+    let stands = |((_, held_s), through_s): (&(InferredPiece, f32), &f32)| *through_s <= SHORTEST.max(SHARE * held_s);
     Ok(pieces.iter().zip(&through_s).map(stands).collect())
 }

@@ -1,8 +1,8 @@
 //! Level plates inferred under feet and seats.
 
-use super::super::{Bounds, Shape};
-use super::places::{Kind, Touch};
-use super::{Piece, millimetres};
+use super::super::{BoundingBox, UnitShape};
+use super::places::{InferredTouch, TouchKind};
+use super::{InferredPiece, round_to_mm};
 use glam::Vec3;
 
 /// Largest height that counts as the ground (m).
@@ -21,24 +21,29 @@ const THICKNESS: f32 = 0.04;
 
 /// A level plate.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plate {
+pub struct InferredPlate {
     /// Height of the upper side: the median of the places on it (m).
     pub height: f32,
     /// Bounds of the places on it; only x and z count.
-    extent: Bounds,
+    extent: BoundingBox,
     /// Heights of the places on it, ascending.
     pub heights: Vec<f32>,
     /// Total time for which something was on it (s).
     pub held_s: f32,
 }
 
-impl Plate {
-    fn new(touch: &Touch) -> Self {
-        Self { height: touch.point.y, extent: flat(touch.extent), heights: vec![touch.point.y], held_s: touch.lasts_s }
+impl InferredPlate {
+    fn new(touch: &InferredTouch) -> Self {
+        Self {
+            height: touch.point.y,
+            extent: flatten(touch.extent),
+            heights: vec![touch.point.y],
+            held_s: touch.lasts_s,
+        }
     }
 
     /// Merges another plate into this one.
-    fn join(&mut self, other: &Self) {
+    fn merge(&mut self, other: &Self) {
         self.extent = self.extent.union(other.extent);
         self.held_s += other.held_s;
         self.heights.extend(&other.heights);
@@ -47,16 +52,16 @@ impl Plate {
     }
 
     /// True if the other plate may be part of this one: equal height, near, and no place between them contradicts.
-    fn continues(&self, other: &Self, places: &[Touch]) -> bool {
+    fn is_continued_by(&self, other: &Self, places: &[InferredTouch]) -> bool {
         let (low, high) = (self.heights[0].min(other.heights[0]), self.highest().max(other.highest()));
         let as_high = high - low < 2.0 * SAME_HEIGHT && (self.height - other.height).abs() < SAME_HEIGHT;
-        if !(as_high && self.extent.grown(REACH).overlaps(&other.extent)) {
+        if !(as_high && self.extent.expanded(REACH).overlaps(&other.extent)) {
             return false;
         }
         let both = self.extent.union(other.extent);
-        let denies = |t: &Touch| {
+        let denies = |t: &InferredTouch| {
             let off = (t.point.y - self.height).abs();
-            t.kind == Kind::Foot && off > 2.0 * SAME_HEIGHT && off < STEP && both.contains(t.point.with_y(0.0))
+            t.kind == TouchKind::Foot && off > 2.0 * SAME_HEIGHT && off < STEP && both.contains(t.point.with_y(0.0))
         };
         !places.iter().any(denies)
     }
@@ -66,59 +71,61 @@ impl Plate {
     }
 
     /// The plate as a box.
-    pub fn piece(&self) -> Piece {
-        let b = Bounds { min: self.extent.min - MARGIN, max: self.extent.max + MARGIN };
+    pub fn piece(&self) -> InferredPiece {
+        let b = BoundingBox { min: self.extent.min - MARGIN, max: self.extent.max + MARGIN };
         let (min, max) = (b.min.with_y(self.height - THICKNESS), b.max.with_y(self.height));
-        let (at, size) = (0.5 * (min + max), millimetres(max - min));
-        let shape = Shape::Box { at: at.to_array(), size: size.to_array(), heading_deg: 0.0, pitch_deg: 0.0 };
-        (shape, Bounds { min, max })
+        let (at, size) = (0.5 * (min + max), round_to_mm(max - min));
+        let shape = UnitShape::Box { at: at.to_array(), size: size.to_array(), heading_deg: 0.0, pitch_deg: 0.0 };
+        (shape, BoundingBox { min, max })
     }
 }
 
-fn flat(b: Bounds) -> Bounds {
-    Bounds { min: b.min * Vec3::new(1.0, 0.0, 1.0), max: b.max * Vec3::new(1.0, 0.0, 1.0) }
+fn flatten(b: BoundingBox) -> BoundingBox {
+    BoundingBox { min: b.min * Vec3::new(1.0, 0.0, 1.0), max: b.max * Vec3::new(1.0, 0.0, 1.0) }
 }
 
 /// Plates under all places above the ground, from low to high.
-pub fn under(places: &[Touch]) -> Vec<Plate> {
-    let mut raised: Vec<&Touch> =
-        places.iter().filter(|t| t.kind != Kind::Hand && t.point.y.abs() > ON_GROUND).collect();
+pub fn find_plates(places: &[InferredTouch]) -> Vec<InferredPlate> {
+    let mut raised: Vec<&InferredTouch> =
+        places.iter().filter(|t| t.kind != TouchKind::Hand && t.point.y.abs() > ON_GROUND).collect();
     raised.sort_by(|a, b| a.point.y.total_cmp(&b.point.y));
-    let mut plates: Vec<Plate> = Vec::new();
+    let mut plates: Vec<InferredPlate> = Vec::new();
     for touch in raised {
-        let new = Plate::new(touch);
-        match plates.iter_mut().find(|p| p.continues(&new, places)) {
-            Some(plate) => plate.join(&new),
+        let new = InferredPlate::new(touch);
+        match plates.iter_mut().find(|p| p.is_continued_by(&new, places)) {
+            Some(plate) => plate.merge(&new),
             None => plates.push(new),
         }
     }
     while let Some((i, j)) = joinable(&plates, places) {
         let other = plates.remove(j);
-        plates[i].join(&other);
+        plates[i].merge(&other);
     }
     plates
 }
 
 /// Indices of two plates that can be merged.
-fn joinable(plates: &[Plate], places: &[Touch]) -> Option<(usize, usize)> {
+fn joinable(plates: &[InferredPlate], places: &[InferredTouch]) -> Option<(usize, usize)> {
     (0..plates.len())
         .flat_map(|i| (i + 1..plates.len()).map(move |j| (i, j)))
-        .find(|&(i, j)| plates[i].continues(&plates[j], places))
+        .find(|&(i, j)| plates[i].is_continued_by(&plates[j], places))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn foot(x: f32, y: f32) -> Touch {
+    fn foot(x: f32, y: f32) -> InferredTouch {
         let point = Vec3::new(x, y, 0.0);
-        let extent = Bounds::of([point]).grown(0.05);
-        Touch { kind: Kind::Foot, point, extent, across: Vec3::X, lasts_s: 1.0 }
+        let extent = BoundingBox::around_points([point]).expanded(0.05);
+        InferredTouch { kind: TouchKind::Foot, point, extent, across: Vec3::X, lasts_s: 1.0 }
     }
 
     #[test]
     fn a_plate_does_not_reach_over_a_lower_place_but_rungs_lie_above_each_other() {
-        let heights = |places: &[Touch]| under(places).iter().map(|p| (p.height, p.heights.len())).collect::<Vec<_>>();
+        let heights = |places: &[InferredTouch]| {
+            find_plates(places).iter().map(|p| (p.height, p.heights.len())).collect::<Vec<_>>()
+        };
         assert_eq!(heights(&[foot(0.0, 0.3), foot(0.4, 0.32), foot(0.9, 0.0)]), [(0.32, 2)]);
         assert_eq!(heights(&[foot(0.0, 0.3), foot(0.2, 0.15), foot(0.4, 0.3)]), [(0.15, 1), (0.3, 1), (0.3, 1)]);
         let ladder = [foot(0.0, 0.3), foot(0.2, 0.3), foot(0.1, 0.58), foot(0.0, 0.6), foot(0.2, 0.6)];

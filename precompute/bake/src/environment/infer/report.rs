@@ -1,9 +1,9 @@
 //! How well inferred geometry explains the motion it was inferred from.
 
-use super::super::{Body, PlacedGeometry, TouchConfig, annotate_in};
-use super::bars::Bar;
-use super::places::{Kind, Touch};
-use super::plates::{ON_GROUND, Plate};
+use super::super::{BodySpheres, GeometryTouchConfig, PlacedGeometry, annotate_in};
+use super::bars::InferredBar;
+use super::places::{InferredTouch, TouchKind};
+use super::plates::{InferredPlate, ON_GROUND};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use throng_core::{Contacts, Skeleton};
@@ -47,16 +47,21 @@ pub struct InferReport {
 
 impl InferReport {
     /// Counts and residuals.
-    pub fn of_places(others: &[Touch], hands: &[Touch], plates: &[Plate], bars: &[Bar]) -> Self {
-        let count = |kind: Kind| others.iter().filter(|t| t.kind == kind).count();
+    pub fn from_places(
+        others: &[InferredTouch],
+        hands: &[InferredTouch],
+        plates: &[InferredPlate],
+        bars: &[InferredBar],
+    ) -> Self {
+        let count = |kind: TouchKind| others.iter().filter(|t| t.kind == kind).count();
         let ground = || others.iter().map(|t| t.point.y.abs()).filter(|y| *y <= ON_GROUND);
-        let of_plate = |p: &Plate| p.heights.iter().map(|h| (h - p.height).abs()).collect::<Vec<_>>();
+        let of_plate = |p: &InferredPlate| p.heights.iter().map(|h| (h - p.height).abs()).collect::<Vec<_>>();
         let off: Vec<f32> =
             ground().chain(plates.iter().flat_map(of_plate)).chain(bars.iter().flat_map(|b| b.off.clone())).collect();
         let square = off.iter().map(|d| d * d).sum::<f32>() / off.len().max(1) as f32;
         Self {
-            foot_places: count(Kind::Foot),
-            seat_places: count(Kind::Seat),
+            foot_places: count(TouchKind::Foot),
+            seat_places: count(TouchKind::Seat),
             hand_places: hands.len(),
             hands_unexplained: hands.len() - bars.iter().map(|b| b.off.len()).sum::<usize>(),
             on_ground: ground().count(),
@@ -77,9 +82,9 @@ impl InferReport {
         skeleton: &Skeleton,
         geometry: &PlacedGeometry,
         contacts: &ContactConfig,
-        touch: &TouchConfig,
+        touch: &GeometryTouchConfig,
     ) {
-        let body = Body::new(skeleton);
+        let body = BodySpheres::new(skeleton);
         let (mut frames, mut planted, mut deep) = (0usize, 0usize, 0usize);
         for clip in clips {
             let mut laid = (*clip).clone();

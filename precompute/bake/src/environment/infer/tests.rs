@@ -45,7 +45,7 @@ fn standing_at(heights: &[f32]) -> Clip {
 #[test]
 fn plates_lie_where_feet_stood() {
     let clip = standing_at(&[0.0, 0.25, 0.5, 0.5, 0.0]);
-    let found = infer(&[&clip], &Skeleton::default(), "steps").unwrap();
+    let found = infer_environment(&[&clip], &Skeleton::default(), "steps").unwrap();
     let r = &found.report;
     assert_eq!((r.plates, r.bars, r.seat_places, r.units), (3, 0, 0, 1), "{r}");
     assert!(r.residual_max_m < 0.01 && r.on_ground * 5 == r.foot_places * 2, "{r}");
@@ -53,7 +53,7 @@ fn plates_lie_where_feet_stood() {
         .shapes
         .iter()
         .map(|s| match s {
-            Shape::Box { at, size, .. } => at[1] + 0.5 * size[1],
+            UnitShape::Box { at, size, .. } => at[1] + 0.5 * size[1],
             other => panic!("{other:?}"),
         })
         .collect();
@@ -63,7 +63,7 @@ fn plates_lie_where_feet_stood() {
     let unit = PlacedUnit { unit: 0, placement: Placement::new(at[0], at[1], at[2], 0.0) };
     let environment = Environment { name: String::new(), units: vec![unit] };
     let geometry = PlacedGeometry::new(&environment, &geometries(&found.units).unwrap());
-    let cfg = (ContactConfig::default(), TouchConfig::default());
+    let cfg = (ContactConfig::default(), GeometryTouchConfig::default());
     super::super::annotate_in(&mut laid, &Skeleton::default(), &geometry, &cfg.0, &cfg.1);
     for (k, height) in [0.0, 0.25, 0.5, 0.5, 0.0].into_iter().enumerate() {
         assert!((laid.support[39 * k + 15] - height).abs() < 0.01, "{k}: {}", laid.support[39 * k + 15]);
@@ -76,23 +76,23 @@ fn what_the_body_goes_through_is_not_there() {
     let chest = s.rest_positions()[throng_core::Joint::Chest.index()];
     let bar = |z: f32| {
         let (from, to) = ([-0.5, chest.y, chest.z + z], [0.5, chest.y, chest.z + z]);
-        let bounds = Bounds::of([Vec3::from(from), Vec3::from(to)]).grown(0.02);
-        ((Shape::Bar { from, to, radius: 0.02 }, bounds), 1.0)
+        let bounds = BoundingBox::around_points([Vec3::from(from), Vec3::from(to)]).expanded(0.02);
+        ((UnitShape::Bar { from, to, radius: 0.02 }, bounds), 1.0)
     };
     let clip = clip(vec![s.offsets[0]; 30]);
-    let standing = clear::standing(&[bar(0.0), bar(-1.0)], &[&clip], &s).unwrap();
+    let standing = clear::keep_clear_pieces(&[bar(0.0), bar(-1.0)], &[&clip], &s).unwrap();
     assert_eq!(standing, [false, true], "the first bar is in the chest of the character, the second behind it");
 }
 
 #[test]
 fn motion_on_the_ground_needs_no_environment() {
-    let e = infer(&[&standing_at(&[0.0, 0.0])], &Skeleton::default(), "flat").unwrap_err().to_string();
+    let e = infer_environment(&[&standing_at(&[0.0, 0.0])], &Skeleton::default(), "flat").unwrap_err().to_string();
     assert!(e.contains("flat: of") && e.contains("none is above the ground"), "{e}");
 }
 
 #[test]
 fn what_is_saved_loads_again() {
-    let found = infer(&[&standing_at(&[0.0, 0.3])], &Skeleton::default(), "step").unwrap();
+    let found = infer_environment(&[&standing_at(&[0.0, 0.3])], &Skeleton::default(), "step").unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("yard.toml");
     let saved = found.save(&path).unwrap();

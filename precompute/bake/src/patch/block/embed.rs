@@ -1,19 +1,19 @@
 //! Cells and links of a block (Lee, Choi and Lee 2006, section 4).
 
-use super::Segment;
+use super::BlockSegment;
 use crate::cluster::PoseGroups;
 use crate::patch::PatchConfig;
-use crate::patch::track::Track;
+use crate::patch::track::PatchTrack;
 use std::collections::BTreeMap;
 use throng_core::patch::{CellRecord, LinkRecord, NONE, Placement};
 use throng_core::planar::wrap_angle;
 
 /// Index of a cell: x, height of the support, z, heading, pose group.
-type Key = (i32, i32, i32, i32, u32);
+type BlockCellKey = (i32, i32, i32, i32, u32);
 
 /// Sum of the placements in a cell, for their mean.
 #[derive(Clone, Copy, Default)]
-struct Sum {
+struct PlacementSum {
     n: f64,
     place: [f64; 3],
     /// Sum of unit vectors: sine and cosine.
@@ -22,7 +22,7 @@ struct Sum {
 
 /// A sub-sequence from one cell to another.
 #[derive(Clone, Copy)]
-struct Way {
+struct CellLink {
     from: u32,
     to: u32,
     tag: u16,
@@ -38,29 +38,29 @@ struct Way {
 /// - `root_heights`: height of the hips over the clip's ground, by frame row (m).
 /// - returns cells with links, and the links by the cell they begin in.
 pub(super) fn embed(
-    tracks: &[Track],
-    segments: &[Segment],
+    tracks: &[PatchTrack],
+    segments: &[BlockSegment],
     root_heights: &[f32],
     config: &PatchConfig,
 ) -> (Vec<CellRecord>, Vec<LinkRecord>) {
-    let mut keys = BTreeMap::<Key, Sum>::new();
-    let each = |s: &Segment| s.range.clone();
+    let mut keys = BTreeMap::<BlockCellKey, PlacementSum>::new();
+    let each = |s: &BlockSegment| s.range.clone();
     for s in segments {
         for f in each(s) {
-            if let Some(key) = key(&tracks[s.clip], s, f, config) {
-                keys.entry(key).or_default().add(hips(&tracks[s.clip], s, f, root_heights));
+            if let Some(key) = cell_key(&tracks[s.clip], s, f, config) {
+                keys.entry(key).or_default().add(hips_position(&tracks[s.clip], s, f, root_heights));
             }
         }
     }
-    let number: BTreeMap<Key, u32> = keys.keys().copied().zip(0..).collect();
-    let means: Vec<Placement> = keys.values().map(Sum::mean).collect();
+    let number: BTreeMap<BlockCellKey, u32> = keys.keys().copied().zip(0..).collect();
+    let means: Vec<Placement> = keys.values().map(PlacementSum::mean).collect();
     let groups: Vec<u32> = keys.keys().map(|k| k.4).collect();
     let mut ways = Vec::new();
     for (i, s) in segments.iter().enumerate() {
         let track = &tracks[s.clip];
-        let cell = |f: usize| key(track, s, f, config).map(|k| number[&k]);
+        let cell = |f: usize| cell_key(track, s, f, config).map(|k| number[&k]);
         let cells: Vec<Option<u32>> = each(s).map(cell).collect();
-        let off = |f: usize, c: u32| distance(hips(track, s, f, root_heights), means[c as usize], config);
+        let off = |f: usize, c: u32| distance(hips_position(track, s, f, root_heights), means[c as usize], config);
         let offs: Vec<f32> = each(s).zip(&cells).map(|(f, c)| c.map_or(0.0, |c| off(f, c))).collect();
         for (a, from) in cells.iter().enumerate() {
             let Some(from) = *from else { continue };
@@ -68,20 +68,20 @@ pub(super) fn embed(
                 let Some(to) = cells[b] else { continue };
                 let (start, end) = ((s.range.start + a) as u32, (s.range.start + b) as u32);
                 let tag = track.tag_of(&(start as usize..end as usize));
-                ways.push(Way { from, to, tag, off: offs[a] + offs[b], segment: i as u32, start, end });
+                ways.push(CellLink { from, to, tag, off: offs[a] + offs[b], segment: i as u32, start, end });
             }
         }
     }
     let ways = nearest(ways);
     assemble(&means, &groups, &ways, |w| {
         let s = &segments[w.segment as usize];
-        LinkRecord { from: w.from, to: w.to, ..link(&tracks[s.clip], s, w.start as usize, w.end as usize) }
+        LinkRecord { from: w.from, to: w.to, ..captured_link(&tracks[s.clip], s, w.start as usize, w.end as usize) }
     })
 }
 
 /// A link as captured, without its cells.
-pub(super) fn link(track: &Track, segment: &Segment, start: usize, end: usize) -> LinkRecord {
-    let placed = |f: usize| segment.to_block.compose(Placement::at(track.places[f], 0.0));
+pub(super) fn captured_link(track: &PatchTrack, segment: &BlockSegment, start: usize, end: usize) -> LinkRecord {
+    let placed = |f: usize| segment.to_block.compose(Placement::from_planar(track.places[f], 0.0));
     LinkRecord {
         from: NONE,
         to: NONE,
@@ -93,7 +93,7 @@ pub(super) fn link(track: &Track, segment: &Segment, start: usize, end: usize) -
     }
 }
 
-fn key(track: &Track, segment: &Segment, frame: usize, config: &PatchConfig) -> Option<Key> {
+fn cell_key(track: &PatchTrack, segment: &BlockSegment, frame: usize, config: &PatchConfig) -> Option<BlockCellKey> {
     let group = track.groups[frame];
     if group == PoseGroups::NO_GROUP {
         return None;
@@ -107,9 +107,9 @@ fn key(track: &Track, segment: &Segment, frame: usize, config: &PatchConfig) -> 
 }
 
 /// Placement of the hips at a frame, in the block's frame.
-fn hips(track: &Track, segment: &Segment, frame: usize, root_heights: &[f32]) -> Placement {
+fn hips_position(track: &PatchTrack, segment: &BlockSegment, frame: usize, root_heights: &[f32]) -> Placement {
     let height = root_heights[track.first_row as usize + frame];
-    segment.to_block.compose(Placement::at(track.places[frame], height))
+    segment.to_block.compose(Placement::from_planar(track.places[frame], height))
 }
 
 /// Distance of a placement from a cell's mean, in cells.
@@ -119,7 +119,7 @@ fn distance(p: Placement, mean: Placement, config: &PatchConfig) -> f32 {
     (metres / config.cell_m as f32).hypot(degrees / config.cell_deg as f32)
 }
 
-impl Sum {
+impl PlacementSum {
     fn add(&mut self, p: Placement) {
         self.n += 1.0;
         for (sum, v) in self.place.iter_mut().zip([p.x, p.y, p.z]) {
@@ -136,10 +136,10 @@ impl Sum {
 }
 
 /// Keeps one of all sub-sequences with equal cells and tag: the one with ends nearest to the cells' means; sorted.
-fn nearest(mut ways: Vec<Way>) -> Vec<Way> {
-    let between = |w: &Way| (w.from, w.to, w.tag);
+fn nearest(mut ways: Vec<CellLink>) -> Vec<CellLink> {
+    let between = |w: &CellLink| (w.from, w.to, w.tag);
     ways.sort_unstable_by(|a, b| {
-        let place = |w: &Way| (w.segment, w.start, w.end);
+        let place = |w: &CellLink| (w.segment, w.start, w.end);
         between(a).cmp(&between(b)).then(a.off.total_cmp(&b.off)).then(place(a).cmp(&place(b)))
     });
     ways.dedup_by_key(|w| between(w));
@@ -150,8 +150,8 @@ fn nearest(mut ways: Vec<Way>) -> Vec<Way> {
 fn assemble(
     means: &[Placement],
     groups: &[u32],
-    ways: &[Way],
-    link: impl Fn(&Way) -> LinkRecord,
+    ways: &[CellLink],
+    link: impl Fn(&CellLink) -> LinkRecord,
 ) -> (Vec<CellRecord>, Vec<LinkRecord>) {
     let mut number = vec![NONE; means.len()];
     for w in ways {
@@ -176,7 +176,7 @@ fn assemble(
             reserved: [0; 2],
         }
     });
-    let numbered = |w: &Way| {
+    let numbered = |w: &CellLink| {
         let l = link(w);
         LinkRecord { from: number[l.from as usize], to: number[l.to as usize], tag: w.tag, ..l }
     };

@@ -4,21 +4,21 @@ mod embed;
 mod shape;
 mod spans;
 
-use super::bounds::Bounds;
-use super::track::Track;
-use super::{Patch, PatchConfig, PatchReport, Setting, is_ground};
+use super::bounds::FrameExtents;
+use super::track::PatchTrack;
+use super::{CaptureSetting, PatchConfig, PatchReport, RawPatch, is_ground};
 use crate::environment::{PlacedUnit, UnitSet};
 use rayon::prelude::*;
-use shape::Shape;
+use shape::BlockShape;
 use throng_core::patch::{KIND_BLOCK, LinkRecord, Placement};
 use throng_motion::clip::FrameRange;
-use throng_motion::progress::{Progress, Stopped};
+use throng_motion::progress::{Progress, StopRequested};
 
 pub use spans::spans;
 
 /// Frames of a clip that were captured within one block.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Segment {
+pub(super) struct BlockSegment {
     /// Clip.
     pub clip: usize,
     /// Frames.
@@ -28,9 +28,9 @@ pub(super) struct Segment {
 }
 
 /// A block with the motion found on its copies.
-struct Block {
-    shape: Shape,
-    segments: Vec<Segment>,
+struct BuildingBlock {
+    shape: BlockShape,
+    segments: Vec<BlockSegment>,
 }
 
 /// Finds the blocks of all clips and embeds the motion in them.
@@ -39,19 +39,19 @@ struct Block {
 ///   motion, named by their units; blocks without any link are left out.
 ///
 /// # Errors
-/// [`Stopped`] if the progress is stopped.
+/// [`StopRequested`] if the progress is stopped.
 pub(super) fn build(
-    tracks: &[Track],
-    settings: &[Option<Setting>],
+    tracks: &[PatchTrack],
+    settings: &[Option<CaptureSetting>],
     units: &UnitSet,
     config: &PatchConfig,
-    bounds: &Bounds,
+    bounds: &FrameExtents,
     root_heights: &[f32],
     progress: &dyn Progress,
-) -> Result<Vec<(Patch, PatchReport)>, Stopped> {
+) -> Result<Vec<(RawPatch, PatchReport)>, StopRequested> {
     let mut blocks = Vec::new();
     for &k in &config.block_units {
-        find(tracks, settings, units, config, k, &mut blocks);
+        find_blocks(tracks, settings, units, config, k, &mut blocks);
     }
     progress.begin("patch", blocks.len() as u64, "blocks");
     let made: Vec<_> = blocks
@@ -62,7 +62,7 @@ pub(super) fn build(
             progress.advance(1);
             Ok(patch)
         })
-        .collect::<Result<_, Stopped>>()?;
+        .collect::<Result<_, StopRequested>>()?;
     let mut out = Vec::new();
     for (block, (cells, links)) in blocks.iter().zip(made).filter(|(_, (_, links))| !links.is_empty()) {
         let placed = block.shape.units().map(|p| (units.units[p.unit].name.clone(), p.placement));
@@ -77,9 +77,18 @@ pub(super) fn build(
             links: links.len(),
             ..PatchReport::default()
         };
-        let bounds = bounds.of_links(tracks, &whole(tracks, &block.segments));
+        let bounds = bounds.extent_of_links(tracks, &whole_segment_links(tracks, &block.segments));
         out.push((
-            Patch { name, units: placed, kind: KIND_BLOCK, edges: Vec::new(), cells, links, pairs: Vec::new(), bounds },
+            RawPatch {
+                name,
+                units: placed,
+                kind: KIND_BLOCK,
+                edges: Vec::new(),
+                cells,
+                links,
+                pairs: Vec::new(),
+                bounds,
+            },
             report,
         ));
     }
@@ -88,13 +97,13 @@ pub(super) fn build(
 }
 
 /// Adds the blocks of `k` units, or their motion to existing ones.
-fn find(
-    tracks: &[Track],
-    settings: &[Option<Setting>],
+fn find_blocks(
+    tracks: &[PatchTrack],
+    settings: &[Option<CaptureSetting>],
     units: &UnitSet,
     config: &PatchConfig,
     k: usize,
-    blocks: &mut Vec<Block>,
+    blocks: &mut Vec<BuildingBlock>,
 ) {
     for (clip, setting) in settings.iter().enumerate() {
         let Some(setting) = setting else { continue };
@@ -109,7 +118,7 @@ fn find(
         for (set, ranges) in spans(&units_of, k) {
             let placed: Vec<PlacedUnit> = set.iter().map(|&u| setting.environment.units[u as usize].clone()).collect();
             let long = ranges.into_iter().filter(|r| r.len() > config.min_link_frames);
-            let mut segments = long.map(|range| Segment { clip, range, to_block: Placement::IDENTITY }).peekable();
+            let mut segments = long.map(|range| BlockSegment { clip, range, to_block: Placement::IDENTITY }).peekable();
             if segments.peek().is_none() {
                 continue;
             }
@@ -117,23 +126,23 @@ fn find(
             let (to_block, block) = match fitted {
                 Some(found) => found,
                 None => {
-                    let (shape, to_block) = Shape::new(&placed);
-                    blocks.push(Block { shape, segments: Vec::new() });
+                    let (shape, to_block) = BlockShape::new(&placed);
+                    blocks.push(BuildingBlock { shape, segments: Vec::new() });
                     let last = blocks.len() - 1;
                     (to_block, &mut blocks[last])
                 }
             };
-            block.segments.extend(segments.map(|s| Segment { to_block, ..s }));
+            block.segments.extend(segments.map(|s| BlockSegment { to_block, ..s }));
         }
     }
 }
 
 /// Links that play whole segments, for the bounds of bodies in them.
-fn whole(tracks: &[Track], segments: &[Segment]) -> Vec<LinkRecord> {
+fn whole_segment_links(tracks: &[PatchTrack], segments: &[BlockSegment]) -> Vec<LinkRecord> {
     let links = segments.iter().flat_map(|s| {
         let step = usize::from(u16::MAX);
         let cuts = (s.range.start..s.range.end - 1).step_by(step);
-        cuts.map(move |a| embed::link(&tracks[s.clip], s, a, (a + step).min(s.range.end - 1)))
+        cuts.map(move |a| embed::captured_link(&tracks[s.clip], s, a, (a + step).min(s.range.end - 1)))
     });
     links.collect()
 }

@@ -12,11 +12,11 @@ const HEADING_RAD: f32 = 0.0524;
 
 /// Units in the frame of the first one.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Shape {
+pub(super) struct BlockShape {
     units: Vec<PlacedUnit>,
 }
 
-impl Shape {
+impl BlockShape {
     /// Shape of placed units, and the placement of their world in the shape's frame.
     ///
     /// Units of one set are sorted by number, so that blocks of one arrangement get one name.
@@ -25,7 +25,7 @@ impl Shape {
         units.sort_by_key(|u| u.unit);
         let to_block = units[0].placement.inverse();
         for u in &mut units {
-            u.placement = to_block.compose(u.placement).wrapped();
+            u.placement = to_block.compose(u.placement).with_wrapped_heading();
         }
         (Self { units }, to_block)
     }
@@ -76,10 +76,10 @@ fn stands_alike(unit: &PlacedUnit, other: usize, at: Placement, set: &UnitSet) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::environment::Unit;
+    use crate::environment::UnitObject;
 
     fn set() -> UnitSet {
-        let unit = |name: &str, symmetry| Unit {
+        let unit = |name: &str, symmetry| UnitObject {
             name: name.into(),
             shapes: Vec::new(),
             region: None,
@@ -101,7 +101,7 @@ mod tests {
     #[test]
     fn the_same_arrangement_elsewhere_is_the_same_block_in_any_order() {
         let here = [at(0, 1.0, 2.0, 30.0), at(1, 2.0, 2.0, 10.0)];
-        let (shape, to_block) = Shape::new(&here);
+        let (shape, to_block) = BlockShape::new(&here);
         let by = Placement::new(-4.0, 1.0, 3.0, 2.5);
         let mut there = moved(&here, by);
         there.reverse();
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn a_table_turned_by_its_symmetry_is_the_same_and_stairs_are_not() {
-        let (shape, _) = Shape::new(&[at(0, 0.0, 0.0, 0.0), at(1, 1.0, 0.0, 0.0)]);
+        let (shape, _) = BlockShape::new(&[at(0, 0.0, 0.0, 0.0), at(1, 1.0, 0.0, 0.0)]);
         assert!(shape.fit(&[at(0, 0.0, 0.0, 0.0), at(1, 1.0, 0.0, 270.0)], &set()).is_some());
         assert!(shape.fit(&[at(0, 0.0, 0.0, 0.0), at(1, 1.0, 0.0, 45.0)], &set()).is_none());
         assert!(shape.fit(&[at(0, 0.0, 0.0, 90.0), at(1, 1.0, 0.0, 0.0)], &set()).is_none());
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn two_tables_are_found_from_any_side() {
         let set = set();
-        let (shape, _) = Shape::new(&[at(1, 0.0, 0.0, 0.0), at(1, 0.0, 1.0, 0.0)]);
+        let (shape, _) = BlockShape::new(&[at(1, 0.0, 0.0, 0.0), at(1, 0.0, 1.0, 0.0)]);
         for turn in [0.0f32, 90.0, 180.0, 270.0] {
             let across = Placement::new(3.0, 0.0, 1.0, turn.to_radians());
             assert!(shape.fit(&moved(&[at(1, 0.0, 0.0, 0.0), at(1, 1.0, 0.0, 0.0)], across), &set).is_some());

@@ -1,7 +1,7 @@
 //! Runs of frames that belong to a set of units.
 
 use std::collections::BTreeSet;
-use throng_motion::clip::{FrameRange, runs};
+use throng_motion::clip::{FrameRange, runs_where};
 
 /// Every set of `k` units that a run of frames belongs to, with its longest runs.
 ///
@@ -42,7 +42,7 @@ fn extended(units_of: &[Vec<u32>], set: &[u32]) -> Vec<Vec<u32>> {
 }
 
 fn runs_of(units_of: &[Vec<u32>], set: &[u32]) -> Vec<FrameRange> {
-    let mut found = runs(0..units_of.len(), |f| units_of[f].iter().any(|u| set.contains(u)));
+    let mut found = runs_where(0..units_of.len(), |f| units_of[f].iter().any(|u| set.contains(u)));
     found.retain(|r| set.iter().all(|u| units_of[r.clone()].iter().any(|units| units.contains(u))));
     found
 }

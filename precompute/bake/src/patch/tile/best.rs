@@ -5,7 +5,7 @@ use throng_core::Planar;
 
 /// A sub-sequence of a clip from one spot to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Candidate {
+pub(super) struct LinkCandidate {
     /// Clip.
     pub clip: usize,
     /// Its first frame.
@@ -19,13 +19,13 @@ pub(super) struct Candidate {
 }
 
 /// Best candidates from one spot to each other spot, for each tag.
-pub(super) struct Best {
+pub(super) struct BestCandidates {
     variety: usize,
     min_apart: usize,
-    kept: BTreeMap<(u32, u16), Vec<Candidate>>,
+    kept: BTreeMap<(u32, u16), Vec<LinkCandidate>>,
 }
 
-impl Best {
+impl BestCandidates {
     /// - `variety`: candidates kept for each end and tag.
     /// - `min_apart`: of candidates that begin nearer to each other in one clip, the least edited is kept (frames).
     pub fn new(variety: usize, min_apart: usize) -> Self {
@@ -33,9 +33,9 @@ impl Best {
     }
 
     /// Takes a candidate if it is among the best and then passes a test.
-    pub fn offer(&mut self, to: u32, tag: u16, candidate: Candidate, passes: impl FnOnce() -> bool) {
+    pub fn offer(&mut self, to: u32, tag: u16, candidate: LinkCandidate, passes: impl FnOnce() -> bool) {
         let kept = self.kept.entry((to, tag)).or_default();
-        let close = |c: &Candidate| c.clip == candidate.clip && c.start.abs_diff(candidate.start) < self.min_apart;
+        let close = |c: &LinkCandidate| c.clip == candidate.clip && c.start.abs_diff(candidate.start) < self.min_apart;
         let rank = kept.partition_point(|c| c.cost <= candidate.cost);
         if rank == self.variety || kept[..rank].iter().any(close) || !passes() {
             return;
@@ -46,7 +46,7 @@ impl Best {
     }
 
     /// All kept candidates, with their ends and tags, in order.
-    pub fn into_sorted(self) -> impl Iterator<Item = (u32, u16, Candidate)> {
+    pub fn into_sorted(self) -> impl Iterator<Item = (u32, u16, LinkCandidate)> {
         self.kept.into_iter().flat_map(|((to, tag), kept)| kept.into_iter().map(move |c| (to, tag, c)))
     }
 }
@@ -55,13 +55,13 @@ impl Best {
 mod tests {
     use super::*;
 
-    fn candidate(start: usize, cost: f32) -> Candidate {
-        Candidate { clip: 0, start, end: start + 50, missing: Planar::IDENTITY, cost }
+    fn candidate(start: usize, cost: f32) -> LinkCandidate {
+        LinkCandidate { clip: 0, start, end: start + 50, missing: Planar::IDENTITY, cost }
     }
 
     #[test]
     fn the_least_edited_are_kept_and_of_neighbours_only_the_best() {
-        let mut best = Best::new(2, 20);
+        let mut best = BestCandidates::new(2, 20);
         for (start, cost) in [(0, 0.9), (5, 0.5), (100, 0.7), (108, 0.8), (200, 0.6), (300, 0.1)] {
             best.offer(7, 0, candidate(start, cost), || start != 300);
         }

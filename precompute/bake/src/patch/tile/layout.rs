@@ -1,8 +1,8 @@
 //! Spots at which links of a tile may begin and end: entries and exits on its edges, rest inside.
 
-use super::region::{Region, lateral};
-use super::vocabulary::Vocabulary;
-use crate::environment::{TileEdges, Unit};
+use super::region::{TileOutline, lateral};
+use super::vocabulary::TileVocabulary;
+use crate::environment::{TileEdges, UnitObject};
 use crate::patch::{TileConfig, is_ground};
 use glam::Vec2;
 use std::f32::consts::{PI, TAU};
@@ -11,7 +11,7 @@ use throng_core::patch::NONE;
 
 /// Purpose of a spot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum SpotKind {
     /// Begin of links.
     Entry,
     /// End of links.
@@ -22,7 +22,7 @@ pub(super) enum Kind {
 
 /// A place, heading and pose at which links begin or end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Spot {
+pub(super) struct TileSpot {
     /// Planar root in the tile's frame.
     pub place: Planar,
     /// Height of the support (m).
@@ -34,13 +34,13 @@ pub(super) struct Spot {
     /// Entry of the neighbour for an exit, and vice versa; [`NONE`] inside.
     pub twin: u32,
     /// Purpose.
-    pub kind: Kind,
+    pub kind: SpotKind,
 }
 
 /// All spots of a tile: entries, then exits in the same order seen from the neighbours, then rest.
-pub(super) struct Layout {
+pub(super) struct TileLayout {
     /// The spots.
-    pub spots: Vec<Spot>,
+    pub spots: Vec<TileSpot>,
     /// Number of edges.
     pub num_edges: usize,
     /// First of the spots at which two people begin or end an interaction.
@@ -49,12 +49,12 @@ pub(super) struct Layout {
 
 /// Spots along the edges and inside, regardless of whether motion can serve them.
 pub(super) fn lay_out(
-    unit: &Unit,
+    unit: &UnitObject,
     edges: &TileEdges,
-    region: &Region,
-    words: &Vocabulary,
+    region: &TileOutline,
+    words: &TileVocabulary,
     config: &TileConfig,
-) -> Layout {
+) -> TileLayout {
     let num_edges = 2 * edges.steps.len();
     let mut entries = Vec::new();
     for edge in 0..num_edges {
@@ -69,25 +69,25 @@ pub(super) fn lay_out(
             for turn in -(config.headings as i32)..=config.headings as i32 {
                 let off = turn as f32 * (config.heading_step_deg as f32).to_radians();
                 let place = Planar::new(p.x, p.y, ahead.x.atan2(ahead.y) + off);
-                entries.extend(words.edge[edge].iter().map(|w| Spot {
+                entries.extend(words.edge[edge].iter().map(|w| TileSpot {
                     place,
                     support: height + w.level,
                     group: w.group,
                     edge: edge as u32,
                     twin: NONE,
-                    kind: Kind::Entry,
+                    kind: SpotKind::Entry,
                 }));
             }
         }
     }
     let num_entries = entries.len();
-    let exits: Vec<Spot> = entries.iter().enumerate().map(|(i, e)| exit_into(e, i, edges)).collect();
+    let exits: Vec<TileSpot> = entries.iter().enumerate().map(|(i, e)| exit_for_entry(e, i, edges)).collect();
     for (i, e) in entries.iter_mut().enumerate() {
         e.twin = (num_entries + i) as u32;
     }
     let rest = rest_spots(unit, region, words, config);
-    let spots: Vec<Spot> = entries.into_iter().chain(exits).chain(rest).collect();
-    Layout { first_of_pairs: spots.len(), spots, num_edges }
+    let spots: Vec<TileSpot> = entries.into_iter().chain(exits).chain(rest).collect();
+    TileLayout { first_of_pairs: spots.len(), spots, num_edges }
 }
 
 /// Height of the middle of an edge (m).
@@ -97,16 +97,23 @@ pub(super) fn edge_height(edges: &TileEdges, edge: usize) -> f32 {
 }
 
 /// Exit that leads to an entry of the neighbour: in this tile's frame, across the opposite edge.
-fn exit_into(entry: &Spot, number: usize, edges: &TileEdges) -> Spot {
+fn exit_for_entry(entry: &TileSpot, number: usize, edges: &TileEdges) -> TileSpot {
     let edge = entry.edge ^ 1;
     let step = edges.steps[edge as usize / 2];
     let sign = if edge.is_multiple_of(2) { 1.0 } else { -1.0 };
     let place = Planar::new(entry.place.x + sign * step[0], entry.place.z + sign * step[2], entry.place.heading);
-    Spot { place, support: entry.support + sign * step[1], edge, twin: number as u32, kind: Kind::Exit, ..*entry }
+    TileSpot {
+        place,
+        support: entry.support + sign * step[1],
+        edge,
+        twin: number as u32,
+        kind: SpotKind::Exit,
+        ..*entry
+    }
 }
 
 /// Rest spots, in a square about the centre of level ground.
-fn rest_spots(unit: &Unit, region: &Region, words: &Vocabulary, config: &TileConfig) -> Vec<Spot> {
+fn rest_spots(unit: &UnitObject, region: &TileOutline, words: &TileVocabulary, config: &TileConfig) -> Vec<TileSpot> {
     let mut out = Vec::new();
     if !is_ground(unit) {
         return out;
@@ -121,25 +128,25 @@ fn rest_spots(unit: &Unit, region: &Region, words: &Vocabulary, config: &TileCon
             let heading = turn as f32 * TAU / config.rest_headings as f32;
             let heading = if heading > PI { heading - TAU } else { heading };
             let place = Planar::new(region.centre.x + at(spot % n), region.centre.y + at(spot / n), heading);
-            out.extend(words.rest.iter().map(|&group| Spot {
+            out.extend(words.rest.iter().map(|&group| TileSpot {
                 place,
                 support: level,
                 group,
                 edge: NONE,
                 twin: NONE,
-                kind: Kind::Rest,
+                kind: SpotKind::Rest,
             }));
         }
     }
     out
 }
 
-impl Layout {
+impl TileLayout {
     /// For each spot, then for each edge, the one a quarter turn (from +Z to +X) farther; `None` for a tile without
     /// that symmetry.
     pub fn quarter_turn(&self) -> Option<Vec<u32>> {
         let quarter = Planar::new(0.0, 0.0, TAU / 4.0);
-        let key = |s: &Spot, p: Planar| {
+        let key = |s: &TileSpot, p: Planar| {
             let turn = (p.heading.rem_euclid(TAU) * 1000.0).round() as i64 % (TAU * 1000.0).round() as i64;
             let mm = |v: f32| (v * 1000.0).round() as i64;
             (s.kind as u8, s.group, mm(p.x), mm(p.z), turn, mm(s.support))
@@ -150,7 +157,7 @@ impl Layout {
     }
 
     /// Direction of leaving a tile across `to` for a character that entered across `from`, in words.
-    pub fn direction(region: &Region, from: u32, to: u32) -> &'static str {
+    pub fn direction(region: &TileOutline, from: u32, to: u32) -> &'static str {
         let ahead = -region.sides[from as usize].normal;
         let out: Vec2 = region.sides[to as usize].normal;
         let (along, left) = (ahead.dot(out), lateral(ahead).dot(out));

@@ -12,22 +12,22 @@ mod source;
 mod turn;
 mod vocabulary;
 
-pub use prune::{Freedom, Pruned, TileCell, TileGraph, prune};
+pub use prune::{Freedom, PrunedTile, TileCell, TileGraph, prune};
 
-use super::bounds::Bounds;
-use super::track::Track;
-use super::{PairReport, Patch, PatchReport, Setting, TileConfig, is_ground};
-use crate::environment::{TileEdges, Unit, UnitSet};
-use layout::{Kind, Layout, lay_out};
-use pairs::Joint;
+use super::bounds::FrameExtents;
+use super::track::PatchTrack;
+use super::{CaptureSetting, PairReport, PatchReport, RawPatch, TileConfig, is_ground};
+use crate::environment::{TileEdges, UnitObject, UnitSet};
+use layout::{SpotKind, TileLayout, lay_out};
+use pairs::PairLinks;
 use rayon::prelude::*;
-use region::Region;
-use search::Search;
-use source::Source;
+use region::TileOutline;
+use search::TileSearch;
+use source::TileSource;
 use throng_core::patch::{CellRecord, EdgeRecord, KIND_TILE, LinkRecord, NONE, PairRecord, Placement};
 use throng_motion::clip::ClipSet;
 use throng_motion::error::BuildError;
-use vocabulary::Vocabulary;
+use vocabulary::TileVocabulary;
 
 /// Shortest link of a tile with two edges. A piece of a slide takes less time than links elsewhere, and is too short
 /// for more than one link (frames).
@@ -37,16 +37,16 @@ const RISING_FRAMES: usize = 5;
 const MORE_POSES: [usize; 3] = [1, 2, 4];
 
 /// Inputs shared by all tiles of a build.
-pub(super) struct Given<'a> {
+pub(super) struct TileInputs<'a> {
     pub clips: &'a ClipSet,
-    pub tracks: &'a [Track],
+    pub tracks: &'a [PatchTrack],
     /// Names of all tags.
     pub tags: &'a [String],
-    pub settings: &'a [Option<Setting>],
+    pub settings: &'a [Option<CaptureSetting>],
     pub units: &'a UnitSet,
     /// Mean height of the hips above the support, by pose group (m).
     pub hips: &'a [f32],
-    pub bounds: &'a Bounds,
+    pub bounds: &'a FrameExtents,
     pub min_frames: usize,
 }
 
@@ -55,26 +55,31 @@ pub(super) struct Given<'a> {
 /// # Errors
 /// [`BuildError::Key`] for a missing unit, one without edges, or patterns without matching clips; [`BuildError::Stage`]
 /// if pruning leaves nothing, with the unmet condition.
-pub(super) fn build(given: &Given, config: &TileConfig) -> Result<(Patch, PatchReport), BuildError> {
-    let unit =
-        given.units.units.iter().find(|u| u.name == config.unit).ok_or_else(|| refusal::no_unit(given, config))?;
-    let edges = unit.tile.as_ref().ok_or_else(|| refusal::no_edges(unit))?;
+pub(super) fn build(given: &TileInputs, config: &TileConfig) -> Result<(RawPatch, PatchReport), BuildError> {
+    let unit = given
+        .units
+        .units
+        .iter()
+        .find(|u| u.name == config.unit)
+        .ok_or_else(|| refusal::missing_unit_error(given, config))?;
+    let edges = unit.tile.as_ref().ok_or_else(|| refusal::missing_edges_error(unit))?;
     let source = source_of(given, unit, config)?;
-    let region = Region::new(edges, config.margin_m as f32);
+    let region = TileOutline::new(edges, config.margin_m as f32);
     let num_edges = 2 * edges.steps.len();
     let min_frames = if is_ground(unit) { given.min_frames } else { RISING_FRAMES.min(given.min_frames) };
     let with_poses = |times: usize| {
         let words = if is_ground(unit) {
-            Vocabulary::of_ground(&source, num_edges, config, times)
+            TileVocabulary::from_ground(&source, num_edges, config, times)
         } else {
-            Vocabulary::of_rising(&source, &region, edges, config)
+            TileVocabulary::from_rising(&source, &region, edges, config)
         };
         let mut layout = lay_out(unit, edges, &region, &words, config);
-        let (takes, reports) = pairs::find(given, config, &pairs::poses_of_rest(&source, &words.rest, min_frames))?;
+        let (takes, reports) =
+            pairs::find_pairs(given, config, &pairs::poses_of_rest(&source, &words.rest, min_frames))?;
         let joints = pairs::lay_out(given, &takes, unit, &region, edges, &mut layout);
-        let links = all_links(&Search::new(&source, &layout, &region, config, min_frames));
+        let links = all_links(&TileSearch::new(&source, &layout, &region, config, min_frames));
         let graph = graph_of(unit, &layout, &links);
-        Ok::<_, BuildError>(Tried { layout, links, graph, joints, reports })
+        Ok::<_, BuildError>(UnprunedTile { layout, links, graph, joints, reports })
     };
     // Few poses make a small tile; motion of several kinds needs more of them.
     let mut tried = Vec::new();
@@ -93,21 +98,21 @@ pub(super) fn build(given: &Given, config: &TileConfig) -> Result<(Patch, PatchR
             return Ok((patch, PatchReport { freedom: Freedom::FurtherTiles, ..report }));
         }
     }
-    Err(refusal::nothing_left(unit, &source, &region, &tried[tried.len() - 1].graph))
+    Err(refusal::empty_tile_error(unit, &source, &region, &tried[tried.len() - 1].graph))
 }
 
 /// A tile before pruning.
-struct Tried {
-    layout: Layout,
+struct UnprunedTile {
+    layout: TileLayout,
     links: Vec<LinkRecord>,
     graph: TileGraph,
     /// Interactions of two people, each with the number of its report.
-    joints: Vec<(usize, Joint)>,
+    joints: Vec<(usize, PairLinks)>,
     reports: Vec<PairReport>,
 }
 
 /// Clips of a tile, and the copies of a rising one that they were captured on.
-fn source_of<'a>(given: &Given<'a>, unit: &Unit, config: &TileConfig) -> Result<Source<'a>, BuildError> {
+fn source_of<'a>(given: &TileInputs<'a>, unit: &UnitObject, config: &TileConfig) -> Result<TileSource<'a>, BuildError> {
     let mut clips = Vec::new();
     let mut copies = Vec::new();
     for (c, (clip, setting)) in given.clips.clips.iter().zip(given.settings).enumerate() {
@@ -132,18 +137,18 @@ fn source_of<'a>(given: &Given<'a>, unit: &Unit, config: &TileConfig) -> Result<
         }
     }
     if clips.is_empty() {
-        return Err(refusal::no_clips(unit, config));
+        return Err(refusal::missing_clips_error(unit, config));
     }
-    Ok(Source::new(given.clips, given.tracks, clips, copies))
+    Ok(TileSource::new(given.clips, given.tracks, clips, copies))
 }
 
 /// Links between all spots, sorted.
-fn all_links(search: &Search) -> Vec<LinkRecord> {
-    let begins = |i: &u32| search.layout.spots[*i as usize].kind != Kind::Exit;
+fn all_links(search: &TileSearch) -> Vec<LinkRecord> {
+    let begins = |i: &u32| search.layout.spots[*i as usize].kind != SpotKind::Exit;
     let spots = (0..search.layout.spots.len() as u32).filter(begins);
     let turned = search.layout.quarter_turn();
     let from: Vec<u32> = match &turned {
-        Some(turned) => turn::first_of_each(turned, spots),
+        Some(turned) => turn::first_turns(turned, spots),
         None => spots.collect(),
     };
     let found = from.par_iter().flat_map_iter(|&s| search.links_from(s));
@@ -157,18 +162,18 @@ fn all_links(search: &Search) -> Vec<LinkRecord> {
 }
 
 /// Graph of a tile for pruning.
-fn graph_of(unit: &Unit, layout: &Layout, links: &[LinkRecord]) -> TileGraph {
+fn graph_of(unit: &UnitObject, layout: &TileLayout, links: &[LinkRecord]) -> TileGraph {
     let cells = layout.spots.iter().map(|s| match s.kind {
-        Kind::Entry => TileCell::Entry(s.edge),
-        Kind::Exit => TileCell::Exit(s.edge, s.twin),
-        Kind::Rest => TileCell::Rest,
+        SpotKind::Entry => TileCell::Entry(s.edge),
+        SpotKind::Exit => TileCell::Exit(s.edge, s.twin),
+        SpotKind::Rest => TileCell::Rest,
     });
     let all: Vec<u32> = (0..layout.num_edges as u32).collect();
     let ground = is_ground(unit);
     TileGraph {
         cells: cells.collect(),
         links: links.iter().map(|l| (l.from, l.to)).collect(),
-        ways_out: all.iter().map(|&e| if ground { all.clone() } else { vec![e ^ 1] }).collect(),
+        exit_edges: all.iter().map(|&e| if ground { all.clone() } else { vec![e ^ 1] }).collect(),
         must_rest: ground,
         together: if ground { vec![all] } else { all.iter().map(|&e| vec![e]).collect() },
     }
@@ -176,12 +181,12 @@ fn graph_of(unit: &Unit, layout: &Layout, links: &[LinkRecord]) -> TileGraph {
 
 /// Patch of the remaining cells and links.
 fn finish(
-    given: &Given,
-    unit: &Unit,
+    given: &TileInputs,
+    unit: &UnitObject,
     edges: &TileEdges,
-    Tried { layout, links, joints, reports, .. }: &Tried,
-    pruned: &Pruned,
-) -> (Patch, PatchReport) {
+    UnprunedTile { layout, links, joints, reports, .. }: &UnprunedTile,
+    pruned: &PrunedTile,
+) -> (RawPatch, PatchReport) {
     let mut number = vec![NONE; layout.spots.len()];
     let alive: Vec<usize> = (0..layout.spots.len()).filter(|&i| pruned.cells[i]).collect();
     for (new, &old) in alive.iter().enumerate() {
@@ -190,22 +195,22 @@ fn finish(
     let renumbered = |l: &LinkRecord| LinkRecord { from: number[l.from as usize], to: number[l.to as usize], ..*l };
     let links: Vec<LinkRecord> =
         links.iter().zip(&pruned.links).filter(|(_, left)| **left).map(|(l, _)| renumbered(l)).collect();
-    let (links, pairs, reports) = with_pairs(links, joints, reports, &pruned.cells, renumbered);
+    let (links, pairs, reports) = add_pairs(links, joints, reports, &pruned.cells, renumbered);
     let cells = alive.iter().enumerate().map(|(new, &old)| {
         let s = &layout.spots[old];
         let first = links.partition_point(|l| (l.from as usize) < new);
         let num_links = links.partition_point(|l| l.from as usize <= new) - first;
         let stays = links[first..first + num_links].iter().any(|l| l.to as usize == new && !l.is_for_two());
         CellRecord {
-            placement: Placement::at(s.place, s.support + given.hips[s.group as usize]),
+            placement: Placement::from_planar(s.place, s.support + given.hips[s.group as usize]),
             group: s.group,
             edge: s.edge,
             twin: if s.twin == NONE { NONE } else { number[s.twin as usize] },
             flags: match s.kind {
-                Kind::Entry => CellRecord::IS_ENTRY,
-                Kind::Exit => CellRecord::IS_EXIT,
-                Kind::Rest if stays => CellRecord::IS_REST,
-                Kind::Rest => 0,
+                SpotKind::Entry => CellRecord::IS_ENTRY,
+                SpotKind::Exit => CellRecord::IS_EXIT,
+                SpotKind::Rest if stays => CellRecord::IS_REST,
+                SpotKind::Rest => 0,
             },
             first_link: first as u32,
             num_links: num_links as u32,
@@ -230,12 +235,12 @@ fn finish(
         let sign = if e.is_multiple_of(2) { 1.0 } else { -1.0 };
         EdgeRecord { step: edges.steps[e / 2].map(|v| sign * v), opposite: e as u32 ^ 1 }
     };
-    let patch = Patch {
+    let patch = RawPatch {
         name: unit.name.clone(),
         units: vec![(unit.name.clone(), Placement::IDENTITY)],
         kind: KIND_TILE,
         edges: (0..2 * edges.steps.len()).map(edge).collect(),
-        bounds: given.bounds.of_links(given.tracks, &links),
+        bounds: given.bounds.extent_of_links(given.tracks, &links),
         cells,
         links,
         pairs,
@@ -244,9 +249,9 @@ fn finish(
 }
 
 /// Adds the links of interactions, if all their cells remain.
-fn with_pairs(
+fn add_pairs(
     mut links: Vec<LinkRecord>,
-    joints: &[(usize, Joint)],
+    joints: &[(usize, PairLinks)],
     reports: &[PairReport],
     alive: &[bool],
     renumbered: impl Fn(&LinkRecord) -> LinkRecord,
@@ -267,7 +272,7 @@ fn with_pairs(
         reports[r].refused =
             Some("no motion leads to where both begin and away from where they end, or nobody can wait there".into());
     }
-    let joined = |j: &Joint| j.links.map(|l| renumbered(&l));
+    let joined = |j: &PairLinks| j.links.map(|l| renumbered(&l));
     let key = |l: &LinkRecord| (l.from, l.to, l.tag, l.frame, l.num_frames);
     links.extend(left.iter().flat_map(|(_, j)| joined(j)));
     links.sort_by_key(key);

@@ -4,12 +4,12 @@
 //! So each reserves its own ground, walks there and away as to any other rest spot, and the two have the relative
 //! placement of the capture.
 
-use super::Given;
-use super::layout::{Kind, Layout, Spot};
-use super::region::Region;
-use super::source::Source;
-use crate::environment::{TileEdges, Unit};
-use crate::patch::config::starred;
+use super::TileInputs;
+use super::layout::{SpotKind, TileLayout, TileSpot};
+use super::region::TileOutline;
+use super::source::TileSource;
+use crate::environment::{TileEdges, UnitObject};
+use crate::patch::config::star_text;
 use crate::patch::track::is_slow;
 use crate::patch::{PairReport, TileConfig};
 use glam::Vec2;
@@ -20,7 +20,7 @@ use throng_motion::clip::{ExclusionReason, FrameRange};
 use throng_motion::error::BuildError;
 
 /// Longest time from standing still to the beginning of the tagged range, and from its end to standing still (s).
-const SETTLE_S: f64 = 1.5;
+const STANDING_WITHIN_S: f64 = 1.5;
 /// Largest distance of a partner's first pose from a pose of rest: joints on average (rad).
 const REST_RAD: f32 = 0.2;
 /// Least distance of roots from the line between the two (m).
@@ -28,17 +28,17 @@ const APART_M: f32 = 0.12;
 /// Least and largest distance between partners at the begin (m).
 const REACH_M: [f32; 2] = [0.3, 2.0];
 /// Largest distance of equal places and headings of rest; the remaining gap is blended at the begin (m, rad).
-const SAME: (f32, f32) = (0.03, 0.05);
+const SAME_REST: (f32, f32) = (0.03, 0.05);
 
 /// A pose of rest on the tile, as a frame.
-pub(super) struct Rest {
+pub(super) struct TileRestPose {
     group: u32,
     clip: usize,
     frame: usize,
 }
 
 /// An interaction of two people.
-pub(super) struct Take {
+pub(super) struct PairTake {
     /// Numbers of the clips of the two.
     clips: [usize; 2],
     /// Frames from standing before to standing after.
@@ -50,7 +50,7 @@ pub(super) struct Take {
 }
 
 /// An interaction across one edge, as links between spots.
-pub(super) struct Joint {
+pub(super) struct PairLinks {
     /// Edge beyond which the partner is.
     pub edge: u32,
     /// Link in this tile, and that of the partner in the tile beyond the edge.
@@ -58,7 +58,7 @@ pub(super) struct Joint {
 }
 
 /// A frame of standing still for each pose group of rest that allows waiting.
-pub(super) fn poses_of_rest(source: &Source, groups: &[u32], min_frames: usize) -> Vec<Rest> {
+pub(super) fn poses_of_rest(source: &TileSource, groups: &[u32], min_frames: usize) -> Vec<TileRestPose> {
     let waits = |group: &&u32| {
         let mut stops = source.clips.iter().flat_map(|&c| source.tracks[c].standing.iter().map(move |s| (c, s)));
         stops.any(|(c, stop)| {
@@ -69,8 +69,8 @@ pub(super) fn poses_of_rest(source: &Source, groups: &[u32], min_frames: usize) 
     };
     let of = |group: u32| {
         let standing: Vec<(usize, usize)> =
-            source.frames_in(group).filter(|&(c, f)| source.tracks[c].stands(f)).collect();
-        standing.get(standing.len() / 2).map(|&(clip, frame)| Rest { group, clip, frame })
+            source.frames_in(group).filter(|&(c, f)| source.tracks[c].is_standing(f)).collect();
+        standing.get(standing.len() / 2).map(|&(clip, frame)| TileRestPose { group, clip, frame })
     };
     groups.iter().filter(waits).filter_map(|&g| of(g)).collect()
 }
@@ -81,16 +81,16 @@ pub(super) fn poses_of_rest(source: &Source, groups: &[u32], min_frames: usize) 
 ///
 /// # Errors
 /// [`BuildError::Key`] for a pattern that no clip matches.
-pub(super) fn find(
-    given: &Given,
+pub(super) fn find_pairs(
+    given: &TileInputs,
     config: &TileConfig,
-    rest: &[Rest],
-) -> Result<(Vec<Take>, Vec<PairReport>), BuildError> {
+    rest: &[TileRestPose],
+) -> Result<(Vec<PairTake>, Vec<PairReport>), BuildError> {
     let (mut takes, mut reports) = (Vec::new(), Vec::new());
     for (i, patterns) in config.pairs.iter().enumerate() {
         let clips = given.clips.clips.iter().enumerate().filter(|(_, c)| !c.mirrored);
         let firsts: Vec<(usize, &str)> =
-            clips.filter_map(|(c, clip)| Some((c, starred(&patterns[0], &clip.name)?))).collect();
+            clips.filter_map(|(c, clip)| Some((c, star_text(&patterns[0], &clip.name)?))).collect();
         if firsts.is_empty() {
             let why = format!("expected a clip whose name matches {}, found none. Correct the config.", patterns[0]);
             return Err(BuildError::key(format!("pairs[{i}][0]"), why));
@@ -99,7 +99,7 @@ pub(super) fn find(
             let partner = patterns[1].replace('*', star);
             let second = given.clips.clips.iter().position(|c| !c.mirrored && c.name == partner);
             let found = match second {
-                Some(second) => find_in(given, [first, second], rest),
+                Some(second) => find_in_range(given, [first, second], rest),
                 None => vec![Err((String::new(), format!("expected a clip `{partner}`, found none")))],
             };
             let name = &given.clips.clips[first].name;
@@ -117,7 +117,11 @@ pub(super) fn find(
 }
 
 /// Interactions in two clips, or the tag with the reason against it.
-fn find_in(given: &Given, clips: [usize; 2], rest: &[Rest]) -> Vec<Result<Take, (String, String)>> {
+fn find_in_range(
+    given: &TileInputs,
+    clips: [usize; 2],
+    rest: &[TileRestPose],
+) -> Vec<Result<PairTake, (String, String)>> {
     let [a, b] = clips.map(|c| &given.clips.clips[c]);
     if a.num_frames() != b.num_frames() {
         let why = format!(
@@ -134,10 +138,10 @@ fn find_in(given: &Given, clips: [usize; 2], rest: &[Rest]) -> Vec<Result<Take, 
         for other in b.tags.iter().filter(|t| t.name == tag.name) {
             let range = tag.range.start.max(other.range.start)..tag.range.end.min(other.range.end).min(a.num_frames());
             if range.len() > given.min_frames {
-                let found = settle(given, clips, &range, rest)
+                let found = find_standing_ends(given, clips, &range, rest)
                     .and_then(|(range, rest)| Ok((keeps_apart(given, clips, range)?, rest)));
                 let number = given.tags.iter().position(|t| *t == tag.name).unwrap_or(0) as u16 + 1;
-                let take = found.map(|(range, rest)| Take { clips, range, rest, tag: number });
+                let take = found.map(|(range, rest)| PairTake { clips, range, rest, tag: number });
                 out.push(take.map_err(|why| (tag.name.clone(), why)));
             }
         }
@@ -151,14 +155,14 @@ fn find_in(given: &Given, clips: [usize; 2], rest: &[Rest]) -> Vec<Result<Take, 
 
 /// The frames from standing of both near the beginning of a range to standing of both near its end, with the nearest
 /// poses of rest.
-fn settle(
-    given: &Given,
+fn find_standing_ends(
+    given: &TileInputs,
     clips: [usize; 2],
     range: &FrameRange,
-    rest: &[Rest],
+    rest: &[TileRestPose],
 ) -> Result<(FrameRange, [[u32; 2]; 2]), String> {
     let (rate, tracks) = (given.clips.clips[clips[0]].rate_hz, clips.map(|c| &given.tracks[c]));
-    let near = (SETTLE_S * rate) as usize;
+    let near = (STANDING_WITHIN_S * rate) as usize;
     // Frames excluded only for standing still at the end of a clip are usable here; others are not.
     let is_usable = |c: usize, f: usize| {
         let mut excluded = given.clips.clips[c].excluded.iter();
@@ -180,8 +184,10 @@ fn settle(
             }
             least = least.min(a.0.max(b.0));
         }
-        let wanted =
-            format!("expected both to stand still within {SETTLE_S} s of its {which} at {:.1} s", at as f64 / rate);
+        let wanted = format!(
+            "expected both to stand still within {STANDING_WITHIN_S} s of its {which} at {:.1} s",
+            at as f64 / rate
+        );
         Err(match least {
             f32::MAX => wanted,
             off => format!(
@@ -200,9 +206,9 @@ fn settle(
 }
 
 /// Nearest pose of rest to a frame: mean turn of the joints (rad), and its group.
-fn nearest(given: &Given, clip: usize, frame: usize, rest: &[Rest]) -> (f32, u32) {
+fn nearest(given: &TileInputs, clip: usize, frame: usize, rest: &[TileRestPose]) -> (f32, u32) {
     let pose = &given.clips.clips[clip].frame_rotations(frame)[1..];
-    let off = |r: &Rest| {
+    let off = |r: &TileRestPose| {
         let own = &given.clips.clips[r.clip].frame_rotations(r.frame)[1..];
         pose.iter().zip(own).map(|(a, b)| a.angle_between(*b)).sum::<f32>() / pose.len() as f32
     };
@@ -211,7 +217,7 @@ fn nearest(given: &Given, clip: usize, frame: usize, rest: &[Rest]) -> (f32, u32
 }
 
 /// Checks that each stays on its side of the line between the two.
-fn keeps_apart(given: &Given, clips: [usize; 2], range: FrameRange) -> Result<FrameRange, String> {
+fn keeps_apart(given: &TileInputs, clips: [usize; 2], range: FrameRange) -> Result<FrameRange, String> {
     let rate = given.clips.clips[clips[0]].rate_hz;
     let at = |side: usize, f: usize| {
         let p = given.tracks[clips[side]].places[f];
@@ -221,7 +227,7 @@ fn keeps_apart(given: &Given, clips: [usize; 2], range: FrameRange) -> Result<Fr
     if !(REACH_M[0]..=REACH_M[1]).contains(&apart) {
         return Err(format!("expected two who begin {} to {} m apart, found {apart:.2} m", REACH_M[0], REACH_M[1]));
     }
-    let middle = between(given, clips, range.start);
+    let middle = midpoint(given, clips, range.start);
     for f in range.clone() {
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
             if sign * middle.inverse_transform_point(at(side, f)).y < APART_M {
@@ -236,18 +242,24 @@ fn keeps_apart(given: &Given, clips: [usize; 2], range: FrameRange) -> Result<Fr
 }
 
 /// Midpoint between two at a frame; its heading is from the first to the second.
-fn between(given: &Given, clips: [usize; 2], frame: usize) -> Planar {
+fn midpoint(given: &TileInputs, clips: [usize; 2], frame: usize) -> Planar {
     let [a, b] = clips.map(|c| given.tracks[c].places[frame]);
     Planar::new(0.5 * (a.x + b.x), 0.5 * (a.z + b.z), (b.x - a.x).atan2(b.z - a.z))
 }
 
 /// Placement of a take in the tile, for an edge: that of the first, and that of the second in the frame of the tile
 /// beyond the edge.
-fn laid(given: &Given, take: &Take, edge: usize, region: &Region, edges: &TileEdges) -> [Planar; 2] {
+fn place_take(
+    given: &TileInputs,
+    take: &PairTake,
+    edge: usize,
+    region: &TileOutline,
+    edges: &TileEdges,
+) -> [Planar; 2] {
     let side = &region.sides[edge];
     let at = region.centre + side.normal * (side.offset - side.normal.dot(region.centre));
     let middle = Planar::new(at.x, at.y, side.normal.x.atan2(side.normal.y));
-    let base = middle.compose(between(given, take.clips, take.range.start).inverse());
+    let base = middle.compose(midpoint(given, take.clips, take.range.start).inverse());
     let (step, sign) = (edges.steps[edge / 2], if edge.is_multiple_of(2) { 1.0 } else { -1.0 });
     [base, Planar::new(base.x - sign * step[0], base.z - sign * step[2], base.heading)]
 }
@@ -256,18 +268,18 @@ fn laid(given: &Given, take: &Take, edge: usize, region: &Region, edges: &TileEd
 ///
 /// - returns links between them, for each take and each edge.
 pub(super) fn lay_out(
-    given: &Given,
-    takes: &[Take],
-    unit: &Unit,
-    region: &Region,
+    given: &TileInputs,
+    takes: &[PairTake],
+    unit: &UnitObject,
+    region: &TileOutline,
     edges: &TileEdges,
-    layout: &mut Layout,
-) -> Vec<(usize, Joint)> {
+    layout: &mut TileLayout,
+) -> Vec<(usize, PairLinks)> {
     let level = unit.tile.as_ref().map_or(0.0, |t| t.centre[1]);
     let mut out = Vec::new();
     for (number, take) in takes.iter().enumerate() {
         for edge in 0..layout.num_edges {
-            let bases = laid(given, take, edge, region, edges);
+            let bases = place_take(given, take, edge, region, edges);
             let links = [0, 1].map(|side| {
                 let track = &given.tracks[take.clips[side]];
                 let mut ends = [0, 1].map(|end| {
@@ -278,7 +290,7 @@ pub(super) fn lay_out(
                         take.rest[end][side],
                         level,
                     );
-                    (spot, Placement::at(place, level - track.support[f]))
+                    (spot, Placement::from_planar(place, level - track.support[f]))
                 });
                 let turns = ends[0].1.heading - wrap_angle(ends[0].1.heading);
                 ends.iter_mut().for_each(|(_, at)| at.heading -= turns);
@@ -292,24 +304,24 @@ pub(super) fn lay_out(
                     end: ends[1].1,
                 }
             });
-            out.push((number, Joint { edge: edge as u32, links }));
+            out.push((number, PairLinks { edge: edge as u32, links }));
         }
     }
     out
 }
 
-impl Layout {
+impl TileLayout {
     /// Spot at which partners begin or end, existing or new. Any pose of rest serves, as the first pose is blended from
     /// it anyway.
     fn pair_spot(&mut self, place: Planar, group: u32, support: f32) -> u32 {
-        let is_same = |s: &Spot| {
-            (s.place.x - place.x).hypot(s.place.z - place.z) < SAME.0
-                && wrap_angle(s.place.heading - place.heading).abs() < SAME.1
+        let is_same = |s: &TileSpot| {
+            (s.place.x - place.x).hypot(s.place.z - place.z) < SAME_REST.0
+                && wrap_angle(s.place.heading - place.heading).abs() < SAME_REST.1
         };
         if let Some(k) = self.spots[self.first_of_pairs..].iter().position(is_same) {
             return (self.first_of_pairs + k) as u32;
         }
-        self.spots.push(Spot { place, support, group, edge: NONE, twin: NONE, kind: Kind::Rest });
+        self.spots.push(TileSpot { place, support, group, edge: NONE, twin: NONE, kind: SpotKind::Rest });
         self.spots.len() as u32 - 1
     }
 }

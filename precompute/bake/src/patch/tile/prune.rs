@@ -36,7 +36,7 @@ pub struct TileGraph {
     /// Links from an entry or rest to an exit or rest, by cell.
     pub links: Vec<(u32, u32)>,
     /// For each edge, the edges across which a character that entered there must be able to leave.
-    pub ways_out: Vec<Vec<u32>>,
+    pub exit_edges: Vec<Vec<u32>>,
     /// True if a character that entered must be able to rest in the tile.
     pub must_rest: bool,
     /// Sets of edges whose entries belong to one strongly connected component. Ground has one set of all edges; for
@@ -46,7 +46,7 @@ pub struct TileGraph {
 
 /// Remaining cells and links of a tile.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pruned {
+pub struct PrunedTile {
     /// True for remaining cells (cells.len()).
     pub cells: Vec<bool>,
     /// True for remaining links (links.len()).
@@ -70,8 +70,8 @@ pub struct Pruned {
 /// # Source
 /// Lee, Choi and Lee 2006, section 6. Differs: reachable rest is a condition too, and the first condition can be
 /// skipped.
-pub fn prune(graph: &TileGraph, freedom: Freedom) -> Pruned {
-    let mut left = Pruned {
+pub fn prune(graph: &TileGraph, freedom: Freedom) -> PrunedTile {
+    let mut left = PrunedTile {
         cells: vec![true; graph.cells.len()],
         links: vec![true; graph.links.len()],
         directions: 0,
@@ -94,10 +94,10 @@ pub fn prune(graph: &TileGraph, freedom: Freedom) -> Pruned {
 }
 
 /// One step of the first condition, repeated until it holds.
-fn drop_stuck_entries(graph: &TileGraph, left: &mut Pruned) {
+fn drop_stuck_entries(graph: &TileGraph, left: &mut PrunedTile) {
     loop {
         let mut stuck = Vec::new();
-        let reached = ways(graph, left);
+        let reached = exit_edges(graph, left);
         for (i, cell) in graph.cells.iter().enumerate() {
             if let TileCell::Entry(edge) = *cell
                 && left.cells[i]
@@ -122,7 +122,7 @@ fn drop_stuck_entries(graph: &TileGraph, left: &mut Pruned) {
 }
 
 /// For each cell, the edges across which its links leave, and [`NONE`] for rest.
-fn ways(graph: &TileGraph, left: &Pruned) -> Vec<Vec<u32>> {
+fn exit_edges(graph: &TileGraph, left: &PrunedTile) -> Vec<Vec<u32>> {
     let mut reached = vec![Vec::new(); graph.cells.len()];
     for (&(from, to), _) in graph.links.iter().zip(&left.links).filter(|(_, left)| **left) {
         let way = match graph.cells[to as usize] {
@@ -138,18 +138,18 @@ fn ways(graph: &TileGraph, left: &Pruned) -> Vec<Vec<u32>> {
 }
 
 fn is_free(graph: &TileGraph, edge: u32, reached: &[u32]) -> bool {
-    graph.ways_out[edge as usize].iter().all(|way| reached.contains(way))
+    graph.exit_edges[edge as usize].iter().all(|way| reached.contains(way))
         && (!graph.must_rest || reached.contains(&NONE))
 }
 
-fn drop_loose_links(graph: &TileGraph, left: &mut Pruned) {
+fn drop_loose_links(graph: &TileGraph, left: &mut PrunedTile) {
     for (&(from, to), link) in graph.links.iter().zip(&mut left.links) {
         *link &= left.cells[from as usize] && left.cells[to as usize];
     }
 }
 
 /// One step of the second condition; true if it removed anything.
-fn keep_components(graph: &TileGraph, left: &mut Pruned) -> bool {
+fn keep_components(graph: &TileGraph, left: &mut PrunedTile) -> bool {
     let node = |cell: u32| match graph.cells[cell as usize] {
         TileCell::Exit(_, twin) => twin as usize,
         _ => cell as usize,

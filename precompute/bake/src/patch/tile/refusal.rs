@@ -1,23 +1,23 @@
 //! Reasons why a tile cannot be made, and the way out.
 
-use super::layout::Layout;
+use super::layout::TileLayout;
 use super::prune::{TileCell, TileGraph};
-use super::region::Region;
-use super::source::Source;
-use super::{Given, TileConfig};
-use crate::environment::Unit;
+use super::region::TileOutline;
+use super::source::TileSource;
+use super::{TileConfig, TileInputs};
+use crate::environment::UnitObject;
 use crate::patch::is_ground;
 use throng_motion::error::BuildError;
 
 /// Error for a missing unit.
-pub(super) fn no_unit(given: &Given, config: &TileConfig) -> BuildError {
+pub(super) fn missing_unit_error(given: &TileInputs, config: &TileConfig) -> BuildError {
     let names: Vec<_> = given.units.units.iter().map(|u| format!("`{}`", u.name)).collect();
     let why = format!("expected a unit ({}), found `{}`. Correct the config.", names.join(", "), config.unit);
     BuildError::key("unit", why)
 }
 
 /// Error for a unit without edges.
-pub(super) fn no_edges(unit: &Unit) -> BuildError {
+pub(super) fn missing_edges_error(unit: &UnitObject) -> BuildError {
     let why = format!(
         "the unit `{}` has no edges. Give it `tile = {{ steps = [[...]], widths = [...] }}` in the unit \
          file, or take it out of the tiles.",
@@ -27,7 +27,7 @@ pub(super) fn no_edges(unit: &Unit) -> BuildError {
 }
 
 /// Error for a tile without clips.
-pub(super) fn no_clips(unit: &Unit, config: &TileConfig) -> BuildError {
+pub(super) fn missing_clips_error(unit: &UnitObject, config: &TileConfig) -> BuildError {
     let wanted = match (is_ground(unit), config.clips.is_empty()) {
         (true, true) => "a clip captured in no environment".to_owned(),
         (true, false) => format!("a clip whose name matches {}", config.clips.join(", ")),
@@ -37,15 +37,20 @@ pub(super) fn no_clips(unit: &Unit, config: &TileConfig) -> BuildError {
 }
 
 /// Error for a tile of which pruning left nothing.
-pub(super) fn nothing_left(unit: &Unit, source: &Source, region: &Region, graph: &TileGraph) -> BuildError {
-    let (message, help) = missing(source, region, graph).unwrap_or_else(|| {
+pub(super) fn empty_tile_error(
+    unit: &UnitObject,
+    source: &TileSource,
+    region: &TileOutline,
+    graph: &TileGraph,
+) -> BuildError {
+    let (message, help) = first_unmet(source, region, graph).unwrap_or_else(|| {
         let help = format!(
             "Add walks of {:.1} m in the same few poses, straight and with turns to all sides, and stops: what the fewest \
              entries can do is missing most. Or allow more editing (edit_m_per_m, edit_deg_per_m), or take more pose groups \
              at the edges (edge_groups)",
             region.size
         );
-        (format!("no entries meet all conditions together: {}", met(region, graph)), help)
+        (format!("no entries meet all conditions together: {}", count_met(region, graph)), help)
     });
     let minutes = source.minutes();
     BuildError::Stage {
@@ -60,18 +65,18 @@ pub(super) fn nothing_left(unit: &Unit, source: &Source, region: &Region, graph:
 }
 
 /// How many of the entries across the first edge meet each condition, in words.
-fn met(region: &Region, graph: &TileGraph) -> String {
+fn count_met(region: &TileOutline, graph: &TileGraph) -> String {
     let entries: Vec<u32> =
         (0..graph.cells.len() as u32).filter(|&i| graph.cells[i as usize] == TileCell::Entry(0)).collect();
     let leads = |from: u32, fits: &dyn Fn(TileCell) -> bool| {
         graph.links.iter().any(|&(f, to)| f == from && fits(graph.cells[to as usize]))
     };
     let count = |fits: &dyn Fn(TileCell) -> bool| entries.iter().filter(|&&e| leads(e, fits)).count();
-    let mut out: Vec<String> = graph.ways_out[0]
+    let mut out: Vec<String> = graph.exit_edges[0]
         .iter()
         .map(|&way| {
             let n = count(&|c| matches!(c, TileCell::Exit(e, _) if e == way));
-            format!("{n} can leave {}", Layout::direction(region, 0, way))
+            format!("{n} can leave {}", TileLayout::direction(region, 0, way))
         })
         .collect();
     if graph.must_rest {
@@ -81,7 +86,7 @@ fn met(region: &Region, graph: &TileGraph) -> String {
 }
 
 /// First condition that no entry meets, and the motion that would help.
-fn missing(source: &Source, region: &Region, graph: &TileGraph) -> Option<(String, String)> {
+fn first_unmet(source: &TileSource, region: &TileOutline, graph: &TileGraph) -> Option<(String, String)> {
     const EDIT: &str = "or allow more editing (edit_m_per_m, edit_deg_per_m)";
     let enters = |from: u32| match graph.cells[from as usize] {
         TileCell::Entry(edge) => Some(edge),
@@ -95,13 +100,13 @@ fn missing(source: &Source, region: &Region, graph: &TileGraph) -> Option<(Strin
     }
     // A slide is not entered from below.
     let entered = |edge: usize| graph.cells.contains(&TileCell::Entry(edge as u32));
-    for (edge, ways) in graph.ways_out.iter().enumerate().filter(|(e, _)| entered(*e)) {
+    for (edge, ways) in graph.exit_edges.iter().enumerate().filter(|(e, _)| entered(*e)) {
         let leaves = |way: u32| {
             let mut links = graph.links.iter().filter(|l| enters(l.0) == Some(edge as u32));
             links.any(|l| matches!(graph.cells[l.1 as usize], TileCell::Exit(e, _) if e == way))
         };
         if let Some(&way) = ways.iter().find(|&&w| !leaves(w)) {
-            let direction = Layout::direction(region, edge as u32, way);
+            let direction = TileLayout::direction(region, edge as u32, way);
             let walk = match direction {
                 "straight ahead" => "walks straight on",
                 "back across the same edge" => "walks that turn round",

@@ -1,6 +1,6 @@
 //! Outline of a tile on the ground, and the test of paths against it.
 
-use super::layout::{Layout, Spot};
+use super::layout::{TileLayout, TileSpot};
 use crate::environment::TileEdges;
 use glam::Vec2;
 
@@ -8,7 +8,7 @@ use glam::Vec2;
 const SWAY_M: f32 = 0.04;
 
 /// One side of the outline: points `p` with `normal . p <= offset` are inside.
-pub(super) struct Side {
+pub(super) struct OutlineSide {
     /// Outward normal: (x, z). Unit.
     pub normal: Vec2,
     /// Offset along the normal (m).
@@ -18,9 +18,9 @@ pub(super) struct Side {
 }
 
 /// The outline of a tile.
-pub(super) struct Region {
+pub(super) struct TileOutline {
     /// Sides; those of edges first, in the order of the edges.
-    pub sides: Vec<Side>,
+    pub sides: Vec<OutlineSide>,
     /// Centre: (x, z) (m).
     pub centre: Vec2,
     /// Least distance of roots from the sides (m).
@@ -29,11 +29,11 @@ pub(super) struct Region {
     pub size: f32,
 }
 
-impl Region {
+impl TileOutline {
     /// Outline implied by edges; a margin takes at most half of the narrowest edge.
     pub fn new(edges: &TileEdges, margin: f32) -> Self {
         let centre = Vec2::new(edges.centre[0], edges.centre[2]);
-        let side = |normal: Vec2, half: f32, edge| Side { normal, offset: normal.dot(centre) + half, edge };
+        let side = |normal: Vec2, half: f32, edge| OutlineSide { normal, offset: normal.dot(centre) + half, edge };
         let mut sides = Vec::new();
         let mut narrowest = f32::MAX;
         for (i, (step, width)) in edges.steps.iter().zip(&edges.widths).enumerate() {
@@ -65,14 +65,14 @@ impl Region {
     /// True if a path stays within the tile, and away from its edges except where it crosses them.
     ///
     /// - `path`: points, with the length of the path up to each.
-    pub fn holds(&self, layout: &Layout, from: u32, to: u32, path: &[(Vec2, f32)]) -> bool {
+    pub fn contains(&self, layout: &TileLayout, from: u32, to: u32, path: &[(Vec2, f32)]) -> bool {
         let (from, to) = (&layout.spots[from as usize], &layout.spots[to as usize]);
         let total = path.last().map_or(0.0, |p| p.1);
         // Oblique paths take a little more than the margin to leave it.
         let near = self.margin + 0.25;
         path.iter().all(|&(p, walked)| {
             self.sides.iter().enumerate().all(|(s, side)| {
-                let crossed = |spot: &Spot, d: f32| side.edge.is_some_and(|e| spot.edge == e) && d <= near;
+                let crossed = |spot: &TileSpot, d: f32| side.edge.is_some_and(|e| spot.edge == e) && d <= near;
                 let least =
                     if crossed(from, walked) || crossed(to, total - walked) { -SWAY_M } else { self.margin - SWAY_M };
                 self.inset(s, p) >= least

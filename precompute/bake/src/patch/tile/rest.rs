@@ -1,9 +1,9 @@
 //! Links that stay in place: standing, turning on the spot, and tagged activities.
 
-use super::best::{Best, Candidate};
-use super::layout::{Kind, Layout};
-use super::search::Search;
-use crate::patch::track::Track;
+use super::best::{BestCandidates, LinkCandidate};
+use super::layout::{SpotKind, TileLayout};
+use super::search::TileSearch;
+use crate::patch::track::PatchTrack;
 use std::collections::BTreeMap;
 use std::f32::consts::TAU;
 use throng_core::Planar;
@@ -23,18 +23,18 @@ const MAX_FRAMES: usize = 120;
 const RETURN: (f32, f32) = (0.3, 0.35);
 
 /// Pose groups of rest at begin and end, and number of heading steps.
-type Change = (u32, u32, usize);
+type RestChange = (u32, u32, usize);
 
 /// Links between the rest spots of a tile, each of which stays in its place.
-pub(super) fn links(search: &Search) -> Vec<LinkRecord> {
+pub(super) fn links(search: &TileSearch) -> Vec<LinkRecord> {
     let groups: Vec<u32> = {
-        let rest = search.layout.spots.iter().filter(|s| s.kind == Kind::Rest);
+        let rest = search.layout.spots.iter().filter(|s| s.kind == SpotKind::Rest);
         rest.map(|s| s.group).collect::<std::collections::BTreeSet<_>>().into_iter().collect()
     };
-    let mut found = BTreeMap::<Change, Best>::new();
+    let mut found = BTreeMap::<RestChange, BestCandidates>::new();
     for &from in &groups {
         for (clip, start) in search.source.frames_in(from) {
-            follow(search, &groups, clip, start, &mut found);
+            offer_standing_from(search, &groups, clip, start, &mut found);
         }
     }
     for &clip in &search.source.clips {
@@ -43,16 +43,22 @@ pub(super) fn links(search: &Search) -> Vec<LinkRecord> {
     let mut out = Vec::new();
     for ((from, to, steps), best) in found {
         for (_, tag, candidate) in best.into_sorted() {
-            out.extend(everywhere(search, (from, to, steps), tag, &candidate));
+            out.extend(links_at_all_spots(search, (from, to, steps), tag, &candidate));
         }
     }
     out
 }
 
 /// Offers all standing and turning that begins with one frame.
-fn follow(search: &Search, groups: &[u32], clip: usize, start: usize, found: &mut BTreeMap<Change, Best>) {
+fn offer_standing_from(
+    search: &TileSearch,
+    groups: &[u32],
+    clip: usize,
+    start: usize,
+    found: &mut BTreeMap<RestChange, BestCandidates>,
+) {
     let track = &search.source.tracks[clip];
-    if !track.stands(start) {
+    if !track.is_standing(start) {
         return;
     }
     for end in start + 1..search.source.run_end(clip, start).min(start + MAX_FRAMES + 1) {
@@ -60,20 +66,20 @@ fn follow(search: &Search, groups: &[u32], clip: usize, start: usize, found: &mu
         if moved.x.hypot(moved.z) > SWAY_M {
             return;
         }
-        if end - start >= search.min_frames && groups.contains(&track.groups[end]) && track.stands(end) {
+        if end - start >= search.min_frames && groups.contains(&track.groups[end]) && track.is_standing(end) {
             let travelled = track.travelled[end] - track.travelled[start];
             let reach = REACH_M.max(search.config.edit_m_per_m as f32 * travelled);
             let turn = TURN_RAD.max((search.config.edit_deg_per_m as f32).to_radians() * travelled);
-            offer(search, clip, &(start..end), (reach, turn), found);
+            offer_run(search, clip, &(start..end), (reach, turn), found);
         }
     }
 }
 
 /// Offers the clip's tagged ranges that begin and end at rest in one place.
-fn behaviours(search: &Search, groups: &[u32], clip: usize, found: &mut BTreeMap<Change, Best>) {
+fn behaviours(search: &TileSearch, groups: &[u32], clip: usize, found: &mut BTreeMap<RestChange, BestCandidates>) {
     let track = &search.source.tracks[clip];
     for range in search.source.tag_ranges(clip) {
-        let rests = |f: &usize| groups.contains(&track.groups[*f]) && track.stands(*f);
+        let rests = |f: &usize| groups.contains(&track.groups[*f]) && track.is_standing(*f);
         let Some(first) = range.clone().find(rests) else { continue };
         let near = |f: &usize| {
             let moved = track.places[first].to_local(track.places[*f]);
@@ -82,18 +88,18 @@ fn behaviours(search: &Search, groups: &[u32], clip: usize, found: &mut BTreeMap
         let last = range.clone().rev().find(|f| rests(f) && near(f) && *f < search.source.run_end(clip, first));
         let Some(last) = last.filter(|&l| l >= first + search.min_frames.max(range.len() / 2)) else { continue };
         if last - first <= usize::from(u16::MAX) {
-            offer(search, clip, &(first..last), RETURN, found);
+            offer_run(search, clip, &(first..last), RETURN, found);
         }
     }
 }
 
 /// Offers one run of frames as a change of pose and heading, if near enough to one.
-fn offer(
-    search: &Search,
+fn offer_run(
+    search: &TileSearch,
     clip: usize,
     range: &FrameRange,
     (reach, turn): (f32, f32),
-    found: &mut BTreeMap<Change, Best>,
+    found: &mut BTreeMap<RestChange, BestCandidates>,
 ) {
     let track = &search.source.tracks[clip];
     let moved = track.places[range.start].to_local(track.places[range.end]);
@@ -105,51 +111,52 @@ fn offer(
         return;
     }
     let cost = (moved_by / reach).hypot(missing.heading / turn);
-    let candidate = Candidate { clip, start: range.start, end: range.end, missing, cost };
+    let candidate = LinkCandidate { clip, start: range.start, end: range.end, missing, cost };
     let change = (track.groups[range.start], track.groups[range.end], steps.rem_euclid(num as f32) as usize);
-    let best = found.entry(change).or_insert_with(|| Best::new(search.config.variety, search.min_frames));
+    let best = found.entry(change).or_insert_with(|| BestCandidates::new(search.config.variety, search.min_frames));
     best.offer(0, track.tag_of(range), candidate, || true);
 }
 
 /// One link for every place and heading of rest.
-fn everywhere<'a>(
-    search: &'a Search,
-    (from, to, _): Change,
+fn links_at_all_spots<'a>(
+    search: &'a TileSearch,
+    (from, to, _): RestChange,
     tag: u16,
-    c: &'a Candidate,
+    c: &'a LinkCandidate,
 ) -> impl Iterator<Item = LinkRecord> + 'a {
     let track = &search.source.tracks[c.clip];
     let turned = track.places[c.end].heading - track.places[c.start].heading + c.missing.heading;
-    let spots = search.layout.spots.iter().enumerate().filter(move |(_, s)| s.kind == Kind::Rest && s.group == from);
+    let spots =
+        search.layout.spots.iter().enumerate().filter(move |(_, s)| s.kind == SpotKind::Rest && s.group == from);
     // Partners wait for each other at pair spots; activities of one person take place elsewhere.
     let spots = spots.filter(move |(i, _)| tag == 0 || *i < search.layout.first_of_pairs);
     spots.filter_map(move |(i, spot)| {
         let end = Planar { heading: spot.place.heading + turned, ..spot.place };
-        let to = search.layout.rest_at(end, to)?;
+        let to = search.layout.rest_spot_at(end, to)?;
         Some(LinkRecord {
             from: i as u32,
             to,
             frame: track.first_row + c.start as u32,
             num_frames: (c.end - c.start) as u16,
             tag,
-            start: Placement::at(spot.place, spot.support - track.support[c.start]),
-            end: Placement::at(end, spot.support - track.support[c.end]),
+            start: Placement::from_planar(spot.place, spot.support - track.support[c.start]),
+            end: Placement::from_planar(end, spot.support - track.support[c.end]),
         })
     })
 }
 
-impl Track {
+impl PatchTrack {
     /// True if the character stands still.
-    pub fn stands(&self, frame: usize) -> bool {
+    pub fn is_standing(&self, frame: usize) -> bool {
         self.stood[frame + 1] > self.stood[frame]
     }
 }
 
-impl Layout {
+impl TileLayout {
     /// Rest spot at a place, up to full turns, in a pose.
-    fn rest_at(&self, place: Planar, group: u32) -> Option<u32> {
+    fn rest_spot_at(&self, place: Planar, group: u32) -> Option<u32> {
         let found = self.spots.iter().position(|s| {
-            s.kind == Kind::Rest
+            s.kind == SpotKind::Rest
                 && s.group == group
                 && (s.place.x - place.x).hypot(s.place.z - place.z) < 1e-3
                 && wrap_angle(s.place.heading - place.heading).abs() < 1e-3

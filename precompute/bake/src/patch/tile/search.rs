@@ -1,12 +1,12 @@
 //! All sub-sequences of the motion from one spot of a tile to others, by looping over first and last frames (Lee, Choi
 //! and Lee 2006, section 6).
 
-use super::Source;
-use super::best::{Best, Candidate};
-use super::layout::{Kind, Layout};
-use super::region::{Region, crosses_itself};
+use super::TileSource;
+use super::best::{BestCandidates, LinkCandidate};
+use super::layout::{SpotKind, TileLayout};
+use super::region::{TileOutline, crosses_itself};
 use crate::patch::TileConfig;
-use crate::patch::track::Track;
+use crate::patch::track::PatchTrack;
 use glam::Vec2;
 use std::collections::BTreeMap;
 use throng_core::Planar;
@@ -19,18 +19,18 @@ const MAX_SECONDS: f32 = 12.0;
 const DETOUR: f32 = 2.5;
 /// Longest time from standing still to the pose of rest of a stopping character, and from that pose to setting out
 /// (frames).
-const SETTLING: usize = 30;
+const SETTLING_FRAMES: usize = 30;
 /// Total turn below which a path cannot cross itself (rad).
 const LOOP_RAD: f32 = 3.5;
 
 /// Search for motion between the spots of a tile.
-pub(super) struct Search<'a> {
+pub(super) struct TileSearch<'a> {
     /// The motion.
-    pub source: &'a Source<'a>,
+    pub source: &'a TileSource<'a>,
     /// Spots of the tile.
-    pub layout: &'a Layout,
+    pub layout: &'a TileLayout,
     /// Outline that roots must stay in.
-    pub region: &'a Region,
+    pub region: &'a TileOutline,
     /// Limits of editing, and number of kept motions.
     pub config: &'a TileConfig,
     /// Shortest link (frames).
@@ -40,23 +40,23 @@ pub(super) struct Search<'a> {
 }
 
 /// A first frame, with the placement of its clip in the tile's frame.
-struct Start {
+struct LinkStart {
     clip: usize,
     frame: usize,
     base: Planar,
 }
 
-impl<'a> Search<'a> {
+impl<'a> TileSearch<'a> {
     /// Prepares the search.
     pub fn new(
-        source: &'a Source,
-        layout: &'a Layout,
-        region: &'a Region,
+        source: &'a TileSource,
+        layout: &'a TileLayout,
+        region: &'a TileOutline,
         config: &'a TileConfig,
         min_frames: usize,
     ) -> Self {
         let mut targets = BTreeMap::<u32, Vec<u32>>::new();
-        for (i, spot) in layout.spots.iter().enumerate().filter(|(_, s)| s.kind != Kind::Entry) {
+        for (i, spot) in layout.spots.iter().enumerate().filter(|(_, s)| s.kind != SpotKind::Entry) {
             targets.entry(spot.group).or_default().push(i as u32);
         }
         Self { source, layout, region, config, min_frames, targets }
@@ -64,23 +64,23 @@ impl<'a> Search<'a> {
 
     /// Links from an entry to exits and rest, or from rest to exits.
     pub fn links_from(&self, from: u32) -> Vec<LinkRecord> {
-        let mut best = Best::new(self.config.variety, self.min_frames);
+        let mut best = BestCandidates::new(self.config.variety, self.min_frames);
         for start in self.starts(from) {
-            self.follow(from, &start, &mut best);
+            self.offer_from(from, &start, &mut best);
         }
-        best.into_sorted().map(|(to, tag, c)| self.record(from, to, tag, &c)).collect()
+        best.into_sorted().map(|(to, tag, c)| self.link_record(from, to, tag, &c)).collect()
     }
 
     /// First frames in the spot's pose group, in order.
-    fn starts(&self, from: u32) -> Vec<Start> {
+    fn starts(&self, from: u32) -> Vec<LinkStart> {
         let spot = &self.layout.spots[from as usize];
         let placed = |clip: usize, frame: usize| {
             let base = spot.place.compose(self.source.tracks[clip].places[frame].inverse());
-            Start { clip, frame, base }
+            LinkStart { clip, frame, base }
         };
         let frames = self.source.frames_in(spot.group);
         match spot.kind {
-            Kind::Rest => {
+            SpotKind::Rest => {
                 frames.filter(|&(c, f)| self.source.tracks[c].leaves_rest(f)).map(|(c, f)| placed(c, f)).collect()
             }
             _ if self.source.copies.is_empty() => frames.map(|(c, f)| placed(c, f)).collect(),
@@ -107,7 +107,7 @@ impl<'a> Search<'a> {
     }
 
     /// Offers all sub-sequences that begin with one frame.
-    fn follow(&self, from: u32, start: &Start, best: &mut Best) {
+    fn offer_from(&self, from: u32, start: &LinkStart, best: &mut BestCandidates) {
         let track = &self.source.tracks[start.clip];
         let last = (start.frame + (MAX_SECONDS * self.source.rate_hz) as usize)
             .min(self.source.run_end(start.clip, start.frame).saturating_sub(1));
@@ -128,12 +128,12 @@ impl<'a> Search<'a> {
                     continue;
                 }
                 let dh = wrap_angle(spot.place.heading - place.heading);
-                if dh.abs() > turn || !self.suits(from, to, track, start.frame, end) {
+                if dh.abs() > turn || !self.is_suitable(from, to, track, start.frame, end) {
                     continue;
                 }
                 let cost = (dx.hypot(dz) / reach).hypot(dh / turn);
                 let missing = Planar::new(dx, dz, dh);
-                let candidate = Candidate { clip: start.clip, start: start.frame, end, missing, cost };
+                let candidate = LinkCandidate { clip: start.clip, start: start.frame, end, missing, cost };
                 let tag = track.tag_of(&(start.frame..end));
                 best.offer(to, tag, candidate, || self.is_plausible(from, to, start, &candidate));
             }
@@ -141,25 +141,25 @@ impl<'a> Search<'a> {
     }
 
     /// True if the frames stand and walk as motion between the spots should.
-    fn suits(&self, from: u32, to: u32, track: &Track, start: usize, end: usize) -> bool {
+    fn is_suitable(&self, from: u32, to: u32, track: &PatchTrack, start: usize, end: usize) -> bool {
         let (from, to) = (&self.layout.spots[from as usize], &self.layout.spots[to as usize]);
         let within = track.frames_standing(start..end);
         match (from.kind, to.kind) {
-            (Kind::Rest, Kind::Rest) => false,
-            (_, Kind::Rest) => track.has_settled(end) && within <= SETTLING,
-            (Kind::Rest, _) => within <= SETTLING,
+            (SpotKind::Rest, SpotKind::Rest) => false,
+            (_, SpotKind::Rest) => track.has_settled(end) && within <= SETTLING_FRAMES,
+            (SpotKind::Rest, _) => within <= SETTLING_FRAMES,
             _ => within == 0 && self.reaches(from.support, to.support, track, start, end),
         }
     }
 
     /// True if the support rises from spot to spot as in the clip.
-    fn reaches(&self, from: f32, to: f32, track: &Track, start: usize, end: usize) -> bool {
+    fn reaches(&self, from: f32, to: f32, track: &PatchTrack, start: usize, end: usize) -> bool {
         let missing = (to - from) - (track.support[end] - track.support[start]);
         missing.abs() <= super::vocabulary::LEVEL_M
     }
 
     /// True if the edited path stays within the tile, does not cross itself and makes no great detour.
-    fn is_plausible(&self, from: u32, to: u32, start: &Start, c: &Candidate) -> bool {
+    fn is_plausible(&self, from: u32, to: u32, start: &LinkStart, c: &LinkCandidate) -> bool {
         let track = &self.source.tracks[c.clip];
         let mut path: Vec<(Vec2, f32)> = Vec::with_capacity(c.end - c.start + 1);
         for frame in c.start..=c.end {
@@ -172,11 +172,11 @@ impl<'a> Search<'a> {
         let turned = track.places[c.end].heading - track.places[c.start].heading;
         let straight = path[0].0.distance(path[path.len() - 1].0).max(self.region.size / 2.0);
         path[path.len() - 1].1 <= DETOUR * straight
-            && self.region.holds(self.layout, from, to, &path)
+            && self.region.contains(self.layout, from, to, &path)
             && (turned.abs() < LOOP_RAD || !crosses_itself(&path))
     }
 
-    fn record(&self, from: u32, to: u32, tag: u16, c: &Candidate) -> LinkRecord {
+    fn link_record(&self, from: u32, to: u32, tag: u16, c: &LinkCandidate) -> LinkRecord {
         let track = &self.source.tracks[c.clip];
         let [a, b] = [from, to].map(|s| &self.layout.spots[s as usize]);
         let turned = track.places[c.end].heading - track.places[c.start].heading + c.missing.heading;
@@ -186,8 +186,8 @@ impl<'a> Search<'a> {
             frame: track.first_row + c.start as u32,
             num_frames: (c.end - c.start) as u16,
             tag,
-            start: Placement::at(a.place, a.support - track.support[c.start]),
-            end: Placement::at(
+            start: Placement::from_planar(a.place, a.support - track.support[c.start]),
+            end: Placement::from_planar(
                 Planar { heading: a.place.heading + turned, ..b.place },
                 b.support - track.support[c.end],
             ),
@@ -195,14 +195,14 @@ impl<'a> Search<'a> {
     }
 }
 
-impl Track {
+impl PatchTrack {
     /// True if the character is about to leave its place.
     fn leaves_rest(&self, frame: usize) -> bool {
-        self.standing.iter().any(|r| r.contains(&frame) && r.end - frame <= SETTLING)
+        self.standing.iter().any(|r| r.contains(&frame) && r.end - frame <= SETTLING_FRAMES)
     }
 
     /// True if the character has stopped recently.
     fn has_settled(&self, frame: usize) -> bool {
-        self.standing.iter().any(|r| r.contains(&frame) && frame - r.start <= SETTLING)
+        self.standing.iter().any(|r| r.contains(&frame) && frame - r.start <= SETTLING_FRAMES)
     }
 }

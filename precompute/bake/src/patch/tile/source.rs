@@ -1,6 +1,6 @@
 //! Source motion of a tile.
 
-use crate::patch::track::Track;
+use crate::patch::track::PatchTrack;
 use std::collections::BTreeMap;
 use throng_core::patch::Placement;
 use throng_motion::clip::{ClipSet, FrameRange};
@@ -9,9 +9,9 @@ use throng_motion::clip::{ClipSet, FrameRange};
 const SEATED: f32 = 0.85;
 
 /// Source motion of a tile.
-pub(in crate::patch) struct Source<'a> {
+pub(in crate::patch) struct TileSource<'a> {
     /// Tracks of all clips.
-    pub tracks: &'a [Track],
+    pub tracks: &'a [PatchTrack],
     /// Clips that are used, by number.
     pub clips: Vec<usize>,
     /// Copies of a rising tile that the clips were captured on: clip and placement. Level ground has none: motion
@@ -25,9 +25,9 @@ pub(in crate::patch) struct Source<'a> {
     tag_ranges: Vec<Vec<FrameRange>>,
 }
 
-impl<'a> Source<'a> {
+impl<'a> TileSource<'a> {
     /// The motion of some clips, on copies of a tile.
-    pub fn new(set: &ClipSet, tracks: &'a [Track], clips: Vec<usize>, copies: Vec<(usize, Placement)>) -> Self {
+    pub fn new(set: &ClipSet, tracks: &'a [PatchTrack], clips: Vec<usize>, copies: Vec<(usize, Placement)>) -> Self {
         let mut run_end: Vec<Vec<usize>> = tracks.iter().map(|t| t.run_end.clone()).collect();
         if copies.is_empty() {
             leave_out_seats(set, tracks, &clips, &mut run_end);
@@ -39,7 +39,7 @@ impl<'a> Source<'a> {
             }
         }
         let ranges = |c: &throng_motion::Clip| {
-            let within = |t: &throng_motion::clip::Tag| t.range.start..t.range.end.min(c.num_frames());
+            let within = |t: &throng_motion::clip::ClipTag| t.range.start..t.range.end.min(c.num_frames());
             c.tags.iter().map(within).collect()
         };
         let rate_hz = clips.first().map_or(30.0, |&c| set.clips[c].rate_hz as f32);
@@ -75,7 +75,7 @@ impl<'a> Source<'a> {
 }
 
 /// Removes frames of sitting on a missing seat from runs: low, and still.
-fn leave_out_seats(set: &ClipSet, tracks: &[Track], clips: &[usize], run_end: &mut [Vec<usize>]) {
+fn leave_out_seats(set: &ClipSet, tracks: &[PatchTrack], clips: &[usize], run_end: &mut [Vec<usize>]) {
     let height = |c: usize, f: usize| set.clips[c].root_positions[f].y - tracks[c].support[f];
     let mut all: Vec<f32> =
         clips.iter().flat_map(|&c| (0..run_end[c].len()).map(move |f| (c, f))).map(|(c, f)| height(c, f)).collect();
@@ -90,7 +90,7 @@ fn leave_out_seats(set: &ClipSet, tracks: &[Track], clips: &[usize], run_end: &m
             let run = run_end[c][f];
             end = match (run, f + 1 == run) {
                 (0, _) => 0,
-                _ if tracks[c].stands(f) && height(c, f) < SEATED * usual => 0,
+                _ if tracks[c].is_standing(f) && height(c, f) < SEATED * usual => 0,
                 (_, true) => run,
                 _ if end == 0 => f + 1,
                 _ => end,

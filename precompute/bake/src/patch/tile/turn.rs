@@ -4,7 +4,7 @@ use std::f32::consts::TAU;
 use throng_core::patch::{LinkRecord, Placement};
 
 /// Spots from which links must be searched: the first of each orbit of quarter turns.
-pub(super) fn first_of_each(turned: &[u32], spots: impl Iterator<Item = u32>) -> Vec<u32> {
+pub(super) fn first_turns(turned: &[u32], spots: impl Iterator<Item = u32>) -> Vec<u32> {
     let first = |spot: u32| {
         let mut other = turned[spot as usize];
         while other > spot {
@@ -34,7 +34,7 @@ mod tests {
     #[test]
     fn a_link_is_turned_through_all_of_its_set_once() {
         let turned = [1, 2, 3, 0, 4];
-        assert_eq!(first_of_each(&turned, 0..5), [0, 4]);
+        assert_eq!(first_turns(&turned, 0..5), [0, 4]);
         let link = LinkRecord { from: 0, to: 4, start: Placement::new(0.0, 0.0, 1.0, 0.0), ..LinkRecord::zeroed() };
         let all: Vec<_> = all_turns(&turned, link).collect();
         assert_eq!(all.iter().map(|l| (l.from, l.to)).collect::<Vec<_>>(), [(0, 4), (1, 4), (2, 4), (3, 4)]);

@@ -1,8 +1,8 @@
 //! Pose groups in which characters enter, leave and rest.
 
-use super::Source;
+use super::TileSource;
 use super::layout::edge_height;
-use super::region::Region;
+use super::region::TileOutline;
 use crate::cluster::PoseGroups;
 use crate::environment::TileEdges;
 use crate::patch::TileConfig;
@@ -16,7 +16,7 @@ pub(super) const LEVEL_M: f32 = 0.05;
 
 /// A pose at an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Word {
+pub(super) struct EdgePose {
     /// Pose group.
     pub group: u32,
     /// Height of the support above the middle of the edge (m).
@@ -24,20 +24,20 @@ pub(super) struct Word {
 }
 
 /// Poses at edges and at rest.
-pub(super) struct Vocabulary {
+pub(super) struct TileVocabulary {
     /// For each edge, the poses in which it is entered.
-    pub edge: Vec<Vec<Word>>,
+    pub edge: Vec<Vec<EdgePose>>,
     /// Pose groups of rest.
     pub rest: Vec<u32>,
 }
 
-impl Vocabulary {
+impl TileVocabulary {
     /// Poses of level ground: the most frequent ones of walking, at every edge, and of standing.
     ///
     /// Groups are counted by the strides and stops that pass through them, not by frames: a link needs a pass.
     ///
     /// - `times`: multiple of the configured number of groups.
-    pub fn of_ground(source: &Source, num_edges: usize, config: &TileConfig, times: usize) -> Self {
+    pub fn from_ground(source: &TileSource, num_edges: usize, config: &TileConfig, times: usize) -> Self {
         let (mut walking, mut standing) = (BTreeMap::<u32, usize>::new(), BTreeMap::<u32, usize>::new());
         for &c in &source.clips {
             let track = &source.tracks[c];
@@ -58,22 +58,22 @@ impl Vocabulary {
                 }
             }
         }
-        let words: Vec<Word> = commonest(walking, times * config.edge_groups)
+        let words: Vec<EdgePose> = most_common_poses(walking, times * config.edge_groups)
             .into_iter()
-            .map(|group| Word { group, level: 0.0 })
+            .map(|group| EdgePose { group, level: 0.0 })
             .collect();
-        Self { edge: vec![words; num_edges], rest: commonest(standing, times * config.rest_groups) }
+        Self { edge: vec![words; num_edges], rest: most_common_poses(standing, times * config.rest_groups) }
     }
 
     /// Poses in which captured copies of a rising tile were crossed: for each edge the most frequent ones of entering
     /// it that also occur in leaving the opposite one.
-    pub fn of_rising(source: &Source, region: &Region, edges: &TileEdges, config: &TileConfig) -> Self {
+    pub fn from_rising(source: &TileSource, region: &TileOutline, edges: &TileEdges, config: &TileConfig) -> Self {
         let edges = (0..2).map(|edge| {
             let [entered, left] =
                 [edge, edge ^ 1].map(|e| crossings(source, region, e, edge_height(edges, e), e == edge));
             let both = entered.into_iter().filter_map(|(word, n)| Some((word, n.min(*left.get(&word)?))));
-            let found = commonest(both.collect(), config.edge_groups);
-            let word = |(group, level)| Word { group, level: level as f32 * LEVEL_M };
+            let found = most_common_poses(both.collect(), config.edge_groups);
+            let word = |(group, level)| EdgePose { group, level: level as f32 * LEVEL_M };
             found.into_iter().map(word).collect()
         });
         Self { edge: edges.collect(), rest: Vec::new() }
@@ -84,7 +84,13 @@ impl Vocabulary {
 ///
 /// - `height`: of the edge, from which levels are measured (m).
 /// - `inward`: true to count entries, false for exits.
-fn crossings(source: &Source, region: &Region, edge: usize, height: f32, inward: bool) -> BTreeMap<(u32, i32), usize> {
+fn crossings(
+    source: &TileSource,
+    region: &TileOutline,
+    edge: usize,
+    height: f32,
+    inward: bool,
+) -> BTreeMap<(u32, i32), usize> {
     let mut counts = BTreeMap::new();
     for (c, copy) in &source.copies {
         let track = &source.tracks[*c];
@@ -111,7 +117,7 @@ fn crossings(source: &Source, region: &Region, edge: usize, height: f32, inward:
 }
 
 /// The `n` with the highest counts, the first on a tie; sorted by number.
-fn commonest<T: Copy + Ord>(counts: BTreeMap<T, usize>, n: usize) -> Vec<T> {
+fn most_common_poses<T: Copy + Ord>(counts: BTreeMap<T, usize>, n: usize) -> Vec<T> {
     let mut all: Vec<(T, usize)> = counts.into_iter().collect();
     all.sort_by_key(|&(item, count)| (std::cmp::Reverse(count), item));
     let mut found: Vec<T> = all.into_iter().take(n).map(|(item, _)| item).collect();
@@ -121,11 +127,11 @@ fn commonest<T: Copy + Ord>(counts: BTreeMap<T, usize>, n: usize) -> Vec<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::commonest;
+    use super::most_common_poses;
 
     #[test]
     fn the_commonest_are_chosen_and_the_first_of_equal_ones() {
         let counts = [(1, 2), (2, 5), (3, 2), (4, 9)].into_iter().collect();
-        assert_eq!(commonest(counts, 3), [1, 2, 4]);
+        assert_eq!(most_common_poses(counts, 3), [1, 2, 4]);
     }
 }

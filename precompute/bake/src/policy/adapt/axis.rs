@@ -2,13 +2,13 @@
 
 /// A matrix, row-major.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Matrix {
+pub(super) struct AxisMatrix {
     pub rows: usize,
     pub columns: usize,
     pub elements: Vec<f32>,
 }
 
-impl Matrix {
+impl AxisMatrix {
     /// Multiplies the matrix with a block of values along one of its axes.
     ///
     /// - `values`: (outer * columns * inner).
@@ -35,9 +35,9 @@ pub(super) struct Resolution {
     /// Number of cells.
     pub count: u32,
     /// Matrix from values of the finest cells to the least-squares values of these cells (count x finest).
-    pub fit: Matrix,
+    pub fit: AxisMatrix,
     /// Matrix from values of the finest cells to those interpolated at them after the fit (finest x finest).
-    pub seen: Matrix,
+    pub interpolation: AxisMatrix,
 }
 
 /// Possible numbers of cells of an axis, finest first: each about 0.7 of the one before.
@@ -71,13 +71,13 @@ impl Resolution {
                 }
             }
         }
-        let matrix = |rows, columns, elements: Vec<f64>| Matrix {
+        let matrix = |rows, columns, elements: Vec<f64>| AxisMatrix {
             rows,
             columns,
             // Values that are only rounding are set to zero, so that they involve no neighbours.
             elements: elements.into_iter().map(|v| if v.abs() < 1e-9 { 0.0 } else { v as f32 }).collect(),
         };
-        Self { count, fit: matrix(m, n, fit), seen: matrix(n, n, seen) }
+        Self { count, fit: matrix(m, n, fit), interpolation: matrix(n, n, seen) }
     }
 }
 
@@ -146,7 +146,7 @@ mod tests {
     fn the_finest_changes_nothing() {
         for around in [false, true] {
             let finest = &resolutions(9, 2, around)[0];
-            for (i, w) in finest.seen.elements.iter().enumerate() {
+            for (i, w) in finest.interpolation.elements.iter().enumerate() {
                 let expected = if i % 10 == 0 { 1.0 } else { 0.0 };
                 assert!((w - expected).abs() < 1e-6, "{around} {i} {w}");
             }
@@ -164,7 +164,7 @@ mod tests {
                 let (m, n) = (r.count as usize, finest as usize);
                 let (mut fitted, mut seen) = (Vec::new(), Vec::new());
                 r.fit.apply(values, 1, &mut fitted);
-                r.seen.apply(values, 1, &mut seen);
+                r.interpolation.apply(values, 1, &mut seen);
                 let spread = interpolation(m, n, around);
                 let error = |of: &dyn Fn(usize) -> f64| -> f64 {
                     let at = |i: usize| (0..m).map(|k| spread[i * m + k] * of(k)).sum::<f64>();

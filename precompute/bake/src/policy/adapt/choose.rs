@@ -2,7 +2,7 @@
 
 /// Costs and errors from which a shape is chosen for each state.
 #[derive(Clone, Copy)]
-pub(super) struct Choices<'a> {
+pub(super) struct ShapeChoices<'a> {
     /// Cells of each shape.
     pub cells: &'a [usize],
     /// Sum of squared errors of each (state, shape), states one after the other.
@@ -16,7 +16,7 @@ pub(super) struct Choices<'a> {
 }
 
 /// A worthwhile refinement of a state.
-struct Step {
+struct ShapeRefinement {
     state: usize,
     shape: usize,
     cells: usize,
@@ -24,7 +24,7 @@ struct Step {
     gain: f64,
 }
 
-impl Choices<'_> {
+impl ShapeChoices<'_> {
     /// A shape for every state; fails with the number of cells of the coarsest shapes if that exceeds the budget.
     ///
     /// Every state starts with the fewest cells. Of all refinements on the lower hull of a state's errors over its
@@ -37,7 +37,8 @@ impl Choices<'_> {
         if used > self.budget {
             return Err(used);
         }
-        let mut steps: Vec<Step> = hulls.iter().enumerate().flat_map(|(s, hull)| self.steps(s, hull)).collect();
+        let mut steps: Vec<ShapeRefinement> =
+            hulls.iter().enumerate().flat_map(|(s, hull)| self.steps(s, hull)).collect();
         // Stable, so that a state's own steps stay in order.
         steps.sort_by(|a, b| b.gain.total_cmp(&a.gain).then(a.state.cmp(&b.state)));
         for step in steps {
@@ -50,12 +51,12 @@ impl Choices<'_> {
         Ok(chosen)
     }
 
-    fn steps(&self, state: usize, hull: &[usize]) -> Vec<Step> {
+    fn steps(&self, state: usize, hull: &[usize]) -> Vec<ShapeRefinement> {
         let error = |shape: usize| self.errors[state * self.cells.len() + shape];
         let step = |pair: &[usize]| {
             let cells = self.cells[pair[1]] - self.cells[pair[0]];
             let gain = self.weights[state] * (error(pair[0]) - error(pair[1])) / cells as f64;
-            Step { state, shape: pair[1], cells, gain }
+            ShapeRefinement { state, shape: pair[1], cells, gain }
         };
         hull.windows(2).take_while(|pair| error(pair[0]) > self.enough).map(step).collect()
     }
@@ -89,7 +90,7 @@ mod tests {
     use proptest::prelude::*;
 
     /// Cells and weighted error of a choice.
-    fn total(c: &Choices<'_>, chosen: &[usize]) -> (usize, f64) {
+    fn total(c: &ShapeChoices<'_>, chosen: &[usize]) -> (usize, f64) {
         let error = |(s, &k): (usize, &usize)| c.weights[s] * c.errors[s * c.cells.len() + k];
         (chosen.iter().map(|&k| c.cells[k]).sum(), chosen.iter().enumerate().map(error).sum())
     }
@@ -98,12 +99,16 @@ mod tests {
     fn cells_go_to_the_state_that_gains_most() {
         // State 0 gains 9 from three cells more, state 1 only 2.
         let errors = [0.0, 9.0, 0.0, 2.0];
-        let c = Choices { cells: &[4, 1], errors: &errors, weights: &[1.0, 1.0], budget: 5, enough: 0.0 };
+        let c = ShapeChoices { cells: &[4, 1], errors: &errors, weights: &[1.0, 1.0], budget: 5, enough: 0.0 };
         assert_eq!(c.choose(), Ok(vec![0, 1]));
-        assert_eq!(Choices { weights: &[1.0, 5.0], ..c }.choose(), Ok(vec![1, 0]), "2 counts more than 9");
-        assert_eq!(Choices { budget: 8, ..c }.choose(), Ok(vec![0, 0]));
-        assert_eq!(Choices { budget: 8, enough: 3.0, ..c }.choose(), Ok(vec![0, 1]), "an error of 2 is small enough");
-        assert_eq!(Choices { budget: 1, ..c }.choose(), Err(2));
+        assert_eq!(ShapeChoices { weights: &[1.0, 5.0], ..c }.choose(), Ok(vec![1, 0]), "2 counts more than 9");
+        assert_eq!(ShapeChoices { budget: 8, ..c }.choose(), Ok(vec![0, 0]));
+        assert_eq!(
+            ShapeChoices { budget: 8, enough: 3.0, ..c }.choose(),
+            Ok(vec![0, 1]),
+            "an error of 2 is small enough"
+        );
+        assert_eq!(ShapeChoices { budget: 1, ..c }.choose(), Err(2));
     }
 
     proptest! {
@@ -114,7 +119,7 @@ mod tests {
         ) {
             let errors: Vec<f64> = errors.into_iter().map(f64::from).collect();
             let weights = weights.map(f64::from);
-            let c = Choices { cells: &cells, errors: &errors, weights: &weights, budget, enough: 0.0 };
+            let c = ShapeChoices { cells: &cells, errors: &errors, weights: &weights, budget, enough: 0.0 };
             let least = 3 * cells.iter().min().unwrap();
             match c.choose() {
                 Err(needed) => prop_assert!(needed == least && least > budget),

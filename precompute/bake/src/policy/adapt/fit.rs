@@ -4,7 +4,7 @@ use super::axis::{Resolution, resolutions};
 use throng_core::policy::TargetGrid;
 
 /// Possible grids of a state: every combination of the axes' counts.
-pub(super) struct Shapes {
+pub(super) struct GridShapes {
     /// Resolutions of angles, rings and heights, finest first.
     axes: [Vec<Resolution>; 3],
     finest: [usize; 3],
@@ -12,11 +12,11 @@ pub(super) struct Shapes {
 
 /// Scratch memory for a state's values, from one axis to the next.
 #[derive(Default)]
-pub(super) struct Scratch {
+pub(super) struct FitScratch {
     stages: [Vec<f32>; 3],
 }
 
-impl Shapes {
+impl GridShapes {
     pub fn new(grid: &TargetGrid) -> Self {
         let [rings, angles, heights] = grid.counts();
         let axes =
@@ -38,7 +38,7 @@ impl Shapes {
     }
 
     /// Resolutions of a shape: angles, rings, heights.
-    fn of(&self, shape: usize) -> [&Resolution; 3] {
+    fn resolutions(&self, shape: usize) -> [&Resolution; 3] {
         let [_, rings, heights] = self.axes.each_ref().map(Vec::len);
         [
             &self.axes[0][shape / (rings * heights)],
@@ -49,7 +49,7 @@ impl Shapes {
 
     /// Counts of a shape: rings, angles, heights.
     pub fn counts(&self, shape: usize) -> [u32; 3] {
-        let [angles, rings, heights] = self.of(shape).map(|r| r.count);
+        let [angles, rings, heights] = self.resolutions(shape).map(|r| r.count);
         [rings, angles, heights]
     }
 
@@ -61,15 +61,15 @@ impl Shapes {
     /// Sums of the squared errors of all shapes over the finest cells (len()).
     ///
     /// - `values`: of a state on the finest grid.
-    pub fn errors(&self, values: &[f32], scratch: &mut Scratch, out: &mut [f64]) {
+    pub fn errors(&self, values: &[f32], scratch: &mut FitScratch, out: &mut [f64]) {
         let [_, rings, heights] = self.axes.each_ref().map(Vec::len);
         let [a, b, c] = &mut scratch.stages;
         for (i, by_angle) in self.axes[0].iter().enumerate() {
-            by_angle.seen.apply(values, 1, a);
+            by_angle.interpolation.apply(values, 1, a);
             for (j, by_ring) in self.axes[1].iter().enumerate() {
-                by_ring.seen.apply(a, self.finest[0], b);
+                by_ring.interpolation.apply(a, self.finest[0], b);
                 for (k, by_height) in self.axes[2].iter().enumerate() {
-                    by_height.seen.apply(b, self.finest[0] * self.finest[1], c);
+                    by_height.interpolation.apply(b, self.finest[0] * self.finest[1], c);
                     let squares = c.iter().zip(values).map(|(s, v)| f64::from((s - v) * (s - v)));
                     out[(i * rings + j) * heights + k] = squares.sum();
                 }
@@ -83,7 +83,7 @@ impl Shapes {
 
     /// Least-squares values of a shape's cells; unchanged for the finest.
     pub fn fit(&self, shape: usize, values: &[f32]) -> Vec<f32> {
-        let [by_angle, by_ring, by_height] = self.of(shape);
+        let [by_angle, by_ring, by_height] = self.resolutions(shape);
         let mut fitted = values.to_vec();
         let mut inner = 1;
         for (resolution, finest) in [by_angle, by_ring, by_height].into_iter().zip(self.finest) {

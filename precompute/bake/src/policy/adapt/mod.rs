@@ -7,12 +7,12 @@ mod fit;
 mod on_grid;
 mod report;
 
-use super::behaviour::Behaviour;
+use super::behaviour::PolicyBehaviour;
 use super::config::AdaptiveConfig;
 use super::model::ActionModel;
 use super::solve::Solution;
-use choose::Choices;
-use fit::{Scratch, Shapes};
+use choose::ShapeChoices;
+use fit::{FitScratch, GridShapes};
 use rayon::prelude::*;
 pub use report::{AdaptiveReport, Approximation};
 use throng_core::policy::{PolicyRecord, StateGridRecord};
@@ -42,32 +42,32 @@ use throng_motion::error::BuildError;
 pub fn adapt(
     model: &ActionModel,
     solution: &Solution,
-    behaviour: &dyn Behaviour,
+    behaviour: &dyn PolicyBehaviour,
     cfg: &AdaptiveConfig,
 ) -> Result<Solution, BuildError> {
     let grid = behaviour.spec().grid;
-    let shapes = Shapes::new(&grid);
+    let shapes = GridShapes::new(&grid);
     let (num_states, num_cells) = (solution.record.num_states as usize, grid.num_cells());
     let mut errors = vec![0.0; num_states * shapes.len()];
     let states = solution.values.par_chunks(num_cells).zip(errors.par_chunks_mut(shapes.len()));
-    states.for_each_init(Scratch::default, |scratch, (values, out)| shapes.errors(values, scratch, out));
+    states.for_each_init(FitScratch::default, |scratch, (values, out)| shapes.errors(values, scratch, out));
     let cells: Vec<usize> = (0..shapes.len()).map(|k| shapes.num_cells(k)).collect();
     let enough = cfg.tolerance * cfg.tolerance * num_cells as f64;
-    let (weights, budget) = (uses(model), budget(solution, num_cells, cfg));
-    let choices = Choices { cells: &cells, errors: &errors, weights: &weights, budget, enough };
-    let chosen = choices.choose().map_err(|least| too_little(solution, num_cells, cfg, least))?;
+    let (weights, budget) = (count_uses(model), cell_budget(solution, num_cells, cfg));
+    let choices = ShapeChoices { cells: &cells, errors: &errors, weights: &weights, budget, enough };
+    let chosen = choices.choose().map_err(|least| memory_error(solution, num_cells, cfg, least))?;
     Ok(with_shapes(solution, &shapes, &chosen))
 }
 
 /// Number of actions that lead to each state, at least 1.
-fn uses(model: &ActionModel) -> Vec<f64> {
+fn count_uses(model: &ActionModel) -> Vec<f64> {
     let mut uses = vec![0.0f64; model.num_states()];
     model.action_segments.iter().for_each(|&s| uses[model.segments[s as usize].end as usize] += 1.0);
     uses.iter().map(|n| n.max(1.0)).collect()
 }
 
 /// The solution's values, stored with the chosen shape of each state.
-fn with_shapes(solution: &Solution, shapes: &Shapes, chosen: &[usize]) -> Solution {
+fn with_shapes(solution: &Solution, shapes: &GridShapes, chosen: &[usize]) -> Solution {
     let mut first = 0;
     let state_grids = chosen.iter().map(|&shape| {
         let record = StateGridRecord::new(shapes.counts(shape), first);
@@ -88,12 +88,12 @@ fn bytes_per_cell(solution: &Solution) -> usize {
 }
 
 /// Bytes of values, best actions and state grids.
-fn bytes(solution: &Solution) -> usize {
+fn solution_bytes(solution: &Solution) -> usize {
     solution.values.len() * bytes_per_cell(solution) + size_of_val(&*solution.state_grids)
 }
 
 /// Number of cells that fit the memory.
-fn budget(solution: &Solution, num_cells: usize, cfg: &AdaptiveConfig) -> usize {
+fn cell_budget(solution: &Solution, num_cells: usize, cfg: &AdaptiveConfig) -> usize {
     let num_states = solution.record.num_states as usize;
     let bytes = cfg.share * (num_states * num_cells * bytes_per_cell(solution)) as f64;
     let records = num_states * size_of::<StateGridRecord>();
@@ -102,7 +102,7 @@ fn budget(solution: &Solution, num_cells: usize, cfg: &AdaptiveConfig) -> usize 
     (bytes as usize + whole).saturating_sub(records) / bytes_per_cell(solution)
 }
 
-fn too_little(solution: &Solution, num_cells: usize, cfg: &AdaptiveConfig, least: usize) -> BuildError {
+fn memory_error(solution: &Solution, num_cells: usize, cfg: &AdaptiveConfig, least: usize) -> BuildError {
     let num_states = solution.record.num_states as usize;
     let needed = least * bytes_per_cell(solution) + num_states * size_of::<StateGridRecord>();
     let share = needed as f64 / (num_states * num_cells * bytes_per_cell(solution)) as f64;

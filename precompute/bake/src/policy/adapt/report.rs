@@ -1,13 +1,13 @@
 //! Loss of an adaptive policy, compared with uniform grids of equal size.
 
-use super::super::behaviour::Behaviour;
+use super::super::behaviour::PolicyBehaviour;
 use super::super::compare::random_target;
 use super::super::config::PolicyConfig;
 use super::super::model::ActionModel;
 use super::super::solve::{Solution, value_iteration};
-use super::fit::Shapes;
-use super::on_grid::OnGrid;
-use super::{bytes, bytes_per_cell, with_shapes};
+use super::fit::GridShapes;
+use super::on_grid::RegriddedBehaviour;
+use super::{bytes_per_cell, solution_bytes, with_shapes};
 use glam::Vec3;
 use rand::RngExt;
 use rand_pcg::Pcg64;
@@ -61,7 +61,7 @@ impl AdaptiveReport {
     /// [`BuildError::Stage`] if the uniform grid's values do not converge.
     pub(in crate::policy) fn new(
         model: &ActionModel,
-        behaviour: &dyn Behaviour,
+        behaviour: &dyn PolicyBehaviour,
         finest: &Solution,
         adapted: &Solution,
         cfg: &PolicyConfig,
@@ -69,21 +69,21 @@ impl AdaptiveReport {
     ) -> Result<Self, BuildError> {
         let grid = behaviour.spec().grid;
         let num_states = model.num_states().max(1);
-        let counts = uniform_counts(&grid, bytes(adapted).div_ceil(bytes_per_cell(adapted) * num_states));
-        let uniform = OnGrid { behaviour, grid: grid.with_counts(counts) };
+        let counts = uniform_counts(&grid, solution_bytes(adapted).div_ceil(bytes_per_cell(adapted) * num_states));
+        let uniform = RegriddedBehaviour { behaviour, grid: grid.with_counts(counts) };
         let mut uniform = value_iteration(model, &uniform, cfg, &Silent)?;
         uniform.record.num_choices = finest.record.num_choices;
-        let fitted = with_shapes(finest, &Shapes::single(&grid, counts), &vec![0; num_states]);
-        let queries = Queries::new(model, finest, cfg.compare_samples, rng)?;
+        let fitted = with_shapes(finest, &GridShapes::single(&grid, counts), &vec![0; num_states]);
+        let queries = RandomQueries::new(model, finest, cfg.compare_samples, rng)?;
         Ok(Self {
-            finest_bytes: bytes(finest),
+            finest_bytes: solution_bytes(finest),
             samples: cfg.compare_samples,
             mean_value: queries.values.iter().map(|v| f64::from(v.abs())).sum::<f64>()
                 / queries.values.len().max(1) as f64,
             adaptive: queries.approximation(model, adapted)?,
             uniform: queries.approximation(model, &uniform)?,
             // One record would do for all states, so records are not counted.
-            uniform_fitted: Approximation { bytes: bytes(&uniform), ..queries.approximation(model, &fitted)? },
+            uniform_fitted: Approximation { bytes: solution_bytes(&uniform), ..queries.approximation(model, &fitted)? },
         })
     }
 }
@@ -115,14 +115,14 @@ fn uniform_counts(grid: &TargetGrid, num_cells: usize) -> [u32; 3] {
 }
 
 /// Random queries, with the scores of the policy on the finest grid.
-struct Queries {
+struct RandomQueries {
     at: Vec<(u32, Vec3)>,
     values: Vec<f32>,
     /// Scores of all actions of all queries, one after the other.
     scores: Vec<f32>,
 }
 
-impl Queries {
+impl RandomQueries {
     fn new(model: &ActionModel, finest: &Solution, samples: u32, rng: &mut Pcg64) -> Result<Self, BuildError> {
         let best = first_actions(finest);
         let table = finest.table(model, &best)?;
@@ -148,7 +148,7 @@ impl Queries {
             let (own, rest) = finest.split_at(scores.len());
             finest = rest;
             let most = own.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-            let loss = f64::from(most - own[best_of(scores)]);
+            let loss = f64::from(most - own[first_best(scores)]);
             changed += u32::from(loss > 0.0);
             (lost, sum) = (lost + loss, sum + f64::from(most.abs()));
         }
@@ -160,7 +160,7 @@ impl Queries {
         let counts = states.map(|s| table.grid_of(s).counts().map(f64::from));
         let total = counts.fold([0.0; 3], |sum: [f64; 3], c| [0, 1, 2].map(|k| sum[k] + c[k]));
         Ok(Approximation {
-            bytes: bytes(solution),
+            bytes: solution_bytes(solution),
             counts: total.map(|sum| sum / model.num_states().max(1) as f64),
             mean_error: errors.iter().sum::<f64>() / n as f64,
             p95_error: errors.get(n * 95 / 100).copied().unwrap_or(0.0),
@@ -182,6 +182,6 @@ fn score<'a>(table: &PolicyTable, (state, target): (u32, Vec3), buffer: &'a mut 
 }
 
 /// Index of the first of the best scores.
-fn best_of(scores: &[f32]) -> usize {
+fn first_best(scores: &[f32]) -> usize {
     (0..scores.len()).fold(0, |best, a| if scores[a] > scores[best] { a } else { best })
 }

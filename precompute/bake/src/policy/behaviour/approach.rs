@@ -1,9 +1,9 @@
 //! Moving to a target and staying there.
 
-use super::super::config::{BehaviourConfig, CentreConfig, KernelConfig, RewardForm};
+use super::super::config::{CentreConfig, KernelConfig, PolicyBehaviourConfig, RewardForm};
 use super::super::model::SegmentMotion;
 use super::throw_punches::SCALE;
-use super::{Behaviour, Spec};
+use super::{BehaviourSpec, PolicyBehaviour};
 use glam::Vec2;
 use throng_core::Planar;
 use throng_core::policy::{RegionRecord, Reward, SegmentRecord, TargetGrid};
@@ -22,7 +22,7 @@ use throng_motion::error::BuildError;
 /// over ground, or with [`CentreConfig::Hits`] that of the centroid of the effective hitting points, as in Lee and Lee.
 #[derive(Clone, Debug)]
 pub struct Approach {
-    config: BehaviourConfig,
+    config: PolicyBehaviourConfig,
     form: RewardForm,
     centre: Vec2,
     grid: TargetGrid,
@@ -39,7 +39,7 @@ impl Approach {
     ///
     /// # Errors
     /// [`BuildError::Key`] names the key out of its range.
-    pub fn new(config: &BehaviourConfig, rate_hz: f64, hit_centre: Option<Vec2>) -> Result<Self, BuildError> {
+    pub fn new(config: &PolicyBehaviourConfig, rate_hz: f64, hit_centre: Option<Vec2>) -> Result<Self, BuildError> {
         let c = config;
         c.check()?;
         let form = c.reward.unwrap_or(RewardForm::Integral);
@@ -96,18 +96,18 @@ impl Approach {
 
 /// Active region: that of the config, else all targets, or those beyond the reach of landing blows. Within that reach
 /// blows count: a reward for being there would give no reason to leave a pose from which no blow comes soon.
-fn region_of(c: &BehaviourConfig, centre: Vec2) -> Result<RegionRecord, BuildError> {
-    let mut region = c.region.make(false, RegionRecord::EVERYWHERE)?;
+fn region_of(c: &PolicyBehaviourConfig, centre: Vec2) -> Result<RegionRecord, BuildError> {
+    let mut region = c.region.make_region(false, RegionRecord::EVERYWHERE)?;
     if c.centre == CentreConfig::Hits && c.region.distance_m.is_none() {
         region.distance[0] = centre.length() + SCALE as f32;
     }
     Ok(region)
 }
 
-impl Behaviour for Approach {
-    fn spec(&self) -> Spec<'_> {
-        let spec = Spec::new(&self.config.name, self.grid, self.reward, self.discount);
-        Spec { region: self.region, centre: self.centre, adaptive: self.config.grid.adaptive, ..spec }
+impl PolicyBehaviour for Approach {
+    fn spec(&self) -> BehaviourSpec<'_> {
+        let spec = BehaviourSpec::new(&self.config.name, self.grid, self.reward, self.discount);
+        BehaviourSpec { region: self.region, centre: self.centre, adaptive: self.config.grid.adaptive, ..spec }
     }
 
     fn sample(&self, _segment: usize, motion: &SegmentMotion, record: &mut SegmentRecord) {
@@ -136,7 +136,7 @@ mod tests {
         }
     }
 
-    fn record(config: &BehaviourConfig, motion: &SegmentMotion) -> (Approach, SegmentRecord) {
+    fn record(config: &PolicyBehaviourConfig, motion: &SegmentMotion) -> (Approach, SegmentRecord) {
         let b = Approach::new(config, 30.0, None).expect("a valid behaviour");
         let r = segment_records(&b, std::slice::from_ref(motion))[0];
         (b, r)
@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn standing_on_the_target_is_paid_by_time_alone() {
         for n in [1, 2, 7, 30, 200] {
-            let (b, r) = record(&BehaviourConfig::default(), &straight(n, 0.0));
+            let (b, r) = record(&PolicyBehaviourConfig::default(), &straight(n, 0.0));
             let reward = b.spec().reward.of_segment::<true>(&r, glam::Vec3::ZERO, 1.0, 0.0);
             let value = f64::from(reward) / (1.0 - b.spec().discount.powi(n as i32));
             assert!((value - 1.0).abs() < 1e-5, "{n} frames: {value}");
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn four_moments_come_close_to_the_sum_over_all_frames() {
-        let config = BehaviourConfig { stand_bonus: 0.0, ..BehaviourConfig::default() };
+        let config = PolicyBehaviourConfig { stand_bonus: 0.0, ..PolicyBehaviourConfig::default() };
         for (n, speed) in [(5, 1.4f32), (20, 1.4), (40, 1.4), (12, 3.0)] {
             let motion = straight(n, speed);
             let (b, r) = record(&config, &motion);
@@ -183,7 +183,7 @@ mod tests {
         let turning = |f: u32| Planar::new(0.02 * f as f32, 0.05 * f as f32, 0.06 * f as f32);
         let path: Vec<Planar> = (0..=12).map(turning).collect();
         let motion = SegmentMotion { end: 0, num_frames: 12, displacement: path[12], path };
-        let config = BehaviourConfig { centre: CentreConfig::Hits, ..BehaviourConfig::default() };
+        let config = PolicyBehaviourConfig { centre: CentreConfig::Hits, ..PolicyBehaviourConfig::default() };
         let centre = Vec2::new(0.1, 0.7);
         let b = Approach::new(&config, 30.0, Some(centre)).expect("a valid behaviour");
         let r = segment_records(&b, std::slice::from_ref(&motion))[0];
@@ -204,17 +204,17 @@ mod tests {
 
     #[test]
     fn discount_follows_the_rate() {
-        let config = BehaviourConfig::default();
+        let config = PolicyBehaviourConfig::default();
         let at = |rate| Approach::new(&config, rate, None).expect("a valid behaviour").spec().discount;
         assert!((at(15.0) - 0.985f64.powi(2)).abs() < 1e-12 && (at(60.0).powi(2) - 0.985).abs() < 1e-12);
     }
 
     #[test]
     fn refuses_numbers_out_of_range_by_name() {
-        let config = BehaviourConfig { discount: 1.0, ..BehaviourConfig::default() };
+        let config = PolicyBehaviourConfig { discount: 1.0, ..PolicyBehaviourConfig::default() };
         let message = Approach::new(&config, 30.0, None).expect_err("out of range").to_string();
         assert!(message.starts_with("discount: ") && message.contains("0.9999"), "{message}");
-        let mut config = BehaviourConfig::default();
+        let mut config = PolicyBehaviourConfig::default();
         config.grid.rings = Some(0);
         let message = Approach::new(&config, 30.0, None).expect_err("out of range").to_string();
         assert!(message.contains("grid.rings: expected 2 to 4096, found 0"), "{message}");

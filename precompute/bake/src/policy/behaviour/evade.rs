@@ -4,12 +4,12 @@
 //! sparring. Here the opponent's motion is reduced to the place of the coming blow and the time left until then, which
 //! are the axes of a space-time grid.
 
-use super::super::config::{BehaviourConfig, KernelConfig, RewardForm};
+use super::super::config::{KernelConfig, PolicyBehaviourConfig, RewardForm};
 use super::super::model::SegmentMotion;
 use super::super::solve::stage_error;
-use super::{Behaviour, Spec};
-use crate::graph::MotionGraph;
-use crate::share::{by_owners, owners};
+use super::{BehaviourSpec, PolicyBehaviour};
+use crate::graph::RawMotionGraph;
+use crate::share::{clip_owners, sort_by_owner};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Comm;
@@ -25,7 +25,7 @@ use throng_motion::error::BuildError;
 /// blow are 0, so that the behaviour adds nothing to others then.
 #[derive(Clone, Debug)]
 pub struct Evade {
-    config: BehaviourConfig,
+    config: PolicyBehaviourConfig,
     grid: TargetGrid,
     region: RegionRecord,
     reward: Reward,
@@ -37,9 +37,9 @@ impl Evade {
     /// # Errors
     /// [`BuildError::Key`] names the key that is out of its range.
     pub fn new(
-        config: &BehaviourConfig,
+        config: &PolicyBehaviourConfig,
         clips: &ClipSet,
-        graph: &MotionGraph,
+        graph: &RawMotionGraph,
         comm: &dyn Comm,
     ) -> Result<Self, BuildError> {
         let c = config;
@@ -54,7 +54,7 @@ impl Evade {
             )
         })?;
         let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
-        let paths = paths(clips, graph, joint, comm)?;
+        let paths = joint_paths(clips, graph, joint, comm)?;
         let height = c.height.unwrap_or_else(|| median_height(&paths));
         let grid = c.grid.make_space_time()?;
         let r = grid.record();
@@ -64,7 +64,7 @@ impl Evade {
         let reward = c.make_reward(RewardForm::Max, KernelConfig::Exponential, 0.2, -1.0)?;
         let reward = RewardRecord { height: height as f32, ..*reward.record() };
         Ok(Self {
-            region: c.region.make(true, default)?,
+            region: c.region.make_region(true, default)?,
             reward: Reward::new(reward).map_err(|e| BuildError::key("height", e))?,
             discount: c.discount_at(rate_hz),
             config: config.clone(),
@@ -75,10 +75,15 @@ impl Evade {
 }
 
 /// Path of a joint over every segment (num_segments).
-fn paths(clips: &ClipSet, graph: &MotionGraph, joint: Joint, comm: &dyn Comm) -> Result<Vec<PathRecord>, BuildError> {
+fn joint_paths(
+    clips: &ClipSet,
+    graph: &RawMotionGraph,
+    joint: Joint,
+    comm: &dyn Comm,
+) -> Result<Vec<PathRecord>, BuildError> {
     let starts = clips.frame_starts();
     let offset = guarded_offset(&clips.skeleton, joint);
-    let clip_of = |s: &crate::graph::Segment| starts.partition_point(|&f| f <= s.start.0) - 1;
+    let clip_of = |s: &crate::graph::GraphSegment| starts.partition_point(|&f| f <= s.start.0) - 1;
     let path = |n: usize| {
         let s = &graph.segments[n];
         let clip = clip_of(s);
@@ -96,15 +101,15 @@ fn paths(clips: &ClipSet, graph: &MotionGraph, joint: Joint, comm: &dyn Comm) ->
         });
         PathRecord { points, duration_s: s.num_frames as f32 / clip.rate_hz as f32 }
     };
-    let of_clips = owners(clips, comm.num_ranks());
+    let of_clips = clip_owners(clips, comm.num_ranks());
     let of_segments: Vec<usize> = graph.segments.iter().map(|s| of_clips[clip_of(s)]).collect();
-    let sent: Vec<Sent> = by_owners(comm, &of_segments, |n| Sent(path(n)))?;
+    let sent: Vec<SentPath> = sort_by_owner(comm, &of_segments, |n| SentPath(path(n)))?;
     Ok(sent.into_iter().map(|s| s.0).collect())
 }
 
 /// A path, serialized between ranks.
 #[derive(Serialize, Deserialize)]
-struct Sent(#[serde(with = "throng_motion::pod::one")] PathRecord);
+struct SentPath(#[serde(with = "throng_motion::pod::one")] PathRecord);
 
 /// Offset of the guarded point from the joint: to the middle of the head, else zero (m).
 fn guarded_offset(skeleton: &Skeleton, joint: Joint) -> Vec3 {
@@ -118,9 +123,12 @@ fn median_height(paths: &[PathRecord]) -> f64 {
     heights.get(heights.len() / 2).map_or(1.5, |&h| f64::from(h))
 }
 
-impl Behaviour for Evade {
-    fn spec(&self) -> Spec<'_> {
-        Spec { region: self.region, ..Spec::new(&self.config.name, self.grid, self.reward, self.discount) }
+impl PolicyBehaviour for Evade {
+    fn spec(&self) -> BehaviourSpec<'_> {
+        BehaviourSpec {
+            region: self.region,
+            ..BehaviourSpec::new(&self.config.name, self.grid, self.reward, self.discount)
+        }
     }
 
     fn sample(&self, _: usize, _: &SegmentMotion, _: &mut SegmentRecord) {}

@@ -16,7 +16,7 @@ pub use throw_punches::{SegmentHit, ThrowPunches, segment_hits};
 
 /// Specification of a behaviour, independent of motion.
 #[derive(Clone, Copy, Debug)]
-pub struct Spec<'a> {
+pub struct BehaviourSpec<'a> {
     /// Name of the policy; unique in a bundle.
     pub name: &'a str,
     /// Cells of the target.
@@ -33,7 +33,7 @@ pub struct Spec<'a> {
     pub adaptive: Option<AdaptiveConfig>,
 }
 
-impl<'a> Spec<'a> {
+impl<'a> BehaviourSpec<'a> {
     /// Specification of a behaviour that is active everywhere, around the character's root, with one grid.
     pub fn new(name: &'a str, grid: TargetGrid, reward: Reward, discount: f64) -> Self {
         Self { name, grid, reward, discount, region: RegionRecord::EVERYWHERE, centre: Vec2::ZERO, adaptive: None }
@@ -45,14 +45,14 @@ impl<'a> Spec<'a> {
 /// The reward is a function that the runtime evaluates too, for any target: a weighted kernel of the distances to four
 /// samples of the action's motion, or in a space-time grid of the distance to its path. A behaviour defines the samples
 /// and weights of a segment.
-pub trait Behaviour: Sync {
+pub trait PolicyBehaviour: Sync {
     /// Specification, independent of motion.
-    fn spec(&self) -> Spec<'_>;
+    fn spec(&self) -> BehaviourSpec<'_>;
 
     /// Sets the reward's samples: `inner`, `heights` and `weights` of `record`, whose other fields are set already.
     ///
     /// - `segment`: its index, for data of the behaviour beyond the segment's path.
-    /// - positions are relative to [`Spec::centre`].
+    /// - positions are relative to [`BehaviourSpec::centre`].
     fn sample(&self, segment: usize, motion: &SegmentMotion, record: &mut SegmentRecord);
 
     /// Paths of the point that is to be away, in a space-time grid (num_segments, else 0).
@@ -70,8 +70,8 @@ pub trait Behaviour: Sync {
 }
 
 /// Geometry and discount of every segment, with the samples of a behaviour.
-pub fn segment_records(behaviour: &dyn Behaviour, segments: &[SegmentMotion]) -> Vec<SegmentRecord> {
-    let Spec { centre, discount, .. } = behaviour.spec();
+pub fn segment_records(behaviour: &dyn PolicyBehaviour, segments: &[SegmentMotion]) -> Vec<SegmentRecord> {
+    let BehaviourSpec { centre, discount, .. } = behaviour.spec();
     let to_centre = Planar::new(centre.x, centre.y, 0.0);
     let record = |(i, motion): (usize, &SegmentMotion)| {
         let d = to_centre.inverse().compose(motion.displacement.compose(to_centre));

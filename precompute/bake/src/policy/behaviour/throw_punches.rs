@@ -1,10 +1,10 @@
 //! Effective hits on a target in space: punches, kicks, and tagged kinds (Lee and Lee 2004, equations 2 and 6).
 
-use super::super::config::{BehaviourConfig, BehaviourKind, KernelConfig, RewardForm};
+use super::super::config::{BehaviourKind, KernelConfig, PolicyBehaviourConfig, RewardForm};
 use super::super::model::SegmentMotion;
 use super::super::solve::stage_error;
-use super::{Behaviour, Spec};
-use crate::graph::MotionGraph;
+use super::{BehaviourSpec, PolicyBehaviour};
+use crate::graph::RawMotionGraph;
 use glam::Vec3;
 use throng_core::policy::{RegionRecord, Reward, SegmentRecord, TargetGrid};
 use throng_core::{Joint, Planar};
@@ -29,9 +29,9 @@ pub struct SegmentHit {
 }
 
 /// Effective hits of every segment, after its first frame and up to its last (num_segments).
-pub fn segment_hits(clips: &ClipSet, graph: &MotionGraph) -> Vec<Vec<SegmentHit>> {
+pub fn segment_hits(clips: &ClipSet, graph: &RawMotionGraph) -> Vec<Vec<SegmentHit>> {
     let starts = clips.frame_starts();
-    let of_segment = |s: &crate::graph::Segment| {
+    let of_segment = |s: &crate::graph::GraphSegment| {
         let clip = starts.partition_point(|&f| f <= s.start.0) - 1;
         let first = (s.start.0 - starts[clip]) as usize;
         let clip = &clips.clips[clip];
@@ -44,7 +44,7 @@ pub fn segment_hits(clips: &ClipSet, graph: &MotionGraph) -> Vec<Vec<SegmentHit>
                     frame: (h.frame - first) as u32,
                     kind: h.kind.name().to_owned(),
                     joint: h.joint,
-                    place: place(at, h.position),
+                    place: relative_to_frame(at, h.position),
                     own_place: h.position,
                     force: h.force,
                 }
@@ -55,7 +55,7 @@ pub fn segment_hits(clips: &ClipSet, graph: &MotionGraph) -> Vec<Vec<SegmentHit>
 }
 
 /// A point in the frame of a planar transform.
-fn place(frame: Planar, p: Vec3) -> Vec3 {
+fn relative_to_frame(frame: Planar, p: Vec3) -> Vec3 {
     frame.translation() + frame.rotation() * p
 }
 
@@ -70,7 +70,7 @@ fn place(frame: Planar, p: Vec3) -> Vec3 {
 /// so that a target which leaves the volume for a moment still counts.
 #[derive(Clone, Debug)]
 pub struct ThrowPunches {
-    config: BehaviourConfig,
+    config: PolicyBehaviourConfig,
     grid: TargetGrid,
     region: RegionRecord,
     reward: Reward,
@@ -87,7 +87,7 @@ impl ThrowPunches {
     ///
     /// # Errors
     /// [`BuildError::Key`] names the key out of its range, or the one that leaves no hit.
-    pub fn new(config: &BehaviourConfig, rate_hz: f64, hits: &[Vec<SegmentHit>]) -> Result<Self, BuildError> {
+    pub fn new(config: &PolicyBehaviourConfig, rate_hz: f64, hits: &[Vec<SegmentHit>]) -> Result<Self, BuildError> {
         let c = config;
         debug_assert_eq!(c.kind, BehaviourKind::ThrowPunches);
         c.check()?;
@@ -106,12 +106,12 @@ impl ThrowPunches {
             all.sort_by(|a, b| b.0.total_cmp(&a.0));
             [0, 1].map(|k| all.get(k).copied().unwrap_or_default())
         };
-        let reach = reach(hits.iter().flatten().filter(counts)).ok_or_else(|| nothing_counts(hits))?;
+        let reach = bounds_of_hits(hits.iter().flatten().filter(counts)).ok_or_else(|| nothing_counts(hits))?;
         let reward = c.make_reward(form, KernelConfig::Linear, SCALE, 1.0)?;
         let scale = reward.record().scale;
-        let grid = c.grid.make_cylinder(widened(reach, scale), scale)?;
+        let grid = c.grid.make_cylinder(widen_volume(reach, scale), scale)?;
         Ok(Self {
-            region: c.region.make(false, region_of(&grid, reach))?,
+            region: c.region.make_region(false, region_of(&grid, reach))?,
             reward,
             blows: hits.iter().map(strongest).collect(),
             config: config.clone(),
@@ -129,7 +129,7 @@ pub(super) const SCALE: f64 = 0.3;
 const REACH_OUT: f32 = 1.0;
 
 /// Joints whose hits count, by name.
-fn joints(c: &BehaviourConfig) -> Result<Vec<Joint>, BuildError> {
+fn joints(c: &PolicyBehaviourConfig) -> Result<Vec<Joint>, BuildError> {
     let of_name = |name: &String| {
         Joint::from_name(name).ok_or_else(|| {
             BuildError::key(
@@ -142,7 +142,7 @@ fn joints(c: &BehaviourConfig) -> Result<Vec<Joint>, BuildError> {
 }
 
 /// Bounding volume of hits, each in the character's frame at that moment: (angle, distance, height).
-fn reach<'a>(hits: impl Iterator<Item = &'a SegmentHit>) -> Option<[Vec3; 2]> {
+fn bounds_of_hits<'a>(hits: impl Iterator<Item = &'a SegmentHit>) -> Option<[Vec3; 2]> {
     let coordinates = |h: &SegmentHit| {
         let p = h.own_place;
         Vec3::new(p.x.atan2(p.z), p.x.hypot(p.z), p.y)
@@ -171,7 +171,7 @@ fn nothing_counts(hits: &[Vec<SegmentHit>]) -> BuildError {
 }
 
 /// Volume widened in every direction, so that its cells include hits slightly outside.
-fn widened([low, high]: [Vec3; 2], by: f32) -> [Vec3; 2] {
+fn widen_volume([low, high]: [Vec3; 2], by: f32) -> [Vec3; 2] {
     /// Largest angle that is added (rad).
     const WIDEST: f32 = 0.5;
     let angle = (by / (0.5 * (low.y + high.y)).max(by)).min(WIDEST);
@@ -190,10 +190,10 @@ fn region_of(grid: &TargetGrid, reach: [Vec3; 2]) -> RegionRecord {
     }
 }
 
-impl Behaviour for ThrowPunches {
-    fn spec(&self) -> Spec<'_> {
-        let spec = Spec::new(&self.config.name, self.grid, self.reward, self.discount);
-        Spec { region: self.region, adaptive: self.config.grid.adaptive, ..spec }
+impl PolicyBehaviour for ThrowPunches {
+    fn spec(&self) -> BehaviourSpec<'_> {
+        let spec = BehaviourSpec::new(&self.config.name, self.grid, self.reward, self.discount);
+        BehaviourSpec { region: self.region, adaptive: self.config.grid.adaptive, ..spec }
     }
 
     fn sample(&self, segment: usize, _: &SegmentMotion, record: &mut SegmentRecord) {
@@ -228,8 +228,12 @@ mod tests {
         SegmentHit { frame, kind: "punch".into(), joint: Joint::LeftHand, place, own_place: place, force }
     }
 
-    fn config() -> BehaviourConfig {
-        BehaviourConfig { name: "p".into(), kind: BehaviourKind::ThrowPunches, ..BehaviourConfig::default() }
+    fn config() -> PolicyBehaviourConfig {
+        PolicyBehaviourConfig {
+            name: "p".into(),
+            kind: BehaviourKind::ThrowPunches,
+            ..PolicyBehaviourConfig::default()
+        }
     }
 
     #[test]
@@ -263,14 +267,14 @@ mod tests {
 
     #[test]
     fn says_what_to_change_where_nothing_can_be_hit() {
-        let message = |c: &BehaviourConfig, hits: &[Vec<SegmentHit>]| {
+        let message = |c: &PolicyBehaviourConfig, hits: &[Vec<SegmentHit>]| {
             ThrowPunches::new(c, 30.0, hits).expect_err("no hits").to_string()
         };
         assert!(message(&config(), &[vec![]]).contains("annotate.hits"));
         let hits = [vec![hit(3, Vec3::new(0.0, 1.4, 0.6), 1.0)]];
-        let kicks = BehaviourConfig { hits: vec!["kick".into()], ..config() };
+        let kicks = PolicyBehaviourConfig { hits: vec!["kick".into()], ..config() };
         assert!(message(&kicks, &hits).contains("there are punch"));
-        let joints = BehaviourConfig { joints: vec!["tail".into()], ..config() };
+        let joints = PolicyBehaviourConfig { joints: vec!["tail".into()], ..config() };
         assert!(message(&joints, &hits).contains("`tail`"));
         let mut far = config();
         far.grid.bounds.distance_m = Some([5.0, 6.0]);

@@ -15,7 +15,7 @@ use throng_motion::error::{BuildError, check_ranges};
 /// keeping a distance (`offset`), kicking (`hits = ["kick"]`), grasping by tags, guarding another joint (`point`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct BehaviourConfig {
+pub struct PolicyBehaviourConfig {
     /// Name of the policy in the bundle; unique, not empty.
     pub name: String,
     /// Kind of the behaviour.
@@ -65,10 +65,10 @@ pub struct BehaviourConfig {
     pub height: Option<f64>,
 }
 
-/// [`BehaviourConfig::transition_cost_s`] of `approach`.
+/// [`PolicyBehaviourConfig::transition_cost_s`] of `approach`.
 const TRANSITION_COST_S: f64 = 1.0;
 
-impl Default for BehaviourConfig {
+impl Default for PolicyBehaviourConfig {
     fn default() -> Self {
         Self {
             name: "approach".into(),
@@ -141,7 +141,7 @@ impl BehaviourKind {
     }
 }
 
-impl BehaviourConfig {
+impl PolicyBehaviourConfig {
     /// Checks the name, the numbers of all kinds, and that no key of another kind is given.
     ///
     /// # Errors
@@ -233,7 +233,7 @@ mod tests {
         ];
         for (line, read_by) in keys {
             for kind in ["approach", "throw_punches", "evade"] {
-                let config: BehaviourConfig =
+                let config: PolicyBehaviourConfig =
                     toml::from_str(&format!("name = \"b\"\nkind = \"{kind}\"\n{line}")).unwrap();
                 let key = line.split(' ').next().unwrap();
                 match config.check() {
@@ -249,13 +249,19 @@ mod tests {
 
     #[test]
     fn refuses_names_and_heights_that_are_none() {
-        let message = |c: BehaviourConfig| c.check().unwrap_err().to_string();
+        let message = |c: PolicyBehaviourConfig| c.check().unwrap_err().to_string();
         for name in ["", "  "] {
-            assert!(message(BehaviourConfig { name: name.into(), ..BehaviourConfig::default() }).starts_with("name: "));
+            assert!(
+                message(PolicyBehaviourConfig { name: name.into(), ..PolicyBehaviourConfig::default() })
+                    .starts_with("name: ")
+            );
         }
         for height in [f64::NAN, f64::INFINITY, 11.0, -11.0] {
-            let config =
-                BehaviourConfig { kind: BehaviourKind::Evade, height: Some(height), ..BehaviourConfig::default() };
+            let config = PolicyBehaviourConfig {
+                kind: BehaviourKind::Evade,
+                height: Some(height),
+                ..PolicyBehaviourConfig::default()
+            };
             assert!(message(config).starts_with("height: "), "{height}");
         }
     }

@@ -58,12 +58,12 @@ impl<'de> Visitor<'de> for CentreVisitor {
 
 #[cfg(test)]
 mod tests {
-    use super::super::BehaviourConfig;
+    use super::super::PolicyBehaviourConfig;
     use super::*;
 
     #[test]
     fn centres_are_words_or_places() {
-        let read = |text: &str| toml::from_str::<BehaviourConfig>(text).map(|b| b.centre);
+        let read = |text: &str| toml::from_str::<PolicyBehaviourConfig>(text).map(|b| b.centre);
         assert_eq!(read("centre = \"hits\"").unwrap(), CentreConfig::Hits);
         assert_eq!(read("centre = \"root\"").unwrap(), CentreConfig::Root);
         assert_eq!(read("centre = [0.1, 0.7]").unwrap(), CentreConfig::Place([0.1, 0.7]));
@@ -82,9 +82,9 @@ mod tests {
     #[test]
     fn centres_are_written_as_they_are_read() {
         for centre in [CentreConfig::Root, CentreConfig::Hits, CentreConfig::Place([0.1, -0.7])] {
-            let config = BehaviourConfig { centre, ..BehaviourConfig::default() };
+            let config = PolicyBehaviourConfig { centre, ..PolicyBehaviourConfig::default() };
             let text = toml::to_string(&config).unwrap();
-            assert_eq!(toml::from_str::<BehaviourConfig>(&text).unwrap(), config);
+            assert_eq!(toml::from_str::<PolicyBehaviourConfig>(&text).unwrap(), config);
         }
     }
 }

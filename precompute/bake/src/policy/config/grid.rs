@@ -74,7 +74,7 @@ impl BoundsConfig {
                 let why = format!(
                     "expected [least, greatest] {limits}, {LEAST_GIVEN_EXTENT} apart or more, found [{from}, {to}]"
                 );
-                return Err(fault(&format!("bounds.{key}"), why));
+                return Err(grid_error(&format!("bounds.{key}"), why));
             }
         }
         Ok(())
@@ -82,7 +82,7 @@ impl BoundsConfig {
 }
 
 /// A volume with an extent in every direction: (angle, distance, height), least and greatest.
-pub type Bounds = [Vec3; 2];
+pub type VolumeBounds = [Vec3; 2];
 
 /// Least extent of a volume along each axis, as a grid needs some (rad, m, m).
 const LEAST_EXTENT: Vec3 = Vec3::new(0.1, 0.05, 0.05);
@@ -117,7 +117,7 @@ impl GridConfig {
             ("times", self.times, 2),
         ] {
             if let Some(n) = given.filter(|n| !(least..=most).contains(n)) {
-                return Err(fault(key, format!("expected {least} to {most}, found {n}")));
+                return Err(grid_error(key, format!("expected {least} to {most}, found {n}")));
             }
         }
         for (key, given, least, most) in [
@@ -126,11 +126,11 @@ impl GridConfig {
             ("falloff", self.falloff, 1e-3, 1e4),
         ] {
             if let Some(v) = given.filter(|v| !(least..=most).contains(v)) {
-                return Err(fault(key, format!("expected {least} to {most}, found {v}")));
+                return Err(grid_error(key, format!("expected {least} to {most}, found {v}")));
             }
         }
         self.bounds.check()?;
-        self.adaptive.map_or(Ok(()), |a| a.check().map_err(|e| e.within("grid.adaptive")))
+        self.adaptive.map_or(Ok(()), |a| a.check().map_err(|e| e.within_key("grid.adaptive")))
     }
 
     /// Distance between the first two rings: as given, or 0.25 m if possible (m).
@@ -150,7 +150,7 @@ impl GridConfig {
                 "expected above radius / (rings - 1)^2, {least:.4}, and up to radius / (rings - 1), {share:.4}, found {given}"
             )
         };
-        Err(fault("inner_spacing", why))
+        Err(grid_error("inner_spacing", why))
     }
 
     /// Makes the polar grid.
@@ -164,12 +164,13 @@ impl GridConfig {
             ("horizon_s", self.horizon_s.is_some()),
             ("bounds", self.bounds != BoundsConfig::default()),
         ];
-        refuse("approach", &keys)?;
+        refuse_key("approach", &keys)?;
         self.check()?;
         let (rings, radius) = (self.rings.unwrap_or(16), self.radius.unwrap_or(8.0));
         let inner = self.inner_spacing(rings, radius)?;
         let falloff = self.falloff.unwrap_or(2.5) as f32;
-        TargetGrid::polar(rings, self.angles.unwrap_or(32), radius as f32, inner as f32, falloff).map_err(|e| wrong(&e))
+        TargetGrid::polar(rings, self.angles.unwrap_or(32), radius as f32, inner as f32, falloff)
+            .map_err(|e| value_error(&e))
     }
 
     /// Makes the cylinder sector, by default over `bounds`.
@@ -178,14 +179,14 @@ impl GridConfig {
     ///
     /// # Errors
     /// As [`Self::make_polar`].
-    pub fn make_cylinder(&self, bounds: Bounds, layer: f32) -> Result<TargetGrid, BuildError> {
+    pub fn make_cylinder(&self, bounds: VolumeBounds, layer: f32) -> Result<TargetGrid, BuildError> {
         let keys = [
             ("times", self.times.is_some()),
             ("horizon_s", self.horizon_s.is_some()),
             ("radius", self.radius.is_some()),
             ("inner_spacing", self.inner_spacing.is_some()),
         ];
-        refuse("throw_punches", &keys)?;
+        refuse_key("throw_punches", &keys)?;
         self.check()?;
         let [mut low, mut high] = bounds;
         let middle = 0.5 * (low + high);
@@ -202,7 +203,7 @@ impl GridConfig {
             low.z = 0.5 * (low.z + high.z);
         }
         let falloff = self.falloff.unwrap_or(0.3) as f32;
-        TargetGrid::cylinder(counts, low, high, falloff).map_err(|e| wrong(&e))
+        TargetGrid::cylinder(counts, low, high, falloff).map_err(|e| value_error(&e))
     }
 
     /// Makes the space-time grid.
@@ -216,29 +217,29 @@ impl GridConfig {
             ("bounds", self.bounds != BoundsConfig::default()),
             ("adaptive", self.adaptive.is_some()),
         ];
-        refuse("evade", &keys)?;
+        refuse_key("evade", &keys)?;
         self.check()?;
         let counts = [self.rings.unwrap_or(8), self.angles.unwrap_or(16), self.times.unwrap_or(9)];
         let (radius, horizon) = (self.radius.unwrap_or(1.2) as f32, self.horizon_s.unwrap_or(0.8) as f32);
-        TargetGrid::space_time(counts, radius, horizon, self.falloff.unwrap_or(0.3) as f32).map_err(|e| wrong(&e))
+        TargetGrid::space_time(counts, radius, horizon, self.falloff.unwrap_or(0.3) as f32).map_err(|e| value_error(&e))
     }
 }
 
 /// Refuses keys that a kind of behaviour does not use.
-fn refuse(kind: &str, keys: &[(&str, bool)]) -> Result<(), BuildError> {
+fn refuse_key(kind: &str, keys: &[(&str, bool)]) -> Result<(), BuildError> {
     match keys.iter().find(|(_, given)| *given) {
-        Some((key, _)) => Err(fault(key, format!("the kind `{kind}` has no such key; leave it out"))),
+        Some((key, _)) => Err(grid_error(key, format!("the kind `{kind}` has no such key; leave it out"))),
         None => Ok(()),
     }
 }
 
 /// Error for one key of the grid.
-fn fault(key: &str, why: impl std::fmt::Display) -> BuildError {
+fn grid_error(key: &str, why: impl std::fmt::Display) -> BuildError {
     BuildError::key(format!("grid.{key}"), why)
 }
 
 /// Error of the runtime's own check of the whole grid.
-fn wrong(e: &Error) -> BuildError {
+fn value_error(e: &Error) -> BuildError {
     BuildError::key("grid", e)
 }
 
@@ -246,7 +247,7 @@ fn wrong(e: &Error) -> BuildError {
 mod tests {
     use super::*;
 
-    const HITS: Bounds = [Vec3::new(-0.5, 0.4, 1.2), Vec3::new(0.5, 0.9, 1.7)];
+    const HITS: VolumeBounds = [Vec3::new(-0.5, 0.4, 1.2), Vec3::new(0.5, 0.9, 1.7)];
 
     fn read(text: &str) -> GridConfig {
         toml::from_str(text).expect("a grid")

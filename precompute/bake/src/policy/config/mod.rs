@@ -7,7 +7,7 @@ mod grid;
 mod region;
 
 pub use adaptive::AdaptiveConfig;
-pub use behaviour::{BehaviourConfig, BehaviourKind, KernelConfig, RewardForm};
+pub use behaviour::{BehaviourKind, KernelConfig, PolicyBehaviourConfig, RewardForm};
 pub use centre::CentreConfig;
 pub use grid::{BoundsConfig, GridConfig};
 pub use region::RegionConfig;
@@ -50,6 +50,6 @@ impl PolicyConfig {
             ("choices", f64::from(self.choices), 1.0, MAX_RANKED as f64),
             ("compare_samples", f64::from(self.compare_samples), 0.0, 1e7),
         ];
-        check_ranges(ranges).map_err(|e| e.within("policy"))
+        check_ranges(ranges).map_err(|e| e.within_key("policy"))
     }
 }

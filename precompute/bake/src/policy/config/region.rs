@@ -32,7 +32,7 @@ impl RegionConfig {
     ///
     /// # Errors
     /// [`BuildError::Key`].
-    pub fn make(&self, space_time: bool, default: RegionRecord) -> Result<RegionRecord, BuildError> {
+    pub fn make_region(&self, space_time: bool, default: RegionRecord) -> Result<RegionRecord, BuildError> {
         let fail = |key: &str, why: String| Err(BuildError::key(format!("region.{key}"), why));
         let (unread, third) = if space_time { ("height_m", self.time_s) } else { ("time_s", self.height_m) };
         if (if space_time { self.height_m } else { self.time_s }).is_some() {
@@ -74,13 +74,13 @@ mod tests {
 
     fn fault(text: &str, space_time: bool, default: RegionRecord) -> String {
         let config: RegionConfig = toml::from_str(text).unwrap();
-        config.make(space_time, default).unwrap_err().to_string()
+        config.make_region(space_time, default).unwrap_err().to_string()
     }
 
     #[test]
     fn takes_what_is_given_and_the_default_for_the_rest() {
         let config: RegionConfig = toml::from_str("distance_m = [0.5, 9.0]\nangle_rad = [-3.0, 3.0]").unwrap();
-        let region = config.make(false, GRID).unwrap();
+        let region = config.make_region(false, GRID).unwrap();
         assert_eq!(region, RegionRecord { distance: [0.5, 9.0], angle: [-3.0, 3.0], ..GRID });
     }
 

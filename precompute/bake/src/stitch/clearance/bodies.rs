@@ -1,8 +1,8 @@
 //! Bodies of all frames as spheres, computed once: whether a frame collides depends only on its placement.
 
-use super::field::{Field, Told};
-use crate::environment::{Body, Bounds, NUM_SPHERES, Sphere};
-use crate::stitch::sets::rows::ones;
+use super::field::{DistanceField, FieldAnswer};
+use crate::environment::{BodySpheres, BoundingBox, NUM_SPHERES, Sphere};
+use crate::stitch::sets::rows::set_bits;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 use throng_core::format::{FrameRow, RotationCode};
@@ -14,23 +14,23 @@ use throng_motion::clip::joint_transforms;
 const LANES: usize = NUM_SPHERES.next_multiple_of(8);
 
 /// A number for every sphere; the padding is ignored.
-type Lanes = [f32; LANES];
+type SphereLanes = [f32; LANES];
 
 /// Both feet, which may be inside floors.
 const FEET: Contacts = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
 
 /// Room of a body beside a unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::stitch) enum Room {
+pub(in crate::stitch) enum UnitRoom {
     /// Distance by which the unit may be moved (m).
     Clear(f32),
     /// Collision: this point is too near to the unit.
-    Taken(Ball),
+    Taken(BodyPoint),
 }
 
 /// A sphere of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::stitch) struct Ball {
+pub(in crate::stitch) struct BodyPoint {
     /// Centre, in the frame of the unit or of a patch.
     pub centre: Vec3,
     /// Least distance of a unit from the centre (m).
@@ -42,16 +42,16 @@ const PLANTED: usize = 1 << u8::BITS;
 
 /// Bodies of all frames.
 #[derive(Clone, Debug)]
-pub(in crate::stitch) struct Bodies {
+pub(in crate::stitch) struct FrameBodies {
     /// Spheres of every frame, relative to its root on the ground.
-    frames: Vec<Pose>,
+    frames: Vec<FrameSpheres>,
     /// Extents of every frame (frames.len()).
-    reaches: Vec<Reach>,
+    reaches: Vec<FrameReach>,
     /// Spheres at rest, for frame-independent data.
     spheres: [Sphere; NUM_SPHERES],
     /// Least distance of a unit from the centre of each sphere, by planted parts; first for other units, then for
     /// floors (m, 2 * PLANTED).
-    limits: Vec<Lanes>,
+    limits: Vec<SphereLanes>,
     /// Clearance beyond which spheres are not distinguished, as grids end there (m).
     farthest: f32,
     /// Largest radius of all frames (m).
@@ -62,22 +62,22 @@ pub(in crate::stitch) struct Bodies {
 
 /// The spheres of one frame.
 #[derive(Clone, Copy, Debug)]
-struct Pose {
+struct FrameSpheres {
     /// x, y and z of the centre of every sphere.
-    centres: [Lanes; 3],
+    centres: [SphereLanes; 3],
     contacts: Contacts,
 }
 
 /// Extent of the body of one frame, which is compact and separates most bodies from a unit by itself.
 #[derive(Clone, Copy, Debug)]
-struct Reach {
+struct FrameReach {
     /// Largest distance of a sphere from the vertical through the root (m).
     radius: f32,
     /// Lowest and highest point (m).
     heights: [f32; 2],
 }
 
-impl Reach {
+impl FrameReach {
     fn new(spheres: &[Sphere; NUM_SPHERES]) -> Self {
         let (mut radius, mut heights) = (0f32, [f32::INFINITY, f32::NEG_INFINITY]);
         for s in spheres {
@@ -88,22 +88,22 @@ impl Reach {
     }
 
     /// Lower bound of the distance of any sphere from a unit, from the root's place only (m).
-    fn apart(&self, root: Placement, unit: &Field) -> f32 {
-        let (shapes, beside) = (&unit.geometry.bounds, unit.plan().beside(root.x, root.z));
+    fn least_distance(&self, root: Placement, unit: &DistanceField) -> f32 {
+        let (shapes, beside) = (&unit.geometry.bounds, unit.plan().least_distance(root.x, root.z));
         let above = root.y + self.heights[0] - shapes.max.y;
         let below = shapes.min.y - root.y - self.heights[1];
         (beside - self.radius).max(above).max(below)
     }
 }
 
-impl Pose {
+impl FrameSpheres {
     fn new(spheres: &[Sphere; NUM_SPHERES], contacts: Contacts) -> Self {
         let lanes = |axis: usize| lanes(0.0, |s| spheres[s].centre[axis]);
         Self { centres: [lanes(0), lanes(1), lanes(2)], contacts }
     }
 
     /// Centres of all spheres for a root.
-    fn placed(&self, root: Placement) -> [Lanes; 3] {
+    fn placed(&self, root: Placement) -> [SphereLanes; 3] {
         let (sin, cos) = root.heading.sin_cos();
         let [x, y, z] = &self.centres;
         [
@@ -114,13 +114,13 @@ impl Pose {
     }
 }
 
-fn lanes(beyond: f32, of: impl Fn(usize) -> f32) -> Lanes {
+fn lanes(beyond: f32, of: impl Fn(usize) -> f32) -> SphereLanes {
     std::array::from_fn(|s| if s < NUM_SPHERES { of(s) } else { beyond })
 }
 
 /// Least distance of a unit from the centre of each sphere: a body may be `depth_m` deep in it, and planted parts
 /// deeper by their whole radius, as in [`crate::environment::BodyPose::penetration`] (m).
-fn limits(spheres: &[Sphere; NUM_SPHERES], depth_m: f32) -> Vec<Lanes> {
+fn limits(spheres: &[Sphere; NUM_SPHERES], depth_m: f32) -> Vec<SphereLanes> {
     let limit = |s: &Sphere, contacts: Contacts, floor: bool| match (floor && FEET.any(s.contact), s.contact) {
         (true, _) => f32::NEG_INFINITY,
         (false, contact) if contacts.any(contact) => -depth_m,
@@ -133,7 +133,7 @@ fn limits(spheres: &[Sphere; NUM_SPHERES], depth_m: f32) -> Vec<Lanes> {
     (0..2 * PLANTED).map(of).collect()
 }
 
-impl Bodies {
+impl FrameBodies {
     /// Places the spheres of every frame.
     ///
     /// - `depth_m`: allowed depth of bodies in units (m).
@@ -143,17 +143,17 @@ impl Bodies {
         skeleton: &Skeleton,
         depth_m: f32,
     ) -> Self {
-        let body = Body::new(skeleton);
+        let body = BodySpheres::new(skeleton);
         let pose = |(row, &contacts): (&FrameRow, &Contacts)| {
             let joints = joint_transforms(skeleton, Vec3::Y * row.height, |j| code.rotation(row, j));
             let spheres = body.spheres(&joints);
-            (Pose::new(&spheres, contacts), Reach::new(&spheres))
+            (FrameSpheres::new(&spheres, contacts), FrameReach::new(&spheres))
         };
-        let (frames, reaches): (Vec<Pose>, Vec<Reach>) = frames.par_iter().zip(contacts).map(pose).unzip();
+        let (frames, reaches): (Vec<FrameSpheres>, Vec<FrameReach>) = frames.par_iter().zip(contacts).map(pose).unzip();
         let spheres = body.spheres(&joint_transforms(skeleton, Vec3::ZERO, |_| Quat::IDENTITY));
         let limits = limits(&spheres, depth_m);
         let thickest = limits.iter().flatten().copied().fold(0.0, f32::max);
-        let farthest = (Field::MARGIN_M - thickest).max(0.0);
+        let farthest = (DistanceField::MARGIN_M - thickest).max(0.0);
         let radius = reaches.iter().map(|r| r.radius).fold(0.0, f32::max);
         let lowest = reaches.iter().map(|r| r.heights[0]).fold(f32::INFINITY, f32::min);
         let highest = reaches.iter().map(|r| r.heights[1]).fold(f32::NEG_INFINITY, f32::max);
@@ -171,9 +171,9 @@ impl Bodies {
     }
 
     /// Box of the root positions for which a body may touch something in a box.
-    pub fn around(&self, shapes: &Bounds) -> Bounds {
+    pub fn root_bounds(&self, shapes: &BoundingBox) -> BoundingBox {
         let side = Vec3::new(self.radius, 0.0, self.radius);
-        Bounds {
+        BoundingBox {
             min: shapes.min - side - Vec3::Y * self.heights[1],
             max: shapes.max + side - Vec3::Y * self.heights[0],
         }
@@ -182,18 +182,18 @@ impl Bodies {
     /// True if the body of a frame collides with a unit.
     ///
     /// - `root`: in the unit's frame.
-    pub fn collides(&self, frame: usize, root: Placement, unit: &Field) -> bool {
-        if self.reaches[frame].apart(root, unit) > 0.0 {
+    pub fn collides(&self, frame: usize, root: Placement, unit: &DistanceField) -> bool {
+        if self.reaches[frame].least_distance(root, unit) > 0.0 {
             return false;
         }
-        matches!(self.room(frame, root, unit, 0.0), Room::Taken(_))
+        matches!(self.room(frame, root, unit, 0.0), UnitRoom::Taken(_))
     }
 
     /// Lower bound of the distance of a frame's body from a unit, from its root's place only (m).
     ///
     /// - `root`: in the unit's frame.
-    pub fn apart(&self, frame: usize, root: Placement, unit: &Field) -> f32 {
-        self.reaches[frame].apart(root, unit)
+    pub fn least_distance(&self, frame: usize, root: Placement, unit: &DistanceField) -> f32 {
+        self.reaches[frame].least_distance(root, unit)
     }
 
     /// Distance by which a unit may be moved without touching the body of a frame, or the sphere that collides.
@@ -202,54 +202,56 @@ impl Bodies {
     /// moved on. The exact geometry is used if none is clearly inside.
     ///
     /// - `root`: in the unit's frame.
-    /// - `most`: larger clearances are not distinguished, nor those above [`Field::MARGIN_M`] less the thickest sphere
+    /// - `most`: larger clearances are not distinguished, nor those above [`DistanceField::MARGIN_M`] less the thickest sphere
     ///   (m).
-    pub fn room(&self, frame: usize, root: Placement, unit: &Field, most: f32) -> Room {
+    pub fn room(&self, frame: usize, root: Placement, unit: &DistanceField, most: f32) -> UnitRoom {
         let pose = &self.frames[frame];
         let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
         let cells = unit.cells(&centres);
         let (mut about, mut nearest) = ([f32::INFINITY; LANES], (0, f32::INFINITY));
         for (s, here) in about.iter_mut().enumerate().take(NUM_SPHERES) {
-            *here = unit.about(cells[s], limits[s]);
+            *here = unit.excess_estimate(cells[s], limits[s]);
             nearest = if *here < nearest.1 { (s, *here) } else { nearest };
         }
         let nearest = nearest.0;
         // Once the nearest is known, most others are clearly farther.
         let (mut least, mut unsure) = (most.min(self.farthest), 0u64);
         for s in std::iter::once(nearest).chain((0..NUM_SPHERES).filter(|s| *s != nearest)) {
-            if about[s] >= least + Field::OFF_M {
+            if about[s] >= least + DistanceField::OFF_M {
                 continue;
             }
-            let ball = Ball { centre: at(&centres, s), limit: limits[s] };
-            match unit.told(ball.centre, ball.limit, least) {
-                Told::Clear(clear) => least = least.min(clear),
-                Told::Within => return Room::Taken(ball),
-                Told::Unsure => unsure |= 1 << s,
+            let ball = BodyPoint { centre: sphere_position(&centres, s), limit: limits[s] };
+            match unit.excess_at(ball.centre, ball.limit, least) {
+                FieldAnswer::Clear(clear) => least = least.min(clear),
+                FieldAnswer::Within => return UnitRoom::Taken(ball),
+                FieldAnswer::Unsure => unsure |= 1 << s,
             }
         }
-        for s in ones(unsure).map(|s| s as usize) {
-            let ball = Ball { centre: at(&centres, s), limit: limits[s] };
+        for s in set_bits(unsure).map(|s| s as usize) {
+            let ball = BodyPoint { centre: sphere_position(&centres, s), limit: limits[s] };
             match unit.clearance(ball.centre, ball.limit, least) {
                 Some(clear) => least = least.min(clear),
-                None => return Room::Taken(ball),
+                None => return UnitRoom::Taken(ball),
             }
         }
-        Room::Clear(least)
+        UnitRoom::Clear(least)
     }
 
     /// Joint of the sphere deepest in a unit, and its depth; `None` without a collision.
-    pub fn deepest(&self, frame: usize, root: Placement, unit: &Field) -> Option<(Joint, f32)> {
+    pub fn deepest(&self, frame: usize, root: Placement, unit: &DistanceField) -> Option<(Joint, f32)> {
         let pose = &self.frames[frame];
         let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
         let depth = |s: usize| {
             let sphere = &self.spheres[s];
-            unit.geometry.nearest(at(&centres, s), limits[s]).map(|n| (sphere.joint, sphere.radius - n.distance))
+            unit.geometry
+                .nearest(sphere_position(&centres, s), limits[s])
+                .map(|n| (sphere.joint, sphere.radius - n.distance))
         };
         (0..NUM_SPHERES).filter_map(depth).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// Least distance of a unit from the centre of each sphere (m).
-    fn limits(&self, pose: &Pose, unit: &Field) -> &Lanes {
+    fn limits(&self, pose: &FrameSpheres, unit: &DistanceField) -> &SphereLanes {
         &self.limits[usize::from(unit.geometry.floor) * PLANTED + usize::from(pose.contacts.0)]
     }
 
@@ -262,7 +264,7 @@ impl Bodies {
 }
 
 /// Centre of a sphere.
-fn at([x, y, z]: &[Lanes; 3], sphere: usize) -> Vec3 {
+fn sphere_position([x, y, z]: &[SphereLanes; 3], sphere: usize) -> Vec3 {
     Vec3::new(x[sphere], y[sphere], z[sphere])
 }
 

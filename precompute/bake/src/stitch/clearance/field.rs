@@ -1,13 +1,13 @@
 //! Distance field of a unit on a grid: most spheres are clearly inside or clearly outside, and need no exact distance.
 
-use super::plan::Plan;
+use super::plan::GroundDistances;
 use crate::environment::UnitGeometry;
 use glam::Vec3;
 use std::sync::Arc;
 
 /// Answer of a distance field for a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::stitch) enum Told {
+pub(in crate::stitch) enum FieldAnswer {
     /// Clear of the unit by at least this distance (m).
     Clear(f32),
     /// Inside the unit.
@@ -18,7 +18,7 @@ pub(in crate::stitch) enum Told {
 
 /// Distances from a unit, in its frame.
 #[derive(Clone, Debug)]
-pub(in crate::stitch) struct Field {
+pub(in crate::stitch) struct DistanceField {
     /// The exact geometry.
     pub geometry: Arc<UnitGeometry>,
     /// Lowest corner of the grid.
@@ -29,10 +29,10 @@ pub(in crate::stitch) struct Field {
     distances: Vec<u8>,
     /// The least distance of each column of grid cells (size[0] * size[2]).
     columns: Vec<f32>,
-    plan: Plan,
+    plan: GroundDistances,
 }
 
-impl Field {
+impl DistanceField {
     /// Edge length of a grid cell (m).
     const STEP_M: f32 = 0.04;
     /// Largest error of a distance by packing and rounding (m).
@@ -57,7 +57,7 @@ impl Field {
 
     /// Grid cells along x, y and z.
     fn size(geometry: &UnitGeometry) -> [usize; 3] {
-        let bounds = geometry.bounds.grown(Self::MARGIN_M);
+        let bounds = geometry.bounds.expanded(Self::MARGIN_M);
         let cells = |length: f32| (length / Self::STEP_M).ceil().max(0.0) as usize;
         match geometry.bounds.is_empty() {
             true => [0; 3],
@@ -67,7 +67,7 @@ impl Field {
 
     /// Computes the field of a unit that is not too large.
     pub fn new(geometry: &Arc<UnitGeometry>) -> Self {
-        let (bounds, size) = (geometry.bounds.grown(Self::MARGIN_M), Self::size(geometry));
+        let (bounds, size) = (geometry.bounds.expanded(Self::MARGIN_M), Self::size(geometry));
         let mut distances = Vec::with_capacity(size.iter().product());
         for z in 0..size[2] {
             for y in 0..size[1] {
@@ -84,17 +84,17 @@ impl Field {
         };
         let columns: Vec<f32> = (0..size[0] * size[2]).map(column).collect();
         let is_touched = |c: usize| columns[c] <= Self::ERROR_M;
-        let plan = Plan::new([bounds.min.x, bounds.min.z], Self::STEP_M, [size[0], size[2]], is_touched);
+        let plan = GroundDistances::new([bounds.min.x, bounds.min.z], Self::STEP_M, [size[0], size[2]], is_touched);
         Self { geometry: Arc::clone(geometry), min: bounds.min, size, distances, columns, plan }
     }
 
     /// The unit seen from above.
-    pub fn plan(&self) -> &Plan {
+    pub fn plan(&self) -> &GroundDistances {
         &self.plan
     }
 
     /// Lower bound of the distance from the unit to the vertical line through a place, at most [`Self::MARGIN_M`] (m).
-    pub fn beside(&self, x: f32, z: f32) -> f32 {
+    pub fn least_distance_to_line(&self, x: f32, z: f32) -> f32 {
         let at = [(x - self.min.x) / Self::STEP_M, (z - self.min.z) / Self::STEP_M];
         if at[0] < 0.0 || at[1] < 0.0 || at[0] >= self.size[0] as f32 || at[1] >= self.size[2] as f32 {
             return Self::MARGIN_M;
@@ -104,7 +104,7 @@ impl Field {
 
     /// Approximate distance of the unit from the vertical line through a place, negative if the line passes through it;
     /// beyond the grid, from the box around it, added to its margin (m).
-    pub fn far(&self, x: f32, z: f32) -> f32 {
+    pub fn distance_to_line(&self, x: f32, z: f32) -> f32 {
         let at = [(x - self.min.x) / Self::STEP_M, (z - self.min.z) / Self::STEP_M];
         let size = [self.size[0] as f32, self.size[2] as f32];
         let out = std::array::from_fn::<f32, 2, _>(|a| (-at[a]).max(at[a] - size[a]));
@@ -117,7 +117,8 @@ impl Field {
     /// Grid cells of points; cells at the rim for points beyond the grid.
     pub fn cells<const N: usize>(&self, [x, y, z]: &[[f32; N]; 3]) -> [u32; N] {
         let last = self.size.map(|n| n.saturating_sub(1) as f32 + 0.5);
-        let along = |v: f32, axis: usize| whole(((v - self.min[axis]) * Self::STEPS_PER_M).max(0.5).min(last[axis]));
+        let along =
+            |v: f32, axis: usize| floor_steps(((v - self.min[axis]) * Self::STEPS_PER_M).max(0.5).min(last[axis]));
         let [x_cells, y_cells, _] = self.size.map(|n| n as u32);
         let mut out = [0; N];
         for (k, cell) in out.iter_mut().enumerate() {
@@ -131,7 +132,7 @@ impl Field {
     /// - `cell`: from [`Self::cells`]; points beyond the grid are farther from the unit than that.
     /// - `limit`: excesses above [`Self::MARGIN_M`] less this are not distinguished (m).
     /// - returns less than any distance if only the exact geometry can tell.
-    pub fn about(&self, cell: u32, limit: f32) -> f32 {
+    pub fn excess_estimate(&self, cell: u32, limit: f32) -> f32 {
         let is_told = limit - Self::ERROR_M >= LEAST_M || limit == f32::NEG_INFINITY;
         if is_told { unpacked(self.distances[cell as usize]) - limit } else { f32::NEG_INFINITY }
     }
@@ -140,35 +141,35 @@ impl Field {
     ///
     /// - `limit`: (<= MARGIN_M - most)
     /// - `most`: larger excesses are not distinguished (m).
-    pub fn told(&self, p: Vec3, limit: f32, most: f32) -> Told {
-        let Some((at, cell)) = self.cell(p) else { return Told::Clear(most) };
+    pub fn excess_at(&self, p: Vec3, limit: f32, most: f32) -> FieldAnswer {
+        let Some((at, cell)) = self.cell(p) else { return FieldAnswer::Clear(most) };
         if limit - Self::ERROR_M < LEAST_M {
-            return Told::Unsure;
+            return FieldAnswer::Unsure;
         }
         let farther = unpacked(self.distances[cell]) - limit;
-        let off = Self::off(at);
+        let off = Self::rounding_error(at);
         if farther - off >= most.min(CLOSE_M) {
-            return Told::Clear((farther - off).min(most));
+            return FieldAnswer::Clear((farther - off).min(most));
         }
         if farther < -off {
-            return Told::Within;
+            return FieldAnswer::Within;
         }
-        let [least, greatest] = self.between(at, cell);
+        let [least, greatest] = self.distance_range(at, cell);
         if least >= limit {
-            Told::Clear((least - limit).min(most))
+            FieldAnswer::Clear((least - limit).min(most))
         } else if greatest < limit {
-            Told::Within
+            FieldAnswer::Within
         } else {
-            Told::Unsure
+            FieldAnswer::Unsure
         }
     }
 
     /// Range of the distance at a point: distances change by at most the way to a cell centre, and by nearly all of it
     /// if that lies beyond the point, seen from the unit.
-    fn between(&self, at: Vec3, cell: usize) -> [f32; 2] {
+    fn distance_range(&self, at: Vec3, cell: usize) -> [f32; 2] {
         let whole = truncated(at);
         let from_middle = at - whole - 0.5;
-        let (packed, off) = (self.distances[cell], Self::off(at));
+        let (packed, off) = (self.distances[cell], Self::rounding_error(at));
         let mut out = [unpacked(packed) - off, unpacked(packed) + off];
         let strides = [1, self.size[0], self.size[0] * self.size[1]];
         for (axis, stride) in strides.into_iter().enumerate() {
@@ -203,10 +204,10 @@ impl Field {
 
     /// True if the unit is nearer to a point than `limit` (limit <= MARGIN_M).
     pub fn is_nearer(&self, p: Vec3, limit: f32) -> bool {
-        match self.told(p, limit, 0.0) {
-            Told::Clear(_) => false,
-            Told::Within => true,
-            Told::Unsure => self.clearance(p, limit, 0.0).is_none(),
+        match self.excess_at(p, limit, 0.0) {
+            FieldAnswer::Clear(_) => false,
+            FieldAnswer::Within => true,
+            FieldAnswer::Unsure => self.clearance(p, limit, 0.0).is_none(),
         }
     }
 
@@ -221,7 +222,7 @@ impl Field {
     }
 
     /// Upper bound of the change of distance to the centre of the grid cell, including rounding (m).
-    fn off(at: Vec3) -> f32 {
+    fn rounding_error(at: Vec3) -> f32 {
         (at - truncated(at) - 0.5).length() * Self::STEP_M + Self::ROUNDING_M
     }
 }
@@ -233,7 +234,7 @@ fn truncated(at: Vec3) -> Vec3 {
 
 /// Integer part of a number of steps, but one less for exactly an odd number, as ties round to even; read from the
 /// mantissa, which vectorizes (>= 0.5, < 2^22).
-fn whole(steps: f32) -> u32 {
+fn floor_steps(steps: f32) -> u32 {
     const ONE_STEP: f32 = 8_388_608.0;
     (steps + (ONE_STEP - 0.5)).to_bits() & 0x007f_ffff
 }
@@ -274,7 +275,7 @@ mod tests {
             let text =
                 format!("[[units]]\nname = \"hall\"\nshapes = [{{ box = {{ at = [0, 0, 0], size = {size} }} }}]\n");
             let set = UnitSet::parse(&text, Path::new("u.toml")).unwrap();
-            Field::is_too_large(&UnitGeometry::new(&set.units[0]).unwrap())
+            DistanceField::is_too_large(&UnitGeometry::new(&set.units[0]).unwrap())
         };
         assert!(!is_too_large("[100, 8, 100]") && !is_too_large("[9999, 1, 0.1]"));
         assert!(is_too_large("[100, 100, 100]") && is_too_large("[9999, 9999, 9999]"));
@@ -283,7 +284,7 @@ mod tests {
     proptest! {
         #[test]
         fn says_what_the_exact_geometry_says(p in prop::array::uniform3(-0.8f32..1.5), limit in -0.1f32..0.2) {
-            thread_local!(static FIELD: Field = Field::new(&post()));
+            thread_local!(static FIELD: DistanceField = DistanceField::new(&post()));
             let p = Vec3::from(p);
             FIELD.with(|f| assert_eq!(f.is_nearer(p, limit), f.geometry.nearest(p, limit).is_some()));
         }
@@ -292,17 +293,17 @@ mod tests {
         fn is_no_clearer_than_the_exact_geometry_says(
             p in prop::array::uniform3(-0.8f32..1.5), limit in -0.1f32..0.12, most in 0.0f32..0.2
         ) {
-            thread_local!(static FIELD: Field = Field::new(&post()));
+            thread_local!(static FIELD: DistanceField = DistanceField::new(&post()));
             let p = Vec3::from(p);
             FIELD.with(|f| {
                 let exact = f.geometry.distance(p) - limit;
                 let [cell] = f.cells(&p.to_array().map(|v| [v]));
-                assert!(f.about(cell, limit) < most + Field::OFF_M || exact >= most);
+                assert!(f.excess_estimate(cell, limit) < most + DistanceField::OFF_M || exact >= most);
                 let near = |found: f32| found <= exact + 1e-5 && found >= exact.min(most) - 0.08;
-                match f.told(p, limit, most) {
-                    Told::Clear(found) => assert!(near(found) && exact >= 0.0, "{found} {exact}"),
-                    Told::Within => assert!(exact < 0.0, "{exact}"),
-                    Told::Unsure => assert!(exact.abs() < 0.08, "{exact}"),
+                match f.excess_at(p, limit, most) {
+                    FieldAnswer::Clear(found) => assert!(near(found) && exact >= 0.0, "{found} {exact}"),
+                    FieldAnswer::Within => assert!(exact < 0.0, "{exact}"),
+                    FieldAnswer::Unsure => assert!(exact.abs() < 0.08, "{exact}"),
                 }
                 let found = f.clearance(p, limit, most);
                 assert_eq!(found.is_none(), exact < 0.0);
@@ -312,12 +313,12 @@ mod tests {
 
         #[test]
         fn nothing_on_a_vertical_is_nearer_than_it_says(p in prop::array::uniform3(-0.8f32..1.5)) {
-            thread_local!(static FIELD: Field = Field::new(&post()));
+            thread_local!(static FIELD: DistanceField = DistanceField::new(&post()));
             let p = Vec3::from(p);
             FIELD.with(|f| {
-                let (beside, exact) = (f.beside(p.x, p.z), f.geometry.distance(p));
+                let (beside, exact) = (f.least_distance_to_line(p.x, p.z), f.geometry.distance(p));
                 assert!(beside <= exact + 1e-4, "{beside} {exact}");
-                assert!(beside <= Field::MARGIN_M);
+                assert!(beside <= DistanceField::MARGIN_M);
             });
         }
     }

@@ -2,7 +2,7 @@
 
 /// Distances over the ground from a unit.
 #[derive(Clone, Debug)]
-pub(in crate::stitch) struct Plan {
+pub(in crate::stitch) struct GroundDistances {
     /// Lowest corner of the grid: x and z (m).
     min: [f32; 2],
     /// Squares along x and z.
@@ -11,7 +11,7 @@ pub(in crate::stitch) struct Plan {
     distances: Vec<f32>,
 }
 
-impl Plan {
+impl GroundDistances {
     /// Edge length of a square (m).
     const STEP_M: f32 = 0.08;
     /// Extent of the grid beyond the columns that it is computed from (m).
@@ -56,7 +56,7 @@ impl Plan {
     }
 
     /// Lower bound of the distance of the unit from a place over the ground (m).
-    pub fn beside(&self, x: f32, z: f32) -> f32 {
+    pub fn least_distance(&self, x: f32, z: f32) -> f32 {
         let at = [(x - self.min[0]) / Self::STEP_M, (z - self.min[1]) / Self::STEP_M];
         let out = [(-at[0]).max(at[0] - self.size[0] as f32), (-at[1]).max(at[1] - self.size[1] as f32)];
         if out[0] >= 0.0 || out[1] >= 0.0 {
@@ -96,14 +96,14 @@ mod tests {
             touched in prop::collection::vec(any::<bool>(), 35), p in prop::array::uniform2(-2.0f32..2.5)
         ) {
             let (min, step) = ([-0.4f32, 0.2], 0.1);
-            let plan = Plan::new(min, step, [7, 5], |c| touched[c]);
+            let plan = GroundDistances::new(min, step, [7, 5], |c| touched[c]);
             let gap = |c: usize| {
                 let low = [min[0] + (c % 7) as f32 * step, min[1] + (c / 7) as f32 * step];
                 let apart = |a: usize| (low[a] - p[a]).max(p[a] - low[a] - step).max(0.0);
                 apart(0).hypot(apart(1))
             };
             let exact = (0..35).filter(|&c| touched[c]).map(gap).fold(f32::INFINITY, f32::min);
-            let found = plan.beside(p[0], p[1]);
+            let found = plan.least_distance(p[0], p[1]);
             prop_assert!(found <= exact + 1e-4, "{} {}", found, exact);
             prop_assert!(exact > 0.4 || found > exact - 0.3, "{} {}", found, exact);
         }

@@ -1,13 +1,17 @@
 //! Graph of a world before dead ends are removed: all motion that no unit obstructs.
 
-use super::joined::{Joined, Overlap, Part, exits};
-use super::prepare::Prepared;
-use crate::stitch::place::lay::Laid;
-use throng_core::patch::{NONE, Patches};
+use super::joined::{GraphInstance, InstanceOverlap, JoinedGraph, exits};
+use super::prepare::PreparedWorld;
+use crate::stitch::place::place_patches::PlacedPatches;
+use throng_core::patch::{NONE, PatchTables};
 
 /// Builds the graph of a world (prepared for `laid`, whose sizes are checked).
-pub(in crate::stitch) fn allow(patches: &Patches, laid: &Laid, prepared: Prepared) -> Joined {
-    let mut joined = Joined {
+pub(in crate::stitch) fn build_joined_graph(
+    patches: &PatchTables,
+    laid: &PlacedPatches,
+    prepared: PreparedWorld,
+) -> JoinedGraph {
+    let mut joined = JoinedGraph {
         patches: patches.clone(),
         exits: exits(patches),
         parts: Vec::with_capacity(laid.fitted.len()),
@@ -20,15 +24,15 @@ pub(in crate::stitch) fn allow(patches: &Patches, laid: &Laid, prepared: Prepare
         num_nodes: 0,
         num_words: 0,
     };
-    parts(laid, &prepared.situation_of, &mut joined);
-    overlaps(laid, &mut joined);
+    add_instances(laid, &prepared.situation_of, &mut joined);
+    add_overlaps(laid, &mut joined);
     joined
 }
 
-fn parts(laid: &Laid, situations: &[u32], joined: &mut Joined) {
+fn add_instances(laid: &PlacedPatches, situations: &[u32], joined: &mut JoinedGraph) {
     for (i, f) in laid.fitted.iter().enumerate() {
         let patch = &joined.patches.patches[f.patch as usize];
-        joined.parts.push(Part {
+        joined.parts.push(GraphInstance {
             patch: f.patch,
             situation: situations[i],
             first_node: joined.num_nodes as u32,
@@ -43,7 +47,7 @@ fn parts(laid: &Laid, situations: &[u32], joined: &mut Joined) {
 }
 
 /// Adds the overlaps of each instance, by the number of the other.
-fn overlaps(laid: &Laid, joined: &mut Joined) {
+fn add_overlaps(laid: &PlacedPatches, joined: &mut JoinedGraph) {
     let pairs = || (0u32..).zip(&laid.pairs).zip(&joined.crossing_of).filter(|(_, crossing)| **crossing != NONE);
     for ((_, (a, b, _)), _) in pairs() {
         for i in [a, b] {
@@ -56,10 +60,10 @@ fn overlaps(laid: &Laid, joined: &mut Joined) {
         next += part.num_overlaps;
     }
     let mut at: Vec<u32> = joined.parts.iter().map(|p| p.first_overlap).collect();
-    let mut overlaps = vec![Overlap { other: NONE, side: 0, pair: NONE, crossing: NONE }; next as usize];
+    let mut overlaps = vec![InstanceOverlap { other: NONE, side: 0, pair: NONE, crossing: NONE }; next as usize];
     for ((pair, &(a, b, _)), &crossing) in pairs() {
         for (owner, other, side) in [(a, b, 0), (b, a, 1)] {
-            overlaps[at[owner as usize] as usize] = Overlap { other, side, pair, crossing };
+            overlaps[at[owner as usize] as usize] = InstanceOverlap { other, side, pair, crossing };
             at[owner as usize] += 1;
         }
     }

@@ -1,12 +1,12 @@
 //! Writes the remaining world: bits of cells in the component, and the tables it needs.
 
-use super::crossing::Crossing;
-use super::joined::Joined;
-use super::remains::Remains;
+use super::crossing::CrossingJoints;
+use super::joined::JoinedGraph;
+use super::remains::WorldRemains;
 use crate::environment::Environment;
-use crate::stitch::place::lay::Laid;
-use crate::stitch::place::relation::Relation;
-use crate::stitch::sets::bits::Pool;
+use crate::stitch::place::place_patches::PlacedPatches;
+use crate::stitch::place::relation::RelativePlacement;
+use crate::stitch::sets::bits::WordPool;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use throng_core::patch::NONE;
@@ -14,35 +14,40 @@ use throng_world::{AdjacencyRecord, InstanceRecord, JointTableRecord, UnitRecord
 
 /// The world written before a change, with the unchanged part of it.
 #[derive(Clone, Copy)]
-pub(in crate::stitch) struct Written<'w> {
+pub(in crate::stitch) struct WrittenWorld<'w> {
     /// Remaining instances and pairs of the previous world.
-    pub remains: &'w Remains,
+    pub remains: &'w WorldRemains,
     /// Previous number of each instance, as in [`super::resettle::Before::same`].
-    pub same: &'w [u32],
+    pub previous_of: &'w [u32],
 }
 
 /// Writes the remaining world, except its metadata.
 ///
 /// - `world`: the world before the change; ignored if everything is new.
-pub(in crate::stitch) fn write(
+pub(in crate::stitch) fn write_world(
     environment: &Environment,
-    laid: &Laid,
-    joined: &Joined,
-    remains: &Remains,
-    before: Option<Written<'_>>,
+    laid: &PlacedPatches,
+    joined: &JoinedGraph,
+    remains: &WorldRemains,
+    before: Option<WrittenWorld<'_>>,
     world: &mut WorldData,
 ) {
     let units = environment.units.iter().map(|u| UnitRecord { unit: u.unit as u32, placement: u.placement });
     world.units.clear();
     world.units.extend(units);
     world.neighbours.clone_from(&laid.neighbours);
-    instances(laid, remains, before, world);
-    joints(laid, joined, remains, world);
+    write_instances(laid, remains, before, world);
+    write_joints(laid, joined, remains, world);
     resources(laid, joined, world);
 }
 
 /// Writes instances and their bits. Unchanged ones, most of a world, are not touched.
-fn instances(laid: &Laid, remains: &Remains, before: Option<Written<'_>>, world: &mut WorldData) {
+fn write_instances(
+    laid: &PlacedPatches,
+    remains: &WorldRemains,
+    before: Option<WrittenWorld<'_>>,
+    world: &mut WorldData,
+) {
     let were = std::mem::take(&mut world.instances);
     let (mut first_cell_word, mut first_link_word) = (0, 0);
     for (i, f) in (0u32..).zip(&laid.fitted) {
@@ -65,8 +70,8 @@ fn instances(laid: &Laid, remains: &Remains, before: Option<Written<'_>>, world:
     world.link_words.resize(first_link_word, 0);
     for (i, record) in (0u32..).zip(&world.instances) {
         let (outcome, at) = (remains.outcome(i), [record.first_cell_word, record.first_link_word]);
-        let is_there = |before: Written<'_>| {
-            let was = before.same[i as usize];
+        let is_there = |before: WrittenWorld<'_>| {
+            let was = before.previous_of[i as usize];
             let stood = were.get(was as usize).is_some_and(|r| [r.first_cell_word, r.first_link_word] == at);
             stood && Arc::ptr_eq(before.remains.outcome(was), outcome)
         };
@@ -79,26 +84,26 @@ fn instances(laid: &Laid, remains: &Remains, before: Option<Written<'_>>, world:
 }
 
 /// Writes the needed joint tables, bits of joints, adjacencies.
-fn joints(laid: &Laid, joined: &Joined, remains: &Remains, world: &mut WorldData) {
-    let used: Vec<bool> = used(joined, remains);
+fn write_joints(laid: &PlacedPatches, joined: &JoinedGraph, remains: &WorldRemains, world: &mut WorldData) {
+    let used: Vec<bool> = used_crossings(joined, remains);
     let of_used = joined.crossings.iter().zip(&used).filter(|(_, used)| **used).map(|(crossing, _)| crossing.as_ref());
     let numbers = tables(of_used, world);
     let table_of: Vec<u32> =
         joined.crossings.iter().map(|c| numbers.get(&c.relation).copied().unwrap_or(NONE)).collect();
-    let mut pool = Pool::new(std::mem::take(&mut world.joint_words));
-    let mut first_words = vec![NONE; remains.left.len()];
+    let mut pool = WordPool::new(std::mem::take(&mut world.joint_words));
+    let mut first_words = vec![NONE; remains.remaining.len()];
     world.adjacencies.clear();
     for i in 0..laid.fitted.len() as u32 {
         let first = world.adjacencies.len();
         for o in joined.overlaps_of(i) {
-            let number = remains.left_of[o.pair as usize] as usize;
-            let left = &remains.left[number];
+            let number = remains.remaining_of[o.pair as usize] as usize;
+            let left = &remains.remaining[number];
             if left.count == 0 {
                 continue;
             }
             // Bits are shared with the first of both.
             if first_words[number] == NONE && o.side == 0 {
-                first_words[number] = pool.place(&left.words);
+                first_words[number] = pool.intern(&left.words);
             }
             let table = table_of[o.crossing as usize];
             world.adjacencies.push(AdjacencyRecord { other: o.other, table, side: o.side, first_word: number as u32 });
@@ -111,10 +116,10 @@ fn joints(laid: &Laid, joined: &Joined, remains: &Remains, world: &mut WorldData
 }
 
 /// True for each crossing with remaining joints.
-fn used(joined: &Joined, remains: &Remains) -> Vec<bool> {
+fn used_crossings(joined: &JoinedGraph, remains: &WorldRemains) -> Vec<bool> {
     let mut used = vec![false; joined.crossings.len()];
-    for (&crossing, &left) in joined.crossing_of.iter().zip(&remains.left_of) {
-        if crossing != NONE && remains.left[left as usize].count > 0 {
+    for (&crossing, &left) in joined.crossing_of.iter().zip(&remains.remaining_of) {
+        if crossing != NONE && remains.remaining[left as usize].count > 0 {
             used[crossing as usize] = true;
         }
     }
@@ -122,7 +127,10 @@ fn used(joined: &Joined, remains: &Remains) -> Vec<bool> {
 }
 
 /// Writes joint tables, by their relations, and numbers them.
-fn tables<'j>(crossings: impl Iterator<Item = &'j Crossing>, world: &mut WorldData) -> HashMap<Relation, u32> {
+fn tables<'j>(
+    crossings: impl Iterator<Item = &'j CrossingJoints>,
+    world: &mut WorldData,
+) -> HashMap<RelativePlacement, u32> {
     let by_relation: BTreeMap<_, _> = crossings.map(|c| (c.relation, &c.table)).collect();
     world.tables.clear();
     world.joints.clear();
@@ -142,7 +150,7 @@ fn tables<'j>(crossings: impl Iterator<Item = &'j Crossing>, world: &mut WorldDa
 }
 
 /// Reserved resources of each instance: its own units, and for a block the panels of tiles that its motion uses.
-fn resources(laid: &Laid, joined: &Joined, world: &mut WorldData) {
+fn resources(laid: &PlacedPatches, joined: &JoinedGraph, world: &mut WorldData) {
     let on_floor = || laid.pairs.iter().zip(&joined.shares_floor).filter(|(_, shares)| **shares).map(|(pair, _)| pair);
     let mut ends: Vec<usize> = laid.fitted.iter().map(|f| f.units.len()).collect();
     on_floor().for_each(|(a, b, _)| ends[*b as usize] += laid.fitted[*a as usize].units.len());

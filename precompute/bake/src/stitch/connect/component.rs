@@ -1,7 +1,7 @@
 //! Largest strongly connected component of an implicit graph (Tarjan 1972, as Pearce 2016 stores it).
 
 /// A graph that enumerates the successors of each node.
-pub(in crate::stitch) trait Ways {
+pub(in crate::stitch) trait SuccessorGraph {
     /// Position in the enumeration of a node's successors.
     type Cursor: Copy + Default;
 
@@ -12,7 +12,7 @@ pub(in crate::stitch) trait Ways {
     fn next(&self, node: u32, cursor: &mut Self::Cursor) -> Option<u32>;
 
     /// All successors of a node.
-    fn ways(&self, node: u32) -> impl Iterator<Item = u32> {
+    fn successors(&self, node: u32) -> impl Iterator<Item = u32> {
         let mut cursor = Self::Cursor::default();
         std::iter::from_fn(move || self.next(node, &mut cursor))
     }
@@ -22,8 +22,8 @@ pub(in crate::stitch) trait Ways {
 ///
 /// Components are numbered downwards from `num_nodes` in the order of completion: every edge leads to a component of
 /// the same number or a higher one. Memory: one number a node beside the depth of the search.
-pub(in crate::stitch) fn components<G: Ways>(graph: &G) -> Vec<u32> {
-    let mut search = Search::<G> {
+pub(in crate::stitch) fn components<G: SuccessorGraph>(graph: &G) -> Vec<u32> {
+    let mut search = ComponentSearch::<G> {
         graph,
         number: vec![0; graph.num_nodes()],
         pending: Vec::new(),
@@ -33,31 +33,31 @@ pub(in crate::stitch) fn components<G: Ways>(graph: &G) -> Vec<u32> {
     };
     for node in 0..graph.num_nodes() as u32 {
         if search.number[node as usize] == 0 {
-            search.from(node);
+            search.search_from(node);
         }
     }
     search.number
 }
 
-struct Step<C> {
+struct SearchFrame<C> {
     node: u32,
     is_root: bool,
     cursor: C,
 }
 
-struct Search<'a, G: Ways> {
+struct ComponentSearch<'a, G: SuccessorGraph> {
     graph: &'a G,
     /// State of each node: 0 if unseen; on the current path the lowest index it leads back to; then its component.
     number: Vec<u32>,
     /// Finished nodes without a component yet.
     pending: Vec<u32>,
-    path: Vec<Step<G::Cursor>>,
+    path: Vec<SearchFrame<G::Cursor>>,
     index: u32,
     component: u32,
 }
 
-impl<G: Ways> Search<'_, G> {
-    fn from(&mut self, start: u32) {
+impl<G: SuccessorGraph> ComponentSearch<'_, G> {
+    fn search_from(&mut self, start: u32) {
         self.enter(start);
         while let Some(step) = self.path.last_mut() {
             let node = step.node;
@@ -77,7 +77,7 @@ impl<G: Ways> Search<'_, G> {
     fn enter(&mut self, node: u32) {
         self.number[node as usize] = self.index;
         self.index += 1;
-        self.path.push(Step { node, is_root: true, cursor: G::Cursor::default() });
+        self.path.push(SearchFrame { node, is_root: true, cursor: G::Cursor::default() });
     }
 
     fn leave(&mut self) {
@@ -107,7 +107,7 @@ impl<G: Ways> Search<'_, G> {
 /// First node of the component with most nodes; on a tie of the one with the first node.
 ///
 /// - returns `None` if no node leads back to itself.
-pub(in crate::stitch) fn largest<G: Ways>(graph: &G) -> Option<u32> {
+pub(in crate::stitch) fn largest<G: SuccessorGraph>(graph: &G) -> Option<u32> {
     let component = components(graph);
     let lowest = *component.iter().min()?;
     let mut sizes = vec![0u32; graph.num_nodes() + 1 - lowest as usize];
@@ -115,7 +115,7 @@ pub(in crate::stitch) fn largest<G: Ways>(graph: &G) -> Option<u32> {
         sizes[(c - lowest) as usize] += 1;
     }
     let most = *sizes.iter().max()?;
-    let lead_back = |n: u32| most > 1 || graph.ways(n).any(|w| w == n);
+    let lead_back = |n: u32| most > 1 || graph.successors(n).any(|w| w == n);
     (0..component.len() as u32).find(|&n| sizes[(component[n as usize] - lowest) as usize] == most && lead_back(n))
 }
 
@@ -127,7 +127,7 @@ mod tests {
     #[derive(Debug)]
     struct Explicit(Vec<Vec<u32>>);
 
-    impl Ways for Explicit {
+    impl SuccessorGraph for Explicit {
         type Cursor = usize;
 
         fn num_nodes(&self) -> usize {

@@ -1,22 +1,22 @@
 //! Usable joints between two instances, as sets of cells, which a search over a world follows.
 
-use super::outcome::Outcome;
-use super::situation::Situation;
+use super::outcome::InstanceOutcome;
+use super::situation::PatchSituation;
 use super::table::JointTable;
-use crate::stitch::clearance::hit::Hit;
-use crate::stitch::place::relation::Relation;
-use crate::stitch::sets::bits::{num_words, set};
-use crate::stitch::sets::rows::Rows;
-use crate::stitch::sets::same::Same;
+use crate::stitch::clearance::collision_span::CollisionSpan;
+use crate::stitch::place::relation::RelativePlacement;
+use crate::stitch::sets::bits::{num_words, set_bit};
+use crate::stitch::sets::identity_arc::IdentityArc;
+use crate::stitch::sets::rows::BitRows;
 use std::sync::Arc;
-use throng_core::patch::{LinkRecord, NONE, Patches};
+use throng_core::patch::{LinkRecord, NONE, PatchTables};
 use throng_world::is_set;
 
 /// Joints of a table that are usable with side a in a certain situation: shared by all such pairs.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::stitch) struct Crossing {
+pub(in crate::stitch) struct CrossingJoints {
     /// Relative placement of the two sides.
-    pub relation: Relation,
+    pub relation: RelativePlacement,
     /// All joints of the pair.
     pub table: Arc<JointTable>,
     /// Bits of usable joints, two a joint; `None` if all are.
@@ -24,20 +24,20 @@ pub(in crate::stitch) struct Crossing {
     /// True if joints lead from cell to cell: after such a joint, a link must follow.
     pub between_cells: bool,
     /// Cells of the other side reached from each cell of side a, and of side b.
-    pub out: [Rows; 2],
+    pub out: [BitRows; 2],
     /// Cells of the other side that lead to each cell of side a, and of side b.
-    pub into: [Rows; 2],
+    pub into: [BitRows; 2],
 }
 
-impl Crossing {
+impl CrossingJoints {
     /// - `situation`: of side a.
-    /// - `hit`: as for [`Situation::joint_words`].
+    /// - `hit`: as for [`PatchSituation::joint_words`].
     pub fn new(
-        patches: &Patches,
-        relation: Relation,
+        patches: &PatchTables,
+        relation: RelativePlacement,
         table: &Arc<JointTable>,
-        situation: &Situation,
-        hit: impl FnMut(u32) -> Option<Hit>,
+        situation: &PatchSituation,
+        hit: impl FnMut(u32) -> Option<CollisionSpan>,
     ) -> Self {
         let words = situation.joint_words(table, hit);
         let links = patches.links_of(relation.a as usize);
@@ -53,7 +53,7 @@ impl Crossing {
             let j = &joints[*k as usize];
             (if j.a_offset == NONE { j.a } else { links[j.a as usize].to }, j.b)
         });
-        let into = [Rows::new(cells_a, enter), Rows::new(cells_b, leave)];
+        let into = [BitRows::new(cells_a, enter), BitRows::new(cells_b, leave)];
         let out = [into[1].transposed(cells_a), into[0].transposed(cells_b)];
         let between_cells = joints.first().is_some_and(|j| j.a_offset == NONE);
         Self { relation, table: Arc::clone(table), words, between_cells, out, into }
@@ -63,9 +63,9 @@ impl Crossing {
     ///
     /// - `links`: of side a.
     /// - `a`, `b`: bits of the remaining cells of each side.
-    pub fn left(&self, links: &[LinkRecord], a: &[u64], b: &[u64]) -> Left {
+    pub fn remaining(&self, links: &[LinkRecord], a: &[u64], b: &[u64]) -> RemainingJoints {
         let joints = &self.table.joints;
-        let mut left = Left { words: vec![0; num_words(2 * joints.len())], count: 0 };
+        let mut left = RemainingJoints { words: vec![0; num_words(2 * joints.len())], count: 0 };
         for (k, joint) in (0u32..).zip(joints).filter(|(_, j)| is_set(b, 0, j.b)) {
             let (from, to) = match joint.a_offset {
                 NONE => (joint.a, joint.a),
@@ -73,7 +73,7 @@ impl Crossing {
             };
             for (bit, own) in [(2 * k, from), (2 * k + 1, to)] {
                 if is_set(a, 0, own) && self.words.as_ref().is_none_or(|w| is_set(w, 0, bit)) {
-                    set(&mut left.words, bit);
+                    set_bit(&mut left.words, bit);
                     left.count += 1;
                 }
             }
@@ -84,7 +84,7 @@ impl Crossing {
 
 /// Remaining joints between two instances.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::stitch) struct Left {
+pub(in crate::stitch) struct RemainingJoints {
     /// Two bits a joint of the table.
     pub words: Vec<u64>,
     /// Number of set bits.
@@ -95,7 +95,7 @@ pub(in crate::stitch) struct Left {
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(in crate::stitch) struct PairState {
     /// Usable joints.
-    pub crossing: Same<Crossing>,
+    pub crossing: IdentityArc<CrossingJoints>,
     /// Remaining cells and links of side a and of side b.
-    pub sides: [Same<Outcome>; 2],
+    pub sides: [IdentityArc<InstanceOutcome>; 2],
 }

@@ -1,16 +1,16 @@
 //! Graph of a whole world: cells of instances, connected by links, by joints and across the edges of tiles. An instance
 //! stores only bits; edges are looked up in its patch and in tables.
 
-use super::component::Ways;
-use super::crossing::Crossing;
-use super::situation::Situation;
-use crate::stitch::sets::bits::{num_words, set};
+use super::component::SuccessorGraph;
+use super::crossing::CrossingJoints;
+use super::situation::PatchSituation;
+use crate::stitch::sets::bits::{num_words, set_bit};
 use std::sync::Arc;
-use throng_core::patch::{CellRecord, NONE, PatchRecord, Patches};
+use throng_core::patch::{CellRecord, NONE, PatchRecord, PatchTables};
 
 /// An instance in the graph.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::stitch) struct Part {
+pub(in crate::stitch) struct GraphInstance {
     /// Number of its patch.
     pub patch: u32,
     /// Node of its first cell.
@@ -29,7 +29,7 @@ pub(in crate::stitch) struct Part {
 
 /// Overlap of two instances, seen from one of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::stitch) struct Overlap {
+pub(in crate::stitch) struct InstanceOverlap {
     /// The other instance.
     pub other: u32,
     /// Side of the owner: 0 for side a, 1 for side b.
@@ -42,21 +42,21 @@ pub(in crate::stitch) struct Overlap {
 
 /// All possible motion of a world before the component is chosen.
 #[derive(Clone, Debug)]
-pub(in crate::stitch) struct Joined {
+pub(in crate::stitch) struct JoinedGraph {
     /// The patches.
-    pub patches: Patches,
+    pub patches: PatchTables,
     /// Bits of the exits of every patch.
     pub exits: Vec<Vec<u64>>,
     /// The instances.
-    pub parts: Vec<Part>,
+    pub parts: Vec<GraphInstance>,
     /// Instance across each edge of each tile.
     pub neighbours: Vec<u32>,
     /// Situations, each with the unobstructed motion of instances.
-    pub situations: Vec<Arc<Situation>>,
+    pub situations: Vec<Arc<PatchSituation>>,
     /// Overlaps of all instances.
-    pub overlaps: Vec<Overlap>,
+    pub overlaps: Vec<InstanceOverlap>,
     /// Usable joints of pairs.
-    pub crossings: Vec<Arc<Crossing>>,
+    pub crossings: Vec<Arc<CrossingJoints>>,
     /// Number of the usable joints of each pair; [`NONE`] without joints (pairs).
     pub crossing_of: Vec<u32>,
     /// True for pairs of a tile and a block whose motion uses its panel (pairs).
@@ -69,26 +69,26 @@ pub(in crate::stitch) struct Joined {
 
 /// Position in the enumeration of a node's successors: its links, then the joints of each overlap.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::stitch) struct Place {
+pub(in crate::stitch) struct NodeCursor {
     part: u32,
     overlap: u32,
     at: u32,
 }
 
 /// Bits of the exits of every patch.
-pub(in crate::stitch) fn exits(patches: &Patches) -> Vec<Vec<u64>> {
+pub(in crate::stitch) fn exits(patches: &PatchTables) -> Vec<Vec<u64>> {
     let of_patch = |(p, record): (usize, &PatchRecord)| {
         let mut words = vec![0; num_words(record.num_cells as usize)];
         let cells = (0u32..).zip(patches.cells_of(p));
-        cells.filter(|(_, c)| c.is(CellRecord::IS_EXIT)).for_each(|(c, _)| set(&mut words, c));
+        cells.filter(|(_, c)| c.has_flags(CellRecord::IS_EXIT)).for_each(|(c, _)| set_bit(&mut words, c));
         words
     };
     patches.patches.iter().enumerate().map(of_patch).collect()
 }
 
-impl Joined {
+impl JoinedGraph {
     /// Instance and cell of a node.
-    pub fn part_of(&self, node: u32) -> (u32, u32) {
+    pub fn instance_of(&self, node: u32) -> (u32, u32) {
         let part = self.parts.partition_point(|p| p.first_node <= node) - 1;
         (part as u32, node - self.parts[part].first_node)
     }
@@ -114,14 +114,14 @@ impl Joined {
     /// Node of a cell: for an exit the entry across the edge, if there is a neighbour.
     pub fn node(&self, part: u32, cell: u32) -> Option<u32> {
         let c = &self.cells(part)[cell as usize];
-        if !c.is(CellRecord::IS_EXIT) {
+        if !c.has_flags(CellRecord::IS_EXIT) {
             return Some(self.parts[part as usize].first_node + cell);
         }
         self.neighbour(part, c.edge).map(|other| self.parts[other as usize].first_node + c.twin)
     }
 
     /// Overlaps of an instance.
-    pub fn overlaps_of(&self, part: u32) -> &[Overlap] {
+    pub fn overlaps_of(&self, part: u32) -> &[InstanceOverlap] {
         let p = &self.parts[part as usize];
         &self.overlaps[p.first_overlap as usize..(p.first_overlap + p.num_overlaps) as usize]
     }
@@ -134,12 +134,12 @@ impl Joined {
     }
 
     /// The joints of an overlap.
-    pub fn crossing(&self, overlap: &Overlap) -> &Crossing {
+    pub fn crossing(&self, overlap: &InstanceOverlap) -> &CrossingJoints {
         &self.crossings[overlap.crossing as usize]
     }
 
     /// Situation of an instance.
-    pub fn situation(&self, part: u32) -> &Arc<Situation> {
+    pub fn situation(&self, part: u32) -> &Arc<PatchSituation> {
         &self.situations[self.parts[part as usize].situation as usize]
     }
 
@@ -150,7 +150,7 @@ impl Joined {
 
     /// Joints of cells do not follow each other without motion: they lead to the cell's second node, which has links
     /// only.
-    fn next_joint(&self, cell: u32, overlap: &Overlap, at: &mut u32) -> Option<u32> {
+    fn next_joint(&self, cell: u32, overlap: &InstanceOverlap, at: &mut u32) -> Option<u32> {
         let crossing = self.crossing(overlap);
         let out = &crossing.out[overlap.side as usize];
         std::iter::from_fn(|| out.next(cell, at)).find_map(|to| match crossing.between_cells {
@@ -160,19 +160,19 @@ impl Joined {
     }
 }
 
-impl Ways for Joined {
-    type Cursor = Place;
+impl SuccessorGraph for JoinedGraph {
+    type Cursor = NodeCursor;
 
     /// Two nodes a cell: reached by motion, then reached by a joint.
     fn num_nodes(&self) -> usize {
         2 * self.num_nodes
     }
 
-    fn next(&self, node: u32, cursor: &mut Place) -> Option<u32> {
+    fn next(&self, node: u32, cursor: &mut NodeCursor) -> Option<u32> {
         let joined = node as usize >= self.num_nodes;
         let node = if joined { node - self.num_nodes as u32 } else { node };
         if cursor.overlap == 0 && cursor.at == 0 {
-            cursor.part = self.part_of(node).0;
+            cursor.part = self.instance_of(node).0;
         }
         let cell = node - self.parts[cursor.part as usize].first_node;
         if cursor.overlap == 0 {

@@ -1,17 +1,17 @@
 //! Remaining motion of an instance: shared by all in the same situation with the same cells removed.
 
-use super::settled::Standing;
-use super::situation::Situation;
-use crate::stitch::report::Reason;
-use crate::stitch::sets::bits::{num_words, set};
-use crate::stitch::sets::same::Same;
+use super::component_cells::ComponentMembership;
+use super::situation::PatchSituation;
+use crate::stitch::report::RemovalReason;
+use crate::stitch::sets::bits::{num_words, set_bit};
+use crate::stitch::sets::identity_arc::IdentityArc;
 use std::hash::{Hash, Hasher};
-use throng_core::patch::{CellRecord, Patches};
+use throng_core::patch::{CellRecord, PatchTables};
 use throng_world::is_set;
 
 /// Counts of a world, or of a part of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(in crate::stitch) struct Counts {
+pub(in crate::stitch) struct WorldCounts {
     /// Remaining nodes.
     pub cells: u64,
     /// Remaining links.
@@ -24,7 +24,7 @@ pub(in crate::stitch) struct Counts {
     pub disabled: [u64; 4],
 }
 
-impl Counts {
+impl WorldCounts {
     /// Adds other counts.
     pub fn add(&mut self, more: &Self) {
         self.cells += more.cells;
@@ -37,9 +37,9 @@ impl Counts {
 
 /// State of an instance relative to the component, which determines its remaining motion.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(in crate::stitch) struct State {
+pub(in crate::stitch) struct InstanceState {
     /// Situation: the obstacles to its motion.
-    pub situation: Same<Situation>,
+    pub situation: IdentityArc<PatchSituation>,
     /// Bits of the cells in the component.
     pub inside: Vec<u64>,
     /// Bits of the cells that lead to the component.
@@ -48,7 +48,7 @@ pub(in crate::stitch) struct State {
     pub has_neighbour: Vec<bool>,
 }
 
-impl Hash for State {
+impl Hash for InstanceState {
     /// Combines the many words of each instance before hashing.
     fn hash<H: Hasher>(&self, state: &mut H) {
         self.situation.hash(state);
@@ -57,51 +57,54 @@ impl Hash for State {
     }
 }
 
-impl State {
+impl InstanceState {
     /// Reason why a cell is removed; `None` if it remains.
-    fn cell(&self, cell: &CellRecord, number: u32) -> Option<Reason> {
+    fn cell(&self, cell: &CellRecord, number: u32) -> Option<RemovalReason> {
         let standing = match (is_set(&self.inside, 0, number), is_set(&self.leads, 0, number)) {
-            (true, _) => Standing::Inside,
-            (false, true) => Standing::Unreached,
-            (false, false) => Standing::DeadEnd,
+            (true, _) => ComponentMembership::Inside,
+            (false, true) => ComponentMembership::Unreached,
+            (false, false) => ComponentMembership::DeadEnd,
         };
-        of_cell(standing, is_end(cell) && !self.has_neighbour[cell.edge as usize])
+        cell_reason(standing, is_end(cell) && !self.has_neighbour[cell.edge as usize])
     }
 }
 
 /// Remaining motion of an instance.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::stitch) struct Outcome {
+pub(in crate::stitch) struct InstanceOutcome {
     /// Bits of its remaining cells.
     pub cells: Vec<u64>,
     /// Bits of its remaining links.
     pub links: Vec<u64>,
     /// Counts of its remaining motion.
-    pub counts: Counts,
+    pub counts: WorldCounts,
 }
 
-impl Outcome {
+impl InstanceOutcome {
     /// Remaining motion of all instances in a state.
-    pub fn new(patches: &Patches, state: &State) -> Self {
+    pub fn new(patches: &PatchTables, state: &InstanceState) -> Self {
         let situation = &state.situation.0;
         let patch = situation.surroundings.patch as usize;
         let (cells, links) = (patches.cells_of(patch), patches.links_of(patch));
-        let mut out =
-            Self { cells: state.inside.clone(), links: vec![0; num_words(links.len())], counts: Counts::default() };
+        let mut out = Self {
+            cells: state.inside.clone(),
+            links: vec![0; num_words(links.len())],
+            counts: WorldCounts::default(),
+        };
         let taken_out: Vec<_> = (0u32..).zip(cells).map(|(c, cell)| state.cell(cell, c)).collect();
         for (cell, reason) in cells.iter().zip(&taken_out) {
             match reason {
                 Some(reason) => out.counts.disabled[*reason as usize] += 1,
                 // An exit is the neighbour's entry, and is counted there.
-                None => out.counts.cells += u64::from(!cell.is(CellRecord::IS_EXIT)),
+                None => out.counts.cells += u64::from(!cell.has_flags(CellRecord::IS_EXIT)),
             }
         }
         for (l, link) in (0u32..).zip(links) {
             let free = is_set(&situation.link_words, 0, l);
-            match of_link(free, taken_out[link.from as usize], || taken_out[link.to as usize]) {
+            match link_reason(free, taken_out[link.from as usize], || taken_out[link.to as usize]) {
                 Some(reason) => out.counts.disabled[reason as usize] += 1,
                 None => {
-                    set(&mut out.links, l);
+                    set_bit(&mut out.links, l);
                     out.counts.links += 1;
                     out.counts.frames += u64::from(link.num_frames);
                 }
@@ -119,12 +122,12 @@ pub(in crate::stitch) fn is_end(cell: &CellRecord) -> bool {
 /// Reason why a cell is removed; `None` if it remains.
 ///
 /// - `alone`: true at an edge without a neighbour.
-pub(in crate::stitch) fn of_cell(standing: Standing, alone: bool) -> Option<Reason> {
+pub(in crate::stitch) fn cell_reason(standing: ComponentMembership, alone: bool) -> Option<RemovalReason> {
     match standing {
-        Standing::Inside => None,
-        _ if alone => Some(Reason::NoNeighbour),
-        Standing::DeadEnd => Some(Reason::DeadEnd),
-        Standing::Unreached => Some(Reason::OutsideComponent),
+        ComponentMembership::Inside => None,
+        _ if alone => Some(RemovalReason::NoNeighbour),
+        ComponentMembership::DeadEnd => Some(RemovalReason::DeadEnd),
+        ComponentMembership::Unreached => Some(RemovalReason::OutsideComponent),
     }
 }
 
@@ -132,27 +135,27 @@ pub(in crate::stitch) fn of_cell(standing: Standing, alone: bool) -> Option<Reas
 ///
 /// - `free`: true if nothing obstructs it.
 /// - `from`, `to`: reasons against the cells at its begin and end.
-pub(in crate::stitch) fn of_link(
+pub(in crate::stitch) fn link_reason(
     free: bool,
-    from: Option<Reason>,
-    to: impl FnOnce() -> Option<Reason>,
-) -> Option<Reason> {
+    from: Option<RemovalReason>,
+    to: impl FnOnce() -> Option<RemovalReason>,
+) -> Option<RemovalReason> {
     if !free {
-        return Some(Reason::Obstacle);
+        return Some(RemovalReason::Obstacle);
     }
     match to() {
-        Some(Reason::NoNeighbour) => Some(Reason::NoNeighbour),
+        Some(RemovalReason::NoNeighbour) => Some(RemovalReason::NoNeighbour),
         None => from,
         // The cell would be part of the component if it led back to it.
-        Some(_) => from.or(Some(Reason::DeadEnd)),
+        Some(_) => from.or(Some(RemovalReason::DeadEnd)),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stitch::connect::situation::Surroundings;
-    use crate::stitch::sets::rows::Rows;
+    use crate::stitch::connect::situation::PatchSurroundings;
+    use crate::stitch::sets::rows::BitRows;
     use bytemuck::Zeroable;
     use std::sync::Arc;
     use throng_core::patch::{KIND_TILE, LinkRecord, NONE, PatchRecord, Placement};
@@ -166,36 +169,40 @@ mod tests {
         let link = |from, to| LinkRecord { from, to, frame: 0, num_frames: 25, tag: 0, start: at, end: at };
         let links = [link(0, 0), link(0, 1), link(0, 2), link(0, 3), link(4, 0), link(0, 0)];
         let patch = PatchRecord { kind: KIND_TILE, num_cells: 5, num_links: 6, ..PatchRecord::zeroed() };
-        let patches = Patches {
+        let patches = PatchTables {
             patches: (&[patch]).into(),
             edges: [].as_slice().into(),
             cells: (&cells).into(),
             links: (&links).into(),
             pairs: [].as_slice().into(),
         };
-        let surroundings = Surroundings { patch: 0, obstacles: Vec::new() };
+        let surroundings = PatchSurroundings { patch: 0, obstacles: Vec::new() };
         // Something is in the way of the last link.
-        let situation =
-            Situation { surroundings, link_words: vec![0b01_1111], out: Rows::default(), into: Rows::default() };
-        let state = State {
-            situation: Same(Arc::new(situation)),
+        let situation = PatchSituation {
+            surroundings,
+            link_words: vec![0b01_1111],
+            out: BitRows::default(),
+            into: BitRows::default(),
+        };
+        let state = InstanceState {
+            situation: IdentityArc(Arc::new(situation)),
             inside: vec![0b0_0011],
             leads: vec![0b1_0011],
             has_neighbour: vec![true, false],
         };
-        let outcome = Outcome::new(&patches, &state);
+        let outcome = InstanceOutcome::new(&patches, &state);
         assert_eq!((outcome.cells[0], outcome.links[0]), (0b11, 0b11));
         let c = outcome.counts;
         // The exit is no cell of its own. Cell 2 has no neighbour, nothing leads to 4, and 3 leads nowhere.
         assert_eq!((c.cells, c.links, c.frames, c.joints), (1, 2, 50, 0));
         let mut disabled = [0; 4];
-        disabled[Reason::NoNeighbour as usize] = 2;
-        disabled[Reason::OutsideComponent as usize] = 2;
-        disabled[Reason::DeadEnd as usize] = 2;
-        disabled[Reason::Obstacle as usize] = 1;
+        disabled[RemovalReason::NoNeighbour as usize] = 2;
+        disabled[RemovalReason::OutsideComponent as usize] = 2;
+        disabled[RemovalReason::DeadEnd as usize] = 2;
+        disabled[RemovalReason::Obstacle as usize] = 1;
         assert_eq!(c.disabled, disabled);
         let mut sum = c;
         sum.add(&c);
-        assert_eq!((sum.links, sum.disabled[Reason::DeadEnd as usize]), (4, 4));
+        assert_eq!((sum.links, sum.disabled[RemovalReason::DeadEnd as usize]), (4, 4));
     }
 }

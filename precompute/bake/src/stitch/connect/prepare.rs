@@ -1,24 +1,24 @@
 //! Finds tables and obstacle masks for the pairs and surroundings of a world, once for equal placements, and caches
 //! them for the next change.
 
-use super::crossing::{Crossing, Left, PairState};
-use super::made::Made;
-use super::outcome::{Outcome, State};
-use super::situation::{Situation, Surroundings};
-use super::table::{JointTable, Rule};
-use crate::stitch::clearance::bodies::Bodies;
-use crate::stitch::clearance::field::Field;
-use crate::stitch::clearance::hit::Hit;
-use crate::stitch::clearance::mask::Obstacle;
-use crate::stitch::clearance::seen::{Earlier, Mask};
-use crate::stitch::clearance::swept::Swept;
-use crate::stitch::place::fit::Fitted;
-use crate::stitch::place::lay::{Laid, Placer};
-use crate::stitch::place::paths::{Nearness, Paths, Spots};
-use crate::stitch::place::relation::Relation;
-use crate::stitch::place::relay::Kept;
-use crate::stitch::sets::numbers::Numbers;
-use crate::stitch::sets::same::Same;
+use super::crossing::{CrossingJoints, PairState, RemainingJoints};
+use super::outcome::{InstanceOutcome, InstanceState};
+use super::situation::{PatchSituation, PatchSurroundings};
+use super::stitch_result::StitchResult;
+use super::table::{JointRule, JointTable};
+use crate::stitch::clearance::bodies::FrameBodies;
+use crate::stitch::clearance::collision_span::CollisionSpan;
+use crate::stitch::clearance::field::DistanceField;
+use crate::stitch::clearance::link_clearance::{EarlierMask, ObstacleMask};
+use crate::stitch::clearance::mask::MotionObstacle;
+use crate::stitch::clearance::swept::SweptSquares;
+use crate::stitch::place::fit::FittedPatch;
+use crate::stitch::place::paths::{JoinSpots, JoinTolerance, LinkRoots};
+use crate::stitch::place::place_patches::{PlacedPatches, Placer};
+use crate::stitch::place::relation::RelativePlacement;
+use crate::stitch::place::update_patches::KeptInstances;
+use crate::stitch::sets::identity_arc::IdentityArc;
+use crate::stitch::sets::numbers::SharedNumbers;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
@@ -32,31 +32,31 @@ pub(in crate::stitch) struct Stitcher<'a> {
     /// Placement of patches.
     pub placer: Placer<'a>,
     /// Cached results of previous worlds.
-    pub found: Found,
+    pub found: StitchCache,
 }
 
 /// Results that depend on patches only, and tables of the last world.
-pub(in crate::stitch) struct Found {
-    paths: Vec<OnceLock<Paths>>,
-    spots: Vec<OnceLock<Spots>>,
-    swept: Vec<OnceLock<Swept>>,
-    bodies: OnceLock<Bodies>,
-    fields: Vec<OnceLock<Field>>,
-    tables: HashMap<Relation, Arc<JointTable>>,
-    masks: HashMap<Relation, Arc<Mask>>,
+pub(in crate::stitch) struct StitchCache {
+    paths: Vec<OnceLock<LinkRoots>>,
+    spots: Vec<OnceLock<JoinSpots>>,
+    swept: Vec<OnceLock<SweptSquares>>,
+    bodies: OnceLock<FrameBodies>,
+    fields: Vec<OnceLock<DistanceField>>,
+    tables: HashMap<RelativePlacement, Arc<JointTable>>,
+    masks: HashMap<RelativePlacement, Arc<ObstacleMask>>,
     /// Relations of tables and of masks that may be unused.
-    stale: [Vec<Relation>; 2],
+    stale: [Vec<RelativePlacement>; 2],
     /// Unobstructed motion of patches, by their surroundings.
-    pub situations: HashMap<Surroundings, Arc<Situation>>,
+    pub situations: HashMap<PatchSurroundings, Arc<PatchSituation>>,
     /// Remaining motion of instances, by their state relative to the component.
-    pub outcomes: HashMap<State, Arc<Outcome>>,
+    pub outcomes: HashMap<InstanceState, Arc<InstanceOutcome>>,
     /// Usable joints, by the pair and the situation of its side a.
-    crossings: HashMap<(Relation, Same<Situation>), Arc<Crossing>>,
+    crossings: HashMap<(RelativePlacement, IdentityArc<PatchSituation>), Arc<CrossingJoints>>,
     /// Remaining joints between instances.
-    pub left: HashMap<PairState, Arc<Left>>,
+    pub remaining: HashMap<PairState, Arc<RemainingJoints>>,
 }
 
-impl Found {
+impl StitchCache {
     /// An empty cache.
     pub fn new(num_patches: usize, num_units: usize) -> Self {
         fn empty<T>(count: usize) -> Vec<OnceLock<T>> {
@@ -74,33 +74,33 @@ impl Found {
             situations: HashMap::new(),
             outcomes: HashMap::new(),
             crossings: HashMap::new(),
-            left: HashMap::new(),
+            remaining: HashMap::new(),
         }
     }
 }
 
 /// Situations of instances and usable joints of pairs of a world.
 #[derive(Clone, Debug, Default)]
-pub(in crate::stitch) struct Prepared {
+pub(in crate::stitch) struct PreparedWorld {
     /// Number of each instance's situation.
     pub situation_of: Vec<u32>,
     /// The situations, each once, by the first instance.
-    pub situations: Vec<Arc<Situation>>,
+    pub situations: Vec<Arc<PatchSituation>>,
     /// Number of the usable joints of each pair; [`NONE`] without joints.
     pub crossing_of: Vec<u32>,
     /// Usable joints, each set once, by the first pair.
-    pub crossings: Vec<Arc<Crossing>>,
+    pub crossings: Vec<Arc<CrossingJoints>>,
     /// True for pairs of a tile and a block whose motion uses its panel.
     pub shares_floor: Vec<bool>,
 }
 
 /// The world before a change, with its unchanged part.
 #[derive(Clone, Copy)]
-pub(in crate::stitch) struct Past<'p> {
+pub(in crate::stitch) struct ChangedWorld<'p> {
     /// The world.
-    pub made: &'p Made,
+    pub result: &'p StitchResult,
     /// Unchanged part.
-    pub kept: &'p Kept,
+    pub kept: &'p KeptInstances,
 }
 
 /// Number of possibly unused tables and masks above which they are checked.
@@ -115,7 +115,7 @@ fn distinct<T: Ord>(named: impl Iterator<Item = T>) -> Vec<T> {
 }
 
 /// Computes missing entries in parallel; keys may be repeated.
-pub(in crate::stitch) fn learn<K: Eq + Hash + Clone + Sync + Send, V: Send>(
+pub(in crate::stitch) fn make_missing<K: Eq + Hash + Clone + Sync + Send, V: Send>(
     known: &mut HashMap<K, V>,
     keys: &[K],
     make: impl Fn(&K) -> V + Sync,
@@ -129,17 +129,22 @@ pub(in crate::stitch) fn learn<K: Eq + Hash + Clone + Sync + Send, V: Send>(
 impl<'a> Stitcher<'a> {
     /// A stitcher without cached results.
     pub fn new(placer: Placer<'a>) -> Self {
-        let found = Found::new(placer.patches.patches.len(), placer.library.units.units.len());
+        let found = StitchCache::new(placer.patches.patches.len(), placer.library.units.units.len());
         Self { placer, found }
     }
 
     /// Computes the tables, masks, situations and crossings of a world that are not cached.
     ///
     /// - `past`: the world before a change, if any.
-    pub fn prepare(&mut self, laid: &Laid, past: Option<Past<'_>>, progress: &dyn Progress) -> Prepared {
+    pub fn prepare(
+        &mut self,
+        laid: &PlacedPatches,
+        past: Option<ChangedWorld<'_>>,
+        progress: &dyn Progress,
+    ) -> PreparedWorld {
         self.forget_unshared();
         let new_pairs = || {
-            let is_new = |k: &usize| past.is_none_or(|past| past.kept.pairs_were[*k] == NONE);
+            let is_new = |k: &usize| past.is_none_or(|past| past.kept.previous_pair_of[*k] == NONE);
             (0..laid.pairs.len()).filter(is_new).map(|k| laid.pairs[k].2)
         };
         let pairs = distinct(new_pairs());
@@ -147,30 +152,30 @@ impl<'a> Stitcher<'a> {
             Some(past) => distinct(past.kept.new_obstacles.iter().copied()),
             None => distinct(laid.obstacles.iter().map(|o| o.2)),
         };
-        self.ready(&obstacles);
+        self.prepare_shared(&obstacles);
 
         let mut tables = std::mem::take(&mut self.found.tables);
         progress.begin("joints", pairs.len() as u64, "pairs");
-        learn(&mut tables, &pairs, |r| counted(progress, Arc::new(self.table(r))));
+        make_missing(&mut tables, &pairs, |r| count_progress(progress, Arc::new(self.table(r))));
         self.found.tables = tables;
         progress.end();
         let mut masks = std::mem::take(&mut self.found.masks);
         progress.begin("obstacles", obstacles.len() as u64, "pairs");
         let before = if obstacles.is_empty() { HashMap::new() } else { masks.clone() };
-        learn(&mut masks, &obstacles, |r| counted(progress, Arc::new(self.mask(r, &before))));
+        make_missing(&mut masks, &obstacles, |r| count_progress(progress, Arc::new(self.mask(r, &before))));
         self.found.masks = masks;
         progress.end();
-        let mut out = Prepared::default();
-        self.situate(laid, past, &mut out);
-        self.cross(laid, past, &mut out);
+        let mut out = PreparedWorld::default();
+        self.find_situations(laid, past, &mut out);
+        self.find_crossings(laid, past, &mut out);
         out
     }
 
     /// Drops tables and masks that a change made unused.
     ///
     /// - `laid`: the changed world.
-    /// - `gone`: as in [`Kept::gone`].
-    pub fn forget(&mut self, laid: &Laid, gone: &[Vec<Relation>; 2]) {
+    /// - `gone`: as in [`KeptInstances::gone`].
+    pub fn forget(&mut self, laid: &PlacedPatches, gone: &[Vec<RelativePlacement>; 2]) {
         for (k, needed) in [&laid.pairs, &laid.obstacles].into_iter().enumerate() {
             let stale = &mut self.found.stale[k];
             stale.extend(&gone[k]);
@@ -179,8 +184,8 @@ impl<'a> Stitcher<'a> {
             if stale.len() <= MAX_STALE {
                 continue;
             }
-            let is_stale = |r: &&Relation| stale.binary_search(r).is_ok();
-            let still: HashSet<Relation> = needed.iter().map(|p| &p.2).filter(is_stale).copied().collect();
+            let is_stale = |r: &&RelativePlacement| stale.binary_search(r).is_ok();
+            let still: HashSet<RelativePlacement> = needed.iter().map(|p| &p.2).filter(is_stale).copied().collect();
             for relation in stale.drain(..).filter(|r| !still.contains(r)) {
                 match k {
                     0 => _ = self.found.tables.remove(&relation),
@@ -191,8 +196,9 @@ impl<'a> Stitcher<'a> {
     }
 
     /// Drops all tables and masks except those of a world.
-    pub fn forget_all_but(&mut self, laid: &Laid) {
-        let needed = |of: &[(u32, u32, Relation)]| of.iter().map(|p| p.2).collect::<HashSet<Relation>>();
+    pub fn forget_all_but(&mut self, laid: &PlacedPatches) {
+        let needed =
+            |of: &[(u32, u32, RelativePlacement)]| of.iter().map(|p| p.2).collect::<HashSet<RelativePlacement>>();
         let (pairs, obstacles) = (needed(&laid.pairs), needed(&laid.obstacles));
         self.found.tables.retain(|r, _| pairs.contains(r));
         self.found.masks.retain(|r, _| obstacles.contains(r));
@@ -201,14 +207,14 @@ impl<'a> Stitcher<'a> {
 
     /// Drops results that no world uses any more: first those that share others.
     fn forget_unshared(&mut self) {
-        self.found.left.retain(|_, left| Arc::strong_count(left) > 1);
+        self.found.remaining.retain(|_, left| Arc::strong_count(left) > 1);
         self.found.outcomes.retain(|_, outcome| Arc::strong_count(outcome) > 1);
         self.found.crossings.retain(|_, crossing| Arc::strong_count(crossing) > 1);
         self.found.situations.retain(|_, situation| Arc::strong_count(situation) > 1);
     }
 
     /// Computes parallel results up front, so that other parallel work does not wait for them.
-    fn ready(&self, obstacles: &[Relation]) {
+    fn prepare_shared(&self, obstacles: &[RelativePlacement]) {
         if obstacles.is_empty() {
             return;
         }
@@ -224,28 +230,28 @@ impl<'a> Stitcher<'a> {
     }
 
     /// Finds the situations of all instances.
-    fn situate(&mut self, laid: &Laid, past: Option<Past<'_>>, out: &mut Prepared) {
+    fn find_situations(&mut self, laid: &PlacedPatches, past: Option<ChangedWorld<'_>>, out: &mut PreparedWorld) {
         let is_alike = |i: usize| past.is_some_and(|past| past.kept.is_alike[i]);
         let mut obstacles = laid.obstacles.chunk_by(|o, p| o.0 == p.0).peekable();
         let mut around = |i: u32| obstacles.next_if(|o| o[0].0 == i).unwrap_or(&[]);
-        let mut surroundings = |(i, f): (u32, &Fitted)| {
+        let mut surroundings = |(i, f): (u32, &FittedPatch)| {
             let all = around(i);
             let own = all.iter().map(|o| o.2).filter(|r| !self.found.masks[r].words.is_empty());
-            (!is_alike(i as usize)).then(|| Surroundings { patch: f.patch, obstacles: distinct(own) })
+            (!is_alike(i as usize)).then(|| PatchSurroundings { patch: f.patch, obstacles: distinct(own) })
         };
-        let keys: Vec<Option<Surroundings>> = (0u32..).zip(&laid.fitted).map(&mut surroundings).collect();
-        let new: Vec<Surroundings> = keys.iter().flatten().cloned().collect();
+        let keys: Vec<Option<PatchSurroundings>> = (0u32..).zip(&laid.fitted).map(&mut surroundings).collect();
+        let new: Vec<PatchSurroundings> = keys.iter().flatten().cloned().collect();
         let mut known = std::mem::take(&mut self.found.situations);
-        learn(&mut known, &new, |key| {
+        make_missing(&mut known, &new, |key| {
             let masks = key.obstacles.iter().map(|r| self.found.masks[r].words.as_slice());
-            Arc::new(Situation::new(&self.placer.patches, key.clone(), masks))
+            Arc::new(PatchSituation::new(&self.placer.patches, key.clone(), masks))
         });
-        let joined = past.map(|past| &past.made.joined);
-        let mut numbers = Numbers::new(joined.map_or(&[], |j| &j.situations));
-        let was = |i: usize| past.map_or(NONE, |past| past.kept.was[i]);
-        let number = |(i, key): (usize, Option<Surroundings>)| match (key, joined) {
-            (Some(key), _) => numbers.of(&known[&key]),
-            (None, Some(joined)) => numbers.same(joined.parts[was(i) as usize].situation),
+        let joined = past.map(|past| &past.result.joined);
+        let mut numbers = SharedNumbers::new(joined.map_or(&[], |j| &j.situations));
+        let was = |i: usize| past.map_or(NONE, |past| past.kept.previous_of[i]);
+        let number = |(i, key): (usize, Option<PatchSurroundings>)| match (key, joined) {
+            (Some(key), _) => numbers.number_of(&known[&key]),
+            (None, Some(joined)) => numbers.renumber(joined.parts[was(i) as usize].situation),
             (None, None) => NONE,
         };
         out.situation_of = keys.into_iter().enumerate().map(number).collect();
@@ -254,29 +260,30 @@ impl<'a> Stitcher<'a> {
     }
 
     /// Finds the usable joints of all pairs.
-    fn cross(&mut self, laid: &Laid, past: Option<Past<'_>>, out: &mut Prepared) {
+    fn find_crossings(&mut self, laid: &PlacedPatches, past: Option<ChangedWorld<'_>>, out: &mut PreparedWorld) {
         // Previous number of a pair, if it and the surroundings of its side a are unchanged.
-        let was =
-            |k: usize, a: u32| past.filter(|p| p.kept.is_alike[a as usize]).map_or(NONE, |p| p.kept.pairs_were[k]);
-        let key = |(k, (a, _, r)): (usize, &(u32, u32, Relation))| {
+        let was = |k: usize, a: u32| {
+            past.filter(|p| p.kept.is_alike[a as usize]).map_or(NONE, |p| p.kept.previous_pair_of[k])
+        };
+        let key = |(k, (a, _, r)): (usize, &(u32, u32, RelativePlacement))| {
             let is_new = was(k, *a) == NONE && !self.found.tables[r].joints.is_empty();
-            is_new.then(|| (*r, Same::new(&out.situations[out.situation_of[*a as usize] as usize])))
+            is_new.then(|| (*r, IdentityArc::new(&out.situations[out.situation_of[*a as usize] as usize])))
         };
         let keys: Vec<_> = laid.pairs.iter().enumerate().map(key).collect();
         let new: Vec<_> = keys.iter().flatten().cloned().collect();
         let mut known = std::mem::take(&mut self.found.crossings);
-        learn(&mut known, &new, |(relation, Same(situation))| {
-            let hit = |link: u32| self.hit(&situation.surroundings, link);
+        make_missing(&mut known, &new, |(relation, IdentityArc(situation))| {
+            let hit = |link: u32| self.collision_span(&situation.surroundings, link);
             let table = &self.found.tables[relation];
-            Arc::new(Crossing::new(&self.placer.patches, *relation, table, situation, hit))
+            Arc::new(CrossingJoints::new(&self.placer.patches, *relation, table, situation, hit))
         });
-        let joined = past.map(|past| &past.made.joined);
-        let mut numbers = Numbers::new(joined.map_or(&[], |j| &j.crossings));
+        let joined = past.map(|past| &past.result.joined);
+        let mut numbers = SharedNumbers::new(joined.map_or(&[], |j| &j.crossings));
         for ((k, (a, _, r)), key) in laid.pairs.iter().enumerate().zip(keys) {
             let (number, shares_floor) = match (key, joined, was(k, *a)) {
-                (Some(key), ..) => (numbers.of(&known[&key]), self.found.tables[r].shares_floor),
+                (Some(key), ..) => (numbers.number_of(&known[&key]), self.found.tables[r].shares_floor),
                 (None, Some(joined), was) if was != NONE => {
-                    (numbers.same(joined.crossing_of[was as usize]), joined.shares_floor[was as usize])
+                    (numbers.renumber(joined.crossing_of[was as usize]), joined.shares_floor[was as usize])
                 }
                 _ => (NONE, self.found.tables[r].shares_floor),
             };
@@ -288,37 +295,39 @@ impl<'a> Stitcher<'a> {
     }
 
     /// First and last frame of a link that collide with its surroundings.
-    fn hit(&self, surroundings: &Surroundings, link: u32) -> Option<Hit> {
+    fn collision_span(&self, surroundings: &PatchSurroundings, link: u32) -> Option<CollisionSpan> {
         let in_the_way = surroundings.obstacles.iter().map(|r| (r, &self.found.masks[r]));
         let in_the_way = in_the_way.filter(|(_, mask)| is_set(&mask.words, 0, link));
-        in_the_way.filter_map(|(r, mask)| self.obstacle(r).hit(mask, link as usize)).reduce(Hit::union)
+        in_the_way
+            .filter_map(|(r, mask)| self.obstacle(r).collision_span(mask, link as usize))
+            .reduce(CollisionSpan::union)
     }
 
     /// Roots of a patch's links.
-    pub fn paths(&self, patch: u32) -> &Paths {
+    pub fn paths(&self, patch: u32) -> &LinkRoots {
         let patch = patch as usize;
-        self.found.paths[patch].get_or_init(|| Paths::new(&self.placer.patches, &self.placer.library, patch))
+        self.found.paths[patch].get_or_init(|| LinkRoots::new(&self.placer.patches, &self.placer.library, patch))
     }
 
     /// Bodies of all frames.
-    pub fn bodies(&self) -> &Bodies {
+    pub fn bodies(&self) -> &FrameBodies {
         let l = &self.placer.library;
         self.found.bodies.get_or_init(|| {
-            Bodies::new((l.frames, l.rotation_code), l.contacts, l.skeleton, self.placer.config.penetration_m)
+            FrameBodies::new((l.frames, l.rotation_code), l.contacts, l.skeleton, self.placer.config.penetration_m)
         })
     }
 
     /// Ground swept by links; `None` if they have most of their roots in common.
-    fn swept(&self, patch: u32) -> Option<&Swept> {
+    fn swept(&self, patch: u32) -> Option<&SweptSquares> {
         let paths = self.paths(patch);
-        let make = || Swept::new(paths, self.bodies());
+        let make = || SweptSquares::new(paths, self.bodies());
         (!paths.is_shared()).then(|| self.found.swept[patch as usize].get_or_init(make))
     }
 
-    fn table(&self, relation: &Relation) -> JointTable {
+    fn table(&self, relation: &RelativePlacement) -> JointTable {
         let (patch, c) = (relation.a as usize, &self.placer.config);
         let new_spots = || {
-            Spots::new(
+            JoinSpots::new(
                 &self.placer.patches,
                 &self.placer.library,
                 self.paths(relation.a),
@@ -327,35 +336,41 @@ impl<'a> Stitcher<'a> {
             )
         };
         let spots = self.found.spots[patch].get_or_init(new_spots);
-        let nearness = Nearness { position: c.position_m, height: c.height_m, heading: c.heading_deg.to_radians() };
-        let rule = Rule { nearness, joints_per_cell: c.joints_per_cell };
+        let nearness =
+            JoinTolerance { position: c.position_m, height: c.height_m, heading: c.heading_deg.to_radians() };
+        let rule = JointRule { nearness, joints_per_cell: c.joints_per_cell };
         let pattern = &self.placer.patterns[patch];
         let panel = &self.placer.library.geometries[pattern.units[0].0].bounds;
         JointTable::new(&self.placer.patches, spots, pattern.is_tile.then_some(panel), relation, rule)
     }
 
     /// - `before`: masks of the world before the change.
-    fn mask(&self, relation: &Relation, before: &HashMap<Relation, Arc<Mask>>) -> Mask {
+    fn mask(
+        &self,
+        relation: &RelativePlacement,
+        before: &HashMap<RelativePlacement, Arc<ObstacleMask>>,
+    ) -> ObstacleMask {
         let (unit, at) = (&self.placer.library.geometries[relation.b as usize].bounds, relation.placement());
         let alike = before.iter().filter(|(r, _)| (r.a, r.b) == (relation.a, relation.b));
-        let moved = alike.map(|(r, mask)| (r, Earlier { mask, moved: Obstacle::moved(unit, r.placement(), at) }));
+        let moved = alike
+            .map(|(r, mask)| (r, EarlierMask { mask, moved: MotionObstacle::greatest_shift(unit, r.placement(), at) }));
         let least = moved.min_by(|(r, a), (s, b)| a.moved.total_cmp(&b.moved).then_with(|| r.cmp(s)));
         self.obstacle(relation).mask(self.swept(relation.a), least.map(|(_, earlier)| earlier))
     }
 
-    fn obstacle(&self, relation: &Relation) -> Obstacle<'_> {
+    fn obstacle(&self, relation: &RelativePlacement) -> MotionObstacle<'_> {
         let (paths, unit) = (self.paths(relation.a), self.field(relation.b));
-        Obstacle::new(paths, self.bodies(), unit, relation.placement())
+        MotionObstacle::new(paths, self.bodies(), unit, relation.placement())
     }
 
     /// Distances from a unit.
-    pub fn field(&self, unit: u32) -> &Field {
+    pub fn field(&self, unit: u32) -> &DistanceField {
         let unit = unit as usize;
-        self.found.fields[unit].get_or_init(|| Field::new(&self.placer.library.geometries[unit]))
+        self.found.fields[unit].get_or_init(|| DistanceField::new(&self.placer.library.geometries[unit]))
     }
 }
 
-fn counted<T>(progress: &dyn Progress, made: T) -> T {
+fn count_progress<T>(progress: &dyn Progress, made: T) -> T {
     progress.advance(1);
     made
 }

@@ -1,11 +1,11 @@
 //! Joint tables: places at which motion of one patch may continue as motion of another in a given relative placement
 //! (Lee, Choi and Lee 2006, section 5).
 
-use crate::environment::Bounds;
-use crate::stitch::place::paths::{Nearness, Spots};
-use crate::stitch::place::relation::Relation;
+use crate::environment::BoundingBox;
+use crate::stitch::place::paths::{JoinSpots, JoinTolerance};
+use crate::stitch::place::relation::RelativePlacement;
 use rayon::prelude::*;
-use throng_core::patch::{CellRecord, Patches, Placement};
+use throng_core::patch::{CellRecord, PatchTables, Placement};
 use throng_world::JointRecord;
 
 /// Joints of all pairs of instances in one relation, indexed from either side.
@@ -21,9 +21,9 @@ pub(in crate::stitch) struct JointTable {
 
 /// Limits of the search for joints.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::stitch) struct Rule {
+pub(in crate::stitch) struct JointRule {
     /// Tolerances of a joint.
-    pub nearness: Nearness,
+    pub nearness: JoinTolerance,
     /// Number of joints for each cell of side b.
     pub joints_per_cell: usize,
 }
@@ -37,14 +37,20 @@ impl JointTable {
     /// Takes the nearest of a link's frames near a cell, and the nearest ones of all joints of a cell of b.
     ///
     /// - `floor`: the panel, if a is a tile.
-    pub fn new(patches: &Patches, spots: &Spots, floor: Option<&Bounds>, relation: &Relation, rule: Rule) -> Self {
+    pub fn new(
+        patches: &PatchTables,
+        spots: &JoinSpots,
+        floor: Option<&BoundingBox>,
+        relation: &RelativePlacement,
+        rule: JointRule,
+    ) -> Self {
         let (b, at) = (relation.b as usize, relation.placement());
         let cells = patches.cells_of(b);
         let of_cells = |numbers: &[u32]| {
             let (mut joints, mut near) = (Vec::new(), Vec::new());
             for &c in numbers {
-                of_cell(spots, &cells[c as usize], at, rule, &mut near);
-                let joint = |n: &Near| JointRecord { a: n.item, a_offset: n.offset, b: c, reserved: 0 };
+                nearest_spots_of_cell(spots, &cells[c as usize], at, rule, &mut near);
+                let joint = |n: &NearSpot| JointRecord { a: n.item, a_offset: n.offset, b: c, reserved: 0 };
                 joints.extend(near.iter().map(joint));
             }
             joints
@@ -56,14 +62,14 @@ impl JointTable {
         joints.sort_unstable();
         let mut by_b: Vec<u32> = (0..joints.len() as u32).collect();
         by_b.sort_by_key(|&j| joints[j as usize].b);
-        let on_floor = |f: &Bounds| patches.cells_of(b).iter().any(|c| stands_on(f, at.compose(c.placement)));
+        let on_floor = |f: &BoundingBox| patches.cells_of(b).iter().any(|c| stands_on(f, at.compose(c.placement)));
         Self { joints, by_b, shares_floor: floor.is_some_and(on_floor) }
     }
 }
 
 /// True for hips above a panel and near enough for feet or a seat on it. Within a hand's width of its edge the
 /// neighbour is responsible: on tiles, roots keep away from edges that are not crossed.
-fn stands_on(floor: &Bounds, hips: Placement) -> bool {
+fn stands_on(floor: &BoundingBox, hips: Placement) -> bool {
     const BESIDE_M: f32 = -0.05;
     const HIPS_M: [f32; 2] = [0.2, 1.3];
     let (low, high) = (floor.min - BESIDE_M, floor.max + BESIDE_M);
@@ -73,19 +79,25 @@ fn stands_on(floor: &Bounds, hips: Placement) -> bool {
 
 /// A spot of side a that is near a cell of side b.
 #[derive(Clone, Copy, Debug)]
-struct Near {
+struct NearSpot {
     item: u32,
     offset: u32,
     distance: f32,
 }
 
 /// Nearest spots of side a for all joints of one cell of side b, one an item, in no order.
-fn of_cell(spots: &Spots, cell: &CellRecord, at: Placement, rule: Rule, near: &mut Vec<Near>) {
+fn nearest_spots_of_cell(
+    spots: &JoinSpots,
+    cell: &CellRecord,
+    at: Placement,
+    rule: JointRule,
+    near: &mut Vec<NearSpot>,
+) {
     let place = at.compose(cell.placement);
     near.clear();
-    let found = spots.near(cell.group, place, rule.nearness);
-    near.extend(found.map(|(s, distance)| Near { item: s.item, offset: s.offset, distance }));
-    let nearer = |p: &Near, q: &Near| p.distance.total_cmp(&q.distance);
+    let found = spots.spots_near(cell.group, place, rule.nearness);
+    near.extend(found.map(|(s, distance)| NearSpot { item: s.item, offset: s.offset, distance }));
+    let nearer = |p: &NearSpot, q: &NearSpot| p.distance.total_cmp(&q.distance);
     near.sort_unstable_by(|p, q| p.item.cmp(&q.item).then(nearer(p, q)).then(p.offset.cmp(&q.offset)));
     near.dedup_by_key(|n| n.item);
     if near.len() > rule.joints_per_cell {

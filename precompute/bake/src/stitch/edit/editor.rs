@@ -1,16 +1,16 @@
 //! An editable world: unchanged parts are not computed again.
 
-use super::history::History;
-use super::make::make;
+use super::history::WorldEditHistory;
+use super::make::make_world;
 use crate::environment::{Environment, PlacedUnit};
 use crate::stitch::config::StitchConfig;
-use crate::stitch::connect::made::Made;
 use crate::stitch::connect::prepare::Stitcher;
-use crate::stitch::library::{Library, refused};
-use crate::stitch::place::change::Edit;
-use crate::stitch::place::lay::Placer;
+use crate::stitch::connect::stitch_result::StitchResult;
+use crate::stitch::library::{Library, refusal_error};
+use crate::stitch::place::change::EnvironmentEdit;
+use crate::stitch::place::place_patches::Placer;
 use crate::stitch::report::StitchReport;
-use throng_core::patch::{Patches, Placement};
+use throng_core::patch::{PatchTables, Placement};
 use throng_motion::error::BuildError;
 use throng_motion::progress::{Progress, Silent};
 use throng_world::WorldData;
@@ -24,9 +24,9 @@ use throng_world::WorldData;
 pub struct Editor<'a> {
     stitcher: Stitcher<'a>,
     environment: Environment,
-    made: Made,
+    made: StitchResult,
     world: WorldData,
-    history: History,
+    history: WorldEditHistory,
 }
 
 impl<'a> Editor<'a> {
@@ -35,7 +35,7 @@ impl<'a> Editor<'a> {
     /// # Errors
     /// As [`crate::stitch::stitch`].
     pub fn new(
-        patches: &Patches,
+        patches: &PatchTables,
         library: Library<'a>,
         environment: Environment,
         config: &StitchConfig,
@@ -43,8 +43,8 @@ impl<'a> Editor<'a> {
     ) -> Result<Self, BuildError> {
         let mut stitcher = Stitcher::new(Placer::new(patches, library, config)?);
         let mut world = WorldData::default();
-        let made = make(&mut stitcher, &environment, None, &mut world, progress)?;
-        Ok(Self { stitcher, environment, made, world, history: History::default() })
+        let made = make_world(&mut stitcher, &environment, None, &mut world, progress)?;
+        Ok(Self { stitcher, environment, made, world, history: WorldEditHistory::default() })
     }
 
     /// The current world.
@@ -76,7 +76,7 @@ impl<'a> Editor<'a> {
     /// As [`crate::stitch::stitch`]; the world stays as it was.
     pub fn add(&mut self, unit: usize, placement: Placement) -> Result<usize, BuildError> {
         let index = self.environment.units.len();
-        self.edit(Edit::Insert { index, unit: PlacedUnit { unit, placement } })?;
+        self.edit(EnvironmentEdit::Insert { index, unit: PlacedUnit { unit, placement } })?;
         Ok(index)
     }
 
@@ -86,7 +86,7 @@ impl<'a> Editor<'a> {
     /// As [`crate::stitch::stitch`], or where there is no such place; the world stays as it was.
     pub fn remove(&mut self, index: usize) -> Result<(), BuildError> {
         self.check_place(index)?;
-        self.edit(Edit::Remove { index })
+        self.edit(EnvironmentEdit::Remove { index })
     }
 
     /// Moves a placed unit.
@@ -95,7 +95,7 @@ impl<'a> Editor<'a> {
     /// As [`crate::stitch::stitch`], or where there is no such place; the world stays as it was.
     pub fn drag(&mut self, index: usize, placement: Placement) -> Result<(), BuildError> {
         self.check_place(index)?;
-        self.edit(Edit::Move { index, placement })
+        self.edit(EnvironmentEdit::Move { index, placement })
     }
 
     /// Undoes the last change.
@@ -105,9 +105,9 @@ impl<'a> Editor<'a> {
     /// # Errors
     /// As [`crate::stitch::stitch`]; the world stays as it was.
     pub fn undo(&mut self) -> Result<bool, BuildError> {
-        let Some(edit) = self.history.to_undo() else { return Ok(false) };
+        let Some(edit) = self.history.next_undo() else { return Ok(false) };
         let back = self.apply(edit)?;
-        self.history.undone(back);
+        self.history.record_undo(back);
         Ok(true)
     }
 
@@ -118,9 +118,9 @@ impl<'a> Editor<'a> {
     /// # Errors
     /// As [`crate::stitch::stitch`]; the world stays as it was.
     pub fn redo(&mut self) -> Result<bool, BuildError> {
-        let Some(edit) = self.history.to_redo() else { return Ok(false) };
+        let Some(edit) = self.history.next_redo() else { return Ok(false) };
         let back = self.apply(edit)?;
-        self.history.redone(back);
+        self.history.record_redo(back);
         Ok(true)
     }
 
@@ -131,10 +131,10 @@ impl<'a> Editor<'a> {
     ///
     /// # Errors
     /// As [`crate::stitch::stitch`]; the world stays as it was.
-    pub fn withdraw(&mut self) -> Result<bool, BuildError> {
-        let Some(edit) = self.history.to_undo() else { return Ok(false) };
+    pub fn withdraw_last(&mut self) -> Result<bool, BuildError> {
+        let Some(edit) = self.history.next_undo() else { return Ok(false) };
         self.apply(edit)?;
-        self.history.withdrawn();
+        self.history.record_withdrawal();
         Ok(true)
     }
 
@@ -148,24 +148,24 @@ impl<'a> Editor<'a> {
         self.history.counts()[1]
     }
 
-    fn edit(&mut self, edit: Edit) -> Result<(), BuildError> {
+    fn edit(&mut self, edit: EnvironmentEdit) -> Result<(), BuildError> {
         let back = self.apply(edit)?;
-        self.history.done(back);
+        self.history.record_edit(back);
         Ok(())
     }
 
     /// Changes the world; returns the reverse change.
-    fn apply(&mut self, edit: Edit) -> Result<Edit, BuildError> {
+    fn apply(&mut self, edit: EnvironmentEdit) -> Result<EnvironmentEdit, BuildError> {
         let mut environment = self.environment.clone();
         let back = edit.apply(&mut environment.units);
         let before = Some((&self.made, &back));
-        match make(&mut self.stitcher, &environment, before, &mut self.world, &Silent) {
+        match make_world(&mut self.stitcher, &environment, before, &mut self.world, &Silent) {
             Ok(made) => {
                 (self.made, self.environment) = (made, environment);
                 Ok(back)
             }
             Err(refused) => {
-                self.stitcher.forget_all_but(&self.made.laid);
+                self.stitcher.forget_all_but(&self.made.patches);
                 Err(refused)
             }
         }
@@ -176,14 +176,14 @@ impl<'a> Editor<'a> {
             return Ok(());
         }
         let why = format!("there is no place {index}, expected one below {}", self.environment.units.len());
-        Err(refused(&self.environment, why, "Name a unit that is there"))
+        Err(refusal_error(&self.environment, why, "Name a unit that is there"))
     }
 
     pub(in crate::stitch) fn stitcher(&self) -> &Stitcher<'a> {
         &self.stitcher
     }
 
-    pub(in crate::stitch) fn made(&self) -> &Made {
+    pub(in crate::stitch) fn stitched(&self) -> &StitchResult {
         &self.made
     }
 }

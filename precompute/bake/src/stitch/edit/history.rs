@@ -1,26 +1,26 @@
 //! Undo and redo of changes.
 
-use crate::stitch::place::change::Edit;
+use crate::stitch::place::change::EnvironmentEdit;
 
 /// Stacks of changes for undo and redo.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(in crate::stitch) struct History {
-    undo: Vec<Edit>,
-    redo: Vec<Edit>,
+pub(in crate::stitch) struct WorldEditHistory {
+    undo: Vec<EnvironmentEdit>,
+    redo: Vec<EnvironmentEdit>,
     /// Redoable changes that the last change discarded; empty unless it was the last operation.
-    dropped: Vec<Edit>,
+    dropped: Vec<EnvironmentEdit>,
 }
 
-impl History {
+impl WorldEditHistory {
     /// Records a change with its reverse `back`, and discards redoable changes.
-    pub fn done(&mut self, back: Edit) {
+    pub fn record_edit(&mut self, back: EnvironmentEdit) {
         self.undo.push(back);
         self.dropped = std::mem::take(&mut self.redo);
     }
 
     /// Records that the last change was withdrawn: if it was the last operation, changes redoable before it are
     /// restored.
-    pub fn withdrawn(&mut self) {
+    pub fn record_withdrawal(&mut self) {
         self.undo.pop();
         self.redo.append(&mut self.dropped);
     }
@@ -31,24 +31,24 @@ impl History {
     }
 
     /// Change that undoes the last one.
-    pub fn to_undo(&self) -> Option<Edit> {
+    pub fn next_undo(&self) -> Option<EnvironmentEdit> {
         self.undo.last().cloned()
     }
 
     /// Records that it was undone, with its reverse `again`.
-    pub fn undone(&mut self, again: Edit) {
+    pub fn record_undo(&mut self, again: EnvironmentEdit) {
         self.undo.pop();
         self.redo.push(again);
         self.dropped.clear();
     }
 
     /// Change that redoes the one undone last.
-    pub fn to_redo(&self) -> Option<Edit> {
+    pub fn next_redo(&self) -> Option<EnvironmentEdit> {
         self.redo.last().cloned()
     }
 
     /// Records that it was redone, with its reverse `back`.
-    pub fn redone(&mut self, back: Edit) {
+    pub fn record_redo(&mut self, back: EnvironmentEdit) {
         self.redo.pop();
         self.undo.push(back);
         self.dropped.clear();
@@ -67,51 +67,51 @@ mod tests {
         fn changes_are_taken_back_and_made_again(steps in prop::collection::vec((0usize..3, 0usize..99), 1..20)) {
             let unit = |k: usize| PlacedUnit { unit: k, placement: Placement::new(k as f32, 0.0, 0.0, 0.0) };
             let mut units: Vec<PlacedUnit> = (0..3).map(unit).collect();
-            let mut history = History::default();
+            let mut history = WorldEditHistory::default();
             let mut states = vec![units.clone()];
             for (what, k) in steps {
                 let edit = match what {
-                    0 => Edit::Insert { index: k % (units.len() + 1), unit: unit(k) },
+                    0 => EnvironmentEdit::Insert { index: k % (units.len() + 1), unit: unit(k) },
                     _ if units.is_empty() => continue,
-                    1 => Edit::Remove { index: k % units.len() },
-                    _ => Edit::Move { index: k % units.len(), placement: unit(k).placement },
+                    1 => EnvironmentEdit::Remove { index: k % units.len() },
+                    _ => EnvironmentEdit::Move { index: k % units.len(), placement: unit(k).placement },
                 };
-                history.done(edit.apply(&mut units));
+                history.record_edit(edit.apply(&mut units));
                 states.push(units.clone());
             }
             for state in states.iter().rev().skip(1) {
-                let again = history.to_undo().expect("a change").apply(&mut units);
-                history.undone(again);
+                let again = history.next_undo().expect("a change").apply(&mut units);
+                history.record_undo(again);
                 prop_assert_eq!(&units, state);
             }
-            prop_assert_eq!(history.to_undo(), None);
+            prop_assert_eq!(history.next_undo(), None);
             for state in &states[1..] {
-                let back = history.to_redo().expect("a change").apply(&mut units);
-                history.redone(back);
+                let back = history.next_redo().expect("a change").apply(&mut units);
+                history.record_redo(back);
                 prop_assert_eq!(&units, state);
             }
-            prop_assert_eq!(history.to_redo(), None);
+            prop_assert_eq!(history.next_redo(), None);
         }
 
         #[test]
         fn what_is_withdrawn_leaves_no_trace(changes in 1usize..6, undos in 0usize..6, dones in 0usize..2) {
             let unit = |k: usize| PlacedUnit { unit: k, placement: Placement::IDENTITY };
             let mut units: Vec<PlacedUnit> = Vec::new();
-            let mut history = History::default();
+            let mut history = WorldEditHistory::default();
             for k in 0..changes {
-                history.done(Edit::Insert { index: k, unit: unit(k) }.apply(&mut units));
+                history.record_edit(EnvironmentEdit::Insert { index: k, unit: unit(k) }.apply(&mut units));
             }
             for _ in 0..undos.min(changes) {
-                let again = history.to_undo().expect("a change").apply(&mut units);
-                history.undone(again);
+                let again = history.next_undo().expect("a change").apply(&mut units);
+                history.record_undo(again);
             }
             for k in 0..dones {
-                history.done(Edit::Insert { index: 0, unit: unit(10 + k) }.apply(&mut units));
+                history.record_edit(EnvironmentEdit::Insert { index: 0, unit: unit(10 + k) }.apply(&mut units));
             }
             let (before, stood) = (history.clone(), units.clone());
-            history.done(Edit::Insert { index: 0, unit: unit(99) }.apply(&mut units));
-            history.to_undo().expect("a change").apply(&mut units);
-            history.withdrawn();
+            history.record_edit(EnvironmentEdit::Insert { index: 0, unit: unit(99) }.apply(&mut units));
+            history.next_undo().expect("a change").apply(&mut units);
+            history.record_withdrawal();
             prop_assert_eq!((&history.undo, &history.redo), (&before.undo, &before.redo));
             prop_assert_eq!(units, stood);
         }

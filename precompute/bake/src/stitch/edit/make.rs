@@ -1,22 +1,22 @@
 //! Stitching from the first step to the last, in full or after a change.
 
-use crate::environment::{Environment, Solid};
-use crate::stitch::clearance::field::Field;
+use crate::environment::{Environment, UnitSolid};
+use crate::stitch::clearance::field::DistanceField;
 use crate::stitch::config::StitchConfig;
-use crate::stitch::connect::allow::allow;
-use crate::stitch::connect::assemble::{Written, write};
-use crate::stitch::connect::joined::Joined;
-use crate::stitch::connect::made::Made;
-use crate::stitch::connect::outcome::Counts;
-use crate::stitch::connect::prepare::{Past, Stitcher};
-use crate::stitch::connect::remains::{Judged, remain};
-use crate::stitch::connect::resettle::Before;
-use crate::stitch::connect::settled::{Standing, settle};
-use crate::stitch::library::{Library, STAGE, refused};
-use crate::stitch::place::change::Edit;
-use crate::stitch::place::lay::Laid;
-use crate::stitch::place::relay::Relaid;
-use crate::stitch::report::{Reason, StitchReport};
+use crate::stitch::connect::allow::build_joined_graph;
+use crate::stitch::connect::assemble::{WrittenWorld, write_world};
+use crate::stitch::connect::component_cells::{ComponentMembership, find_component};
+use crate::stitch::connect::joined::JoinedGraph;
+use crate::stitch::connect::outcome::WorldCounts;
+use crate::stitch::connect::prepare::{ChangedWorld, Stitcher};
+use crate::stitch::connect::remains::{JudgedGraph, find_remains};
+use crate::stitch::connect::stitch_result::StitchResult;
+use crate::stitch::connect::update_component::PriorGraph;
+use crate::stitch::library::{Library, STAGE, refusal_error};
+use crate::stitch::place::change::EnvironmentEdit;
+use crate::stitch::place::place_patches::PlacedPatches;
+use crate::stitch::place::update_patches::UpdatedPlacement;
+use crate::stitch::report::{RemovalReason, StitchReport};
 use serde::Serialize;
 use std::sync::Arc;
 use std::time::Instant;
@@ -34,55 +34,56 @@ use throng_world::{WorldData, WorldMeta};
 ///
 /// # Errors
 /// As [`crate::stitch::stitch`].
-pub(in crate::stitch) fn make<'a>(
+pub(in crate::stitch) fn make_world<'a>(
     stitcher: &mut Stitcher<'a>,
     environment: &Environment,
-    before: Option<(&Made, &Edit)>,
+    before: Option<(&StitchResult, &EnvironmentEdit)>,
     world: &mut WorldData,
     progress: &dyn Progress,
-) -> Result<Made, BuildError> {
+) -> Result<StitchResult, BuildError> {
     let begin = Instant::now();
-    let relaid = before.and_then(|(made, back)| Some((made, stitcher.placer.relay(environment, &made.laid, back)?)));
+    let relaid =
+        before.and_then(|(made, back)| Some((made, stitcher.placer.update_patches(environment, &made.patches, back)?)));
     let (laid, kept) = match relaid {
-        Some((made, Relaid { laid, kept })) => (laid, Some((made, kept))),
-        None => (stitcher.placer.lay(environment)?, None),
+        Some((made, UpdatedPlacement { patches: laid, kept })) => (laid, Some((made, kept))),
+        None => (stitcher.placer.place_patches(environment)?, None),
     };
-    let past = kept.as_ref().map(|(made, kept)| Past { made, kept });
+    let past = kept.as_ref().map(|(made, kept)| ChangedWorld { result: made, kept });
     check_sizes(stitcher, environment, &laid)?;
     progress.check()?;
     let prepared = stitcher.prepare(&laid, past, progress);
     progress.check()?;
-    let joined = allow(&stitcher.placer.patches, &laid, prepared);
+    let joined = build_joined_graph(&stitcher.placer.patches, &laid, prepared);
     progress.begin("component", joined.num_nodes as u64, "cells");
-    let before = past.map(|Past { made, kept }| Before {
+    let before = past.map(|ChangedWorld { result: made, kept }| PriorGraph {
         joined: &made.joined,
-        settled: &made.settled,
-        same: same(&made.joined, &joined, &kept.was),
+        component: &made.component,
+        previous_of: unchanged_numbers(&made.joined, &joined, &kept.previous_of),
     });
-    let settled = settle(&joined, before.as_ref()).ok_or_else(|| no_component(stitcher, environment))?;
+    let settled = find_component(&joined, before.as_ref()).ok_or_else(|| no_component(stitcher, environment))?;
     progress.end();
-    let judged = Judged { joined: &joined, settled: &settled };
-    let alike = past.zip(before.as_ref().map(|before| before.same.as_slice()));
-    let remains = remain(&mut stitcher.found, &laid, &judged, alike);
+    let judged = JudgedGraph { joined: &joined, component: &settled };
+    let alike = past.zip(before.as_ref().map(|before| before.previous_of.as_slice()));
+    let remains = find_remains(&mut stitcher.found, &laid, &judged, alike);
     check_reached(stitcher, environment, &laid, &judged)?;
     let mut report = report(stitcher, &laid, &remains.counts());
     let meta = meta(stitcher, environment, &report)?;
-    write(
+    write_world(
         environment,
         &laid,
         &joined,
         &remains,
-        alike.map(|(past, same)| Written { remains: &past.made.remains, same }),
+        alike.map(|(past, same)| WrittenWorld { remains: &past.result.remains, previous_of: same }),
         world,
     );
     world.meta = meta;
     match &kept {
-        Some((_, kept)) => stitcher.forget(&laid, &kept.gone),
+        Some((_, kept)) => stitcher.forget(&laid, &kept.removed),
         None => stitcher.forget_all_but(&laid),
     }
     (report.tables, report.joints) = (world.tables.len(), world.joints.len());
     (report.peak_bytes, report.seconds) = (memory::peak_bytes().unwrap_or(0), begin.elapsed().as_secs_f64());
-    Ok(Made { laid, joined, settled, remains, report })
+    Ok(StitchResult { patches: laid, joined, component: settled, remains, report })
 }
 
 /// Most cells of a world, about 80 bytes each during stitching, and most words of 64 links.
@@ -90,19 +91,19 @@ const MOST_CELLS: u64 = 50_000_000;
 const MOST_WORDS: u64 = 100_000_000;
 
 /// Checks limits up front: later steps need memory for each cell, and obstacles are measured on a grid.
-fn check_sizes(stitcher: &Stitcher<'_>, environment: &Environment, laid: &Laid) -> Result<(), BuildError> {
+fn check_sizes(stitcher: &Stitcher<'_>, environment: &Environment, laid: &PlacedPatches) -> Result<(), BuildError> {
     let patches = &stitcher.placer.patches.patches;
     let sizes = laid.fitted.iter().map(|f| &patches[f.patch as usize]).map(|p| [p.num_cells, p.num_links]);
     if let Some(why) = too_many(sizes) {
-        return Err(refused(environment, why, "Stitch several smaller worlds, or bake patches of fewer cells"));
+        return Err(refusal_error(environment, why, "Stitch several smaller worlds, or bake patches of fewer cells"));
     }
     let library = &stitcher.placer.library;
-    let is_too_large: Vec<bool> = library.geometries.iter().map(|g| Field::is_too_large(g)).collect();
+    let is_too_large: Vec<bool> = library.geometries.iter().map(|g| DistanceField::is_too_large(g)).collect();
     let Some((_, unit, relation)) = laid.obstacles.iter().find(|o| is_too_large[o.2.b as usize]) else { return Ok(()) };
     let bounds = &library.geometries[relation.b as usize].bounds;
     let (unit, size) = (library.describe(environment, *unit as usize), bounds.max - bounds.min);
     let why = format!("{unit} is in the way of motion, and too large to be measured: {size:.0} m");
-    Err(refused(environment, why, "Make several smaller units of it"))
+    Err(refusal_error(environment, why, "Make several smaller units of it"))
 }
 
 /// Reason why a world of instances with so many cells and links each is too large, if it is.
@@ -121,7 +122,7 @@ fn too_many(sizes: impl ExactSizeIterator<Item = [u32; 2]>) -> Option<String> {
 /// Previous number of each instance; [`NONE`] for new ones and those with changed surroundings.
 ///
 /// - `was`: previous numbers, regardless of surroundings.
-fn same(before: &Joined, joined: &Joined, was: &[u32]) -> Vec<u32> {
+fn unchanged_numbers(before: &JoinedGraph, joined: &JoinedGraph, was: &[u32]) -> Vec<u32> {
     let is_same = |i: u32, was: u32| Arc::ptr_eq(joined.situation(i), before.situation(was));
     (0u32..).zip(was).map(|(i, &was)| if was != NONE && is_same(i, was) { was } else { NONE }).collect()
 }
@@ -129,23 +130,23 @@ fn same(before: &Joined, joined: &Joined, was: &[u32]) -> Vec<u32> {
 fn no_component(stitcher: &Stitcher<'_>, environment: &Environment) -> BuildError {
     let bundle = stitcher.placer.library.bundle;
     let why = format!("no motion leads on for ever in any of the blocks of bundle {bundle} that fit it");
-    refused(environment, why, "Place more units, so that ways through them lead back to where they began")
+    refusal_error(environment, why, "Place more units, so that ways through them lead back to where they began")
 }
 
 /// Checks that every unit that is not just an obstacle belongs to an instance with remaining motion.
 fn check_reached(
     stitcher: &Stitcher<'_>,
     environment: &Environment,
-    laid: &Laid,
-    judged: &Judged<'_>,
+    laid: &PlacedPatches,
+    judged: &JudgedGraph<'_>,
 ) -> Result<(), BuildError> {
     if stitcher.placer.config.allow_unreachable {
         return Ok(());
     }
-    let has = |i: usize, what: Standing| judged.settled.has(judged.joined, i as u32, what);
+    let has = |i: usize, what: ComponentMembership| judged.component.has_membership(judged.joined, i as u32, what);
     let mut reached = vec![false; environment.units.len()];
     for (i, f) in laid.fitted.iter().enumerate() {
-        if has(i, Standing::Inside) {
+        if has(i, ComponentMembership::Inside) {
             f.units.iter().for_each(|&u| reached[u as usize] = true);
         }
     }
@@ -153,21 +154,21 @@ fn check_reached(
         (0..reached.len()).filter(|&u| !reached[u] && !stitcher.placer.is_obstacle(environment, u)).collect();
     let Some(&unit) = left.first() else { return Ok(()) };
     let here = || laid.fitted.iter().enumerate().filter(|(_, f)| f.units.contains(&(unit as u32)));
-    let leads_away = here().any(|(i, _)| has(i, Standing::Unreached));
+    let leads_away = here().any(|(i, _)| has(i, ComponentMembership::Unreached));
     let patches: Vec<&str> =
         here().map(|(_, f)| stitcher.placer.library.names[f.patch as usize].name.as_str()).collect();
     let what = if leads_away { "no character can get there" } else { "no way leads out of it" };
     let more = if left.len() > 1 { format!(", as of {} more units", left.len() - 1) } else { String::new() };
     let unit = stitcher.placer.library.describe(environment, unit);
     let why = format!("{unit}: {what}{more} (blocks: {})", patches.join(", "));
-    Err(refused(
+    Err(refusal_error(
         environment,
         why,
         "Connect it, take what is in the way away, or set `allow_unreachable` under [stitch]",
     ))
 }
 
-fn report(stitcher: &Stitcher<'_>, laid: &Laid, counts: &Counts) -> StitchReport {
+fn report(stitcher: &Stitcher<'_>, laid: &PlacedPatches, counts: &WorldCounts) -> StitchReport {
     let mut fitted = vec![0; stitcher.placer.patterns.len()];
     laid.fitted.iter().for_each(|f| fitted[f.patch as usize] += 1);
     let patches = stitcher.placer.library.names.iter().zip(fitted).filter(|(_, n)| *n > 0);
@@ -177,7 +178,7 @@ fn report(stitcher: &Stitcher<'_>, laid: &Laid, counts: &Counts) -> StitchReport
         cells: counts.cells,
         transitions: counts.links + counts.joints,
         motion_hours: counts.frames as f64 / stitcher.placer.library.rate_hz / 3600.0,
-        disabled: Reason::ALL.iter().map(|&r| (r.name().to_owned(), counts.disabled[r as usize])).collect(),
+        disabled: RemovalReason::ALL.iter().map(|&r| (r.name().to_owned(), counts.disabled[r as usize])).collect(),
         ..StitchReport::default()
     }
 }
@@ -222,12 +223,12 @@ pub(in crate::stitch) fn source_hash(
     library: &Library<'_>,
 ) -> Result<u128, BuildError> {
     let mut hash = Hash128::default();
-    hash.bytes(environment.as_bytes());
-    hash.bytes(as_toml(config)?.as_bytes());
-    hash.bytes(&library.bundle_hash.to_le_bytes());
+    hash.add_bytes(environment.as_bytes());
+    hash.add_bytes(as_toml(config)?.as_bytes());
+    hash.add_bytes(&library.bundle_hash.to_le_bytes());
     for solid in library.geometries.iter().flat_map(|g| &g.solids) {
-        if let Solid::Mesh(triangles) = solid {
-            hash.bytes(bytemuck::cast_slice(triangles.corners()));
+        if let UnitSolid::Mesh(triangles) = solid {
+            hash.add_bytes(bytemuck::cast_slice(triangles.corners()));
         }
     }
     Ok(hash.finish())

@@ -5,7 +5,7 @@ use throng_core::patch::Placement;
 
 /// A change of the placed units of an environment.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::stitch) enum Edit {
+pub(in crate::stitch) enum EnvironmentEdit {
     /// Inserts a unit before the one with this index (index <= number of units).
     Insert {
         /// Index of the unit.
@@ -27,7 +27,7 @@ pub(in crate::stitch) enum Edit {
     },
 }
 
-impl Edit {
+impl EnvironmentEdit {
     /// Makes the change; returns the reverse one.
     pub fn apply(self, units: &mut Vec<PlacedUnit>) -> Self {
         match self {

@@ -1,9 +1,9 @@
 //! Fits patches into an environment by matching their units (Lee, Choi and Lee 2006, section 5).
 
 use crate::environment::Environment;
-use crate::stitch::library::{Library, Pattern, normalised, turned};
+use crate::stitch::library::{Library, UnitPattern, normalised, turn_difference};
 use std::collections::{HashMap, HashSet};
-use throng_core::patch::{EdgeRecord, NONE, Patches, Placement};
+use throng_core::patch::{EdgeRecord, NONE, PatchTables, Placement};
 
 /// Largest distance of matching units, in the patch's frame (m).
 const TOLERANCE_M: f32 = 0.02;
@@ -12,7 +12,7 @@ const TOLERANCE: f32 = 1.0 * std::f32::consts::PI / 180.0;
 
 /// A patch fitted to placed units.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::stitch) struct Fitted {
+pub(in crate::stitch) struct FittedPatch {
     /// Number of the patch.
     pub patch: u32,
     /// The patch's frame in the world.
@@ -23,9 +23,9 @@ pub(in crate::stitch) struct Fitted {
     pub turn: u32,
 }
 
-impl Fitted {
+impl FittedPatch {
     /// Unique sort key of instances.
-    pub fn order(&self) -> (u32, u32, u32) {
+    pub fn sort_key(&self) -> (u32, u32, u32) {
         (self.units[0], self.patch, self.turn)
     }
 }
@@ -42,11 +42,11 @@ impl<'a> UnitIndex<'a> {
 
     /// Indexes all units of an environment.
     pub fn new(environment: &'a Environment) -> Self {
-        Self::of(environment, 0..environment.units.len() as u32)
+        Self::from_units(environment, 0..environment.units.len() as u32)
     }
 
     /// Indexes some units of an environment; ascending.
-    pub fn of(environment: &'a Environment, units: impl Iterator<Item = u32>) -> Self {
+    pub fn from_units(environment: &'a Environment, units: impl Iterator<Item = u32>) -> Self {
         let mut buckets: HashMap<_, Vec<u32>> = HashMap::new();
         for i in units {
             let u = &environment.units[i as usize];
@@ -61,7 +61,7 @@ impl<'a> UnitIndex<'a> {
     }
 
     /// Placed units of a given number with their origin within `radius` of a place, nearest first (radius < BUCKET_M).
-    pub fn near(&self, unit: usize, at: Placement, radius: f32) -> Vec<u32> {
+    pub fn units_near(&self, unit: usize, at: Placement, radius: f32) -> Vec<u32> {
         let p = at.translation();
         let mut corners: Vec<[i32; 3]> = (0..8)
             .map(|k: usize| {
@@ -79,21 +79,23 @@ impl<'a> UnitIndex<'a> {
     }
 
     /// Placed unit of a given number at a placement, modulo turns by `period`.
-    fn at(&self, unit: usize, at: Placement, period: f32) -> Option<u32> {
+    fn unit_at(&self, unit: usize, at: Placement, period: f32) -> Option<u32> {
         let heading = |i: &u32| self.environment.units[*i as usize].placement.heading;
-        self.near(unit, at, TOLERANCE_M).into_iter().find(|i| turned(heading(i), at.heading, period) <= TOLERANCE)
+        self.units_near(unit, at, TOLERANCE_M)
+            .into_iter()
+            .find(|i| turn_difference(heading(i), at.heading, period) <= TOLERANCE)
     }
 }
 
-/// Every set of placed units that matches a patch's units, once, ascending by [`Fitted::order`].
+/// Every set of placed units that matches a patch's units, once, ascending by [`FittedPatch::order`].
 ///
 /// - `firsts`: possible first units of a set; ascending.
-pub(in crate::stitch) fn fit(
+pub(in crate::stitch) fn fit_patches(
     library: &Library<'_>,
-    patterns: &[Pattern],
+    patterns: &[UnitPattern],
     index: &UnitIndex<'_>,
     firsts: impl Iterator<Item = u32>,
-) -> Vec<Fitted> {
+) -> Vec<FittedPatch> {
     let mut of_unit = vec![Vec::new(); library.units.units.len()];
     for (p, pattern) in patterns.iter().enumerate() {
         of_unit[pattern.units[0].0].push(p);
@@ -108,11 +110,11 @@ pub(in crate::stitch) fn fit(
             let turns = library.units.units[placed.unit].symmetry.max(1);
             for turn in 0..turns {
                 let frame = base.compose(Placement::new(0.0, 0.0, 0.0, turn as f32 * period));
-                let Some(units) = matching(library, &patterns[p], index, i, frame) else { continue };
+                let Some(units) = matching_units(library, &patterns[p], index, i, frame) else { continue };
                 let mut set = units.clone();
                 set.sort_unstable();
                 if seen.insert((p, set)) {
-                    out.push(Fitted { patch: p as u32, placement: frame.wrapped(), units, turn });
+                    out.push(FittedPatch { patch: p as u32, placement: frame.with_wrapped_heading(), units, turn });
                 }
             }
         }
@@ -121,16 +123,16 @@ pub(in crate::stitch) fn fit(
 }
 
 /// Placed units of a patch in this frame, beginning with `first`.
-fn matching(
+fn matching_units(
     library: &Library<'_>,
-    pattern: &Pattern,
+    pattern: &UnitPattern,
     index: &UnitIndex<'_>,
     first: u32,
     frame: Placement,
 ) -> Option<Vec<u32>> {
     let mut units = vec![first];
     for &(unit, at) in &pattern.units[1..] {
-        let found = index.at(unit, frame.compose(at), library.period(unit))?;
+        let found = index.unit_at(unit, frame.compose(at), library.period(unit))?;
         if units.contains(&found) {
             return None;
         }
@@ -143,23 +145,24 @@ fn matching(
 ///
 /// - returns the neighbours and, for each instance, the index of its first.
 pub(in crate::stitch) fn neighbours(
-    patches: &Patches,
-    patterns: &[Pattern],
+    patches: &PatchTables,
+    patterns: &[UnitPattern],
     index: &UnitIndex<'_>,
-    fitted: &[Fitted],
+    fitted: &[FittedPatch],
 ) -> (Vec<u32>, Vec<u32>) {
-    let is_tile = |f: &Fitted| patterns[f.patch as usize].is_tile;
+    let is_tile = |f: &FittedPatch| patterns[f.patch as usize].is_tile;
     let tiles: HashMap<(u32, u32), u32> =
         fitted.iter().enumerate().filter(|(_, f)| is_tile(f)).map(|(i, f)| ((f.patch, f.units[0]), i as u32)).collect();
-    let across = |f: &Fitted, edge: &EdgeRecord| {
+    let across = |f: &FittedPatch, edge: &EdgeRecord| {
         let [x, y, z] = edge.step;
         let place = f.placement.compose(Placement::new(x, y, z, 0.0));
         let unit = patterns[f.patch as usize].units[0].0;
         let other = |i: u32| tiles.get(&(f.patch, i)).copied();
         let same_way = |&i: &u32| {
-            turned(fitted[i as usize].placement.heading, f.placement.heading, std::f32::consts::TAU) <= TOLERANCE
+            turn_difference(fitted[i as usize].placement.heading, f.placement.heading, std::f32::consts::TAU)
+                <= TOLERANCE
         };
-        index.near(unit, place, TOLERANCE_M).into_iter().filter_map(other).find(same_way).unwrap_or(NONE)
+        index.units_near(unit, place, TOLERANCE_M).into_iter().filter_map(other).find(same_way).unwrap_or(NONE)
     };
     let (mut out, mut first) = (Vec::new(), Vec::with_capacity(fitted.len()));
     for f in fitted {

@@ -4,9 +4,9 @@
 
 pub(in crate::stitch) mod change;
 pub(in crate::stitch) mod fit;
-pub(in crate::stitch) mod lay;
 pub(in crate::stitch) mod near;
 pub(in crate::stitch) mod paths;
+pub(in crate::stitch) mod place_patches;
 pub(in crate::stitch) mod relation;
-pub(in crate::stitch) mod relay;
 pub(in crate::stitch) mod solids;
+pub(in crate::stitch) mod update_patches;

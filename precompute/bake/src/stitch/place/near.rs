@@ -1,10 +1,10 @@
 //! Search for overlapping boxes.
 
-use crate::environment::Bounds;
+use crate::environment::BoundingBox;
 use glam::Vec3;
 
 /// All (i, j) for which `a[i]` and `b[j]` overlap, ascending. Boxes may be inverted by shrinking.
-pub(in crate::stitch) fn overlapping(a: &[Bounds], b: &[Bounds]) -> Vec<(u32, u32)> {
+pub(in crate::stitch) fn overlapping_pairs(a: &[BoundingBox], b: &[BoundingBox]) -> Vec<(u32, u32)> {
     let extents = a.iter().chain(b).map(|o| o.max - o.min);
     let widest = extents.fold(Vec3::splat(1e-3), Vec3::max);
     let strip = |x: f32| (x / widest.x).floor() as i64;
@@ -31,9 +31,9 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn boxes() -> impl Strategy<Value = Vec<Bounds>> {
+    fn boxes() -> impl Strategy<Value = Vec<BoundingBox>> {
         let one = (prop::array::uniform3(-5.0f32..5.0), prop::array::uniform3(-0.3f32..3.0));
-        let bounds = one.prop_map(|(p, s)| Bounds { min: p.into(), max: Vec3::from(p) + Vec3::from(s) });
+        let bounds = one.prop_map(|(p, s)| BoundingBox { min: p.into(), max: Vec3::from(p) + Vec3::from(s) });
         prop::collection::vec(bounds, 0..20)
     }
 
@@ -44,7 +44,7 @@ mod tests {
             for (i, x) in a.iter().enumerate() {
                 expected.extend((0..b.len()).filter(|&j| x.overlaps(&b[j])).map(|j| (i as u32, j as u32)));
             }
-            prop_assert_eq!(overlapping(&a, &b), expected);
+            prop_assert_eq!(overlapping_pairs(&a, &b), expected);
         }
     }
 }

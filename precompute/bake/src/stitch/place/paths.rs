@@ -1,15 +1,15 @@
 //! Positions of a patch's motion, by frame and by cell, sorted for fast neighbour queries.
 
-use crate::environment::Bounds;
+use crate::environment::BoundingBox;
 use crate::stitch::library::Library;
-use throng_core::patch::{KIND_TILE, LinkRecord, NONE, Patches, Placement};
+use throng_core::patch::{KIND_TILE, LinkRecord, NONE, PatchTables, Placement};
 use throng_core::planar::wrap_angle;
 
 /// Roots of all frames of all links of a patch, in its frame; y is the height of the clip's ground.
 ///
 /// Links that play the same motion in the same place share roots, as the overlapping sub-sequences of a block do.
 #[derive(Clone, Debug, Default)]
-pub(in crate::stitch) struct Paths {
+pub(in crate::stitch) struct LinkRoots {
     /// First root of each link (links).
     starts: Vec<u32>,
     /// Number of roots of each link (links).
@@ -21,7 +21,7 @@ pub(in crate::stitch) struct Paths {
     /// Links, sorted by the frames they play.
     order: Vec<u32>,
     /// Bounds of the roots of each link (links).
-    bounds: Vec<Bounds>,
+    bounds: Vec<BoundingBox>,
     /// Longest step over the ground from one frame to the next (m).
     step: f32,
     /// True if links have most of their roots in common.
@@ -29,13 +29,13 @@ pub(in crate::stitch) struct Paths {
 }
 
 /// Motion in one place: where its frame row 0 would be, in steps; equal for links that share it.
-type Motion = [i64; 4];
+type RootMotion = [i64; 4];
 
-impl Paths {
+impl LinkRoots {
     /// Computes the roots of all links of a patch.
-    pub fn new(patches: &Patches, library: &Library<'_>, patch: usize) -> Self {
+    pub fn new(patches: &PatchTables, library: &Library<'_>, patch: usize) -> Self {
         let links = patches.links_of(patch);
-        let mut order: Vec<(Option<Motion>, usize)> =
+        let mut order: Vec<(Option<RootMotion>, usize)> =
             links.iter().enumerate().map(|(l, link)| (motion(library, link), l)).collect();
         order.sort_by_key(|&(motion, l)| (motion, links[l].frame, l));
         let mut out = Self {
@@ -44,7 +44,7 @@ impl Paths {
             ..Self::default()
         };
         out.order = order.iter().map(|&(_, l)| l as u32).collect();
-        let mut before: Option<Motion> = None;
+        let mut before: Option<RootMotion> = None;
         for (motion, l) in order {
             let link = &links[l];
             // The motion continues from the roots of the previous link, or lies within them.
@@ -60,9 +60,10 @@ impl Paths {
             }
             before = motion;
         }
-        let around = |l: usize| Bounds::of(out.of(l).iter().map(|r| r.translation()));
-        let longest =
-            |l: usize| out.of(l).windows(2).map(|w| (w[1].x - w[0].x).hypot(w[1].z - w[0].z)).fold(0.0, f32::max);
+        let around = |l: usize| BoundingBox::around_points(out.roots_of_link(l).iter().map(|r| r.translation()));
+        let longest = |l: usize| {
+            out.roots_of_link(l).windows(2).map(|w| (w[1].x - w[0].x).hypot(w[1].z - w[0].z)).fold(0.0, f32::max)
+        };
         let (bounds, step) =
             ((0..links.len()).map(around).collect(), (0..links.len()).map(longest).fold(0.0, f32::max));
         let shared = 2 * out.roots.len() <= out.counts.iter().map(|&n| n as usize).sum();
@@ -80,32 +81,32 @@ impl Paths {
     }
 
     /// All links, sorted by the frames they play: consecutive ones need the same bodies.
-    pub fn order(&self) -> &[u32] {
+    pub fn play_order(&self) -> &[u32] {
         &self.order
     }
 
     /// Bounds of the roots of a link.
-    pub fn bounds(&self, link: usize) -> &Bounds {
+    pub fn bounds(&self, link: usize) -> &BoundingBox {
         &self.bounds[link]
     }
 
     /// Longest step over the ground from one frame to the next (m).
-    pub fn step(&self) -> f32 {
+    pub fn longest_step(&self) -> f32 {
         self.step
     }
 
     /// Roots of one link (num_frames + 1).
-    pub fn of(&self, link: usize) -> &[Placement] {
-        &self.roots[self.range(link)]
+    pub fn roots_of_link(&self, link: usize) -> &[Placement] {
+        &self.roots[self.root_range(link)]
     }
 
     /// Frame rows of one link (num_frames + 1).
     pub fn rows_of(&self, link: usize) -> &[u32] {
-        &self.rows[self.range(link)]
+        &self.rows[self.root_range(link)]
     }
 
     /// Range of the roots of one link among all.
-    pub fn range(&self, link: usize) -> std::ops::Range<usize> {
+    pub fn root_range(&self, link: usize) -> std::ops::Range<usize> {
         let first = self.starts[link] as usize;
         first..first + self.counts[link] as usize
     }
@@ -122,7 +123,7 @@ impl Paths {
 }
 
 /// Motion of a link, unless its path is edited.
-fn motion(library: &Library<'_>, link: &LinkRecord) -> Option<Motion> {
+fn motion(library: &Library<'_>, link: &LinkRecord) -> Option<RootMotion> {
     const STEPS_PER_M: f32 = 1000.0;
     let frames = [link.frame, link.frame + u32::from(link.num_frames)];
     let [first, last] = frames.map(|f| {
@@ -130,7 +131,7 @@ fn motion(library: &Library<'_>, link: &LinkRecord) -> Option<Motion> {
         Placement::new(x, 0.0, z, heading)
     });
     let lies = |end: Placement, at: Placement| {
-        let p = end.compose(at.inverse()).wrapped();
+        let p = end.compose(at.inverse()).with_wrapped_heading();
         [p.x, p.y, p.z, p.heading].map(|v| (v * STEPS_PER_M).round() as i64)
     };
     let (begin, end) = (lies(link.start, first), lies(link.end, last));
@@ -139,7 +140,7 @@ fn motion(library: &Library<'_>, link: &LinkRecord) -> Option<Motion> {
 
 /// Spot at which motion of a patch may be left and entered: a cell of a block, a frame of a tile's link.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::stitch) struct Spot {
+pub(in crate::stitch) struct JoinSpot {
     /// Cell or link.
     pub item: u32,
     /// Frames into the link; [`NONE`] for a cell.
@@ -150,21 +151,21 @@ pub(in crate::stitch) struct Spot {
 
 /// The spots of a patch by pose group and place.
 #[derive(Clone, Debug)]
-pub(in crate::stitch) struct Spots {
+pub(in crate::stitch) struct JoinSpots {
     /// Index of the first spot of each strip of each group (groups * num_strips + 1).
     starts: Vec<u32>,
     /// Spots by group, then by strip along x, then along z.
-    spots: Vec<Spot>,
+    spots: Vec<JoinSpot>,
     /// Number of the lowest strip, and count of strips.
     first_strip: i32,
     num_strips: usize,
     /// Bounds of all spots.
-    bounds: Bounds,
+    bounds: BoundingBox,
 }
 
 /// Largest distances of two spots at which motion continues.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::stitch) struct Nearness {
+pub(in crate::stitch) struct JoinTolerance {
     /// Distance on the ground (m).
     pub position: f32,
     /// Difference of the hips' height (m).
@@ -173,7 +174,7 @@ pub(in crate::stitch) struct Nearness {
     pub heading: f32,
 }
 
-impl Nearness {
+impl JoinTolerance {
     /// Relative distance of two placements, 1 at the largest of any of the three; `None` if too far apart.
     pub fn distance(&self, a: Placement, b: Placement) -> Option<f32> {
         let (x, z) = (a.x - b.x, a.z - b.z);
@@ -196,11 +197,11 @@ fn strip(x: f32) -> i32 {
     (x / STRIP_M).floor() as i32
 }
 
-impl Spots {
+impl JoinSpots {
     /// Collects the spots of a patch: all cells of a block, and of a tile's links the frames that are at least
     /// `min_frames` from both ends, or a quarter of short links.
-    pub fn new(patches: &Patches, library: &Library<'_>, paths: &Paths, patch: usize, min_frames: u32) -> Self {
-        let mut of_groups: Vec<(u32, Spot)> = Vec::new();
+    pub fn new(patches: &PatchTables, library: &Library<'_>, paths: &LinkRoots, patch: usize, min_frames: u32) -> Self {
+        let mut of_groups: Vec<(u32, JoinSpot)> = Vec::new();
         if patches.patches[patch].kind == KIND_TILE {
             // Interactions are not left midway.
             for (l, link) in patches.links_of(patch).iter().enumerate().filter(|(_, link)| !link.is_for_two()) {
@@ -209,14 +210,14 @@ impl Spots {
                 let margin = min_frames.min(frames / 4).max(1);
                 for offset in margin..=frames.saturating_sub(margin) {
                     let row = (link.frame + offset) as usize;
-                    let root = paths.of(l)[offset as usize];
+                    let root = paths.roots_of_link(l)[offset as usize];
                     let at = Placement { y: root.y + library.frames[row].height, ..root };
-                    of_groups.push((library.groups[row], Spot { item: l as u32, offset, at }));
+                    of_groups.push((library.groups[row], JoinSpot { item: l as u32, offset, at }));
                 }
             }
         } else {
             let spot = |(c, cell): (usize, &throng_core::patch::CellRecord)| {
-                (cell.group, Spot { item: c as u32, offset: NONE, at: cell.placement })
+                (cell.group, JoinSpot { item: c as u32, offset: NONE, at: cell.placement })
             };
             of_groups.extend(patches.cells_of(patch).iter().enumerate().map(spot));
         }
@@ -226,7 +227,7 @@ impl Spots {
             let strips = strip(s.at.x).cmp(&strip(t.at.x));
             g.cmp(h).then(strips).then(s.at.z.total_cmp(&t.at.z)).then((s.item, s.offset).cmp(&(t.item, t.offset)))
         });
-        let bounds = Bounds::of(of_groups.iter().map(|(_, s)| s.at.translation()));
+        let bounds = BoundingBox::around_points(of_groups.iter().map(|(_, s)| s.at.translation()));
         let (first_strip, num_strips) = match of_groups.is_empty() {
             true => (0, 0),
             false => (strip(bounds.min.x), (strip(bounds.max.x) - strip(bounds.min.x)) as usize + 1),
@@ -244,10 +245,15 @@ impl Spots {
     }
 
     /// Spots of a group near a placement, with their relative distance.
-    pub fn near(&self, group: u32, at: Placement, nearness: Nearness) -> impl Iterator<Item = (&Spot, f32)> {
+    pub fn spots_near(
+        &self,
+        group: u32,
+        at: Placement,
+        nearness: JoinTolerance,
+    ) -> impl Iterator<Item = (&JoinSpot, f32)> {
         // A margin against rounding.
         let reach = nearness.position + 1e-4;
-        let around = self.bounds.grown(reach.max(nearness.height + 1e-4));
+        let around = self.bounds.expanded(reach.max(nearness.height + 1e-4));
         let first_of_group = group as usize * self.num_strips;
         let is_here = first_of_group + self.num_strips < self.starts.len() && around.contains(at.translation());
         let last = self.num_strips as i32 - 1;
@@ -282,7 +288,7 @@ mod tests {
         };
         let frames: Vec<FrameRow> = (0..20).map(row).collect();
         let (units, skeleton, groups) = (UnitSet::default(), Skeleton::default(), [0; 20]);
-        let library = Library { frames: &frames, groups: &groups, ..Library::bare(&units, &skeleton) };
+        let library = Library { frames: &frames, groups: &groups, ..Library::without_motion(&units, &skeleton) };
         let here = Placement::new(1.0, 0.0, -2.0, 0.4);
         let at = |k: u32| {
             let [x, z, heading] = frames[k as usize].planar;
@@ -306,22 +312,22 @@ mod tests {
             min: [0.0; 3],
             max: [0.0; 3],
         };
-        let patches = Patches {
+        let patches = PatchTables {
             patches: (&[patch]).into(),
             edges: [].as_slice().into(),
             cells: [].as_slice().into(),
             links: (&links).into(),
             pairs: [].as_slice().into(),
         };
-        let paths = Paths::new(&patches, &library, 0);
+        let paths = LinkRoots::new(&patches, &library, 0);
         // Frames 2 to 10 and 15 to 18 once, and the edited link's own four.
         assert_eq!(paths.roots().len(), 9 + 4 + 4);
         for (l, link) in links.iter().enumerate() {
             let expected: Vec<Placement> = library.link_roots(link).collect();
-            assert_eq!(paths.of(l).len(), expected.len());
-            for (k, (a, b)) in paths.of(l).iter().zip(&expected).enumerate() {
+            assert_eq!(paths.roots_of_link(l).len(), expected.len());
+            for (k, (a, b)) in paths.roots_of_link(l).iter().zip(&expected).enumerate() {
                 assert!((a.translation() - b.translation()).length() < 0.003 && (a.heading - b.heading).abs() < 0.003);
-                assert_eq!(paths.rows()[paths.range(l).start + k], link.frame + k as u32);
+                assert_eq!(paths.rows()[paths.root_range(l).start + k], link.frame + k as u32);
             }
         }
     }

@@ -10,7 +10,7 @@ const TURN: i32 = 3600;
 
 /// Numbers of two things, and the placement of the second relative to the first, in steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(in crate::stitch) struct Relation {
+pub(in crate::stitch) struct RelativePlacement {
     /// Number of the first: a patch.
     pub a: u32,
     /// Number of the second: a patch or a unit.
@@ -19,7 +19,7 @@ pub(in crate::stitch) struct Relation {
     steps: [i32; 4],
 }
 
-impl Relation {
+impl RelativePlacement {
     /// The relation of `b` at `at_b` to `a` at `at_a`.
     pub fn new((a, at_a): (u32, Placement), (b, at_b): (u32, Placement)) -> Self {
         let r = at_a.to_local(at_b);
@@ -45,7 +45,7 @@ mod tests {
     fn pairs_that_stand_alike_anywhere_are_one_relation() {
         let pair = |at: Placement| {
             let b = at.compose(Placement::new(1.2344, -0.7, 2.0, 3.0));
-            Relation::new((3, at), (4, b))
+            RelativePlacement::new((3, at), (4, b))
         };
         let here = pair(Placement::IDENTITY);
         assert_eq!(here, pair(Placement::new(70.0, 2.1, -31.0, 1.0)));

@@ -1,8 +1,8 @@
 //! Overlapping units, which make an environment invalid.
 
-use super::near::overlapping;
-use crate::environment::{Bounds, Environment, Shape, Unit};
-use crate::stitch::library::{Library, refused, turned};
+use super::near::overlapping_pairs;
+use crate::environment::{BoundingBox, Environment, UnitObject, UnitShape};
+use crate::stitch::library::{Library, refusal_error, turn_difference};
 use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_core::patch::Placement;
@@ -13,20 +13,20 @@ const SAME_PLACE_M: f32 = 0.05;
 
 /// A box with any orientation.
 #[derive(Clone, Copy, Debug)]
-struct Solid {
+struct OrientedBox {
     centre: Vec3,
     axes: [Vec3; 3],
     half: Vec3,
 }
 
-impl Solid {
+impl OrientedBox {
     /// Boxes of a unit, in its frame. Bars and triangles are not solid.
-    fn of(unit: &Unit) -> Vec<Self> {
+    fn boxes_of_unit(unit: &UnitObject) -> Vec<Self> {
         unit.shapes.iter().filter_map(Self::from_shape).collect()
     }
 
-    fn from_shape(shape: &Shape) -> Option<Self> {
-        let Shape::Box { at, size, heading_deg, pitch_deg } = shape else { return None };
+    fn from_shape(shape: &UnitShape) -> Option<Self> {
+        let UnitShape::Box { at, size, heading_deg, pitch_deg } = shape else { return None };
         let turn = maths::compose(
             Quat::from_rotation_y(heading_deg.to_radians()),
             Quat::from_rotation_x(pitch_deg.to_radians()),
@@ -35,28 +35,28 @@ impl Solid {
         Some(Self { centre: Vec3::from_array(*at), axes, half: Vec3::from_array(*size) * 0.5 })
     }
 
-    fn placed(&self, at: Placement) -> Self {
+    fn transformed(&self, at: Placement) -> Self {
         let turn = Quat::from_rotation_y(at.heading);
         Self { centre: at.transform_point(self.centre), axes: self.axes.map(|a| turn * a), half: self.half }
     }
 
     /// Extent from the centre along a direction (m).
-    fn reach(&self, direction: Vec3) -> f32 {
+    fn half_extent(&self, direction: Vec3) -> f32 {
         (0..3).map(|k| self.half[k] * self.axes[k].dot(direction).abs()).sum()
     }
 
-    fn bounds(&self) -> Bounds {
-        let r = Vec3::new(self.reach(Vec3::X), self.reach(Vec3::Y), self.reach(Vec3::Z));
-        Bounds { min: self.centre - r, max: self.centre + r }
+    fn bounds(&self) -> BoundingBox {
+        let r = Vec3::new(self.half_extent(Vec3::X), self.half_extent(Vec3::Y), self.half_extent(Vec3::Z));
+        BoundingBox { min: self.centre - r, max: self.centre + r }
     }
 
     /// Penetration depth of two boxes: the least overlap along the directions that can separate them.
-    fn depth(&self, other: &Self) -> f32 {
+    fn overlap_depth(&self, other: &Self) -> f32 {
         let crossed = self.axes.iter().flat_map(|a| other.axes.iter().map(|b| a.cross(*b)));
         let directions = self.axes.into_iter().chain(other.axes).chain(crossed);
         directions
             .filter_map(Vec3::try_normalize)
-            .map(|d| self.reach(d) + other.reach(d) - (self.centre - other.centre).dot(d).abs())
+            .map(|d| self.half_extent(d) + other.half_extent(d) - (self.centre - other.centre).dot(d).abs())
             .fold(f32::INFINITY, f32::min)
     }
 }
@@ -70,25 +70,25 @@ pub(in crate::stitch) fn check(
     environment: &Environment,
     depth_m: f32,
 ) -> Result<(), BuildError> {
-    let solids: Vec<Vec<Solid>> = library.units.units.iter().map(Solid::of).collect();
-    let placed: Vec<(u32, Solid)> = environment
+    let solids: Vec<Vec<OrientedBox>> = library.units.units.iter().map(OrientedBox::boxes_of_unit).collect();
+    let placed: Vec<(u32, OrientedBox)> = environment
         .units
         .iter()
         .enumerate()
-        .flat_map(|(i, u)| solids[u.unit].iter().map(move |s| (i as u32, s.placed(u.placement))))
+        .flat_map(|(i, u)| solids[u.unit].iter().map(move |s| (i as u32, s.transformed(u.placement))))
         .collect();
     let refuse = |a: u32, b: u32, how: String| {
         let [a, b] = [a, b].map(|unit| library.describe(environment, unit as usize));
-        refused(environment, format!("{a} and {b} {how}"), "Move or remove one of them")
+        refusal_error(environment, format!("{a} and {b} {how}"), "Move or remove one of them")
     };
     if let Some((a, b)) = same_place(library, environment) {
         return Err(refuse(a, b, "stand in the same place".into()));
     }
-    let bounds: Vec<Bounds> = placed.iter().map(|(_, s)| s.bounds().grown(-0.5 * depth_m)).collect();
-    for (i, j) in overlapping(&bounds, &bounds) {
+    let bounds: Vec<BoundingBox> = placed.iter().map(|(_, s)| s.bounds().expanded(-0.5 * depth_m)).collect();
+    for (i, j) in overlapping_pairs(&bounds, &bounds) {
         let ((a, one), (b, other)) = (placed[i as usize], placed[j as usize]);
         if a < b {
-            let depth = one.depth(&other);
+            let depth = one.overlap_depth(&other);
             if depth > depth_m {
                 return Err(refuse(a, b, format!("stand {depth:.2} m in each other")));
             }
@@ -103,20 +103,21 @@ pub(in crate::stitch) fn check(
 pub(in crate::stitch) fn is_free(
     library: &Library<'_>,
     environment: &Environment,
-    shapes: &[Bounds],
+    shapes: &[BoundingBox],
     unit: usize,
     depth_m: f32,
 ) -> bool {
     let placed = |i: usize| {
         let u = &environment.units[i];
-        Solid::of(&library.units.units[u.unit]).into_iter().map(|s| s.placed(u.placement))
+        OrientedBox::boxes_of_unit(&library.units.units[u.unit]).into_iter().map(|s| s.transformed(u.placement))
     };
-    let own: Vec<Solid> = placed(unit).collect();
+    let own: Vec<OrientedBox> = placed(unit).collect();
     let at = environment.units[unit].placement.translation();
     let is_apart = |i: usize| {
         let far = (environment.units[i].placement.translation() - at).abs().max_element() > 2.0 * SAME_PLACE_M;
         (far || environment.units[i].unit != environment.units[unit].unit)
-            && (!shapes[i].overlaps(&shapes[unit]) || placed(i).all(|s| own.iter().all(|o| s.depth(o) <= depth_m)))
+            && (!shapes[i].overlaps(&shapes[unit])
+                || placed(i).all(|s| own.iter().all(|o| s.overlap_depth(o) <= depth_m)))
     };
     (0..environment.units.len()).filter(|&i| i != unit).all(is_apart)
 }
@@ -125,11 +126,11 @@ pub(in crate::stitch) fn is_free(
 fn same_place(library: &Library<'_>, environment: &Environment) -> Option<(u32, u32)> {
     let half = Vec3::splat(0.5 * SAME_PLACE_M);
     let at = |i: u32| &environment.units[i as usize];
-    let around = |p: Placement| Bounds { min: p.translation() - half, max: p.translation() + half };
-    let bounds: Vec<Bounds> = environment.units.iter().map(|u| around(u.placement)).collect();
-    overlapping(&bounds, &bounds).into_iter().find(|&(i, j)| {
+    let around = |p: Placement| BoundingBox { min: p.translation() - half, max: p.translation() + half };
+    let bounds: Vec<BoundingBox> = environment.units.iter().map(|u| around(u.placement)).collect();
+    overlapping_pairs(&bounds, &bounds).into_iter().find(|&(i, j)| {
         let (a, b) = (at(i), at(j));
-        let alike = || turned(a.placement.heading, b.placement.heading, library.period(a.unit)) < 0.1;
+        let alike = || turn_difference(a.placement.heading, b.placement.heading, library.period(a.unit)) < 0.1;
         i < j && a.unit == b.unit && alike()
     })
 }
@@ -138,17 +139,17 @@ fn same_place(library: &Library<'_>, environment: &Environment) -> Option<(u32, 
 mod tests {
     use super::*;
 
-    fn cube(at: [f32; 3], heading_deg: f32, pitch_deg: f32) -> Solid {
-        Solid::from_shape(&Shape::Box { at, size: [1.0; 3], heading_deg, pitch_deg }).unwrap()
+    fn cube(at: [f32; 3], heading_deg: f32, pitch_deg: f32) -> OrientedBox {
+        OrientedBox::from_shape(&UnitShape::Box { at, size: [1.0; 3], heading_deg, pitch_deg }).unwrap()
     }
 
     #[test]
     fn depth_is_the_way_out() {
         let one = cube([0.0; 3], 0.0, 0.0);
-        assert!((one.depth(&cube([0.7, 0.0, 0.1], 0.0, 0.0)) - 0.3).abs() < 1e-6);
-        assert!((one.depth(&cube([0.0, 1.2, 0.0], 0.0, 0.0)) + 0.2).abs() < 1e-6);
+        assert!((one.overlap_depth(&cube([0.7, 0.0, 0.1], 0.0, 0.0)) - 0.3).abs() < 1e-6);
+        assert!((one.overlap_depth(&cube([0.0, 1.2, 0.0], 0.0, 0.0)) + 0.2).abs() < 1e-6);
         // Corner to corner: half a diagonal from the middle each.
         let turned = cube([1.0 + 0.5 * (2f32.sqrt() - 1.0), 0.0, 0.0], 45.0, 0.0);
-        assert!(one.depth(&turned).abs() < 1e-5, "{}", one.depth(&turned));
+        assert!(one.overlap_depth(&turned).abs() < 1e-5, "{}", one.overlap_depth(&turned));
     }
 }

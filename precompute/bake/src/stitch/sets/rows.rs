@@ -2,7 +2,7 @@
 
 /// Up to 64 numbers of a set.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::stitch) struct Word {
+pub(in crate::stitch) struct BitWord {
     /// Index of the word, which holds the numbers `64 * index + bit`.
     pub index: u32,
     /// One bit for each number.
@@ -11,13 +11,13 @@ pub(in crate::stitch) struct Word {
 
 /// A set of small numbers for each row.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(in crate::stitch) struct Rows {
+pub(in crate::stitch) struct BitRows {
     /// First word of each row (rows + 1).
     starts: Vec<u32>,
-    words: Vec<Word>,
+    words: Vec<BitWord>,
 }
 
-impl Rows {
+impl BitRows {
     /// Collects the numbers of rows.
     ///
     /// - `pairs`: row and number; those of each row are ascending and may repeat.
@@ -46,7 +46,7 @@ impl Rows {
     fn push(&mut self, numbers: &[u32]) {
         for same in numbers.chunk_by(|a, b| a / 64 == b / 64) {
             let bits = same.iter().fold(0, |bits, m| bits | 1 << (m % 64));
-            self.words.push(Word { index: same[0] / 64, bits });
+            self.words.push(BitWord { index: same[0] / 64, bits });
         }
         self.starts.push(self.words.len() as u32);
     }
@@ -54,22 +54,22 @@ impl Rows {
     /// The transposed relation: rows with each number (num_rows).
     pub fn transposed(&self, num_rows: usize) -> Self {
         let rows = 0..self.starts.len() as u32 - 1;
-        Self::new(num_rows, rows.flat_map(|row| self.numbers(row).map(move |number| (number, row))))
+        Self::new(num_rows, rows.flat_map(|row| self.members(row).map(move |number| (number, row))))
     }
 
     /// Words of a row.
-    pub fn of(&self, row: u32) -> &[Word] {
+    pub fn words_of(&self, row: u32) -> &[BitWord] {
         &self.words[self.starts[row as usize] as usize..self.starts[row as usize + 1] as usize]
     }
 
     /// Members of a row, ascending.
-    pub fn numbers(&self, row: u32) -> impl Iterator<Item = u32> + Clone {
-        self.of(row).iter().flat_map(|word| ones(word.bits).map(|bit| 64 * word.index + bit))
+    pub fn members(&self, row: u32) -> impl Iterator<Item = u32> + Clone {
+        self.words_of(row).iter().flat_map(|word| set_bits(word.bits).map(|bit| 64 * word.index + bit))
     }
 
     /// Next number of a row; `at` starts at 0 and is advanced.
     pub fn next(&self, row: u32, at: &mut u32) -> Option<u32> {
-        let words = self.of(row);
+        let words = self.words_of(row);
         while let Some(word) = words.get(*at as usize / 64) {
             let left = word.bits & (u64::MAX << (*at % 64));
             if left != 0 {
@@ -85,7 +85,7 @@ impl Rows {
 }
 
 /// Numbers of the bits that are set, ascending.
-pub(in crate::stitch) fn ones(mut bits: u64) -> impl Iterator<Item = u32> + Clone {
+pub(in crate::stitch) fn set_bits(mut bits: u64) -> impl Iterator<Item = u32> + Clone {
     std::iter::from_fn(move || {
         let bit = (bits != 0).then(|| bits.trailing_zeros())?;
         bits &= bits - 1;
@@ -104,15 +104,15 @@ mod tests {
         fn rows_hold_what_was_put_in(pairs in prop::collection::vec((0u32..9, 0u32..300), 0..60)) {
             let mut sorted = pairs.clone();
             sorted.sort_unstable();
-            let (rows, set) = (Rows::new(9, sorted.iter().copied()), BTreeSet::from_iter(pairs));
-            let found = |r: &Rows, n: u32| (0..n).flat_map(|k| r.numbers(k).map(move |m| (k, m))).collect::<Vec<_>>();
+            let (rows, set) = (BitRows::new(9, sorted.iter().copied()), BTreeSet::from_iter(pairs));
+            let found = |r: &BitRows, n: u32| (0..n).flat_map(|k| r.members(k).map(move |m| (k, m))).collect::<Vec<_>>();
             prop_assert_eq!(found(&rows, 9), set.iter().copied().collect::<Vec<_>>());
             let turned: BTreeSet<_> = set.iter().map(|&(r, m)| (m, r)).collect();
             prop_assert_eq!(found(&rows.transposed(300), 300), turned.into_iter().collect::<Vec<_>>());
             for k in 0..9 {
                 let mut at = 0;
                 let one_by_one: Vec<u32> = std::iter::from_fn(|| rows.next(k, &mut at)).collect();
-                prop_assert_eq!(one_by_one, rows.numbers(k).collect::<Vec<_>>());
+                prop_assert_eq!(one_by_one, rows.members(k).collect::<Vec<_>>());
             }
         }
     }

@@ -1,12 +1,12 @@
 //! One view of the hitting points: grid, body, points, axes in metres.
 
-use super::super::camera::Camera;
+use super::super::camera::PictureCamera;
 use super::super::canvas::{Area, Picture};
 use super::super::colour;
-use super::super::figure::{BodyColours, Figure};
+use super::super::figure::{BodyColours, BodyFigure};
 use super::super::sprite;
 use super::super::text::{Align, TextStyle, draw_text};
-use super::{HitPoint, is_ring, tint};
+use super::{HitPoint, hit_colour, is_ring};
 use glam::{Vec2, Vec3};
 
 /// Distance between grid lines (m).
@@ -14,19 +14,19 @@ const STEP: f32 = 0.25;
 /// Radii of the least and the most forceful hit (px of a picture 1600 px wide).
 const RADII: [f32; 2] = [3.5, 8.5];
 /// Number of points above which they are drawn smaller, so that they do not hide each other and the body.
-const MANY: usize = 150;
+const MANY_POINTS: usize = 150;
 /// Length of the tail of the most forceful hit (m).
 const TAIL: f32 = 0.12;
 
 /// A direction of the character that a panel shows along one of its edges.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Axis {
+pub(super) struct PanelAxis {
     name: &'static str,
     /// Unit.
     pub direction: Vec3,
 }
 
-impl Axis {
+impl PanelAxis {
     pub fn new(name: &'static str, direction: Vec3) -> Self {
         Self { name, direction }
     }
@@ -34,26 +34,26 @@ impl Axis {
 
 /// One view.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Panel {
+pub(super) struct HitPanel {
     /// Name of the view.
     pub title: &'static str,
     /// Position and size on the page.
     pub area: Area,
     /// Camera of the panel's own picture.
-    pub camera: Camera,
+    pub camera: PictureCamera,
     /// Axis along the lower edge.
-    pub across: Axis,
+    pub across: PanelAxis,
     /// Axis along the left edge.
-    pub upwards: Axis,
+    pub upwards: PanelAxis,
     /// Corner of the shown space (m).
     pub min: Vec3,
     /// The opposite corner (m).
     pub max: Vec3,
 }
 
-impl Panel {
+impl HitPanel {
     /// Draws the view onto the page.
-    pub fn draw(&self, page: &mut Picture, points: &[HitPoint], body: Option<&Figure>, unit: f32) {
+    pub fn draw(&self, page: &mut Picture, points: &[HitPoint], body: Option<&BodyFigure>, unit: f32) {
         let mut panel = Picture::new(self.area.size.x as u32, self.area.size.y as u32, colour::GROUND);
         self.grid(&mut panel, unit);
         let colours = BodyColours::plain(colour::BODY).faded(colour::GROUND, 0.5);
@@ -63,27 +63,27 @@ impl Panel {
         // Far points first.
         let mut order: Vec<&HitPoint> = points.iter().collect();
         order.sort_by(|a, b| self.camera.depth(b.position).total_cmp(&self.camera.depth(a.position)));
-        let scale = (MANY as f32 / points.len().max(1) as f32).sqrt().clamp(0.4, 1.0);
-        order.into_iter().for_each(|h| self.point(&mut panel, h, scale * unit));
+        let scale = (MANY_POINTS as f32 / points.len().max(1) as f32).sqrt().clamp(0.4, 1.0);
+        order.into_iter().for_each(|h| self.draw_point(&mut panel, h, scale * unit));
         page.draw_picture(&panel, (self.area.min.x as i32, self.area.min.y as i32));
         self.labels(page, unit);
     }
 
-    fn point(&self, panel: &mut Picture, hit: &HitPoint, unit: f32) {
+    fn draw_point(&self, panel: &mut Picture, hit: &HitPoint, unit: f32) {
         let at = self.camera.project(hit.position);
         let radius = unit * (RADII[0] + (RADII[1] - RADII[0]) * hit.force.clamp(0.0, 1.0));
         let tail = self.camera.project(hit.position - hit.direction * TAIL * hit.force);
-        panel.stroke_line(&[tail, at], 1.6 * unit, tint(hit).alpha(0.55));
+        panel.stroke_line(&[tail, at], 1.6 * unit, hit_colour(hit).alpha(0.55));
         if is_ring(hit) {
-            panel.stroke_oval(at, Vec2::splat(radius), 2.6 * unit, tint(hit));
+            panel.stroke_oval(at, Vec2::splat(radius), 2.6 * unit, hit_colour(hit));
         } else {
             panel.fill_disc(at, radius, colour::GROUND.alpha(0.7));
-            panel.fill_disc(at, radius - unit, tint(hit).alpha(0.85));
+            panel.fill_disc(at, radius - unit, hit_colour(hit).alpha(0.85));
         }
     }
 
     /// Multiples of the grid's step between the panel's edges, along one of its axes (m).
-    fn ticks(&self, axis: Axis) -> impl Iterator<Item = (i32, f32)> {
+    fn ticks(&self, axis: PanelAxis) -> impl Iterator<Item = (i32, f32)> {
         let (low, high) = (self.min.dot(axis.direction), self.max.dot(axis.direction));
         ((low / STEP).ceil() as i32..=(high / STEP).floor() as i32).map(|i| (i, i as f32 * STEP))
     }
@@ -109,7 +109,7 @@ impl Panel {
     fn labels(&self, page: &mut Picture, unit: f32) {
         let (min, max) = (self.area.min, self.area.max());
         let style = TextStyle { size: 17.0 * unit, colour: colour::INK_SOFT, align: Align::Centre, bold: false };
-        let at = |value: f32, axis: Axis| min + self.camera.project(value * axis.direction);
+        let at = |value: f32, axis: PanelAxis| min + self.camera.project(value * axis.direction);
         for (_, value) in self.ticks(self.across).filter(|t| t.0 % 2 == 0) {
             let place = Vec2::new(at(value, self.across).x, max.y + 20.0 * unit);
             draw_text(page, place, &format!("{value:.1}"), style);

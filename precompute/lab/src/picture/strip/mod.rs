@@ -6,10 +6,10 @@ mod path_map;
 
 pub use onion::onion_skin;
 
-use super::camera::Camera;
+use super::camera::PictureCamera;
 use super::canvas::{Area, Picture};
 use super::colour;
-use super::figure::{BodyColours, Figure};
+use super::figure::{BodyColours, BodyFigure};
 use super::furniture::header;
 use super::shadow::Shadows;
 use super::sprite;
@@ -26,7 +26,7 @@ pub struct StripFrame {
     /// Position and heading on the ground.
     pub root: Planar,
     /// The body, in the world.
-    pub figure: Figure,
+    pub figure: BodyFigure,
     /// Planted parts of the feet.
     pub contacts: Contacts,
 }
@@ -54,7 +54,7 @@ pub struct PoseStrip<'a> {
 /// Every pose is seen from its own right, facing right, with the root in the middle of its column.
 pub fn pose_strip(strip: &PoseStrip<'_>) -> Picture {
     let unit = strip.width.clamp(200, 8000) as f32 / 1600.0;
-    let layout = Layout::new(strip, unit);
+    let layout = StripLayout::new(strip, unit);
     let mut page = Picture::new(layout.width as u32, layout.height as u32, colour::PAPER);
     header(&mut page, unit, strip.title, strip.subtitle);
     let poses = layout.poses(strip.frames);
@@ -68,10 +68,10 @@ pub fn pose_strip(strip: &PoseStrip<'_>) -> Picture {
 }
 
 /// A drawn pose: the number of its frame, and the frame.
-type Pose<'a> = (usize, &'a StripFrame);
+type StripPose<'a> = (usize, &'a StripFrame);
 
 /// Layout of a strip (px).
-struct Layout {
+struct StripLayout {
     unit: f32,
     width: f32,
     height: f32,
@@ -87,7 +87,7 @@ struct Layout {
     px_per_m: f32,
 }
 
-impl Layout {
+impl StripLayout {
     fn new(strip: &PoseStrip<'_>, unit: f32) -> Self {
         let (width, edge, top) = (1600.0 * unit, 16.0 * unit, 84.0 * unit);
         let map_width = 250.0 * unit;
@@ -107,7 +107,7 @@ impl Layout {
     }
 
     /// Evenly chosen frames, the first and last among them; broken figures are left out.
-    fn poses<'a>(&self, frames: &'a [StripFrame]) -> Vec<Option<Pose<'a>>> {
+    fn poses<'a>(&self, frames: &'a [StripFrame]) -> Vec<Option<StripPose<'a>>> {
         (0..self.columns)
             .map(|c| {
                 let i = c * frames.len().saturating_sub(1) / (self.columns - 1);
@@ -133,24 +133,24 @@ fn steady_heading(frames: &[StripFrame], frame: usize) -> f32 {
 
 fn draw_row(
     page: &mut Picture,
-    layout: &Layout,
+    layout: &StripLayout,
     (row, area): (usize, Area),
     frames: &[StripFrame],
-    poses: &[Option<Pose<'_>>],
+    poses: &[Option<StripPose<'_>>],
 ) {
     let unit = layout.unit;
     let mut panel = Picture::new(area.size.x as u32, area.size.y as u32, colour::GROUND);
     let ground_y = area.size.y - 0.2 * layout.px_per_m;
     let ends = [Vec2::new(0.0, ground_y), Vec2::new(area.size.x, ground_y)];
     panel.stroke_line(&ends, 1.2 * unit, colour::GRID);
-    let views: Vec<(Camera, &StripFrame)> = poses
+    let views: Vec<(PictureCamera, &StripFrame)> = poses
         .iter()
         .enumerate()
         .filter_map(|(column, pose)| {
             let (i, frame) = (*pose)?;
             let towards = steady_heading(frames, i) + if row == 0 { FRAC_PI_2 } else { PI };
             let screen = Vec2::new(layout.column_x(column as f32) - area.min.x, ground_y);
-            let camera = Camera::looking(towards, 0.1);
+            let camera = PictureCamera::looking_along(towards, 0.1);
             Some((camera.framed(frame.root.translation(), screen, layout.px_per_m), frame))
         })
         .collect();
@@ -159,7 +159,7 @@ fn draw_row(
 }
 
 /// Draws figures with their shadows and contacts, in the given order; `faded` is how pale each is (0 to 1).
-fn draw_poses(page: &mut Picture, views: &[(Camera, &StripFrame)], unit: f32, faded: impl Fn(usize) -> f32) {
+fn draw_poses(page: &mut Picture, views: &[(PictureCamera, &StripFrame)], unit: f32, faded: impl Fn(usize) -> f32) {
     if let Some(mut shadows) = Shadows::new(page) {
         views.iter().for_each(|(camera, frame)| shadows.add(&frame.figure, camera));
         let px_per_m = views.first().map_or(0.0, |v| v.0.px_per_m);
@@ -173,7 +173,7 @@ fn draw_poses(page: &mut Picture, views: &[(Camera, &StripFrame)], unit: f32, fa
 }
 
 /// Draws a bar below every planted heel and toe, in the colour of its side.
-fn draw_contacts(page: &mut Picture, camera: &Camera, frame: &StripFrame, unit: f32, faded: f32) {
+fn draw_contacts(page: &mut Picture, camera: &PictureCamera, frame: &StripFrame, unit: f32, faded: f32) {
     for (contact, joint, tint) in [
         (Contacts::LEFT_HEEL, Joint::LeftFoot, colour::LEFT),
         (Contacts::LEFT_TOE, Joint::LeftToe, colour::LEFT),
@@ -189,7 +189,7 @@ fn draw_contacts(page: &mut Picture, camera: &Camera, frame: &StripFrame, unit: 
 }
 
 /// Draws time and speed of every pose.
-fn draw_labels(page: &mut Picture, layout: &Layout, frames: &[StripFrame], poses: &[Option<Pose<'_>>]) {
+fn draw_labels(page: &mut Picture, layout: &StripLayout, frames: &[StripFrame], poses: &[Option<StripPose<'_>>]) {
     let unit = layout.unit;
     let style = TextStyle { size: 20.0 * unit, colour: colour::INK, align: Align::Centre, bold: true };
     let soft = TextStyle { size: 17.0 * unit, colour: colour::INK_SOFT, align: Align::Centre, bold: false };
@@ -223,7 +223,7 @@ mod tests {
         let joints = Skeleton::default().rest_positions();
         let frame = |i: usize| {
             let root = Planar::new(0.05 * i as f32, 0.0, FRAC_PI_2);
-            let figure = Figure::from_positions(&joints.map(|p| root.rotation() * p + root.translation()));
+            let figure = BodyFigure::from_positions(&joints.map(|p| root.rotation() * p + root.translation()));
             StripFrame { time_s: i as f32 / 30.0, root, figure, contacts: Contacts::LEFT }
         };
         (0..num_frames).map(frame).collect()
@@ -245,7 +245,7 @@ mod tests {
     #[test]
     fn poses_are_even_and_hold_both_ends() {
         let frames = gliding(31);
-        let chosen = Layout::new(&strip(&frames), 0.25).poses(&frames);
+        let chosen = StripLayout::new(&strip(&frames), 0.25).poses(&frames);
         let numbers: Vec<usize> = chosen.iter().flatten().map(|p| p.0).collect();
         assert_eq!(numbers, [0, 6, 12, 18, 24, 30]);
     }

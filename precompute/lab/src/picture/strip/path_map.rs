@@ -1,16 +1,16 @@
 //! The path of the root from above, oriented as the overview: +X right, +Z down.
 
-use super::super::camera::Camera;
+use super::super::camera::PictureCamera;
 use super::super::canvas::{Area, Picture};
 use super::super::colour;
 use super::super::furniture::{grid, nice_step, scale_bar};
 use super::super::text::{Align, TextStyle, draw_text};
-use super::{Pose, StripFrame};
+use super::{StripFrame, StripPose};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Draws the root's path with an arrow at every pose.
-pub(super) fn draw(page: &mut Picture, area: Area, unit: f32, frames: &[StripFrame], poses: &[Option<Pose<'_>>]) {
+pub(super) fn draw(page: &mut Picture, area: Area, unit: f32, frames: &[StripFrame], poses: &[Option<StripPose<'_>>]) {
     let mut map = Picture::new(area.size.x as u32, area.size.y as u32, colour::GROUND);
     let points: Vec<Vec3> = frames.iter().map(|f| f.root.translation()).filter(|p| p.is_finite()).collect();
     let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
@@ -25,7 +25,7 @@ pub(super) fn draw(page: &mut Picture, area: Area, unit: f32, frames: &[StripFra
     let extent = (max - min).max(Vec3::splat(0.6));
     let px_per_m = (room.x / extent.x).min(room.y / extent.z).clamp(0.01, 150.0 * unit);
     let middle = 0.5 * size - Vec2::new(0.0, 4.0 * unit);
-    let camera = Camera::looking(PI, FRAC_PI_2).framed(0.5 * (min + max), middle, px_per_m);
+    let camera = PictureCamera::looking_along(PI, FRAC_PI_2).framed(0.5 * (min + max), middle, px_per_m);
     grid(&mut map, &camera, nice_step(size.x / px_per_m / 5.0), unit);
     let path: Vec<Vec2> = points.iter().map(|p| camera.project(*p)).collect();
     map.stroke_line(&path, 2.0 * unit, colour::INK_SOFT.alpha(0.7));

@@ -15,9 +15,9 @@ const RED: Colour = Colour::hex(0xd02020);
 /// Someone at the origin and a wall at `z`, seen along +Z; the middle of the picture is 0.7 m up.
 fn seen(z: f32, elevation: f32) -> Picture {
     let geometry = wall();
-    let figure = Figure::from_positions(&Skeleton::default().rest_positions());
+    let figure = BodyFigure::from_positions(&Skeleton::default().rest_positions());
     let unit = WorldUnit { geometry: &geometry, placement: Placement::new(0.0, 0.0, z, 0.0), colour: GREEN };
-    world_sheet(&WorldView {
+    world_sheet(&WorldSheet {
         title: "",
         subtitle: "",
         size: (400, 400),
@@ -26,7 +26,7 @@ fn seen(z: f32, elevation: f32) -> Picture {
         solids: &[],
         trails: &[],
         names: &[],
-        look: WorldLook { heading: 0.0, elevation, focus: Some((Vec3::Y, 3.0)) },
+        camera: WorldCamera { heading: 0.0, elevation, focus: Some((Vec3::Y, 3.0)) },
     })
 }
 
@@ -63,8 +63,8 @@ fn a_body_throws_a_shadow_on_the_ground_away_from_the_light() {
 
 #[test]
 fn broken_figures_and_empty_worlds_are_drawn_without_a_panic() {
-    let figure = Figure::from_positions(&[Vec3::NAN; 22]);
-    let view = WorldView {
+    let figure = BodyFigure::from_positions(&[Vec3::NAN; 22]);
+    let view = WorldSheet {
         title: "a",
         subtitle: "b",
         size: (64, 200),
@@ -73,20 +73,20 @@ fn broken_figures_and_empty_worlds_are_drawn_without_a_panic() {
         solids: &[],
         trails: &[(vec![Vec3::ZERO, Vec3::NAN], RED)],
         names: &[(Vec3::ZERO, "n".into(), GREEN)],
-        look: WorldLook { heading: 0.3, elevation: 9.0, focus: None },
+        camera: WorldCamera { heading: 0.3, elevation: 9.0, focus: None },
     };
     assert_eq!(world_sheet(&view).width(), 64);
     let strip = WorldStrip {
         title: "a",
         subtitle: "b",
         moments: &[
-            WorldMoment::of(0.0, figure),
-            WorldMoment::of(0.1, Figure::from_positions(&Skeleton::default().rest_positions())),
+            WorldMoment::of_one(0.0, figure),
+            WorldMoment::of_one(0.1, BodyFigure::from_positions(&Skeleton::default().rest_positions())),
         ],
         units: &[],
         columns: 2,
         width_m: 2.0,
-        from: (0.0, 0.1),
+        view_angles: (0.0, 0.1),
     };
     assert!(world_strip(&strip).height() > 300);
 }

@@ -13,7 +13,7 @@ pub const HUMAN_FLOW_PER_M_S: [f64; 2] = [1.2, 1.9];
 
 /// Flow through a gate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct Flow {
+pub struct GateFlow {
     /// Agents that have crossed it, in the more frequent direction.
     pub crossed: usize,
     /// Flow from the first to the last of the middle 80 % of crossings, so that neither the beginning nor the end counts.
@@ -47,7 +47,7 @@ impl GateMeter {
             if m == self.before.len() {
                 self.before.push(now);
             } else if let (Some(a), Some(b)) = (std::mem::replace(&mut self.before[m], now), now)
-                && let Some(side) = self.crossed(a, b)
+                && let Some(side) = self.crossing_side(a, b)
             {
                 self.crossings[side].push(time_s);
             }
@@ -55,7 +55,7 @@ impl GateMeter {
     }
 
     /// Side to which a step led across the gate: 0 left, 1 right; `None` without a crossing.
-    fn crossed(&self, a: Vec2, b: Vec2) -> Option<usize> {
+    fn crossing_side(&self, a: Vec2, b: Vec2) -> Option<usize> {
         let [sa, sb] = [a, b].map(|p| self.along.perp_dot(p - self.from));
         if (sa > 0.0) == (sb > 0.0) {
             return None;
@@ -66,13 +66,13 @@ impl GateMeter {
     }
 
     /// The flow so far.
-    pub fn flow(&self) -> Flow {
+    pub fn flow(&self) -> GateFlow {
         let times = self.crossings.iter().max_by_key(|c| c.len()).map_or(&[][..], Vec::as_slice);
         let tenth = times.len() / 10;
         let middle = &times[tenth..times.len() - tenth];
         let seconds = middle.last().zip(middle.first()).map_or(0.0, |(l, f)| l - f);
         let flow = middle.len().saturating_sub(1) as f64 / seconds / f64::from(self.along.length());
-        Flow {
+        GateFlow {
             crossed: times.len(),
             flow_per_m_s: (times.len() >= 10 && seconds > 0.0).then_some(flow),
             human_flow_per_m_s: HUMAN_FLOW_PER_M_S,

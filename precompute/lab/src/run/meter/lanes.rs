@@ -4,7 +4,7 @@ use glam::Vec2;
 use throng_runtime::simulation::scene::LanesConfig;
 
 /// Least number of others in an agent's band for it to count.
-const FEWEST: usize = 2;
+const MIN_NEIGHBOURS: usize = 2;
 
 /// The order of lanes over time.
 #[derive(Clone, Debug)]
@@ -35,7 +35,7 @@ impl LaneMeter {
     }
 
     /// Mean order over the last quarter of the samples: 0 as mixed as by chance, 1 all agents in lanes.
-    pub fn last(&self) -> Option<f64> {
+    pub fn final_order(&self) -> Option<f64> {
         let last = &self.order[self.order.len() - self.order.len().div_ceil(4)..];
         (!last.is_empty()).then(|| last.iter().map(|o| o.1).sum::<f64>() / last.len() as f64)
     }
@@ -47,7 +47,7 @@ impl LaneMeter {
 fn lane_order(agents: &[(Vec2, bool)], along: Vec2, width_m: f32, reach_m: f32) -> Option<f64> {
     let across = along.perp();
     let at: Vec<(f32, f32, bool)> = agents.iter().map(|(p, f)| (p.dot(along), p.dot(across), *f)).collect();
-    let (low, high) = meeting(&at)?;
+    let (low, high) = overlap_range(&at)?;
     let mut inside: Vec<_> = at.into_iter().filter(|m| (low..=high).contains(&m.0)).collect();
     inside.sort_by(|a, b| a.0.total_cmp(&b.0));
     let with = inside.iter().filter(|m| m.2).count() as f64 / inside.len().max(1) as f64;
@@ -61,7 +61,7 @@ fn lane_order(agents: &[(Vec2, bool)], along: Vec2, width_m: f32, reach_m: f32) 
             same += usize::from(o.2);
             all += 1;
         });
-        if all >= FEWEST {
+        if all >= MIN_NEIGHBOURS {
             let n = all as f64;
             order += ((2.0 * same as f64 - n) / n).powi(2);
             chance += 4.0 * with * (1.0 - with) / n + (1.0 - 2.0 * with).powi(2);
@@ -73,7 +73,7 @@ fn lane_order(agents: &[(Vec2, bool)], along: Vec2, width_m: f32, reach_m: f32) 
 }
 
 /// Range along the corridor in which the groups overlap, without their foremost and hindmost twentieths.
-fn meeting(at: &[(f32, f32, bool)]) -> Option<(f32, f32)> {
+fn overlap_range(at: &[(f32, f32, bool)]) -> Option<(f32, f32)> {
     let range = |which: bool| {
         let mut all: Vec<f32> = at.iter().filter(|m| m.2 == which).map(|m| m.0).collect();
         all.sort_by(f32::total_cmp);

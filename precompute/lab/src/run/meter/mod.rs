@@ -6,7 +6,7 @@ mod overlap;
 mod progress;
 
 pub(super) use gate::GateMeter;
-pub use gate::{Flow, HUMAN_FLOW_PER_M_S};
+pub use gate::{GateFlow, HUMAN_FLOW_PER_M_S};
 pub(super) use lanes::LaneMeter;
-pub use overlap::OverlapMeter;
-pub use progress::{ProgressMeter, Sight};
+pub use overlap::DiscOverlapMeter;
+pub use progress::{AgentSample, ProgressMeter};

@@ -4,7 +4,7 @@ use throng_runtime::crowd::{Obstacle, Space};
 
 /// Overlaps of pairs, counted over frames.
 #[derive(Clone, Debug, Default)]
-pub struct OverlapMeter {
+pub struct DiscOverlapMeter {
     /// Pairs that overlapped by more than 1 mm, over all frames.
     pub over_1mm: u64,
     /// Pairs that overlapped by more than 1 cm, over all frames.
@@ -13,17 +13,17 @@ pub struct OverlapMeter {
     pub max_m: f64,
     /// Sum of the numbers of agents over all frames.
     pub agent_frames: u64,
-    cells: Cells,
+    cells: OverlapGrid,
 }
 
 /// Agents by cells of a grid over their first two coordinates; a cell holds those from its start to that of the next.
 #[derive(Clone, Debug, Default)]
-struct Cells {
+struct OverlapGrid {
     starts: Vec<u32>,
     agents: Vec<u32>,
 }
 
-impl OverlapMeter {
+impl DiscOverlapMeter {
     /// Observes one frame.
     ///
     /// - `places`: centres and radii of all agents that have not left (m).
@@ -48,7 +48,7 @@ impl OverlapMeter {
 
     /// Observes overlaps with obstacles, in the same frame.
     pub fn observe_solids<V: Space>(&mut self, places: &[(V, f32)], obstacles: &[Obstacle<V>]) {
-        let all = places.iter().flat_map(|&p| obstacles.iter().map(move |o| depth(p, o)));
+        let all = places.iter().flat_map(|&p| obstacles.iter().map(move |o| overlap_depth(p, o)));
         for deep in all.filter(|d| *d > 0.0) {
             self.over_1mm += u64::from(deep > 1e-3);
             self.over_1cm += u64::from(deep > 1e-2);
@@ -58,7 +58,7 @@ impl OverlapMeter {
 }
 
 /// Depth of a disc or ball in a static obstacle; below zero outside (m).
-fn depth<V: Space>((at, radius): (V, f32), obstacle: &Obstacle<V>) -> f64 {
+fn overlap_depth<V: Space>((at, radius): (V, f32), obstacle: &Obstacle<V>) -> f64 {
     let line = |from: V, to: V| {
         let along = to - from;
         let share = ((at - from).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
@@ -77,7 +77,7 @@ fn depth<V: Space>((at, radius): (V, f32), obstacle: &Obstacle<V>) -> f64 {
     f64::from(radius) - f64::from(apart)
 }
 
-impl Cells {
+impl OverlapGrid {
     /// Calls `f` once with every pair that may be nearer than `reach`.
     fn for_each_near<V: Space>(&mut self, places: &[(V, f32)], reach: f32, mut f: impl FnMut(&(V, f32), &(V, f32))) {
         let Some(first) = places.first() else { return };
@@ -93,14 +93,14 @@ impl Cells {
             let [i, j] = [(x - low[0], nx), (y - low[1], ny)].map(|(v, n)| ((v / side) as usize).min(n - 1));
             j * nx + i
         };
-        self.sort(places, nx * ny, cell);
+        self.sort_into_cells(places, nx * ny, cell);
         for j in 0..ny {
             for i in 0..nx {
-                let here = self.of(j * nx + i);
+                let here = self.agents_in_cell(j * nx + i);
                 // This cell, the next one, and three of the next row: every pair of cells once.
                 let next_row = (j + 1 < ny).then(|| (j + 1) * nx);
-                let row = next_row.map(|r| self.of_range(r + i.saturating_sub(1), r + (i + 1).min(nx - 1)));
-                let beside = if i + 1 < nx { self.of(j * nx + i + 1) } else { &[] };
+                let row = next_row.map(|r| self.agents_in_range(r + i.saturating_sub(1), r + (i + 1).min(nx - 1)));
+                let beside = if i + 1 < nx { self.agents_in_cell(j * nx + i + 1) } else { &[] };
                 for (k, &a) in here.iter().enumerate() {
                     for &b in here[k + 1..].iter().chain(beside).chain(row.unwrap_or_default()) {
                         f(&places[a as usize], &places[b as usize]);
@@ -110,7 +110,7 @@ impl Cells {
         }
     }
 
-    fn sort<V: Space>(&mut self, places: &[(V, f32)], num: usize, cell: impl Fn(&V) -> usize) {
+    fn sort_into_cells<V: Space>(&mut self, places: &[(V, f32)], num: usize, cell: impl Fn(&V) -> usize) {
         self.starts.clear();
         self.starts.resize(num + 1, 0);
         self.agents.resize(places.len(), 0);
@@ -124,11 +124,11 @@ impl Cells {
         }
     }
 
-    fn of(&self, cell: usize) -> &[u32] {
-        self.of_range(cell, cell)
+    fn agents_in_cell(&self, cell: usize) -> &[u32] {
+        self.agents_in_range(cell, cell)
     }
 
-    fn of_range(&self, first: usize, last: usize) -> &[u32] {
+    fn agents_in_range(&self, first: usize, last: usize) -> &[u32] {
         &self.agents[self.starts[first] as usize..self.starts[last + 1] as usize]
     }
 }
@@ -152,13 +152,13 @@ mod tests {
             high in prop::collection::vec(([-9.0f32..9.0, -3.0f32..3.0, -4.0f32..4.0], 0.1f32..0.6), 0..120),
         ) {
             let flat: Vec<(Vec2, f32)> = flat.into_iter().map(|(p, r)| (p.into(), r)).collect();
-            let mut meter = OverlapMeter::default();
+            let mut meter = DiscOverlapMeter::default();
             meter.observe(&flat);
             // A hair of difference between f32 and f64 decides few pairs.
             let (low, high_count) = (brute(&flat, 1e-3 + 1e-5), brute(&flat, 1e-3 - 1e-5));
             prop_assert!((low..=high_count).contains(&meter.over_1mm), "{} {low} {high_count}", meter.over_1mm);
             let high: Vec<(Vec3, f32)> = high.into_iter().map(|(p, r)| (p.into(), r)).collect();
-            let mut meter = OverlapMeter::default();
+            let mut meter = DiscOverlapMeter::default();
             meter.observe(&high);
             prop_assert!((brute(&high, 1e-2 + 1e-5)..=brute(&high, 1e-2 - 1e-5)).contains(&meter.over_1cm));
         }
@@ -166,7 +166,7 @@ mod tests {
 
     #[test]
     fn depth_is_exact_far_from_the_origin_and_far_apart() {
-        let mut meter = OverlapMeter::default();
+        let mut meter = DiscOverlapMeter::default();
         let places = [[0.0, 0.0], [0.5, 0.0], [9e4, 9e4]].map(|p| (Vec2::from(p), 0.3));
         meter.observe(&places);
         meter.observe(&places[..1]);

@@ -14,7 +14,7 @@ const WINDOW_S: f64 = 10.0;
 /// Progress along paths, and agents that make none.
 #[derive(Clone, Debug, Default)]
 pub struct ProgressMeter<V> {
-    agents: Vec<OnTheWay<V>>,
+    agents: Vec<AgentProgress<V>>,
     /// Distance gained along the paths by all agents (m).
     gained_m: f64,
     /// Time that all agents were on their way (s).
@@ -25,17 +25,17 @@ pub struct ProgressMeter<V> {
 
 /// Progress of one agent along its path.
 #[derive(Clone, Debug)]
-struct OnTheWay<V> {
+struct AgentProgress<V> {
     /// Number of its path.
-    way: u32,
+    path_number: u32,
     /// Next corner of the path.
     corner: usize,
     /// Remaining length of the path (m).
-    left_m: f32,
+    remaining_m: f32,
     /// Time of the last sample (s).
     time_s: f64,
     /// Place within `STUCK_M` of which it has stayed, and since when (m, s).
-    stays: (V, f64),
+    stayed_since: (V, f64),
     /// Shortest remaining path so far, by the agent's own route, and since when (m, s).
     nearest: (f32, f64),
     has_arrived: bool,
@@ -44,29 +44,29 @@ struct OnTheWay<V> {
 
 /// Sample of an agent at one time.
 #[derive(Clone, Copy, Debug)]
-pub struct Sight<'a, V> {
+pub struct AgentSample<'a, V> {
     /// Position; `None` if it has left (m).
     pub at: Option<V>,
     /// Corners of its path from its start to its goal (m).
-    pub way: &'a [V],
+    pub path: &'a [V],
     /// How often its path has changed.
-    pub way_number: u32,
+    pub path_number: u32,
     /// Remaining length of its own route around obstacles (m).
-    pub left_m: f32,
+    pub remaining_m: f32,
     /// Distance from the goal at which it has arrived (m).
     pub arrival_m: f32,
     /// True if it begins its path again at the end.
-    pub again: bool,
+    pub is_loop: bool,
 }
 
 impl<V: Space> ProgressMeter<V> {
     /// Observes all agents, in the same order each time.
-    pub fn observe<'a>(&mut self, time_s: f64, agents: impl Iterator<Item = Sight<'a, V>>) {
+    pub fn observe<'a>(&mut self, time_s: f64, agents: impl Iterator<Item = AgentSample<'a, V>>) {
         for (m, sight) in agents.enumerate() {
             if m == self.agents.len() {
-                self.agents.push(OnTheWay::start(&sight, time_s));
+                self.agents.push(AgentProgress::start(&sight, time_s));
             } else {
-                let (gained, spent) = self.agents[m].go_on(&sight, time_s);
+                let (gained, spent) = self.agents[m].advance(&sight, time_s);
                 self.gained_m += f64::from(gained);
                 self.on_the_way_s += spent;
                 let window = (time_s / WINDOW_S - 1e-9).max(0.0) as usize;
@@ -91,7 +91,7 @@ impl<V: Space> ProgressMeter<V> {
 
     /// Agents on their way that by now have stayed within half a metre for 10 s, or come no nearer for 20 s.
     pub fn stuck_at(&self, time_s: f64) -> usize {
-        self.agents.iter().filter(|m| !m.has_arrived && m.stands(time_s)).count()
+        self.agents.iter().filter(|m| !m.has_arrived && m.makes_no_progress(time_s)).count()
     }
 
     /// Agents that have reached their goal, or left there.
@@ -106,27 +106,27 @@ impl<V: Space> ProgressMeter<V> {
     }
 }
 
-impl<V: Space> OnTheWay<V> {
-    fn start(sight: &Sight<'_, V>, time_s: f64) -> Self {
+impl<V: Space> AgentProgress<V> {
+    fn start(sight: &AgentSample<'_, V>, time_s: f64) -> Self {
         let at = sight.at.unwrap_or_default();
         let mut one = Self {
-            way: sight.way_number,
+            path_number: sight.path_number,
             corner: 1,
-            left_m: 0.0,
+            remaining_m: 0.0,
             time_s,
-            stays: (at, time_s),
-            nearest: (sight.left_m, time_s),
+            stayed_since: (at, time_s),
+            nearest: (sight.remaining_m, time_s),
             has_arrived: false,
             is_stuck: false,
         };
-        one.left_m = one.left(sight.way, at);
-        one.has_arrived = one.is_there(sight, at);
+        one.remaining_m = one.remaining_length(sight.path, at);
+        one.has_arrived = one.has_reached_goal(sight, at);
         one
     }
 
     /// Advances to a sample; returns the distance gained and the time spent on the way (m, s).
-    fn go_on(&mut self, sight: &Sight<'_, V>, time_s: f64) -> (f32, f64) {
-        if self.way != sight.way_number {
+    fn advance(&mut self, sight: &AgentSample<'_, V>, time_s: f64) -> (f32, f64) {
+        if self.path_number != sight.path_number {
             *self = Self { is_stuck: self.is_stuck, ..Self::start(sight, time_s) };
             return (0.0, 0.0);
         }
@@ -137,25 +137,25 @@ impl<V: Space> OnTheWay<V> {
         let Some(at) = sight.at else {
             // It has left at its goal.
             self.has_arrived = true;
-            return (self.left_m, spent);
+            return (self.remaining_m, spent);
         };
-        while self.has_passed(sight.way, at, sight.arrival_m) {
+        while self.has_passed_corner(sight.path, at, sight.arrival_m) {
             self.corner += 1;
         }
-        let is_there = self.is_there(sight, at);
-        let left = self.left(sight.way, at);
+        let is_there = self.has_reached_goal(sight, at);
+        let left = self.remaining_length(sight.path, at);
         // A loop may have begun again; a route by other corners may be longer than the path.
-        let left = if is_there { left.min(sight.left_m) } else { left };
-        let gained = std::mem::replace(&mut self.left_m, left) - left;
-        if (at - self.stays.0).length() > STUCK_M {
-            self.stays = (at, time_s);
+        let left = if is_there { left.min(sight.remaining_m) } else { left };
+        let gained = std::mem::replace(&mut self.remaining_m, left) - left;
+        if (at - self.stayed_since.0).length() > STUCK_M {
+            self.stayed_since = (at, time_s);
         }
-        if sight.left_m < self.nearest.0 - STUCK_M {
-            self.nearest = (sight.left_m, time_s);
+        if sight.remaining_m < self.nearest.0 - STUCK_M {
+            self.nearest = (sight.remaining_m, time_s);
         }
-        self.is_stuck |= self.stands(time_s);
+        self.is_stuck |= self.makes_no_progress(time_s);
         if is_there {
-            if sight.again {
+            if sight.is_loop {
                 *self = Self { is_stuck: self.is_stuck, ..Self::start(sight, time_s) };
             } else {
                 self.has_arrived = true;
@@ -165,26 +165,26 @@ impl<V: Space> OnTheWay<V> {
     }
 
     /// True if it makes no progress.
-    fn stands(&self, time_s: f64) -> bool {
-        time_s - self.stays.1 > STUCK_S || time_s - self.nearest.1 > JAMMED_S
+    fn makes_no_progress(&self, time_s: f64) -> bool {
+        time_s - self.stayed_since.1 > STUCK_S || time_s - self.nearest.1 > JAMMED_S
     }
 
     /// True if the corner is behind: near, or beyond the plane through it across the next leg.
-    fn has_passed(&self, way: &[V], at: V, near_m: f32) -> bool {
+    fn has_passed_corner(&self, way: &[V], at: V, near_m: f32) -> bool {
         let (Some(&corner), Some(&next)) = (way.get(self.corner), way.get(self.corner + 1)) else { return false };
         let off = at - corner;
         off.length() <= near_m || off.dot(next - corner) > 0.0 && off.dot(corner - way[self.corner - 1]) > 0.0
     }
 
     /// True if it has arrived; it may have come by other corners than those of the path.
-    fn is_there(&self, sight: &Sight<'_, V>, at: V) -> bool {
+    fn has_reached_goal(&self, sight: &AgentSample<'_, V>, at: V) -> bool {
         let is_on_last =
-            self.corner >= sight.way.len().saturating_sub(1) || !sight.again && sight.left_m <= sight.arrival_m;
-        is_on_last && sight.way.last().is_none_or(|&goal| (at - goal).length() <= sight.arrival_m)
+            self.corner >= sight.path.len().saturating_sub(1) || !sight.is_loop && sight.remaining_m <= sight.arrival_m;
+        is_on_last && sight.path.last().is_none_or(|&goal| (at - goal).length() <= sight.arrival_m)
     }
 
     /// Remaining length: to the corner, and from there along the path (m).
-    fn left(&self, way: &[V], at: V) -> f32 {
+    fn remaining_length(&self, way: &[V], at: V) -> f32 {
         let Some(&corner) = way.get(self.corner) else { return 0.0 };
         (at - corner).length() + way[self.corner..].windows(2).map(|l| (l[1] - l[0]).length()).sum::<f32>()
     }
@@ -197,9 +197,9 @@ mod tests {
 
     const WAY: [Vec2; 3] = [Vec2::ZERO, Vec2::new(10.0, 0.0), Vec2::new(10.0, 10.0)];
 
-    fn sight(at: Option<Vec2>, again: bool) -> Sight<'static, Vec2> {
+    fn sight(at: Option<Vec2>, again: bool) -> AgentSample<'static, Vec2> {
         let left_m = at.map_or(0.0, |p| (10.0 - p.x).max(0.0) + 10.0 - p.y);
-        Sight { at, way: &WAY, way_number: 0, left_m, arrival_m: 0.5, again }
+        AgentSample { at, path: &WAY, path_number: 0, remaining_m: left_m, arrival_m: 0.5, is_loop: again }
     }
 
     /// Position after a distance along the path (m).
@@ -246,8 +246,10 @@ mod tests {
                 let t = f64::from(i) / 30.0;
                 let walks = sight(Some(Vec2::new(4.0 + 0.4 * (t as f32).sin(), 2.0 * (0.3 * t as f32).cos())), false);
                 // Around a wall on its own route, away from the goal at first.
-                let round =
-                    Sight { left_m: 60.0 - t as f32, ..sight(Some(Vec2::new(4.0 - 0.2 * t as f32, 0.0)), false) };
+                let round = AgentSample {
+                    remaining_m: 60.0 - t as f32,
+                    ..sight(Some(Vec2::new(4.0 - 0.2 * t as f32, 0.0)), false)
+                };
                 meter.observe(t, [walks, round].into_iter());
             }
             let num = usize::from(seconds > 20);
@@ -263,7 +265,7 @@ mod tests {
             let t = f64::from(i) / 30.0;
             let at = off(along(1.3 * t as f32));
             let left_m = (10.0 - at.y).max(0.0) + 10.0 - at.x;
-            meter.observe(t, [Sight { left_m, ..sight(Some(at), false) }].into_iter());
+            meter.observe(t, [AgentSample { remaining_m: left_m, ..sight(Some(at), false) }].into_iter());
         }
         assert!((meter.progress_mps() - 1.3).abs() < 0.02, "{}", meter.progress_mps());
         assert_eq!((meter.arrived(), meter.stuck()), (1, 0));

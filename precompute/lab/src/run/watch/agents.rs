@@ -1,17 +1,17 @@
 //! Measures agents: overlaps, progress, flow, lanes.
 
 use crate::run::figures::{AgentFigures, ThingFigures};
-use crate::run::meter::{GateMeter, LaneMeter, OverlapMeter, ProgressMeter, Sight};
+use crate::run::meter::{AgentSample, DiscOverlapMeter, GateMeter, LaneMeter, ProgressMeter};
 use glam::{Vec2, Vec3};
 use throng_runtime::Joint;
 use throng_runtime::crowd::{AtEnd, Counts, Space};
-use throng_runtime::simulation::agents::{self as crowd, Handled, plan};
-use throng_runtime::simulation::scene::MeasureConfig;
-use throng_runtime::simulation::{GroupCast, Simulation};
+use throng_runtime::simulation::agents::{self as crowd, HandlingCounts, ground_coordinates};
+use throng_runtime::simulation::scene::SceneMeasureConfig;
+use throng_runtime::simulation::{AnyCharacterGroup, Simulation};
 
 /// Figures of all agents until now.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct AgentsNow {
+pub struct AgentsSummary {
     /// Agents that have not left.
     pub present: usize,
     /// Pairs that overlap by more than 1 mm now.
@@ -30,8 +30,8 @@ pub struct AgentsNow {
 macro_rules! with_agents {
     ($watch:expr, $cast:expr, |$w:ident, $agents:ident| $work:expr) => {
         match ($watch, $cast) {
-            (Agents::Ground($w), GroupCast::Ground($agents)) => Some($work),
-            (Agents::Air($w), GroupCast::Air($agents)) => Some($work),
+            (AnyAgentWatch::Ground($w), AnyCharacterGroup::Ground($agents)) => Some($work),
+            (AnyAgentWatch::Air($w), AnyCharacterGroup::Air($agents)) => Some($work),
             _ => None,
         }
     };
@@ -41,14 +41,14 @@ macro_rules! with_agents {
 #[derive(Clone, Debug)]
 pub struct AgentsMeter {
     /// Number of their character group.
-    cast: usize,
+    character_group: usize,
     /// Number of the first agent among the characters of the simulation.
     first: usize,
-    agents: Agents,
+    agents: AnyAgentWatch,
 }
 
 #[derive(Clone, Debug)]
-enum Agents {
+enum AnyAgentWatch {
     Ground(AgentWatch<Vec2>),
     Air(AgentWatch<Vec3>),
 }
@@ -61,8 +61,11 @@ impl AgentsMeter {
 
     /// Meter of the agents of some groups, by their number; none without agents.
     pub(super) fn of_groups(sim: &Simulation, is_seen: impl Fn(usize) -> bool) -> Option<Self> {
-        let cast = sim.casts().iter().position(|c| matches!(c, GroupCast::Ground(_) | GroupCast::Air(_)))?;
-        let groups = || sim.groups().iter().enumerate().filter(|(_, g)| g.cast == cast);
+        let cast = sim
+            .character_groups()
+            .iter()
+            .position(|c| matches!(c, AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_)))?;
+        let groups = || sim.groups().iter().enumerate().filter(|(_, g)| g.character_group == cast);
         let first = groups().next()?.1.characters.start;
         let seen = groups().filter(|(number, _)| is_seen(*number)).flat_map(|(_, g)| g.characters.clone());
         let agents: Vec<usize> = seen.map(|c| c - first).collect();
@@ -70,30 +73,35 @@ impl AgentsMeter {
             return None;
         }
         let config = &sim.scene().measure;
-        let agents = match &sim.casts()[cast] {
-            GroupCast::Ground(all) => Agents::Ground(AgentWatch::new(all, config, agents)),
-            GroupCast::Air(all) => Agents::Air(AgentWatch::new(all, config, agents)),
+        let agents = match &sim.character_groups()[cast] {
+            AnyCharacterGroup::Ground(all) => AnyAgentWatch::Ground(AgentWatch::new(all, config, agents)),
+            AnyCharacterGroup::Air(all) => AnyAgentWatch::Air(AgentWatch::new(all, config, agents)),
             _ => return None,
         };
-        Some(Self { cast, first, agents })
+        Some(Self { character_group: cast, first, agents })
     }
 
     /// Observes all agents; to be called at most 30 times a simulated second.
-    pub fn observe(&mut self, sim: &Simulation) -> AgentsNow {
-        with_agents!(&mut self.agents, &sim.casts()[self.cast], |w, all| w.observe_now(all)).unwrap_or_default()
+    pub fn observe(&mut self, sim: &Simulation) -> AgentsSummary {
+        with_agents!(&mut self.agents, &sim.character_groups()[self.character_group], |w, all| w.summarize(all))
+            .unwrap_or_default()
     }
 
     /// Measures the distances of bodies from their discs, after a step.
     pub(super) fn observe_bodies(&mut self, sim: &Simulation) {
-        with_agents!(&mut self.agents, &sim.casts()[self.cast], |w, all| w.observe_bodies(sim, self.first, all));
+        with_agents!(&mut self.agents, &sim.character_groups()[self.character_group], |w, all| w
+            .observe_bodies(sim, self.first, all));
     }
 
     /// Number of stuck agents, and the figures.
     ///
     /// - `is_timed`: the wall times of the simulation are attributed to these agents.
     pub(super) fn figures(&self, sim: &Simulation, seconds: f64, is_timed: bool) -> Option<(usize, AgentFigures)> {
-        let busy_s = sim.busy_s().get(self.cast).filter(|_| is_timed).map(|&s| (s, s));
-        with_agents!(&self.agents, &sim.casts()[self.cast], |w, all| (w.stuck(), w.figures(all, seconds, busy_s)))
+        let busy_s = sim.busy_s().get(self.character_group).filter(|_| is_timed).map(|&s| (s, s));
+        with_agents!(&self.agents, &sim.character_groups()[self.character_group], |w, all| (
+            w.stuck(),
+            w.figures(all, seconds, busy_s)
+        ))
     }
 }
 
@@ -102,7 +110,7 @@ impl AgentsMeter {
 pub(in crate::run) struct AgentWatch<V> {
     /// Numbers of the agents in the crowd.
     agents: Vec<usize>,
-    overlaps: OverlapMeter,
+    overlaps: DiscOverlapMeter,
     progress: ProgressMeter<V>,
     gate: Option<GateMeter>,
     lanes: Option<LaneMeter>,
@@ -110,27 +118,27 @@ pub(in crate::run) struct AgentWatch<V> {
     goes_along: Vec<bool>,
     places: Vec<(V, f32)>,
     /// Number of samples.
-    looks: u64,
+    num_samples: u64,
     hips_off_max_m: Option<f64>,
 }
 
 impl<V: Space> AgentWatch<V> {
-    pub fn new(agents: &crowd::Agents<V>, config: &MeasureConfig, numbers: Vec<usize>) -> Self {
+    pub fn new(agents: &crowd::SceneAgents<V>, config: &SceneMeasureConfig, numbers: Vec<usize>) -> Self {
         Self {
             agents: numbers,
-            overlaps: OverlapMeter::default(),
+            overlaps: DiscOverlapMeter::default(),
             progress: ProgressMeter::default(),
             gate: config.gate.as_ref().map(GateMeter::new),
             lanes: config.lanes.as_ref().map(LaneMeter::new),
             goes_along: config.lanes.as_ref().map_or(Vec::new(), |l| goes_along(agents, l.along.into())),
             places: Vec::new(),
-            looks: 0,
+            num_samples: 0,
             hips_off_max_m: None,
         }
     }
 
     /// Observes all of them.
-    pub fn observe(&mut self, agents: &crowd::Agents<V>) {
+    pub fn observe(&mut self, agents: &crowd::SceneAgents<V>) {
         let (layout, time_s) = (agents.layout(), agents.crowd().now());
         let at = |m: usize| agents.position(m, time_s);
         let all = || self.agents.iter().copied();
@@ -142,30 +150,30 @@ impl<V: Space> AgentWatch<V> {
         for (_, door) in doors.chunks(1).enumerate().filter(|(d, _)| !agents.is_open(*d)) {
             self.overlaps.observe_solids(&self.places, door);
         }
-        self.looks += 1;
-        let sight = |m: usize| Sight {
+        self.num_samples += 1;
+        let sight = |m: usize| AgentSample {
             at: at(m),
-            way: &layout.ways[m],
-            way_number: agents.times_sent(m),
-            left_m: agents.id(m).and_then(|id| agents.crowd().way_left(id)).unwrap_or(0.0),
+            path: &layout.paths[m],
+            path_number: agents.num_orders(m),
+            remaining_m: agents.id(m).and_then(|id| agents.crowd().way_left(id)).unwrap_or(0.0),
             arrival_m: layout.arrivals[m],
-            again: agents.times_sent(m) == 0 && layout.at_end(m) == Some(AtEnd::Again),
+            is_loop: agents.num_orders(m) == 0 && layout.at_end(m) == Some(AtEnd::Again),
         };
         self.progress.observe(time_s, all().map(sight));
         if let Some(gate) = &mut self.gate {
-            gate.observe(time_s, all().map(|m| at(m).map(plan)));
+            gate.observe(time_s, all().map(|m| at(m).map(ground_coordinates)));
         }
         if let Some(lanes) = &mut self.lanes {
-            let seen = all().filter_map(|m| Some((plan(at(m)?), self.goes_along[layout.groups[m]])));
+            let seen = all().filter_map(|m| Some((ground_coordinates(at(m)?), self.goes_along[layout.groups[m]])));
             lanes.observe(time_s, &seen.collect::<Vec<_>>());
         }
     }
 
     /// Observes all of them, and returns the figures until now.
-    fn observe_now(&mut self, agents: &crowd::Agents<V>) -> AgentsNow {
+    fn summarize(&mut self, agents: &crowd::SceneAgents<V>) -> AgentsSummary {
         let before = self.overlaps.over_1mm;
         self.observe(agents);
-        AgentsNow {
+        AgentsSummary {
             present: self.places.len(),
             overlaps: self.overlaps.over_1mm - before,
             deepest_m: self.overlaps.max_m,
@@ -182,22 +190,22 @@ impl<V: Space> AgentWatch<V> {
     /// The figures.
     ///
     /// - `busy_s`: wall time and running time of the engine, if they are measured (s).
-    pub fn figures(&self, agents: &crowd::Agents<V>, seconds: f64, busy_s: Option<(f64, f64)>) -> AgentFigures {
+    pub fn figures(&self, agents: &crowd::SceneAgents<V>, seconds: f64, busy_s: Option<(f64, f64)>) -> AgentFigures {
         let n = self.agents.len();
         let of_all = n == agents.num_agents();
         let counts = agents.crowd().counts();
         let frames = self.overlaps.agent_frames.max(1) as f64;
         // Agents that have left cost nothing any more.
-        let present_s = frames * seconds / self.looks.max(1) as f64;
+        let present_s = frames * seconds / self.num_samples.max(1) as f64;
         let a_second = |count: u64| of_all.then_some(count as f64 / present_s);
         let speeds = self.agents.iter().map(|&m| f64::from(agents.layout().setup.agents[m].speed));
-        let knows = |&&m: &&usize| agents.knows(m) > 0;
+        let knows = |&&m: &&usize| agents.num_known_events(m) > 0;
         AgentFigures {
             wall_s_per_simulated_s: busy_s.map(|b| b.0 / seconds),
             setup_s: None,
             us_range: None,
             us_per_agent_second: busy_s.map(|b| 1e6 * b.1 / present_s),
-            events_per_agent_second: a_second(events(&counts)),
+            events_per_agent_second: a_second(num_events(&counts)),
             crossings_per_agent_second: a_second(counts.entering + counts.leaving).filter(|c| *c > 0.0),
             decisions_per_agent_second: a_second(counts.decisions),
             overlap_over_1mm_fraction: self.overlaps.over_1mm as f64 / frames,
@@ -208,9 +216,9 @@ impl<V: Space> AgentWatch<V> {
             stuck_at_end: self.progress.stuck_at(agents.crowd().now()),
             desired_mps: speeds.sum::<f64>() / n as f64,
             arrived: self.progress.arrived(),
-            informed: agents.minds().is_some_and(|m| m.has_events()).then(|| self.agents.iter().filter(knows).count()),
-            things: (agents.things().len() > 0).then(|| things(&agents.handled())),
-            lane_order: self.lanes.as_ref().and_then(LaneMeter::last),
+            informed: agents.brains().is_some_and(|m| m.has_events()).then(|| self.agents.iter().filter(knows).count()),
+            things: (agents.things().len() > 0).then(|| thing_figures(&agents.handling_counts())),
+            lane_order: self.lanes.as_ref().and_then(LaneMeter::final_order),
             flow: self.gate.as_ref().map(GateMeter::flow),
             hips_off_max_m: self.hips_off_max_m,
             state_hash: of_all.then(|| format!("{:016x}", agents.crowd().hash())),
@@ -218,19 +226,19 @@ impl<V: Space> AgentWatch<V> {
     }
 
     /// Measures the distances over ground of bodies from their discs.
-    fn observe_bodies(&mut self, sim: &Simulation, first: usize, agents: &crowd::Agents<V>) {
+    fn observe_bodies(&mut self, sim: &Simulation, first: usize, agents: &crowd::SceneAgents<V>) {
         for &m in &self.agents {
             let Some(pose) = sim.joint_positions(first + m) else { continue };
             let Some(at) = agents.position(m, agents.crowd().now()) else { continue };
             let hips = pose[Joint::Hips.index()];
-            let off = f64::from(plan(at).distance(Vec2::new(hips.x, hips.z)));
+            let off = f64::from(ground_coordinates(at).distance(Vec2::new(hips.x, hips.z)));
             self.hips_off_max_m = Some(self.hips_off_max_m.map_or(off, |most| most.max(off)));
         }
     }
 }
 
 /// Number of events of a crowd; in a stepped engine, the number of decisions.
-fn events(c: &Counts) -> u64 {
+fn num_events(c: &Counts) -> u64 {
     if c.steps > 0 {
         return c.decisions;
     }
@@ -238,22 +246,22 @@ fn events(c: &Counts) -> u64 {
 }
 
 /// Flags of the groups whose agents on the whole go along a direction.
-fn goes_along<V: Space>(agents: &crowd::Agents<V>, along: Vec2) -> Vec<bool> {
+fn goes_along<V: Space>(agents: &crowd::SceneAgents<V>, along: Vec2) -> Vec<bool> {
     let layout = agents.layout();
     let mut sums = vec![0.0; layout.groups.iter().max().map_or(0, |g| g + 1)];
-    for (way, &group) in layout.ways.iter().zip(&layout.groups) {
-        sums[group] += (plan(way[way.len() - 1]) - plan(way[0])).dot(along);
+    for (way, &group) in layout.paths.iter().zip(&layout.groups) {
+        sums[group] += (ground_coordinates(way[way.len() - 1]) - ground_coordinates(way[0])).dot(along);
     }
     sums.iter().map(|s| *s > 0.0).collect()
 }
 
 /// Figures of hands.
-fn things(handled: &Handled) -> ThingFigures {
+fn thing_figures(handled: &HandlingCounts) -> ThingFigures {
     ThingFigures {
         things_taken: handled.taken,
         things_put: handled.put,
         things_out_of_reach: handled.missed,
-        hand_off_p95_m: handled.off_m(0.95),
-        hand_off_max_m: handled.off_m(1.0),
+        hand_off_p95_m: handled.palm_error_m(0.95),
+        hand_off_max_m: handled.palm_error_m(1.0),
     }
 }

@@ -2,10 +2,10 @@
 
 use crate::histogram::Histogram;
 use serde::Serialize;
-use throng_core::Cast;
+use throng_core::CharacterGroup;
 use throng_core::planar::wrap_angle;
-use throng_runtime::simulation::inhabited::Inhabited;
-use throng_runtime::world::inhabitants::{InhabitantEvent, Wish};
+use throng_runtime::simulation::inhabitant_group::InhabitantGroup;
+use throng_runtime::world::inhabitants::{InhabitantEvent, InhabitantGoal};
 
 /// Figures of pairs of people that act together.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
@@ -36,7 +36,7 @@ pub struct PartnerFigures {
 }
 
 /// Histogram of values up to a thousand, to a hundredth.
-type Hundredths = Histogram<100, 100_001>;
+type HundredthsHistogram = Histogram<100, 100_001>;
 
 /// Measures pairs after each step.
 #[derive(Default)]
@@ -45,20 +45,20 @@ pub(super) struct PartnerMeter {
     finished: u64,
     broken_off: u64,
     given_up: u64,
-    off_mm: Hundredths,
-    turned_deg: Hundredths,
-    waited_s: Hundredths,
+    off_mm: HundredthsHistogram,
+    turned_deg: HundredthsHistogram,
+    waited_s: HundredthsHistogram,
 }
 
 impl PartnerMeter {
     /// Observes all people of a world.
-    pub fn look(&mut self, people: &Inhabited) {
+    pub fn observe(&mut self, people: &InhabitantGroup) {
         let inhabitants = people.inhabitants();
         for &(id, event) in inhabitants.events() {
             match event {
                 InhabitantEvent::Began { .. } => {
                     self.begun += 1;
-                    if let Ok(Some(m)) = inhabitants.meeting(id)
+                    if let Ok(Some(m)) = inhabitants.meeting_state(id)
                         && m.waited_s > 0.0
                     {
                         self.waited_s.add(m.waited_s);
@@ -67,14 +67,14 @@ impl PartnerMeter {
                 InhabitantEvent::BrokenOff => self.broken_off += 1,
                 InhabitantEvent::GaveUp => self.given_up += 1,
                 InhabitantEvent::Fulfilled => {
-                    let is_pair = inhabitants.state(id).is_ok_and(|s| matches!(s.wish, Wish::Meet { .. }));
+                    let is_pair = inhabitants.state(id).is_ok_and(|s| matches!(s.goal, InhabitantGoal::Meet { .. }));
                     self.finished += u64::from(is_pair);
                 }
-                InhabitantEvent::NoWay => {}
+                InhabitantEvent::NoPath => {}
             }
         }
         for &id in inhabitants.ids() {
-            if let Ok(Some(m)) = inhabitants.meeting(id)
+            if let Ok(Some(m)) = inhabitants.meeting_state(id)
                 && let Some([is, captured]) = m.partner
             {
                 self.off_mm.add(1e3 * (is.x - captured.x).hypot(is.z - captured.z));

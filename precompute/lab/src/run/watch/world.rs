@@ -1,14 +1,14 @@
 //! Measures characters of a world: penetrations, progress.
 
 use crate::run::figures::InhabitedFigures;
-use crate::run::report::{fault, geometry};
+use crate::run::report::{config_error, world_geometry};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::collections::BTreeSet;
-use throng_bake::environment::{Body, PlacedGeometry};
+use throng_bake::environment::{BodySpheres, PlacedGeometry};
 use throng_base::maths;
 use throng_motion::error::BuildError;
-use throng_runtime::simulation::{GroupCast, Simulation};
-use throng_runtime::world::inhabitants::Doing;
+use throng_runtime::simulation::{AnyCharacterGroup, Simulation};
+use throng_runtime::world::inhabitants::InhabitantActivity;
 use throng_runtime::{Joint, NUM_JOINTS};
 
 /// Penetrations deeper than this into a unit count (m).
@@ -23,7 +23,7 @@ const STRETCH_M: f32 = 0.5;
 
 /// The last stretch of a character's path over ground.
 #[derive(Clone, Copy, Debug)]
-struct Stretch {
+struct PathStretch {
     end: Vec2,
     /// Unit vector; zero before the first one.
     direction: Vec2,
@@ -31,17 +31,17 @@ struct Stretch {
 
 /// Place and time of a character's last progress.
 #[derive(Clone, Copy, Debug)]
-struct Progress {
+struct LastProgress {
     at: Vec3,
     since_s: f64,
 }
 
 /// Measures some characters of one world every tenth of a second.
 pub(super) struct WorldWatch {
-    pub cast: usize,
+    pub character_group: usize,
     /// Numbers of the characters in the simulation.
     characters: Vec<usize>,
-    body: Body,
+    body: BodySpheres,
     geometry: PlacedGeometry,
     /// Penetrations: time (s), character, description.
     pub faults: Vec<(f32, usize, String)>,
@@ -49,57 +49,60 @@ pub(super) struct WorldWatch {
     inside: BTreeSet<(usize, usize)>,
     penetrations: u64,
     deepest_m: f32,
-    progress: Vec<Progress>,
+    progress: Vec<LastProgress>,
     pub stuck: BTreeSet<usize>,
     last: Vec<Vec3>,
     travelled_m: f64,
-    stretches: Vec<Stretch>,
+    stretches: Vec<PathStretch>,
     /// Sum of turning angles, and of lengths, over all stretches (deg, m).
     turned_deg: f64,
     along_m: f64,
-    looks: u64,
+    num_samples: u64,
     waiting: u64,
 }
 
 impl WorldWatch {
     pub fn new(sim: &Simulation, cast: usize, characters: Vec<usize>) -> Result<Self, BuildError> {
-        let group = sim.groups().iter().find(|g| g.cast == cast).map_or(0, |g| g.number);
-        let bundle = sim.compiled().bundle(group).map_err(fault)?;
+        let group = sim.groups().iter().find(|g| g.character_group == cast).map_or(0, |g| g.number);
+        let bundle = sim.compiled().bundle(group).map_err(config_error)?;
         Ok(Self {
-            cast,
-            body: Body::new(bundle.skeleton()),
-            geometry: geometry(sim.compiled(), group)?,
+            character_group: cast,
+            body: BodySpheres::new(bundle.skeleton()),
+            geometry: world_geometry(sim.compiled(), group)?,
             faults: Vec::new(),
             inside: BTreeSet::new(),
             penetrations: 0,
             deepest_m: 0.0,
-            progress: vec![Progress { at: Vec3::splat(f32::MAX), since_s: 0.0 }; characters.len()],
+            progress: vec![LastProgress { at: Vec3::splat(f32::MAX), since_s: 0.0 }; characters.len()],
             stuck: BTreeSet::new(),
             last: Vec::new(),
             travelled_m: 0.0,
             stretches: Vec::new(),
             turned_deg: 0.0,
             along_m: 0.0,
-            looks: 0,
+            num_samples: 0,
             waiting: 0,
             characters,
         })
     }
 
-    pub fn look(&mut self, sim: &Simulation) {
-        let GroupCast::Patches(people) = &sim.casts()[self.cast] else { return };
+    pub fn observe(&mut self, sim: &Simulation) {
+        let AnyCharacterGroup::Patches(people) = &sim.character_groups()[self.character_group] else { return };
         let trunk = |p: [Vec3; NUM_JOINTS]| [p[Joint::Hips.index()], p[Joint::Neck.index()]];
         let trunks: Vec<[Vec3; 2]> =
             self.characters.iter().filter_map(|&c| sim.joint_positions(c)).map(trunk).collect();
-        self.look_around(sim);
+        self.find_penetrations(sim);
         for (k, trunk) in trunks.iter().enumerate() {
             let (_, number) = sim.locate(self.characters[k]);
-            let (doing, progress) = (people.state(number).doing, &mut self.progress[k]);
-            self.looks += 1;
-            self.waiting += u64::from(matches!(doing, Doing::Waiting | Doing::Meeting));
-            let at_will = matches!(doing, Doing::Performing | Doing::Meeting | Doing::Arrived);
+            let (doing, progress) = (people.state(number).activity, &mut self.progress[k]);
+            self.num_samples += 1;
+            self.waiting += u64::from(matches!(doing, InhabitantActivity::Waiting | InhabitantActivity::Meeting));
+            let at_will = matches!(
+                doing,
+                InhabitantActivity::Performing | InhabitantActivity::Meeting | InhabitantActivity::Arrived
+            );
             if at_will || (trunk[0] - progress.at).length() > STUCK_M {
-                *progress = Progress { at: trunk[0], since_s: sim.time_s() };
+                *progress = LastProgress { at: trunk[0], since_s: sim.time_s() };
             } else if sim.time_s() - progress.since_s > STUCK_S {
                 self.stuck.insert(k);
             }
@@ -109,7 +112,7 @@ impl WorldWatch {
             self.travelled_m += way.sum::<f64>();
         }
         self.last = trunks.iter().map(|t| t[0]).collect();
-        let begins = |hips: &Vec3| Stretch { end: hips.xz(), direction: Vec2::ZERO };
+        let begins = |hips: &Vec3| PathStretch { end: hips.xz(), direction: Vec2::ZERO };
         if self.stretches.is_empty() {
             self.stretches = self.last.iter().map(begins).collect();
         }
@@ -121,13 +124,13 @@ impl WorldWatch {
                     self.turned_deg += f64::from(stretch.direction.angle_to(direction).abs().to_degrees());
                     self.along_m += f64::from(along.length());
                 }
-                *stretch = Stretch { end: hips.xz(), direction };
+                *stretch = PathStretch { end: hips.xz(), direction };
             }
         }
     }
 
     /// Finds the characters that penetrate units.
-    fn look_around(&mut self, sim: &Simulation) {
+    fn find_penetrations(&mut self, sim: &Simulation) {
         let mut inside = BTreeSet::new();
         for &c in &self.characters {
             let (Some(root), Some(pose)) = (sim.root(c), sim.pose(c)) else { continue };
@@ -155,10 +158,10 @@ impl WorldWatch {
         let along_m = all.iter().map(|w| w.along_m).sum::<f64>();
         f.turned_deg_per_m = all.iter().map(|w| w.turned_deg).sum::<f64>() / along_m.max(f64::MIN_POSITIVE);
         for w in all {
-            let GroupCast::Patches(people) = &sim.casts()[w.cast] else { continue };
+            let AnyCharacterGroup::Patches(people) = &sim.character_groups()[w.character_group] else { continue };
             let of = |c: &usize| people.state(sim.locate(*c).1).num_fulfilled;
             fulfilled += w.characters.iter().map(of).sum::<u32>();
-            (travelled_m, waiting, looks) = (travelled_m + w.travelled_m, waiting + w.waiting, looks + w.looks);
+            (travelled_m, waiting, looks) = (travelled_m + w.travelled_m, waiting + w.waiting, looks + w.num_samples);
             f.environment_penetrations += w.penetrations;
             f.deepest_penetration_m = f.deepest_penetration_m.max(f64::from(w.deepest_m));
         }

@@ -4,8 +4,8 @@ use super::super::Verdict;
 use super::*;
 use crate::quality::MotionQuality;
 
-fn share(targets: &str, reached_fraction: f64) -> Share {
-    Share { targets: targets.into(), characters: 50, reached_fraction }
+fn share(targets: &str, reached_fraction: f64) -> ReachShare {
+    ReachShare { targets: targets.into(), characters: 50, reached_fraction }
 }
 
 /// Motion that lacks nothing.
@@ -41,17 +41,17 @@ fn verdict(edit: impl FnOnce(&mut TrialReport, &mut Abilities, &mut Rest)) -> Ve
     edit(&mut trial, &mut motion, &mut rest);
     let of_clips = vec![("slider".to_owned(), 0.5), ("walker".to_owned(), 0.01)];
     let promises = rest.promises.iter().map(|(name, p)| (*name, p.clone(), "set more rings".to_owned())).collect();
-    Verdict::of(&Facts {
+    Verdict::from_inputs(&VerdictInputs {
         trial: &trial,
         motion: &motion,
         mirrored: false,
         source: SourceFeet {
             mean_mps: rest.source_slip_mps,
             of_clips,
-            stance: Some(Stance::of(vec![rest.far_m; 20])),
-            stances: vec![("floater".to_owned(), Stance::of(vec![rest.far_m; 20]))],
+            stance: Some(StanceReport::from_distances(vec![rest.far_m; 20])),
+            stances: vec![("floater".to_owned(), StanceReport::from_distances(vec![rest.far_m; 20]))],
         },
-        longest: Some(Longest { clip: "long".into(), seconds: 8.0 }),
+        longest: Some(LongestAction { clip: "long".into(), seconds: 8.0 }),
         promises,
         blends: &rest.blends,
     })

@@ -2,8 +2,8 @@
 
 use super::track::{Poses, tip, velocity};
 use super::{MIN_SPEED, hit_at};
-use crate::annotate::sidecar::Place;
-use crate::clip::{Clip, FrameRange, Hit, HitKind};
+use crate::annotate::sidecar::SidecarPlace;
+use crate::clip::{Clip, ClipHit, FrameRange, HitKind};
 use crate::error::BuildError;
 use throng_core::{Joint, Skeleton};
 
@@ -17,7 +17,7 @@ pub struct HitMark {
     /// Range in which the joint's fastest moment is searched for. Not empty, inside the clip.
     pub range: FrameRange,
     /// Place in a file at which the hit is marked.
-    pub place: Place,
+    pub place: SidecarPlace,
 }
 
 impl HitMark {
@@ -25,7 +25,7 @@ impl HitMark {
     ///
     /// # Errors
     /// Errors where that frame is left out, or the joint does not move.
-    pub(super) fn hit(&self, clip: &Clip, poses: &Poses, skeleton: &Skeleton) -> Result<Hit, BuildError> {
+    pub(super) fn hit(&self, clip: &Clip, poses: &Poses, skeleton: &Skeleton) -> Result<ClipHit, BuildError> {
         let joint = self.joint.name();
         let refuse = |what: String| Err(self.place.fault(what));
         let tip = |f: usize| tip(&poses[f], skeleton, self.joint);

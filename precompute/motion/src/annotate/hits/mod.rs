@@ -17,19 +17,19 @@ mod runs;
 mod tests;
 mod track;
 
-use crate::clip::{Clip, FrameRange, Hit, HitKind};
+use crate::clip::{Clip, ClipHit, FrameRange, HitKind};
 use crate::error::BuildError;
 pub use config::HitConfig;
 use config::{KickConfig, PunchConfig};
 use glam::Vec3;
 pub use mark::HitMark;
-use peaks::Blow;
+use peaks::SpeedPeak;
 pub use point::{HitPoint, write_csv};
 pub use report::HitReport;
-use runs::Run;
+use runs::ExtensionRun;
 use std::collections::BTreeMap;
 use throng_core::{Contacts, Joint, Skeleton};
-use track::{Limb, Poses, Track};
+use track::{LimbTrack, Poses, StrikingLimb};
 
 /// Least duration of a blow; shorter ones are faults of the recording: a joint that jumps from one frame to the next (s).
 const MIN_DURATION: f64 = 0.05;
@@ -68,19 +68,19 @@ const MIN_SPEED: f32 = 0.05;
 ///
 /// # Errors
 /// [`BuildError::Config`] for a mark on a frame that is left out or on a joint that does not move.
-pub fn find(
+pub fn find_hits(
     clip: &Clip,
     skeleton: &Skeleton,
     cfg: &HitConfig,
     marks: &[HitMark],
     automatic: bool,
-) -> Result<Vec<Hit>, BuildError> {
+) -> Result<Vec<ClipHit>, BuildError> {
     let poses = track::poses(clip, skeleton);
-    let marked: Vec<Hit> = marks.iter().map(|m| m.hit(clip, &poses, skeleton)).collect::<Result<_, _>>()?;
+    let marked: Vec<ClipHit> = marks.iter().map(|m| m.hit(clip, &poses, skeleton)).collect::<Result<_, _>>()?;
     let mut hits = Vec::new();
     if automatic && cfg.enabled {
         let ranges = clip.usable_ranges();
-        let search = Search { clip, skeleton, poses: &poses, ranges: &ranges, landing_share: cfg.landing_share };
+        let search = HitSearch { clip, skeleton, poses: &poses, ranges: &ranges, landing_share: cfg.landing_share };
         if cfg.punches.enabled {
             hits.extend(search.punches(&cfg.punches));
         }
@@ -107,7 +107,7 @@ pub fn set_forces(clips: &mut [Clip]) {
 }
 
 /// Inputs of the search for hits of one clip.
-struct Search<'a> {
+struct HitSearch<'a> {
     clip: &'a Clip,
     skeleton: &'a Skeleton,
     poses: &'a Poses,
@@ -115,15 +115,15 @@ struct Search<'a> {
     landing_share: f32,
 }
 
-impl Search<'_> {
-    fn punches(&self, cfg: &PunchConfig) -> Vec<Hit> {
-        let feet = Limb::LEGS.map(|limb| self.track(limb).tips);
+impl HitSearch<'_> {
+    fn punches(&self, cfg: &PunchConfig) -> Vec<ClipHit> {
+        let feet = StrikingLimb::LEGS.map(|limb| self.track(limb).tips);
         let raised = |f: usize| (feet[0][f].y - feet[1][f].y).abs() > cfg.raised_foot;
         let balance = self.frames(BALANCE);
         let kicks =
             |peak: usize| (peak.saturating_sub(balance)..=peak + balance).any(|f| f < feet[0].len() && raised(f));
         let mut out = Vec::new();
-        for limb in Limb::ARMS {
+        for limb in StrikingLimb::ARMS {
             let track = self.track(limb);
             let mut blows = self.thrusts(limb, &track, cfg);
             if let Some(speed) = cfg.swing_speed {
@@ -134,8 +134,8 @@ impl Search<'_> {
                     .ranges
                     .iter()
                     .flat_map(|r| peaks::swings(&track.speeds, r.clone(), speed, min_frames, self.landing_share));
-                let bent = |b: &Blow| track.extensions[b.landing] < BENT;
-                let high = |b: &Blow| track.tips[b.landing].y >= shoulder(b.landing) - cfg.swing_drop;
+                let bent = |b: &SpeedPeak| track.extensions[b.landing] < BENT;
+                let high = |b: &SpeedPeak| track.tips[b.landing].y >= shoulder(b.landing) - cfg.swing_drop;
                 let apart = self.frames(SWING_GAP);
                 let swings = peaks::strongest(all.filter(|b| bent(b) && high(b)).collect(), apart);
                 add_apart(&mut blows, swings, apart);
@@ -148,10 +148,10 @@ impl Search<'_> {
     }
 
     /// Blows along the forearm; in the world, too, they go in its direction, and outwards.
-    fn thrusts(&self, limb: Limb, track: &Track, cfg: &PunchConfig) -> Vec<Blow> {
+    fn thrusts(&self, limb: StrikingLimb, track: &LimbTrack, cfg: &PunchConfig) -> Vec<SpeedPeak> {
         let level = cfg.elevation_deg.to_radians();
-        let strikes = |(range, run): (&FrameRange, Run)| {
-            let blow = Blow::of_run(&track.thrusts, &run, self.landing_share);
+        let strikes = |(range, run): (&FrameRange, ExtensionRun)| {
+            let blow = SpeedPeak::from_run(&track.thrusts, &run, self.landing_share);
             let arm = {
                 let at = |j: Joint| self.poses[run.full][j.index()].0;
                 at(limb.end) - at(limb.root)
@@ -174,15 +174,15 @@ impl Search<'_> {
     }
 
     /// Blows of feet that are high above the other foot where the leg is longest.
-    fn kicks(&self, cfg: &KickConfig) -> Vec<Hit> {
-        let tracks = Limb::LEGS.map(|limb| self.track(limb));
+    fn kicks(&self, cfg: &KickConfig) -> Vec<ClipHit> {
+        let tracks = StrikingLimb::LEGS.map(|limb| self.track(limb));
         let planted = [Contacts::LEFT, Contacts::RIGHT];
         let mut out = Vec::new();
-        for (side, limb) in Limb::LEGS.into_iter().enumerate() {
+        for (side, limb) in StrikingLimb::LEGS.into_iter().enumerate() {
             let (track, other) = (&tracks[side], &tracks[1 - side]);
-            let strikes = |(_, run): (&FrameRange, Run)| {
-                let blow = Blow::of_run(&track.speeds, &run, self.landing_share);
-                let thrust = Blow::of_run(&track.thrusts, &run, self.landing_share);
+            let strikes = |(_, run): (&FrameRange, ExtensionRun)| {
+                let blow = SpeedPeak::from_run(&track.speeds, &run, self.landing_share);
+                let thrust = SpeedPeak::from_run(&track.thrusts, &run, self.landing_share);
                 let stands = self.clip.contacts.get(blow.landing).is_some_and(|c| c.any(planted[side]));
                 let is_kick = (blow.speed >= cfg.swing_speed || thrust.speed >= cfg.thrust_speed)
                     && run.growth >= cfg.extension
@@ -198,15 +198,15 @@ impl Search<'_> {
         out
     }
 
-    fn track(&self, limb: Limb) -> Track {
-        Track::new(self.poses, self.skeleton, limb, self.clip.rate_hz)
+    fn track(&self, limb: StrikingLimb) -> LimbTrack {
+        LimbTrack::new(self.poses, self.skeleton, limb, self.clip.rate_hz)
     }
 
     /// Runs in which a limb grows longer, for at least as long as a blow takes, and the usable frames that each is in.
-    fn runs(&self, track: &Track) -> impl Iterator<Item = (&FrameRange, Run)> {
+    fn runs(&self, track: &LimbTrack) -> impl Iterator<Item = (&FrameRange, ExtensionRun)> {
         let shortest = self.frames_up(MIN_DURATION);
-        let in_range = |r: &'_ FrameRange| runs::outward(&track.extensions, r.clone());
-        let all: Vec<(&FrameRange, Run)> =
+        let in_range = |r: &'_ FrameRange| runs::outward_runs(&track.extensions, r.clone());
+        let all: Vec<(&FrameRange, ExtensionRun)> =
             self.ranges.iter().flat_map(|r| in_range(r).into_iter().map(move |run| (r, run))).collect();
         all.into_iter().filter(move |(_, run)| run.full - run.start >= shortest)
     }
@@ -224,12 +224,12 @@ impl Search<'_> {
         (seconds * self.clip.rate_hz).ceil() as usize
     }
 
-    fn hit(&self, kind: HitKind, joint: Joint, track: &Track, frame: usize) -> Option<Hit> {
+    fn hit(&self, kind: HitKind, joint: Joint, track: &LimbTrack, frame: usize) -> Option<ClipHit> {
         hit_at(self.clip, frame, kind, joint, (track.tips[frame], track.velocities[frame]))
     }
 
     /// True for two hits of one joint that are one blow.
-    fn are_near(&self, a: &Hit, b: &Hit, cfg: &HitConfig) -> bool {
+    fn are_near(&self, a: &ClipHit, b: &ClipHit, cfg: &HitConfig) -> bool {
         let gap = if b.kind == HitKind::Kick { cfg.kicks.min_gap } else { cfg.punches.min_gap };
         a.frame.abs_diff(b.frame) < self.frames(gap)
     }
@@ -242,7 +242,7 @@ fn elevation(direction: Vec3) -> f32 {
 }
 
 /// Adds blows that are at least `min_gap` frames from the blows that are there.
-fn add_apart(blows: &mut Vec<Blow>, more: impl IntoIterator<Item = Blow>, min_gap: usize) {
+fn add_apart(blows: &mut Vec<SpeedPeak>, more: impl IntoIterator<Item = SpeedPeak>, min_gap: usize) {
     let num = blows.len();
     for b in more {
         if blows[..num].iter().all(|a| a.peak.abs_diff(b.peak) >= min_gap) {
@@ -254,12 +254,12 @@ fn add_apart(blows: &mut Vec<Blow>, more: impl IntoIterator<Item = Blow>, min_ga
 /// A hit relative to its frame's planar root; `None` where the joint does not move.
 ///
 /// - `motion`: position and velocity of the striking point in the world.
-fn hit_at(clip: &Clip, frame: usize, kind: HitKind, joint: Joint, motion: (glam::Vec3, glam::Vec3)) -> Option<Hit> {
+fn hit_at(clip: &Clip, frame: usize, kind: HitKind, joint: Joint, motion: (glam::Vec3, glam::Vec3)) -> Option<ClipHit> {
     let root = clip.planar(frame);
     let to_root = root.rotation().inverse();
     let (position, velocity) = (to_root * (motion.0 - root.translation()), to_root * motion.1);
     let speed_mps = velocity.length();
-    (speed_mps >= MIN_SPEED).then(|| Hit {
+    (speed_mps >= MIN_SPEED).then(|| ClipHit {
         frame,
         kind,
         joint,

@@ -1,6 +1,6 @@
 //! Blows: peaks in a row of speeds, and where they land.
 
-use super::runs::Run;
+use super::runs::ExtensionRun;
 use crate::clip::FrameRange;
 
 /// Share of its greatest speed down to which a swing lasts.
@@ -8,7 +8,7 @@ const SWING_LASTS: f32 = 0.25;
 
 /// A blow.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Blow {
+pub struct SpeedPeak {
     /// Frame of the greatest speed.
     pub peak: usize,
     /// Frame at which it lands, not before the peak.
@@ -17,9 +17,9 @@ pub struct Blow {
     pub speed: f32,
 }
 
-impl Blow {
+impl SpeedPeak {
     /// The fastest moment of a run outwards, and the last frame up to its full extension that keeps a share of it.
-    pub fn of_run(speeds: &[f32], run: &Run, landing_share: f32) -> Self {
+    pub fn from_run(speeds: &[f32], run: &ExtensionRun, landing_share: f32) -> Self {
         let peak = (run.start..=run.full).max_by(|&a, &b| speeds[a].total_cmp(&speeds[b]).then(b.cmp(&a)));
         let peak = peak.unwrap_or(run.full);
         Self::from_peak(speeds, peak, run.full + 1, landing_share)
@@ -33,20 +33,20 @@ impl Blow {
 }
 
 /// Peaks of at least a speed within a range of frames, none of them shorter than a number of frames; ascending.
-pub fn swings(speeds: &[f32], range: FrameRange, least: f32, min_frames: usize, landing_share: f32) -> Vec<Blow> {
+pub fn swings(speeds: &[f32], range: FrameRange, least: f32, min_frames: usize, landing_share: f32) -> Vec<SpeedPeak> {
     let lasts = |&peak: &usize| {
         let slow = |&f: &usize| speeds[f] >= SWING_LASTS * speeds[peak];
         let before = (range.start..peak).rev().take_while(slow).count();
         before + 1 + (peak + 1..range.end).take_while(slow).count() >= min_frames
     };
     let peaks = range.clone().filter(|&f| is_peak(speeds, &range, f, least)).filter(lasts);
-    peaks.map(|peak| Blow::from_peak(speeds, peak, range.end, landing_share)).collect()
+    peaks.map(|peak| SpeedPeak::from_peak(speeds, peak, range.end, landing_share)).collect()
 }
 
 /// Keeps the fastest of blows that land too near to each other; ascending.
-pub fn strongest(mut blows: Vec<Blow>, min_gap: usize) -> Vec<Blow> {
+pub fn strongest(mut blows: Vec<SpeedPeak>, min_gap: usize) -> Vec<SpeedPeak> {
     blows.sort_by(|a, b| b.speed.total_cmp(&a.speed).then(a.landing.cmp(&b.landing)));
-    let mut kept: Vec<Blow> = Vec::new();
+    let mut kept: Vec<SpeedPeak> = Vec::new();
     for blow in blows {
         if kept.iter().all(|k| k.landing.abs_diff(blow.landing) >= min_gap) {
             kept.push(blow);
@@ -76,11 +76,11 @@ mod tests {
         assert_eq!(found(&speeds, 0..8), [(3, 5)]);
         assert_eq!(swings(&speeds, 0..8, 2.0, 2, 1.0)[0].landing, 3);
         assert!(swings(&speeds, 0..8, 5.1, 2, 0.7).is_empty());
-        let run = |start, full| Run { start, full, longest: 1.0, growth: 0.5 };
-        assert_eq!(Blow::of_run(&speeds, &run(0, 4), 0.7), Blow { peak: 3, landing: 4, speed: 5.0 });
-        assert_eq!(Blow::of_run(&speeds, &run(0, 7), 0.7).landing, 5);
+        let run = |start, full| ExtensionRun { start, full, longest: 1.0, growth: 0.5 };
+        assert_eq!(SpeedPeak::from_run(&speeds, &run(0, 4), 0.7), SpeedPeak { peak: 3, landing: 4, speed: 5.0 });
+        assert_eq!(SpeedPeak::from_run(&speeds, &run(0, 7), 0.7).landing, 5);
         // The fastest moment comes after the limb was longest.
-        assert_eq!(Blow::of_run(&speeds, &run(0, 2), 0.7), Blow { peak: 2, landing: 2, speed: 3.0 });
+        assert_eq!(SpeedPeak::from_run(&speeds, &run(0, 2), 0.7), SpeedPeak { peak: 2, landing: 2, speed: 3.0 });
     }
 
     #[test]

@@ -30,13 +30,13 @@ pub struct HitPoint {
 
 impl HitPoint {
     /// All hits of a set, mirrored copies included.
-    pub fn of_set(set: &ClipSet) -> Vec<Self> {
-        set.clips.iter().flat_map(Self::of_clip).collect()
+    pub fn from_clip_set(set: &ClipSet) -> Vec<Self> {
+        set.clips.iter().flat_map(Self::from_clip).collect()
     }
 
     /// The hits of a clip.
-    pub fn of_clip(clip: &Clip) -> Vec<Self> {
-        let point = |h: &crate::clip::Hit| Self {
+    pub fn from_clip(clip: &Clip) -> Vec<Self> {
+        let point = |h: &crate::clip::ClipHit| Self {
             clip: clip.name.clone(),
             frame: h.frame,
             time_s: h.frame as f64 / clip.rate_hz,
@@ -51,7 +51,7 @@ impl HitPoint {
     }
 
     /// All hits of a bundle.
-    pub fn of_tables(tables: &Bundle) -> Vec<Self> {
+    pub fn from_bundle(tables: &Bundle) -> Vec<Self> {
         let (meta, clips) = (tables.meta(), tables.clips());
         let kinds: Vec<&str> = meta.hit_kinds().collect();
         let point = |h: &throng_core::HitRecord| {

@@ -10,7 +10,7 @@ const FULL: f32 = 0.02;
 
 /// One run of a limb outwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Run {
+pub struct ExtensionRun {
     /// Frame at which the limb is shortest.
     pub start: usize,
     /// First frame of its full extension, after the start.
@@ -24,12 +24,12 @@ pub struct Run {
 /// The runs within a range of frames, ascending.
 ///
 /// - `extensions`: length of the limb at every frame, as a share of its greatest.
-pub fn outward(extensions: &[f32], range: FrameRange) -> Vec<Run> {
+pub fn outward_runs(extensions: &[f32], range: FrameRange) -> Vec<ExtensionRun> {
     let x = extensions;
     let mut out = Vec::new();
     let run = |start: usize, peak: usize| {
         let full = (start..=peak).find(|&f| x[f] >= x[peak] - FULL).unwrap_or(peak);
-        Run { start, full, longest: x[peak], growth: x[peak] - x[start] }
+        ExtensionRun { start, full, longest: x[peak], growth: x[peak] - x[start] }
     };
     let (mut lowest, mut highest) = (range.start, None);
     for f in range {
@@ -56,17 +56,17 @@ mod tests {
     #[test]
     fn runs_go_from_the_shortest_to_the_full_extension() {
         let x = [0.5, 0.4, 0.41, 0.7, 0.96, 0.99, 0.98, 0.6, 0.5, 0.8, 0.78, 0.9];
-        let runs = outward(&x, 0..x.len());
+        let runs = outward_runs(&x, 0..x.len());
         assert_eq!(runs.iter().map(|r| (r.start, r.full)).collect::<Vec<_>>(), [(1, 5), (8, 11)]);
         assert!((runs[0].growth - 0.59).abs() < 1e-6 && runs[0].longest == 0.99);
-        assert_eq!(outward(&[0.4, 0.7, 0.98, 0.99], 0..4)[0].full, 2);
+        assert_eq!(outward_runs(&[0.4, 0.7, 0.98, 0.99], 0..4)[0].full, 2);
     }
 
     #[test]
     fn ripples_and_what_is_outside_the_range_are_no_runs() {
         let x = [0.5, 0.52, 0.5, 0.53, 0.51, 0.2, 0.9];
-        assert!(outward(&x, 0..5).is_empty());
-        assert!(outward(&x, 3..3).is_empty());
-        assert_eq!(outward(&x, 0..7).len(), 1);
+        assert!(outward_runs(&x, 0..5).is_empty());
+        assert!(outward_runs(&x, 3..3).is_empty());
+        assert_eq!(outward_runs(&x, 0..7).len(), 1);
     }
 }

@@ -1,10 +1,10 @@
 //! Hand-made blows: where they are found, what changes nothing, what is none.
 
 use super::*;
-use crate::annotate::sidecar::Place;
+use crate::annotate::sidecar::SidecarPlace;
 use crate::annotate::{AnnotateConfig, EndsConfig, Sidecars, annotate};
 use crate::clip::ClipSet;
-use crate::mirror::mirror;
+use crate::mirror::mirror_clip;
 use crate::resample::{ResampleConfig, resample};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
@@ -100,11 +100,11 @@ fn kicker_with(arms: impl Fn(f32, &mut [Quat])) -> Clip {
     )
 }
 
-fn hits(clip: &Clip, cfg: &HitConfig) -> Vec<Hit> {
-    find(clip, &Skeleton::default(), cfg, &[], true).expect("nothing is marked")
+fn hits(clip: &Clip, cfg: &HitConfig) -> Vec<ClipHit> {
+    find_hits(clip, &Skeleton::default(), cfg, &[], true).expect("nothing is marked")
 }
 
-fn frames(hits: &[Hit]) -> Vec<usize> {
+fn frames(hits: &[ClipHit]) -> Vec<usize> {
     hits.iter().map(|h| h.frame).collect()
 }
 
@@ -165,13 +165,13 @@ proptest! {
 #[test]
 fn mirrored_clips_have_mirrored_hits() {
     let (clip, cfg) = (boxer(30.0, |_| Vec3::ZERO), HitConfig::default());
-    let (here, there) = (hits(&clip, &cfg), hits(&mirror(&clip), &cfg));
+    let (here, there) = (hits(&clip, &cfg), hits(&mirror_clip(&clip), &cfg));
     for (h, m) in here.iter().zip(&there) {
         let image = crate::mirror::mirror_hit(h);
         assert_eq!((image.frame, image.joint), (m.frame, Joint::LeftHand));
         assert!(image.position.distance(m.position) < 1e-4 && image.direction.distance(m.direction) < 1e-3);
     }
-    let set = ClipSet { skeleton: Skeleton::default(), clips: vec![clip.clone(), mirror(&clip)] };
+    let set = ClipSet { skeleton: Skeleton::default(), clips: vec![clip.clone(), mirror_clip(&clip)] };
     // The left arm is stretched out all the time, as in a T-pose.
     let ends = EndsConfig { t_pose: false, still: false, ..EndsConfig::default() };
     let set = annotate(&set, &AnnotateConfig { ends, ..AnnotateConfig::default() }, &Sidecars::default()).unwrap();
@@ -311,7 +311,7 @@ fn frames_that_are_left_out_have_no_hits() {
 
 #[test]
 fn forces_are_shares_of_the_fastest_of_their_kind() {
-    let hit = |kind: HitKind, speed_mps: f32| Hit {
+    let hit = |kind: HitKind, speed_mps: f32| ClipHit {
         frame: 0,
         kind,
         joint: Joint::Head,
@@ -336,10 +336,10 @@ fn marks_are_taken_as_they_are_and_replace_what_is_found_nearby() {
         kind,
         joint,
         range,
-        place: Place { file: None, key: "hits[0]".into() },
+        place: SidecarPlace { file: None, key: "hits[0]".into() },
     };
     let with = |marks: &[HitMark], automatic: bool| {
-        find(&clip, &Skeleton::default(), &HitConfig::default(), marks, automatic).map_err(|e| e.to_string())
+        find_hits(&clip, &Skeleton::default(), &HitConfig::default(), marks, automatic).map_err(|e| e.to_string())
     };
     let jab = mark(HitKind::Tag("jab".into()), Joint::RightHand, found[0].frame - 5..found[0].frame + 5);
     let marked = with(std::slice::from_ref(&jab), true).unwrap();
@@ -353,7 +353,7 @@ fn marks_are_taken_as_they_are_and_replace_what_is_found_nearby() {
     assert!(e.contains("hits[0]: left_hand of clip `boxer` moves at 0.000 m/s"), "{e}");
     let mut cut = clip.clone();
     cut.excluded = vec![crate::clip::Exclusion { range: 0..30, reason: crate::clip::ExclusionReason::TPose }];
-    let e = find(&cut, &Skeleton::default(), &HitConfig::default(), &[jab], true).unwrap_err().to_string();
+    let e = find_hits(&cut, &Skeleton::default(), &HitConfig::default(), &[jab], true).unwrap_err().to_string();
     assert!(e.contains("hits[0]: ") && e.contains("left out"), "{e}");
 }
 

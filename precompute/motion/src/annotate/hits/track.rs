@@ -14,7 +14,7 @@ pub type Poses = [[(Vec3, Quat); NUM_JOINTS]];
 
 /// The joints of a limb that strikes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limb {
+pub struct StrikingLimb {
     /// Shoulder or hip.
     pub root: Joint,
     /// Elbow or knee.
@@ -23,7 +23,7 @@ pub struct Limb {
     pub end: Joint,
 }
 
-impl Limb {
+impl StrikingLimb {
     /// Left and right arm.
     pub const ARMS: [Self; 2] = [
         Self { root: Joint::LeftUpperArm, middle: Joint::LeftForearm, end: Joint::LeftHand },
@@ -39,7 +39,7 @@ impl Limb {
 
 /// How one limb moves (num_frames each).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Track {
+pub struct LimbTrack {
     /// The tip of the fist or the ball of the foot, in the world (m).
     pub tips: Vec<Vec3>,
     /// Velocity of the tip in the world (m/s).
@@ -54,9 +54,9 @@ pub struct Track {
     pub extensions: Vec<f32>,
 }
 
-impl Track {
+impl LimbTrack {
     /// Follows a limb.
-    pub fn new(poses: &Poses, skeleton: &Skeleton, limb: Limb, rate_hz: f64) -> Self {
+    pub fn new(poses: &Poses, skeleton: &Skeleton, limb: StrikingLimb, rate_hz: f64) -> Self {
         let tips = striking_points(poses, skeleton, limb.end);
         let velocities = velocities(&tips, rate_hz);
         let way: Vec<Vec3> = poses.iter().map(|p| p[0].0.with_y(0.0)).collect();

@@ -20,13 +20,13 @@ fn reads_ranges_and_tags_in_seconds_and_frames() {
     all.insert("a", Sidecar::parse(text, "a.toml").unwrap(), 120.0, Some(Path::new("a.toml"))).unwrap();
     let frames = "unit = \"frames\"\nexclude = [[4, 8]]";
     all.insert("b", Sidecar::parse(frames, "b.toml").unwrap(), 120.0, Some(Path::new("b.toml"))).unwrap();
-    let a = all.ranges(&Clip { mirrored: true, ..clip("a~mirror", 90) }).unwrap();
+    let a = all.annotations_of(&Clip { mirrored: true, ..clip("a~mirror", 90) }).unwrap();
     assert_eq!(a.excluded.iter().map(|e| e.range.clone()).collect::<Vec<_>>(), [0..15, 60..90]);
-    assert_eq!(a.tags, [Tag { name: "punch".into(), range: 30..45 }]);
-    assert_eq!(all.ranges(&clip("b", 90)).unwrap().excluded[0].range, 1..2);
-    assert_eq!(all.ranges(&clip("c", 90)).unwrap(), Marked::default());
+    assert_eq!(a.tags, [ClipTag { name: "punch".into(), range: 30..45 }]);
+    assert_eq!(all.annotations_of(&clip("b", 90)).unwrap().excluded[0].range, 1..2);
+    assert_eq!(all.annotations_of(&clip("c", 90)).unwrap(), SidecarAnnotations::default());
     // A file may be called as a copy is.
-    assert_eq!(all.ranges(&clip("a~mirror", 90)).unwrap(), Marked::default());
+    assert_eq!(all.annotations_of(&clip("a~mirror", 90)).unwrap(), SidecarAnnotations::default());
 }
 
 #[test]
@@ -48,7 +48,7 @@ fn refuses_unknown_clips_and_ranges_outside() {
         .unwrap();
     let m = message(all.check_names(["walk", "run"].into_iter()));
     assert!(m.contains("`walks`") && m.contains("`walk`"), "{m}");
-    let m = message(all.ranges(&clip("walks", 30)));
+    let m = message(all.annotations_of(&clip("walks", 30)));
     assert!(m.contains("c.toml") && m.contains("exclude[0]") && m.contains("1.00"), "{m}");
 }
 
@@ -58,15 +58,15 @@ fn hits_are_read_at_a_moment_or_over_a_range_and_change_sides_in_the_mirror() {
         [[hits]]\nname = \"head butt\"\njoint = \"head\"\nstart = 2.0\nend = 2.5\n";
     let mut all = Sidecars::default();
     all.insert("a", Sidecar::parse(text, "a.toml").unwrap(), 120.0, Some(Path::new("a.toml"))).unwrap();
-    let marked = all.ranges(&clip("a", 90)).unwrap();
+    let marked = all.annotations_of(&clip("a", 90)).unwrap();
     assert!(!marked.automatic_hits);
     let found: Vec<_> = marked.hits.iter().map(|h| (h.kind.clone(), h.joint, h.range.clone())).collect();
     let butt = HitKind::Tag("head butt".into());
     assert_eq!(found, [(HitKind::Punch, Joint::RightHand, 30..31), (butt, Joint::Head, 60..75)]);
-    assert_eq!(marked.hits[1].place, Place { file: Some("a.toml".into()), key: "hits[1]".into() });
-    let mirrored = all.ranges(&Clip { mirrored: true, ..clip("a~mirror", 90) }).unwrap();
+    assert_eq!(marked.hits[1].place, SidecarPlace { file: Some("a.toml".into()), key: "hits[1]".into() });
+    let mirrored = all.annotations_of(&Clip { mirrored: true, ..clip("a~mirror", 90) }).unwrap();
     assert_eq!(mirrored.hits[0].joint, Joint::LeftHand);
-    assert!(all.ranges(&clip("b", 90)).unwrap().automatic_hits);
+    assert!(all.annotations_of(&clip("b", 90)).unwrap().automatic_hits);
 }
 
 #[test]
@@ -97,9 +97,9 @@ fn hits_after_the_end_of_the_clip_are_refused() {
     let text = "unit = \"frames\"\n[[hits]]\nname = \"punch\"\njoint = \"left_hand\"\nat = 30";
     let mut all = Sidecars::default();
     all.insert("a", Sidecar::parse(text, "a.toml").unwrap(), 30.0, Some(Path::new("a.toml"))).unwrap();
-    let m = message(all.ranges(&clip("a", 30)));
+    let m = message(all.annotations_of(&clip("a", 30)));
     assert!(m.contains("a.toml: hits[0]: starts at 30") && m.contains("after the end of clip `a`"), "{m}");
-    assert_eq!(all.ranges(&clip("a", 31)).unwrap().hits[0].range, 30..31);
+    assert_eq!(all.annotations_of(&clip("a", 31)).unwrap().hits[0].range, 30..31);
 }
 
 #[test]
@@ -110,11 +110,11 @@ fn ranges_after_the_end_are_told_with_the_line_of_the_sidecar_or_the_key_of_the_
     std::fs::write(&path, text).unwrap();
     let mut all = Sidecars::default();
     assert!(all.insert_beside("a", &path.with_extension("bvh"), 30.0).unwrap());
-    let m = message(all.ranges(&clip("a", 30)));
+    let m = message(all.annotations_of(&clip("a", 30)));
     assert!(m.contains("a.toml:3:1: hits[0]: starts at 9"), "{m}");
     let sidecar = Sidecar::parse(text, "config").unwrap();
     all.insert("a", sidecar.clone(), 30.0, None).unwrap();
-    assert!(message(all.ranges(&clip("a", 30))).starts_with("clips.a.hits[0]: starts at 9"));
+    assert!(message(all.annotations_of(&clip("a", 30))).starts_with("clips.a.hits[0]: starts at 9"));
     all.insert("c", sidecar, 30.0, None).unwrap();
     assert!(message(all.check_names(["a"].into_iter())).starts_with("clips.c: there is no clip `c`"));
     let backwards = Sidecar { exclude: vec![[2.0, 1.0]], ..Sidecar::default() };

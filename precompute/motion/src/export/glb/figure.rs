@@ -1,27 +1,27 @@
 //! Nodes, skins and animation of characters with plain bodies.
 
-use super::super::take::{Actor, THERE, Take, rotation_track, translation_track};
-use super::parts::{FLOAT, INDICES, Parts, UNSIGNED_BYTE, UNSIGNED_SHORT, VERTICES};
+use super::super::take::{PRESENCE_TRACK, Take, TakeActor, rotation_track, translation_track};
+use super::parts::{FLOAT, GlbParts, INDICES, UNSIGNED_BYTE, UNSIGNED_SHORT, VERTICES};
 use super::{BodyBytes, bytes_of};
 use glam::{Mat4, Vec3};
 use serde_json::{Value, json};
 use throng_core::{Joint, NUM_JOINTS, PlainBody, Skeleton};
 
 /// Mesh and bind matrices that characters of one skeleton share.
-struct Shared {
+struct SharedSkin {
     skeleton: Skeleton,
     mesh: usize,
     bind: usize,
 }
 
 /// The document of all actors with plain bodies; one figure with an animation for each of them, where they are clips.
-pub fn of_bodies(take: &Take) -> Parts {
+pub fn plain_body_parts(take: &Take) -> GlbParts {
     let json = json!({ "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [] }] });
-    let mut parts = Parts::new(json, Vec::new());
+    let mut parts = GlbParts::new(json, Vec::new());
     let colour = json!({ "baseColorFactor": [0.55, 0.6, 0.68, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.8 });
     parts.push("materials", json!({ "name": "body", "pbrMetallicRoughness": colour }));
-    let mut shared: Vec<Shared> = Vec::new();
-    let mut together = empty("take");
+    let mut shared: Vec<SharedSkin> = Vec::new();
+    let mut together = empty_animation("take");
     let mut figure = None;
     for (a, actor) in take.actors().iter().enumerate() {
         let nodes = match figure {
@@ -31,7 +31,7 @@ pub fn of_bodies(take: &Take) -> Parts {
         if take.num_frames(a) == 0 {
             continue;
         }
-        let mut own = empty(&actor.name);
+        let mut own = empty_animation(&actor.name);
         let animation = if take.is_library() { &mut own } else { &mut together };
         add_motion(&mut parts, animation, take, a, nodes);
         if take.is_library() {
@@ -45,14 +45,19 @@ pub fn of_bodies(take: &Take) -> Parts {
 }
 
 /// An animation without channels.
-pub fn empty(name: &str) -> Value {
+pub fn empty_animation(name: &str) -> Value {
     json!({ "name": name, "samplers": [], "channels": [] })
 }
 
 /// Adds holder, joints and body; returns the holder and the hips, which the other joints follow.
-fn add_figure(parts: &mut Parts, shared: &mut Vec<Shared>, actor: &Actor, is_library: bool) -> (usize, usize) {
+fn add_figure(
+    parts: &mut GlbParts,
+    shared: &mut Vec<SharedSkin>,
+    actor: &TakeActor,
+    is_library: bool,
+) -> (usize, usize) {
     let known = shared.iter().position(|s| s.skeleton == actor.skeleton).unwrap_or_else(|| {
-        let one = share(parts, &actor.skeleton);
+        let one = add_shared_skin(parts, &actor.skeleton);
         shared.push(one);
         shared.len() - 1
     });
@@ -70,52 +75,52 @@ fn add_figure(parts: &mut Parts, shared: &mut Vec<Shared>, actor: &Actor, is_lib
     }
     parts.set("nodes", holder, "children", json!([hips]));
     let joints: Vec<usize> = (hips..hips + NUM_JOINTS).collect();
-    let Shared { mesh, bind, .. } = shared[known];
+    let SharedSkin { mesh, bind, .. } = shared[known];
     let skin =
         parts.push("skins", json!({ "name": name, "joints": joints, "skeleton": hips, "inverseBindMatrices": bind }));
     let body = parts.push("nodes", json!({ "name": format!("{name} body"), "mesh": mesh, "skin": skin }));
-    parts.show(holder);
-    parts.show(body);
+    parts.add_scene_root(holder);
+    parts.add_scene_root(body);
     (holder, hips)
 }
 
 /// Adds the mesh and the bind matrices of a skeleton.
-fn share(parts: &mut Parts, skeleton: &Skeleton) -> Shared {
-    let body = PlainBody::of(skeleton);
+fn add_shared_skin(parts: &mut GlbParts, skeleton: &Skeleton) -> SharedSkin {
+    let body = PlainBody::fine(skeleton);
     let bytes = BodyBytes::from(&body);
     let n = body.positions.len();
     let vertices = Some(VERTICES);
-    let position = parts.still(bytes.positions, FLOAT, "VEC3", n, vertices);
+    let position = parts.add_static(bytes.positions, FLOAT, "VEC3", n, vertices);
     let (low, high) =
         body.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
-    parts.bound(position, &low.to_array(), &high.to_array());
-    let normal = parts.still(bytes.normals, FLOAT, "VEC3", n, vertices);
-    let joints = parts.still(bytes.joints, UNSIGNED_BYTE, "VEC4", n, vertices);
-    let weights = parts.still(bytes.weights, FLOAT, "VEC4", n, vertices);
-    let indices = parts.still(bytes.indices, UNSIGNED_SHORT, "SCALAR", 3 * body.triangles.len(), Some(INDICES));
+    parts.set_bounds(position, &low.to_array(), &high.to_array());
+    let normal = parts.add_static(bytes.normals, FLOAT, "VEC3", n, vertices);
+    let joints = parts.add_static(bytes.joints, UNSIGNED_BYTE, "VEC4", n, vertices);
+    let weights = parts.add_static(bytes.weights, FLOAT, "VEC4", n, vertices);
+    let indices = parts.add_static(bytes.indices, UNSIGNED_SHORT, "SCALAR", 3 * body.triangles.len(), Some(INDICES));
     let rest = skeleton.rest_positions();
     let bind: Vec<[f32; 16]> = rest.iter().map(|p| Mat4::from_translation(-*p).to_cols_array()).collect();
-    let bind = parts.still(bytes_of(&bind), FLOAT, "MAT4", NUM_JOINTS, None);
+    let bind = parts.add_static(bytes_of(&bind), FLOAT, "MAT4", NUM_JOINTS, None);
     let primitive = json!({ "attributes": { "POSITION": position, "NORMAL": normal, "JOINTS_0": joints,
         "WEIGHTS_0": weights }, "indices": indices, "material": 0 });
     let mesh = parts.push("meshes", json!({ "name": "body", "primitives": [primitive] }));
-    Shared { skeleton: skeleton.clone(), mesh, bind }
+    SharedSkin { skeleton: skeleton.clone(), mesh, bind }
 }
 
 /// Adds the tracks of an actor to an animation.
-fn add_motion(parts: &mut Parts, animation: &mut Value, take: &Take, a: usize, (holder, hips): (usize, usize)) {
+fn add_motion(parts: &mut GlbParts, animation: &mut Value, take: &Take, a: usize, (holder, hips): (usize, usize)) {
     let (actor, frames) = (&take.actors()[a], take.num_frames(a));
-    let times = parts.times(frames, take.rate_hz());
+    let times = parts.add_times(frames, take.rate_hz());
     for j in 0..NUM_JOINTS {
-        let values = parts.track(a, rotation_track(j), 4, frames);
-        parts.channel(animation, [times, values], hips + j, "rotation");
+        let values = parts.add_track(a, rotation_track(j), 4, frames);
+        parts.add_channel(animation, [times, values], hips + j, "rotation");
         if actor.moves[j] {
-            let values = parts.track(a, translation_track(j), 3, frames);
-            parts.channel(animation, [times, values], hips + j, "translation");
+            let values = parts.add_track(a, translation_track(j), 3, frames);
+            parts.add_channel(animation, [times, values], hips + j, "translation");
         }
     }
     if actor.is_ever_away {
-        let values = parts.there(a, THERE, 1.0, frames);
-        parts.channel(animation, [times, values], holder, "scale");
+        let values = parts.add_presence(a, PRESENCE_TRACK, 1.0, frames);
+        parts.add_channel(animation, [times, values], holder, "scale");
     }
 }

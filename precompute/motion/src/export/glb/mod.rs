@@ -8,11 +8,11 @@
 mod figure;
 pub(crate) mod parts;
 
-use super::scratch::Scratch;
+use super::scratch::TrackScratch;
 use super::take::Take;
 use crate::error::BuildError;
-pub(crate) use figure::empty;
-use parts::Parts;
+pub(crate) use figure::empty_animation;
+use parts::GlbParts;
 use std::io::{self, Write};
 use throng_core::PlainBody;
 
@@ -20,8 +20,8 @@ use throng_core::PlainBody;
 pub struct Glb<'a> {
     take: &'a Take,
     /// File that holds the numbers of tracks.
-    scratch: &'a Scratch,
-    parts: Parts,
+    scratch: &'a TrackScratch,
+    parts: GlbParts,
     document: String,
 }
 
@@ -31,11 +31,11 @@ impl<'a> Glb<'a> {
     /// # Errors
     /// [`BuildError::Stage`] for a take that is too large for the format.
     pub fn new(take: &'a Take) -> Result<Self, BuildError> {
-        Self::of(take, figure::of_bodies(take), take.scratch())
+        Self::from_parts(take, figure::plain_body_parts(take), take.scratch())
     }
 
     /// - `parts`: bodies and their animations; `scratch`: file that holds their tracks.
-    pub(crate) fn of(take: &'a Take, parts: Parts, scratch: &'a Scratch) -> Result<Self, BuildError> {
+    pub(crate) fn from_parts(take: &'a Take, parts: GlbParts, scratch: &'a TrackScratch) -> Result<Self, BuildError> {
         let document = parts.document();
         let glb = Self { take, scratch, parts, document };
         let bytes = glb.num_bytes();

@@ -1,6 +1,6 @@
 //! A glTF document that is put together, and what its one buffer holds.
 
-use super::super::scratch::Scratch;
+use super::super::scratch::TrackScratch;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -17,20 +17,20 @@ pub const VERTICES: u32 = 34962;
 pub const INDICES: u32 = 34963;
 
 /// A run of bytes in the buffer.
-enum Piece {
+enum BufferPiece {
     Bytes(Vec<u8>),
     /// Times of the first frames.
     Times(usize),
     /// A track of an actor.
     Track(usize, usize),
     /// Presence of an actor, as a scale along three axes.
-    There(usize, usize, f32),
+    Presence(usize, usize, f32),
 }
 
 /// A document and its buffer.
-pub struct Parts {
+pub struct GlbParts {
     json: Value,
-    pieces: Vec<Piece>,
+    pieces: Vec<BufferPiece>,
     num_bytes: u64,
     /// View of all numbers that move something.
     moving: Option<(usize, u64)>,
@@ -38,14 +38,14 @@ pub struct Parts {
     times: BTreeMap<usize, usize>,
 }
 
-impl Parts {
+impl GlbParts {
     /// Begins with a document, and the bytes of its buffer.
     pub fn new(mut json: Value, buffer: Vec<u8>) -> Self {
         let about = concat!("Throng ", env!("CARGO_PKG_VERSION"));
         json["asset"]["generator"] = about.into();
         let mut parts = Self { json, pieces: Vec::new(), num_bytes: 0, moving: None, times: BTreeMap::new() };
         if !buffer.is_empty() {
-            parts.add(buffer.len() as u64, Piece::Bytes(buffer));
+            parts.add(buffer.len() as u64, BufferPiece::Bytes(buffer));
         }
         parts
     }
@@ -70,20 +70,20 @@ impl Parts {
     }
 
     /// Adds a node to the roots of the scene.
-    pub fn show(&mut self, node: usize) {
+    pub fn add_scene_root(&mut self, node: usize) {
         if let Some(roots) = self.json["scenes"][0]["nodes"].as_array_mut() {
             roots.push(node.into());
         }
     }
 
     /// Adds a piece to the buffer, which begins at a multiple of four; returns its position.
-    fn add(&mut self, length: u64, piece: Piece) -> u64 {
+    fn add(&mut self, length: u64, piece: BufferPiece) -> u64 {
         let at = self.num_bytes;
         self.pieces.push(piece);
         self.num_bytes = at + length;
         let rest = (4 - self.num_bytes % 4) % 4;
         if rest > 0 {
-            self.pieces.push(Piece::Bytes(vec![0; rest as usize]));
+            self.pieces.push(BufferPiece::Bytes(vec![0; rest as usize]));
             self.num_bytes += rest;
         }
         at
@@ -92,9 +92,9 @@ impl Parts {
     /// Adds numbers that do not change over time; returns their accessor.
     ///
     /// - `target`: purpose of the numbers, where they are vertices or indices.
-    pub fn still(&mut self, bytes: Vec<u8>, kind: u32, shape: &str, count: usize, target: Option<u32>) -> usize {
+    pub fn add_static(&mut self, bytes: Vec<u8>, kind: u32, shape: &str, count: usize, target: Option<u32>) -> usize {
         let length = bytes.len();
-        let at = self.add(length as u64, Piece::Bytes(bytes));
+        let at = self.add(length as u64, BufferPiece::Bytes(bytes));
         let mut view = json!({ "buffer": 0, "byteOffset": at, "byteLength": length });
         if let Some(target) = target {
             view["target"] = target.into();
@@ -104,13 +104,13 @@ impl Parts {
     }
 
     /// Sets the bounds of an accessor's numbers.
-    pub fn bound(&mut self, accessor: usize, min: &[f32], max: &[f32]) {
+    pub fn set_bounds(&mut self, accessor: usize, min: &[f32], max: &[f32]) {
         self.json["accessors"][accessor]["min"] = json!(min);
         self.json["accessors"][accessor]["max"] = json!(max);
     }
 
     /// Adds an accessor of numbers that move something.
-    fn moving(&mut self, length: u64, piece: Piece, shape: &str, count: usize) -> usize {
+    fn add_moving(&mut self, length: u64, piece: BufferPiece, shape: &str, count: usize) -> usize {
         let at = self.add(length, piece);
         let (view, begin) = match self.moving {
             Some(known) => known,
@@ -126,29 +126,29 @@ impl Parts {
     }
 
     /// Adds the times of a number of frames (> 0).
-    pub fn times(&mut self, frames: usize, rate_hz: f64) -> usize {
+    pub fn add_times(&mut self, frames: usize, rate_hz: f64) -> usize {
         if let Some(known) = self.times.get(&frames) {
             return *known;
         }
-        let accessor = self.moving(4 * frames as u64, Piece::Times(frames), "SCALAR", frames);
-        self.bound(accessor, &[0.0], &[time_s(frames - 1, rate_hz)]);
+        let accessor = self.add_moving(4 * frames as u64, BufferPiece::Times(frames), "SCALAR", frames);
+        self.set_bounds(accessor, &[0.0], &[time_s(frames - 1, rate_hz)]);
         self.times.insert(frames, accessor);
         accessor
     }
 
     /// Adds a track of an actor.
-    pub fn track(&mut self, actor: usize, track: usize, width: usize, frames: usize) -> usize {
+    pub fn add_track(&mut self, actor: usize, track: usize, width: usize, frames: usize) -> usize {
         let shape = if width == 4 { "VEC4" } else { "VEC3" };
-        self.moving((4 * width * frames) as u64, Piece::Track(actor, track), shape, frames)
+        self.add_moving((4 * width * frames) as u64, BufferPiece::Track(actor, track), shape, frames)
     }
 
     /// Adds the scale of an actor who is absent now and then: 0 where it is absent.
-    pub fn there(&mut self, actor: usize, track: usize, scale: f32, frames: usize) -> usize {
-        self.moving(12 * frames as u64, Piece::There(actor, track, scale), "VEC3", frames)
+    pub fn add_presence(&mut self, actor: usize, track: usize, scale: f32, frames: usize) -> usize {
+        self.add_moving(12 * frames as u64, BufferPiece::Presence(actor, track, scale), "VEC3", frames)
     }
 
     /// Adds a sampler and a channel.
-    pub fn channel(&self, animation: &mut Value, [times, values]: [usize; 2], node: usize, path: &str) {
+    pub fn add_channel(&self, animation: &mut Value, [times, values]: [usize; 2], node: usize, path: &str) {
         let interpolation = if path == "scale" { "STEP" } else { "LINEAR" };
         let sampler = json!({ "input": times, "output": values, "interpolation": interpolation });
         let Some(samplers) = animation["samplers"].as_array_mut() else { return };
@@ -175,17 +175,23 @@ impl Parts {
     /// Writes the buffer.
     ///
     /// - `scratch`: file that holds tracks; `take`: file that holds the presence of actors.
-    pub fn write(&self, rate_hz: f64, scratch: &Scratch, take: &Scratch, out: &mut dyn Write) -> io::Result<()> {
+    pub fn write(
+        &self,
+        rate_hz: f64,
+        scratch: &TrackScratch,
+        take: &TrackScratch,
+        out: &mut dyn Write,
+    ) -> io::Result<()> {
         for piece in &self.pieces {
             match piece {
-                Piece::Bytes(bytes) => out.write_all(bytes)?,
-                Piece::Times(frames) => {
+                BufferPiece::Bytes(bytes) => out.write_all(bytes)?,
+                BufferPiece::Times(frames) => {
                     (0..*frames).try_for_each(|f| out.write_all(&time_s(f, rate_hz).to_le_bytes()))?;
                 }
-                Piece::Track(actor, track) => {
+                BufferPiece::Track(actor, track) => {
                     scratch.track(*actor, *track, |n| out.write_all(bytemuck::cast_slice(n)))?;
                 }
-                Piece::There(actor, track, scale) => take.track(*actor, *track, |n| {
+                BufferPiece::Presence(actor, track, scale) => take.track(*actor, *track, |n| {
                     n.iter().try_for_each(|v| out.write_all(bytemuck::cast_slice(&[v * scale; 3])))
                 })?,
             }

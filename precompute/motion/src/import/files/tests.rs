@@ -74,7 +74,7 @@ fn tree() -> tempfile::TempDir {
 }
 
 fn names(dir: &tempfile::TempDir, path: &str) -> Vec<String> {
-    find(&[dir.path().join(path)]).unwrap().into_iter().map(|f| f.name).collect()
+    find_motion_files(&[dir.path().join(path)]).unwrap().into_iter().map(|f| f.name).collect()
 }
 
 #[test]
@@ -96,7 +96,7 @@ fn two_stars_stand_for_any_number_of_folders() {
     assert_eq!(names(&dir, "**"), names(&dir, ""));
     assert_eq!(names(&dir, "d*/t*.amc"), ["deep/three"]);
     assert_eq!(names(&dir, "*/*/*"), ["deep/er/two"]);
-    assert!(find(&[dir.path().join("d*/**/o*")]).is_err());
+    assert!(find_motion_files(&[dir.path().join("d*/**/o*")]).is_err());
 }
 
 #[cfg(unix)]
@@ -164,12 +164,12 @@ fn files_in_archives_are_read_up_to_a_limit_and_find_their_skeleton() {
         let mut bad = good.clone();
         bad[i] ^= 0x55;
         std::fs::write(&zip, &bad[..]).unwrap();
-        for file in find(std::slice::from_ref(&zip)).unwrap_or_default() {
+        for file in find_motion_files(std::slice::from_ref(&zip)).unwrap_or_default() {
             _ = archive::read_file(&file.path, "motion", 99);
         }
     }
     std::fs::write(&zip, "no archive").unwrap();
-    assert!(find(&[zip]).unwrap_err().to_string().contains("more.zip: it is no archive that can be read"));
+    assert!(find_motion_files(&[zip]).unwrap_err().to_string().contains("more.zip: it is no archive that can be read"));
     // A folder is no worse for it: the archive is a file that cannot be read.
     assert_eq!(names(&dir, ""), ["deep/er/two", "deep/three", "more", "one"]);
 }

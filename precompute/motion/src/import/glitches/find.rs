@@ -1,8 +1,8 @@
 //! Looks for glitches in the tracks of a body: place of the hips, turns of all joints, lengths of segments.
 
-use super::signal::{Away, Value, sharp, spikes, steps};
-use super::{Glitch, GlitchKind, Treated};
-use crate::clip::{FrameRange, runs};
+use super::signal::{Deviation, TrackValue, sharp_moves, spikes, steps};
+use super::{Glitch, GlitchKind, GlitchTreatment};
+use crate::clip::{FrameRange, runs_where};
 use crate::import::roles::RoleMap;
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};
@@ -27,7 +27,7 @@ const MOVING: (f32, f32) = (0.15, 1.2);
 const AT_ENDS: f32 = 0.15;
 
 /// The tracks of one clip.
-struct Tracks {
+struct BodyTracks {
     /// Joint, its turns relative to the joint that it hangs on, and its position in the frame of that joint. The hips are in
     /// the world.
     joints: Vec<(Joint, Vec<Quat>, Vec<Vec3>)>,
@@ -36,23 +36,23 @@ struct Tracks {
 }
 
 /// All glitches, in order, none overlapping.
-pub fn find(clip: &RawClip, roles: &RoleMap) -> Vec<Glitch> {
+pub fn find_glitches(clip: &RawClip, roles: &RoleMap) -> Vec<Glitch> {
     if clip.num_frames < 4 {
         return Vec::new();
     }
-    let mut tracks = Tracks::of(clip, roles);
+    let mut tracks = BodyTracks::from_clip(clip, roles);
     let mut all = drop_outs(clip);
     for g in &all {
-        tracks.lay_past(g.frames.start, g.frames.end);
+        tracks.bridge_frames(g.frames.start, g.frames.end);
     }
     all.extend(tracks.freezes());
     all.extend(tracks.edges());
     for g in &all {
-        tracks.lay_past(g.frames.start, g.frames.end);
+        tracks.bridge_frames(g.frames.start, g.frames.end);
     }
     all.extend(tracks.pops(clip, roles));
     all.extend(tracks.jumps(clip, roles));
-    merge(all)
+    merge_glitches(all)
 }
 
 /// The least turn that is a fault, given that of limbs (degrees); head, hands and toes shake more.
@@ -67,23 +67,23 @@ fn carries_nothing(j: Joint) -> bool {
 }
 
 fn glitch(kind: GlitchKind, start: usize, end: usize, what: String) -> Glitch {
-    Glitch { kind, frames: start..end, joints: Vec::new(), what, treated: Treated::Kept }
+    Glitch { kind, frames: start..end, joints: Vec::new(), what, treated: GlitchTreatment::Kept }
 }
 
 /// The joints of the file that lead to a role from the one above it.
-fn path(clip: &RawClip, roles: &RoleMap, j: Joint) -> Vec<usize> {
-    let above = above(roles, j);
+fn path_to_role(clip: &RawClip, roles: &RoleMap, j: Joint) -> Vec<usize> {
+    let above = parent_role_joint(roles, j);
     let up = std::iter::successors(roles.get(j), |&k| clip.joints[k].parent);
     up.take_while(|&k| Some(k) != above).collect()
 }
 
 /// The joint of the nearest role above.
-fn above(roles: &RoleMap, j: Joint) -> Option<usize> {
+fn parent_role_joint(roles: &RoleMap, j: Joint) -> Option<usize> {
     std::iter::successors(j.parent(), |p| p.parent()).find_map(|p| roles.get(p))
 }
 
 /// Sorts glitches, and merges those that overlap or touch; the words of the first one stay.
-fn merge(mut all: Vec<Glitch>) -> Vec<Glitch> {
+fn merge_glitches(mut all: Vec<Glitch>) -> Vec<Glitch> {
     all.retain(|g| !g.frames.is_empty());
     all.sort_by_key(|g| (g.frames.start, g.kind, g.frames.end));
     let mut out: Vec<Glitch> = Vec::new();
@@ -121,12 +121,12 @@ fn drop_outs(clip: &RawClip) -> Vec<Glitch> {
     }
     let is_away = |f: usize| f < clip.num_frames && !at_zero(f);
     let inner = |r: &FrameRange| r.start.checked_sub(1).is_some_and(is_away) && is_away(r.end);
-    let all = runs(0..clip.num_frames, |f| zero[f]).into_iter().filter(inner);
+    let all = runs_where(0..clip.num_frames, |f| zero[f]).into_iter().filter(inner);
     all.map(|r| glitch(GlitchKind::DropOut, r.start, r.end, "all numbers are zero".into())).collect()
 }
 
-impl Tracks {
-    fn of(clip: &RawClip, roles: &RoleMap) -> Self {
+impl BodyTracks {
+    fn from_clip(clip: &RawClip, roles: &RoleMap) -> Self {
         let mut joints: Vec<(Joint, Vec<Quat>, Vec<Vec3>)> = Joint::ALL
             .into_iter()
             .filter(|&j| roles.get(j).is_some())
@@ -136,7 +136,7 @@ impl Tracks {
             let world = clip.world(f);
             for (j, turns, places) in &mut joints {
                 let Some((at, turn)) = roles.get(*j).map(|k| world[k]) else { continue };
-                let (origin, axes) = above(roles, *j).map_or((Vec3::ZERO, Quat::IDENTITY), |a| world[a]);
+                let (origin, axes) = parent_role_joint(roles, *j).map_or((Vec3::ZERO, Quat::IDENTITY), |a| world[a]);
                 turns.push(maths::compose(axes.inverse(), turn).normalize());
                 places.push(axes.inverse() * (at - origin));
             }
@@ -149,7 +149,7 @@ impl Tracks {
     }
 
     /// Bridges all tracks over some frames, so that these are not found again.
-    fn lay_past(&mut self, start: usize, end: usize) {
+    fn bridge_frames(&mut self, start: usize, end: usize) {
         let n = self.num_frames;
         let (before, after) = (start.checked_sub(1), Some(end).filter(|&f| f < n));
         let (Some(a), Some(b)) = (before.or(after), after.or(before)) else { return };
@@ -163,7 +163,7 @@ impl Tracks {
     }
 
     /// Travel of the hips, and the largest turn of a joint, from the frame before to this one.
-    fn step(&self, f: usize) -> (f32, f32) {
+    fn largest_step(&self, f: usize) -> (f32, f32) {
         let turn = |(_, turns, _): &(Joint, Vec<Quat>, Vec<Vec3>)| turns[f].apart(turns[f - 1]);
         let travel = self.joints.first().map_or(0.0, |(_, _, p)| p[f].apart(p[f - 1]));
         (travel, self.joints.iter().map(turn).fold(0.0, f32::max))
@@ -172,7 +172,7 @@ impl Tracks {
     /// Finds stretches in the middle of motion in which nothing moves from one frame to the next.
     fn freezes(&self) -> Vec<Glitch> {
         let steps: Vec<(f32, f32)> =
-            (0..self.num_frames).map(|f| if f == 0 { (1.0, 1.0) } else { self.step(f) }).collect();
+            (0..self.num_frames).map(|f| if f == 0 { (1.0, 1.0) } else { self.largest_step(f) }).collect();
         let rate = self.rate_hz as f32;
         let still = |f: usize| steps[f].0 < FROZEN.0 && steps[f].1 < FROZEN.1;
         let moves = |f: usize, share: f32| {
@@ -194,7 +194,7 @@ impl Tracks {
             };
             Some(glitch(kind, r.start, r.end, what.into()))
         };
-        runs(1..self.num_frames, still).into_iter().filter_map(found).collect()
+        runs_where(1..self.num_frames, still).into_iter().filter_map(found).collect()
     }
 
     /// Finds poses at the start or end that the motion does not lead to.
@@ -206,14 +206,14 @@ impl Tracks {
         let mut out = Vec::new();
         for k in (1..=edge.min(n.saturating_sub(6))).rev() {
             let pace = (k + 1..k + 5).map(total).fold(0.0, f32::max);
-            if total(k) > 4.0 * pace + 1.0 && self.step(k).1 > 0.45 {
+            if total(k) > 4.0 * pace + 1.0 && self.largest_step(k).1 > 0.45 {
                 out.push(glitch(GlitchKind::Apart, 0, k, "a pose apart from the motion".into()));
                 break;
             }
         }
         for k in (n.saturating_sub(edge).max(6)..n).filter(|&k| k > 5) {
             let pace = (k - 4..k).map(total).fold(0.0, f32::max);
-            if total(k) > 4.0 * pace + 1.0 && self.step(k).1 > 0.45 {
+            if total(k) > 4.0 * pace + 1.0 && self.largest_step(k).1 > 0.45 {
                 out.push(glitch(GlitchKind::Apart, k, n, "a pose apart from the motion".into()));
                 break;
             }
@@ -229,19 +229,23 @@ impl Tracks {
         let mut out = Vec::new();
         for (j, turns, places) in &mut self.joints {
             let name = roles.get(*j).map_or("", |k| clip.joints[k].name.as_str());
-            let joints = path(clip, roles, *j);
-            let mut add = |kind, away: Away, what| {
+            let joints = path_to_role(clip, roles, *j);
+            let mut add = |kind, away: Deviation, what| {
                 out.push(Glitch { joints: joints.clone(), ..glitch(kind, away.start, away.end, what) });
             };
             for away in spikes(places, longest, far) {
-                add(GlitchKind::Pop, away, format!("`{name}` is {:.2} m away and back again", away.by));
+                add(GlitchKind::Pop, away, format!("`{name}` is {:.2} m away and back again", away.distance));
             }
             let mut flips = spikes(turns, longest, least_turn(*j, turned));
             if !carries_nothing(*j) {
-                flips.extend(sharp(turns, SHARP_TURN.to_radians()));
+                flips.extend(sharp_moves(turns, SHARP_TURN.to_radians()));
             }
             for away in flips {
-                add(GlitchKind::Flip, away, format!("`{name}` turns by {:.0} degrees and back", away.by.to_degrees()));
+                add(
+                    GlitchKind::Flip,
+                    away,
+                    format!("`{name}` turns by {:.0} degrees and back", away.distance.to_degrees()),
+                );
             }
         }
         out
@@ -255,25 +259,25 @@ impl Tracks {
         for (j, turns, places) in &self.joints {
             let name = roles.get(*j).map_or("", |k| clip.joints[k].name.as_str());
             for step in steps(places, far) {
-                let what = format!("`{name}` jumps by {:.2} m", step.by);
+                let what = format!("`{name}` jumps by {:.2} m", step.distance);
                 out.push(self.at_step(step.start, GlitchKind::Jump, what));
             }
             let mut leaps = steps(turns, least_turn(*j, turned)).into_iter().peekable();
             while let Some(step) = leaps.next() {
-                let what = format!("`{name}` turns by {:.0} degrees in a frame", step.by.to_degrees());
+                let what = format!("`{name}` turns by {:.0} degrees in a frame", step.distance.to_degrees());
                 let back = leaps.peek().filter(|b| {
-                    let near = turns[step.start - 1].apart(turns[b.start]) < 0.5 * step.by;
+                    let near = turns[step.start - 1].apart(turns[b.start]) < 0.5 * step.distance;
                     near && b.start - step.start <= self.frames(MAX_FLIP)
                 });
                 match back {
                     Some(back) => {
-                        let joints = path(clip, roles, *j);
+                        let joints = path_to_role(clip, roles, *j);
                         out.push(Glitch { joints, ..glitch(GlitchKind::Flip, step.start, back.start, what) });
                         leaps.next();
                     }
                     // No other joint hangs on it: its turn can be spread over a few frames.
                     None if carries_nothing(*j) => {
-                        let joints = path(clip, roles, *j);
+                        let joints = path_to_role(clip, roles, *j);
                         out.push(Glitch { joints, ..self.at_step(step.start, GlitchKind::Flip, what) });
                     }
                     None => out.push(self.at_step(step.start, GlitchKind::Jump, what)),
@@ -306,7 +310,7 @@ mod tests {
             let places =
                 (0..60usize).map(|f| Vec3::X * (0.03 * (f.min(held.start) + f.saturating_sub(held.end)) as f32));
             let joints = vec![(Joint::Hips, vec![Quat::IDENTITY; 60], places.collect())];
-            let found = Tracks { joints, rate_hz: 30.0, num_frames: 60 }.freezes();
+            let found = BodyTracks { joints, rate_hz: 30.0, num_frames: 60 }.freezes();
             assert_eq!(found.len(), 1);
             found[0].what.clone()
         };
@@ -318,7 +322,7 @@ mod tests {
     #[test]
     fn glitches_that_touch_are_one_that_has_each_joint_once() {
         let of = |f: usize| Glitch { joints: vec![3, 2], ..glitch(GlitchKind::Pop, f, f + 1, String::new()) };
-        let one = merge((0..5).map(of).collect());
+        let one = merge_glitches((0..5).map(of).collect());
         assert_eq!((one.len(), &one[0].frames, &one[0].joints[..]), (1, &(0..5), &[2, 3][..]));
     }
 }

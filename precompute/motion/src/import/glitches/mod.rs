@@ -62,12 +62,12 @@ pub struct Glitch {
     /// Finding, as warnings print it.
     pub what: String,
     /// Treatment that it got.
-    pub treated: Treated,
+    pub treated: GlitchTreatment,
 }
 
 /// Treatment that a glitch got.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Treated {
+pub enum GlitchTreatment {
     /// Left out of all stages that follow.
     Cut,
     /// Interpolated.
@@ -76,7 +76,7 @@ pub enum Treated {
     Kept,
 }
 
-impl Treated {
+impl GlitchTreatment {
     /// Name in words.
     pub fn name(self) -> &'static str {
         match self {
@@ -123,8 +123,13 @@ const MANY_REPEATS: f64 = 0.25;
 
 /// Finds the glitches of a clip in metres and treats them as configured. Frames that are cut are bridged, too: a joint that is
 /// elsewhere for a frame must not move the ground of the whole clip.
-pub(super) fn treat(clip: &mut RawClip, roles: &RoleMap, how: Glitches, warnings: &mut Warnings) -> Vec<Glitch> {
-    let mut all = find::find(clip, roles);
+pub(super) fn treat_glitches(
+    clip: &mut RawClip,
+    roles: &RoleMap,
+    how: Glitches,
+    warnings: &mut Warnings,
+) -> Vec<Glitch> {
+    let mut all = find::find_glitches(clip, roles);
     if all.is_empty() {
         return all;
     }
@@ -134,20 +139,20 @@ pub(super) fn treat(clip: &mut RawClip, roles: &RoleMap, how: Glitches, warnings
         let back = !matches!(glitch.kind, GlitchKind::Jump | GlitchKind::Freeze);
         let bridged = how == Glitches::Bridge && inside && short && back;
         glitch.treated = match how {
-            Glitches::Keep => Treated::Kept,
-            _ if bridged => Treated::Bridged,
-            _ => Treated::Cut,
+            Glitches::Keep => GlitchTreatment::Kept,
+            _ if bridged => GlitchTreatment::Bridged,
+            _ => GlitchTreatment::Cut,
         };
     }
     if how != Glitches::Keep {
         all.iter().filter(|g| g.kind != GlitchKind::Jump).for_each(|g| mend::bridge(clip, g));
     }
     let has = |treated| all.iter().any(|g| g.treated == treated);
-    let done = match (has(Treated::Bridged), has(Treated::Cut)) {
+    let done = match (has(GlitchTreatment::Bridged), has(GlitchTreatment::Cut)) {
         (true, true) => "bridged or cut out",
-        (true, false) => Treated::Bridged.name(),
-        (false, true) => Treated::Cut.name(),
-        (false, false) => Treated::Kept.name(),
+        (true, false) => GlitchTreatment::Bridged.name(),
+        (false, true) => GlitchTreatment::Cut.name(),
+        (false, false) => GlitchTreatment::Kept.name(),
     };
     // In a take whose rate was raised, every other frame is a repetition.
     let (repeats, others): (Vec<_>, Vec<_>) = all.iter().partition(|g| g.kind == GlitchKind::Repeat);

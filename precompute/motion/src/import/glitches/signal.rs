@@ -4,14 +4,14 @@ use glam::{Quat, Vec3};
 use throng_base::maths;
 
 /// A position or a rotation.
-pub trait Value: Copy {
+pub trait TrackValue: Copy {
     /// Distance (m) or angle (rad).
     fn apart(self, other: Self) -> f32;
     /// Interpolation towards another value.
     fn towards(self, other: Self, ratio: f32) -> Self;
 }
 
-impl Value for Vec3 {
+impl TrackValue for Vec3 {
     fn apart(self, other: Self) -> f32 {
         self.distance(other)
     }
@@ -21,7 +21,7 @@ impl Value for Vec3 {
     }
 }
 
-impl Value for Quat {
+impl TrackValue for Quat {
     fn apart(self, other: Self) -> f32 {
         // Exact for small angles, where a dot product is not.
         let d = maths::compose(self.inverse(), other);
@@ -48,15 +48,15 @@ const BACK: f32 = 0.5;
 
 /// A run of frames that is away from its path, and its distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Away {
+pub struct Deviation {
     pub start: usize,
     pub end: usize,
-    pub by: f32,
+    pub distance: f32,
 }
 
 /// Finds runs of up to `max_frames` frames that are farther than `limit` from the interpolation between the frames around them,
 /// which go on as if nothing had been, and replaces them by that interpolation.
-pub fn spikes<V: Value>(track: &mut [V], max_frames: usize, limit: f32) -> Vec<Away> {
+pub fn spikes<V: TrackValue>(track: &mut [V], max_frames: usize, limit: f32) -> Vec<Deviation> {
     let mut out = Vec::new();
     for width in 1..=max_frames {
         let Some(last) = track.len().checked_sub(width + 1) else { break };
@@ -68,7 +68,7 @@ pub fn spikes<V: Value>(track: &mut [V], max_frames: usize, limit: f32) -> Vec<A
                     for k in 0..width {
                         track[f + k] = a.towards(b, (k + 1) as f32 / (width + 1) as f32);
                     }
-                    out.push(Away { start: f, end: f + width, by });
+                    out.push(Deviation { start: f, end: f + width, distance: by });
                     f += width;
                 }
                 None => f += 1,
@@ -80,7 +80,7 @@ pub fn spikes<V: Value>(track: &mut [V], max_frames: usize, limit: f32) -> Vec<A
 
 /// Finds single frames that are farther than `limit` from the mean of their neighbours, in a stretch where no other is: the
 /// frames around go on evenly, as no body does next to so sharp a move. Replaces them by that mean.
-pub fn sharp<V: Value>(track: &mut [V], limit: f32) -> Vec<Away> {
+pub fn sharp_moves<V: TrackValue>(track: &mut [V], limit: f32) -> Vec<Deviation> {
     let n = track.len();
     let mut out = Vec::new();
     for f in 1..n.saturating_sub(1) {
@@ -95,20 +95,20 @@ pub fn sharp<V: Value>(track: &mut [V], limit: f32) -> Vec<Away> {
         let gap = track[f - 1].apart(track[f + 1]);
         if by > SHARP * around && by > SHARP * pace && gap < 2.0 * pace + 0.1 * by {
             track[f] = track[f - 1].towards(track[f + 1], 0.5);
-            out.push(Away { start: f, end: f + 1, by });
+            out.push(Deviation { start: f, end: f + 1, distance: by });
         }
     }
     out
 }
 
 /// Least distance of `width` frames from `f` on from the interpolation past them.
-fn residual<V: Value>(track: &[V], f: usize, width: usize) -> f32 {
+fn residual<V: TrackValue>(track: &[V], f: usize, width: usize) -> f32 {
     let (a, b) = (track[f - 1], track[f + width]);
     let off = |k: usize| track[f + k].apart(a.towards(b, (k + 1) as f32 / (width + 1) as f32));
     (0..width).map(off).fold(f32::INFINITY, f32::min)
 }
 
-fn spike<V: Value>(track: &[V], f: usize, width: usize, limit: f32) -> Option<f32> {
+fn spike<V: TrackValue>(track: &[V], f: usize, width: usize, limit: f32) -> Option<f32> {
     let by = residual(track, f, width);
     if by.is_nan() || by < limit {
         return None;
@@ -121,11 +121,11 @@ fn spike<V: Value>(track: &[V], f: usize, width: usize, limit: f32) -> Option<f3
     if gap > BACK * by || pace > 0.6 * by || !leaps {
         return None;
     }
-    (by > CONTRAST * common(f, width, n, |k| residual(track, k, width))).then_some(by)
+    (by > CONTRAST * median_around(f, width, n, |k| residual(track, k, width))).then_some(by)
 }
 
 /// Median of a measure around a run of frames, without the frames that touch it.
-fn common(f: usize, width: usize, n: usize, of: impl Fn(usize) -> f32) -> f32 {
+fn median_around(f: usize, width: usize, n: usize, of: impl Fn(usize) -> f32) -> f32 {
     let (low, high) = (f.saturating_sub(AROUND + width).max(1), (f + AROUND + width).min(n.saturating_sub(width + 1)));
     let mut all: Vec<f32> =
         (low..high).filter(|&k| k + width < f || k > f + width).map(of).filter(|v| v.is_finite()).collect();
@@ -135,13 +135,13 @@ fn common(f: usize, width: usize, n: usize, of: impl Fn(usize) -> f32) -> f32 {
 
 /// Finds frames that are farther than `limit` from the one before, without a motion of the frames next to them that leads
 /// there.
-pub fn steps<V: Value>(track: &[V], limit: f32) -> Vec<Away> {
+pub fn steps<V: TrackValue>(track: &[V], limit: f32) -> Vec<Deviation> {
     let n = track.len();
     let step = |k: usize| if k == 0 || k >= n { 0.0 } else { track[k].apart(track[k - 1]) };
     let leap = |f: usize| {
         let by = step(f);
         let pace = step(f - 1).max(step(f + 1));
-        (by > limit && by > STEP_CONTRAST * pace).then_some(Away { start: f, end: f, by })
+        (by > limit && by > STEP_CONTRAST * pace).then_some(Deviation { start: f, end: f, distance: by })
     };
     (1..n).filter_map(leap).collect()
 }

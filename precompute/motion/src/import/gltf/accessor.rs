@@ -2,7 +2,7 @@
 
 use super::super::archive::read_file;
 use super::super::source::content_error;
-use super::document::{Accessor, Document, Sparse, SparsePart};
+use super::document::{Accessor, GltfDocument, Sparse, SparsePart};
 use crate::ImportError;
 use std::borrow::Cow;
 use std::path::{Component, Path, PathBuf};
@@ -20,18 +20,18 @@ const UNSIGNED_INT: u32 = 5125;
 const FLOAT: u32 = 5126;
 
 /// The buffers of a document, read.
-pub struct Reader<'a> {
-    document: &'a Document,
+pub struct AccessorReader<'a> {
+    document: &'a GltfDocument,
     /// Bytes of each buffer; `None` for buffers whose contents are only in compressed parts.
     buffers: Vec<Option<Cow<'a, [u8]>>>,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> AccessorReader<'a> {
     /// Reads all buffers: `binary` is the one without a place of its own, files lie beside `path`.
     ///
     /// # Errors
     /// [`ImportError`] with file and buffer.
-    pub fn new(document: &'a Document, binary: Option<&'a [u8]>, path: &Path) -> Result<Self, ImportError> {
+    pub fn new(document: &'a GltfDocument, binary: Option<&'a [u8]>, path: &Path) -> Result<Self, ImportError> {
         let mut buffers: Vec<Option<Cow<'a, [u8]>>> = Vec::new();
         let mut left = MAX_BYTES;
         for (i, buffer) in document.buffers.iter().enumerate() {
@@ -43,7 +43,7 @@ impl<'a> Reader<'a> {
                     Some(Cow::Owned(data.ok_or_else(|| fail("expected data in base64", "Export it again"))?))
                 }
                 Some(uri) => {
-                    let file = beside(path, uri).map_err(|e| fail(&e, "Put it there"))?;
+                    let file = path_beside(path, uri).map_err(|e| fail(&e, "Put it there"))?;
                     // Buffers of one file count each time: the rest of the limit for all is the limit of this one.
                     Some(Cow::Owned(read_file(&file, "what is left for the buffers of a document", left)?))
                 }
@@ -57,7 +57,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A reader of the only buffer of a document, which was read before.
-    pub(crate) fn of_buffer(document: &'a Document, bytes: &'a [u8]) -> Self {
+    pub(crate) fn from_buffer(document: &'a GltfDocument, bytes: &'a [u8]) -> Self {
         Self { document, buffers: vec![Some(Cow::Borrowed(bytes))] }
     }
 
@@ -256,7 +256,7 @@ pub(crate) fn base64(text: &str) -> Option<Vec<u8>> {
 ///
 /// # Errors
 /// A name that leads elsewhere.
-pub fn beside(path: &Path, uri: &str) -> Result<PathBuf, String> {
+pub fn path_beside(path: &Path, uri: &str) -> Result<PathBuf, String> {
     let name = unescaped(uri);
     let outside = || format!("expected a file in its own folder or below, found `{uri}`");
     let plain = |c: Component<'_>| matches!(c, Component::Normal(_) | Component::CurDir);

@@ -19,7 +19,7 @@ const MAX_ITEMS: usize = 1_000_000;
 /// A glTF document. Its parts name each other by their places in these lists.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
-pub struct Document {
+pub struct GltfDocument {
     /// The scene that is shown.
     pub scene: Option<usize>,
     /// All scenes.
@@ -27,16 +27,16 @@ pub struct Document {
     pub scenes: Vec<SceneNodes>,
     /// All nodes.
     #[serde(deserialize_with = "limited")]
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<GltfNode>,
     /// All meshes.
     #[serde(deserialize_with = "limited")]
-    pub meshes: Vec<Mesh>,
+    pub meshes: Vec<GltfMesh>,
     /// All skins.
     #[serde(deserialize_with = "limited")]
     pub skins: Vec<Skin>,
     /// All animations.
     #[serde(deserialize_with = "limited")]
-    pub animations: Vec<Animation>,
+    pub animations: Vec<GltfAnimation>,
     /// All accessors.
     #[serde(deserialize_with = "limited")]
     pub accessors: Vec<Accessor>,
@@ -62,7 +62,7 @@ pub struct SceneNodes {
 /// A frame, what it shows and the frames in it.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub struct Node {
+pub struct GltfNode {
     /// Name, which need not be unique.
     pub name: String,
     /// Nodes in its frame.
@@ -85,14 +85,14 @@ pub struct Node {
 
 /// Geometry in parts.
 #[derive(Debug, Deserialize)]
-pub struct Mesh {
+pub struct GltfMesh {
     /// Parts.
-    pub primitives: Vec<Primitive>,
+    pub primitives: Vec<GltfPrimitive>,
 }
 
 /// A part of a mesh.
 #[derive(Debug, Deserialize)]
-pub struct Primitive {
+pub struct GltfPrimitive {
     /// Attributes of each corner.
     pub attributes: Attributes,
     /// Accessor of the corners in order.
@@ -136,29 +136,29 @@ pub struct Skin {
 /// Motion of nodes.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub struct Animation {
+pub struct GltfAnimation {
     /// Its name.
     pub name: String,
     /// Quantities that move, with their samplers.
     #[serde(deserialize_with = "limited")]
-    pub channels: Vec<Channel>,
+    pub channels: Vec<GltfChannel>,
     /// Values over time.
     #[serde(deserialize_with = "limited")]
-    pub samplers: Vec<Sampler>,
+    pub samplers: Vec<GltfSampler>,
 }
 
 /// A quantity of a node that a sampler moves.
 #[derive(Debug, Deserialize)]
-pub struct Channel {
+pub struct GltfChannel {
     /// Place in the animation's list of samplers.
     pub sampler: usize,
     /// The quantity.
-    pub target: Target,
+    pub target: GltfTarget,
 }
 
 /// A quantity of a node.
 #[derive(Debug, Deserialize)]
-pub struct Target {
+pub struct GltfTarget {
     /// The node; extensions leave it out.
     pub node: Option<usize>,
     /// `translation`, `rotation`, `scale`, `weights`, or what extensions add.
@@ -167,7 +167,7 @@ pub struct Target {
 
 /// Values over time.
 #[derive(Debug, Deserialize)]
-pub struct Sampler {
+pub struct GltfSampler {
     /// Accessor of the times (s).
     pub input: usize,
     /// Accessor of the values.
@@ -275,7 +275,7 @@ pub struct Buffer {
 ///
 /// # Errors
 /// The fault, and the way out.
-pub fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
+pub fn parse(bytes: &[u8]) -> Result<(GltfDocument, Option<&[u8]>), String> {
     let (text, binary) = split(bytes)?;
     if text.len() > MAX_TEXT {
         let mib = MAX_TEXT >> 20;

@@ -1,6 +1,6 @@
 //! Triangles of glTF 2.0 files: positions and indices of triangle primitives, placed by the nodes of the scene.
 
-use super::{Document, MAX_BYTES, Node, Primitive, Reader, document};
+use super::{AccessorReader, GltfDocument, GltfNode, GltfPrimitive, MAX_BYTES, document};
 use crate::error::BuildError;
 use glam::{Mat4, Quat, Vec3};
 use std::path::Path;
@@ -35,9 +35,9 @@ pub fn triangles(path: &Path) -> Result<Vec<[Vec3; 3]>, BuildError> {
         let help = "export without compression and other required extensions";
         return Err(fail(format!("extensionsRequired: `{extension}` is not supported; {help}")));
     }
-    let reader = Reader::new(&document, binary, path)?;
+    let reader = AccessorReader::new(&document, binary, path)?;
     let seen = vec![false; document.nodes.len()];
-    let mut scene = Scene { document: &document, reader, seen, positions: 0, parts: 0, out: Vec::new() };
+    let mut scene = TriangleScene { document: &document, reader, seen, positions: 0, parts: 0, out: Vec::new() };
     for root in roots(&document).map_err(fail)? {
         scene.node(root, Mat4::IDENTITY, 0).map_err(fail)?;
     }
@@ -47,7 +47,7 @@ pub fn triangles(path: &Path) -> Result<Vec<[Vec3; 3]>, BuildError> {
     Ok(scene.out)
 }
 
-fn roots(document: &Document) -> Result<Vec<usize>, String> {
+fn roots(document: &GltfDocument) -> Result<Vec<usize>, String> {
     let scene = document.scene.unwrap_or(0);
     match document.scenes.get(scene) {
         Some(s) => Ok(s.nodes.clone()),
@@ -65,9 +65,9 @@ fn roots(document: &Document) -> Result<Vec<usize>, String> {
 }
 
 /// A scene whose triangles are being collected.
-struct Scene<'a> {
-    document: &'a Document,
-    reader: Reader<'a>,
+struct TriangleScene<'a> {
+    document: &'a GltfDocument,
+    reader: AccessorReader<'a>,
     /// True for nodes that were visited.
     seen: Vec<bool>,
     /// Positions that were read so far, over all parts.
@@ -77,7 +77,7 @@ struct Scene<'a> {
     out: Vec<[Vec3; 3]>,
 }
 
-impl Scene<'_> {
+impl TriangleScene<'_> {
     fn node(&mut self, index: usize, outer: Mat4, depth: usize) -> Result<(), String> {
         let node = self.document.nodes.get(index).ok_or_else(|| format!("nodes[{index}]: there is no such node"))?;
         if depth > MAX_DEPTH {
@@ -97,7 +97,7 @@ impl Scene<'_> {
         node.children.iter().try_for_each(|&c| self.node(c, here, depth + 1))
     }
 
-    fn primitive(&mut self, primitive: &Primitive, at: Mat4) -> Result<(), String> {
+    fn primitive(&mut self, primitive: &GltfPrimitive, at: Mat4) -> Result<(), String> {
         self.parts += 1;
         if self.parts > MAX_PARTS {
             return Err(format!("nodes may show {MAX_PARTS} parts of meshes at most; merge them"));
@@ -147,7 +147,7 @@ impl Scene<'_> {
 }
 
 /// A node's frame in its parent's.
-fn transform(node: &Node) -> Result<Mat4, String> {
+fn transform(node: &GltfNode) -> Result<Mat4, String> {
     let (m, key) = match node.matrix {
         Some(m) => (Mat4::from_cols_array(&m), "matrix"),
         None => {

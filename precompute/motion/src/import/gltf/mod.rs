@@ -8,16 +8,17 @@ mod mesh;
 mod sampler;
 
 use super::archive;
-use super::nodes::{self, FALLBACK_HZ, Scene, Span, Transform, rate_of_keys};
+use super::nodes::{self, AnimationSpan, FALLBACK_HZ, RigScene, Transform, rate_of_keys};
 use super::source::{MAX_JOINTS, SourceClip, content_error};
 use crate::error::ImportError;
 use crate::raw::SourceFormat;
 pub(crate) use accessor::base64;
-pub use accessor::{MAX_BYTES, Reader, beside};
+pub use accessor::{AccessorReader, MAX_BYTES, path_beside};
 pub(crate) use document::split;
 pub use document::{
-    Accessor, Animation, Attributes, Buffer, BufferView, Channel, Document, Interpolation, Mesh, Node, Primitive,
-    Sampler, SceneNodes, Skin, Sparse, SparsePart, Target, ViewExtensions, parse as document,
+    Accessor, Attributes, Buffer, BufferView, GltfAnimation, GltfChannel, GltfDocument, GltfMesh, GltfNode,
+    GltfPrimitive, GltfSampler, GltfTarget, Interpolation, SceneNodes, Skin, Sparse, SparsePart, ViewExtensions,
+    parse as document,
 };
 use glam::{DMat4, DQuat, DVec3, Mat4};
 pub(crate) use mesh::MAX_PARTS;
@@ -38,7 +39,7 @@ pub fn buffer_files(bytes: &[u8], path: &Path) -> Result<Vec<PathBuf>, ImportErr
     let fail = |what: String| content_error(path, what, HELP);
     let (document, _) = document(bytes).map_err(fail)?;
     let uris = document.buffers.iter().filter_map(|b| b.uri.as_deref()).filter(|uri| !uri.starts_with("data:"));
-    uris.map(|uri| beside(path, uri).map_err(fail)).collect()
+    uris.map(|uri| path_beside(path, uri).map_err(fail)).collect()
 }
 
 /// Reads the clips of a `.gltf` or `.glb` file: one for each animation and each skeleton that it moves.
@@ -48,19 +49,19 @@ pub fn buffer_files(bytes: &[u8], path: &Path) -> Result<Vec<PathBuf>, ImportErr
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<SourceClip>, ImportError> {
     let fail = |what: String| content_error(path, what, HELP);
     let (document, binary) = document(bytes).map_err(fail)?;
-    let reader = Reader::new(&document, binary, path)?;
+    let reader = AccessorReader::new(&document, binary, path)?;
     let num_bytes = archive::counted_bytes(path, bytes.len()).saturating_add(reader.num_bytes());
     let mut scene_nodes = scene_nodes(&document).map_err(fail)?;
-    bind(&document, &reader, &mut scene_nodes).map_err(fail)?;
+    set_bind_rotations(&document, &reader, &mut scene_nodes).map_err(fail)?;
     let mut samplers = Samplers::new(&reader, num_bytes);
-    let mut animations: Vec<Box<dyn nodes::Animation>> = Vec::new();
+    let mut animations: Vec<Box<dyn nodes::NodeAnimation>> = Vec::new();
     for (i, a) in document.animations.iter().enumerate() {
-        let tracks = Tracks::new(a, i, scene_nodes.len(), &mut samplers);
+        let tracks = KeyTracks::new(a, i, scene_nodes.len(), &mut samplers);
         animations.push(Box::new(tracks.map_err(|e| fail(format!("animations[{i}].{e}")))?));
     }
     let skins = document.skins.iter().map(|s| s.joints.clone()).collect();
     let format = SourceFormat::Gltf;
-    Scene { path, format, num_bytes, nodes: scene_nodes, skins, animations }.clips()
+    RigScene { path, format, num_bytes, nodes: scene_nodes, skins, animations }.clips()
 }
 
 /// The people of a `.gltf` or `.glb` file that have skins, in the rest pose of its nodes.
@@ -74,20 +75,20 @@ pub(crate) fn rigs(bytes: &[u8], path: &Path) -> Result<Vec<nodes::Rig>, ImportE
         let help = "Export the mesh with the skeleton that carries it, as .glb";
         return Err(content_error(path, "it has no skin: no joints carry a mesh", help));
     }
-    let reader = Reader::new(&document, binary, path)?;
+    let reader = AccessorReader::new(&document, binary, path)?;
     let num_bytes = bytes.len().saturating_add(reader.num_bytes());
     let mut nodes = scene_nodes(&document).map_err(fail)?;
-    bind(&document, &reader, &mut nodes).map_err(fail)?;
+    set_bind_rotations(&document, &reader, &mut nodes).map_err(fail)?;
     let skins = document.skins.iter().map(|s| s.joints.clone()).collect();
-    Scene { path, format: SourceFormat::Gltf, num_bytes, nodes, skins, animations: Vec::new() }.rigs()
+    RigScene { path, format: SourceFormat::Gltf, num_bytes, nodes, skins, animations: Vec::new() }.rigs()
 }
 
-pub(crate) fn scene_nodes(document: &Document) -> Result<Vec<nodes::Node>, String> {
+pub(crate) fn scene_nodes(document: &GltfDocument) -> Result<Vec<nodes::RigNode>, String> {
     let mut out = Vec::new();
     for (i, node) in document.nodes.iter().enumerate() {
         let name = if node.name.is_empty() { format!("node {i}") } else { node.name.clone() };
         let shows = node.mesh.is_some() || node.camera.is_some();
-        out.push(nodes::Node { name, parent: None, local: local(node), bind: None, shows });
+        out.push(nodes::RigNode { name, parent: None, local: local_transform(node), bind: None, shows });
     }
     for (i, node) in document.nodes.iter().enumerate() {
         for &c in &node.children {
@@ -100,7 +101,7 @@ pub(crate) fn scene_nodes(document: &Document) -> Result<Vec<nodes::Node>, Strin
     Ok(out)
 }
 
-pub(crate) fn local(node: &Node) -> Transform {
+pub(crate) fn local_transform(node: &GltfNode) -> Transform {
     if let Some(m) = node.matrix {
         let (scale, rotation, translation) = Mat4::from_cols_array(&m).as_dmat4().to_scale_rotation_translation();
         return Transform { scale, rotation, translation };
@@ -114,7 +115,11 @@ pub(crate) fn local(node: &Node) -> Transform {
 }
 
 /// Records the rotations of joints in which skins were bound to them.
-fn bind(document: &Document, reader: &Reader<'_>, nodes: &mut [nodes::Node]) -> Result<(), String> {
+fn set_bind_rotations(
+    document: &GltfDocument,
+    reader: &AccessorReader<'_>,
+    nodes: &mut [nodes::RigNode],
+) -> Result<(), String> {
     for (i, skin) in document.skins.iter().enumerate() {
         if skin.joints.len() > MAX_JOINTS {
             return Err(format!("skins[{i}]: expected at most {MAX_JOINTS} joints, found {}", skin.joints.len()));
@@ -140,17 +145,22 @@ fn bind(document: &Document, reader: &Reader<'_>, nodes: &mut [nodes::Node]) -> 
 }
 
 /// The keys of an animation, by the node that they move.
-struct Tracks {
+struct KeyTracks {
     name: String,
     by_node: BTreeMap<usize, [Option<Keys>; 3]>,
     moved: BTreeSet<usize>,
 }
 
-/// Quantities that keys move, in the order of [`Tracks::by_node`].
+/// Quantities that keys move, in the order of [`KeyTracks::by_node`].
 const PATHS: [&str; 3] = ["scale", "rotation", "translation"];
 
-impl Tracks {
-    fn new(animation: &Animation, place: usize, num_nodes: usize, samplers: &mut Samplers<'_>) -> Result<Self, String> {
+impl KeyTracks {
+    fn new(
+        animation: &GltfAnimation,
+        place: usize,
+        num_nodes: usize,
+        samplers: &mut Samplers<'_>,
+    ) -> Result<Self, String> {
         let mut by_node = BTreeMap::<usize, [Option<Keys>; 3]>::new();
         for (i, channel) in animation.channels.iter().enumerate() {
             let path = PATHS.iter().position(|p| *p == channel.target.path);
@@ -170,7 +180,7 @@ impl Tracks {
     }
 }
 
-impl nodes::Animation for Tracks {
+impl nodes::NodeAnimation for KeyTracks {
     fn name(&self) -> String {
         self.name.clone()
     }
@@ -179,7 +189,7 @@ impl nodes::Animation for Tracks {
         &self.moved
     }
 
-    fn span(&self, nodes: &BTreeSet<usize>) -> Span {
+    fn span(&self, nodes: &BTreeSet<usize>) -> AnimationSpan {
         let of_nodes = self.by_node.iter().filter(|(n, _)| nodes.contains(n));
         let tracks = of_nodes.flat_map(|(_, keys)| keys.iter().flatten()).map(Keys::times);
         let (begin, end) = tracks.clone().fold((f64::INFINITY, f64::NEG_INFINITY), |(begin, end), times| {
@@ -190,7 +200,7 @@ impl nodes::Animation for Tracks {
             Some(rate_hz) => (rate_hz, "most keys are that far apart"),
             None => (FALLBACK_HZ, "its keys are too far apart to be frames"),
         };
-        Span { begin, end, rate_hz, finding: format!("{rate_hz} frames a second: {why}.") }
+        AnimationSpan { begin, end, rate_hz, finding: format!("{rate_hz} frames a second: {why}.") }
     }
 
     fn local(&self, node: usize, seconds: f64, rest: Transform) -> Transform {

@@ -1,7 +1,7 @@
 //! Keys of glTF animations, and their interpolation.
 
-use super::accessor::Reader;
-use super::document::{Interpolation, Sampler};
+use super::accessor::AccessorReader;
+use super::document::{GltfSampler, Interpolation};
 use glam::{DQuat, DVec3, DVec4};
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -13,7 +13,7 @@ const NEAR_S: f64 = 5e-5;
 
 /// Reader of samplers. Samplers that share accessors share their numbers.
 pub struct Samplers<'a> {
-    reader: &'a Reader<'a>,
+    reader: &'a AccessorReader<'a>,
     times: BTreeMap<usize, Rc<[f64]>>,
     values: BTreeMap<usize, Rc<[f32]>>,
     /// Number of numbers that may still be read.
@@ -31,18 +31,18 @@ pub struct Keys {
 
 impl<'a> Samplers<'a> {
     /// - `num_bytes`: length of the file and its buffers; accessors may share bytes, so numbers are counted.
-    pub fn new(reader: &'a Reader<'a>, num_bytes: usize) -> Self {
+    pub fn new(reader: &'a AccessorReader<'a>, num_bytes: usize) -> Self {
         let left = num_bytes.saturating_add(1 << 20);
         Self { reader, times: BTreeMap::new(), values: BTreeMap::new(), left }
     }
 
     /// The keys of a sampler of rotations or of vectors.
-    pub fn keys(&mut self, sampler: &Sampler, rotation: bool) -> Result<Keys, String> {
+    pub fn keys(&mut self, sampler: &GltfSampler, rotation: bool) -> Result<Keys, String> {
         let (kind, width) = if rotation { ("VEC4", 4) } else { ("VEC3", 3) };
         let times = match self.times.get(&sampler.input) {
             Some(times) => times.clone(),
             None => {
-                self.take(sampler.input, 1)?;
+                self.take_numbers(sampler.input, 1)?;
                 let times = seconds(&self.reader.floats(sampler.input, "SCALAR")?);
                 let times: Rc<[f64]> = times.map_err(|e| format!("accessors[{}]: {e}", sampler.input))?.into();
                 self.times.insert(sampler.input, times.clone());
@@ -52,7 +52,7 @@ impl<'a> Samplers<'a> {
         let values = match self.values.get(&sampler.output) {
             Some(values) => values.clone(),
             None => {
-                self.take(sampler.output, width)?;
+                self.take_numbers(sampler.output, width)?;
                 let values: Rc<[f32]> = self.reader.floats(sampler.output, kind)?.into();
                 self.values.insert(sampler.output, values.clone());
                 values
@@ -66,7 +66,7 @@ impl<'a> Samplers<'a> {
         Ok(Keys { times, values, width, interpolation: sampler.interpolation })
     }
 
-    fn take(&mut self, accessor: usize, width: usize) -> Result<(), String> {
+    fn take_numbers(&mut self, accessor: usize, width: usize) -> Result<(), String> {
         let numbers = self.reader.count(accessor)?.checked_mul(width);
         let left = numbers.and_then(|n| self.left.checked_sub(n));
         self.left = left.ok_or_else(|| format!("accessors[{accessor}]: more numbers than its file can hold"))?;
@@ -94,7 +94,7 @@ impl Keys {
     }
 
     pub fn vector(&self, seconds: f64) -> DVec3 {
-        let at = self.place(seconds);
+        let at = self.key_position(seconds);
         let value = |key: usize| self.number(key).truncate();
         match self.interpolation {
             _ if at.share == 0.0 => value(at.key),
@@ -105,7 +105,7 @@ impl Keys {
     }
 
     pub fn rotation(&self, seconds: f64) -> DQuat {
-        let at = self.place(seconds);
+        let at = self.key_position(seconds);
         let value = |key: usize| DQuat::from_vec4(self.number(key)).normalize();
         match self.interpolation {
             _ if at.share == 0.0 => value(at.key),
@@ -116,13 +116,13 @@ impl Keys {
     }
 
     /// The last key at or before a time, and the share of the way to the next one.
-    fn place(&self, seconds: f64) -> Place {
+    fn key_position(&self, seconds: f64) -> KeyPosition {
         let after = self.times.partition_point(|&t| t <= seconds + NEAR_S);
         let key = after.saturating_sub(1);
         let span = self.times.get(after).map_or(0.0, |next| next - self.times[key]);
         let passed = seconds - self.times[key];
         let share = if passed <= NEAR_S || span <= 0.0 { 0.0 } else { (passed / span).min(1.0) };
-        Place { key, share, span }
+        KeyPosition { key, share, span }
     }
 
     /// The value of a key.
@@ -139,7 +139,7 @@ impl Keys {
     }
 
     /// Hermite's cubic between two keys: their values, and their tangents times the seconds between them.
-    fn spline(&self, at: &Place) -> DVec4 {
+    fn spline(&self, at: &KeyPosition) -> DVec4 {
         let (s, s2, s3) = (at.share, at.share.powi(2), at.share.powi(3));
         let [from, to] = [at.key, at.key + 1];
         let (leaving, arriving) = (self.vector_at(3 * from + 2) * at.span, self.vector_at(3 * to) * at.span);
@@ -151,7 +151,7 @@ impl Keys {
 }
 
 /// Position of a time among keys.
-struct Place {
+struct KeyPosition {
     key: usize,
     /// Share of the way to the next key (0 to less than 1).
     share: f64,

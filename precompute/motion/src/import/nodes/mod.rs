@@ -11,7 +11,7 @@ use super::source::{FrameSink, MAX_NAME, SourceClip, content_error, duplicate_na
 use crate::error::ImportError;
 use crate::raw::{RawJoint, SourceFormat};
 use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
-use people::Person;
+use people::ScenePerson;
 #[cfg(feature = "fbx")]
 pub(super) use rate::without_rounding;
 pub(super) use rate::{FALLBACK_HZ, rate_of_keys};
@@ -50,7 +50,7 @@ impl Transform {
 }
 
 /// A node of a scene.
-pub(crate) struct Node {
+pub(crate) struct RigNode {
     pub name: String,
     pub parent: Option<usize>,
     /// Transform without animation.
@@ -62,12 +62,12 @@ pub(crate) struct Node {
 }
 
 /// Motion of nodes.
-pub(super) trait Animation {
+pub(super) trait NodeAnimation {
     fn name(&self) -> String;
     /// Nodes that it moves.
     fn moved(&self) -> &BTreeSet<usize>;
     /// Time span in which it moves any of some nodes.
-    fn span(&self, nodes: &BTreeSet<usize>) -> Span;
+    fn span(&self, nodes: &BTreeSet<usize>) -> AnimationSpan;
     /// Transform of a node that it moves, at a time (s); `rest`: its transform otherwise.
     fn local(&self, node: usize, seconds: f64, rest: Transform) -> Transform;
     /// Number of layers that are added up for a transform (1 or more).
@@ -77,7 +77,7 @@ pub(super) trait Animation {
 }
 
 /// First and last time (s), and frames a second in between (Hz).
-pub(super) struct Span {
+pub(super) struct AnimationSpan {
     pub begin: f64,
     pub end: f64,
     pub rate_hz: f64,
@@ -98,18 +98,18 @@ pub(crate) struct Rig {
 }
 
 /// A scene file.
-pub(super) struct Scene<'a> {
+pub(super) struct RigScene<'a> {
     pub path: &'a Path,
     pub format: SourceFormat,
     /// Length of the file, including buffers beside it (bytes).
     pub num_bytes: usize,
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<RigNode>,
     /// Nodes that carry a mesh together; none where the file has no such mesh.
     pub skins: Vec<Vec<usize>>,
-    pub animations: Vec<Box<dyn Animation + 'a>>,
+    pub animations: Vec<Box<dyn NodeAnimation + 'a>>,
 }
 
-impl Scene<'_> {
+impl RigScene<'_> {
     /// A clip for each animation and each person that it moves, by animation.
     ///
     /// # Errors
@@ -119,8 +119,9 @@ impl Scene<'_> {
         if self.animations.is_empty() {
             return Err(fail("it holds no animation".into(), "Export it with animations, or leave it out"));
         }
-        let people = people::find(self).map_err(|what| fail(what, "Export the skeleton and its motion again"))?;
-        let nodes = |p: &Person| p.above.iter().chain(&p.joints).copied().collect::<BTreeSet<usize>>();
+        let people =
+            people::find_people(self).map_err(|what| fail(what, "Export the skeleton and its motion again"))?;
+        let nodes = |p: &ScenePerson| p.above.iter().chain(&p.joints).copied().collect::<BTreeSet<usize>>();
         let nodes: Vec<BTreeSet<usize>> = people.iter().map(nodes).collect();
         let mut pairs = Vec::new();
         for (a, animation) in self.animations.iter().enumerate() {
@@ -167,12 +168,12 @@ impl Scene<'_> {
     /// [`ImportError::Content`] naming the node.
     pub fn rigs(&self) -> Result<Vec<Rig>, ImportError> {
         let fail = |what: String| content_error(self.path, what, "Export the character with its skeleton and skin");
-        let people = people::find(self).map_err(fail)?;
+        let people = people::find_people(self).map_err(fail)?;
         people.into_iter().map(|p| self.rig(p).map_err(fail)).collect()
     }
 
-    fn rig(&self, person: Person) -> Result<Rig, String> {
-        let rest = Rest::new(self, &person)?;
+    fn rig(&self, person: ScenePerson) -> Result<Rig, String> {
+        let rest = RestSkeleton::new(self, &person)?;
         let world = person.world(self, |node| self.nodes[node].local)?;
         let mut sink = FrameSink::new(rest.joints.clone(), rest.joints.len());
         sink.begin_frame();
@@ -193,19 +194,20 @@ impl Scene<'_> {
             findings: Vec::new(),
             warnings: Default::default(),
         };
-        let Person { above, joints, .. } = person;
+        let ScenePerson { above, joints, .. } = person;
         Ok(Rig { clip, above, joints, axes: rest.rotations })
     }
 
     /// Names of clips in their file: by animation where there are several, by person where there are several; `None` where
     /// there is one clip.
-    fn names(&self, pairs: &[(usize, usize)], people: &[Person]) -> Vec<Option<String>> {
+    fn names(&self, pairs: &[(usize, usize)], people: &[ScenePerson]) -> Vec<Option<String>> {
         let several = |of: fn(&(usize, usize)) -> usize| pairs.iter().any(|p| of(p) != of(&pairs[0]));
         let (animations, persons) = (several(|p| p.0), several(|p| p.1));
         let (mut taken, mut numbers) = (BTreeSet::new(), BTreeMap::<String, usize>::new());
         let mut name = |&(a, p): &(usize, usize)| {
             let parts = [animations.then(|| self.animations[a].name()), persons.then(|| people[p].name.clone())];
-            let words: Vec<String> = parts.iter().flatten().map(|n| plain(n)).filter(|n| !n.is_empty()).collect();
+            let words: Vec<String> =
+                parts.iter().flatten().map(|n| plain_clip_name(n)).filter(|n| !n.is_empty()).collect();
             let base = if words.is_empty() { "clip".to_owned() } else { words.join("/") };
             let number = numbers.entry(base.clone()).or_insert(0);
             let free = loop {
@@ -222,15 +224,16 @@ impl Scene<'_> {
 
     fn clip(
         &self,
-        animation: &dyn Animation,
-        person: &Person,
-        span: Span,
+        animation: &dyn NodeAnimation,
+        person: &ScenePerson,
+        span: AnimationSpan,
         budget: &mut usize,
     ) -> Result<SourceClip, ImportError> {
         let fail =
             |what: String, help| content_error(self.path, format!("animation `{}`: {what}", animation.name()), help);
-        let Span { begin, end, rate_hz, finding } = span;
-        let rest = Rest::new(self, person).map_err(|e| fail(e, "Apply scales and mirrors, and export it again"))?;
+        let AnimationSpan { begin, end, rate_hz, finding } = span;
+        let rest =
+            RestSkeleton::new(self, person).map_err(|e| fail(e, "Apply scales and mirrors, and export it again"))?;
         // Nodes above are posed, too, and each layer is evaluated for each transform.
         let cost = rest.joints.len().max(person.above.len()) * animation.num_layers();
         let mut sink = FrameSink::new(rest.joints.clone(), *budget / cost * rest.joints.len());
@@ -249,7 +252,7 @@ impl Scene<'_> {
             let world = person.world(self, local).map_err(|e| fail(e, "Export it again"))?;
             sink.begin_frame();
             for (j, joint) in rest.joints.iter().enumerate() {
-                let World { affine, rotation } = world[j];
+                let WorldTransform { affine, rotation } = world[j];
                 turned[j] = (affine.translation, rotation * rest.rotations[j].inverse());
                 let (at, by) = joint.parent.map_or((DVec3::ZERO, DQuat::IDENTITY), |p| turned[p]);
                 sink.translations[j] = by.inverse() * (turned[j].0 - at);
@@ -267,36 +270,36 @@ impl Scene<'_> {
 }
 
 /// A name without the characters that stand for folders in paths.
-fn plain(name: &str) -> String {
+fn plain_clip_name(name: &str) -> String {
     let of = |c: char| if c.is_control() || matches!(c, '/' | '\\' | ':') { '_' } else { c };
     name.trim().trim_start_matches('.').chars().map(of).collect()
 }
 
 /// World transform of a node.
 #[derive(Clone, Copy)]
-struct World {
+struct WorldTransform {
     affine: DAffine3,
     /// The product of the rotations alone.
     rotation: DQuat,
 }
 
-impl Person {
+impl ScenePerson {
     /// World transforms of the joints (joints.len()).
-    fn world(&self, scene: &Scene<'_>, local: impl Fn(usize) -> Transform) -> Result<Vec<World>, String> {
-        let step = |outer: World, node: usize| {
+    fn world(&self, scene: &RigScene<'_>, local: impl Fn(usize) -> Transform) -> Result<Vec<WorldTransform>, String> {
+        let step = |outer: WorldTransform, node: usize| {
             let wrong = || format!("node `{}`: expected moderate numbers and a rotation", scene.nodes[node].name);
             let t = local(node).normalized().ok_or_else(wrong)?;
             let inner = DAffine3::from_scale_rotation_translation(t.scale, t.rotation, t.translation);
             let affine = outer.affine * inner;
             let moderate = affine.is_finite() && affine.translation.abs().max_element() < MAX_NUMBER;
             let rotation = (outer.rotation * t.rotation).normalize();
-            if moderate { Ok::<_, String>(World { affine, rotation }) } else { Err(wrong()) }
+            if moderate { Ok::<_, String>(WorldTransform { affine, rotation }) } else { Err(wrong()) }
         };
-        let mut above = World { affine: DAffine3::IDENTITY, rotation: DQuat::IDENTITY };
+        let mut above = WorldTransform { affine: DAffine3::IDENTITY, rotation: DQuat::IDENTITY };
         for &node in &self.above {
             above = step(above, node)?;
         }
-        let mut out: Vec<World> = Vec::with_capacity(self.joints.len());
+        let mut out: Vec<WorldTransform> = Vec::with_capacity(self.joints.len());
         for (&node, parent) in self.joints.iter().zip(&self.parents) {
             out.push(step(parent.map_or(above, |p| out[p]), node)?);
         }
@@ -305,14 +308,14 @@ impl Person {
 }
 
 /// A skeleton at rest: rotations in the world, and joints whose rest rotations are the identity.
-struct Rest {
+struct RestSkeleton {
     rotations: Vec<DQuat>,
     joints: Vec<RawJoint>,
 }
 
-impl Rest {
+impl RestSkeleton {
     /// The pose in which skins were bound, as far as the file has it; else the pose without animation.
-    fn new(scene: &Scene<'_>, person: &Person) -> Result<Self, String> {
+    fn new(scene: &RigScene<'_>, person: &ScenePerson) -> Result<Self, String> {
         let world = person.world(scene, |node| scene.nodes[node].local)?;
         let node = |j: usize| &scene.nodes[person.joints[j]];
         if let Some(j) = (0..world.len()).find(|&j| world[j].affine.matrix3.determinant() < 0.0) {
@@ -347,7 +350,7 @@ mod tests {
         for (name, want) in
             [("Run", "Run"), ("a/b\\c", "a_b_c"), ("..", ""), ("../x", "_x"), (" |mixamo.com| ", "|mixamo.com|")]
         {
-            assert_eq!(plain(name), want);
+            assert_eq!(plain_clip_name(name), want);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Search for the skeletons of people among the nodes of a scene.
 
 use super::super::source::{MAX_JOINTS, MAX_NAME};
-use super::Scene;
+use super::RigScene;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most levels of nodes; a skeleton has about thirty.
@@ -12,7 +12,7 @@ const MAX_PEOPLE: usize = 100;
 const MIN_JOINTS: usize = 8;
 
 /// A skeleton in a scene.
-pub(super) struct Person {
+pub(super) struct ScenePerson {
     /// Name: that of the node above the skeleton, or of its root.
     pub name: String,
     /// Nodes above the root, outermost first.
@@ -29,12 +29,12 @@ pub(super) struct Person {
 ///
 /// # Errors
 /// A node that is not in a tree, or the missing part.
-pub(super) fn find(scene: &Scene<'_>) -> Result<Vec<Person>, String> {
-    let tree = Tree::new(scene)?;
+pub(super) fn find_people(scene: &RigScene<'_>) -> Result<Vec<ScenePerson>, String> {
+    let tree = NodeTree::new(scene)?;
     let moved: BTreeSet<usize> = scene.animations.iter().flat_map(|a| a.moved()).copied().collect();
     let mut tops = BTreeMap::<usize, Vec<usize>>::new();
     let mut add = |joints: &[usize]| {
-        if let Some(top) = joints.iter().copied().reduce(|a, b| tree.meeting(a, b).unwrap_or(a)) {
+        if let Some(top) = joints.iter().copied().reduce(|a, b| tree.common_ancestor(a, b).unwrap_or(a)) {
             tops.entry(top).or_default().extend(joints);
         }
     };
@@ -56,7 +56,7 @@ pub(super) fn find(scene: &Scene<'_>) -> Result<Vec<Person>, String> {
     let people =
         outermost.take(MAX_PEOPLE).map(|&top| tree.person(top, &carriers, &moved)).collect::<Result<Vec<_>, _>>()?;
     let most = people.iter().map(|p| p.joints.len()).max();
-    let people: Vec<Person> = people.into_iter().filter(|p| p.joints.len() >= MIN_JOINTS).collect();
+    let people: Vec<ScenePerson> = people.into_iter().filter(|p| p.joints.len() >= MIN_JOINTS).collect();
     match people.is_empty() {
         true => Err(format!(
             "no skeleton is there: expected at least {MIN_JOINTS} joints of a skin, or nodes that an animation moves, \
@@ -68,14 +68,14 @@ pub(super) fn find(scene: &Scene<'_>) -> Result<Vec<Person>, String> {
 }
 
 /// Nodes of a scene, with the nodes below each of them.
-struct Tree<'a, 'b> {
-    scene: &'a Scene<'b>,
+struct NodeTree<'a, 'b> {
+    scene: &'a RigScene<'b>,
     children: Vec<Vec<usize>>,
     depth: Vec<usize>,
 }
 
-impl<'a, 'b> Tree<'a, 'b> {
-    fn new(scene: &'a Scene<'b>) -> Result<Self, String> {
+impl<'a, 'b> NodeTree<'a, 'b> {
+    fn new(scene: &'a RigScene<'b>) -> Result<Self, String> {
         let n = scene.nodes.len();
         let mut children = vec![Vec::new(); n];
         for (i, node) in scene.nodes.iter().enumerate() {
@@ -109,7 +109,7 @@ impl<'a, 'b> Tree<'a, 'b> {
     }
 
     /// The nearest node that is above both, or is one of them.
-    fn meeting(&self, mut a: usize, mut b: usize) -> Option<usize> {
+    fn common_ancestor(&self, mut a: usize, mut b: usize) -> Option<usize> {
         while a != b {
             let deeper = if self.depth[a] >= self.depth[b] { &mut a } else { &mut b };
             *deeper = self.scene.nodes[*deeper].parent?;
@@ -118,12 +118,12 @@ impl<'a, 'b> Tree<'a, 'b> {
     }
 
     /// Children that lead to joints.
-    fn leading(&self, node: usize, leads: &BTreeSet<usize>) -> Vec<usize> {
+    fn children_leading_to(&self, node: usize, leads: &BTreeSet<usize>) -> Vec<usize> {
         self.children[node].iter().copied().filter(|c| leads.contains(c)).collect()
     }
 
     /// A node and all below it, parents first.
-    fn below(&self, top: usize) -> Vec<usize> {
+    fn subtree(&self, top: usize) -> Vec<usize> {
         let mut below = Vec::new();
         let mut open = vec![top];
         while let Some(n) = open.pop() {
@@ -135,22 +135,22 @@ impl<'a, 'b> Tree<'a, 'b> {
 
     /// The skeleton at or below a node: nodes that carry a skin, are moved or lead there, and all others that show nothing,
     /// such as ends of chains.
-    fn person(&self, top: usize, carriers: &BTreeSet<usize>, moved: &BTreeSet<usize>) -> Result<Person, String> {
+    fn person(&self, top: usize, carriers: &BTreeSet<usize>, moved: &BTreeSet<usize>) -> Result<ScenePerson, String> {
         let mut leads = BTreeSet::from([top]);
-        for &n in self.below(top).iter().rev() {
+        for &n in self.subtree(top).iter().rev() {
             if carriers.contains(&n) || moved.contains(&n) || self.children[n].iter().any(|c| leads.contains(c)) {
                 leads.insert(n);
             }
         }
         // A node that moves all of a skeleton and is no part of it, such as an armature, is above it.
         let mut top = top;
-        while let (false, [only]) = (carriers.contains(&top), &self.leading(top, &leads)[..]) {
+        while let (false, [only]) = (carriers.contains(&top), &self.children_leading_to(top, &leads)[..]) {
             top = *only;
         }
         let parent = |n: usize| self.scene.nodes[n].parent;
         let mut places = BTreeMap::new();
         let (mut joints, mut parents) = (Vec::new(), Vec::new());
-        for n in self.below(top) {
+        for n in self.subtree(top) {
             let above = parent(n).and_then(|p| places.get(&p).copied());
             if leads.contains(&n) || (above.is_some() && !self.scene.nodes[n].shows) {
                 places.insert(n, joints.len());
@@ -168,6 +168,6 @@ impl<'a, 'b> Tree<'a, 'b> {
         }
         let mut above: Vec<usize> = self.path_up(top).skip(1).collect();
         above.reverse();
-        Ok(Person { name: name(above.last().copied().unwrap_or(top)), above, joints, parents })
+        Ok(ScenePerson { name: name(above.last().copied().unwrap_or(top)), above, joints, parents })
     }
 }

@@ -13,14 +13,14 @@ const FREE_BYTES: u64 = 64 << 20;
 const MAX_DIMENSIONS: usize = 8;
 
 /// The arrays of a zip file, by name.
-pub struct Arrays<'a> {
+pub struct NpzArrays<'a> {
     zip: ZipArchive<Cursor<&'a [u8]>>,
     /// Most bytes of an array.
     most: u64,
 }
 
 /// Numbers and their shape, read as 64-bit floats.
-pub struct Array {
+pub struct NpyArray {
     pub shape: Vec<usize>,
     file: Vec<u8>,
     /// Position of the numbers in the file (bytes).
@@ -30,7 +30,7 @@ pub struct Array {
     read: fn(&[u8]) -> f64,
 }
 
-impl Array {
+impl NpyArray {
     /// Number of rows of a table with `width` columns.
     pub fn rows(&self, width: usize) -> Result<usize, String> {
         match self.shape.as_slice() {
@@ -56,7 +56,7 @@ fn number(bytes: &[u8], at: usize, length: usize) -> Result<usize, String> {
     Ok(part.iter().rev().fold(0, |v, &b| v << 8 | usize::from(b)))
 }
 
-impl<'a> Arrays<'a> {
+impl<'a> NpzArrays<'a> {
     /// Reads the list of files at the end of a zip file.
     pub fn open(bytes: &'a [u8]) -> Result<Self, String> {
         let zip = ZipArchive::new(Cursor::new(bytes));
@@ -69,7 +69,7 @@ impl<'a> Arrays<'a> {
     }
 
     /// The array of a name.
-    pub fn get(&mut self, name: &str) -> Result<Array, String> {
+    pub fn get(&mut self, name: &str) -> Result<NpyArray, String> {
         let Some(index) = self.zip.index_for_name(&format!("{name}.npy")) else {
             let names: Vec<_> =
                 self.zip.file_names().flatten().map(|n| n.trim_end_matches(".npy").to_owned()).take(40).collect();
@@ -91,7 +91,7 @@ impl<'a> Arrays<'a> {
 }
 
 /// Reads one array.
-fn array(bytes: Vec<u8>) -> Result<Array, String> {
+fn array(bytes: Vec<u8>) -> Result<NpyArray, String> {
     if bytes.get(..6) != Some(b"\x93NUMPY") {
         return Err("it is no NumPy array".into());
     }
@@ -129,5 +129,5 @@ fn array(bytes: Vec<u8>) -> Result<Array, String> {
     if count != Some(bytes.len() - data) {
         return Err(format!("its shape {shape:?} does not fit its {} bytes", bytes.len() - data));
     }
-    Ok(Array { shape, file: bytes, data, size, read })
+    Ok(NpyArray { shape, file: bytes, data, size, read })
 }

@@ -1,8 +1,8 @@
 //! Pairs of limbs: chains of equal lengths that hang on one joint, and the places of the limb's three joints on them.
 
-use super::names::Part::{self, Foot, Forearm, Hand, Shin, Thigh, UpperArm};
-use super::names::Side;
-use super::tree::Tree;
+use super::names::NamedPart::{self, Foot, Forearm, Hand, Shin, Thigh, UpperArm};
+use super::names::NamedSide;
+use super::tree::SkeletonTree;
 use std::collections::HashSet;
 
 /// Largest difference of segments of a left and a right limb (share).
@@ -22,11 +22,11 @@ const MIN_RATIO: f32 = 0.4;
 
 /// The three joints of a limb on both sides: `[upper, middle, end][side]`, sides in the order of the file.
 #[derive(Clone, Debug)]
-pub struct Limb {
+pub struct LimbPair {
     /// Joints from the first one below the meeting to the limb's end.
     pub paths: [Vec<usize>; 2],
     /// Places on the path at which the upper segment starts, the limb bends, and the lower segment ends.
-    pub at: [usize; 3],
+    pub joint_places: [usize; 3],
     /// Length of upper and lower segment.
     pub length: f32,
     /// Score as a limb: length, weighted by the equality of its segments and by names.
@@ -35,14 +35,14 @@ pub struct Limb {
     pub names: f32,
 }
 
-impl Limb {
+impl LimbPair {
     /// The joint of a part (0 upper, 1 middle, 2 end) on a side of the file.
     pub fn joint(&self, part: usize, side: usize) -> usize {
-        self.paths[side][self.at[part]]
+        self.paths[side][self.joint_places[part]]
     }
 
     /// The side that the names give to the first of the two, where they agree.
-    pub fn named_side(&self, tree: &Tree) -> Option<Side> {
+    pub fn named_side(&self, tree: &SkeletonTree) -> Option<NamedSide> {
         let mut votes = 0;
         for part in 0..3 {
             for (side, sign) in [(0, 1), (1, -1)] {
@@ -50,37 +50,37 @@ impl Limb {
             }
         }
         match votes {
-            2.. => Some(Side::Left),
-            ..=-2 => Some(Side::Right),
+            2.. => Some(NamedSide::Left),
+            ..=-2 => Some(NamedSide::Right),
             _ => None,
         }
     }
 }
 
-fn side_vote(tree: &Tree, joint: usize) -> i32 {
+fn side_vote(tree: &SkeletonTree, joint: usize) -> i32 {
     match tree.labels[joint].side {
-        Some(Side::Left) => 1,
-        Some(Side::Right) => -1,
+        Some(NamedSide::Left) => 1,
+        Some(NamedSide::Right) => -1,
         None => 0,
     }
 }
 
 /// Two chains that mirror each other: candidates for a pair of legs, and for a pair of arms.
 #[derive(Clone, Debug)]
-pub struct Pair {
+pub struct MirroredChains {
     /// The joint that both hang on.
     pub parent: usize,
     /// The first joints of the two.
     pub first: [usize; 2],
-    pub leg: Limb,
-    pub arm: Limb,
+    pub leg: LimbPair,
+    pub arm: LimbPair,
 }
 
 /// All pairs of limbs of a skeleton, none much shorter than the longest.
-pub fn pairs(tree: &Tree) -> Vec<Pair> {
+pub fn pairs(tree: &SkeletonTree) -> Vec<MirroredChains> {
     let mut all = Vec::new();
     for parent in 0..tree.children.len() {
-        let mut below: Vec<usize> = tree.below(parent).filter(|&c| tree.heights[c] > 0.0).collect();
+        let mut below: Vec<usize> = tree.role_children(parent).filter(|&c| tree.heights[c] > 0.0).collect();
         below.sort_by(|&a, &b| tree.heights[b].total_cmp(&tree.heights[a]));
         below.truncate(MAX_BRANCHES);
         below.sort_unstable();
@@ -95,21 +95,26 @@ pub fn pairs(tree: &Tree) -> Vec<Pair> {
     all
 }
 
-fn pair(tree: &Tree, parent: usize, a: usize, b: usize) -> Option<Pair> {
-    if !alike(tree, a, b) {
+fn pair(tree: &SkeletonTree, parent: usize, a: usize, b: usize) -> Option<MirroredChains> {
+    if !are_alike(tree, a, b) {
         return None;
     }
     let mut paths = Vec::new();
-    walk(tree, &mut vec![[a, b]], &mut paths);
-    let best = |parts: [Part; 3]| {
+    walk_chains(tree, &mut vec![[a, b]], &mut paths);
+    let best = |parts: [NamedPart; 3]| {
         let limbs = paths.iter().filter_map(|path| limb(tree, path, parts));
         limbs.max_by(|x, y| x.score.total_cmp(&y.score))
     };
-    Some(Pair { parent, first: [a, b], leg: best([Thigh, Shin, Foot])?, arm: best([UpperArm, Forearm, Hand])? })
+    Some(MirroredChains {
+        parent,
+        first: [a, b],
+        leg: best([Thigh, Shin, Foot])?,
+        arm: best([UpperArm, Forearm, Hand])?,
+    })
 }
 
 /// True where two joints are equally far from their parents; those that are named left and right may differ by more.
-fn alike(tree: &Tree, a: usize, b: usize) -> bool {
+fn are_alike(tree: &SkeletonTree, a: usize, b: usize) -> bool {
     let (x, y) = (tree.lengths[a], tree.lengths[b]);
     let size = tree.heights[a].max(tree.heights[b]) + x.max(y);
     let named = tree.labels[a].side.is_some_and(|s| tree.labels[b].side == Some(s.other()));
@@ -118,7 +123,7 @@ fn alike(tree: &Tree, a: usize, b: usize) -> bool {
 }
 
 /// Collects all paths down two chains at once, as far as they are alike.
-fn walk(tree: &Tree, path: &mut Vec<[usize; 2]>, out: &mut Vec<Vec<[usize; 2]>>) {
+fn walk_chains(tree: &SkeletonTree, path: &mut Vec<[usize; 2]>, out: &mut Vec<Vec<[usize; 2]>>) {
     let [a, b] = path[path.len() - 1];
     let matched = if path.len() < MAX_DEPTH { match_children(tree, a, b) } else { Vec::new() };
     if matched.is_empty() {
@@ -126,16 +131,16 @@ fn walk(tree: &Tree, path: &mut Vec<[usize; 2]>, out: &mut Vec<Vec<[usize; 2]>>)
     }
     for next in matched {
         path.push(next);
-        walk(tree, path, out);
+        walk_chains(tree, path, out);
         path.pop();
     }
 }
 
 /// Children of two joints that mirror each other, each once, the most alike first.
-fn match_children(tree: &Tree, a: usize, b: usize) -> Vec<[usize; 2]> {
+fn match_children(tree: &SkeletonTree, a: usize, b: usize) -> Vec<[usize; 2]> {
     let mut all = Vec::new();
-    for x in tree.below(a) {
-        for y in tree.below(b).filter(|&y| alike(tree, x, y)) {
+    for x in tree.role_children(a) {
+        for y in tree.role_children(b).filter(|&y| are_alike(tree, x, y)) {
             let difference = (tree.lengths[x] - tree.lengths[y]).abs() + (tree.heights[x] - tree.heights[y]).abs();
             all.push((difference, [x, y]));
         }
@@ -151,14 +156,15 @@ fn match_children(tree: &Tree, a: usize, b: usize) -> Vec<[usize; 2]> {
 }
 
 /// The three joints of a limb on one path down.
-fn limb(tree: &Tree, path: &[[usize; 2]], parts: [Part; 3]) -> Option<Limb> {
+fn limb(tree: &SkeletonTree, path: &[[usize; 2]], parts: [NamedPart; 3]) -> Option<LimbPair> {
     let mut along = vec![0f32; path.len()];
     for k in 1..path.len() {
         along[k] = along[k - 1] + 0.5 * (tree.lengths[path[k][0]] + tree.lengths[path[k][1]]);
     }
     let turns = |k: usize| path[k].iter().all(|&j| tree.is_candidate(j));
     let ends = |k: usize| path[k].iter().all(|&j| tree.clip.joints[j].is_end || tree.is_candidate(j));
-    let agreement = |k: usize, part: Part| 0.5 * path[k].iter().map(|&j| tree.labels[j].agreement(part)).sum::<f32>();
+    let agreement =
+        |k: usize, part: NamedPart| 0.5 * path[k].iter().map(|&j| tree.labels[j].agreement(part)).sum::<f32>();
     let mut best: Option<([usize; 3], f32, f32)> = None;
     for upper in (0..path.len()).rev().filter(|&k| turns(k)) {
         for middle in (upper + 1..path.len()).filter(|&k| turns(k)) {
@@ -181,5 +187,5 @@ fn limb(tree: &Tree, path: &[[usize; 2]], parts: [Part; 3]) -> Option<Limb> {
     }
     let (at, score, names) = best?;
     let paths = [0, 1].map(|side| path.iter().map(|p| p[side]).collect());
-    Some(Limb { paths, at, length: along[at[2]] - along[at[0]], score, names })
+    Some(LimbPair { paths, joint_places: at, length: along[at[2]] - along[at[0]], score, names })
 }

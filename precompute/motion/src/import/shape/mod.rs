@@ -7,7 +7,7 @@
 
 mod limbs;
 mod names;
-mod none;
+mod no_person;
 mod sides;
 mod tree;
 mod trunk;
@@ -15,12 +15,12 @@ mod trunk;
 use super::roles::RoleMap;
 use crate::raw::RawClip;
 use glam::Vec3;
-use limbs::{Limb, Pair};
-use names::Part;
-pub(super) use sides::of_roles;
+use limbs::{LimbPair, MirroredChains};
+use names::NamedPart;
+pub(super) use sides::check_role_sides;
 use std::collections::HashMap;
 use throng_core::{Joint, NUM_JOINTS};
-pub(super) use tree::Tree;
+pub(super) use tree::SkeletonTree;
 
 /// Most pairs that are tried as legs, and as arms; people have a few dozen of them.
 const MAX_PAIRS: usize = 256;
@@ -33,9 +33,9 @@ pub(super) struct NoPerson {
 }
 
 /// Parts of a body as found.
-struct Body {
-    legs: Limb,
-    arms: Limb,
+struct RecognisedBody {
+    legs: LimbPair,
+    arms: LimbPair,
     /// Joint at which the legs meet.
     hips: usize,
     /// Joint at which the arms meet.
@@ -47,16 +47,16 @@ struct Body {
 /// # Errors
 /// [`NoPerson`] where there is no body with two arms, two legs and a head, or left cannot be told from right.
 pub(super) fn recognise(clip: &RawClip) -> Result<RoleMap, NoPerson> {
-    let tree = Tree::new(clip);
+    let tree = SkeletonTree::new(clip);
     let pairs = limbs::pairs(&tree);
-    let Some(body) = best_body(&tree, &pairs) else { return Err(none::explain(&tree, &pairs)) };
+    let Some(body) = best_body(&tree, &pairs) else { return Err(no_person::explain(&tree, &pairs)) };
     let mut map = RoleMap { joints: [None; NUM_JOINTS], profile: RoleMap::BY_SHAPE.into(), warnings: Vec::new() };
-    let sides = sides::decide(&tree, &body)?;
+    let sides = sides::decide_sides(&tree, &body)?;
     map.warnings.extend(sides.warnings);
     set_limbs(&tree, &body, [sides.left_leg, sides.left_arm], &mut map);
-    trunk::set(&tree, &body, &mut map);
+    trunk::set_trunk_roles(&tree, &body, &mut map);
     if map.get(Joint::Neck).is_none() && map.get(Joint::Head).is_none() {
-        return Err(none::no_head(&tree, &body));
+        return Err(no_person::no_head(&tree, &body));
     }
     let named = map.joints.iter().flatten().filter(|&&j| tree.labels[j].names_a_part()).count();
     if named * 2 < map.joints.iter().flatten().count() {
@@ -71,9 +71,9 @@ pub(super) fn recognise(clip: &RawClip) -> Result<RoleMap, NoPerson> {
 }
 
 /// The two pairs that make the best body.
-fn best_body(tree: &Tree, pairs: &[Pair]) -> Option<Body> {
+fn best_body(tree: &SkeletonTree, pairs: &[MirroredChains]) -> Option<RecognisedBody> {
     let longest = pairs.iter().map(|p| p.leg.length).fold(0.0, f32::max);
-    let mut best: Option<(f32, Body)> = None;
+    let mut best: Option<(f32, RecognisedBody)> = None;
     let mut necks = HashMap::new();
     let arms = likeliest(pairs, |p| &p.arm, longest);
     for legs in likeliest(pairs, |p| &p.leg, longest) {
@@ -86,7 +86,7 @@ fn best_body(tree: &Tree, pairs: &[Pair]) -> Option<Body> {
             let Some(score) = score(tree, legs, arms, longest, &mut has_head) else { continue };
             if best.as_ref().is_none_or(|(s, _)| score > *s) {
                 let (hips, chest) = (legs.parent, arms.parent);
-                best = Some((score, Body { legs: legs.leg.clone(), arms: arms.arm.clone(), hips, chest }));
+                best = Some((score, RecognisedBody { legs: legs.leg.clone(), arms: arms.arm.clone(), hips, chest }));
             }
         }
     }
@@ -94,7 +94,11 @@ fn best_body(tree: &Tree, pairs: &[Pair]) -> Option<Body> {
 }
 
 /// The pairs that are the most like legs or arms, in their order.
-fn likeliest(pairs: &[Pair], limb: impl Fn(&Pair) -> &Limb, longest: f32) -> Vec<&Pair> {
+fn likeliest(
+    pairs: &[MirroredChains],
+    limb: impl Fn(&MirroredChains) -> &LimbPair,
+    longest: f32,
+) -> Vec<&MirroredChains> {
     let value = |i: &usize| 2.0 * limb(&pairs[*i]).names + limb(&pairs[*i]).score / longest;
     let mut all: Vec<usize> = (0..pairs.len()).collect();
     all.sort_by(|a, b| value(b).total_cmp(&value(a)));
@@ -106,11 +110,17 @@ fn likeliest(pairs: &[Pair], limb: impl Fn(&Pair) -> &Limb, longest: f32) -> Vec
 /// Score of two pairs as the legs and the arms of one body; `None` where they cannot be.
 ///
 /// - `has_head`: called to find whether a head goes on from where the arms meet.
-fn score(tree: &Tree, legs: &Pair, arms: &Pair, longest: f32, has_head: &mut dyn FnMut() -> bool) -> Option<f32> {
-    let inside = |a: &Pair, b: &Pair| a.first.iter().any(|&f| tree.is_above(f, b.parent));
+fn score(
+    tree: &SkeletonTree,
+    legs: &MirroredChains,
+    arms: &MirroredChains,
+    longest: f32,
+    has_head: &mut dyn FnMut() -> bool,
+) -> Option<f32> {
+    let inside = |a: &MirroredChains, b: &MirroredChains| a.first.iter().any(|&f| tree.is_above(f, b.parent));
     let apart = legs.first.iter().all(|f| !arms.first.contains(f)) && !inside(legs, arms) && !inside(arms, legs);
-    let is_hand = legs.parent == arms.parent && none::is_hand(tree, legs.parent);
-    if !apart || is_hand || tree.meeting(legs.parent, arms.parent).is_none() {
+    let is_hand = legs.parent == arms.parent && no_person::is_hand(tree, legs.parent);
+    if !apart || is_hand || tree.common_ancestor(legs.parent, arms.parent).is_none() {
         return None;
     }
     let ratio = legs.leg.length / arms.arm.length;
@@ -133,7 +143,7 @@ fn score(tree: &Tree, legs: &Pair, arms: &Pair, longest: f32, has_head: &mut dyn
 }
 
 /// Degree to which the limbs of one pair point away from where the other one meets: -1 to 1, the mean over the frames.
-fn pointing_away(tree: &Tree, pair: &Pair, other: &Pair) -> f32 {
+fn pointing_away(tree: &SkeletonTree, pair: &MirroredChains, other: &MirroredChains) -> f32 {
     let of = |frame: &[Vec3]| {
         let ends = (frame[pair.leg.joint(2, 0)] + frame[pair.leg.joint(2, 1)]) * 0.5;
         let limb = (ends - frame[pair.parent]).try_normalize()?;
@@ -143,7 +153,7 @@ fn pointing_away(tree: &Tree, pair: &Pair, other: &Pair) -> f32 {
 }
 
 /// Sets the roles of the limbs; `left` has the index of the left one of the two legs and of the two arms.
-fn set_limbs(tree: &Tree, body: &Body, left: [usize; 2], map: &mut RoleMap) {
+fn set_limbs(tree: &SkeletonTree, body: &RecognisedBody, left: [usize; 2], map: &mut RoleMap) {
     use Joint::*;
     for right in [false, true] {
         let role = |j: Joint| if right { j.mirrored().index() } else { j.index() };
@@ -157,7 +167,7 @@ fn set_limbs(tree: &Tree, body: &Body, left: [usize; 2], map: &mut RoleMap) {
         }
         // The end of a chain does not turn: the hand is one with the forearm.
         map.joints[role(LeftHand)] = Some(body.arms.joint(2, arm)).filter(|&h| tree.is_candidate(h));
-        let before = &body.arms.paths[arm][..body.arms.at[0]];
+        let before = &body.arms.paths[arm][..body.arms.joint_places[0]];
         map.joints[role(LeftClavicle)] = clavicle(tree, before);
     }
     for (l, r) in [(LeftToe, RightToe), (LeftHand, RightHand), (LeftClavicle, RightClavicle)] {
@@ -168,27 +178,27 @@ fn set_limbs(tree: &Tree, body: &Body, left: [usize; 2], map: &mut RoleMap) {
 }
 
 /// The joint below a foot that is named a toe, or else starts the longest chain.
-fn toe(tree: &Tree, foot: usize) -> Option<usize> {
+fn toe(tree: &SkeletonTree, foot: usize) -> Option<usize> {
     let mut chain = Vec::new();
     let mut at = foot;
     while let Some(next) = longest_below(tree, at) {
         chain.extend(Some(next).filter(|&j| tree.is_candidate(j)));
         at = next;
     }
-    let named = chain.iter().copied().find(|&j| tree.labels[j].may_be(Part::Toe));
+    let named = chain.iter().copied().find(|&j| tree.labels[j].may_be(NamedPart::Toe));
     named.or(chain.first().copied())
 }
 
 /// The joint below one that turns and starts the longest chain.
-fn longest_below(tree: &Tree, joint: usize) -> Option<usize> {
+fn longest_below(tree: &SkeletonTree, joint: usize) -> Option<usize> {
     let reach = |j: usize| tree.lengths[j] + tree.heights[j];
-    tree.below(joint).filter(|&j| tree.turns(j)).max_by(|&a, &b| reach(a).total_cmp(&reach(b)).then(b.cmp(&a)))
+    tree.role_children(joint).filter(|&j| tree.turns(j)).max_by(|&a, &b| reach(a).total_cmp(&reach(b)).then(b.cmp(&a)))
 }
 
 /// The joint before an upper arm that carries the shoulder: by name, or else the one farthest from the arm.
-fn clavicle(tree: &Tree, before: &[usize]) -> Option<usize> {
+fn clavicle(tree: &SkeletonTree, before: &[usize]) -> Option<usize> {
     let candidates = || before.iter().copied().filter(|&j| tree.is_candidate(j));
-    candidates().find(|&j| tree.labels[j].may_be(Part::Clavicle)).or(candidates().next())
+    candidates().find(|&j| tree.labels[j].may_be(NamedPart::Clavicle)).or(candidates().next())
 }
 
 #[cfg(test)]
@@ -206,7 +216,7 @@ mod tests {
             limb.repeat(30)
         );
         let clip = bvh::parse(text.as_bytes(), Path::new("a.bvh")).unwrap().clip;
-        let tree = Tree::new(&clip);
+        let tree = SkeletonTree::new(&clip);
         for (a, b) in (0..clip.joints.len()).flat_map(|a| [(a, 0), (0, a), (a, a / 2), (a / 2, a), (a, a)]) {
             assert_eq!(tree.is_above(a, b), tree.path_up(b).any(|j| j == a), "{a} {b}");
         }

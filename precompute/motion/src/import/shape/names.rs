@@ -7,12 +7,12 @@ use super::super::profile::plain;
 
 /// A side of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum NamedSide {
     Left,
     Right,
 }
 
-impl Side {
+impl NamedSide {
     pub fn name(self) -> &'static str {
         match self {
             Self::Left => "left",
@@ -31,7 +31,7 @@ impl Side {
 /// A part of the body that a name may mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Part {
+pub enum NamedPart {
     Hips,
     Spine,
     Neck,
@@ -46,11 +46,11 @@ pub enum Part {
     Toe,
 }
 
-use Part::*;
+use NamedPart::*;
 
 /// Words for the parts, without sides and separators. Many mean one part in one convention and its neighbour in
 /// another: then they name both.
-const WORDS: [(&str, &[Part]); 112] = [
+const WORDS: [(&str, &[NamedPart]); 112] = [
     ("hips", &[Hips]),
     ("pelvis", &[Hips]),
     ("hip", &[Hips, Thigh]),
@@ -243,7 +243,7 @@ const NOISE: [&str; 18] = [
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Label {
     /// The side it names.
-    pub side: Option<Side>,
+    pub side: Option<NamedSide>,
     /// The parts it may mean, by bit; 0 where it names none.
     parts: u16,
     /// True where the name is the word of the part and nothing else.
@@ -254,7 +254,7 @@ pub struct Label {
 
 impl Label {
     /// Takes a name apart.
-    pub fn of(name: &str) -> Self {
+    pub fn from_name(name: &str) -> Self {
         let name = plain(name);
         let words = split_words(name);
         let lower = words.concat();
@@ -279,7 +279,7 @@ impl Label {
     }
 
     /// True where the name may mean the part.
-    pub fn may_be(self, part: Part) -> bool {
+    pub fn may_be(self, part: NamedPart) -> bool {
         self.parts & (1 << part as u8) != 0
     }
 
@@ -289,7 +289,7 @@ impl Label {
     }
 
     /// Agreement of the name with a part: 1 yes, -0.5 no, 0 says nothing.
-    pub fn agreement(self, part: Part) -> f32 {
+    pub fn agreement(self, part: NamedPart) -> f32 {
         match (self.may_be(part), self.names_a_part()) {
             (true, _) => 1.0,
             (false, true) => -0.5,
@@ -299,43 +299,45 @@ impl Label {
 }
 
 /// The longest word that a name is or contains.
-fn find_word(rest: &str) -> Option<(&'static str, &'static [Part])> {
-    let known = |(word, _): &&(&str, &[Part])| word.chars().count() > 2 || !word.is_ascii();
+fn find_word(rest: &str) -> Option<(&'static str, &'static [NamedPart])> {
+    let known = |(word, _): &&(&str, &[NamedPart])| word.chars().count() > 2 || !word.is_ascii();
     let exact = WORDS.iter().find(|(word, _)| *word == rest);
     let within = || WORDS.iter().filter(known).filter(|(word, _)| rest.contains(word)).max_by_key(|(w, _)| w.len());
     exact.or_else(within).copied()
 }
 
-fn side_of(word: &str) -> Option<Side> {
+fn side_of(word: &str) -> Option<NamedSide> {
     match word {
-        "left" | "l" | "lt" | "lft" | "links" | "linke" | "linker" | "linkes" | "li" | "左" => Some(Side::Left),
-        "right" | "r" | "rt" | "rgt" | "rechts" | "rechte" | "rechter" | "rechtes" | "re" | "右" => Some(Side::Right),
+        "left" | "l" | "lt" | "lft" | "links" | "linke" | "linker" | "linkes" | "li" | "左" => Some(NamedSide::Left),
+        "right" | "r" | "rt" | "rgt" | "rechts" | "rechte" | "rechter" | "rechtes" | "re" | "右" => {
+            Some(NamedSide::Right)
+        }
         _ => None,
     }
 }
 
 /// A side that is written without a break: `lfemur`, `leftarm`, `左腕`.
-fn glued_side(part: String) -> (Option<Side>, String) {
-    const PREFIXES: [(&str, Side); 12] = [
-        ("left", Side::Left),
-        ("right", Side::Right),
-        ("linker", Side::Left),
-        ("linkes", Side::Left),
-        ("linke", Side::Left),
-        ("links", Side::Left),
-        ("rechter", Side::Right),
-        ("rechtes", Side::Right),
-        ("rechte", Side::Right),
-        ("rechts", Side::Right),
-        ("左", Side::Left),
-        ("右", Side::Right),
+fn glued_side(part: String) -> (Option<NamedSide>, String) {
+    const PREFIXES: [(&str, NamedSide); 12] = [
+        ("left", NamedSide::Left),
+        ("right", NamedSide::Right),
+        ("linker", NamedSide::Left),
+        ("linkes", NamedSide::Left),
+        ("linke", NamedSide::Left),
+        ("links", NamedSide::Left),
+        ("rechter", NamedSide::Right),
+        ("rechtes", NamedSide::Right),
+        ("rechte", NamedSide::Right),
+        ("rechts", NamedSide::Right),
+        ("左", NamedSide::Left),
+        ("右", NamedSide::Right),
     ];
     for (word, side) in PREFIXES {
         if let Some(rest) = part.strip_prefix(word).or_else(|| part.strip_suffix(word)) {
             return (Some(side), rest.to_owned());
         }
     }
-    for (letter, side) in [("l", Side::Left), ("r", Side::Right)] {
+    for (letter, side) in [("l", NamedSide::Left), ("r", NamedSide::Right)] {
         let Some(rest) = part.strip_prefix(letter) else { continue };
         // `larm` may be a lower arm as well; `lradius` has a side.
         if WORDS.iter().any(|(word, _)| *word == rest) && !WORDS.iter().any(|(word, _)| *word == part && word.len() > 4)
@@ -370,7 +372,7 @@ mod tests {
 
     #[test]
     fn names_of_many_conventions_come_apart_into_side_and_part() {
-        let (l, r) = (Some(Side::Left), Some(Side::Right));
+        let (l, r) = (Some(NamedSide::Left), Some(NamedSide::Right));
         for (name, side, part) in [
             ("LeftUpLeg", l, Thigh),
             ("Bip01 R Thigh", r, Thigh),
@@ -399,7 +401,7 @@ mod tests {
             ("mixamorig:LeftToeBase", l, Toe),
             ("HEad", None, Head),
         ] {
-            let n = Label::of(name);
+            let n = Label::from_name(name);
             assert!(n.side == side && n.may_be(part) && !n.left_out, "{name}: {n:?}");
         }
     }
@@ -422,11 +424,13 @@ mod tests {
             "lThumb1",
             "sword",
         ] {
-            assert!(Label::of(name).left_out, "{name}");
+            assert!(Label::from_name(name).left_out, "{name}");
         }
         for name in ["Bone00", "joint12", "Hips", "LeftHand", "Spine1", "Reference", "LeftToeBase", "Ringo"] {
-            assert!(!Label::of(name).left_out, "{name}");
+            assert!(!Label::from_name(name).left_out, "{name}");
         }
-        assert!(!Label::of("Bone00").names_a_part() && Label::of("Bone_L.003").side == Some(Side::Left));
+        assert!(
+            !Label::from_name("Bone00").names_a_part() && Label::from_name("Bone_L.003").side == Some(NamedSide::Left)
+        );
     }
 }

@@ -1,8 +1,8 @@
 //! Finds which side is left: toes point and knees bend ahead; the arms lie as the legs do. Names are compared with it.
 
-use super::names::Side;
-use super::tree::Tree;
-use super::{Body, NoPerson};
+use super::names::NamedSide;
+use super::tree::SkeletonTree;
+use super::{NoPerson, RecognisedBody};
 use crate::import::roles::RoleMap;
 use glam::Vec3;
 use throng_core::Joint;
@@ -25,7 +25,7 @@ pub struct Sides {
 }
 
 /// Evidence of the shape about a body's sides.
-struct Shown {
+struct SideEvidence {
     /// Positive where the first leg is the left one; 0 where nothing tells.
     legs: f32,
     /// True where toes and knees agree and are clear.
@@ -36,7 +36,7 @@ struct Shown {
 
 /// The joints that tell the sides: `[part][side]`.
 #[derive(Clone, Copy)]
-struct Legs {
+struct SideJoints {
     thighs: [usize; 2],
     shins: [usize; 2],
     feet: [usize; 2],
@@ -45,24 +45,24 @@ struct Legs {
 }
 
 /// Finds the sides of a body.
-pub(super) fn decide(tree: &Tree, body: &Body) -> Result<Sides, NoPerson> {
-    let two = |limb: &super::Limb, part: usize| [limb.joint(part, 0), limb.joint(part, 1)];
-    let joints = Legs {
+pub(super) fn decide_sides(tree: &SkeletonTree, body: &RecognisedBody) -> Result<Sides, NoPerson> {
+    let two = |limb: &super::LimbPair, part: usize| [limb.joint(part, 0), limb.joint(part, 1)];
+    let joints = SideJoints {
         thighs: two(&body.legs, 0),
         shins: two(&body.legs, 1),
         feet: two(&body.legs, 2),
         arms: two(&body.arms, 0),
         top: body.chest,
     };
-    let shown = show(tree, joints);
+    let shown = side_evidence(tree, joints);
     let named = [body.legs.named_side(tree), body.arms.named_side(tree)];
-    let first_leg = match (of_sign(shown.legs), named[0]) {
+    let first_leg = match (side_of_sign(shown.legs), named[0]) {
         (Some(shape), Some(name)) if shape != name && !shown.is_certain => name,
         (Some(shape), _) => shape,
         (None, Some(name)) => name,
-        (None, None) => match (named[1], of_sign(shown.arms)) {
+        (None, None) => match (named[1], side_of_sign(shown.arms)) {
             (Some(arm), Some(same)) => {
-                if same == Side::Left {
+                if same == NamedSide::Left {
                     arm
                 } else {
                     arm.other()
@@ -71,9 +71,9 @@ pub(super) fn decide(tree: &Tree, body: &Body) -> Result<Sides, NoPerson> {
             _ => return Err(unknown(tree, &joints)),
         },
     };
-    let first_arm = match (of_sign(shown.arms), named[1]) {
-        (Some(Side::Left), _) => first_leg,
-        (Some(Side::Right), _) => first_leg.other(),
+    let first_arm = match (side_of_sign(shown.arms), named[1]) {
+        (Some(NamedSide::Left), _) => first_leg,
+        (Some(NamedSide::Right), _) => first_leg.other(),
         (None, Some(name)) => name,
         (None, None) => return Err(unknown(tree, &joints)),
     };
@@ -87,19 +87,19 @@ pub(super) fn decide(tree: &Tree, body: &Body) -> Result<Sides, NoPerson> {
             warnings.extend(conflicts(tree, joints, side));
         }
     }
-    let index = |first: Side| usize::from(first == Side::Right);
+    let index = |first: NamedSide| usize::from(first == NamedSide::Right);
     Ok(Sides { left_leg: index(first_leg), left_arm: index(first_arm), warnings })
 }
 
 /// Roles that names have put on the wrong side.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Wrong {
+pub struct SwappedSides {
     legs: bool,
     arms: bool,
     warnings: Vec<String>,
 }
 
-impl Wrong {
+impl SwappedSides {
     /// Exchanges the sides of legs or arms that are on the wrong one, and adds warnings.
     pub fn correct(self, map: &mut RoleMap) {
         let all = Joint::ALL;
@@ -114,7 +114,7 @@ impl Wrong {
 }
 
 /// Compares the sides of roles that names have given with the shape.
-pub fn of_roles(tree: &Tree, map: &RoleMap) -> Result<Wrong, NoPerson> {
+pub fn check_role_sides(tree: &SkeletonTree, map: &RoleMap) -> Result<SwappedSides, NoPerson> {
     use Joint::*;
     let both = |j: Joint| Some([map.get(j)?, map.get(j.mirrored())?]);
     let (Some(thighs), Some(shins), Some(feet), Some(arms), Some(top)) = (
@@ -124,29 +124,31 @@ pub fn of_roles(tree: &Tree, map: &RoleMap) -> Result<Wrong, NoPerson> {
         both(LeftUpperArm),
         map.get(UpperChest).or(map.get(Neck)).or(map.get(Head)),
     ) else {
-        return Ok(Wrong::default());
+        return Ok(SwappedSides::default());
     };
-    let joints = Legs { thighs, shins, feet, arms, top };
-    let shown = show(tree, joints);
+    let joints = SideJoints { thighs, shins, feet, arms, top };
+    let shown = side_evidence(tree, joints);
     let legs_wrong = shown.is_certain && shown.legs < 0.0;
     match (legs_wrong, shown.arms < 0.0) {
-        (true, false) => Err(swapped(tree, joints, Side::Left, Side::Left)),
-        (true, true) => Ok(Wrong { legs: true, arms: false, warnings: conflicts(tree, thighs, Side::Left) }),
-        (false, true) => Ok(Wrong { legs: false, arms: true, warnings: conflicts(tree, arms, Side::Left) }),
-        (false, false) => Ok(Wrong::default()),
+        (true, false) => Err(swapped(tree, joints, NamedSide::Left, NamedSide::Left)),
+        (true, true) => {
+            Ok(SwappedSides { legs: true, arms: false, warnings: conflicts(tree, thighs, NamedSide::Left) })
+        }
+        (false, true) => Ok(SwappedSides { legs: false, arms: true, warnings: conflicts(tree, arms, NamedSide::Left) }),
+        (false, false) => Ok(SwappedSides::default()),
     }
 }
 
-fn of_sign(value: f32) -> Option<Side> {
+fn side_of_sign(value: f32) -> Option<NamedSide> {
     match value {
-        v if v > 0.0 => Some(Side::Left),
-        v if v < 0.0 => Some(Side::Right),
+        v if v > 0.0 => Some(NamedSide::Left),
+        v if v < 0.0 => Some(NamedSide::Right),
         _ => None,
     }
 }
 
 /// Examines toes, knees and shoulders in all frames.
-fn show(tree: &Tree, joints: Legs) -> Shown {
+fn side_evidence(tree: &SkeletonTree, joints: SideJoints) -> SideEvidence {
     // For a body whose first leg is the left one, this is ahead.
     let ahead = |frame: &[Vec3]| {
         let middle = (frame[joints.thighs[0]] + frame[joints.thighs[1]]) * 0.5;
@@ -189,18 +191,18 @@ fn show(tree: &Tree, joints: Legs) -> Shown {
         Some(arms).filter(|_| apart)?.try_normalize().map(|a| a.dot(thighs.normalize_or_zero()))
     });
     let is_certain = clear.0 && (knees * toes > 0.0 || knees.abs() <= CLEAR_KNEES);
-    Shown { legs, is_certain, arms: arms.filter(|a| a.abs() > CLEAR_ARMS).unwrap_or(0.0) }
+    SideEvidence { legs, is_certain, arms: arms.filter(|a| a.abs() > CLEAR_ARMS).unwrap_or(0.0) }
 }
 
 /// The joint or end below a foot that is farthest from it.
-fn toe_tip(tree: &Tree, foot: usize) -> Option<usize> {
+fn toe_tip(tree: &SkeletonTree, foot: usize) -> Option<usize> {
     let reach = |j: usize| tree.lengths[j] + tree.heights[j];
-    let next = |j: &usize| tree.below(*j).max_by(|&a, &b| reach(a).total_cmp(&reach(b)));
+    let next = |j: &usize| tree.role_children(*j).max_by(|&a, &b| reach(a).total_cmp(&reach(b)));
     std::iter::successors(Some(foot), next).last().filter(|&tip| tip != foot && tree.heights[foot] > 0.0)
 }
 
 /// Warnings about joints such as one named left that is to the right of the spine.
-fn conflicts(tree: &Tree, joints: [usize; 2], first: Side) -> Vec<String> {
+fn conflicts(tree: &SkeletonTree, joints: [usize; 2], first: NamedSide) -> Vec<String> {
     [(joints[0], first), (joints[1], first.other())]
         .map(|(joint, side)| {
             format!(
@@ -213,8 +215,8 @@ fn conflicts(tree: &Tree, joints: [usize; 2], first: Side) -> Vec<String> {
         .to_vec()
 }
 
-fn swapped(tree: &Tree, joints: Legs, leg: Side, arm: Side) -> NoPerson {
-    let of = |pair: [usize; 2], first: Side| tree.name(pair[usize::from(first == Side::Right)]).to_owned();
+fn swapped(tree: &SkeletonTree, joints: SideJoints, leg: NamedSide, arm: NamedSide) -> NoPerson {
+    let of = |pair: [usize; 2], first: NamedSide| tree.name(pair[usize::from(first == NamedSide::Right)]).to_owned();
     let message = format!(
         "left and right are swapped: by toes, knees and shoulders, `{}` and `{}` are on the right of the body",
         of(joints.thighs, leg),
@@ -225,7 +227,7 @@ fn swapped(tree: &Tree, joints: Legs, leg: Side, arm: Side) -> NoPerson {
     NoPerson { message, help: help.into() }
 }
 
-fn unknown(tree: &Tree, joints: &Legs) -> NoPerson {
+fn unknown(tree: &SkeletonTree, joints: &SideJoints) -> NoPerson {
     let message = format!(
         "left cannot be told from right: neither the names of the joints (`{}`, `{}`) nor toes or bent knees tell",
         tree.name(joints.thighs[0]),

@@ -12,7 +12,7 @@ const MAX_FRAMES: usize = 48;
 ///
 /// Lengths are those of the motion, not of the rest pose: files whose rest offsets follow some other rule are
 /// bodies in their motion alone.
-pub struct Tree<'a> {
+pub struct SkeletonTree<'a> {
     pub clip: &'a RawClip,
     /// Meaning of each joint's name.
     pub labels: Vec<Label>,
@@ -29,7 +29,7 @@ pub struct Tree<'a> {
     pub frames: Vec<Vec<Vec3>>,
 }
 
-impl<'a> Tree<'a> {
+impl<'a> SkeletonTree<'a> {
     pub fn new(clip: &'a RawClip) -> Self {
         let n = clip.joints.len();
         let sampled: Vec<usize> = sample_frames(clip.num_frames, MAX_FRAMES).collect();
@@ -45,7 +45,7 @@ impl<'a> Tree<'a> {
             if clip.joints[j].parent.is_none() { 0.0 } else { all.get(all.len() / 2).copied().unwrap_or(0.0) }
         };
         let lengths: Vec<f32> = (0..n).map(length).collect();
-        let labels: Vec<Label> = clip.joints.iter().map(|j| Label::of(&j.name)).collect();
+        let labels: Vec<Label> = clip.joints.iter().map(|j| Label::from_name(&j.name)).collect();
         let rows = rows(&children, clip);
         let (mut heights, mut pruned) = (vec![0f32; n], vec![true; n]);
         for j in (0..n).rev() {
@@ -65,7 +65,7 @@ impl<'a> Tree<'a> {
     }
 
     /// Joints below one that may play roles, or lead to such.
-    pub fn below(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
+    pub fn role_children(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
         self.children[joint].iter().copied().filter(|&c| !self.pruned[c])
     }
 
@@ -90,7 +90,7 @@ impl<'a> Tree<'a> {
     }
 
     /// The nearest joint that is above both.
-    pub fn meeting(&self, a: usize, b: usize) -> Option<usize> {
+    pub fn common_ancestor(&self, a: usize, b: usize) -> Option<usize> {
         self.path_up(b).find(|&j| self.is_above(j, a))
     }
 

@@ -1,9 +1,9 @@
 //! Hips, spine, neck and head: the joints between the legs and the arms, and the chain that goes on from there.
 
-use super::limbs::Pair;
-use super::names::Part;
-use super::tree::Tree;
-use super::{Body, RoleMap};
+use super::limbs::MirroredChains;
+use super::names::NamedPart;
+use super::tree::SkeletonTree;
+use super::{RecognisedBody, RoleMap};
 use glam::Vec3;
 use throng_core::Joint::{Chest, Head, Hips, Neck, Spine, UpperChest};
 
@@ -12,10 +12,10 @@ use throng_core::Joint::{Chest, Head, Hips, Neck, Spine, UpperChest};
 const MAX_NECK: f32 = 0.47;
 
 /// Sets the roles of the trunk. The hips are the joint where the legs meet: its turns move the legs.
-pub fn set(tree: &Tree, body: &Body, map: &mut RoleMap) {
+pub fn set_trunk_roles(tree: &SkeletonTree, body: &RecognisedBody, map: &mut RoleMap) {
     map.joints[Hips.index()] = Some(body.hips);
     let mut spine = spine(tree, body);
-    let neck_carries_arms = tree.labels[body.chest].may_be(Part::Neck) && spine.last() == Some(&body.chest);
+    let neck_carries_arms = tree.labels[body.chest].may_be(NamedPart::Neck) && spine.last() == Some(&body.chest);
     if neck_carries_arms {
         spine.pop();
     }
@@ -31,24 +31,24 @@ pub fn set(tree: &Tree, body: &Body, map: &mut RoleMap) {
     let chain = head_chain(tree, body.chest, &body.arms.paths, body.hips);
     let head = head(tree, &chain, body.legs.length);
     let before: Vec<usize> = chain.iter().copied().take_while(|&j| Some(j) != head).collect();
-    let named = before.iter().copied().find(|&j| tree.labels[j].may_be(Part::Neck));
+    let named = before.iter().copied().find(|&j| tree.labels[j].may_be(NamedPart::Neck));
     map.joints[Head.index()] = head;
     map.joints[Neck.index()] = if neck_carries_arms { Some(body.chest) } else { named.or(before.first().copied()) };
-    if head.is_some_and(|h| tree.labels[h].may_be(Part::Neck)) && map.get(Neck).is_none() {
+    if head.is_some_and(|h| tree.labels[h].may_be(NamedPart::Neck)) && map.get(Neck).is_none() {
         (map.joints[Neck.index()], map.joints[Head.index()]) = (head, None);
     }
 }
 
 /// The joint nearest to halfway between the first and the last of a spine, the lower one of two as near.
-fn halfway(tree: &Tree, first: usize, middle: &[usize], last: usize) -> Option<usize> {
+fn halfway(tree: &SkeletonTree, first: usize, middle: &[usize], last: usize) -> Option<usize> {
     let along = |j: usize| tree.path_up(j).take_while(|&k| k != first).map(|k| tree.lengths[k]).sum::<f32>();
     let off = |j: usize| (along(j) - 0.49 * along(last)).abs();
     middle.iter().copied().min_by(|&a, &b| off(a).total_cmp(&off(b)))
 }
 
 /// Joints above the hips up to where the arms meet, lowest first.
-fn spine(tree: &Tree, body: &Body) -> Vec<usize> {
-    let below = tree.meeting(body.hips, body.chest);
+fn spine(tree: &SkeletonTree, body: &RecognisedBody) -> Vec<usize> {
+    let below = tree.common_ancestor(body.hips, body.chest);
     let mut spine: Vec<usize> =
         tree.path_up(body.chest).take_while(|&j| Some(j) != below).filter(|&j| tree.is_candidate(j)).collect();
     spine.reverse();
@@ -58,21 +58,21 @@ fn spine(tree: &Tree, body: &Body) -> Vec<usize> {
 /// True where a chain goes on from where a pair of arms meets, away from the legs.
 ///
 /// - `necks`: joints that may start it, from [`necks`].
-pub fn has_head(tree: &Tree, arms: &Pair, necks: &[usize]) -> bool {
+pub fn has_head(tree: &SkeletonTree, arms: &MirroredChains, necks: &[usize]) -> bool {
     let start = necks.iter().copied().find(|j| !arms.first.contains(j));
-    start.is_some_and(|start| goes_on(tree, arms.parent, start).next().is_some())
+    start.is_some_and(|start| neck_chain(tree, arms.parent, start).next().is_some())
 }
 
 /// The chain of joints from where the arms meet to the head, and beyond it.
-fn head_chain(tree: &Tree, chest: usize, arms: &[Vec<usize>; 2], hips: usize) -> Vec<usize> {
+fn head_chain(tree: &SkeletonTree, chest: usize, arms: &[Vec<usize>; 2], hips: usize) -> Vec<usize> {
     let start = necks(tree, chest, hips).into_iter().find(|j| !arms.iter().any(|arm| arm.contains(j)));
-    start.map_or_else(Vec::new, |start| goes_on(tree, chest, start).collect())
+    start.map_or_else(Vec::new, |start| neck_chain(tree, chest, start).collect())
 }
 
 /// The joints that a neck may start with, the best first.
-pub fn necks(tree: &Tree, chest: usize, hips: usize) -> Vec<usize> {
+pub fn necks(tree: &SkeletonTree, chest: usize, hips: usize) -> Vec<usize> {
     let mut all: Vec<(usize, f32)> = tree
-        .below(chest)
+        .role_children(chest)
         .filter(|&j| tree.turns(j) && !tree.is_above(j, hips))
         .map(|j| (j, head_score(tree, chest, hips, j)))
         .filter(|(_, score)| *score > 0.0)
@@ -82,34 +82,34 @@ pub fn necks(tree: &Tree, chest: usize, hips: usize) -> Vec<usize> {
 }
 
 /// The chain of joints that a neck starts.
-fn goes_on<'a>(tree: &'a Tree, chest: usize, start: usize) -> impl Iterator<Item = usize> + 'a {
+fn neck_chain<'a>(tree: &'a SkeletonTree, chest: usize, start: usize) -> impl Iterator<Item = usize> + 'a {
     let reach = move |j: usize| {
-        let named = tree.labels[j].may_be(Part::Neck) || tree.labels[j].may_be(Part::Head);
+        let named = tree.labels[j].may_be(NamedPart::Neck) || tree.labels[j].may_be(NamedPart::Head);
         tree.lengths[j] + tree.heights[j] + if named { tree.heights[chest] } else { 0.0 }
     };
     let farther = move |a: &usize, b: &usize| reach(*a).total_cmp(&reach(*b)).then(b.cmp(a));
-    let next = move |j: &usize| tree.below(*j).filter(|&c| tree.turns(c)).max_by(|a, b| farther(a, b));
+    let next = move |j: &usize| tree.role_children(*j).filter(|&c| tree.turns(c)).max_by(|a, b| farther(a, b));
     std::iter::successors(Some(start), next).filter(|&j| tree.is_candidate(j))
 }
 
 /// Score of a joint as the start of the neck: it goes on where the trunk points, and is named so.
-fn head_score(tree: &Tree, chest: usize, hips: usize, joint: usize) -> f32 {
+fn head_score(tree: &SkeletonTree, chest: usize, hips: usize, joint: usize) -> f32 {
     let of = |frame: &[Vec3]| {
         let up = (frame[chest] - frame[hips]).try_normalize()?;
         let to = if tree.lengths[joint] > 0.0 { joint } else { *tree.children[joint].first()? };
         Some((frame[to] - frame[chest]).try_normalize()?.dot(up))
     };
     let label = tree.labels[joint];
-    let named = label.may_be(Part::Neck) || label.may_be(Part::Head);
+    let named = label.may_be(NamedPart::Neck) || label.may_be(NamedPart::Head);
     let sided = label.side.is_some();
     tree.mean(of).unwrap_or(0.0).max(if named { 0.1 } else { -1.0 }) + if named { 2.0 } else { 0.0 }
         - if sided { 1.0 } else { 0.0 }
 }
 
 /// The head of the chain: by name, or else the last joint that is near enough to where the arms meet.
-fn head(tree: &Tree, chain: &[usize], leg: f32) -> Option<usize> {
+fn head(tree: &SkeletonTree, chain: &[usize], leg: f32) -> Option<usize> {
     let called = |exact: bool| {
-        let is = |j: &usize| tree.labels[*j].may_be(Part::Head) && (tree.labels[*j].exact || !exact);
+        let is = |j: &usize| tree.labels[*j].may_be(NamedPart::Head) && (tree.labels[*j].exact || !exact);
         chain.iter().copied().find(is)
     };
     if let Some(named) = called(true).or_else(|| called(false)) {

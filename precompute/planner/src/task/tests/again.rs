@@ -6,10 +6,10 @@ use glam::DVec3;
 
 #[test]
 fn a_run_goes_on_with_the_trees_of_the_last_one() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let clips = [ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }];
     let run = |task: &Task, planners: Option<&Planners>| {
-        task.run_watched(&clips, &Watch { planners, ..Watch::default() }).expect("clips")
+        task.run_watched(&clips, &RunOptions { planners, ..RunOptions::default() }).expect("clips")
     };
     let mut task = parse(TASK).expect("a task");
     let (scenery, _) = task.scenery(&clips).expect("clips");
@@ -19,7 +19,7 @@ fn a_run_goes_on_with_the_trees_of_the_last_one() {
     assert_eq!(first.clips, run(&task, None).clips);
     for _ in 0..4 {
         task.move_by(Handle::Thing(0), DVec3::new(0.0, 0.001, 0.002), &scenery);
-        planners = planners.next();
+        planners = planners.for_next_run();
         let again = run(&task, Some(&planners));
         assert!(again.is_solved() && again.recheck.violations.is_empty(), "{:?}", again.recheck);
         let anew = run(&task, None);
@@ -28,6 +28,6 @@ fn a_run_goes_on_with_the_trees_of_the_last_one() {
     }
     // The last one's trees are those of another task: nothing of them holds, and nothing goes wrong.
     let other = parse(&TASK.replace("at_s = 1.4", "at_s = 1.5").replace("seed = 3", "seed = 4")).expect("a task");
-    let outcome = run(&other, Some(&planners.next()));
+    let outcome = run(&other, Some(&planners.for_next_run()));
     assert!(outcome.is_solved() && outcome.recheck.violations.is_empty());
 }

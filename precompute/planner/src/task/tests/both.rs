@@ -50,15 +50,15 @@ window_s = [2.6, 4.8]
 
 #[test]
 fn both_hands_carry_a_crate() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let outcome = run(CRATE, &s);
-    assert!(outcome.is_solved(), "{:?}", outcome.done.iter().map(|d| &d.why).collect::<Vec<_>>());
+    assert!(outcome.is_solved(), "{:?}", outcome.done.iter().map(|d| &d.reason).collect::<Vec<_>>());
     assert_eq!(outcome.recheck.violations, []);
     assert!(outcome.recheck.second_hand_off_m < 2e-3, "{}", outcome.recheck.second_hand_off_m);
     let held: Vec<_> =
         outcome.attachments.iter().map(|a| (a.joint.as_deref(), a.second.as_deref(), a.from_s)).collect();
     assert_eq!(held, [(None, None, 0.0), (Some("left_hand"), Some("right_hand"), 1.0), (None, None, 3.6)]);
-    let at = |t: f64| outcome.scenery[1].paths[2].at(t).position;
+    let at = |t: f64| outcome.scenery[1].paths[2].place_at(t).position;
     assert!(at(2.2).distance(glam::DVec3::new(0.0, 1.2, 0.3)) < 1e-4 && at(4.9).y > 1.36);
     // By the clip alone: how far apart the hands are, and how the second one is turned, is the same all along.
     let clip = &outcome.clips[0][1];
@@ -77,7 +77,7 @@ fn both_hands_carry_a_crate() {
 
 #[test]
 fn what_is_level_stays_upright_on_its_way() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let level = |text: &str| {
         text.replace("\nat_s = 2.2", "\nlevel_deg = 8.0\nat_s = 2.2")
             .replace("\nat_s = 3.6", "\nlevel_deg = 8.0\nat_s = 3.6")
@@ -86,13 +86,13 @@ fn what_is_level_stays_upright_on_its_way() {
     let tilt = |outcome: &TaskOutcome| {
         let path = &outcome.scenery[1].paths[2];
         (0..130)
-            .map(|i| (path.at(1.0 + 0.02 * f64::from(i)).rotation * glam::DVec3::Y).angle_between(glam::DVec3::Y))
+            .map(|i| (path.place_at(1.0 + 0.02 * f64::from(i)).rotation * glam::DVec3::Y).angle_between(glam::DVec3::Y))
             .fold(0.0, f64::max)
     };
     for seed in 1..6 {
         let seeded = |text: &str| format!("{text}\n[planner]\nseed = {seed}\n");
         let outcome = run(&seeded(&level(CRATE)), &s);
-        assert!(outcome.is_solved(), "{:?}", outcome.done.iter().map(|d| &d.why).collect::<Vec<_>>());
+        assert!(outcome.is_solved(), "{:?}", outcome.done.iter().map(|d| &d.reason).collect::<Vec<_>>());
         assert_eq!(outcome.recheck.violations, []);
         assert!(tilt(&outcome) < 8.1f64.to_radians(), "{seed}: {}", tilt(&outcome).to_degrees());
     }
@@ -107,14 +107,16 @@ fn what_is_level_stays_upright_on_its_way() {
 
 #[test]
 fn what_the_second_hand_cannot_do_is_said() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let far = run(&CRATE.replace("[{ at = [-0.14, 0.0, -0.03] }]", "[{ at = [-0.64, 0.0, 0.4] }]"), &s);
     assert!(why(&far, 0).starts_with("right arm: ") && why(&far, 0).contains("out of reach by 0."), "{}", why(&far, 0));
     assert!(why(&far, 1).contains("does not hold `crate`") && far.recheck.violations.is_empty());
     // It is known before any search, too.
     let ahead = |text: &str| {
         let task = parse(text).expect("a task");
-        task.ahead(&[ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }]).expect("clips")[0].faults.clone()
+        task.preview_steps(&[ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }]).expect("clips")[0]
+            .faults
+            .clone()
     };
     let far = ahead(&CRATE.replace("[{ at = [-0.14, 0.0, -0.03] }]", "[{ at = [-0.64, 0.0, 0.4] }]"));
     assert!(far.len() == 1 && far[0].starts_with("right arm: not reached") && ahead(CRATE).is_empty(), "{far:?}");

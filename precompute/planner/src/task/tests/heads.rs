@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn heads_turn_to_what_is_taken_and_back_and_nothing_else_does() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let outcome = run(&TASK.replace("seed = 3", "seed = 3\ngaze = true"), &s);
     assert!(outcome.is_solved(), "{:?}", outcome.done);
     assert_eq!(outcome.recheck.violations, []);
@@ -13,7 +13,7 @@ fn heads_turn_to_what_is_taken_and_back_and_nothing_else_does() {
     // How far the face is from the cup, at 1.4 s.
     let off = |clip: &Clip| {
         let (at, turn) = clip.joint_transforms(&s.skeleton, 42)[throng_core::Joint::Head.index()];
-        let cup = outcome.scenery[1].paths[1].at(1.4).position.as_vec3();
+        let cup = outcome.scenery[1].paths[1].place_at(1.4).position.as_vec3();
         (turn * glam::Vec3::Z).angle_between(cup - at)
     };
     assert!(off(before) > 0.5 && off(after) < 0.15, "{} {}", off(before), off(after));
@@ -28,7 +28,7 @@ fn heads_turn_to_what_is_taken_and_back_and_nothing_else_does() {
 
 /// A cup on nothing, before somebody who stands: an arm alone does not reach it.
 fn far_cup(at: &str, planner: &str) -> TaskOutcome {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let text = format!(
         "clip = \"stand.bvh\"\n[[scene.objects]]\nname = \"cup\"\nshape = {{ ball = {{ radius = 0.04 }} }}\nat = {at}\n\
          [[tasks]]\nlimb = \"left_arm\"\ndo = \"grab\"\nobject = \"cup\"\ngrips = [{{ at = [0.0, 0.0, -0.07] }}]\nat_s = 2.0\nwindow_s = [0.8, 3.4]\n\
@@ -42,7 +42,7 @@ fn far_cup(at: &str, planner: &str) -> TaskOutcome {
 
 #[test]
 fn trunks_bend_for_what_arms_do_not_reach_and_hips_keep_the_balance() {
-    let skeleton = Somebody::standing().skeleton;
+    let skeleton = TestCharacter::standing().skeleton;
     for at in ["[0.2, 1.1, 0.75]", "[0.25, 0.9, 0.6]"] {
         let stiff = far_cup(at, "");
         assert!(why(&stiff, 0).contains("out of reach"), "{at}: {}", why(&stiff, 0));
@@ -75,7 +75,7 @@ fn trunks_bend_for_what_arms_do_not_reach_and_hips_keep_the_balance() {
 /// Two cups, one to either side, one after the other.
 #[test]
 fn heads_look_at_one_thing_after_the_other() {
-    let s = Somebody::standing();
+    let s = TestCharacter::standing();
     let grab = |cup: &str, limb: &str, at_s: f64| {
         let window_s = [at_s - 0.8, at_s + 0.8];
         format!(

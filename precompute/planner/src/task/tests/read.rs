@@ -90,9 +90,9 @@ fn meshes_are_closed_or_said_to_be_open() {
     let path = folder.path().join("cube.obj");
     let read = |text: &str, unit_m: f64, open: bool| {
         std::fs::write(&path, text).expect("a file");
-        mesh::read(&path, unit_m, open)
+        mesh::read_mesh(&path, unit_m, open)
     };
-    let size = |shape: crate::shape::Shape| shape.ball_around().1 * 2.0;
+    let size = |shape: crate::shape::SolidShape| shape.ball_around().1 * 2.0;
     let diagonal = size(read(CUBE, 0.01, false).expect("a mesh"));
     assert!((diagonal - 0.03f64.sqrt() * 0.1).abs() < 1e-6, "{diagonal}");
     let holed = CUBE.replace("f 4 1 5 8\n", "");
@@ -104,7 +104,7 @@ fn meshes_are_closed_or_said_to_be_open() {
         holed.replace("f 1 2 3 4\n", "f 1 2 3\nf 2 3 1\nf 3 1 2\nf 3 4 1\n") + &holed[holed.find('f').unwrap_or(0)..];
     assert_eq!(read(&again, 1.0, false).unwrap_err(), e);
     let mut corners = obj::triangles(&again).expect("triangles");
-    mesh::once_each(&mut corners);
+    mesh::remove_duplicates(&mut corners);
     assert_eq!(corners.len(), 10);
     for (text, unit_m, why) in [
         ("", 1.0, "no triangles"),

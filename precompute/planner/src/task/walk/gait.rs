@@ -1,14 +1,14 @@
 //! Records a walker of a blend space, frame by frame, into a clip.
 
-use crate::rotation::wrap;
+use crate::rotation::wrap_angle;
 use crate::task::entries::PaceEntry;
 use glam::{DQuat, DVec2, DVec3, Quat, Vec2, Vec3};
 use throng_base::{Id, Inline, Result, maths};
 use throng_core::blend::BlendSpace;
 use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_core::{Cast, Contacts, NUM_JOINTS, Planar};
+use throng_core::{CharacterGroup, Contacts, NUM_JOINTS, Planar};
 use throng_motion::Clip;
-use throng_motion::export::Pose;
+use throng_motion::export::ActorPose;
 
 /// Steps a second at least.
 const STEP_HZ: f64 = 60.0;
@@ -17,7 +17,7 @@ const TURN: f64 = 1.6;
 /// Acceleration at the beginning and end of a walk (m/s^2).
 const START: f64 = 1.2;
 /// Time until feet that turned on the spot are at rest (s).
-const SETTLE_S: f64 = 0.3;
+const FEET_AT_REST_S: f64 = 0.3;
 /// Smallest turn on the spot (rad).
 const NO_TURN: f64 = 0.02;
 /// Turn below which a walk begins with the turn itself (rad).
@@ -25,22 +25,22 @@ const ON_THE_WAY: f64 = 0.5;
 
 /// A walker, and all frames so far.
 #[derive(Clone)]
-pub(super) struct Gait {
+pub(super) struct WalkRecording {
     walkers: Walkers,
     who: Id,
     rate_hz: f64,
     steps: usize,
     /// Position and heading of the walker while it stands.
-    at: DVec2,
+    position: DVec2,
     heading: f64,
     roots: Vec<Vec3>,
     rotations: Vec<Quat>,
     contacts: Vec<Contacts>,
     /// Gaze target (m).
-    pub look_at: Option<DVec3>,
+    pub gaze_target: Option<DVec3>,
 }
 
-impl Gait {
+impl WalkRecording {
     /// Starts a walker that stands at a position (x and z, m) with a heading (rad), at frame 0.
     pub fn new(space: &BlendSpace, at: DVec2, heading: f64, rate_hz: f64) -> Result<Self> {
         let mut walkers = Walkers::with_capacity(space.clone(), &[], WalkersConfig::default(), 1)?;
@@ -52,14 +52,14 @@ impl Gait {
             who,
             rate_hz,
             steps,
-            at,
+            position: at,
             heading,
             roots: Vec::new(),
             rotations: Vec::new(),
             contacts: Vec::new(),
-            look_at: None,
+            gaze_target: None,
         };
-        gait.keep();
+        gait.record_frame();
         Ok(gait)
     }
 
@@ -70,7 +70,7 @@ impl Gait {
 
     /// Position (x and z, m) and heading (rad) of the walker while it stands.
     pub fn place(&self) -> (DVec2, f64) {
-        (self.at, self.heading)
+        (self.position, self.heading)
     }
 
     /// Position of the hips and rotations of the last frame.
@@ -98,18 +98,18 @@ impl Gait {
     }
 
     /// Stands until a time (s).
-    pub fn stand(&mut self, until_s: f64) -> Result<()> {
+    pub fn stand_until(&mut self, until_s: f64) -> Result<()> {
         while self.time_s() + 0.5 / self.rate_hz < until_s {
             let (at, heading) = self.place();
-            self.frame(|_| (at, DVec2::ZERO, heading))?;
+            self.step_frame(|_| (at, DVec2::ZERO, heading))?;
         }
         Ok(())
     }
 
     /// Goes straight on at speeds that change evenly between times (s, m/s; two at least, ascending from now on).
-    pub fn go_on(&mut self, pace: &[PaceEntry]) -> Result<()> {
+    pub fn walk_at_pace(&mut self, pace: &[PaceEntry]) -> Result<()> {
         let Some(end_s) = pace.last().map(|p| p.t_s) else { return Ok(()) };
-        let (start_s, from, heading) = (self.time_s(), self.at, self.heading);
+        let (start_s, from, heading) = (self.time_s(), self.position, self.heading);
         let ahead = DVec2::new(maths::sin(heading), maths::cos(heading));
         // Distance (m) and speed (m/s).
         let along = |t: f64| {
@@ -125,46 +125,46 @@ impl Gait {
             (way, pace[pace.len() - 1].speed_mps)
         };
         while self.time_s() - start_s + 0.5 / self.rate_hz < end_s {
-            self.frame(|t| {
+            self.step_frame(|t| {
                 let (way, speed) = along(t - start_s);
                 (from + ahead * way, ahead * speed, heading)
             })?;
         }
-        self.at = from + ahead * along(end_s).0;
+        self.position = from + ahead * along(end_s).0;
         Ok(())
     }
 
     /// Turns on the spot to a heading, evenly eased.
-    pub fn turn(&mut self, heading: f64) -> Result<()> {
-        let by = wrap(heading - self.heading);
+    pub fn turn_to(&mut self, heading: f64) -> Result<()> {
+        let by = wrap_angle(heading - self.heading);
         if by.abs() < NO_TURN {
             return Ok(());
         }
         // The turn is fastest in the middle, by half more than in the mean.
         let seconds = 1.5 * by.abs() / TURN;
-        let (at, from, start_s) = (self.at, self.heading, self.time_s());
+        let (at, from, start_s) = (self.position, self.heading, self.time_s());
         while self.time_s() - start_s < seconds {
-            self.frame(|t| {
+            self.step_frame(|t| {
                 let share = ((t - start_s) / seconds).clamp(0.0, 1.0);
                 (at, DVec2::ZERO, from + by * share * share * (3.0 - 2.0 * share))
             })?;
         }
         self.heading = heading;
-        let until_s = self.time_s() + SETTLE_S;
-        self.stand(until_s)
+        let until_s = self.time_s() + FEET_AT_REST_S;
+        self.stand_until(until_s)
     }
 
     /// Walks along a path from where it stands.
     ///
     /// - `way`: x and z (m, two at least), the first where the walker stands.
     /// - returns the time at which the path ends (s).
-    pub fn walk(&mut self, way: &[DVec2], speed_mps: f64) -> Result<f64> {
+    pub fn walk_along(&mut self, way: &[DVec2], speed_mps: f64) -> Result<f64> {
         let lengths: Vec<f64> = way.windows(2).map(|w| w[0].distance(w[1])).collect();
         let length: f64 = lengths.iter().sum();
         let Some(first) = way.windows(2).find(|w| w[0].distance(w[1]) > 1e-6) else { return Ok(self.time_s()) };
         let tangent = heading_of(first[1] - first[0]);
-        if wrap(tangent - self.heading).abs() > ON_THE_WAY {
-            self.turn(tangent)?;
+        if wrap_angle(tangent - self.heading).abs() > ON_THE_WAY {
+            self.turn_to(tangent)?;
         }
         let top = speed_mps.min((START * length).sqrt());
         let (ramp_s, even_s) = (top / START, (length - top * top / START) / top);
@@ -184,24 +184,24 @@ impl Gait {
         };
         while self.time_s() - start_s < total_s {
             let mut heading = self.heading;
-            self.frame(|t| {
+            self.step_frame(|t| {
                 let (s, v) = along(t);
-                let (at, tangent) = on_way(way, &lengths, s);
+                let (at, tangent) = point_on_path(way, &lengths, s);
                 heading = heading_of(tangent);
                 (at, tangent * v, heading)
             })?;
             self.heading = heading;
         }
-        self.at = way[way.len() - 1];
-        self.heading = heading_of(on_way(way, &lengths, length).1);
+        self.position = way[way.len() - 1];
+        self.heading = heading_of(point_on_path(way, &lengths, length).1);
         Ok(self.time_s())
     }
 
     /// Adds a frame: position (x and z, m), velocity (m/s) and heading (rad) are a function of time.
-    fn frame(&mut self, mut path: impl FnMut(f64) -> (DVec2, DVec2, f64)) -> Result<()> {
+    fn step_frame(&mut self, mut path: impl FnMut(f64) -> (DVec2, DVec2, f64)) -> Result<()> {
         let from_s = self.time_s();
         let dt_s = 1.0 / (self.rate_hz * self.steps as f64);
-        let look_at = self.look_at.map(|p| p.as_vec3());
+        let look_at = self.gaze_target.map(|p| p.as_vec3());
         for k in 1..=self.steps {
             let (at, velocity, heading) = path(from_s + k as f64 * dt_s);
             let narrow = |v: DVec2| Vec2::new(v.x as f32, v.y as f32);
@@ -215,12 +215,12 @@ impl Gait {
             self.walkers.order(self.who, control)?;
             self.walkers.step(dt_s as f32, &Inline)?;
         }
-        self.keep();
+        self.record_frame();
         Ok(())
     }
 
-    fn keep(&mut self) {
-        let pose = Pose::of_model(self.walkers.root(0), self.walkers.pose(0));
+    fn record_frame(&mut self) {
+        let pose = ActorPose::from_model(self.walkers.root(0), self.walkers.pose(0));
         self.roots.push(pose.translations[0]);
         let before = self.rotations.len().checked_sub(NUM_JOINTS);
         for (j, q) in pose.rotations.into_iter().enumerate() {
@@ -233,7 +233,7 @@ impl Gait {
 }
 
 /// Point of a path at a length, and its direction.
-fn on_way(way: &[DVec2], lengths: &[f64], along: f64) -> (DVec2, DVec2) {
+fn point_on_path(way: &[DVec2], lengths: &[f64], along: f64) -> (DVec2, DVec2) {
     let mut left = along;
     for (w, length) in way.windows(2).zip(lengths) {
         if left <= *length && *length > 1e-9 {

@@ -5,11 +5,11 @@ mod route;
 mod stand;
 
 use super::file::Task;
-use super::run::NoClips;
-use super::stage::{ActorClip, Stage};
-use gait::Gait;
+use super::run::ClipMismatch;
+use super::stage::{ActorClip, TaskStage};
+use gait::WalkRecording;
 use glam::DVec2;
-use stand::Wanted;
+use stand::StandSearch;
 use throng_core::blend::BlendSpace;
 
 /// Time by which a limb sets out before a walk ends (s).
@@ -33,7 +33,7 @@ const LONGEST_S: f64 = 3600.0;
 /// Motion of a character.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "there are as many as characters, once")]
-pub enum Source<'a> {
+pub enum ActorSource<'a> {
     /// A clip.
     Clip(ActorClip),
     /// Walking up to its steps, with bodies of a blend space whose first axis is speed.
@@ -42,7 +42,7 @@ pub enum Source<'a> {
 
 /// Clips of characters who walk, and the task with the times at which they are in place.
 #[derive(Clone, Debug)]
-pub struct Walked {
+pub struct WalkedTask {
     /// The task, to be run with the clips.
     pub task: Task,
     /// Clips of all characters.
@@ -52,10 +52,10 @@ pub struct Walked {
 /// Reason why characters cannot walk.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum NoWalk {
+pub enum WalkError {
     /// Clips do not fit.
     #[error(transparent)]
-    Clips(#[from] NoClips),
+    Clips(#[from] ClipMismatch),
     /// The blend space refuses the walk.
     #[error("`{name}`: {source}")]
     Space {
@@ -66,7 +66,7 @@ pub enum NoWalk {
     },
     /// No standing place was found, or no path to one.
     #[error("{task}: {why}")]
-    Nowhere {
+    NoPlace {
         /// Name of the task.
         task: String,
         /// Failure of the place that came nearest, and the way out.
@@ -76,7 +76,7 @@ pub enum NoWalk {
 
 impl Task {
     /// True where a character walks up to its steps: the walks have to be planned before the task is run.
-    pub fn walks(&self) -> bool {
+    pub fn needs_walking(&self) -> bool {
         self.characters.iter().any(|c| c.clip.walk.is_some())
     }
 
@@ -91,28 +91,33 @@ impl Task {
     /// - `seed`: as in [`Task::run`].
     ///
     /// # Errors
-    /// [`NoWalk`].
+    /// [`WalkError`].
     ///
     /// # Source
     /// Shapiro, Kallmann and Faloutsos 2007, section 6.2, last paragraph. Differs: the place to stand is searched, too.
-    pub fn walked(&self, sources: &[Source<'_>], rate_hz: f64, seed: Option<u64>) -> Result<Walked, NoWalk> {
+    pub fn plan_walks(
+        &self,
+        sources: &[ActorSource<'_>],
+        rate_hz: f64,
+        seed: Option<u64>,
+    ) -> Result<WalkedTask, WalkError> {
         let mut passed = vec![0; self.steps.len()];
-        let mut best: Option<(usize, Walked)> = None;
+        let mut best: Option<(usize, WalkedTask)> = None;
         for _ in 0..MOST_TRIES {
-            let walked = match (self.walk(sources, rate_hz, &passed), &best) {
+            let walked = match (self.walk_all(sources, rate_hz, &passed), &best) {
                 (Ok(walked), _) => walked,
-                (Err(NoWalk::Nowhere { .. }), Some(_)) => break,
+                (Err(WalkError::NoPlace { .. }), Some(_)) => break,
                 (Err(e), _) => return Err(e),
             };
-            if !self.walks() {
+            if !self.needs_walking() {
                 return Ok(walked);
             }
             let outcome = walked.task.run(&walked.clips, seed)?;
-            let num_done = outcome.done.iter().filter(|d| d.why.is_none()).count();
+            let num_done = outcome.done.iter().filter(|d| d.reason.is_none()).count();
             if best.as_ref().is_none_or(|(n, _)| num_done > *n) {
                 best = Some((num_done, walked));
             }
-            let failed = outcome.done.iter().zip(&self.steps).position(|(d, s)| d.why.is_some() && !s.is_timed());
+            let failed = outcome.done.iter().zip(&self.steps).position(|(d, s)| d.reason.is_some() && !s.is_timed());
             match failed {
                 Some(step) => passed[step] += 1,
                 None => break,
@@ -120,36 +125,36 @@ impl Task {
         }
         // The first round has put one there, or has returned.
         best.map(|(_, walked)| walked)
-            .ok_or_else(|| NoWalk::Nowhere { task: "the task".into(), why: "nobody walks".into() })
+            .ok_or_else(|| WalkError::NoPlace { task: "the task".into(), why: "nobody walks".into() })
     }
 
     /// - `passed`: number of places of each step that were rejected before.
-    fn walk(&self, sources: &[Source<'_>], rate_hz: f64, passed: &[usize]) -> Result<Walked, NoWalk> {
+    fn walk_all(&self, sources: &[ActorSource<'_>], rate_hz: f64, passed: &[usize]) -> Result<WalkedTask, WalkError> {
         let (expected, found) = (self.characters.len(), sources.len());
         if expected != found {
-            return Err(NoClips::Number { expected, found }.into());
+            return Err(ClipMismatch::Number { expected, found }.into());
         }
-        let known = sources.iter().find_map(|s| if let Source::Clip(c) = s { Some(c.clip.rate_hz) } else { None });
+        let known = sources.iter().find_map(|s| if let ActorSource::Clip(c) = s { Some(c.clip.rate_hz) } else { None });
         let rate_hz = known.unwrap_or(rate_hz);
-        let mut gaits: Vec<Option<Gait>> = Vec::new();
+        let mut gaits: Vec<Option<WalkRecording>> = Vec::new();
         let mut clips = Vec::new();
         for (source, who) in sources.iter().zip(&self.characters) {
             let space = match (source, &who.clip.walk) {
-                (Source::Clip(clip), _) => {
+                (ActorSource::Clip(clip), _) => {
                     clips.push(clip.clone());
                     gaits.push(None);
                     continue;
                 }
-                (Source::Walks(_), None) => return Err(NoClips::NotWalked { name: who.name.clone() }.into()),
-                (Source::Walks(space), Some(walk)) => (*space, walk),
+                (ActorSource::Walks(_), None) => return Err(ClipMismatch::NotWalked { name: who.name.clone() }.into()),
+                (ActorSource::Walks(space), Some(walk)) => (*space, walk),
             };
-            let wrong = |source| NoWalk::Space { name: who.name.clone(), source };
+            let wrong = |source| WalkError::Space { name: who.name.clone(), source };
             let (space, walk) = space;
-            let mut gait =
-                Gait::new(space, DVec2::from(walk.from), walk.heading_deg.to_radians(), rate_hz).map_err(wrong)?;
+            let mut gait = WalkRecording::new(space, DVec2::from(walk.from), walk.heading_deg.to_radians(), rate_hz)
+                .map_err(wrong)?;
             match walk.pace.is_empty() {
-                true => gait.stand(REST_S),
-                false => gait.go_on(&walk.pace),
+                true => gait.stand_until(REST_S),
+                false => gait.walk_at_pace(&walk.pace),
             }
             .map_err(wrong)?;
             clips.push(ActorClip { clip: gait.clip(&who.name), skeleton: space.skeleton().clone() });
@@ -159,42 +164,48 @@ impl Task {
         for (who, gait) in gaits.into_iter().enumerate() {
             let goes_on = self.characters[who].clip.walk.as_ref().is_some_and(|w| !w.pace.is_empty());
             let Some(mut gait) = gait.filter(|_| !goes_on) else { continue };
-            let wrong = |source| NoWalk::Space { name: self.characters[who].name.clone(), source };
+            let wrong = |source| WalkError::Space { name: self.characters[who].name.clone(), source };
             let mut end_s = 0.0f64;
             for i in 0..task.steps.len() {
                 if task.steps[i].character != who || task.steps[i].is_timed() {
                     continue;
                 }
-                let (times_s, after) = go(&task, &clips, i, &gait, passed[i])?;
+                let (times_s, after) = walk_to_step(&task, &clips, i, &gait, passed[i])?;
                 task.steps[i].times_s = times_s;
                 gait = after;
                 end_s = end_s.max(times_s[2]);
                 clips[who].clip = gait.clip(&self.characters[who].name);
             }
-            gait.look_at = None;
-            gait.stand(end_s.max(gait.time_s()) + REST_S).map_err(wrong)?;
+            gait.gaze_target = None;
+            gait.stand_until(end_s.max(gait.time_s()) + REST_S).map_err(wrong)?;
             clips[who].clip = gait.clip(&self.characters[who].name);
         }
-        Ok(Walked { task, clips })
+        Ok(WalkedTask { task, clips })
     }
 }
 
 /// Walks to a place from which a step can be done, and stands there for as long as it takes.
 ///
 /// - returns the times at which the limb sets out, is there and is back (s), and the walker.
-fn go(task: &Task, clips: &[ActorClip], i: usize, gait: &Gait, mut passed: usize) -> Result<([f64; 3], Gait), NoWalk> {
+fn walk_to_step(
+    task: &Task,
+    clips: &[ActorClip],
+    i: usize,
+    gait: &WalkRecording,
+    mut passed: usize,
+) -> Result<([f64; 3], WalkRecording), WalkError> {
     let step = &task.steps[i];
     let who = step.character;
     let speed_mps = task.characters[who].clip.walk.as_ref().map_or(1.2, |w| w.speed_mps);
-    let wrong = |source| NoWalk::Space { name: task.characters[who].name.clone(), source };
+    let wrong = |source| WalkError::Space { name: task.characters[who].name.clone(), source };
     // Time at which the limb is back from its step before.
-    let same = |s: &&super::step::Step| s.character == who && s.limb == step.limb && s.is_timed();
+    let same = |s: &&super::step::TaskStep| s.character == who && s.limb == step.limb && s.is_timed();
     let free_s = task.steps[..i].iter().filter(same).map(|s| s.times_s[2]).fold(0.0, f64::max);
-    let mut wanted = Wanted::new(Stage::new(task, clips), step, gait);
+    let mut wanted = StandSearch::new(TaskStage::new(task, clips), step, gait);
     let (from, heading) = gait.place();
-    let stands = wanted.stands(speed_mps);
-    let nowhere = |why: String| Err(NoWalk::Nowhere { task: step.name.clone(), why });
-    if let Some(far_m) = stands.iter().map(|s| s.at.distance(from)).find(|m| *m > FARTHEST_M) {
+    let stands = wanted.candidate_places(speed_mps);
+    let nowhere = |why: String| Err(WalkError::NoPlace { task: step.name.clone(), why });
+    if let Some(far_m) = stands.iter().map(|s| s.position.distance(from)).find(|m| *m > FARTHEST_M) {
         return nowhere(format!("it is {far_m:.0} m away, expected {FARTHEST_M} m at most; begin nearer"));
     }
     if gait.time_s() > LONGEST_S {
@@ -209,22 +220,22 @@ fn go(task: &Task, clips: &[ActorClip], i: usize, gait: &Gait, mut passed: usize
             continue;
         }
         let mut after = gait.clone();
-        after.look_at = Some(wanted.target(stand.at_s).position);
-        let is_here = stand.at == from && stand.heading == heading;
+        after.gaze_target = Some(wanted.target(stand.at_s).position);
+        let is_here = stand.position == from && stand.heading == heading;
         let mut walked_s = after.time_s();
         if !is_here {
-            let Some(way) = wanted.ground(stand).way(from, stand.at) else { continue };
-            walked_s = after.walk(&way, speed_mps).map_err(wrong)?;
-            after.turn(stand.heading).map_err(wrong)?;
+            let Some(way) = wanted.route_obstacles(stand).find_path(from, stand.position) else { continue };
+            walked_s = after.walk_along(&way, speed_mps).map_err(wrong)?;
+            after.turn_to(stand.heading).map_err(wrong)?;
         }
         let from_s = (walked_s - EARLY_S).max(free_s).max(0.0);
         let at_s = (after.time_s() + THERE_S).max(from_s + OUT_S);
         let held_s = at_s + step.hold_s;
-        after.stand(at_s).map_err(wrong)?;
+        after.stand_until(at_s).map_err(wrong)?;
         if !wanted.is_reached_at(after.pose(), at_s) {
             continue;
         }
-        after.stand(held_s + STAY_S).map_err(wrong)?;
+        after.stand_until(held_s + STAY_S).map_err(wrong)?;
         if !wanted.is_walk_free(&after, [from_s, held_s + BACK_S]) {
             continue;
         }
@@ -234,5 +245,5 @@ fn go(task: &Task, clips: &[ActorClip], i: usize, gait: &Gait, mut passed: usize
         }
         return Ok(([from_s, at_s, held_s + BACK_S], after));
     }
-    nowhere(wanted.why())
+    nowhere(wanted.failure_reason())
 }

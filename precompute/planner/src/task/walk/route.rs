@@ -1,7 +1,7 @@
 //! Paths on the ground past obstacles.
 
 use crate::rotation::Rigid;
-use crate::shape::{Segment, Shape};
+use crate::shape::{Segment, SolidShape};
 use glam::{DVec2, DVec3};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -26,34 +26,34 @@ const CUTS_M: [f64; 3] = [0.6, 0.3, 0.15];
 const SPARE_M: f64 = 0.15;
 
 /// Obstacles on the ground.
-pub(super) struct Ground {
-    pub things: Vec<(Shape, Rigid)>,
+pub(super) struct RouteObstacles {
+    pub things: Vec<(SolidShape, Rigid)>,
     /// Discs that no path enters: middle and radius (m).
     pub discs: Vec<(DVec2, f64)>,
 }
 
-impl Ground {
+impl RouteObstacles {
     /// The shortest free path, with its corners cut; `None` where there is none.
     ///
     /// # Source
     /// Hart, Nilsson and Raphael 1968 (A*); Chaikin 1974 (corners).
-    pub fn way(&self, from: DVec2, to: DVec2) -> Option<Vec<DVec2>> {
-        let corners = [SPARE_M, 0.0]
-            .into_iter()
-            .find_map(|spare_m| Search { ground: self, ends: [from, to], spare_m, cells: HashMap::new() }.run())?;
+    pub fn find_path(&self, from: DVec2, to: DVec2) -> Option<Vec<DVec2>> {
+        let corners = [SPARE_M, 0.0].into_iter().find_map(|spare_m| {
+            RouteSearch { ground: self, ends: [from, to], spare_m, cells: HashMap::new() }.find_path()
+        })?;
         let is_free = |way: &Vec<DVec2>| way.windows(2).all(|w| self.is_line_free(w[0], w[1], [from, to], 0.0));
-        let smooth = CUTS_M.into_iter().map(|most| cut(&corners, most)).find(is_free);
+        let smooth = CUTS_M.into_iter().map(|most| cut_corners(&corners, most)).find(is_free);
         Some(smooth.unwrap_or(corners))
     }
 
     /// Half of the width that a path needs at a place (m).
-    fn room(p: DVec2, ends: [DVec2; 2], spare_m: f64) -> f64 {
+    fn room_at(p: DVec2, ends: [DVec2; 2], spare_m: f64) -> f64 {
         let near = ends.into_iter().map(|e| e.distance(p)).fold(f64::INFINITY, f64::min);
         NARROW_M + (ROOM_M + spare_m - NARROW_M) * (near / NEAR_M).min(1.0)
     }
 
     fn is_free(&self, p: DVec2, ends: [DVec2; 2], spare_m: f64) -> bool {
-        let room = Self::room(p, ends, spare_m);
+        let room = Self::room_at(p, ends, spare_m);
         let [low, high] = HEIGHTS_M.map(|y| DVec3::new(p.x, y, p.y));
         self.discs.iter().all(|(at, radius)| at.distance(p) >= radius + room)
             && self.things.iter().all(|(shape, place)| {
@@ -70,21 +70,21 @@ impl Ground {
 
 type Cell = (i32, i32);
 
-struct Search<'a> {
-    ground: &'a Ground,
+struct RouteSearch<'a> {
+    ground: &'a RouteObstacles,
     ends: [DVec2; 2],
     spare_m: f64,
     /// Whether cells are free, as far as they were tested.
     cells: HashMap<Cell, bool>,
 }
 
-impl Search<'_> {
-    fn at(&self, cell: Cell) -> DVec2 {
+impl RouteSearch<'_> {
+    fn cell_position(&self, cell: Cell) -> DVec2 {
         self.ends[0] + CELL_M * DVec2::new(f64::from(cell.0), f64::from(cell.1))
     }
 
     fn is_free(&mut self, cell: Cell) -> bool {
-        let (p, ends, spare_m) = (self.at(cell), self.ends, self.spare_m);
+        let (p, ends, spare_m) = (self.cell_position(cell), self.ends, self.spare_m);
         let around = ends[0].min(ends[1]) - DETOUR_M..=ends[0].max(ends[1]) + DETOUR_M;
         let inside = p.cmpge(*around.start()).all() && p.cmple(*around.end()).all();
         let ground = self.ground;
@@ -95,20 +95,20 @@ impl Search<'_> {
         self.ground.is_line_free(a, b, self.ends, self.spare_m)
     }
 
-    fn run(mut self) -> Option<Vec<DVec2>> {
+    fn find_path(mut self) -> Option<Vec<DVec2>> {
         let [from, to] = self.ends;
         if self.is_line_free(from, to) {
             return Some(vec![from, to]);
         }
-        let estimate = |s: &Self, c: Cell| (1e6 * s.at(c).distance(to)) as u64;
+        let estimate = |s: &Self, c: Cell| (1e6 * s.cell_position(c).distance(to)) as u64;
         let mut open = BinaryHeap::from([Reverse((estimate(&self, (0, 0)), 0u64, (0, 0)))]);
         let mut best: HashMap<Cell, (u64, Cell)> = HashMap::from([((0, 0), (0, (0, 0)))]);
         while let Some(Reverse((_, cost, cell))) = open.pop() {
             if best[&cell].0 < cost {
                 continue;
             }
-            if self.at(cell).distance(to) < 1.5 * CELL_M && self.is_line_free(self.at(cell), to) {
-                return Some(self.pulled(&best, cell));
+            if self.cell_position(cell).distance(to) < 1.5 * CELL_M && self.is_line_free(self.cell_position(cell), to) {
+                return Some(self.shortened_path(&best, cell));
             }
             if best.len() > MOST_CELLS {
                 return None;
@@ -127,10 +127,10 @@ impl Search<'_> {
     }
 
     /// The path back to the start, pulled tight.
-    fn pulled(&self, best: &HashMap<Cell, (u64, Cell)>, mut cell: Cell) -> Vec<DVec2> {
+    fn shortened_path(&self, best: &HashMap<Cell, (u64, Cell)>, mut cell: Cell) -> Vec<DVec2> {
         let mut all = vec![self.ends[1]];
         while cell != (0, 0) {
-            all.push(self.at(cell));
+            all.push(self.cell_position(cell));
             cell = best[&cell].1;
         }
         all.push(self.ends[0]);
@@ -147,7 +147,7 @@ impl Search<'_> {
 }
 
 /// Cuts corners of a path, again and again; its ends stay.
-fn cut(way: &[DVec2], most_m: f64) -> Vec<DVec2> {
+fn cut_corners(way: &[DVec2], most_m: f64) -> Vec<DVec2> {
     let mut way = way.to_vec();
     for round in 0..CUTS {
         let most = most_m / f64::from(1u32 << round);
@@ -166,21 +166,21 @@ fn cut(way: &[DVec2], most_m: f64) -> Vec<DVec2> {
 mod tests {
     use super::*;
 
-    fn ground(things: &[(DVec3, DVec3)]) -> Ground {
-        let things = things.iter().map(|(size, at)| (Shape::cuboid(*size), Rigid::at(*at))).collect();
-        Ground { things, discs: Vec::new() }
+    fn ground(things: &[(DVec3, DVec3)]) -> RouteObstacles {
+        let things = things.iter().map(|(size, at)| (SolidShape::cuboid(*size), Rigid::from_position(*at))).collect();
+        RouteObstacles { things, discs: Vec::new() }
     }
 
     #[test]
     fn ways_are_straight_or_go_round_with_room() {
         let (from, to) = (DVec2::new(0.0, -2.0), DVec2::new(0.0, 2.0));
-        assert_eq!(ground(&[]).way(from, to), Some(vec![from, to]));
+        assert_eq!(ground(&[]).find_path(from, to), Some(vec![from, to]));
         // A wall, and a lamp that hangs above everybody.
         let wall = ground(&[
             (DVec3::new(2.0, 2.0, 0.1), DVec3::new(0.3, 1.0, 0.0)),
             (DVec3::splat(0.3), DVec3::new(-1.2, 2.4, 0.0)),
         ]);
-        let way = wall.way(from, to).expect("a way");
+        let way = wall.find_path(from, to).expect("a way");
         assert!(way[0] == from && way[way.len() - 1] == to && way.len() > 4);
         let length: f64 = way.windows(2).map(|w| w[0].distance(w[1])).sum();
         // Round the nearer end: at least as far as a string with the room that a walker needs.
@@ -196,6 +196,6 @@ mod tests {
         // Nothing leads out of a room.
         let side = |x: f64, z: f64| (DVec3::new(4.0, 2.0, 0.1), DVec3::new(x, 1.0, z));
         let end = |x: f64| (DVec3::new(0.1, 2.0, 4.0), DVec3::new(x, 1.0, -2.0));
-        assert_eq!(ground(&[side(0.0, 0.0), side(0.0, -4.0), end(-2.0), end(2.0)]).way(from, to), None);
+        assert_eq!(ground(&[side(0.0, 0.0), side(0.0, -4.0), end(-2.0), end(2.0)]).find_path(from, to), None);
     }
 }

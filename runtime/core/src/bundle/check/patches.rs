@@ -139,11 +139,11 @@ fn cells(t: &Bundle, p: &PatchRecord, cells: &[CellRecord], edges: &[EdgeRecord]
         if !c.placement.is_moderate(FAR) || u64::from(c.group) >= t.meta().pose_groups || c.reserved != [0; 2] {
             return wrong("no such place or pose group");
         }
-        let crossing = c.is(entry) || c.is(exit);
-        if c.flags & !(rest | entry | exit) != 0 || c.is(entry | exit) || crossing && c.is(rest) {
+        let crossing = c.has_flags(entry) || c.has_flags(exit);
+        if c.flags & !(rest | entry | exit) != 0 || c.has_flags(entry | exit) || crossing && c.has_flags(rest) {
             return wrong("its flags do not go together");
         }
-        if u64::from(c.first_link) != next || c.is(exit) && c.num_links > 0 {
+        if u64::from(c.first_link) != next || c.has_flags(exit) && c.num_links > 0 {
             return wrong("its links do not follow those of the cell before it, or leave an exit");
         }
         next += u64::from(c.num_links);
@@ -156,8 +156,8 @@ fn cells(t: &Bundle, p: &PatchRecord, cells: &[CellRecord], edges: &[EdgeRecord]
         let Some(edge) = edges.get(c.edge as usize) else {
             return wrong("no such edge");
         };
-        let other = if c.is(entry) { exit } else { entry };
-        let twin = |o: &CellRecord| o.twin as usize == i && o.is(other) && o.edge == edge.opposite;
+        let other = if c.has_flags(entry) { exit } else { entry };
+        let twin = |o: &CellRecord| o.twin as usize == i && o.has_flags(other) && o.edge == edge.opposite;
         if !cells.get(c.twin as usize).is_some_and(twin) {
             return wrong("it has no twin on the opposite edge");
         }
@@ -194,7 +194,7 @@ fn links(t: &Bundle, p: &PatchRecord, cells: &[CellRecord], links: &[LinkRecord]
             }
             stays |= l.to == l.from && !l.is_for_two();
         }
-        if c.is(CellRecord::IS_REST) && !stays {
+        if c.has_flags(CellRecord::IS_REST) && !stays {
             let index = p.first_cell as usize + from;
             return Err(FormatError::value(
                 tags::PATCH_CELLS,

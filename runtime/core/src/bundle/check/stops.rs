@@ -1,6 +1,6 @@
 //! Stop tables lead to a stand.
 
-use super::{ASTRAY, LEAP, is_near, seen};
+use super::{ASTRAY, LEAP, is_near, root_seen_from};
 use crate::bundle::{Bundle, tags};
 use crate::format::FormatError;
 use crate::stops::{BODY_RADIUS_M, PIECE_FRAMES, REST, SLOW_DOWN, SweepNode, WALK_ON};
@@ -48,7 +48,7 @@ pub fn stops(t: &Bundle) -> Result<(), FormatError> {
             return wrong("it leaps");
         }
         let start = g.segments[i].start;
-        if !nodes.iter().all(|n| is_near(seen(t, start, start + n.frame), n.x, n.z)) {
+        if !nodes.iter().all(|n| is_near(root_seen_from(t, start, start + n.frame), n.x, n.z)) {
             return wrong("it does not go where its frames go");
         }
         next = end;

@@ -1,15 +1,15 @@
 //! Safe choices: the best action whose ground is clear, or the stop.
 
-use super::super::block::{Block, Body, LAID};
+use super::super::block::{BodyBlock, MotionBlock, SCHEDULED};
 use super::super::blow::PassedHits;
 use super::super::control::{self, MAX_GOALS, OwnGoal};
 use super::super::motion_set::MotionSet;
 use super::super::step::RANGE_BLOCKS;
-use super::super::transition::{self, Change};
-use super::super::{CharactersConfig, Choice, Order, pace};
-use super::path::{self, Plan};
-use super::steer::{self, Chooser, NUM_DIRECTIONS};
-use super::{AvoidConfig, Avoiding, elapsed_s};
+use super::super::transition::{self, SegmentChange};
+use super::super::{ActionChoice, CharactersConfig, PolicyOrder, pace};
+use super::path::{self, SegmentPlan};
+use super::steer::{self, NUM_DIRECTIONS, SteeringQuery};
+use super::{AvoidConfig, PathAvoidance, elapsed_s};
 use crate::planar::Planar;
 use crate::policy::{self, LookAheadJob, MAX_RANKED, NO_ACTION, RankedActions};
 use glam::{Vec2, Vec3};
@@ -33,25 +33,25 @@ const AWAY_M: f32 = 0.15;
 const TURN: f32 = 0.3;
 
 /// Inputs of the choices of one step.
-pub(crate) struct Step<'a> {
+pub(crate) struct ChoiceInputs<'a> {
     pub motion_set: &'a MotionSet,
     pub config: &'a CharactersConfig,
     pub avoid: &'a AvoidConfig,
-    pub orders: &'a [Order],
+    pub orders: &'a [PolicyOrder],
     pub num_characters: usize,
 }
 
 /// Lets every character that has reached the end of its segment choose, one after the other in the order of time.
-pub(crate) fn choose(
-    avoiding: &mut Avoiding,
-    (blocks, bodies): (&mut [Block], &mut [Body]),
+pub(crate) fn choose_avoiding(
+    avoiding: &mut PathAvoidance,
+    (blocks, bodies): (&mut [MotionBlock], &mut [BodyBlock]),
     passed: &mut [PassedHits],
-    step: &Step<'_>,
+    step: &ChoiceInputs<'_>,
 ) {
     let motion_set = step.motion_set;
     if avoiding.is_stale {
         // A character that was moved may overlap another one; the overlap ends as they move on.
-        avoiding.rebuild(blocks, step.num_characters, motion_set);
+        avoiding.rebuild_paths(blocks, step.num_characters, motion_set);
     }
     for at in 0..step.num_characters {
         let (b, lane) = (&blocks[at / LANES], at % LANES);
@@ -59,17 +59,17 @@ pub(crate) fn choose(
         push_due(avoiding, b, at);
     }
     while let Some((ago, Reverse(at))) = avoiding.due.pop() {
-        one(avoiding, (blocks, bodies), passed, step, at as usize, f32::from_bits(ago));
+        choose_one(avoiding, (blocks, bodies), passed, step, at as usize, f32::from_bits(ago));
         push_due(avoiding, &blocks[at as usize / LANES], at as usize);
     }
 }
 
 /// Queues a character that has reached the end of a segment.
-fn push_due(avoiding: &mut Avoiding, b: &Block, at: usize) {
+fn push_due(avoiding: &mut PathAvoidance, b: &MotionBlock, at: usize) {
     let lane = at % LANES;
     let ago = match b.pace[lane] {
-        _ if b.segment[lane] == LAID => return,
-        pace::HELD => -b.wait[lane],
+        _ if b.segment[lane] == SCHEDULED => return,
+        pace::HELD_STILL => -b.wait[lane],
         _ => b.time[lane] - b.length[lane] as f32,
     };
     if ago >= 0.0 {
@@ -79,23 +79,29 @@ fn push_due(avoiding: &mut Avoiding, b: &Block, at: usize) {
 }
 
 /// Makes one choice.
-fn one(
-    avoiding: &mut Avoiding,
-    (blocks, bodies): (&mut [Block], &mut [Body]),
+fn choose_one(
+    avoiding: &mut PathAvoidance,
+    (blocks, bodies): (&mut [MotionBlock], &mut [BodyBlock]),
     passed: &mut [PassedHits],
-    step: &Step<'_>,
+    step: &ChoiceInputs<'_>,
     at: usize,
     ago: f32,
 ) {
     let motion_set = step.motion_set;
     let (b, lane) = (&blocks[at / LANES], at % LANES);
     let state = motion_set.graph.segments[b.segment[lane] as usize].end;
-    let root = b.end(lane, motion_set);
-    let is_held = b.pace[lane] == pace::HELD;
+    let root = b.root_at_end(lane, motion_set);
+    let is_held = b.pace[lane] == pace::HELD_STILL;
     let ago_s = ago / motion_set.rate_hz;
-    let (num_goals, goals) = control::asked(&step.orders[at], motion_set);
-    let own =
-        Own { at, state, root, is_held: is_held || b.pace[lane] == pace::SLOWING, ago_s, goals: &goals[..num_goals] };
+    let (num_goals, goals) = control::active_goals(&step.orders[at], motion_set);
+    let own = ChoosingCharacter {
+        at,
+        state,
+        root,
+        is_held: is_held || b.pace[lane] == pace::SLOWING,
+        ago_s,
+        goals: &goals[..num_goals],
+    };
     let found = own.clear_plan(avoiding, b, step);
     let b = &mut blocks[at / LANES];
     b.blocked[lane] = match found {
@@ -107,11 +113,11 @@ fn one(
         Some((plan, _)) => plan,
         None if own.is_held => {
             // Nothing to play: it is held where it is.
-            let plan = Plan { segment: b.segment[lane], pace: pace::HELD, bend: 0.0 };
+            let plan = SegmentPlan { segment: b.segment[lane], pace: pace::HELD_STILL, bend: 0.0 };
             if !is_held {
-                path::of_plan(plan, None, root, motion_set, &mut avoiding.path);
+                path::path_of_plan(plan, None, root, motion_set, &mut avoiding.path);
                 avoiding.book.set(at, &avoiding.path, 0.0);
-                b.pace[lane] = pace::HELD;
+                b.pace[lane] = pace::HELD_STILL;
                 b.time[lane] = b.length[lane] as f32;
             }
             b.wait[lane] = LOOK_AGAIN - ago;
@@ -119,33 +125,33 @@ fn one(
         }
         None => {
             let plan = path::stop_of(state, motion_set);
-            path::of_plan(plan, Some(state), root, motion_set, &mut avoiding.path);
+            path::path_of_plan(plan, Some(state), root, motion_set, &mut avoiding.path);
             plan
         }
     };
     let range = &mut passed[at / (RANGE_BLOCKS * LANES)];
-    let begin = control::Begin { at, state, root, plan, left: ago };
-    let change = control::begin(b, &begin, range, motion_set);
+    let begin = control::SegmentBegin { at, state, root, plan, left: ago };
+    let change = control::begin_segment(b, &begin, range, motion_set);
     avoiding.book.set(at, &avoiding.path, elapsed_s(b, lane, motion_set));
     if let Some(change) = change.filter(|_| bodies[at / LANES].awake == 1) {
-        let change = Change { character: at as u32, ..change };
-        transition::start(&[change], motion_set, step.config.half_life_s, bodies);
+        let change = SegmentChange { character: at as u32, ..change };
+        transition::start_transitions(&[change], motion_set, step.config.half_life_s, bodies);
     }
 }
 
 /// True of an action that does not end where it begins.
-fn leads_away(plan: Plan, motion_set: &MotionSet) -> bool {
+fn leads_away(plan: SegmentPlan, motion_set: &MotionSet) -> bool {
     let d = motion_set.graph.segments[plan.segment as usize].displacement();
     maths::hypot(d.x, d.z) > AWAY_M
 }
 
 /// True of an action that leads away or turns.
-fn moves(plan: Plan, motion_set: &MotionSet) -> bool {
+fn moves_root(plan: SegmentPlan, motion_set: &MotionSet) -> bool {
     leads_away(plan, motion_set) || motion_set.graph.segments[plan.segment as usize].displacement[2].abs() > TURN
 }
 
 /// The character that chooses.
-struct Own<'a> {
+struct ChoosingCharacter<'a> {
     at: usize,
     state: u32,
     root: Planar,
@@ -156,22 +162,27 @@ struct Own<'a> {
     goals: &'a [OwnGoal],
 }
 
-impl Own<'_> {
+impl ChoosingCharacter<'_> {
     /// Best action whose ground is clear, and whether it is the action that it would take without others; its path is
     /// left in `avoiding.path`.
-    fn clear_plan(&self, avoiding: &mut Avoiding, b: &Block, step: &Step<'_>) -> Option<(Plan, bool)> {
+    fn clear_plan(
+        &self,
+        avoiding: &mut PathAvoidance,
+        b: &MotionBlock,
+        step: &ChoiceInputs<'_>,
+    ) -> Option<(SegmentPlan, bool)> {
         let motion_set = step.motion_set;
         let segments = motion_set.graph.segments_of(self.state);
         let turns = match self.goals.first() {
             Some(goal) if self.can_turn(goal, motion_set) => {
-                let chooser = Chooser {
+                let chooser = SteeringQuery {
                     number: self.at,
                     place: Vec2::new(self.root.x, self.root.z),
                     target: Vec2::new(goal.target.x, goal.target.z),
                     speed_mps: avoiding.speed_mps,
                     ago_s: self.ago_s,
                 };
-                steer::directions(&chooser, &avoiding.turns, &avoiding.book, step.avoid)
+                steer::ranked_directions(&chooser, &avoiding.turns, &avoiding.book, step.avoid)
             }
             _ => [0.0; NUM_DIRECTIONS],
         };
@@ -183,9 +194,9 @@ impl Own<'_> {
                 if turns[..i].contains(&turn) || patience < WAITS && turn.abs() > WIDE {
                     continue;
                 }
-                let action = ranked[i].get_or_insert_with(|| self.ranked(b, turn, step))[k];
+                let action = ranked[i].get_or_insert_with(|| self.ranked_actions(b, turn, step))[k];
                 if action != NO_ACTION && self.is_first(action, &mut tried) {
-                    let plan = self.plan(segments[usize::from(action)], turn, step);
+                    let plan = self.segment_plan(segments[usize::from(action)], turn, step);
                     if self.is_clear(plan, avoiding, motion_set) {
                         return Some((plan, (i, k) == (0, 0) && turn == 0.0));
                     }
@@ -198,9 +209,10 @@ impl Own<'_> {
         // Any action that leads away, whatever its value.
         let begin = patience as usize % segments.len();
         let others = (begin..segments.len()).chain(0..begin).map(|action| action as u8);
-        let plans =
-            others.filter(|&a| self.is_first(a, &mut tried)).map(|a| self.plan(segments[usize::from(a)], 0.0, step));
-        let mut plans = plans.filter(|&plan| moves(plan, motion_set));
+        let plans = others
+            .filter(|&a| self.is_first(a, &mut tried))
+            .map(|a| self.segment_plan(segments[usize::from(a)], 0.0, step));
+        let mut plans = plans.filter(|&plan| moves_root(plan, motion_set));
         plans.find(|&plan| self.is_clear(plan, avoiding, motion_set)).map(|plan| (plan, false))
     }
 
@@ -213,22 +225,23 @@ impl Own<'_> {
     }
 
     /// Pace and bending with which an action would be played.
-    fn plan(&self, segment: u32, turn: f32, step: &Step<'_>) -> Plan {
+    fn segment_plan(&self, segment: u32, turn: f32, step: &ChoiceInputs<'_>) -> SegmentPlan {
         let new = &step.motion_set.graph.segments[segment as usize];
         match self.goals.first() {
-            _ if self.is_held => Plan { segment, pace: pace::STARTING, bend: 0.0 },
-            None => Plan { segment, pace: pace::NORMAL, bend: 0.0 },
+            _ if self.is_held => SegmentPlan { segment, pace: pace::STARTING, bend: 0.0 },
+            None => SegmentPlan { segment, pace: pace::NORMAL, bend: 0.0 },
             Some(goal) => {
-                let (target, limit) = (self.seen(goal, turn, step.motion_set), step.config.bend_rad_per_m);
-                let bend = control::bend(new.displacement(), new.num_frames, target, limit);
-                Plan { segment, pace: pace::NORMAL, bend }
+                let (target, limit) =
+                    (self.target_seen_turned(goal, turn, step.motion_set), step.config.bend_rad_per_m);
+                let bend = control::bend_rate(new.displacement(), new.num_frames, target, limit);
+                SegmentPlan { segment, pace: pace::NORMAL, bend }
             }
         }
     }
 
     /// True where the ground of a plan is clear; its path is left in `avoiding.path`.
-    fn is_clear(&self, plan: Plan, avoiding: &mut Avoiding, motion_set: &MotionSet) -> bool {
-        path::of_plan(plan, Some(self.state), self.root, motion_set, &mut avoiding.path);
+    fn is_clear(&self, plan: SegmentPlan, avoiding: &mut PathAvoidance, motion_set: &MotionSet) -> bool {
+        path::path_of_plan(plan, Some(self.state), self.root, motion_set, &mut avoiding.path);
         avoiding.book.is_clear(self.at, &avoiding.path, self.ago_s)
     }
 
@@ -238,7 +251,7 @@ impl Own<'_> {
     }
 
     /// A target in the character's frame, turned aside about the character.
-    fn seen(&self, goal: &OwnGoal, turn: f32, motion_set: &MotionSet) -> Vec3 {
+    fn target_seen_turned(&self, goal: &OwnGoal, turn: f32, motion_set: &MotionSet) -> Vec3 {
         let turn = if self.can_turn(goal, motion_set) { turn } else { 0.0 };
         let local = self.root.inverse_transform_point(Vec2::new(goal.target.x, goal.target.z));
         let (sin, cos) = (maths::sin(turn), maths::cos(turn));
@@ -246,7 +259,7 @@ impl Own<'_> {
     }
 
     /// The best actions towards a target that is turned aside.
-    fn ranked(&self, b: &Block, turn: f32, step: &Step<'_>) -> [u8; MAX_RANKED] {
+    fn ranked_actions(&self, b: &MotionBlock, turn: f32, step: &ChoiceInputs<'_>) -> [u8; MAX_RANKED] {
         let (motion_set, config) = (step.motion_set, step.config);
         let mut actions = [NO_ACTION; MAX_RANKED];
         if self.goals.is_empty() {
@@ -256,19 +269,19 @@ impl Own<'_> {
         let mut targets = [[Vec3::ZERO]; MAX_GOALS];
         let mut weights = [[0.0]; MAX_GOALS];
         for (g, goal) in self.goals.iter().enumerate() {
-            targets[g] = [self.seen(goal, turn, motion_set)];
+            targets[g] = [self.target_seen_turned(goal, turn, motion_set)];
             let active = motion_set.policies[goal.policy].region().contains(targets[g][0]);
             weights[g] = [if active { goal.weight } else { 0.0 }];
         }
-        if config.choice == Choice::BestAction && self.goals.len() == 1 {
+        if config.choice == ActionChoice::BestAction && self.goals.len() == 1 {
             let policy = &motion_set.policies[self.goals[0].policy];
             let best = policy.best_of(self.state, policy.nearest_cell(self.state, targets[0][0]));
             actions.iter_mut().zip(best).for_each(|(to, from)| *to = *from);
             return actions;
         }
-        let jobs: [policy::Goal<'_>; MAX_GOALS] = std::array::from_fn(|g| {
+        let jobs: [policy::LookAheadGoal<'_>; MAX_GOALS] = std::array::from_fn(|g| {
             let g = g.min(self.goals.len() - 1);
-            policy::Goal {
+            policy::LookAheadGoal {
                 policy: &motion_set.policies[self.goals[g].policy],
                 weights: &weights[g],
                 targets: &targets[g],
@@ -278,9 +291,9 @@ impl Own<'_> {
         let job = LookAheadJob { goals: &jobs[..self.goals.len()], states: &[self.state], ranked: &mut ranked };
         job.run().unwrap_or_else(|e| unreachable!("states come from the tables, targets were checked: {e}"));
         actions = ranked[0].actions;
-        if let Choice::LookAhead { temperature } = config.choice {
+        if let ActionChoice::LookAhead { temperature } = config.choice {
             let lane = self.at % LANES;
-            let chosen = ranked[0].choose(temperature, control::draw(b, lane, config));
+            let chosen = ranked[0].choose(temperature, control::draw_random(b, lane, config));
             // The drawn one first, then the others by rank.
             if let Some(k) = actions.iter().position(|&a| a == chosen) {
                 actions[..=k].rotate_right(1);

@@ -12,20 +12,22 @@ mod path;
 mod steer;
 
 use super::Characters;
-use super::block::Block;
+use super::block::MotionBlock;
 use super::motion_set::MotionSet;
 use super::pace;
-use crate::reserve::{Held, Moving, Outsider, Path, ROUNDING_M, Reservations, Rod};
+use crate::reserve::{
+    Capsule2d, ExternalObstacle, PathReservations, ROUNDING_M, ReservedPath, ReservedRegion, TimedPath,
+};
 use crate::stops::BODY_RADIUS_M;
 use glam::Vec2;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use throng_base::Result;
-use throng_base::error::check;
+use throng_base::error::check_value;
 use throng_base::simd::LANES;
 
-pub(crate) use choose::{Step, choose};
-pub(crate) use path::Plan;
+pub(crate) use choose::{ChoiceInputs, choose_avoiding};
+pub(crate) use path::SegmentPlan;
 
 /// Settings of collision avoidance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,10 +49,16 @@ impl Default for AvoidConfig {
 
 impl AvoidConfig {
     pub(super) fn check(&self) -> Result<()> {
-        check("avoid.horizon_s", None, self.horizon_s, (0.0..=20.0).contains(&self.horizon_s), "between 0 and 20")?;
-        check("avoid.room_m", None, self.room_m, (0.0..=10.0).contains(&self.room_m), "between 0 and 10")?;
+        check_value(
+            "avoid.horizon_s",
+            None,
+            self.horizon_s,
+            (0.0..=20.0).contains(&self.horizon_s),
+            "between 0 and 20",
+        )?;
+        check_value("avoid.room_m", None, self.room_m, (0.0..=10.0).contains(&self.room_m), "between 0 and 10")?;
         let pairs_m = self.pairs_m.unwrap_or(0.0);
-        check("avoid.pairs_m", None, pairs_m, (0.0..=10.0).contains(&pairs_m), "between 0 and 10")
+        check_value("avoid.pairs_m", None, pairs_m, (0.0..=10.0).contains(&pairs_m), "between 0 and 10")
     }
 }
 
@@ -58,13 +66,13 @@ impl AvoidConfig {
 ///
 /// All of it follows from the characters' state, so that snapshots do without.
 #[derive(Clone, Debug)]
-pub(crate) struct Avoiding {
-    pub book: Reservations,
+pub(crate) struct PathAvoidance {
+    pub book: PathReservations,
     /// Characters that reach the end of a segment within the step, the first one on top: time since that end (bits of
     /// frames).
     due: BinaryHeap<(u32, Reverse<u32>)>,
     /// The path that is tried.
-    path: Path,
+    path: ReservedPath,
     /// Speed of a walking character (m/s).
     speed_mps: f32,
     turns: steer::Turns,
@@ -74,61 +82,61 @@ pub(crate) struct Avoiding {
     is_stale: bool,
 }
 
-impl Avoiding {
+impl PathAvoidance {
     /// Room for so many characters.
     pub fn new(motion_set: &MotionSet, config: &AvoidConfig, capacity: usize) -> Self {
         let room = path::most_nodes(motion_set);
-        let path = Path { nodes: Vec::with_capacity(room), ..Path::default() };
-        let mut book = Reservations::with_capacity(capacity, room);
+        let path = ReservedPath { nodes: Vec::with_capacity(room), ..ReservedPath::default() };
+        let mut book = PathReservations::with_capacity(capacity, room);
         book.set_group_depth(config.pairs_m.unwrap_or(0.0));
         Self {
             book,
             due: BinaryHeap::with_capacity(capacity),
             path,
             speed_mps: walking_speed(motion_set),
-            turns: steer::turns(),
+            turns: steer::candidate_turns(),
             pairs: config.pairs_m.is_some(),
             is_stale: true,
         }
     }
 
     /// Marks all paths as stale after a character was moved: they are reserved anew at the next step.
-    pub fn stale(&mut self) {
+    pub fn mark_stale(&mut self) {
         self.is_stale = true;
     }
 
     /// Reserves the path of one character anew, from its state; false where it meets another path or a wall.
-    fn lay(&mut self, blocks: &[Block], motion_set: &MotionSet, at: usize) -> bool {
+    fn update_path(&mut self, blocks: &[MotionBlock], motion_set: &MotionSet, at: usize) -> bool {
         let (b, lane) = (&blocks[at / LANES], at % LANES);
-        path::of_state(b, lane, motion_set, &mut self.path);
+        path::path_of_state(b, lane, motion_set, &mut self.path);
         let elapsed_s = elapsed_s(b, lane, motion_set);
         self.book.set_group(at, self.pairs.then_some(at as u32 / 2));
-        let clear = self.book.meets_none(at, &Moving { nodes: &self.path.nodes, elapsed_s }, 0.0, -ROUNDING_M);
+        let clear = self.book.is_clear_of_all(at, &TimedPath { nodes: &self.path.nodes, elapsed_s }, 0.0, -ROUNDING_M);
         self.book.set(at, &self.path, elapsed_s);
         clear
     }
 
     /// Reserves the path of one character, and first those of all `n` characters where they are stale; see
-    /// [`Self::lay`].
-    pub fn reserve(&mut self, blocks: &[Block], n: usize, motion_set: &MotionSet, at: usize) -> bool {
+    /// [`Self::update_path`].
+    pub fn reserve_path(&mut self, blocks: &[MotionBlock], n: usize, motion_set: &MotionSet, at: usize) -> bool {
         if self.is_stale {
-            self.rebuild(blocks, n, motion_set);
+            self.rebuild_paths(blocks, n, motion_set);
         }
-        self.lay(blocks, motion_set, at)
+        self.update_path(blocks, motion_set, at)
     }
 
     /// Reserves all paths anew, from the state of the characters; returns one whose path meets another one, if there is
     /// any.
-    pub fn rebuild(&mut self, blocks: &[Block], n: usize, motion_set: &MotionSet) -> Option<usize> {
+    pub fn rebuild_paths(&mut self, blocks: &[MotionBlock], n: usize, motion_set: &MotionSet) -> Option<usize> {
         self.book.clear();
         self.is_stale = false;
-        (0..n).filter(|&at| !self.lay(blocks, motion_set, at)).last()
+        (0..n).filter(|&at| !self.update_path(blocks, motion_set, at)).last()
     }
 }
 
 /// Time since the path of a character began (s).
-fn elapsed_s(b: &Block, lane: usize, motion_set: &MotionSet) -> f32 {
-    pace::time(b.pace[lane], b.length[lane] as f32, b.time[lane]) / motion_set.rate_hz
+fn elapsed_s(b: &MotionBlock, lane: usize, motion_set: &MotionSet) -> f32 {
+    pace::time_at_frame(b.pace[lane], b.length[lane] as f32, b.time[lane]) / motion_set.rate_hz
 }
 
 /// The middle one of the speeds of segments that lead anywhere (m/s).
@@ -147,64 +155,67 @@ impl Characters {
     ///
     /// Set walls before characters walk there: a character whose path crosses a new wall goes on to its stop, and may
     /// be unable to leave.
-    pub fn set_walls(&mut self, walls: &[Rod]) {
+    pub fn set_walls(&mut self, walls: &[Capsule2d]) {
         if let Some(avoiding) = &mut self.avoiding {
             avoiding.book.set_walls(walls);
         }
     }
 
     /// Sets the external obstacles: characters with collision avoidance do not enter the regions that these reserve.
-    pub fn mind<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
+    pub fn set_external_obstacles<'a>(&mut self, others: impl Iterator<Item = &'a ReservedRegion>) {
         if let Some(avoiding) = &mut self.avoiding {
-            avoiding.book.outsiders_mut().set(others);
+            avoiding.book.external_obstacles_mut().replace_all(others);
         }
     }
 
     /// Copies walls and external obstacles from other characters.
-    pub(super) fn surround_as(&mut self, other: &Self) {
+    pub(super) fn copy_surroundings(&mut self, other: &Self) {
         if let (Some(avoiding), Some(other)) = (&mut self.avoiding, &other.avoiding) {
-            avoiding.book.surround_as(&other.book);
+            avoiding.book.copy_surroundings(&other.book);
         }
     }
 
     /// Adds the bodies of all characters and the regions that they reserve: with collision avoidance, those of their
     /// actions and of the stops after them.
-    pub fn hold_ground(&mut self, motion_set: &MotionSet, out: &mut Held) {
+    pub fn add_reserved_regions(&mut self, motion_set: &MotionSet, out: &mut ReservedRegion) {
         let n = self.num_characters;
         if let Some(avoiding) = self.avoiding.as_mut().filter(|a| a.is_stale) {
-            avoiding.rebuild(&self.blocks, n, motion_set);
+            avoiding.rebuild_paths(&self.blocks, n, motion_set);
         }
         if let Some(avoiding) = &self.avoiding {
             // Regions reserved before a step and after it, however long the paths become.
-            let most = 2 * n * Moving::most_held(avoiding.book.room());
+            let most = 2 * n * TimedPath::max_reserved_regions(avoiding.book.max_nodes());
             out.ground.reserve(most.saturating_sub(out.ground.len()));
         }
         for at in 0..n {
             let root = self.root(at);
-            let mut body =
-                Outsider { place: Vec2::new(root.x, root.z), radius_m: BODY_RADIUS_M, ..Outsider::default() };
+            let mut body = ExternalObstacle {
+                place: Vec2::new(root.x, root.z),
+                radius_m: BODY_RADIUS_M,
+                ..ExternalObstacle::default()
+            };
             match &self.avoiding {
                 Some(avoiding) => {
                     body.velocity = avoiding.book.velocity(at);
-                    avoiding.book.path(at).hold(&mut out.ground);
+                    avoiding.book.path(at).add_reserved_regions(&mut out.ground);
                     out.bodies.push(body);
                 }
-                None => out.ahead(body),
+                None => out.reserve_ahead(body),
             }
         }
     }
 
-    /// Moves a character over the ground as a whole, unless that blocks another one; see [`Characters::shift`].
+    /// Moves a character over the ground as a whole, unless that blocks another one; see [`Characters::shift_by`].
     pub(super) fn shift_aside(&mut self, motion_set: &MotionSet, at: usize, by: Vec2) -> Result<()> {
         let is_stale = self.avoiding.as_ref().is_some_and(|a| a.is_stale);
         let before = self.blocks[at / LANES];
-        self.shift(at, by)?;
+        self.shift_by(at, by)?;
         if let Some(avoiding) = &mut self.avoiding {
             // No other character was moved.
             avoiding.is_stale = is_stale;
-            if !self.reserve(motion_set, at) {
+            if !self.reserve_path(motion_set, at) {
                 self.blocks[at / LANES] = before;
-                self.reserve(motion_set, at);
+                self.reserve_path(motion_set, at);
             }
         }
         Ok(())
@@ -212,12 +223,12 @@ impl Characters {
 
     /// Number of choices in a row at which no action of a character with collision avoidance was clear (character <
     /// num_characters).
-    pub fn blocked(&self, character: usize) -> u32 {
+    pub fn num_blocked_choices(&self, character: usize) -> u32 {
         self.blocks[character / LANES].blocked[character % LANES]
     }
 
     /// Reservations of the characters with collision avoidance, by number.
-    pub fn reservations(&self) -> Option<&Reservations> {
+    pub fn reservations(&self) -> Option<&PathReservations> {
         self.avoiding.as_ref().map(|a| &a.book)
     }
 }

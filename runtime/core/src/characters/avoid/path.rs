@@ -1,11 +1,11 @@
 //! Paths of segments and of the stops after them, in the world.
 
 use super::super::bent;
-use super::super::block::{Block, LAID, NO_STATE};
+use super::super::block::{MotionBlock, NO_STATE, SCHEDULED};
 use super::super::motion_set::MotionSet;
 use super::super::pace;
 use crate::planar::Planar;
-use crate::reserve::{Path, PathNode};
+use crate::reserve::{PathNode, ReservedPath};
 use crate::stops::{BODY_RADIUS_M, REST, SLOW_DOWN, SweepNode};
 use glam::Vec2;
 
@@ -28,7 +28,7 @@ pub fn most_nodes(motion_set: &MotionSet) -> usize {
 
 /// Segment to play, with pace and bending.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plan {
+pub struct SegmentPlan {
     /// Number of the segment.
     pub segment: u32,
     /// See [`pace`].
@@ -41,56 +41,62 @@ pub struct Plan {
 ///
 /// - `from`: state that one comes from, if it is known.
 /// - `root`: at its first frame.
-pub fn of_plan(plan: Plan, from: Option<u32>, root: Planar, motion_set: &MotionSet, out: &mut Path) {
+pub fn path_of_plan(
+    plan: SegmentPlan,
+    from: Option<u32>,
+    root: Planar,
+    motion_set: &MotionSet,
+    out: &mut ReservedPath,
+) {
     let end = motion_set.graph.segments[plan.segment as usize].end;
-    let mut laying = Laying::begin(motion_set, root, out);
+    let mut laying = ReservedPathBuilder::begin(motion_set, root, out);
     match plan.pace {
-        pace::HELD => laying.stay(motion_set.stops.stops[end as usize].radius),
+        pace::HELD_STILL => laying.add_stand(motion_set.stops.stops[end as usize].radius),
         pace::IN_PLACE => {
             let sweep = motion_set.stops.sweeps[plan.segment as usize].radius;
             let pose = from.map_or(0.0, |s| motion_set.stops.stops[s as usize].pose_radius);
-            laying.stay(sweep.max(motion_set.stops.stops[end as usize].radius).max(pose));
+            laying.add_stand(sweep.max(motion_set.stops.stops[end as usize].radius).max(pose));
         }
         _ => {
-            laying.segment(plan, from);
+            laying.add_segment(plan, from);
             let way = Vec2::new(laying.root.x - root.x, laying.root.z - root.z);
             laying.out.velocity = way / laying.time_s;
             match plan.pace {
-                pace::SLOWING => laying.stay(motion_set.stops.stops[end as usize].radius),
-                _ => laying.stop(end),
+                pace::SLOWING => laying.add_stand(motion_set.stops.stops[end as usize].radius),
+                _ => laying.add_stop(end),
             }
         }
     }
 }
 
 /// The path that a character has, which is that of its last choice.
-pub fn of_state(b: &Block, lane: usize, motion_set: &MotionSet, out: &mut Path) {
-    if b.segment[lane] == LAID {
+pub fn path_of_state(b: &MotionBlock, lane: usize, motion_set: &MotionSet, out: &mut ReservedPath) {
+    if b.segment[lane] == SCHEDULED {
         // A scheduled clip is set by the caller, who knows where it leads.
         let root = Planar::new(b.root[0][lane], b.root[1][lane], 0.0);
-        return Laying::begin(motion_set, root, out).stay(BODY_RADIUS_M);
+        return ReservedPathBuilder::begin(motion_set, root, out).add_stand(BODY_RADIUS_M);
     }
-    let plan = Plan { segment: b.segment[lane], pace: b.pace[lane], bend: b.bend[lane] };
+    let plan = SegmentPlan { segment: b.segment[lane], pace: b.pace[lane], bend: b.bend[lane] };
     match plan.pace {
-        pace::HELD => of_plan(plan, None, b.end(lane, motion_set), motion_set, out),
+        pace::HELD_STILL => path_of_plan(plan, None, b.root_at_end(lane, motion_set), motion_set, out),
         // A character that has not begun is at the end of its segment, and stops from then on, however long ago that
         // is.
         pace::NORMAL if b.choice_state[lane] == NO_STATE && b.time[lane] >= b.length[lane] as f32 => {
-            let mut laying = Laying::begin(motion_set, b.end(lane, motion_set), out);
+            let mut laying = ReservedPathBuilder::begin(motion_set, b.root_at_end(lane, motion_set), out);
             laying.time_s = b.length[lane] as f32 / motion_set.rate_hz;
-            laying.stop(motion_set.graph.segments[plan.segment as usize].end);
+            laying.add_stop(motion_set.graph.segments[plan.segment as usize].end);
         }
         _ => {
             let from = Some(b.choice_state[lane]).filter(|&s| s != NO_STATE);
-            of_plan(plan, from, b.choice_root(lane), motion_set, out);
+            path_of_plan(plan, from, b.choice_root(lane), motion_set, out);
         }
     }
 }
 
 /// A path that grows.
-struct Laying<'a> {
+struct ReservedPathBuilder<'a> {
     motion_set: &'a MotionSet,
-    out: &'a mut Path,
+    out: &'a mut ReservedPath,
     /// Time since the path began (s).
     time_s: f32,
     /// Root at the end of the path so far.
@@ -101,22 +107,22 @@ struct Laying<'a> {
     pose: (f32, f32),
 }
 
-impl<'a> Laying<'a> {
-    fn begin(motion_set: &'a MotionSet, root: Planar, out: &'a mut Path) -> Self {
+impl<'a> ReservedPathBuilder<'a> {
+    fn begin(motion_set: &'a MotionSet, root: Planar, out: &'a mut ReservedPath) -> Self {
         out.nodes.clear();
         out.velocity = Vec2::ZERO;
         Self { motion_set, out, time_s: 0.0, root, radius_m: 0.0, pose: (0.0, 0.0) }
     }
 
     /// Adds a stand at the end of the path.
-    fn stay(&mut self, radius_m: f32) {
+    fn add_stand(&mut self, radius_m: f32) {
         self.pose = (0.0, 0.0);
         self.radius_m = radius_m + MARGIN_M;
-        self.node(0.0, Vec2::ZERO);
+        self.add_node(0.0, Vec2::ZERO);
     }
 
     /// Adds a node at a time after `time_s`, where a point as seen from the root is.
-    fn node(&mut self, after_frames: f32, local: Vec2) {
+    fn add_node(&mut self, after_frames: f32, local: Vec2) {
         let time_s = self.time_s + after_frames / self.motion_set.rate_hz;
         let (pose_m, until_s) = self.pose;
         let place = self.root.transform_point(local);
@@ -137,7 +143,7 @@ impl<'a> Laying<'a> {
     }
 
     /// Adds a segment to its end, entered from a state.
-    fn segment(&mut self, plan: Plan, from: Option<u32>) {
+    fn add_segment(&mut self, plan: SegmentPlan, from: Option<u32>) {
         let motion_set = self.motion_set;
         let pose = from.map_or(0.0, |s| motion_set.stops.stops[s as usize].pose_radius + MARGIN_M);
         self.pose = (pose, self.time_s + CHANGE_S);
@@ -151,46 +157,46 @@ impl<'a> Laying<'a> {
             pace::SLOWING | pace::STARTING => {
                 frames = 2.0 * length;
                 // Evenly in time, and at the nodes of the sweep.
-                let time = |f: u32| pace::time(plan.pace, length, f as f32);
+                let time = |f: u32| pace::time_at_frame(plan.pace, length, f as f32);
                 let every = frames / PACE_NODES as f32;
                 let mut even = 0.0;
                 for w in nodes.windows(2) {
                     let (from, to) = (w[0].frame as f32, w[1].frame as f32);
                     while even + 1e-3 < time(w[1].frame) {
-                        let share = (pace::frame(plan.pace, length, even) - from) / (to - from);
-                        self.node(even, place(&w[0]).lerp(place(&w[1]), share.clamp(0.0, 1.0)));
+                        let share = (pace::frame_at_time(plan.pace, length, even) - from) / (to - from);
+                        self.add_node(even, place(&w[0]).lerp(place(&w[1]), share.clamp(0.0, 1.0)));
                         even += every;
                     }
-                    self.node(time(w[1].frame), place(&w[1]));
+                    self.add_node(time(w[1].frame), place(&w[1]));
                 }
             }
             _ if plan.bend != 0.0 => {
-                self.node(0.0, Vec2::ZERO);
+                self.add_node(0.0, Vec2::ZERO);
                 let mut at = Vec2::ZERO;
                 for piece in bent::pieces(motion_set, plan.segment, plan.bend) {
                     at = piece.end;
-                    self.node(piece.frames[1], at);
+                    self.add_node(piece.frames[1], at);
                 }
                 end = Planar::new(at.x, at.y, end.heading + plan.bend * length);
             }
-            _ => nodes.iter().for_each(|n| self.node(n.frame as f32, place(n))),
+            _ => nodes.iter().for_each(|n| self.add_node(n.frame as f32, place(n))),
         }
         self.time_s += frames / motion_set.rate_hz;
         self.root = self.root.compose(end);
     }
 
     /// Adds the stop from a state to a stand.
-    fn stop(&mut self, mut state: u32) {
+    fn add_stop(&mut self, mut state: u32) {
         let (graph, stops) = (&self.motion_set.graph, &self.motion_set.stops.stops);
         loop {
             let (stop, plan) = (&stops[state as usize], stop_of(state, self.motion_set));
             let from = std::mem::replace(&mut state, graph.segments[stop.segment as usize].end);
             if stop.kind != REST {
-                self.segment(plan, Some(from));
+                self.add_segment(plan, Some(from));
             }
             match stop.kind {
-                REST => return self.stay(stop.radius),
-                SLOW_DOWN => return self.stay(stops[state as usize].radius),
+                REST => return self.add_stand(stop.radius),
+                SLOW_DOWN => return self.add_stand(stops[state as usize].radius),
                 _ => {}
             }
         }
@@ -198,12 +204,12 @@ impl<'a> Laying<'a> {
 }
 
 /// The stop of a state, as it is played.
-pub fn stop_of(state: u32, motion_set: &MotionSet) -> Plan {
+pub fn stop_of(state: u32, motion_set: &MotionSet) -> SegmentPlan {
     let stop = &motion_set.stops.stops[state as usize];
     let pace = match stop.kind {
         REST => pace::IN_PLACE,
         SLOW_DOWN => pace::SLOWING,
         _ => pace::NORMAL,
     };
-    Plan { segment: stop.segment, pace, bend: 0.0 }
+    SegmentPlan { segment: stop.segment, pace, bend: 0.0 }
 }

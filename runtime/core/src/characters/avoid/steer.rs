@@ -1,7 +1,7 @@
 //! Steering: the direction that turns least from the target and does not run into others soon.
 
 use super::AvoidConfig;
-use crate::reserve::{Bounds, Reservations};
+use crate::reserve::{Bounds2d, PathReservations};
 use crate::stops::BODY_RADIUS_M;
 use glam::Vec2;
 use throng_base::maths;
@@ -20,7 +20,7 @@ const NEAR_M: f32 = 0.3;
 const OTHERS: usize = 32;
 
 /// The character that chooses, and its target.
-pub struct Chooser {
+pub struct SteeringQuery {
     pub number: usize,
     /// Position of the character (m).
     pub place: Vec2,
@@ -34,7 +34,7 @@ pub struct Chooser {
 
 /// Another, as seen from the chooser.
 #[derive(Clone, Copy, Default)]
-struct Other {
+struct NearbyCharacter {
     number: u32,
     place: Vec2,
     velocity: Vec2,
@@ -45,23 +45,23 @@ struct Other {
 pub type Turns = [(f32, Vec2); TURNS.len()];
 
 /// All candidate directions.
-pub fn turns() -> Turns {
+pub fn candidate_turns() -> Turns {
     TURNS.map(|turn| (turn, Vec2::new(maths::sin(turn), maths::cos(turn))))
 }
 
 /// Turns from the target to try, best first (rad); the first is 0 where nothing is in front.
-pub fn directions(
-    chooser: &Chooser,
+pub fn ranked_directions(
+    chooser: &SteeringQuery,
     turns: &Turns,
-    book: &Reservations,
+    book: &PathReservations,
     config: &AvoidConfig,
 ) -> [f32; NUM_DIRECTIONS] {
     let way = chooser.target - chooser.place;
     let distance = way.length();
     let mut costs = turns.map(|(turn, _)| (turn.abs() + if turn > 0.0 { RIGHT } else { 0.0 }, turn));
     if distance > NEAR_M && config.horizon_s > 0.0 {
-        let others = &mut [Other::default(); OTHERS];
-        let num = gather(chooser, book, config, others);
+        let others = &mut [NearbyCharacter::default(); OTHERS];
+        let num = gather_nearby(chooser, book, config, others);
         let horizon = config.horizon_s.min(distance / chooser.speed_mps);
         for ((cost, _), (_, Vec2 { x: sin, y: cos })) in costs.iter_mut().zip(turns) {
             // The left of the direction is towards +X where +Z is ahead.
@@ -80,15 +80,20 @@ pub fn directions(
 }
 
 /// Others within reach of the horizon, by number; the nearest where there are many.
-fn gather(chooser: &Chooser, book: &Reservations, config: &AvoidConfig, out: &mut [Other; OTHERS]) -> usize {
+fn gather_nearby(
+    chooser: &SteeringQuery,
+    book: &PathReservations,
+    config: &AvoidConfig,
+    out: &mut [NearbyCharacter; OTHERS],
+) -> usize {
     let reach = 2.0 * BODY_RADIUS_M + config.room_m + chooser.speed_mps * config.horizon_s;
     let mut num = 0;
     let mut add = |number: u32, now: Vec2, velocity: Vec2, radius_m: f32| {
         // A character that stands beside the target does not block the way to it.
         let most = if velocity == Vec2::ZERO { 0.95 * now.distance(chooser.target) } else { f32::INFINITY };
         let reach_m = (BODY_RADIUS_M + radius_m + config.room_m).min(most);
-        let o = Other { number, place: now - chooser.place, velocity, reach_m };
-        let key = |o: &Other| (o.place.length_squared(), o.number);
+        let o = NearbyCharacter { number, place: now - chooser.place, velocity, reach_m };
+        let key = |o: &NearbyCharacter| (o.place.length_squared(), o.number);
         if num < OTHERS {
             out[num] = o;
             num += 1;
@@ -99,14 +104,14 @@ fn gather(chooser: &Chooser, book: &Reservations, config: &AvoidConfig, out: &mu
             *farthest = o;
         }
     };
-    let around = Bounds::about(chooser.place, reach);
-    book.near(chooser.number, &around, |other| {
+    let around = Bounds2d::around_disc(chooser.place, reach);
+    book.for_each_near(chooser.number, &around, |other| {
         let mut moving = book.path(other);
         moving.elapsed_s -= chooser.ago_s;
-        add(other as u32, moving.now(), book.velocity(other), BODY_RADIUS_M);
+        add(other as u32, moving.position_now(), book.velocity(other), BODY_RADIUS_M);
         true
     });
-    book.outsiders().bodies_near(&around, |number, other| {
+    book.external_obstacles().visit_bodies_near(&around, |number, other| {
         add(u32::MAX - number as u32, other.place, other.velocity, other.radius_m);
         true
     });
@@ -114,7 +119,7 @@ fn gather(chooser: &Chooser, book: &Reservations, config: &AvoidConfig, out: &mu
 }
 
 /// Time until two that keep their velocities collide; infinite where they do not (s).
-fn time_to(other: &Other, velocity: Vec2) -> f32 {
+fn time_to(other: &NearbyCharacter, velocity: Vec2) -> f32 {
     let (place, velocity) = (other.place, other.velocity - velocity);
     let gap = place.length_squared() - other.reach_m * other.reach_m;
     let approach = -place.dot(velocity);
@@ -131,10 +136,10 @@ fn time_to(other: &Other, velocity: Vec2) -> f32 {
 }
 
 /// Time until a wall is hit (s), sampled at a few points ahead.
-fn walls_ahead(chooser: &Chooser, velocity: Vec2, book: &Reservations, config: &AvoidConfig) -> f32 {
+fn walls_ahead(chooser: &SteeringQuery, velocity: Vec2, book: &PathReservations, config: &AvoidConfig) -> f32 {
     const PLACES: usize = 4;
     let nearest = |place: Vec2| {
-        let gap = |w: &crate::reserve::Rod| {
+        let gap = |w: &crate::reserve::Capsule2d| {
             let way = w.to - w.from;
             let share = ((place - w.from).dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
             place.distance(w.from + way * share) - w.radius_m
@@ -152,7 +157,8 @@ mod tests {
 
     #[test]
     fn times_to_collisions_are_those_of_hand_solved_cases() {
-        let other = Other { number: 0, place: Vec2::new(0.0, 4.0), velocity: Vec2::new(0.0, -1.0), reach_m: 1.0 };
+        let other =
+            NearbyCharacter { number: 0, place: Vec2::new(0.0, 4.0), velocity: Vec2::new(0.0, -1.0), reach_m: 1.0 };
         assert!((time_to(&other, Vec2::new(0.0, 2.0)) - 1.0).abs() < 1e-6);
         assert_eq!(time_to(&other, Vec2::new(0.0, -2.0)), f32::INFINITY);
         assert_eq!(time_to(&other, Vec2::new(3.0, 0.0)), f32::INFINITY);

@@ -1,20 +1,22 @@
 use crate::Bundle;
-use crate::cast::Cast;
+use crate::character_group::CharacterGroup;
 use crate::characters::made_up::{bytes, tables};
 use crate::characters::tests::TwoThreads;
-use crate::characters::{AvoidConfig, CharactersConfig, Choice, Order, PolicyCharacters, Spawn, uniform};
+use crate::characters::{
+    ActionChoice, AvoidConfig, CharactersConfig, PolicyCharacters, PolicyOrder, Spawn, uniform_random,
+};
 use crate::format::{AlignedBytes, FormatError, FrameRow};
 use crate::planar::Planar;
-use crate::reserve::Rod;
+use crate::reserve::Capsule2d;
 use crate::stops::SweepNode;
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
-use throng_base::{Error, Id, Inline, Run};
+use throng_base::{Error, Executor, Id, Inline};
 
 /// Radius of every character's disc in the made-up bundle (m).
 const RADIUS_M: f32 = 0.3;
 
-fn config(bend_rad_per_m: f32, choice: Choice) -> CharactersConfig {
+fn config(bend_rad_per_m: f32, choice: ActionChoice) -> CharactersConfig {
     CharactersConfig { avoid: Some(AvoidConfig::default()), bend_rad_per_m, choice, ..CharactersConfig::default() }
 }
 
@@ -44,7 +46,7 @@ fn least_room(places: &[Vec2]) -> f32 {
 fn assert_on_paths(cast: &PolicyCharacters) {
     let book = cast.characters().reservations().expect("they make way");
     for (at, place) in places(cast).iter().enumerate() {
-        let reserved = book.path(at).now();
+        let reserved = book.path(at).position_now();
         assert!(place.distance(reserved) < 0.012, "character {at} is at {place}, its path at {reserved}");
     }
 }
@@ -53,8 +55,11 @@ fn starts() -> impl Strategy<Value = Vec<(f32, f32, f32, u32)>> {
     proptest::collection::vec((-2.5f32..2.5, -2.5f32..2.5, -3.0f32..3.0, 0u32..4), 2..14)
 }
 
-fn choices() -> impl Strategy<Value = Choice> {
-    prop_oneof![Just(Choice::BestAction), (0.0f32..2.0).prop_map(|temperature| Choice::LookAhead { temperature })]
+fn choices() -> impl Strategy<Value = ActionChoice> {
+    prop_oneof![
+        Just(ActionChoice::BestAction),
+        (0.0f32..2.0).prop_map(|temperature| ActionChoice::LookAhead { temperature })
+    ]
 }
 
 proptest! {
@@ -72,12 +77,12 @@ proptest! {
             let id = ids[usize::from(what) % ids.len()];
             // Goals in others, segments at once, places anywhere.
             match what / 32 {
-                0 | 1 => cast.order(id, Order::aim(0, Vec3::new(x, 0.0, z))).unwrap(),
+                0 | 1 => cast.order(id, PolicyOrder::towards(0, Vec3::new(x, 0.0, z))).unwrap(),
                 2 => {
                     let other = cast.bodies().roots[usize::from(what) / 3 % ids.len()];
-                    cast.order(id, Order::aim(0, Vec3::new(other.x, 0.0, other.z))).unwrap();
+                    cast.order(id, PolicyOrder::towards(0, Vec3::new(other.x, 0.0, other.z))).unwrap();
                 }
-                3 => drop(cast.play(id, u32::from(what) % 4)),
+                3 => drop(cast.play_segment(id, u32::from(what) % 4)),
                 4 => drop(cast.place(id, Planar::new(x, z, x))),
                 _ => {}
             }
@@ -96,17 +101,17 @@ proptest! {
     fn walls_are_not_walked_through(
         starts in starts(), ends in [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0], target in [-5.0f32..5.0, -5.0f32..5.0],
     ) {
-        let wall = Rod { from: Vec2::new(ends[0], ends[1]), to: Vec2::new(ends[2], ends[3]), radius_m: 0.05 };
+        let wall = Capsule2d { from: Vec2::new(ends[0], ends[1]), to: Vec2::new(ends[2], ends[3]), radius_m: 0.05 };
         let gap = |p: Vec2| {
             let way = wall.to - wall.from;
             let share = ((p - wall.from).dot(way) / way.length_squared().max(1e-9)).clamp(0.0, 1.0);
             p.distance(wall.from + way * share) - wall.radius_m - RADIUS_M
         };
-        let mut cast = PolicyCharacters::with_capacity(&tables(), starts.len(), config(0.0, Choice::BestAction)).unwrap();
+        let mut cast = PolicyCharacters::with_capacity(&tables(), starts.len(), config(0.0, ActionChoice::BestAction)).unwrap();
         cast.set_walls(&[wall]);
         for (x, z, heading, state) in starts {
             if let Ok(id) = cast.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state) }) {
-                cast.order(id, Order::aim(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
+                cast.order(id, PolicyOrder::towards(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
             }
         }
         for step in 0..200 {
@@ -123,11 +128,11 @@ proptest! {
     fn those_who_come_later_leave_those_who_walk_as_they_are(
         starts in starts(), before in 1usize..80, target in [-5.0f32..5.0, -5.0f32..5.0],
     ) {
-        let config = config(0.2, Choice::BestAction);
+        let config = config(0.2, ActionChoice::BestAction);
         let mut cast = PolicyCharacters::with_capacity(&tables(), starts.len() + 1, config).unwrap();
         for (x, z, heading, state) in starts {
             if let Ok(id) = cast.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state) }) {
-                cast.order(id, Order::aim(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
+                cast.order(id, PolicyOrder::towards(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
             }
         }
         (0..before).for_each(|_| cast.step(0.04, &Inline).unwrap());
@@ -140,9 +145,9 @@ proptest! {
             }).collect()
         };
         let then = paces(&mut cast);
-        cast.gather();
+        cast.hold_entrants();
         cast.spawn(Spawn { root: Planar::new(50.0, 50.0, 0.0), state: Some(0) }).unwrap();
-        cast.settle();
+        cast.release_entrants();
         prop_assert_eq!(then, paces(&mut cast));
         for _ in 0..60 {
             assert_on_paths(&cast);
@@ -154,9 +159,9 @@ proptest! {
 
     #[test]
     fn a_snapshot_goes_on_as_what_was_saved(starts in starts(), before in 1usize..60, target in [-5.0f32..5.0, -5.0f32..5.0]) {
-        let mut first = cast(&starts, config(0.2, Choice::LookAhead { temperature: 0.5 }));
+        let mut first = cast(&starts, config(0.2, ActionChoice::LookAhead { temperature: 0.5 }));
         for &id in &first.ids().to_vec() {
-            first.order(id, Order::aim(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
+            first.order(id, PolicyOrder::towards(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
         }
         (0..before).for_each(|_| first.step(0.04, &Inline).unwrap());
         let mut saved = Vec::new();
@@ -173,14 +178,14 @@ proptest! {
 
 #[test]
 fn the_stop_of_one_who_has_not_begun_follows_its_segment() {
-    let mut cast = cast(&[(0.0, 0.0, 0.0, 1)], config(0.0, Choice::BestAction));
-    let (tables, mut out) = (tables(), crate::reserve::Path::default());
+    let mut cast = cast(&[(0.0, 0.0, 0.0, 1)], config(0.0, ActionChoice::BestAction));
+    let (tables, mut out) = (tables(), crate::reserve::ReservedPath::default());
     let motion_set = crate::characters::MotionSet::new(&tables);
     // A step has passed the end of the segment, and every path is reserved anew before the next choice.
     let (block, _, lane) = cast.characters.lane_mut(0);
     let end_s = block.length[lane] as f32 / motion_set.rate_hz;
     block.time[lane] = block.length[lane] as f32 + 0.7;
-    super::path::of_state(block, lane, &motion_set, &mut out);
+    super::path::path_of_state(block, lane, &motion_set, &mut out);
     assert_eq!(out.nodes[0].time_s, end_s);
 }
 
@@ -188,10 +193,10 @@ fn the_stop_of_one_who_has_not_begun_follows_its_segment() {
 fn threads_change_nothing() {
     let crowd: Vec<_> =
         (0..400).map(|i| ((i % 20) as f32 * 1.1, (i / 20) as f32 * 1.1, i as f32, i as u32 % 4)).collect();
-    let run = |run: &dyn Run| {
-        let mut cast = cast(&crowd, config(0.1, Choice::LookAhead { temperature: 0.3 }));
+    let run = |run: &dyn Executor| {
+        let mut cast = cast(&crowd, config(0.1, ActionChoice::LookAhead { temperature: 0.3 }));
         for (k, &id) in cast.ids().to_vec().iter().enumerate() {
-            cast.order(id, Order::aim(0, Vec3::new((k * 7 % 22) as f32, 0.0, (k * 13 % 22) as f32))).unwrap();
+            cast.order(id, PolicyOrder::towards(0, Vec3::new((k * 7 % 22) as f32, 0.0, (k * 13 % 22) as f32))).unwrap();
         }
         (0..90).for_each(|_| cast.step(0.05, run).unwrap());
         assert!(least_room(&places(&cast)) > -1e-3);
@@ -202,7 +207,7 @@ fn threads_change_nothing() {
 
 #[test]
 fn who_would_start_in_anothers_way_is_refused_and_forged_snapshots_too() {
-    let mut cast = PolicyCharacters::with_capacity(&tables(), 3, config(0.0, Choice::BestAction)).unwrap();
+    let mut cast = PolicyCharacters::with_capacity(&tables(), 3, config(0.0, ActionChoice::BestAction)).unwrap();
     let first = cast.spawn(Spawn { root: Planar::IDENTITY, state: Some(0) }).unwrap();
     let near = Spawn { root: Planar::new(0.5, 0.0, 0.0), state: Some(0) };
     assert!(matches!(cast.spawn(near), Err(Error::Occupied { .. })));
@@ -211,19 +216,19 @@ fn who_would_start_in_anothers_way_is_refused_and_forged_snapshots_too() {
     assert!(matches!(cast.place(far, Planar::new(0.3, 0.3, 0.0)), Err(Error::Occupied { .. })));
     assert_eq!(cast.hash(), before);
     // The same places without avoidance: two overlap, which characters with avoidance do not accept.
-    let blind = CharactersConfig { avoid: None, ..config(0.0, Choice::BestAction) };
+    let blind = CharactersConfig { avoid: None, ..config(0.0, ActionChoice::BestAction) };
     let mut others = PolicyCharacters::with_capacity(&tables(), 3, blind).unwrap();
     others.spawn(Spawn { root: Planar::IDENTITY, state: Some(0) }).unwrap();
     others.spawn(near).unwrap();
-    assert_eq!(cast.characters.meeting(&cast.motion_set, &others.characters.saved().0, 2), Some(1));
+    assert_eq!(cast.characters.find_path_conflict(&cast.motion_set, &others.characters.saved_blocks().0, 2), Some(1));
     cast.despawn(first).unwrap();
-    assert_eq!(cast.characters.meeting(&cast.motion_set, &cast.characters.saved().0, 1), None);
+    assert_eq!(cast.characters.find_path_conflict(&cast.motion_set, &cast.characters.saved_blocks().0, 1), None);
 }
 
 #[test]
 fn what_is_refused_changes_nothing_and_names_who_it_is_about() {
     let at = |x: f32| Spawn { root: Planar::new(x, 0.0, 0.0), state: Some(0) };
-    let mut cast = PolicyCharacters::with_capacity(&tables(), 4, config(0.0, Choice::BestAction)).unwrap();
+    let mut cast = PolicyCharacters::with_capacity(&tables(), 4, config(0.0, ActionChoice::BestAction)).unwrap();
     let gone = cast.spawn(at(20.0)).unwrap();
     let ids = [0.0, 0.65].map(|x| cast.spawn(at(x)).unwrap());
     // Ids and rows are not the same from here on.
@@ -238,7 +243,7 @@ fn what_is_refused_changes_nothing_and_names_who_it_is_about() {
     let targets = ids.map(|id| cast.order_of(id).unwrap().target());
     for (k, id) in ids.into_iter().enumerate() {
         let towards = Vec2::new(if k == 0 { 0.3 } else { -0.3 }, 0.0);
-        cast.shift(id, towards).unwrap();
+        cast.shift_by(id, towards).unwrap();
         assert_eq!(cast.hash(), before, "it stays where it is");
     }
     // A character that has turned to the other one has room to stop, and none to walk on.
@@ -250,7 +255,7 @@ fn what_is_refused_changes_nothing_and_names_who_it_is_about() {
                 continue;
             }
             let before = other.hash();
-            match other.play(id, segment) {
+            match other.play_segment(id, segment) {
                 Ok(()) => {}
                 Err(Error::Occupied { who, .. }) => {
                     refused += 1;
@@ -270,7 +275,7 @@ fn blows_come_in_the_order_of_their_numbers() {
     // Every character strikes twice: at the end of a segment and at the start of the next one.
     let hits: Vec<_> = (0..80).map(crate::characters::tests::blows::hit).collect();
     let tables = crate::characters::made_up::tables_with(&hits);
-    let mut cast = PolicyCharacters::with_capacity(&tables, 12, config(0.0, Choice::BestAction)).unwrap();
+    let mut cast = PolicyCharacters::with_capacity(&tables, 12, config(0.0, ActionChoice::BestAction)).unwrap();
     (0..12).for_each(|k| {
         _ = cast.spawn(Spawn { root: Planar::new(9.0 * k as f32, 0.0, 0.0), state: Some(k % 4) }).unwrap()
     });
@@ -287,7 +292,8 @@ fn blows_come_in_the_order_of_their_numbers() {
 #[test]
 fn two_who_meet_pass_each_other() {
     // The made-up motion only walks ahead: one is held until the other is gone.
-    let mut cast = cast(&[(0.0, 0.0, 0.0, 0), (0.35, 6.0, std::f32::consts::PI, 0)], config(0.3, Choice::BestAction));
+    let mut cast =
+        cast(&[(0.0, 0.0, 0.0, 0), (0.35, 6.0, std::f32::consts::PI, 0)], config(0.3, ActionChoice::BestAction));
     assert_eq!(cast.ids().len(), 2);
     (0..400).for_each(|_| cast.step(0.02, &Inline).unwrap());
     assert!(cast.ids().iter().enumerate().all(|(at, _)| cast.characters().num_choices(at) > 3));
@@ -318,15 +324,15 @@ fn ways_that_leap_are_saved_and_read_back_and_refused_where_they_leap_too_far() 
     for (k, x) in [3.0, 30.0, -70.0, 99.0].into_iter().enumerate() {
         let bundle = with_root_at(x).unwrap();
         for trial in 0..100 {
-            let draw = |n: u64| uniform(k as u64, trial, n);
-            let config = config(0.2, Choice::BestAction);
+            let draw = |n: u64| uniform_random(k as u64, trial, n);
+            let config = config(0.2, ActionChoice::BestAction);
             let mut cast = PolicyCharacters::with_capacity(&bundle, 6, config).unwrap();
             for n in 0..6 {
                 let root = Planar::new((n % 3) as f32 * 4.0, (n / 3) as f32 * 4.0, 6.0 * draw(n));
                 let target = Vec3::new(8.0 * draw(n + 10), 0.0, 8.0 * draw(n + 20));
                 // Some starts lie on another character's long path.
                 if let Ok(id) = cast.spawn(Spawn { root, state: Some(n as u32 % 4) }) {
-                    cast.order(id, Order::aim(0, target)).unwrap();
+                    cast.order(id, PolicyOrder::towards(0, target)).unwrap();
                 }
             }
             assert!(cast.ids().len() >= 2);

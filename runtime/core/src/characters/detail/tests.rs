@@ -1,7 +1,7 @@
 //! Records and levels against characters that are posed whole.
 
 use super::super::tests::{orders, starts, tables};
-use super::super::{AvoidConfig, Characters, CharactersConfig, Choice, MotionSet, Start};
+use super::super::{ActionChoice, AvoidConfig, CharacterStart, Characters, CharactersConfig, MotionSet};
 use super::*;
 use crate::planar::Planar;
 use crate::skeleton::{Joint, NUM_JOINTS};
@@ -12,20 +12,23 @@ const N: usize = 37;
 fn config(avoid: bool) -> CharactersConfig {
     CharactersConfig {
         avoid: avoid.then(AvoidConfig::default),
-        choice: Choice::LookAhead { temperature: 0.5 },
+        choice: ActionChoice::LookAhead { temperature: 0.5 },
         instances: true,
         ..CharactersConfig::default()
     }
 }
 
 fn people(r: &MotionSet, avoid: bool) -> Characters {
-    let apart = |(i, s): (usize, Start)| Start { root: Planar::new(4.0 * i as f32, -2.0, s.root.heading), ..s };
-    let starts: Vec<Start> = starts(N).into_iter().enumerate().map(apart).collect();
+    let apart = |(i, s): (usize, CharacterStart)| CharacterStart {
+        root: Planar::new(4.0 * i as f32, -2.0, s.root.heading),
+        ..s
+    };
+    let starts: Vec<CharacterStart> = starts(N).into_iter().enumerate().map(apart).collect();
     Characters::new(r, config(avoid), &starts).unwrap()
 }
 
 /// Positions of all joints in the world, from a record and the rows of its bundle alone.
-fn shown(r: &MotionSet, i: &Instance) -> [Vec3; NUM_JOINTS] {
+fn shown(r: &MotionSet, i: &PoseInstance) -> [Vec3; NUM_JOINTS] {
     let [frac, blend] = i.frac_blend.map(|u| f32::from(u) / 65535.0);
     let local = |row: u32, j: usize| r.rotation_code.rotation(&r.frames[row as usize], j);
     let between = |row: u32, j: usize| local(row, j).lerp(local((row + 1).min(119), j), frac);
@@ -96,7 +99,7 @@ fn a_record_is_the_pose_but_for_transitions_and_does_not_jump_there() {
         characters.step(&r, dt, &orders).unwrap();
         let records = characters.instances();
         for (c, i) in records.iter().enumerate() {
-            assert!(r.left(i.row_a) > 0 && r.left(i.row_b) > 0, "the next row is of the same clip");
+            assert!(r.frames_after(i.row_a) > 0 && r.frames_after(i.row_b) > 0, "the next row is of the same clip");
             match i.frac_blend[1] {
                 0 => settled = settled.max(farthest(&r, &characters, c)),
                 _ => fading += 1,

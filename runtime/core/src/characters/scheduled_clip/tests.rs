@@ -3,7 +3,7 @@
 use super::*;
 use crate::characters::tests::{curve, orders, plain, starts, tables};
 use crate::characters::{AvoidConfig, CharactersConfig};
-use crate::reserve::Held;
+use crate::reserve::ReservedRegion;
 use crate::skeleton::{Joint, NUM_JOINTS};
 use throng_base::Error;
 
@@ -35,7 +35,7 @@ fn near(a: Planar, b: Planar) -> bool {
 fn roots_are_those_of_the_clip_with_a_linear_share_of_what_is_missing() {
     let r = MotionSet::new(&tables());
     let scheduled_clips = scheduled_clips(9);
-    let mut characters = Characters::new_laid(&r, CharactersConfig::default(), &scheduled_clips).unwrap();
+    let mut characters = Characters::new_scheduled(&r, CharactersConfig::default(), &scheduled_clips).unwrap();
     characters.step(&r, 0.0, &[]).unwrap();
     for _ in 0..3 {
         for (i, c) in scheduled_clips.iter().enumerate() {
@@ -43,13 +43,13 @@ fn roots_are_those_of_the_clip_with_a_linear_share_of_what_is_missing() {
             assert_eq!(frame, c.frame);
             let (whole, part) = (time as u32, time.fract());
             let number = |k: usize| curve(&r, (c.frame + whole) as usize, part, |row| row.planar[k]);
-            let moved = r.planar(c.frame + c.from_offset).to_local(Planar::new(number(0), number(1), number(2)));
+            let moved = r.planar_root(c.frame + c.from_offset).to_local(Planar::new(number(0), number(1), number(2)));
             let share = (time - c.from_offset as f32) / (c.num_frames - c.from_offset) as f32;
             let at = c.root.compose(moved);
             let m = c.missing;
             let expected = Planar::new(at.x + share * m.x, at.z + share * m.z, at.heading + share * m.heading);
             assert!(near(characters.root(i), expected), "{:?} {expected:?}", characters.root(i));
-            assert!((characters.lift(i) - c.lift - share * m.y).abs() < 1e-5);
+            assert!((characters.ground_height(i) - c.lift - share * m.y).abs() < 1e-5);
         }
         characters.step(&r, 0.11, &[]).unwrap();
     }
@@ -62,18 +62,18 @@ fn where_one_is_put_is_its_ground_at_once_among_those_who_make_way() {
     let clips = scheduled_clips(3);
     let mut characters = Characters::with_capacity(&r, config, 2).unwrap();
     let assert_held = |characters: &mut Characters, expected: &[ScheduledClip]| {
-        let mut held = Held::default();
-        characters.hold_ground(&r, &mut held);
+        let mut held = ReservedRegion::default();
+        characters.add_reserved_regions(&r, &mut held);
         let place = |c: &ScheduledClip| Vec2::new(c.root.x, c.root.z);
         assert!(held.bodies.iter().map(|b| b.place).eq(expected.iter().map(place)));
         let book = characters.reservations().unwrap();
-        assert!(expected.iter().enumerate().all(|(at, c)| book.path(at).now() == place(c)));
+        assert!(expected.iter().enumerate().all(|(at, c)| book.path(at).position_now() == place(c)));
     };
-    characters.enter_laid(&r, &clips[0]).unwrap();
+    characters.enter_scheduled(&r, &clips[0]).unwrap();
     assert_held(&mut characters, &clips[..1]);
-    characters.enter_laid(&r, &clips[1]).unwrap();
+    characters.enter_scheduled(&r, &clips[1]).unwrap();
     assert_held(&mut characters, &clips[..2]);
-    characters.start_laid(&r, 0, &clips[2]).unwrap();
+    characters.start_scheduled(&r, 0, &clips[2]).unwrap();
     assert_held(&mut characters, &[clips[2], clips[1]]);
 }
 
@@ -81,13 +81,15 @@ fn where_one_is_put_is_its_ground_at_once_among_those_who_make_way() {
 fn without_another_course_a_character_stays_exactly_at_the_end() {
     let r = MotionSet::new(&tables());
     let scheduled_clips = scheduled_clips(5);
-    let mut characters = Characters::new_laid(&r, CharactersConfig::default(), &scheduled_clips).unwrap();
+    let mut characters = Characters::new_scheduled(&r, CharactersConfig::default(), &scheduled_clips).unwrap();
     for _ in 0..4 {
         characters.step(&r, 0.5, &[]).unwrap();
     }
     for (i, c) in scheduled_clips.iter().enumerate() {
-        assert!(near(characters.root(i), c.end(&r)) && near(characters.scheduled_end(&r, i), c.end(&r)));
-        assert!((characters.lift(i) - c.lift - c.missing.y).abs() < 1e-5);
+        assert!(
+            near(characters.root(i), c.root_at_end(&r)) && near(characters.scheduled_end(&r, i), c.root_at_end(&r))
+        );
+        assert!((characters.ground_height(i) - c.lift - c.missing.y).abs() < 1e-5);
         assert_eq!(characters.frames_left(i), 0.0);
     }
 }
@@ -96,18 +98,20 @@ fn without_another_course_a_character_stays_exactly_at_the_end() {
 fn time_left_goes_to_the_next_scheduled_clip_even_within_a_tick() {
     let r = MotionSet::new(&tables());
     let mut characters =
-        Characters::new_laid(&r, CharactersConfig::default(), &[scheduled_clip(3, 4, Planar::IDENTITY)]).unwrap();
+        Characters::new_scheduled(&r, CharactersConfig::default(), &[scheduled_clip(3, 4, Planar::IDENTITY)]).unwrap();
     // 2.5 frames, then 10 frames more: 1.5 end the first, 3 are the second, 5.5 are spent on the third.
     characters.step(&r, 2.5 / RATE, &[]).unwrap();
-    characters.lay(&r, 0, &scheduled_clip(70, 3, characters.scheduled_end(&r, 0))).unwrap();
+    characters.schedule_clip(&r, 0, &scheduled_clip(70, 3, characters.scheduled_end(&r, 0))).unwrap();
     let third = scheduled_clip(12, 20, characters.scheduled_end(&r, 0));
-    characters.lay(&r, 0, &third).unwrap();
+    characters.schedule_clip(&r, 0, &third).unwrap();
     characters.step(&r, 10.0 / RATE, &[]).unwrap();
     let (frame, time) = characters.scheduled_clip(0);
     assert_eq!(frame, 12);
     assert!((time - 5.5).abs() < 1e-4, "{time}");
     assert!(near(
-        Planar::IDENTITY.compose(r.planar(3).to_local(r.planar(7))).compose(r.planar(70).to_local(r.planar(73))),
+        Planar::IDENTITY
+            .compose(r.planar_root(3).to_local(r.planar_root(7)))
+            .compose(r.planar_root(70).to_local(r.planar_root(73))),
         third.root
     ));
 }
@@ -115,7 +119,7 @@ fn time_left_goes_to_the_next_scheduled_clip_even_within_a_tick() {
 #[test]
 fn poses_do_not_jump_where_scheduled_clips_change() {
     let r = MotionSet::new(&tables());
-    let mut characters = Characters::new_laid(&r, plain(), &scheduled_clips(9)).unwrap();
+    let mut characters = Characters::new_scheduled(&r, plain(), &scheduled_clips(9)).unwrap();
     let dt = 1.0 / 240.0;
     characters.step(&r, 0.0, &[]).unwrap();
     let mut before: Vec<_> = (0..9).map(|c| characters.joint_positions(c)).collect();
@@ -125,7 +129,7 @@ fn poses_do_not_jump_where_scheduled_clips_change() {
             while characters.frames_left(c) <= dt * RATE {
                 changes += 1;
                 let i = changes;
-                let lift = characters.lift(c) + 0.02 * (i % 3) as f32;
+                let lift = characters.ground_height(c) + 0.02 * (i % 3) as f32;
                 let root = characters.scheduled_end(&r, c);
                 let missing = Placement::new(0.02, 0.01, 0.03, 0.05);
                 let next = ScheduledClip {
@@ -136,7 +140,7 @@ fn poses_do_not_jump_where_scheduled_clips_change() {
                     lift,
                     missing,
                 };
-                characters.lay(&r, c, &next).unwrap();
+                characters.schedule_clip(&r, c, &next).unwrap();
             }
         }
         characters.step(&r, dt, &[]).unwrap();
@@ -156,8 +160,8 @@ fn ground_at_any_height_is_stood_on_as_the_ground_at_none() {
     let r = MotionSet::new(&tables());
     let low = [scheduled_clip(0, 40, Planar::new(1.0, 2.0, 0.3)), scheduled_clip(65, 40, Planar::IDENTITY)];
     let high = low.map(|c| ScheduledClip { lift: 3.0, ..c });
-    let mut low = Characters::new_laid(&r, CharactersConfig::default(), &low).unwrap();
-    let mut high = Characters::new_laid(&r, CharactersConfig::default(), &high).unwrap();
+    let mut low = Characters::new_scheduled(&r, CharactersConfig::default(), &low).unwrap();
+    let mut high = Characters::new_scheduled(&r, CharactersConfig::default(), &high).unwrap();
     for _ in 0..60 {
         low.step(&r, 1.0 / 60.0, &[]).unwrap();
         high.step(&r, 1.0 / 60.0, &[]).unwrap();
@@ -178,15 +182,18 @@ fn laid_characters_may_play_segments_again_and_choosers_may_be_laid() {
     for c in 0..2 {
         assert!(characters.step(&r, 0.1, &[]).is_err(), "a character chooses");
         let root = characters.scheduled_end(&r, c);
-        characters.lay(&r, c, &ScheduledClip { lift: 1.0, ..scheduled_clip(5, 30, root) }).unwrap();
+        characters.schedule_clip(&r, c, &ScheduledClip { lift: 1.0, ..scheduled_clip(5, 30, root) }).unwrap();
     }
     characters.step(&r, 0.7, &[]).unwrap();
-    assert_eq!((characters.segment(0).0, characters.last_choice(0), characters.lift(0)), (u32::MAX, None, 1.0));
+    assert_eq!(
+        (characters.segment(0).0, characters.last_choice(0), characters.ground_height(0)),
+        (u32::MAX, None, 1.0)
+    );
     assert_eq!(characters.next_blow(&r, 0), None);
     characters.play(&r, 0, 1).unwrap();
     assert!(characters.step(&r, 0.1, &[]).is_err());
     characters.step(&r, 1.0, &orders).unwrap();
-    assert!(characters.last_choice(0).is_some() && characters.lift(0) == 0.0);
+    assert!(characters.last_choice(0).is_some() && characters.ground_height(0) == 0.0);
     assert_eq!(characters.segment(1).0, u32::MAX);
 }
 
@@ -204,10 +211,10 @@ fn scheduled_clips_beyond_their_clip_or_not_finite_are_refused() {
         ScheduledClip { root: Planar::new(f32::INFINITY, 0.0, 0.0), ..good },
         ScheduledClip { missing: Placement::new(0.0, 0.0, 0.0, f32::NAN), ..good },
     ];
-    let mut characters = Characters::new_laid(&r, CharactersConfig::default(), &[good]).unwrap();
+    let mut characters = Characters::new_scheduled(&r, CharactersConfig::default(), &[good]).unwrap();
     for c in bad {
-        assert!(Characters::new_laid(&r, CharactersConfig::default(), &[c]).is_err(), "{c:?}");
-        assert!(characters.lay(&r, 0, &c).is_err(), "{c:?}");
+        assert!(Characters::new_scheduled(&r, CharactersConfig::default(), &[c]).is_err(), "{c:?}");
+        assert!(characters.schedule_clip(&r, 0, &c).is_err(), "{c:?}");
     }
-    assert!(matches!(characters.lay(&r, 1, &good), Err(Error::Index { .. })));
+    assert!(matches!(characters.schedule_clip(&r, 1, &good), Err(Error::Index { .. })));
 }

@@ -125,7 +125,8 @@ fn travel_is_where_the_motion_leads_until_its_action_ends() {
         characters.step(&r, dt, &orders).unwrap();
         let now = |c: usize| (characters.segment(c), head(&characters, c));
         let ahead: Vec<_> = (0..9).map(now).collect();
-        let travel: Vec<_> = (0..9).map(|c| characters.travel(&r, c, Joint::Head, Vec3::ZERO, 3.0 * dt)).collect();
+        let travel: Vec<_> =
+            (0..9).map(|c| characters.travel_of_point(&r, c, Joint::Head, Vec3::ZERO, 3.0 * dt)).collect();
         let mut later = characters.clone();
         (0..3).for_each(|_| later.step(&r, dt, &orders).unwrap());
         for (c, &((segment, time), at)) in ahead.iter().enumerate() {
@@ -136,7 +137,7 @@ fn travel_is_where_the_motion_leads_until_its_action_ends() {
                 checked += 1;
             }
         }
-        let whole = (0..9).map(|c| characters.travel(&r, c, Joint::Head, Vec3::ZERO, 1e3));
+        let whole = (0..9).map(|c| characters.travel_of_point(&r, c, Joint::Head, Vec3::ZERO, 1e3));
         assert!(whole.into_iter().all(|t| t.is_finite() && t.length() < 10.0));
     }
     assert!(checked > 20, "{checked}");
@@ -167,7 +168,7 @@ fn motion_and_blows_are_the_same_on_several_threads() {
     let r = MotionSet::new(&tables_with(&hits()));
     let n = 300;
     let orders = orders(n);
-    for choice in [Choice::BestAction, Choice::LookAhead { temperature: 0.3 }] {
+    for choice in [ActionChoice::BestAction, ActionChoice::LookAhead { temperature: 0.3 }] {
         let config = CharactersConfig { choice, ..CharactersConfig::default() };
         let mut whole = Characters::new(&r, config, &starts(n)).unwrap();
         let mut split = whole.clone();

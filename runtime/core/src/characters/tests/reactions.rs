@@ -83,7 +83,7 @@ fn what_is_struck_moves_as_far_as_asked_and_comes_back() {
 #[test]
 fn half_of_a_displacement_is_left_after_the_half_life() {
     let config = ReactionConfig { half_life_s: 0.2, ..ReactionConfig::default() };
-    let mut reaction = crate::characters::reaction::tests::pushed(&config, Vec3::new(0.1, 0.0, 0.0));
+    let mut reaction = crate::characters::reaction::tests::reaction_to_push(&config, Vec3::new(0.1, 0.0, 0.0));
     let mut path = Vec::new();
     for _ in 0..2000 {
         path.push(crate::characters::reaction::tests::trunk_after(&mut reaction, &config, 1e-3).x);
@@ -212,7 +212,7 @@ fn refuses_pushes_that_cannot_be() {
     for by in [Vec3::NAN, Vec3::INFINITY, Vec3::X * 1e4] {
         assert!(matches!(t.push(0, Joint::Head, by), Err(Error::Value { what: "displacement", .. })));
     }
-    assert!(matches!(t.shift(0, Vec2::NAN), Err(Error::Value { what: "shift", .. })));
+    assert!(matches!(t.shift_by(0, Vec2::NAN), Err(Error::Value { what: "shift", .. })));
     let reaction = ReactionConfig { hips_share: 1.5, ..ReactionConfig::default() };
     let config = CharactersConfig { reaction, ..plain() };
     let refused = Characters::new(&r, config, &starts(2));
@@ -227,7 +227,7 @@ fn a_shifted_character_leaves_its_planted_feet_and_takes_them_along_later() {
     (0..2).for_each(|_| step(&r, &mut t, DT));
     let by = Vec2::new(0.03, -0.02);
     for _ in 0..8 {
-        t[0].shift(0, by / 8.0).unwrap();
+        t[0].shift_by(0, by / 8.0).unwrap();
         step(&r, &mut t, DT);
     }
     let aside = |t: &[Characters; 2], j| joint(&t[0], 0, j) - joint(&t[1], 0, j);

@@ -9,7 +9,8 @@ fn a_restored_characters_repeats_what_followed_bit_by_bit() {
     let r = MotionSet::new(&tables());
     let n = 21;
     let orders = orders(n);
-    let config = CharactersConfig { choice: Choice::LookAhead { temperature: 0.5 }, ..CharactersConfig::default() };
+    let config =
+        CharactersConfig { choice: ActionChoice::LookAhead { temperature: 0.5 }, ..CharactersConfig::default() };
     let mut characters = Characters::new(&r, config, &starts(n)).unwrap();
     for _ in 0..37 {
         characters.step(&r, DT, &orders).unwrap();
@@ -37,7 +38,7 @@ fn a_restored_characters_repeats_what_followed_bit_by_bit() {
     let other = MotionSet::new(&tables_with(&[blows::hit(5)]));
     refused(&mut Characters::new(&other, config, &starts(n)).unwrap(), &other, &kept);
     refused(&mut characters, &other, &kept);
-    let bad: [fn(&mut block::Block, &mut block::Body); 15] = [
+    let bad: [fn(&mut block::MotionBlock, &mut block::BodyBlock); 15] = [
         |b, _| b.segment[3] = 900,
         |b, _| b.first[3] += 1,
         |b, _| b.time[3] = f32::NAN,
@@ -56,7 +57,7 @@ fn a_restored_characters_repeats_what_followed_bit_by_bit() {
     ];
     for spoil in bad {
         let mut kept = kept.clone();
-        kept.spoil(spoil);
+        kept.spoil_first_block(spoil);
         refused(&mut characters, &r, &kept);
     }
 }
@@ -73,7 +74,7 @@ fn the_last_choice_is_the_state_and_place_the_segment_began_at() {
             assert!(r.graph.segments_of(choice.state).contains(&segment));
             // Unbent motion: from the place of the choice, the segment's frames lead to the root.
             let start = r.graph.segments[segment as usize].start;
-            let (from, to) = (r.planar(start), r.planar(start + frames.round() as u32));
+            let (from, to) = (r.planar_root(start), r.planar_root(start + frames.round() as u32));
             let (root, led) = (characters.root(c), choice.root.compose(from.to_local(to)));
             assert!((root.x - led.x).hypot(root.z - led.z) < 0.04, "{root:?} {led:?}");
         }

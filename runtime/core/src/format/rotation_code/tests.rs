@@ -3,7 +3,7 @@
 use super::*;
 use bytemuck::Zeroable;
 use proptest::prelude::*;
-use throng_base::simd::{Array, Work, dispatch};
+use throng_base::simd::{ArrayLanes, LaneWork, dispatch};
 
 /// Frames of a motion; few for an interpreter.
 const FRAMES: usize = if cfg!(miri) { 16 } else { 120 };
@@ -37,7 +37,7 @@ fn motion() -> impl Strategy<Value = Vec<[Quat; NUM_JOINTS]>> {
 }
 
 fn pack(skeleton: &Skeleton, poses: &[[Quat; NUM_JOINTS]]) -> (RotationCode, Vec<FrameRow>) {
-    let code = RotationCode::fit(skeleton, poses.len(), |f, j| poses[f][j]);
+    let code = RotationCode::fit_frames(skeleton, poses.len(), |f, j| poses[f][j]);
     let mut rows: Vec<FrameRow> = Vec::new();
     for pose in poses {
         let mut row = FrameRow::zeroed();
@@ -101,7 +101,7 @@ proptest! {
         let lanes: [&[FrameRow; 2]; LANES] = std::array::from_fn(|l| rows[at + l..].first_chunk().unwrap());
         for j in 0..NUM_JOINTS {
             let shown = dispatch(Between { code: &code, rows: lanes, ratio, joint: j });
-            prop_assert_eq!(shown, Between { code: &code, rows: lanes, ratio, joint: j }.run::<Array>());
+            prop_assert_eq!(shown, Between { code: &code, rows: lanes, ratio, joint: j }.run::<ArrayLanes>());
             for l in 0..LANES {
                 let [a, b] = lanes[l].each_ref().map(|r| code.rotation(r, j));
                 let shown = Quat::from_array(shown[l]);
@@ -120,12 +120,12 @@ struct Between<'a> {
     joint: usize,
 }
 
-impl Work for Between<'_> {
+impl LaneWork for Between<'_> {
     type Output = [[f32; 4]; LANES];
 
     fn run<F: Lanes>(self) -> Self::Output {
         let weights = [F::splat(1.0 - self.ratio), F::splat(self.ratio)];
-        let q = self.code.between(&self.rows, &weights, self.joint);
+        let q = self.code.rotations_between(&self.rows, &weights, self.joint);
         F::rows([q.v.x, q.v.y, q.v.z, q.w])
     }
 }
@@ -164,7 +164,8 @@ fn an_arm_that_goes_all_round_its_shoulder_has_a_centre() {
 
 #[test]
 fn the_code_of_the_rest_pose_says_that_whatever_is_in_a_row() {
-    let (code, row) = (RotationCode::rest(), FrameRow { rotations: [0xA5; ROTATION_BYTES], ..FrameRow::zeroed() });
+    let (code, row) =
+        (RotationCode::of_rest_pose(), FrameRow { rotations: [0xA5; ROTATION_BYTES], ..FrameRow::zeroed() });
     assert!((0..NUM_JOINTS).all(|j| code.rotation(&row, j) == Quat::IDENTITY));
 }
 

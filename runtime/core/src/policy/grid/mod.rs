@@ -1,15 +1,15 @@
 //! The grid of target cells around a character: rings x angles (x heights) (Lee and Lee 2004, section 3 and figure 3).
 
-mod place;
+mod stencil;
 
 use super::maths::{angle_of, nearest_index, split_interval};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-pub use place::Stencil;
-pub(super) use place::{Place, Spot, interval};
 use std::f32::consts::{PI, TAU};
+pub use stencil::Stencil;
+pub(super) use stencil::{GridCoordinates, StencilLanes, interval};
 use throng_base::Result;
-use throng_base::error::{check, check_index};
+use throng_base::error::{check_index, check_value};
 use throng_base::maths;
 
 /// [`GridRecord::kind`] of a polar grid: angles cover the full circle, one height, farther targets clamp to the last
@@ -95,7 +95,7 @@ impl TargetGrid {
         let share = radius / last;
         let good = num_rings <= 2 || inner_spacing > share / last && inner_spacing <= share * 1.0001;
         let expected = "above radius / (rings - 1)^2 and at most radius / (rings - 1)";
-        check("grid inner_spacing", None, inner_spacing, good, expected)?;
+        check_value("grid inner_spacing", None, inner_spacing, good, expected)?;
         // spacing + growth = inner_spacing, spacing last + growth last^2 = radius.
         let growth = ((radius - inner_spacing * last) / (last * (last - 1.0)).max(1.0)).max(0.0);
         let growth = if num_rings > 2 && growth > 1e-6 * radius { growth } else { 0.0 };
@@ -158,17 +158,17 @@ impl TargetGrid {
         let counts = [record.num_rings, record.num_angles, record.num_heights];
         let names = ["grid rings", "grid angles", "grid heights"];
         for ((what, n), least) in names.into_iter().zip(counts).zip([2, 2, 1]) {
-            check(what, None, n, (least..=MAX_AXIS).contains(&n), "2 (1 height) to 4096")?;
+            check_value(what, None, n, (least..=MAX_AXIS).contains(&n), "2 (1 height) to 4096")?;
         }
         let cells: f64 = counts.iter().map(|&n| f64::from(n)).product();
-        check("grid cells", None, cells, cells <= MOST_CELLS, "at most 2^31")?;
+        check_value("grid cells", None, cells, cells <= MOST_CELLS, "at most 2^31")?;
         check_index("grid kind", None, record.kind as usize, KIND_SPACE_TIME as usize + 1)?;
         check_lengths(&record)?;
-        Ok(Self::of(record))
+        Ok(Self::from_record(record))
     }
 
     /// The grid of a sound record.
-    fn of(record: GridRecord) -> Self {
+    fn from_record(record: GridRecord) -> Self {
         let last = record.num_rings as f32 - 1.0;
         Self {
             record,
@@ -192,7 +192,7 @@ impl TargetGrid {
         // Ring coordinates scale, so that growing distances keep growing.
         let rings = ratio(r.num_rings - 1, num_rings - 1);
         let (old, new) = if self.is_polar() { (r.num_angles, num_angles) } else { (r.num_angles - 1, num_angles - 1) };
-        Self::of(GridRecord {
+        Self::from_record(GridRecord {
             num_rings,
             num_angles,
             num_heights,
@@ -331,7 +331,7 @@ fn goes_around(kind: u32) -> bool {
 
 /// Checks the lengths and angles of a record whose counts are in range.
 fn check_lengths(r: &GridRecord) -> Result<()> {
-    let bad = |what, got, expected| check(what, None, got, false, expected);
+    let bad = |what, got, expected| check_value(what, None, got, false, expected);
     let positive = |v: f32| v > 1e-6 && v < 1e6;
     for (what, v) in [
         ("grid ring_spacing", r.ring_spacing),

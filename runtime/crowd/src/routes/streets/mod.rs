@@ -20,7 +20,7 @@ use near::Edges;
 pub(crate) use search::Open;
 use search::length;
 use serde::Serialize;
-use throng_base::error::check;
+use throng_base::error::check_value;
 use throng_base::{Error, Result};
 
 /// Paths round obstacles that keep a clearance.
@@ -157,17 +157,17 @@ impl Streets {
     /// As [`Streets::new`].
     pub fn with(obstacles: &[Obstacle], heights: Option<[f32; 2]>, clearance_m: f32, nearest_m: f32) -> Result<Self> {
         let good = clearance_m > 0.0 && clearance_m < 1e6;
-        check("clearance_m", None, clearance_m, good, "above 0 and below 1e6")?;
+        check_value("clearance_m", None, clearance_m, good, "above 0 and below 1e6")?;
         let good = (0.0..=clearance_m).contains(&nearest_m);
-        check("nearest_m", None, nearest_m, good, "between 0 and the clearance")?;
+        check_value("nearest_m", None, nearest_m, good, "between 0 and the clearance")?;
         let all = obstacles.iter().enumerate().filter_map(|(n, o)| Some((n, Outline::of(o, heights)?)));
         let (owners, outlines): (Vec<_>, Vec<_>) = all.unzip();
         let bounds: Vec<_> = outlines.iter().map(Outline::bounds).collect();
         let odd = bounds.iter().position(|(low, high)| !low.is_finite() || !high.is_finite());
         let expected = "one with coordinates that are finite";
-        check("number of an obstacle", None, odd.unwrap_or(0) as f64, odd.is_none(), expected)?;
+        check_value("number of an obstacle", None, odd.unwrap_or(0) as f64, odd.is_none(), expected)?;
         let num = outlines.iter().map(|o| o.corners().len()).sum::<usize>();
-        check("number of corners of obstacles", None, num as f64, num <= MOST_AROUND, "at most 4000")?;
+        check_value("number of corners of obstacles", None, num as f64, num <= MOST_AROUND, "at most 4000")?;
         let mut streets = Self {
             obstacles: obstacles.to_vec(),
             doors: vec![0; outlines.len()],
@@ -229,7 +229,7 @@ impl Streets {
     /// [`Error::Value`] for more than 64 doors; nothing has changed then.
     pub(crate) fn set_doors(&mut self, open_of: &[Option<bool>]) -> Result<bool> {
         let num = self.owners.iter().filter(|&&o| open_of[o].is_some()).count();
-        check("number of doors", None, num as f64, num <= Doors::BITS as usize, "at most 64")?;
+        check_value("number of doors", None, num as f64, num <= Doors::BITS as usize, "at most 64")?;
         let mut is_new = false;
         let mut next: Doors = 1;
         self.closed = 0;
@@ -278,9 +278,9 @@ impl Streets {
     /// A route from one place to another, through the corners of the shortest path: for crowds without streets of their own.
     ///
     /// # Errors
-    /// [`Error::NoWay`] where an obstacle holds one of the places, or nothing leads from one to the other.
+    /// [`Error::NoPath`] where an obstacle holds one of the places, or nothing leads from one to the other.
     pub fn route(&self, from: Vec3, to: Vec3) -> Result<Route> {
-        let corners = self.corners(from, to).map_err(|_| Error::NoWay { who: None, from, to })?;
+        let corners = self.corners(from, to).map_err(|_| Error::NoPath { who: None, from, to })?;
         Ok(Route { subgoals: corners[1..].to_vec(), arrival_radius: 0.5, at_end: AtEnd::Stay })
     }
 

@@ -133,7 +133,7 @@ fn routes_turn_at_corners_and_are_refused_through_blocks() {
     assert!(route.subgoals.len() > 2 && route.subgoals.iter().any(|p| p.z.abs() > 4.3), "{route:?}");
     assert_eq!(streets.route(from, from + Vec3::Z).unwrap().subgoals, [from + Vec3::Z], "nothing is in the way");
     let inside = streets.route(from, Vec3::ZERO).unwrap_err();
-    assert!(matches!(inside, Error::NoWay { to: Vec3::ZERO, .. }), "{inside}");
+    assert!(matches!(inside, Error::NoPath { to: Vec3::ZERO, .. }), "{inside}");
     assert!(matches!(Streets::new(&[], 0.0), Err(Error::Value { what: "clearance_m", .. })));
 }
 

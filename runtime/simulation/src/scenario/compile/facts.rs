@@ -1,16 +1,18 @@
 //! Compilation of facts: values, places, thresholds, events, relations.
 
-use super::{Compiled, Compiler, MOST_SLOTS, MOST_THRESHOLDS, MOST_TOLD, point, wrong};
-use crate::scenario::language::Sort;
+use super::{
+    CompileResult, MAX_SHARED_EVENTS, MOST_SLOTS, MOST_THRESHOLDS, ScenarioCompiler, compile_fault, scene_point,
+};
+use crate::scenario::language::NameKind;
 use crate::scenario::tables::{
-    EventTable, Party, PlaceTable, Relation, Schedule, Slot, Threshold, ValueTable, trigger,
+    EventTable, Party, PlaceTable, RelationTable, Schedule, SlotTable, Threshold, ValueTable, trigger,
 };
 use crate::scene::{EventConfig, SiteConfig};
 use glam::Vec3;
 use throng_base::text::did_you_mean;
 
-impl Compiler<'_> {
-    pub(super) fn values(&mut self) {
+impl ScenarioCompiler<'_> {
+    pub(super) fn compile_values(&mut self) {
         for value in self.scene.values.values() {
             let pull = value.rest.map_or(0.0, |_| std::f32::consts::LN_2 / value.half_life_s);
             let rest = value.rest.unwrap_or(0.0);
@@ -19,20 +21,20 @@ impl Compiler<'_> {
         }
     }
 
-    pub(super) fn places(&mut self) -> Compiled<()> {
+    pub(super) fn compile_places(&mut self) -> CompileResult<()> {
         let mut once = 0;
         for (i, site) in self.scene.places.iter().enumerate() {
-            let kind = self.out.names.kinds.find(&site.kind).unwrap_or(0) as u16;
+            let kind = self.out.names.kinds.number_of(&site.kind).unwrap_or(0) as u16;
             let arrow = match &site.arrow {
                 None => None,
-                Some(to) => Some(self.name(Sort::Place, to, &format!("places[{i}].arrow"))?),
+                Some(to) => Some(self.name_number(NameKind::Place, to, &format!("places[{i}].arrow"))?),
             };
             let first = self.out.slots.len() as u32;
-            self.slots(i, site)?;
+            self.compile_slots(i, site)?;
             let bit = site.once.then_some(once);
             once += u8::from(site.once);
             self.out.places.push(PlaceTable {
-                at: point(&site.at),
+                at: scene_point(&site.at),
                 radius_m: site.radius_m,
                 kind,
                 guidepost: site.guidepost || arrow.is_some(),
@@ -45,24 +47,24 @@ impl Compiler<'_> {
         Ok(())
     }
 
-    pub(super) fn slots(&mut self, place: usize, site: &SiteConfig) -> Compiled<()> {
-        let (middle, number) = (point(&site.at), place as u16);
+    pub(super) fn compile_slots(&mut self, place: usize, site: &SiteConfig) -> CompileResult<()> {
+        let (middle, number) = (scene_point(&site.at), place as u16);
         for slot in &site.slots {
-            let facing = slot.facing.as_ref().map_or(middle, |f| point(f));
-            self.slot(Slot { at: point(&slot.at), facing, place: number }, "slots")?;
+            let facing = slot.facing.as_ref().map_or(middle, |f| scene_point(f));
+            self.push_slot(SlotTable { at: scene_point(&slot.at), facing, place: number }, "slots")?;
         }
         let Some(queue) = &site.queue else { return Ok(()) };
         if !site.slots.is_empty() {
-            return wrong(format!("places[{place}].queue"), "expected either `slots` or `queue`, found both");
+            return compile_fault(format!("places[{place}].queue"), "expected either `slots` or `queue`, found both");
         }
-        let corners: Vec<Vec3> = queue.points.iter().map(|p| point(p)).collect();
+        let corners: Vec<Vec3> = queue.points.iter().map(|p| scene_point(p)).collect();
         let mut facing = middle;
         let mut left = 0.0;
         for leg in corners.windows(2) {
             let length = leg[0].distance(leg[1]);
             while left <= length {
                 let at = leg[0] + (leg[1] - leg[0]) * (left / length.max(1e-6));
-                self.slot(Slot { at, facing, place: number }, "queue")?;
+                self.push_slot(SlotTable { at, facing, place: number }, "queue")?;
                 facing = at;
                 left += queue.spacing_m;
             }
@@ -71,19 +73,19 @@ impl Compiler<'_> {
         Ok(())
     }
 
-    fn slot(&mut self, slot: Slot, key: &str) -> Compiled<()> {
+    fn push_slot(&mut self, slot: SlotTable, key: &str) -> CompileResult<()> {
         self.out.slots.push(slot);
         if self.out.slots.len() > MOST_SLOTS {
             let why = format!(
                 "expected at most {MOST_SLOTS} slots of all places, found more: take fewer, or set a larger `spacing_m` of a `queue`"
             );
-            return wrong(format!("places[{}].{key}", slot.place), why);
+            return compile_fault(format!("places[{}].{key}", slot.place), why);
         }
         Ok(())
     }
 
     /// Collects all thresholds that rules and edges name, sorted by value.
-    pub(super) fn thresholds(&mut self) -> Compiled<()> {
+    pub(super) fn find_thresholds(&mut self) -> CompileResult<()> {
         let scene = self.scene;
         let of_rules = scene.rules.iter().enumerate().map(|(i, r)| (format!("rules[{i}].on"), &r.on));
         let of_graphs = scene.graphs.iter().flat_map(|(name, graph)| {
@@ -91,14 +93,17 @@ impl Compiler<'_> {
         });
         let mut all: Vec<Threshold> = Vec::new();
         for (key, on) in of_rules.chain(of_graphs) {
-            if let Some(threshold) = self.threshold(on, &key)?
-                && !all.iter().any(|t| same(t, &threshold))
+            if let Some(threshold) = self.parse_threshold(on, &key)?
+                && !all.iter().any(|t| is_same_threshold(t, &threshold))
             {
                 all.push(threshold);
             }
         }
         if all.len() > MOST_THRESHOLDS {
-            return wrong("rules", format!("expected at most {MOST_THRESHOLDS} thresholds, found {}", all.len()));
+            return compile_fault(
+                "rules",
+                format!("expected at most {MOST_THRESHOLDS} thresholds, found {}", all.len()),
+            );
         }
         all.sort_by(|a, b| (a.value, a.at).partial_cmp(&(b.value, b.at)).unwrap_or(std::cmp::Ordering::Equal));
         for (v, value) in self.out.values.iter_mut().enumerate() {
@@ -111,52 +116,58 @@ impl Compiler<'_> {
     }
 
     /// Parses a threshold such as `fatigue > 0.7`; `None` for other triggers.
-    pub(super) fn threshold(&self, on: &str, key: &str) -> Compiled<Option<Threshold>> {
+    pub(super) fn parse_threshold(&self, on: &str, key: &str) -> CompileResult<Option<Threshold>> {
         let Some((name, rises, at)) =
             on.split_once('>').map(|(n, a)| (n, true, a)).or_else(|| on.split_once('<').map(|(n, a)| (n, false, a)))
         else {
             return Ok(None);
         };
         let (name, number) = (name.trim(), at.trim().parse::<f32>());
-        let Some(value) = self.out.names.values.find(name) else {
+        let Some(value) = self.out.names.values.number_of(name) else {
             let help = did_you_mean(name, self.out.names.values.0.iter().map(String::as_str));
-            return wrong(key, format!("there is no value `{name}`: values are declared in `[values]`.{help}"));
+            return compile_fault(key, format!("there is no value `{name}`: values are declared in `[values]`.{help}"));
         };
         let limits = self.out.values[value].limits;
         match number {
             Ok(at) if limits[0] <= at && at <= limits[1] => Ok(Some(Threshold { value: value as u16, at, rises })),
             _ => {
                 let [low, high] = limits;
-                wrong(key, format!("expected a number within the limits of `{name}`, {low} to {high}, found `{at}`"))
+                compile_fault(
+                    key,
+                    format!("expected a number within the limits of `{name}`, {low} to {high}, found `{at}`"),
+                )
             }
         }
     }
 
-    pub(super) fn trigger(&self, on: &str, key: &str) -> Compiled<u16> {
+    pub(super) fn trigger_number(&self, on: &str, key: &str) -> CompileResult<u16> {
         if let Some(built_in) = trigger::NAMES.iter().position(|n| *n == on) {
             return Ok(built_in as u16);
         }
-        if let Some(threshold) = self.threshold(on, key)? {
-            let number = self.out.thresholds.iter().position(|t| same(t, &threshold)).unwrap_or(0);
+        if let Some(threshold) = self.parse_threshold(on, key)? {
+            let number = self.out.thresholds.iter().position(|t| is_same_threshold(t, &threshold)).unwrap_or(0);
             return Ok(trigger::EVENTS + (self.out.names.events.0.len() + number) as u16);
         }
-        if let Some(event) = self.out.names.events.find(on) {
+        if let Some(event) = self.out.names.events.number_of(on) {
             return Ok(trigger::EVENTS + event as u16);
         }
         let events = self.out.names.events.0.iter().map(String::as_str);
         let help = did_you_mean(on, trigger::NAMES.into_iter().chain(events));
         let all = trigger::NAMES.join(", ");
-        wrong(key, format!("there is no event `{on}`: expected one of `[[events]]`, {all}, or `VALUE > NUMBER`.{help}"))
+        compile_fault(
+            key,
+            format!("there is no event `{on}`: expected one of `[[events]]`, {all}, or `VALUE > NUMBER`.{help}"),
+        )
     }
 
-    pub(super) fn events(&mut self) -> Compiled<()> {
+    pub(super) fn compile_events(&mut self) -> CompileResult<()> {
         let mut channel = 0;
         for (i, event) in self.scene.events.iter().enumerate() {
             if trigger::NAMES.contains(&event.name.as_str()) || event.name.contains(['<', '>']) {
                 let why = format!("\"{}\" means something else: give the event another name", event.name);
-                return wrong(format!("events[{i}].name"), why);
+                return compile_fault(format!("events[{i}].name"), why);
             }
-            let table = self.event(event, &format!("events[{i}]"))?;
+            let table = self.compile_event(event, &format!("events[{i}]"))?;
             self.out.events.push(table);
         }
         for (i, happening) in self.scene.happenings.iter().enumerate() {
@@ -171,7 +182,7 @@ impl Compiler<'_> {
                     let text = format!("{} <= {far}", sum.join(" + ")).replace("- -", "+ ");
                     // The scene's values may have the names of axes.
                     let values = std::mem::take(&mut self.out.names.values);
-                    let who = self.predicate(&text, &format!("happenings[{i}].near"), trigger::EVENTS);
+                    let who = self.compile_predicate(&text, &format!("happenings[{i}].near"), trigger::EVENTS);
                     self.out.names.values = values;
                     Some(who?)
                 }
@@ -193,13 +204,16 @@ impl Compiler<'_> {
                 channel += 1;
             }
         }
-        match usize::from(channel) > MOST_TOLD {
-            true => wrong("events", format!("expected at most {MOST_TOLD} events that are told on, found {channel}")),
+        match usize::from(channel) > MAX_SHARED_EVENTS {
+            true => compile_fault(
+                "events",
+                format!("expected at most {MAX_SHARED_EVENTS} events that are told on, found {channel}"),
+            ),
             false => Ok(()),
         }
     }
 
-    pub(super) fn event(&mut self, event: &EventConfig, key: &str) -> Compiled<EventTable> {
+    pub(super) fn compile_event(&mut self, event: &EventConfig, key: &str) -> CompileResult<EventTable> {
         let ways = [
             event.at_s.is_some(),
             event.between_s.is_some(),
@@ -208,7 +222,10 @@ impl Compiler<'_> {
             event.when.is_some(),
         ];
         if ways.iter().filter(|w| **w).count() > 1 {
-            return wrong(key, "expected one of `at_s`, `between_s`, `every_s`, `period_s` and `when`, found several");
+            return compile_fault(
+                key,
+                "expected one of `at_s`, `between_s`, `every_s`, `period_s` and `when`, found several",
+            );
         }
         let schedule = match event {
             EventConfig { at_s: Some(at), .. } => Schedule::At(*at),
@@ -218,16 +235,16 @@ impl Compiler<'_> {
             _ => Schedule::Never,
         };
         let who = match &event.who {
-            Some(who) => Some(self.predicate(who, &format!("{key}.who"), trigger::EVENTS)?),
+            Some(who) => Some(self.compile_predicate(who, &format!("{key}.who"), trigger::EVENTS)?),
             None => None,
         };
         self.out.names.is_of_all = true;
-        let condition = self.when(event.when.as_deref(), &format!("{key}.when"), trigger::STARTS)?;
+        let condition = self.compile_condition(event.when.as_deref(), &format!("{key}.when"), trigger::STARTS)?;
         self.out.names.is_of_all = false;
         let mut doors = Vec::new();
         for (names, open, word) in [(&event.opens, true, "opens"), (&event.closes, false, "closes")] {
             for (d, name) in names.iter().enumerate() {
-                doors.push((self.name(Sort::Door, name, &format!("{key}.{word}[{d}]"))?, open));
+                doors.push((self.name_number(NameKind::Door, name, &format!("{key}.{word}[{d}]"))?, open));
             }
         }
         Ok(EventTable {
@@ -242,40 +259,49 @@ impl Compiler<'_> {
         })
     }
 
-    pub(super) fn relations(&mut self) -> Compiled<()> {
+    pub(super) fn compile_relations(&mut self) -> CompileResult<()> {
         for (i, r) in self.scene.relations.iter().enumerate() {
             let key = format!("relations[{i}]");
-            let (of, to) = (self.party(&r.of, &format!("{key}.of"))?, self.party(&r.to, &format!("{key}.to"))?);
+            let (of, to) =
+                (self.parse_party(&r.of, &format!("{key}.of"))?, self.parse_party(&r.to, &format!("{key}.to"))?);
             if matches!(of, Party::Place(_)) {
-                return wrong(format!("{key}.of"), "expected a group, or an agent such as \"group:3\", found a place");
+                return compile_fault(
+                    format!("{key}.of"),
+                    "expected a group, or an agent such as \"group:3\", found a place",
+                );
             }
             if matches!(to, Party::Place(_)) && r.friendship.is_some() {
-                return wrong(format!("{key}.friendship"), "nobody is friends with a place: expected `curiosity`");
+                return compile_fault(
+                    format!("{key}.friendship"),
+                    "nobody is friends with a place: expected `curiosity`",
+                );
             }
             let (friendship, curiosity) = (r.friendship.unwrap_or(f32::NAN), r.curiosity.unwrap_or(f32::NAN));
-            self.out.relations.push(Relation { of, to, share: r.share, friendship, curiosity });
+            self.out.relations.push(RelationTable { of, to, share: r.share, friendship, curiosity });
         }
         Ok(())
     }
 
-    pub(super) fn party(&self, text: &str, key: &str) -> Compiled<Party> {
-        if let Some(place) = self.out.names.places.find(text) {
+    pub(super) fn parse_party(&self, text: &str, key: &str) -> CompileResult<Party> {
+        if let Some(place) = self.out.names.places.number_of(text) {
             return Ok(Party::Place(place as u16));
         }
         let (name, number) = match text.rsplit_once(':') {
             Some((name, number)) => (name, Some(number.parse::<u32>())),
             None => (text, None),
         };
-        let group = self.name(Sort::Group, name, key)?;
+        let group = self.name_number(NameKind::Group, name, key)?;
         let [first, last] = self.out.groups[usize::from(group)].agents;
         match number {
             None => Ok(Party::Group(group)),
             Some(Ok(n)) if n < last - first => Ok(Party::Agent(first + n)),
-            Some(_) => wrong(key, format!("expected an agent from 0 to {}, found \"{text}\"", last - first - 1)),
+            Some(_) => {
+                compile_fault(key, format!("expected an agent from 0 to {}, found \"{text}\"", last - first - 1))
+            }
         }
     }
 }
 
-fn same(a: &Threshold, b: &Threshold) -> bool {
+fn is_same_threshold(a: &Threshold, b: &Threshold) -> bool {
     (a.value, a.at.to_bits(), a.rises) == (b.value, b.at.to_bits(), b.rises)
 }

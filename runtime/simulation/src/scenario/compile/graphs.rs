@@ -1,14 +1,14 @@
 //! Compilation of state graphs and rules.
 
-use super::{Compiled, Compiler, MOST_EDGES, MOST_PAUSES, wrong};
-use crate::scenario::language::Sort;
-use crate::scenario::tables::{Action, Edge, NONE, Rule, State, trigger};
-use crate::scene::{GraphConfig, LevelConfig};
+use super::{CompileResult, MOST_EDGES, MOST_PAUSES, ScenarioCompiler, compile_fault};
+use crate::scenario::language::NameKind;
+use crate::scenario::tables::{CompiledAction, EdgeTable, NONE, RuleTable, StateTable, trigger};
+use crate::scene::{LevelConfig, StateGraphConfig};
 use std::collections::{BTreeMap, BTreeSet};
 use throng_base::text::did_you_mean;
 
-impl Compiler<'_> {
-    pub(super) fn states(&mut self) -> Compiled<()> {
+impl ScenarioCompiler<'_> {
+    pub(super) fn compile_states(&mut self) -> CompileResult<()> {
         let scene = self.scene;
         // Numbers first: graphs name each other.
         let mut number = 0;
@@ -28,15 +28,18 @@ impl Compiler<'_> {
                 let key = format!("graphs.{name}.states.{state}");
                 let below = match &config.graph {
                     None => NONE,
-                    Some(below) => self.below(below, graph.level, &format!("{key}.graph"))?,
+                    Some(below) => self.lower_graph_start(below, graph.level, &format!("{key}.graph"))?,
                 };
                 let actions = match &config.does {
-                    None if below == NONE => return wrong(key, "expected `do` or `graph`, found neither"),
+                    None if below == NONE => return compile_fault(key, "expected `do` or `graph`, found neither"),
                     None => NONE,
                     Some(does) => {
-                        let (first, is_instant) = self.behaviour(does, &format!("{key}.do"), trigger::DONE)?;
+                        let (first, is_instant) = self.compile_behaviour(does, &format!("{key}.do"), trigger::DONE)?;
                         if below != NONE && !is_instant {
-                            return wrong(format!("{key}.do"), "before a graph, expected actions that take no time");
+                            return compile_fault(
+                                format!("{key}.do"),
+                                "before a graph, expected actions that take no time",
+                            );
                         }
                         first
                     }
@@ -44,7 +47,15 @@ impl Compiler<'_> {
                 let word = self.out.names.states.0.binary_search(state).unwrap_or(0) as u16;
                 let name = state.clone();
                 let level = graph.level as u8;
-                self.out.states.push(State { name, word, level, of, actions, graph: below, edges: [0; 2] });
+                self.out.states.push(StateTable {
+                    name,
+                    word,
+                    level,
+                    graph_number: of,
+                    actions,
+                    graph: below,
+                    edges: [0; 2],
+                });
             }
         }
         let mut at = 0;
@@ -57,13 +68,16 @@ impl Compiler<'_> {
                 let number = |state: &String, of: &str| self.state_number(name, graph, state, &format!("{key}.{of}"));
                 let from = edge.from.as_ref().map(|from| number(from, "from")).transpose()?;
                 let to = number(&edge.to, "to")? as u16;
-                let trigger = self.trigger(&edge.on, &format!("{key}.on"))?;
-                let when = self.when(edge.when.as_deref(), &format!("{key}.when"), trigger)?;
+                let trigger = self.trigger_number(&edge.on, &format!("{key}.on"))?;
+                let when = self.compile_condition(edge.when.as_deref(), &format!("{key}.when"), trigger)?;
                 let probability = edge.probability.unwrap_or(-1.0);
                 if edge.probability.is_some() && !(0.0..=1.0).contains(&probability) {
-                    return wrong(format!("{key}.probability"), format!("expected 0 to 1, found {probability}"));
+                    return compile_fault(
+                        format!("{key}.probability"),
+                        format!("expected 0 to 1, found {probability}"),
+                    );
                 }
-                all.push((from, Edge { trigger, to, when, probability, number: i as u16 }));
+                all.push((from, EdgeTable { trigger, to, when, probability, number: i as u16 }));
             }
             for state in graph.states.keys() {
                 let first = self.out.edges.len() as u32;
@@ -76,7 +90,7 @@ impl Compiler<'_> {
                          without `from` count): let its `graph` of a lower level choose among them",
                         edges.len()
                     );
-                    return wrong(format!("graphs.{name}.edges"), why);
+                    return compile_fault(format!("graphs.{name}.edges"), why);
                 }
                 for e in edges {
                     let same = edges.iter().filter(|o| o.trigger == e.trigger && o.when.is_none());
@@ -85,7 +99,7 @@ impl Compiler<'_> {
                         let event = self.out.trigger_name(e.trigger);
                         let why =
                             format!("from `{state}`, probabilities at `{event}` add up to {sum}, expected at most 1");
-                        return wrong(format!("graphs.{name}.edges"), why);
+                        return compile_fault(format!("graphs.{name}.edges"), why);
                     }
                 }
                 self.out.states[at].edges = [first, self.out.edges.len() as u32];
@@ -96,7 +110,7 @@ impl Compiler<'_> {
     }
 
     /// Checks that every state of a graph can be reached from its start.
-    pub(super) fn check_reached(&self, name: &str, graph: &GraphConfig) -> Compiled<()> {
+    pub(super) fn check_reached(&self, name: &str, graph: &StateGraphConfig) -> CompileResult<()> {
         let mut led: BTreeMap<Option<&str>, Vec<&str>> = BTreeMap::new();
         for edge in &graph.edges {
             led.entry(edge.from.as_deref()).or_default().push(&edge.to);
@@ -110,7 +124,7 @@ impl Compiler<'_> {
             None => Ok(()),
             Some(state) => {
                 let key = format!("graphs.{name}.states.{state}");
-                wrong(
+                compile_fault(
                     key,
                     format!("no edge leads to `{state}` from the start, `{}`: add one, or remove it", graph.start),
                 )
@@ -118,23 +132,29 @@ impl Compiler<'_> {
         }
     }
 
-    pub(super) fn state_number(&self, name: &str, graph: &GraphConfig, state: &str, key: &str) -> Compiled<u32> {
+    pub(super) fn state_number(
+        &self,
+        name: &str,
+        graph: &StateGraphConfig,
+        state: &str,
+        key: &str,
+    ) -> CompileResult<u32> {
         if let Some(&number) = self.state_numbers.get(&(name.to_string(), state.to_string())) {
             return Ok(number);
         }
         let known: Vec<&str> = graph.states.keys().map(String::as_str).collect();
         let help = did_you_mean(state, known.iter().copied());
-        wrong(key, format!("the graph has no state `{state}`: it has {}.{help}", known.join(", ")))
+        compile_fault(key, format!("the graph has no state `{state}`: it has {}.{help}", known.join(", ")))
     }
 
     /// Start state of a graph of a lower level.
-    pub(super) fn below(&self, name: &str, level: LevelConfig, key: &str) -> Compiled<u32> {
+    pub(super) fn lower_graph_start(&self, name: &str, level: LevelConfig, key: &str) -> CompileResult<u32> {
         let Some(graph) = self.scene.graphs.get(name) else {
             let help = did_you_mean(name, self.scene.graphs.keys().map(String::as_str));
-            return wrong(key, format!("there is no graph `{name}`.{help}"));
+            return compile_fault(key, format!("there is no graph `{name}`.{help}"));
         };
         if graph.level <= level {
-            return wrong(
+            return compile_fault(
                 key,
                 format!("expected a graph of a lower level: `{name}` is {:?}", graph.level).to_lowercase(),
             );
@@ -142,22 +162,22 @@ impl Compiler<'_> {
         Ok(self.graph_starts[name])
     }
 
-    pub(super) fn rules(&mut self) -> Compiled<()> {
+    pub(super) fn compile_rules(&mut self) -> CompileResult<()> {
         let mut triggers = Vec::new();
         let num = self.out.groups.last().map_or(0, |g| g.agents[1] as usize);
         for (i, rule) in self.scene.rules.iter().enumerate() {
             let key = format!("rules[{i}]");
-            let trigger = self.trigger(&rule.on, &format!("{key}.on"))?;
-            let when = self.when(rule.when.as_deref(), &format!("{key}.when"), trigger)?;
+            let trigger = self.trigger_number(&rule.on, &format!("{key}.on"))?;
+            let when = self.compile_condition(rule.when.as_deref(), &format!("{key}.when"), trigger)?;
             if !(0.0..=1.0).contains(&rule.probability) {
                 let found = rule.probability;
-                return wrong(format!("{key}.probability"), format!("expected 0 to 1, found {found}"));
+                return compile_fault(format!("{key}.probability"), format!("expected 0 to 1, found {found}"));
             }
             let mut who = if rule.who.is_empty() { u64::MAX } else { 0 };
             for (g, name) in rule.who.iter().enumerate() {
-                who |= 1 << self.name(Sort::Group, name, &format!("{key}.who[{g}]"))?;
+                who |= 1 << self.name_number(NameKind::Group, name, &format!("{key}.who[{g}]"))?;
             }
-            let (actions, is_instant) = self.behaviour(&rule.does, &format!("{key}.do"), trigger)?;
+            let (actions, is_instant) = self.compile_behaviour(&rule.does, &format!("{key}.do"), trigger)?;
             let pause = self.out.num_pauses as u32;
             self.out.num_pauses += usize::from(rule.pause_s > 0.0);
             if self.out.num_pauses * num > MOST_PAUSES {
@@ -165,14 +185,24 @@ impl Compiler<'_> {
                 let why = format!(
                     "expected at most {most} rules with a pause for {num} agents, found {rules}: each agent remembers when it followed them"
                 );
-                return wrong(format!("{key}.pause_s"), why);
+                return compile_fault(format!("{key}.pause_s"), why);
             }
             let name = if rule.name.is_empty() { format!("rule {i}") } else { rule.name.clone() };
             let (probability, priority, pause_s) = (rule.probability, rule.priority, rule.pause_s);
-            self.out.rules.push(Rule { name, who, when, probability, actions, is_instant, priority, pause_s, pause });
+            self.out.rules.push(RuleTable {
+                name,
+                who,
+                when,
+                probability,
+                actions,
+                is_instant,
+                priority,
+                pause_s,
+                pause,
+            });
             triggers.push(trigger);
         }
-        self.happenings(&mut triggers);
+        self.compile_happenings(&mut triggers);
         self.index_rules(&triggers);
         Ok(())
     }
@@ -188,11 +218,11 @@ impl Compiler<'_> {
     }
 
     /// Compiles happenings to events with one rule each: agents that learn of one take the path to its goal.
-    pub(super) fn happenings(&mut self, triggers: &mut Vec<u16>) {
+    pub(super) fn compile_happenings(&mut self, triggers: &mut Vec<u16>) {
         for i in 0..self.scene.happenings.len() {
             let actions = self.out.actions.len() as u32;
-            self.out.actions.extend([Action::Happening(i as u16), Action::End]);
-            self.out.rules.push(Rule {
+            self.out.actions.extend([CompiledAction::Happening(i as u16), CompiledAction::End]);
+            self.out.rules.push(RuleTable {
                 name: format!("happenings[{i}]"),
                 who: u64::MAX,
                 when: None,

@@ -1,13 +1,15 @@
 //! Compiler from a scene file to flat tables.
 
-mod deeds;
+mod action_commands;
 mod facts;
 mod graphs;
 
-use crate::scenario::language::{Names, Sort, Vocabulary};
-use crate::scenario::mind::NO;
-use crate::scenario::tables::{Action, BoardTable, EndTable, GroupTable, How, NONE, Scenario, trigger};
-use crate::scenario::verbs::{Effect, Operand, Primitives};
+use crate::scenario::action_registry::{ActionOperand, ActionRegistry, Effect};
+use crate::scenario::agent_brain::NO_NUMBER;
+use crate::scenario::language::{NameKind, NameList, ScenarioVocabulary};
+use crate::scenario::tables::{
+    BlackboardTable, CompiledAction, EndTable, GroupTable, LearningMode, NONE, Scenario, trigger,
+};
 use crate::scene::{Scene, check_point};
 use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,13 +19,13 @@ use throng_base::text::did_you_mean;
 /// Most events, groups, and places that are entered once, each of which is a bit.
 const MOST_BITS: usize = 64;
 /// Most events that agents pass on: bits of what agents sense of each other, less the one for meetings.
-const MOST_TOLD: usize = 31;
+const MAX_SHARED_EVENTS: usize = 31;
 /// Most thresholds, each of which is a bit of 32.
 const MOST_THRESHOLDS: usize = 32;
 /// Most edges that lead from one state; the open ones are bits of 64.
 const MOST_EDGES: usize = 64;
 /// Most items of any kind numbered with 16 bits, of which the last number means none.
-const MOST_NUMBERS: usize = NO as usize;
+const MOST_NUMBERS: usize = NO_NUMBER as usize;
 
 /// Most slots of all places, as many as agents.
 const MOST_SLOTS: usize = 1_000_000;
@@ -31,30 +33,30 @@ const MOST_SLOTS: usize = 1_000_000;
 const MOST_PAUSES: usize = 1 << 28;
 
 /// Fault of a key's value, with its byte in the text of the value.
-struct Wrong {
+struct CompileFault {
     key: String,
     at: Option<usize>,
     why: String,
 }
 
-type Compiled<T> = std::result::Result<T, Wrong>;
+type CompileResult<T> = std::result::Result<T, CompileFault>;
 
-fn wrong<T>(key: impl Into<String>, why: impl Into<String>) -> Compiled<T> {
-    Err(Wrong { key: key.into(), at: None, why: why.into() })
+fn compile_fault<T>(key: impl Into<String>, why: impl Into<String>) -> CompileResult<T> {
+    Err(CompileFault { key: key.into(), at: None, why: why.into() })
 }
 
 /// Point with as many numbers as a space has dimensions.
-fn checked_point(at: &[f32], key: &str, dimensions: usize) -> Compiled<Vec3> {
+fn checked_point(at: &[f32], key: &str, dimensions: usize) -> CompileResult<Vec3> {
     match check_point(key, at, dimensions) {
-        Ok(()) => Ok(point(at)),
-        Err((key, why)) => wrong(key, why),
+        Ok(()) => Ok(scene_point(at)),
+        Err((key, why)) => compile_fault(key, why),
     }
 }
 
 /// Refuses counts that are too large, given as (count, most, what, key).
-fn check_counts(counts: &[(usize, usize, &str, &str)]) -> Compiled<()> {
+fn check_counts(counts: &[(usize, usize, &str, &str)]) -> CompileResult<()> {
     match counts.iter().find(|(count, most, ..)| count > most) {
-        Some((count, most, what, key)) => wrong(*key, format!("expected at most {most} {what}, found {count}")),
+        Some((count, most, what, key)) => compile_fault(*key, format!("expected at most {most} {what}, found {count}")),
         None => Ok(()),
     }
 }
@@ -66,36 +68,39 @@ impl Scenario {
     ///
     /// # Errors
     /// [`throng_base::Error::Text`] with file, line, column, and the nearest name that is known.
-    pub fn new(scene: &Scene, primitives: &Primitives) -> Result<Option<Self>> {
+    pub fn new(scene: &Scene, primitives: &ActionRegistry) -> Result<Option<Self>> {
         if !scene.has_story() {
             return Ok(None);
         }
-        let compiler = Compiler::new(scene, primitives.clone());
-        let compiled = compiler.and_then(Compiler::compile);
+        let compiler = ScenarioCompiler::new(scene, primitives.clone());
+        let compiled = compiler.and_then(ScenarioCompiler::compile);
         compiled.map(Some).map_err(|w| scene.fault_within(&w.key, w.at, w.why))
     }
 }
 
-struct Compiler<'a> {
+struct ScenarioCompiler<'a> {
     scene: &'a Scene,
     out: Scenario,
     /// Compiled named behaviours, by name and kind of event: first action, and whether all actions take no time.
-    done: BTreeMap<(String, bool, bool), (u32, bool)>,
+    compiled_behaviours: BTreeMap<(String, bool, bool), (u32, bool)>,
     graph_starts: BTreeMap<String, u32>,
     /// Numbers of states, by names of graph and state.
     state_numbers: BTreeMap<(String, String), u32>,
 }
 
-impl<'a> Compiler<'a> {
-    fn new(scene: &'a Scene, primitives: Primitives) -> Compiled<Self> {
-        let names = |key: &str, all: Vec<&String>| -> Compiled<Names> {
+impl<'a> ScenarioCompiler<'a> {
+    fn new(scene: &'a Scene, primitives: ActionRegistry) -> CompileResult<Self> {
+        let names = |key: &str, all: Vec<&String>| -> CompileResult<NameList> {
             let mut known = BTreeSet::new();
             for (i, name) in all.iter().enumerate() {
                 if name.is_empty() || !known.insert(name) {
-                    return wrong(format!("{key}[{i}]"), format!("expected a `name` of its own, found \"{name}\""));
+                    return compile_fault(
+                        format!("{key}[{i}]"),
+                        format!("expected a `name` of its own, found \"{name}\""),
+                    );
                 }
             }
-            Ok(Names(all.into_iter().cloned().collect()))
+            Ok(NameList(all.into_iter().cloned().collect()))
         };
         let of_agents: Vec<_> = scene.groups.iter().enumerate().filter(|(_, g)| g.is_of_agents()).collect();
         let mut kinds: Vec<String> = scene.places.iter().map(|p| p.kind.clone()).collect();
@@ -107,16 +112,16 @@ impl<'a> Compiler<'a> {
         let mut events: Vec<&String> = scene.events.iter().map(|e| &e.name).collect();
         let happenings: Vec<String> = (0..scene.happenings.len()).map(|i| format!("happening {i}")).collect();
         events.extend(&happenings);
-        let words = Vocabulary {
-            groups: Names(of_agents.iter().map(|(g, group)| group.title(*g)).collect()),
-            states: Names(states),
+        let words = ScenarioVocabulary {
+            groups: NameList(of_agents.iter().map(|(g, group)| group.title(*g)).collect()),
+            states: NameList(states),
             places: names("places", scene.places.iter().map(|p| &p.name).collect())?,
-            kinds: Names(kinds),
+            kinds: NameList(kinds),
             events: names("events", events)?,
-            values: Names(scene.values.keys().cloned().collect()),
+            values: NameList(scene.values.keys().cloned().collect()),
             doors: names("environment.doors", scene.environment.doors.iter().map(|d| &d.name).collect())?,
             things: names("things", scene.things.iter().map(|t| &t.name).collect())?,
-            how: Names(How::NAMES.iter().map(|h| (*h).to_string()).collect()),
+            how: NameList(LearningMode::NAMES.iter().map(|h| (*h).to_string()).collect()),
             has_other: false,
             has_place: false,
             is_of_all: false,
@@ -140,7 +145,7 @@ impl<'a> Compiler<'a> {
             first = agents[1];
             let there = group.source.as_ref().map_or(group.count, |s| s.start.min(group.count)) as u32;
             let rates = group.source.as_ref().map_or_else(Vec::new, |s| s.rates.clone());
-            GroupTable { number: *g, start: NONE, agents, there, rates }
+            GroupTable { number: *g, start: NONE, agents, num_at_start: there, rates }
         });
         let out = Scenario {
             code: Vec::new(),
@@ -162,40 +167,45 @@ impl<'a> Compiler<'a> {
             states: Vec::new(),
             edges: Vec::new(),
             actions: Vec::new(),
-            ways: Vec::new(),
+            paths: Vec::new(),
             relations: Vec::new(),
             motions: Vec::new(),
-            boards: BoardTable::default(),
+            blackboards: BlackboardTable::default(),
             end: EndTable::default(),
             senses_zones: false,
             meets: false,
             senses_cells: false,
         };
-        Ok(Self { scene, out, done: BTreeMap::new(), graph_starts: BTreeMap::new(), state_numbers: BTreeMap::new() })
+        Ok(Self {
+            scene,
+            out,
+            compiled_behaviours: BTreeMap::new(),
+            graph_starts: BTreeMap::new(),
+            state_numbers: BTreeMap::new(),
+        })
     }
 
-    fn compile(mut self) -> Compiled<Scenario> {
-        self.values();
-        self.places()?;
-        self.thresholds()?;
-        self.events()?;
-        self.relations()?;
-        self.states()?;
-        self.rules()?;
+    fn compile(mut self) -> CompileResult<Scenario> {
+        self.compile_values();
+        self.compile_places()?;
+        self.find_thresholds()?;
+        self.compile_events()?;
+        self.compile_relations()?;
+        self.compile_states()?;
+        self.compile_rules()?;
         self.group_starts()?;
-        self.end()?;
+        self.compile_end()?;
         check_counts(&[
-            (self.out.ways.len(), MOST_NUMBERS, "ways that actions follow", "rules"),
+            (self.out.paths.len(), MOST_NUMBERS, "ways that actions follow", "rules"),
             (self.out.motions.len(), MOST_NUMBERS, "tags of motion", "rules"),
         ])?;
-        self.out.boards = BoardTable { cell_m: self.scene.agents.cell_m, levels: 4 };
-        let needs_cells = self
-            .out
-            .actions
-            .iter()
-            .any(|a| matches!(a, Action::Effect(Effect::Post, words) if words[1] != Operand::Nothing));
-        if needs_cells && self.out.boards.cell_m == 0.0 {
-            return wrong("agents.cell_m", "boards of cells need cells: set `agents.cell_m`, such as 5.0");
+        self.out.blackboards = BlackboardTable { cell_m: self.scene.agents.cell_m, levels: 4 };
+        let needs_cells =
+            self.out.actions.iter().any(
+                |a| matches!(a, CompiledAction::Effect(Effect::Post, words) if words[1] != ActionOperand::Nothing),
+            );
+        if needs_cells && self.out.blackboards.cell_m == 0.0 {
+            return compile_fault("agents.cell_m", "boards of cells need cells: set `agents.cell_m`, such as 5.0");
         }
         let has = |t: u16, out: &Scenario| {
             out.rules_of[usize::from(t)][0] < out.rules_of[usize::from(t)][1]
@@ -209,28 +219,28 @@ impl<'a> Compiler<'a> {
         Ok(self.out)
     }
 
-    fn group_starts(&mut self) -> Compiled<()> {
+    fn group_starts(&mut self) -> CompileResult<()> {
         for g in 0..self.out.groups.len() {
             let number = self.out.groups[g].number;
             let Some(graph) = &self.scene.groups[number].graph else { continue };
             let key = format!("groups[{number}].graph");
             let Some(&start) = self.graph_starts.get(graph) else {
                 let help = did_you_mean(graph, self.scene.graphs.keys().map(String::as_str));
-                return wrong(key, format!("there is no graph `{graph}`.{help}"));
+                return compile_fault(key, format!("there is no graph `{graph}`.{help}"));
             };
             self.out.groups[g].start = start;
         }
         Ok(())
     }
 
-    fn end(&mut self) -> Compiled<()> {
+    fn compile_end(&mut self) -> CompileResult<()> {
         let end = &self.scene.end;
         let mut left = 0;
         for (i, name) in end.left.iter().enumerate() {
-            left |= 1u64 << self.name(Sort::Group, name, &format!("end.left[{i}]"))?;
+            left |= 1u64 << self.name_number(NameKind::Group, name, &format!("end.left[{i}]"))?;
         }
         let event = |name: &Option<String>, key: &str| match name {
-            Some(name) => self.name(Sort::Event, name, key).map(Some),
+            Some(name) => self.name_number(NameKind::Event, name, key).map(Some),
             None => Ok(None),
         };
         let (known, event) = (event(&end.known, "end.known")?, event(&end.event, "end.event")?);
@@ -238,13 +248,13 @@ impl<'a> Compiler<'a> {
         Ok(())
     }
 
-    fn name(&self, sort: Sort, name: &str, key: &str) -> Compiled<u16> {
-        let found = self.out.names.number(sort, name);
-        found.map(|n| n as u16).map_err(|why| Wrong { key: key.into(), at: None, why })
+    fn name_number(&self, sort: NameKind, name: &str, key: &str) -> CompileResult<u16> {
+        let found = self.out.names.number_of(sort, name);
+        found.map(|n| n as u16).map_err(|why| CompileFault { key: key.into(), at: None, why })
     }
 
     /// Sets the names that an expression about a kind of event may use.
-    fn scope(&mut self, trigger: u16) {
+    fn set_scope(&mut self, trigger: u16) {
         let is_event = (trigger::EVENTS..trigger::EVENTS + self.out.names.events.0.len() as u16).contains(&trigger);
         // A behaviour of a state goes on through several events: it may name all of them.
         let any = trigger == trigger::DONE;
@@ -255,7 +265,7 @@ impl<'a> Compiler<'a> {
 }
 
 /// World position of a point of the scene file (m).
-pub(super) fn point(of: &[f32]) -> Vec3 {
+pub(super) fn scene_point(of: &[f32]) -> Vec3 {
     match of {
         [x, y, z] => Vec3::new(*x, *y, *z),
         [x, z] => Vec3::new(*x, 0.0, *z),

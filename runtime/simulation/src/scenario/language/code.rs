@@ -50,19 +50,19 @@ pub enum Load {
     /// Random number, from 0 up to 1.
     Random,
     /// Attribute of an agent.
-    Of(Who, Attribute),
+    Of(Subject, Attribute),
     /// Attribute of the event.
     Event(EventAttribute),
     /// Attribute of a place.
-    Place(Spot, PlaceAttribute),
+    Place(SpotName, PlaceAttribute),
     /// Set of the events on the global blackboard (`false`) or also on those of the agent's cells (`true`).
     Board(bool),
     /// Distance between two spots; infinite where one is not there (m).
-    Distance(Spot, Spot),
+    Distance(SpotName, SpotName),
     /// Friendship of one agent for another (-1 to 1).
-    Friendship(Who, Who),
+    Friendship(Subject, Subject),
     /// Curiosity of an agent about a spot (-1 to 1).
-    Curiosity(Who, Spot),
+    Curiosity(Subject, SpotName),
     /// Number of agents of a group that are there.
     Count(u16),
     /// Truth: a door is open.
@@ -70,12 +70,12 @@ pub enum Load {
     /// Truth: some agent has a thing in hand, or a claim to take it.
     Taken(u16),
     /// Truth: this agent has a thing in hand, or a claim to take it.
-    Holds(Who, u16),
+    Holds(Subject, u16),
 }
 
 /// Agent that an expression is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Who {
+pub enum Subject {
     /// Agent to which the event happens.
     Me,
     /// Other agent, which is met or tells of the event.
@@ -131,7 +131,7 @@ pub enum PlaceAttribute {
 
 /// Named position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Spot {
+pub enum SpotName {
     Me,
     Other,
     /// Position at which the agent entered.
@@ -160,13 +160,13 @@ pub enum Amount {
 /// Source of the quantities that a program looks up.
 pub trait Perception {
     /// Looks up a quantity, as a number of the stack.
-    fn load(&mut self, what: Load) -> f64;
+    fn load_value(&mut self, what: Load) -> f64;
 }
 
 /// Runs a program of code that [`super::compile`] made, or that was checked when it was read.
 ///
 /// - returns the number that is left on the stack.
-pub fn run(code: &[Op], program: Program, perception: &mut impl Perception) -> f64 {
+pub fn run_program(code: &[Op], program: Program, perception: &mut impl Perception) -> f64 {
     let code = &code[program.first as usize..][..program.count as usize];
     let mut stack = [0.0_f64; STACK];
     let mut top = 0;
@@ -193,7 +193,7 @@ pub fn run(code: &[Op], program: Program, perception: &mut impl Perception) -> f
                 top += 1;
             }
             Op::Load(what) => {
-                stack[top] = perception.load(what);
+                stack[top] = perception.load_value(what);
                 top += 1;
             }
             Op::Not => one!(|a| truth(a == 0.0)),

@@ -1,16 +1,16 @@
 //! Compiler from expression trees to flat code: resolves names and checks types.
 
-use super::code::{Attribute, EventAttribute, Load, Op, PlaceAttribute, Program, STACK, Spot, Who};
-use super::parse::{Fault, Node, Tree};
+use super::code::{Attribute, EventAttribute, Load, Op, PlaceAttribute, Program, STACK, SpotName, Subject};
+use super::parse::{ExpressionFault, ExpressionNode, ExpressionTree};
 use throng_base::text::did_you_mean;
 
 /// Names of one kind, by their numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Names(pub Vec<String>);
+pub struct NameList(pub Vec<String>);
 
-impl Names {
+impl NameList {
     /// Number of a name.
-    pub fn find(&self, name: &str) -> Option<usize> {
+    pub fn number_of(&self, name: &str) -> Option<usize> {
         self.0.iter().position(|n| n == name)
     }
 }
@@ -23,16 +23,16 @@ pub enum Type {
     /// True or false.
     Truth,
     /// A name of some kind.
-    Name(Sort),
+    Name(NameKind),
     /// A set of events.
     Set,
     /// An agent or a place.
-    Spot(Spot),
+    Spot(SpotName),
 }
 
 /// Kind of a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sort {
+pub enum NameKind {
     Group,
     State,
     Place,
@@ -45,17 +45,17 @@ pub enum Sort {
 
 /// All names that expressions may use, and whether the event has another agent and a place.
 #[derive(Clone, Debug, Default)]
-pub struct Vocabulary {
-    pub groups: Names,
-    pub states: Names,
-    pub places: Names,
-    pub kinds: Names,
-    pub events: Names,
-    pub values: Names,
-    pub doors: Names,
-    pub things: Names,
+pub struct ScenarioVocabulary {
+    pub groups: NameList,
+    pub states: NameList,
+    pub places: NameList,
+    pub kinds: NameList,
+    pub events: NameList,
+    pub values: NameList,
+    pub doors: NameList,
+    pub things: NameList,
     /// Ways of learning of an event.
-    pub how: Names,
+    pub how: NameList,
     /// Whether the event has another agent, which is met or tells.
     pub has_other: bool,
     /// Whether the event has a place.
@@ -68,15 +68,15 @@ pub struct Vocabulary {
 const WORDS: &[(&str, Load, Type)] = &[
     ("time", Load::Time, Type::Number),
     ("random", Load::Random, Type::Number),
-    ("event", Load::Event(EventAttribute::Name), Type::Name(Sort::Event)),
-    ("event.name", Load::Event(EventAttribute::Name), Type::Name(Sort::Event)),
+    ("event", Load::Event(EventAttribute::Name), Type::Name(NameKind::Event)),
+    ("event.name", Load::Event(EventAttribute::Name), Type::Name(NameKind::Event)),
     ("event.age", Load::Event(EventAttribute::Age), Type::Number),
     ("event.strength", Load::Event(EventAttribute::Strength), Type::Number),
-    ("event.how", Load::Event(EventAttribute::How), Type::Name(Sort::How)),
-    ("place.name", Load::Place(Spot::Here, PlaceAttribute::Name), Type::Name(Sort::Place)),
-    ("place.kind", Load::Place(Spot::Here, PlaceAttribute::Kind), Type::Name(Sort::Kind)),
-    ("place.free", Load::Place(Spot::Here, PlaceAttribute::Free), Type::Number),
-    ("place.held", Load::Place(Spot::Here, PlaceAttribute::Held), Type::Number),
+    ("event.how", Load::Event(EventAttribute::How), Type::Name(NameKind::How)),
+    ("place.name", Load::Place(SpotName::Here, PlaceAttribute::Name), Type::Name(NameKind::Place)),
+    ("place.kind", Load::Place(SpotName::Here, PlaceAttribute::Kind), Type::Name(NameKind::Kind)),
+    ("place.free", Load::Place(SpotName::Here, PlaceAttribute::Free), Type::Number),
+    ("place.held", Load::Place(SpotName::Here, PlaceAttribute::Held), Type::Number),
     ("board", Load::Board(false), Type::Set),
     ("cell", Load::Board(true), Type::Set),
 ];
@@ -88,10 +88,10 @@ const ATTRIBUTES: &[(&str, Attribute, Type)] = &[
     ("z", Attribute::Z, Type::Number),
     ("speed", Attribute::Speed, Type::Number),
     ("desired_speed", Attribute::DesiredSpeed, Type::Number),
-    ("group", Attribute::Group, Type::Name(Sort::Group)),
-    ("state", Attribute::State(0), Type::Name(Sort::State)),
-    ("spatial", Attribute::State(1), Type::Name(Sort::State)),
-    ("primitive", Attribute::State(2), Type::Name(Sort::State)),
+    ("group", Attribute::Group, Type::Name(NameKind::Group)),
+    ("state", Attribute::State(0), Type::Name(NameKind::State)),
+    ("spatial", Attribute::State(1), Type::Name(NameKind::State)),
+    ("primitive", Attribute::State(2), Type::Name(NameKind::State)),
     ("state_s", Attribute::StateSeconds, Type::Number),
     ("news", Attribute::News, Type::Set),
     ("busy", Attribute::Busy, Type::Truth),
@@ -123,19 +123,19 @@ const CALLS: &[(&str, &str)] = &[
 ];
 
 impl Type {
-    fn words(self) -> String {
+    fn describe(self) -> String {
         match self {
             Self::Number => "a number".into(),
             Self::Truth => "true or false".into(),
-            Self::Name(sort) => format!("the name of a {}", sort.word()),
+            Self::Name(sort) => format!("the name of a {}", sort.noun()),
             Self::Set => "a set of events".into(),
             Self::Spot(_) => "somebody or somewhere".into(),
         }
     }
 }
 
-impl Sort {
-    fn word(self) -> &'static str {
+impl NameKind {
+    fn noun(self) -> &'static str {
         match self {
             Self::Group => "group",
             Self::State => "state",
@@ -149,17 +149,17 @@ impl Sort {
     }
 }
 
-impl Vocabulary {
-    fn names(&self, sort: Sort) -> &Names {
+impl ScenarioVocabulary {
+    fn names_of(&self, sort: NameKind) -> &NameList {
         match sort {
-            Sort::Group => &self.groups,
-            Sort::State => &self.states,
-            Sort::Place => &self.places,
-            Sort::Kind => &self.kinds,
-            Sort::Event => &self.events,
-            Sort::How => &self.how,
-            Sort::Door => &self.doors,
-            Sort::Thing => &self.things,
+            NameKind::Group => &self.groups,
+            NameKind::State => &self.states,
+            NameKind::Place => &self.places,
+            NameKind::Kind => &self.kinds,
+            NameKind::Event => &self.events,
+            NameKind::How => &self.how,
+            NameKind::Door => &self.doors,
+            NameKind::Thing => &self.things,
         }
     }
 
@@ -167,10 +167,10 @@ impl Vocabulary {
     ///
     /// # Errors
     /// A message with the nearest known name.
-    pub fn number(&self, sort: Sort, name: &str) -> Result<usize, String> {
-        let known = &self.names(sort).0;
+    pub fn number_of(&self, sort: NameKind, name: &str) -> Result<usize, String> {
+        let known = &self.names_of(sort).0;
         known.iter().position(|n| n == name).ok_or_else(|| {
-            let word = sort.word();
+            let word = sort.noun();
             let help = did_you_mean(name, known.iter().map(String::as_str));
             match known.len() {
                 0 => format!("there is no {word} `{name}`: the scene has none"),
@@ -184,11 +184,16 @@ impl Vocabulary {
 /// Compiles an expression to the end of `code`.
 ///
 /// # Errors
-/// [`Fault`] for unknown names, with the nearest known, and types that do not fit.
-pub fn compile(node: &Node, expected: Type, names: &Vocabulary, code: &mut Vec<Op>) -> Result<Program, Fault> {
+/// [`ExpressionFault`] for unknown names, with the nearest known, and types that do not fit.
+pub fn compile_expression(
+    node: &ExpressionNode,
+    expected: Type,
+    names: &ScenarioVocabulary,
+    code: &mut Vec<Op>,
+) -> Result<Program, ExpressionFault> {
     let first = code.len();
-    let mut compiler = Compiler { names, code, depth: 0 };
-    let result = compiler.expect(node, expected);
+    let mut compiler = ExpressionCompiler { names, code, depth: 0 };
+    let result = compiler.compile_expected(node, expected);
     if let Err(fault) = result {
         code.truncate(first);
         return Err(fault);
@@ -196,93 +201,103 @@ pub fn compile(node: &Node, expected: Type, names: &Vocabulary, code: &mut Vec<O
     Ok(Program { first: first as u32, count: (code.len() - first) as u32 })
 }
 
-struct Compiler<'a> {
-    names: &'a Vocabulary,
+struct ExpressionCompiler<'a> {
+    names: &'a ScenarioVocabulary,
     code: &'a mut Vec<Op>,
     /// Depth of the stack at this place of the code.
     depth: usize,
 }
 
-impl Compiler<'_> {
-    fn push(&mut self, op: Op, at: usize) -> Result<(), Fault> {
+impl ExpressionCompiler<'_> {
+    fn push_op(&mut self, op: Op, at: usize) -> Result<(), ExpressionFault> {
         self.depth += 1;
         if self.depth > STACK {
-            return Fault::new(at, format!("expected at most {STACK} values at a time"));
+            return ExpressionFault::new(at, format!("expected at most {STACK} values at a time"));
         }
         self.code.push(op);
         Ok(())
     }
 
     /// Adds an operation with two operands.
-    fn join(&mut self, op: Op) {
+    fn push_binary(&mut self, op: Op) {
         self.code.push(op);
         self.depth -= 1;
     }
 
-    fn expect(&mut self, node: &Node, expected: Type) -> Result<(), Fault> {
-        if let (Tree::Text(name), Type::Name(sort)) = (&node.tree, expected) {
-            let number = self.names.number(sort, name).map_err(|why| Fault { at: node.at + 1, why })?;
-            return self.push(Op::Number(number as f64), node.at);
+    fn compile_expected(&mut self, node: &ExpressionNode, expected: Type) -> Result<(), ExpressionFault> {
+        if let (ExpressionTree::Text(name), Type::Name(sort)) = (&node.tree, expected) {
+            let number = self.names.number_of(sort, name).map_err(|why| ExpressionFault { at: node.at + 1, why })?;
+            return self.push_op(Op::Number(number as f64), node.at);
         }
-        let found = self.any(node)?;
+        let found = self.compile_any(node)?;
         if found == expected {
             return Ok(());
         }
-        Fault::new(node.at, format!("expected {}, found {}", expected.words(), found.words()))
+        ExpressionFault::new(node.at, format!("expected {}, found {}", expected.describe(), found.describe()))
     }
 
-    fn any(&mut self, node: &Node) -> Result<Type, Fault> {
+    fn compile_any(&mut self, node: &ExpressionNode) -> Result<Type, ExpressionFault> {
         match &node.tree {
-            Tree::Number(number) => self.push(Op::Number(*number), node.at).map(|()| Type::Number),
-            Tree::Truth(is) => self.push(Op::Number(f64::from(u8::from(*is))), node.at).map(|()| Type::Truth),
-            Tree::Text(text) => {
-                Fault::new(node.at, format!("expected a value, found \"{text}\": compare it with a name"))
+            ExpressionTree::Number(number) => self.push_op(Op::Number(*number), node.at).map(|()| Type::Number),
+            ExpressionTree::Truth(is) => {
+                self.push_op(Op::Number(f64::from(u8::from(*is))), node.at).map(|()| Type::Truth)
             }
-            Tree::Set(_) => Fault::new(node.at, "expected a value, found a set: write `NAME in { .. }`"),
-            Tree::Word(word) => self.word(word, node.at),
-            Tree::Call(name, operands) => self.call(name, operands, node.at),
-            Tree::Unary("-", of) => {
-                self.expect(of, Type::Number)?;
+            ExpressionTree::Text(text) => {
+                ExpressionFault::new(node.at, format!("expected a value, found \"{text}\": compare it with a name"))
+            }
+            ExpressionTree::Set(_) => {
+                ExpressionFault::new(node.at, "expected a value, found a set: write `NAME in { .. }`")
+            }
+            ExpressionTree::Word(word) => self.compile_word(word, node.at),
+            ExpressionTree::Call(name, operands) => self.compile_call(name, operands, node.at),
+            ExpressionTree::Unary("-", of) => {
+                self.compile_expected(of, Type::Number)?;
                 self.code.push(Op::Negate);
                 Ok(Type::Number)
             }
-            Tree::Unary(_, of) => {
-                self.expect(of, Type::Truth)?;
+            ExpressionTree::Unary(_, of) => {
+                self.compile_expected(of, Type::Truth)?;
                 self.code.push(Op::Not);
                 Ok(Type::Truth)
             }
-            Tree::Binary(operator, a, b) => self.binary(operator, a, b, node.at),
+            ExpressionTree::Binary(operator, a, b) => self.compile_binary(operator, a, b, node.at),
         }
     }
 
-    fn binary(&mut self, operator: &str, a: &Node, b: &Node, at: usize) -> Result<Type, Fault> {
+    fn compile_binary(
+        &mut self,
+        operator: &str,
+        a: &ExpressionNode,
+        b: &ExpressionNode,
+        at: usize,
+    ) -> Result<Type, ExpressionFault> {
         match operator {
             "and" | "or" => {
-                self.expect(a, Type::Truth)?;
+                self.compile_expected(a, Type::Truth)?;
                 let jump = self.code.len();
                 self.code.push(Op::Not);
                 self.depth -= 1;
-                self.expect(b, Type::Truth)?;
+                self.compile_expected(b, Type::Truth)?;
                 let far = (self.code.len() - jump - 1) as u32;
                 self.code[jump] = if operator == "and" { Op::And(far) } else { Op::Or(far) };
                 Ok(Type::Truth)
             }
             "==" | "!=" => {
-                let (first, second) = if matches!(a.tree, Tree::Text(_)) { (b, a) } else { (a, b) };
-                let sort = self.any(first)?;
+                let (first, second) = if matches!(a.tree, ExpressionTree::Text(_)) { (b, a) } else { (a, b) };
+                let sort = self.compile_any(first)?;
                 if matches!(sort, Type::Set | Type::Spot(_)) {
                     let why = "expected numbers, truths or names to compare; compare `place.name` with a name";
-                    return Fault::new(at, why);
+                    return ExpressionFault::new(at, why);
                 }
-                self.expect(second, sort)?;
-                self.join(if operator == "==" { Op::Equal } else { Op::Unequal });
+                self.compile_expected(second, sort)?;
+                self.push_binary(if operator == "==" { Op::Equal } else { Op::Unequal });
                 Ok(Type::Truth)
             }
-            "in" => self.is_in(a, b),
+            "in" => self.compile_membership(a, b),
             _ => {
                 let (first, second) = if matches!(operator, ">" | ">=") { (b, a) } else { (a, b) };
-                self.expect(first, Type::Number)?;
-                self.expect(second, Type::Number)?;
+                self.compile_expected(first, Type::Number)?;
+                self.compile_expected(second, Type::Number)?;
                 let (op, of) = match operator {
                     "+" => (Op::Add, Type::Number),
                     "-" => (Op::Subtract, Type::Number),
@@ -291,159 +306,170 @@ impl Compiler<'_> {
                     "<" | ">" => (Op::Less, Type::Truth),
                     _ => (Op::LessOrEqual, Type::Truth),
                 };
-                self.join(op);
+                self.push_binary(op);
                 Ok(of)
             }
         }
     }
 
-    fn is_in(&mut self, a: &Node, b: &Node) -> Result<Type, Fault> {
-        if let Tree::Set(members) = &b.tree {
-            let Type::Name(sort) = self.any(a)? else {
-                return Fault::new(a.at, "expected a name, such as `me.group`, before `in { .. }`");
+    fn compile_membership(&mut self, a: &ExpressionNode, b: &ExpressionNode) -> Result<Type, ExpressionFault> {
+        if let ExpressionTree::Set(members) = &b.tree {
+            let Type::Name(sort) = self.compile_any(a)? else {
+                return ExpressionFault::new(a.at, "expected a name, such as `me.group`, before `in { .. }`");
             };
             self.code.push(Op::OneOf(members.len() as u32));
             for member in members {
-                let Tree::Text(name) = &member.tree else { return Fault::new(member.at, "expected a name in quotes") };
-                let number = self.names.number(sort, name).map_err(|why| Fault { at: member.at + 1, why })?;
+                let ExpressionTree::Text(name) = &member.tree else {
+                    return ExpressionFault::new(member.at, "expected a name in quotes");
+                };
+                let number =
+                    self.names.number_of(sort, name).map_err(|why| ExpressionFault { at: member.at + 1, why })?;
                 self.code.push(Op::Number(number as f64));
             }
             return Ok(Type::Truth);
         }
-        self.expect(a, Type::Name(Sort::Event))?;
-        self.expect(b, Type::Set)?;
-        self.join(Op::In);
+        self.compile_expected(a, Type::Name(NameKind::Event))?;
+        self.compile_expected(b, Type::Set)?;
+        self.push_binary(Op::In);
         Ok(Type::Truth)
     }
 
-    fn word(&mut self, word: &str, at: usize) -> Result<Type, Fault> {
+    fn compile_word(&mut self, word: &str, at: usize) -> Result<Type, ExpressionFault> {
         if let Some(spot) = spot_named(word) {
-            self.check_there(spot, at)?;
+            self.check_available(spot, at)?;
             return Ok(Type::Spot(spot));
         }
         if let Some(&(_, load, of)) = WORDS.iter().find(|w| w.0 == word) {
             match load {
-                Load::Place(spot, _) => self.check_there(spot, at)?,
+                Load::Place(spot, _) => self.check_available(spot, at)?,
                 Load::Random | Load::Board(true) if self.names.is_of_all => {
-                    return Fault::new(at, format!("there is no `{word}`: {OF_ALL}"));
+                    return ExpressionFault::new(at, format!("there is no `{word}`: {OF_ALL}"));
                 }
                 _ => {}
             }
-            return self.push(Op::Load(load), at).map(|()| of);
+            return self.push_op(Op::Load(load), at).map(|()| of);
         }
         let (of, name) = word.split_once('.').unwrap_or(("me", word));
         let who = match of {
-            "me" => Who::Me,
-            "other" => Who::Other,
-            _ => return self.unknown(word, at),
+            "me" => Subject::Me,
+            "other" => Subject::Other,
+            _ => return self.unknown_word(word, at),
         };
-        let value = self.names.values.find(name).map(|v| (Attribute::Value(v as u16), Type::Number));
+        let value = self.names.values.number_of(name).map(|v| (Attribute::Value(v as u16), Type::Number));
         let own = || ATTRIBUTES.iter().find(|a| a.0 == name).map(|a| (a.1, a.2));
         match value.or_else(own) {
             Some((attribute, of)) => {
-                self.check_there(if who == Who::Me { Spot::Me } else { Spot::Other }, at)?;
-                self.push(Op::Load(Load::Of(who, attribute)), at).map(|()| of)
+                self.check_available(if who == Subject::Me { SpotName::Me } else { SpotName::Other }, at)?;
+                self.push_op(Op::Load(Load::Of(who, attribute)), at).map(|()| of)
             }
-            None => self.unknown(word, at),
+            None => self.unknown_word(word, at),
         }
     }
 
-    fn unknown<T>(&self, word: &str, at: usize) -> Result<T, Fault> {
+    fn unknown_word<T>(&self, word: &str, at: usize) -> Result<T, ExpressionFault> {
         let own = ATTRIBUTES.iter().map(|a| a.0).chain(self.names.values.0.iter().map(String::as_str));
         let own: Vec<String> = own.flat_map(|a| [format!("me.{a}"), format!("other.{a}")]).collect();
         let all = WORDS.iter().map(|w| w.0).chain(own.iter().map(String::as_str));
         let help = did_you_mean(word, all);
         let way_out = if help.is_empty() { " Values are declared in `[values]`.".into() } else { help };
-        Fault::new(at, format!("unknown word `{word}`.{way_out}"))
+        ExpressionFault::new(at, format!("unknown word `{word}`.{way_out}"))
     }
 
     /// Checks that the event has the named agent or place.
-    fn check_there(&self, spot: Spot, at: usize) -> Result<(), Fault> {
+    fn check_available(&self, spot: SpotName, at: usize) -> Result<(), ExpressionFault> {
         match spot {
-            Spot::Me if self.names.is_of_all => Fault::new(at, format!("there is no `me`: {OF_ALL}")),
-            Spot::Other if !self.names.has_other => {
-                Fault::new(at, "there is no `other`: only what is met, told, conveyed or read has one")
+            SpotName::Me if self.names.is_of_all => ExpressionFault::new(at, format!("there is no `me`: {OF_ALL}")),
+            SpotName::Other if !self.names.has_other => {
+                ExpressionFault::new(at, "there is no `other`: only what is met, told, conveyed or read has one")
             }
-            Spot::Here if !self.names.has_place => {
-                Fault::new(at, "there is no `place`: only `enters`, `leaves`, `freed` and `arrives` have one")
+            SpotName::Here if !self.names.has_place => {
+                ExpressionFault::new(at, "there is no `place`: only `enters`, `leaves`, `freed` and `arrives` have one")
             }
             _ => Ok(()),
         }
     }
 
-    fn spot(&self, node: &Node) -> Result<Spot, Fault> {
+    fn compile_spot(&self, node: &ExpressionNode) -> Result<SpotName, ExpressionFault> {
         let spot = match &node.tree {
-            Tree::Word(word) => spot_named(word),
-            Tree::Text(name) => {
-                let number = self.names.number(Sort::Place, name).map_err(|why| Fault { at: node.at + 1, why })?;
-                Some(Spot::Place(number as u16))
+            ExpressionTree::Word(word) => spot_named(word),
+            ExpressionTree::Text(name) => {
+                let number = self
+                    .names
+                    .number_of(NameKind::Place, name)
+                    .map_err(|why| ExpressionFault { at: node.at + 1, why })?;
+                Some(SpotName::Place(number as u16))
             }
             _ => None,
         };
         let Some(spot) = spot else {
-            return Fault::new(node.at, "expected `me`, `other`, `place`, `home` or the name of a place in quotes");
+            return ExpressionFault::new(
+                node.at,
+                "expected `me`, `other`, `place`, `home` or the name of a place in quotes",
+            );
         };
-        self.check_there(spot, node.at)?;
+        self.check_available(spot, node.at)?;
         Ok(spot)
     }
 
-    fn call(&mut self, name: &str, operands: &[Node], at: usize) -> Result<Type, Fault> {
+    fn compile_call(&mut self, name: &str, operands: &[ExpressionNode], at: usize) -> Result<Type, ExpressionFault> {
         let Some((_, form)) = CALLS.iter().find(|c| c.0 == name) else {
             let help = did_you_mean(name, CALLS.iter().map(|c| c.0));
-            return Fault::new(at, format!("unknown function `{name}`.{help}"));
+            return ExpressionFault::new(at, format!("unknown function `{name}`.{help}"));
         };
         let count = form.matches(',').count() + 1;
         if operands.len() != count {
-            return Fault::new(at, format!("expected `{form}`, found {} operands", operands.len()));
+            return ExpressionFault::new(at, format!("expected `{form}`, found {} operands", operands.len()));
         }
-        let who = |spot: Spot, node: &Node| match spot {
-            Spot::Me => Ok(Who::Me),
-            Spot::Other => Ok(Who::Other),
-            _ => Fault::new(node.at, "expected `me` or `other`"),
+        let who = |spot: SpotName, node: &ExpressionNode| match spot {
+            SpotName::Me => Ok(Subject::Me),
+            SpotName::Other => Ok(Subject::Other),
+            _ => ExpressionFault::new(node.at, "expected `me` or `other`"),
         };
-        let named_at = |sort: Sort, of: usize| match &operands[of].tree {
-            Tree::Text(name) => {
-                self.names.number(sort, name).map(|n| n as u16).map_err(|why| Fault { at: operands[of].at + 1, why })
-            }
-            _ => Fault::new(operands[of].at, format!("expected {} in quotes", Type::Name(sort).words())),
+        let named_at = |sort: NameKind, of: usize| match &operands[of].tree {
+            ExpressionTree::Text(name) => self
+                .names
+                .number_of(sort, name)
+                .map(|n| n as u16)
+                .map_err(|why| ExpressionFault { at: operands[of].at + 1, why }),
+            _ => ExpressionFault::new(operands[of].at, format!("expected {} in quotes", Type::Name(sort).describe())),
         };
-        let named = |sort: Sort| named_at(sort, 0);
+        let named = |sort: NameKind| named_at(sort, 0);
         let load = match name {
-            "distance" => Load::Distance(self.spot(&operands[0])?, self.spot(&operands[1])?),
+            "distance" => Load::Distance(self.compile_spot(&operands[0])?, self.compile_spot(&operands[1])?),
             "friendship" => {
-                let of = |node: &Node| who(self.spot(node)?, node);
+                let of = |node: &ExpressionNode| who(self.compile_spot(node)?, node);
                 Load::Friendship(of(&operands[0])?, of(&operands[1])?)
             }
             "curiosity" => {
-                let me = who(self.spot(&operands[0])?, &operands[0])?;
-                Load::Curiosity(me, self.spot(&operands[1])?)
+                let me = who(self.compile_spot(&operands[0])?, &operands[0])?;
+                Load::Curiosity(me, self.compile_spot(&operands[1])?)
             }
-            "count" => Load::Count(named(Sort::Group)?),
-            "open" => Load::Open(named(Sort::Door)?),
-            "taken" => Load::Taken(named(Sort::Thing)?),
-            "holds" => Load::Holds(who(self.spot(&operands[0])?, &operands[0])?, named_at(Sort::Thing, 1)?),
-            "free" => Load::Place(Spot::Place(named(Sort::Place)?), PlaceAttribute::Free),
-            "held" => Load::Place(Spot::Place(named(Sort::Place)?), PlaceAttribute::Held),
+            "count" => Load::Count(named(NameKind::Group)?),
+            "open" => Load::Open(named(NameKind::Door)?),
+            "taken" => Load::Taken(named(NameKind::Thing)?),
+            "holds" => Load::Holds(who(self.compile_spot(&operands[0])?, &operands[0])?, named_at(NameKind::Thing, 1)?),
+            "free" => Load::Place(SpotName::Place(named(NameKind::Place)?), PlaceAttribute::Free),
+            "held" => Load::Place(SpotName::Place(named(NameKind::Place)?), PlaceAttribute::Held),
             "size" => {
-                self.expect(&operands[0], Type::Set)?;
+                self.compile_expected(&operands[0], Type::Set)?;
                 self.code.push(Op::Size);
                 return Ok(Type::Number);
             }
-            "if" => return self.choose(operands),
-            _ => return self.numeric(name, operands),
+            "if" => return self.compile_conditional(operands),
+            _ => return self.compile_numeric(name, operands),
         };
-        self.push(Op::Load(load), at)?;
+        self.push_op(Op::Load(load), at)?;
         Ok(if ["open", "taken", "holds"].contains(&name) { Type::Truth } else { Type::Number })
     }
 
-    fn choose(&mut self, operands: &[Node]) -> Result<Type, Fault> {
-        self.expect(&operands[0], Type::Truth)?;
+    fn compile_conditional(&mut self, operands: &[ExpressionNode]) -> Result<Type, ExpressionFault> {
+        self.compile_expected(&operands[0], Type::Truth)?;
         let unless = self.code.len();
         self.code.push(Op::Not);
         self.depth -= 1;
-        let of = self.any(&operands[1])?;
+        let of = self.compile_any(&operands[1])?;
         if let Type::Spot(_) = of {
-            return Fault::new(
+            return ExpressionFault::new(
                 operands[1].at,
                 "expected a value, found somebody or somewhere: ask for something of it, such as `me.x`",
             );
@@ -452,38 +478,38 @@ impl Compiler<'_> {
         self.code.push(Op::Not);
         self.code[unless] = Op::Unless((skip - unless) as u32);
         self.depth -= 1;
-        self.expect(&operands[2], of)?;
+        self.compile_expected(&operands[2], of)?;
         self.code[skip] = Op::Skip((self.code.len() - skip - 1) as u32);
         Ok(of)
     }
 
-    fn numeric(&mut self, name: &str, operands: &[Node]) -> Result<Type, Fault> {
-        self.expect(&operands[0], Type::Number)?;
+    fn compile_numeric(&mut self, name: &str, operands: &[ExpressionNode]) -> Result<Type, ExpressionFault> {
+        self.compile_expected(&operands[0], Type::Number)?;
         match (name, operands) {
             ("abs", _) => self.code.push(Op::Absolute),
             ("sqrt", _) => self.code.push(Op::Root),
             ("floor", _) => self.code.push(Op::Floor),
             (_, [_, least, most]) => {
-                self.expect(most, Type::Number)?;
-                self.join(Op::Least);
-                self.expect(least, Type::Number)?;
-                self.join(Op::Greatest);
+                self.compile_expected(most, Type::Number)?;
+                self.push_binary(Op::Least);
+                self.compile_expected(least, Type::Number)?;
+                self.push_binary(Op::Greatest);
             }
             (_, operands) => {
-                self.expect(&operands[1], Type::Number)?;
-                self.join(if name == "min" { Op::Least } else { Op::Greatest });
+                self.compile_expected(&operands[1], Type::Number)?;
+                self.push_binary(if name == "min" { Op::Least } else { Op::Greatest });
             }
         }
         Ok(Type::Number)
     }
 }
 
-fn spot_named(word: &str) -> Option<Spot> {
+fn spot_named(word: &str) -> Option<SpotName> {
     match word {
-        "me" => Some(Spot::Me),
-        "other" => Some(Spot::Other),
-        "home" => Some(Spot::Home),
-        "place" => Some(Spot::Here),
+        "me" => Some(SpotName::Me),
+        "other" => Some(SpotName::Other),
+        "home" => Some(SpotName::Home),
+        "place" => Some(SpotName::Here),
         _ => None,
     }
 }

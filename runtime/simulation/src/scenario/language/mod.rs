@@ -4,8 +4,10 @@ mod code;
 mod compile;
 mod parse;
 
-pub use code::{Amount, Attribute, EventAttribute, Load, Op, Perception, PlaceAttribute, Program, Spot, Who, run};
-pub use compile::{Names, Sort, Type, Vocabulary, compile};
-pub use parse::parse;
+pub use code::{
+    Amount, Attribute, EventAttribute, Load, Op, Perception, PlaceAttribute, Program, SpotName, Subject, run_program,
+};
+pub use compile::{NameKind, NameList, ScenarioVocabulary, Type, compile_expression};
+pub use parse::parse_expression;
 #[cfg(test)]
-pub use parse::{Node, Tree};
+pub use parse::{ExpressionNode, ExpressionTree};

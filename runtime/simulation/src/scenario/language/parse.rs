@@ -2,14 +2,14 @@
 
 /// Fault of an expression, with its byte in the text.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fault {
+pub struct ExpressionFault {
     /// Byte of the text.
     pub at: usize,
     /// Description of the fault.
     pub why: String,
 }
 
-impl Fault {
+impl ExpressionFault {
     pub(super) fn new<T>(at: usize, why: impl Into<String>) -> Result<T, Self> {
         Err(Self { at, why: why.into() })
     }
@@ -17,16 +17,16 @@ impl Fault {
 
 /// Node of an expression tree.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Node {
+pub struct ExpressionNode {
     /// First byte of its text.
     pub at: usize,
     /// Kind and children of the node.
-    pub tree: Tree,
+    pub tree: ExpressionTree,
 }
 
 /// Kind and children of a node.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Tree {
+pub enum ExpressionTree {
     /// `1.5`, and `true` and `false`.
     Number(f64),
     /// `true` or `false`.
@@ -36,13 +36,13 @@ pub enum Tree {
     /// `time`, `me.fatigue`.
     Word(String),
     /// `{ "a", "b" }`.
-    Set(Vec<Node>),
+    Set(Vec<ExpressionNode>),
     /// `distance(me, other)`.
-    Call(String, Vec<Node>),
+    Call(String, Vec<ExpressionNode>),
     /// `-x`, `not x`.
-    Unary(&'static str, Box<Node>),
+    Unary(&'static str, Box<ExpressionNode>),
     /// `a < b`.
-    Binary(&'static str, Box<Node>, Box<Node>),
+    Binary(&'static str, Box<ExpressionNode>, Box<ExpressionNode>),
 }
 
 /// Deepest nesting of an expression.
@@ -56,14 +56,16 @@ const LEVELS: [&[&str]; 5] = [&["or"], &["and"], &["==", "!=", "<=", ">=", "<", 
 /// Parses an expression.
 ///
 /// # Errors
-/// [`Fault`] at the first byte that does not fit.
-pub fn parse(text: &str) -> Result<Node, Fault> {
+/// [`ExpressionFault`] at the first byte that does not fit.
+pub fn parse_expression(text: &str) -> Result<ExpressionNode, ExpressionFault> {
     let mut parser = Parser { text, at: 0, depth: 0, operators: 0 };
-    let node = parser.level(0)?;
-    parser.skip();
+    let node = parser.parse_level(0)?;
+    parser.skip_blanks();
     match parser.rest() {
         "" => Ok(node),
-        rest => Fault::new(parser.at, format!("expected an operator or the end, found `{}`", first_word(rest))),
+        rest => {
+            ExpressionFault::new(parser.at, format!("expected an operator or the end, found `{}`", first_word(rest)))
+        }
     }
 }
 
@@ -80,13 +82,13 @@ impl<'a> Parser<'a> {
         &self.text[self.at..]
     }
 
-    fn skip(&mut self) {
+    fn skip_blanks(&mut self) {
         self.at = self.text.len() - self.rest().trim_start().len();
     }
 
     /// Consumes a token, if it is the next one; words end where no letter follows.
-    fn take(&mut self, token: &str) -> bool {
-        self.skip();
+    fn take_token(&mut self, token: &str) -> bool {
+        self.skip_blanks();
         let Some(rest) = self.rest().strip_prefix(token) else { return false };
         let is_word = token.starts_with(|c: char| c.is_ascii_alphabetic());
         if is_word && rest.starts_with(is_of_word) {
@@ -96,115 +98,116 @@ impl<'a> Parser<'a> {
         true
     }
 
-    fn level(&mut self, level: usize) -> Result<Node, Fault> {
+    fn parse_level(&mut self, level: usize) -> Result<ExpressionNode, ExpressionFault> {
         self.depth += 1;
         if self.depth > DEPTH * LEVELS.len() {
-            return Fault::new(self.at, format!("expected at most {DEPTH} levels of brackets"));
+            return ExpressionFault::new(self.at, format!("expected at most {DEPTH} levels of brackets"));
         }
         let Some(operators) = LEVELS.get(level) else {
-            let node = self.unary();
+            let node = self.parse_unary();
             self.depth -= 1;
             return node;
         };
-        let mut left = self.level(level + 1)?;
+        let mut left = self.parse_level(level + 1)?;
         let mut compared = false;
-        while let Some(operator) = operators.iter().find(|o| self.take(o)) {
+        while let Some(operator) = operators.iter().find(|o| self.take_token(o)) {
             if level == 2 && std::mem::replace(&mut compared, true) {
                 let why = format!("comparisons do not follow each other: write `a {operator} b and b {operator} c`");
-                return Fault::new(self.at, why);
+                return ExpressionFault::new(self.at, why);
             }
             self.operators += 1;
             if self.operators > OPERATORS {
-                return Fault::new(
+                return ExpressionFault::new(
                     self.at,
                     format!("expected at most {OPERATORS} operators: split it among several rules"),
                 );
             }
-            let right = self.level(level + 1)?;
-            left = Node { at: left.at, tree: Tree::Binary(operator, Box::new(left), Box::new(right)) };
+            let right = self.parse_level(level + 1)?;
+            left =
+                ExpressionNode { at: left.at, tree: ExpressionTree::Binary(operator, Box::new(left), Box::new(right)) };
         }
         self.depth -= 1;
         Ok(left)
     }
 
-    fn unary(&mut self) -> Result<Node, Fault> {
-        self.skip();
+    fn parse_unary(&mut self) -> Result<ExpressionNode, ExpressionFault> {
+        self.skip_blanks();
         let at = self.at;
         for operator in ["not", "-"] {
-            if self.take(operator) {
+            if self.take_token(operator) {
                 // `not` binds looser than comparisons: `not a == b` is `not (a == b)`.
-                let of = self.level(if operator == "not" { 2 } else { LEVELS.len() })?;
-                return Ok(Node { at, tree: Tree::Unary(operator, Box::new(of)) });
+                let of = self.parse_level(if operator == "not" { 2 } else { LEVELS.len() })?;
+                return Ok(ExpressionNode { at, tree: ExpressionTree::Unary(operator, Box::new(of)) });
             }
         }
-        self.atom(at)
+        self.parse_atom(at)
     }
 
-    fn atom(&mut self, at: usize) -> Result<Node, Fault> {
+    fn parse_atom(&mut self, at: usize) -> Result<ExpressionNode, ExpressionFault> {
         let rest = self.rest();
         let tree = match rest.chars().next() {
-            None => return Fault::new(at, "expected a value, found the end"),
+            None => return ExpressionFault::new(at, "expected a value, found the end"),
             Some('(') => {
                 self.at += 1;
-                let inner = self.level(0)?;
-                self.close(")")?;
+                let inner = self.parse_level(0)?;
+                self.expect_closing(")")?;
                 return Ok(inner);
             }
             Some('{') => {
                 self.at += 1;
-                Tree::Set(self.list("}")?)
+                ExpressionTree::Set(self.parse_list("}")?)
             }
             Some(quote @ ('"' | '\'')) => {
                 let Some(end) = rest[1..].find(quote) else {
-                    return Fault::new(at, format!("expected a closing {quote}, found the end"));
+                    return ExpressionFault::new(at, format!("expected a closing {quote}, found the end"));
                 };
                 self.at += end + 2;
-                Tree::Text(rest[1..=end].into())
+                ExpressionTree::Text(rest[1..=end].into())
             }
             Some(c) if c.is_ascii_digit() || c == '.' => {
                 let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
                 self.at += end;
                 match rest[..end].parse() {
-                    Ok(number) => Tree::Number(number),
-                    Err(_) => return Fault::new(at, format!("expected a number, found `{}`", &rest[..end])),
+                    Ok(number) => ExpressionTree::Number(number),
+                    Err(_) => return ExpressionFault::new(at, format!("expected a number, found `{}`", &rest[..end])),
                 }
             }
             Some(c) if c.is_ascii_alphabetic() => {
                 let end = rest.find(|c| !is_of_word(c)).unwrap_or(rest.len());
                 self.at += end;
                 match &rest[..end] {
-                    "true" => Tree::Truth(true),
-                    "false" => Tree::Truth(false),
-                    word if self.take("(") => Tree::Call(word.into(), self.list(")")?),
-                    word => Tree::Word(word.into()),
+                    "true" => ExpressionTree::Truth(true),
+                    "false" => ExpressionTree::Truth(false),
+                    word if self.take_token("(") => ExpressionTree::Call(word.into(), self.parse_list(")")?),
+                    word => ExpressionTree::Word(word.into()),
                 }
             }
-            Some(c) => return Fault::new(at, format!("expected a value, found `{c}`")),
+            Some(c) => return ExpressionFault::new(at, format!("expected a value, found `{c}`")),
         };
-        Ok(Node { at, tree })
+        Ok(ExpressionNode { at, tree })
     }
 
     /// Parses expressions between commas, up to a closing bracket.
-    fn list(&mut self, end: &str) -> Result<Vec<Node>, Fault> {
+    fn parse_list(&mut self, end: &str) -> Result<Vec<ExpressionNode>, ExpressionFault> {
         let mut out = Vec::new();
-        if self.take(end) {
+        if self.take_token(end) {
             return Ok(out);
         }
         loop {
-            out.push(self.level(0)?);
-            if !self.take(",") {
-                self.close(end)?;
+            out.push(self.parse_level(0)?);
+            if !self.take_token(",") {
+                self.expect_closing(end)?;
                 return Ok(out);
             }
         }
     }
 
-    fn close(&mut self, end: &str) -> Result<(), Fault> {
-        if self.take(end) {
+    fn expect_closing(&mut self, end: &str) -> Result<(), ExpressionFault> {
+        if self.take_token(end) {
             return Ok(());
         }
         let found = if self.rest().is_empty() { "the end".into() } else { format!("`{}`", first_word(self.rest())) };
-        Fault::new(self.at, format!("expected `{end}`, found {found}"))
+        ExpressionFault::new(self.at, format!("expected `{end}`, found {found}"))
     }
 }
 

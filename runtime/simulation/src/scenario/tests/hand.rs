@@ -2,8 +2,8 @@
 
 use super::super::TurnKind;
 use super::super::tables::NONE;
-use super::{Minds, Primitives, Scenario, Signal, explained, played, refused};
-use crate::scene::{Carried, Scene, ThingConfig};
+use super::{ActionRegistry, AgentBrains, Scenario, Signal, explained, played, refused};
+use crate::scene::{CarryStyle, Scene, ThingConfig};
 use glam::Vec3;
 use std::path::Path;
 
@@ -20,9 +20,9 @@ fn two_tell_a_third_who_learns_it_from_the_first_it_meets() {
     assert_eq!(known(0), Some(("happens".into(), None, 1.0)));
     assert_eq!(known(2), Some(("told".into(), Some(1), 2.0)), "at 0.5 s nobody knew, at 3 s it was no news");
     assert_eq!(known(3), Some(("told".into(), Some(2), 4.0)));
-    let tree = minds.message("fire").unwrap();
+    let tree = minds.event_learners("fire").unwrap();
     assert_eq!(tree.iter().map(|(agent, _)| *agent).collect::<Vec<_>>(), [0, 1, 2, 3]);
-    assert!(minds.message("flood").unwrap_err().to_string().contains("fire"));
+    assert!(minds.event_learners("flood").unwrap_err().to_string().contains("fire"));
 }
 
 #[test]
@@ -129,7 +129,7 @@ fn those_in_a_queue_move_up_and_nobody_holds_two_slots() {
     let at = |until: f64| {
         let (minds, _) = played(8, story, &[], until);
         assert_eq!(minds.num_holding_twice(), 0);
-        let mut states = minds.in_states();
+        let mut states = minds.num_in_states();
         states.sort();
         (states, minds.holders.iter().filter(|h| **h != super::super::tables::NONE).count())
     };
@@ -165,7 +165,7 @@ fn boards_say_who_wrote_what_and_until_when() {
     assert_eq!((posts.len(), posts[1].since_s, posts[1].until_s), (2, 0.0, 10.0));
     let (minds, _) = played(3, story, &[(7.0, Signal::Crossed(0))], 8.0);
     assert_eq!(minds.posts().map(|p| p.event).collect::<Vec<_>>(), [0], "the bell is taken down");
-    assert_eq!(minds.board_levels(), Some((4.0, 4)));
+    assert_eq!(minds.blackboard_levels(), Some((4.0, 4)));
 }
 
 #[test]
@@ -190,14 +190,14 @@ fn those_who_watch_are_told_of_every_turn_in_its_order() {
             (1.0, 1, takes),
         ]
     );
-    assert_eq!((minds.rule(0), minds.name_of(minds.turns()[2].on)), ("hear", "bell".into()));
+    assert_eq!((minds.rule_name(0), minds.trigger_name(minds.turns()[2].on)), ("hear", "bell".into()));
     let now = |agent: usize| minds.states_of(agent).map(|s| s.map(|s| (s.graph, s.state)));
     assert_eq!(now(0), [Some(("life", "up")), Some(("below", "x")), None]);
     assert_eq!(now(1), [Some(("life", "down")), None, None]);
-    let learnt = minds.learnt(1, 0).expect("it knows");
-    assert_eq!((learnt.from(), learnt.how(), learnt.time_s), (None, "happens", 1.0));
+    let learnt = minds.learnt_event(1, 0).expect("it knows");
+    assert_eq!((learnt.source_agent(), learnt.mode_name(), learnt.time_s), (None, "happens", 1.0));
     minds.clear_turns();
-    assert!(minds.turns().is_empty() && minds.learnt(0, 0).is_none());
+    assert!(minds.turns().is_empty() && minds.learnt_event(0, 0).is_none());
 }
 
 /// Two levels; a bell leads down, where there is nothing below.
@@ -225,7 +225,7 @@ fn a_circle_within_one_instant_is_told_with_its_rule() {
     let story = "[values.a]\n[[rules]]\nname = \"up\"\non = \"a > 0.5\"\ndo = [{ set = \"a\", to = 0.0 }]\n\
         [[rules]]\nname = \"down\"\non = \"a < 0.2\"\ndo = [{ set = \"a\", to = 1.0 }]\n[[rules]]\non = \"starts\"\ndo = [{ set = \"a\", to = 1.0 }]\n";
     let mut minds = super::minds(&super::scene(1, story));
-    let e = minds.begin(&mut super::Paper::new(1), &[1.3]).unwrap_err().to_string();
+    let e = minds.begin_scene(&mut super::Paper::new(1), &[1.3]).unwrap_err().to_string();
     assert!(e.contains("circle") && (e.contains("\"up\"") || e.contains("\"down\"")), "{e}");
 }
 
@@ -246,7 +246,7 @@ fn conditions_that_follow_each_other_in_a_circle_are_told() {
         event("e", "time > 9", ""),
     ];
     let mut minds = super::minds(&super::scene(1, &story.concat()));
-    let e = minds.begin(&mut super::Paper::new(1), &[1.3]).unwrap_err().to_string();
+    let e = minds.begin_scene(&mut super::Paper::new(1), &[1.3]).unwrap_err().to_string();
     assert!(e.contains("circle") && e.contains("`a`, `b`, `c`, `d`:"), "{e}");
 }
 
@@ -255,7 +255,7 @@ fn who_queues_at_slots_that_are_no_queue_goes_on() {
     let story = "[[places]]\nname = \"stalls\"\nat = [50.0, 0.0]\nslots = [{ at = [50.0, 1.0] }, { at = [50.0, 2.0] }]\n\
                  [[rules]]\non = \"enters\"\ndo = [{ queue = \"place\" }, { speed = 0.5 }]\n";
     let (minds, stage) = played(2, story, &[(1.0, Signal::CameTo(0, 0)), (1.0, Signal::CameTo(1, 0))], 4.0);
-    assert_eq!([0, 1].map(|m| minds.minds[m].speed), [0.5, 0.5], "{:?}", stage.log);
+    assert_eq!([0, 1].map(|m| minds.brains[m].speed), [0.5, 0.5], "{:?}", stage.log);
 }
 
 #[test]
@@ -263,7 +263,7 @@ fn what_has_no_event_is_in_no_set() {
     let story = "[[events]]\nname = \"bell\"\nat_s = 1.0\n[[rules]]\non = \"starts\"\ndo = [{ timer = 2 }]\n\
                  [[rules]]\non = \"timer\"\nwhen = \"event in me.news\"\ndo = [{ speed = 0.5 }]\n\
                  [[rules]]\non = \"bell\"\nwhen = \"event in me.news\"\ndo = [{ speed = 0.9 }]\n";
-    assert_eq!(played(1, story, &[], 4.0).0.minds[0].speed, 0.9);
+    assert_eq!(played(1, story, &[], 4.0).0.brains[0].speed, 0.9);
 }
 
 #[test]
@@ -407,9 +407,9 @@ fn as_much_as_has_a_number_is_taken_and_no_more() {
     let mut scene = super::scene(1, &format!("{graph}[[events]]\nname = \"bell\"\n"));
     assert_eq!(super::minds(&scene).scenario.edges.len(), num);
     let thing =
-        |k: usize| ThingConfig { name: format!("t{k}"), at: [0.0; 3], size_m: [0.1; 3], carried: Carried::Level };
+        |k: usize| ThingConfig { name: format!("t{k}"), at: [0.0; 3], size_m: [0.1; 3], carried: CarryStyle::Level };
     scene.things = (0..65_536).map(thing).collect();
-    let e = Scenario::new(&scene, &Primitives::default()).unwrap_err().to_string();
+    let e = Scenario::new(&scene, &ActionRegistry::default()).unwrap_err().to_string();
     assert!(e.contains("expected at most 65535 things, found 65536"), "{e}");
 }
 
@@ -425,7 +425,7 @@ fn who_queues_where_there_are_no_slots_goes_on() {
     let story = "[[places]]\nname = \"door\"\nat = [50.0, 0.0]\n[[rules]]\non = \"enters\"\n\
                  do = [{ queue = \"place\" }, { speed = 0.5 }]\n";
     let (minds, stage) = played(1, story, &[(1.0, Signal::CameTo(0, 0))], 4.0);
-    assert_eq!(minds.minds[0].speed, 0.5, "{:?}", stage.log);
+    assert_eq!(minds.brains[0].speed, 0.5, "{:?}", stage.log);
 }
 
 #[test]
@@ -445,7 +445,7 @@ fn minds_that_cannot_be_are_refused() {
     let story =
         "[[events]]\nname = \"bell\"\nperiod_s = 4.0\n[[rules]]\non = \"starts\"\ndo = [{ timer = 9 }, { stay = 9 }]\n";
     let (minds, _) = played(2, story, &[], 2.0);
-    let is_refused = |change: fn(&mut Minds)| {
+    let is_refused = |change: fn(&mut AgentBrains)| {
         let (mut forged, mut bytes) = (minds.clone(), Vec::new());
         change(&mut forged);
         forged.save(&mut bytes);
@@ -454,12 +454,12 @@ fn minds_that_cannot_be_are_refused() {
     assert!(!is_refused(|_| ()));
     for (n, change) in [
         // Whoever does nothing, or is at an effect, has no time at which it is over.
-        |m: &mut Minds| m.minds[0].action = NONE,
-        |m: &mut Minds| m.minds[0].action -= 1,
-        |m: &mut Minds| (m.minds[0].action, m.minds[0].until) = (NONE, f64::INFINITY),
-        |m: &mut Minds| m.enters[0] = 3.0,
-        |m: &mut Minds| m.times[0] = u32::MAX,
-        |m: &mut Minds| m.due[0] = 1.9,
+        |m: &mut AgentBrains| m.brains[0].action = NONE,
+        |m: &mut AgentBrains| m.brains[0].action -= 1,
+        |m: &mut AgentBrains| (m.brains[0].action, m.brains[0].until) = (NONE, f64::INFINITY),
+        |m: &mut AgentBrains| m.enters[0] = 3.0,
+        |m: &mut AgentBrains| m.times[0] = u32::MAX,
+        |m: &mut AgentBrains| m.due[0] = 1.9,
     ]
     .into_iter()
     .enumerate()
@@ -470,5 +470,5 @@ fn minds_that_cannot_be_are_refused() {
 
 #[test]
 fn a_mind_is_small() {
-    assert!(size_of::<super::super::Mind>() <= 208, "{}", size_of::<super::super::Mind>());
+    assert!(size_of::<super::super::AgentBrain>() <= 208, "{}", size_of::<super::super::AgentBrain>());
 }

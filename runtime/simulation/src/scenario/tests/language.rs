@@ -1,7 +1,8 @@
 //! Flat code against a walk over the tree.
 
 use super::super::language::{
-    Attribute, Load, Names, Node, Perception, Spot, Tree, Type, Vocabulary, Who, compile, parse, run,
+    Attribute, ExpressionNode, ExpressionTree, Load, NameList, Perception, ScenarioVocabulary, SpotName, Subject, Type,
+    compile_expression, parse_expression, run_program,
 };
 use proptest::prelude::*;
 
@@ -11,75 +12,75 @@ struct World {
 }
 
 impl Perception for World {
-    fn load(&mut self, what: Load) -> f64 {
+    fn load_value(&mut self, what: Load) -> f64 {
         match what {
             Load::Time => 12.5,
             Load::Random => {
                 self.draws += 1.0;
                 self.draws * 0.125 % 1.0
             }
-            Load::Of(Who::Me, Attribute::Value(v)) => f64::from(v) + 0.25,
+            Load::Of(Subject::Me, Attribute::Value(v)) => f64::from(v) + 0.25,
             Load::Of(_, Attribute::Value(v)) => 1.5 - f64::from(v),
             Load::Of(_, Attribute::Group) => 1.0,
             Load::Of(_, Attribute::News) => f64::from_bits(0b101),
-            Load::Distance(_, Spot::Place(p)) => 3.0 + f64::from(p),
+            Load::Distance(_, SpotName::Place(p)) => 3.0 + f64::from(p),
             Load::Count(g) => 7.0 + f64::from(g),
             _ => 2.0,
         }
     }
 }
 
-fn names() -> Vocabulary {
-    let list = |all: &[&str]| Names(all.iter().map(|n| (*n).to_string()).collect());
-    Vocabulary {
+fn names() -> ScenarioVocabulary {
+    let list = |all: &[&str]| NameList(all.iter().map(|n| (*n).to_string()).collect());
+    ScenarioVocabulary {
         groups: list(&["red", "blue"]),
         places: list(&["well", "gate"]),
         events: list(&["fire", "sale", "bell"]),
         values: list(&["anger", "joy"]),
         has_other: true,
-        ..Vocabulary::default()
+        ..ScenarioVocabulary::default()
     }
 }
 
 /// What a tree is worth, by the plain meaning of its words.
-fn walk(node: &Node, world: &mut World) -> f64 {
+fn walk(node: &ExpressionNode, world: &mut World) -> f64 {
     let truth = |is: bool| f64::from(u8::from(is));
     match &node.tree {
-        Tree::Number(n) => *n,
-        Tree::Truth(t) => truth(*t),
-        Tree::Word(word) => match word.as_str() {
+        ExpressionTree::Number(n) => *n,
+        ExpressionTree::Truth(t) => truth(*t),
+        ExpressionTree::Word(word) => match word.as_str() {
             "time" => 12.5,
-            "random" => world.load(Load::Random),
+            "random" => world.load_value(Load::Random),
             "me.anger" => 0.25,
             "me.joy" => 1.25,
             "other.anger" => 1.5,
             "other.joy" => 0.5,
             other => panic!("{other}"),
         },
-        Tree::Unary("-", a) => -walk(a, world),
-        Tree::Unary(_, a) => truth(walk(a, world) == 0.0),
-        Tree::Binary("and", a, b) => {
+        ExpressionTree::Unary("-", a) => -walk(a, world),
+        ExpressionTree::Unary(_, a) => truth(walk(a, world) == 0.0),
+        ExpressionTree::Binary("and", a, b) => {
             let a = walk(a, world);
             if a == 0.0 { 0.0 } else { walk(b, world) }
         }
-        Tree::Binary("or", a, b) => {
+        ExpressionTree::Binary("or", a, b) => {
             let a = walk(a, world);
             if a == 0.0 { walk(b, world) } else { a }
         }
-        Tree::Binary("in", a, b) => match (&a.tree, &b.tree) {
-            (Tree::Word(_), Tree::Set(all)) => {
-                truth(all.iter().any(|n| matches!(&n.tree, Tree::Text(t) if t == "blue")))
+        ExpressionTree::Binary("in", a, b) => match (&a.tree, &b.tree) {
+            (ExpressionTree::Word(_), ExpressionTree::Set(all)) => {
+                truth(all.iter().any(|n| matches!(&n.tree, ExpressionTree::Text(t) if t == "blue")))
             }
-            (Tree::Text(name), _) => truth(name == "fire" || name == "bell"),
+            (ExpressionTree::Text(name), _) => truth(name == "fire" || name == "bell"),
             _ => panic!(),
         },
         // The side that is compared to the right is worked out first where the sign points left.
-        Tree::Binary(op @ (">" | ">="), a, b) => {
+        ExpressionTree::Binary(op @ (">" | ">="), a, b) => {
             let b = walk(b, world);
             let a = walk(a, world);
             truth(if *op == ">" { a > b } else { a >= b })
         }
-        Tree::Binary(op, a, b) => {
+        ExpressionTree::Binary(op, a, b) => {
             let (a, b) = (walk(a, world), walk(b, world));
             match *op {
                 "+" => a + b,
@@ -98,7 +99,7 @@ fn walk(node: &Node, world: &mut World) -> f64 {
                 _ => truth(a != b),
             }
         }
-        Tree::Call(name, of) => match name.as_str() {
+        ExpressionTree::Call(name, of) => match name.as_str() {
             "distance" => 4.0,
             "count" => 8.0,
             "if" => {
@@ -177,29 +178,29 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
     #[test]
     fn flat_code_is_worth_what_its_tree_is(text in predicate()) {
-        let tree = parse(&text).unwrap();
+        let tree = parse_expression(&text).unwrap();
         let mut code = Vec::new();
-        let Ok(program) = compile(&tree, Type::Truth, &names(), &mut code) else {
+        let Ok(program) = compile_expression(&tree, Type::Truth, &names(), &mut code) else {
             // Only what is too deep for the stack is refused.
             prop_assert!(text.len() > 200, "{}", text);
             return Ok(());
         };
         let (mut a, mut b) = (World { draws: 0.0 }, World { draws: 0.0 });
-        prop_assert_eq!(run(&code, program, &mut a), walk(&tree, &mut b), "{}", text);
+        prop_assert_eq!(run_program(&code, program, &mut a), walk(&tree, &mut b), "{}", text);
         prop_assert_eq!(a.draws, b.draws, "as many numbers by chance: {}", text);
     }
 
     #[test]
     fn no_text_panics(text in "\\PC{0,60}") {
-        if let Ok(tree) = parse(&text) {
-            _ = compile(&tree, Type::Truth, &names(), &mut Vec::new());
+        if let Ok(tree) = parse_expression(&text) {
+            _ = compile_expression(&tree, Type::Truth, &names(), &mut Vec::new());
         }
     }
 
     #[test]
     fn no_text_of_words_panics(words in prop::collection::vec(prop::sample::select(vec!["me", ".", "(", ")", "{", "}", ",", "and", "or", "not", "<", "==", "in", "'red'", "1", "random", "distance", "if", "me.group", "me.news", "-", "other"]), 0..24)) {
-        if let Ok(tree) = parse(&words.join(" ")) {
-            _ = compile(&tree, Type::Truth, &names(), &mut Vec::new());
+        if let Ok(tree) = parse_expression(&words.join(" ")) {
+            _ = compile_expression(&tree, Type::Truth, &names(), &mut Vec::new());
         }
     }
 }
@@ -207,20 +208,22 @@ proptest! {
 #[test]
 fn deep_brackets_are_refused_and_do_not_overflow() {
     let text = format!("{}1{}", "(".repeat(100_000), ")".repeat(100_000));
-    assert!(parse(&text).unwrap_err().why.contains("levels"));
+    assert!(parse_expression(&text).unwrap_err().why.contains("levels"));
     let text = format!("{}true", "not ".repeat(100_000));
-    assert!(parse(&text).is_err());
+    assert!(parse_expression(&text).is_err());
 }
 
 #[test]
 fn places_are_no_values_to_choose_among() {
-    let fault = compile(&parse("if(true, me, me)").unwrap(), Type::Truth, &names(), &mut Vec::new()).unwrap_err();
+    let fault =
+        compile_expression(&parse_expression("if(true, me, me)").unwrap(), Type::Truth, &names(), &mut Vec::new())
+            .unwrap_err();
     assert!(fault.why.contains("expected a value, found somebody or somewhere"), "{}", fault.why);
 }
 
 #[test]
 fn long_expressions_are_refused_and_do_not_overflow() {
     let text = |operators: usize| format!("1{} > 0", "+1".repeat(operators - 1));
-    assert!(compile(&parse(&text(500)).unwrap(), Type::Truth, &names(), &mut Vec::new()).is_ok());
-    assert!(parse(&text(200_000)).unwrap_err().why.contains("at most 500 operators"));
+    assert!(compile_expression(&parse_expression(&text(500)).unwrap(), Type::Truth, &names(), &mut Vec::new()).is_ok());
+    assert!(parse_expression(&text(200_000)).unwrap_err().why.contains("at most 500 operators"));
 }

@@ -6,9 +6,9 @@ mod plain;
 mod random;
 mod things;
 
-use super::minds::{Minds, Signal};
-use super::stage::{Handling, NoStance, Stage};
-use super::verbs::Primitives;
+use super::action_registry::ActionRegistry;
+use super::agent_brains::{AgentBrains, Signal};
+use super::stage::{Handling, ScenarioStage, StanceError};
 use super::{Explanation, Scenario};
 use crate::scene::Scene;
 use glam::Vec3;
@@ -55,19 +55,19 @@ impl Paper {
     }
 }
 
-impl Stage for Paper {
+impl ScenarioStage for Paper {
     fn position(&self, agent: u32) -> Option<Vec3> {
         self.at[agent as usize].map(|(at, velocity)| at + velocity * self.now as f32)
     }
     fn velocity(&self, agent: u32) -> Vec3 {
         self.at[agent as usize].map_or(Vec3::ZERO, |a| a.1)
     }
-    fn go(&mut self, agent: u32, at: Vec3, arrival_m: f32, leaves: bool) -> Result<bool> {
+    fn order_walk(&mut self, agent: u32, at: Vec3, arrival_m: f32, leaves: bool) -> Result<bool> {
         self.note(agent, format!("go {:.3} {:.3} {arrival_m:.2} {leaves}", at.x, at.z));
         self.arrivals[agent as usize] = self.now + WAY_S;
         Ok(true)
     }
-    fn follow(&mut self, agent: u32, points: &[Vec3], again: bool) -> Result<bool> {
+    fn order_route(&mut self, agent: u32, points: &[Vec3], again: bool) -> Result<bool> {
         self.note(agent, format!("follow {} {again}", points.len()));
         self.arrivals[agent as usize] = if again { f64::INFINITY } else { self.now + WAY_S };
         Ok(true)
@@ -76,12 +76,12 @@ impl Stage for Paper {
         self.note(agent, format!("happening {happening}"));
         Ok(())
     }
-    fn resume(&mut self, agent: u32) -> Result<()> {
+    fn resume_route(&mut self, agent: u32) -> Result<()> {
         self.note(agent, "resume".into());
         self.arrivals[agent as usize] = f64::INFINITY;
         Ok(())
     }
-    fn halt(&mut self, agent: u32) -> Result<()> {
+    fn order_halt(&mut self, agent: u32) -> Result<()> {
         self.note(agent, "halt".into());
         self.arrivals[agent as usize] = f64::INFINITY;
         Ok(())
@@ -90,24 +90,30 @@ impl Stage for Paper {
         self.note(agent, format!("speed {speed_mps:.3}"));
         Ok(())
     }
-    fn show(&mut self, agent: u32, motion: Option<u16>, _: Option<Vec3>) {
+    fn show_activity(&mut self, agent: u32, motion: Option<u16>, _: Option<Vec3>) {
         self.note(agent, format!("show {}", motion.is_some()));
     }
-    fn thing_at(&self, thing: u16) -> Vec3 {
+    fn thing_position(&self, thing: u16) -> Vec3 {
         Vec3::new(f32::from(thing), 1.0, 9.0)
     }
     fn has_in_hand(&self, agent: u32, thing: u16) -> bool {
         self.in_hand.contains(&(agent, thing))
     }
-    fn stance(&self, _: u32, _: Option<u16>, handling: Handling, _: u32) -> std::result::Result<(Vec3, f32), NoStance> {
+    fn stance(
+        &self,
+        _: u32,
+        _: Option<u16>,
+        handling: Handling,
+        _: u32,
+    ) -> std::result::Result<(Vec3, f32), StanceError> {
         Ok((handling.at.with_y(0.0), 0.15))
     }
-    fn missed(&mut self) {}
-    fn handle(&mut self, agent: u32, _: Option<u16>, handling: Handling) {
+    fn count_miss(&mut self) {}
+    fn begin_handling(&mut self, agent: u32, _: Option<u16>, handling: Handling) {
         self.note(agent, format!("{} {}", if handling.puts { "puts" } else { "takes" }, handling.thing));
         self.handled.push((agent, handling));
     }
-    fn settle(&mut self, agent: u32, thing: u16, is_done: bool) -> bool {
+    fn end_handling(&mut self, agent: u32, thing: u16, is_done: bool) -> bool {
         let begun = self.handled.iter().position(|(a, h)| (*a, h.thing) == (agent, thing));
         if let Some((_, handling)) = begun.map(|i| self.handled.remove(i)).filter(|_| is_done) {
             self.in_hand.retain(|h| *h != (agent, thing));
@@ -115,31 +121,31 @@ impl Stage for Paper {
         }
         self.has_in_hand(agent, thing)
     }
-    fn is_over(&self, _: u32, _: u16) -> bool {
+    fn is_handling_over(&self, _: u32, _: u16) -> bool {
         false
     }
-    fn let_go(&mut self, thing: u16) {
+    fn drop_thing(&mut self, thing: u16) {
         self.in_hand.retain(|h| h.1 != thing);
     }
-    fn set_open(&mut self, door: u16, open: bool) -> Result<bool> {
+    fn set_door_open(&mut self, door: u16, open: bool) -> Result<bool> {
         self.note(u32::from(door), format!("door {open}"));
         Ok(true)
     }
-    fn enter(&mut self, agent: u32) -> Result<bool> {
+    fn enter_agent(&mut self, agent: u32) -> Result<bool> {
         self.at[agent as usize] = Some((Vec3::ZERO, Vec3::ZERO));
         Ok(true)
     }
-    fn sense(&mut self, _: u32, _: u32, _: u32) -> Result<()> {
+    fn set_senses(&mut self, _: u32, _: u32, _: u32) -> Result<()> {
         Ok(())
     }
     fn set_timer(&mut self, agent: u32, time_s: Option<f64>) -> Result<()> {
         self.timers[agent as usize] = time_s.unwrap_or(f64::INFINITY);
         Ok(())
     }
-    fn attract(&mut self, _: u32, _: usize, _: Option<(Vec3, f32, f32)>) -> Result<()> {
+    fn set_interest(&mut self, _: u32, _: usize, _: Option<(Vec3, f32, f32)>) -> Result<()> {
         Ok(())
     }
-    fn within(&self, at: Vec3, radius_m: f32, out: &mut Vec<u32>) {
+    fn agents_within(&self, at: Vec3, radius_m: f32, out: &mut Vec<u32>) {
         let near = |m: &u32| self.position(*m).is_some_and(|p| p.distance(at) <= radius_m);
         out.extend((0..self.at.len() as u32).filter(near));
     }
@@ -153,19 +159,19 @@ pub(super) trait Lives {
     fn signal(&mut self, stage: &mut Paper, now: f64, signal: Signal);
 }
 
-impl Lives for Minds {
+impl Lives for AgentBrains {
     fn begin(&mut self, stage: &mut Paper) {
         let speeds = vec![1.3; stage.at.len()];
-        Minds::begin(self, stage, &speeds).expect("it begins");
+        AgentBrains::begin_scene(self, stage, &speeds).expect("it begins");
     }
     fn next_external_s(&self) -> f64 {
-        Minds::next_external_s(self)
+        AgentBrains::next_external_s(self)
     }
     fn external(&mut self, stage: &mut Paper, now: f64) {
-        Minds::external(self, stage, now).expect("it goes on");
+        AgentBrains::run_external_events(self, stage, now).expect("it goes on");
     }
     fn signal(&mut self, stage: &mut Paper, now: f64, signal: Signal) {
-        Minds::signal(self, stage, now, signal).expect("it goes on");
+        AgentBrains::handle_signal(self, stage, now, signal).expect("it goes on");
     }
 }
 
@@ -213,14 +219,14 @@ pub(super) fn scene(num: usize, more: &str) -> Scene {
     Scene::parse(&text, Path::new("scene.toml")).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
-pub(super) fn minds(scene: &Scene) -> Minds {
-    let scenario = Scenario::new(scene, &Primitives::default()).unwrap_or_else(|e| panic!("{e}")).expect("a story");
+pub(super) fn minds(scene: &Scene) -> AgentBrains {
+    let scenario = Scenario::new(scene, &ActionRegistry::default()).unwrap_or_else(|e| panic!("{e}")).expect("a story");
     let doors: Vec<bool> = scene.environment.doors.iter().map(|d| d.open).collect();
-    Minds::new(Arc::new(scenario), scene.seed, &doors)
+    AgentBrains::new(Arc::new(scenario), scene.seed, &doors)
 }
 
 /// A scene that has run on paper.
-pub(super) fn played(num: usize, more: &str, script: &[(f64, Signal)], until_s: f64) -> (Minds, Paper) {
+pub(super) fn played(num: usize, more: &str, script: &[(f64, Signal)], until_s: f64) -> (AgentBrains, Paper) {
     let mut minds = minds(&scene(num, more));
     let mut stage = Paper::new(num);
     Lives::begin(&mut minds, &mut stage);
@@ -228,7 +234,7 @@ pub(super) fn played(num: usize, more: &str, script: &[(f64, Signal)], until_s: 
     (minds, stage)
 }
 
-pub(super) fn explained(minds: &Minds, agent: usize) -> Explanation {
+pub(super) fn explained(minds: &AgentBrains, agent: usize) -> Explanation {
     minds.explain(agent, 0.0)
 }
 
@@ -239,7 +245,7 @@ pub(super) fn refused(more: &str) -> String {
     let text = format!("{more}\n{groups}");
     match Scene::parse(&text, Path::new("scene.toml")) {
         Err(e) => e.to_string(),
-        Ok(scene) => match Scenario::new(&scene, &Primitives::default()) {
+        Ok(scene) => match Scenario::new(&scene, &ActionRegistry::default()) {
             Err(e) => e.to_string(),
             Ok(_) => panic!("it is accepted:\n{more}"),
         },

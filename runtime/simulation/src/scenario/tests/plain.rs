@@ -1,12 +1,12 @@
 //! A slow reading of what a scene says, straight from the words of the file and of the papers: lists that are searched, names that
 //! are compared, trees that are walked. It lives the same lives as the compiled tables.
 
-use super::super::language::{Node, Tree, parse};
-use super::super::perceive::hashed;
-use super::super::verbs::{Deed, Primitives, Said, Sight, Walk};
+use super::super::action_registry::{ActionArguments, ActionCommand, ActionRegistry, PrimitiveInput, WalkCommand};
+use super::super::language::{ExpressionNode, ExpressionTree, parse_expression};
+use super::super::perceive::hashed_chance;
 use super::random::script;
-use super::{Lives, Paper, Signal, Stage, minds, play, scene};
-use crate::scene::{ActionConfig, DoConfig, Scene, StateConfig, WordConfig};
+use super::{Lives, Paper, ScenarioStage, Signal, minds, play, scene};
+use crate::scene::{ActionConfig, Scene, StateConfig, StoryBehaviour, WordConfig};
 use glam::Vec3;
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -83,7 +83,7 @@ impl Plain {
 
     fn chance(&mut self, a: u32) -> f64 {
         self.people[a as usize].draws += 1;
-        hashed(self.scene.seed, a, self.people[a as usize].draws)
+        hashed_chance(self.scene.seed, a, self.people[a as usize].draws)
     }
 
     fn touch(&mut self, a: u32) {
@@ -182,7 +182,8 @@ impl Plain {
 
     fn friendship(&self, a: u32, b: u32) -> f32 {
         let of_all = self.scene.relations.iter().enumerate().rev().find_map(|(n, r)| {
-            let knows = r.share >= 1.0 || hashed(self.scene.seed ^ n as u64, a.min(b), a.max(b)) < f64::from(r.share);
+            let knows =
+                r.share >= 1.0 || hashed_chance(self.scene.seed ^ n as u64, a.min(b), a.max(b)) < f64::from(r.share);
             r.friendship.filter(|_| knows)
         });
         let bond = self.people[a as usize].bonds.iter().find(|b2| b2.0 == b).map_or(0.0, |b| b.1);
@@ -190,12 +191,12 @@ impl Plain {
     }
 
     /// What an expression is worth: a number, or a truth as 0 or 1.
-    fn worth(&mut self, node: &Node, a: u32, about: &About) -> f64 {
+    fn worth(&mut self, node: &ExpressionNode, a: u32, about: &About) -> f64 {
         let truth = |is: bool| f64::from(u8::from(is));
         match &node.tree {
-            Tree::Number(n) => *n,
-            Tree::Truth(t) => truth(*t),
-            Tree::Word(word) => match word.as_str() {
+            ExpressionTree::Number(n) => *n,
+            ExpressionTree::Truth(t) => truth(*t),
+            ExpressionTree::Word(word) => match word.as_str() {
                 "random" => self.chance(a),
                 "time" => self.now,
                 "other.busy" => truth(about.other.is_some_and(|o| self.people[o as usize].busy.is_some())),
@@ -203,15 +204,19 @@ impl Plain {
                 "me.number" => f64::from(a),
                 word => f64::from(self.value(a, word.trim_start_matches("me."))),
             },
-            Tree::Unary("-", x) => -self.worth(x, a, about),
-            Tree::Unary(_, x) => truth(self.worth(x, a, about) == 0.0),
-            Tree::Binary("and", x, y) => truth(self.worth(x, a, about) != 0.0 && self.worth(y, a, about) != 0.0),
-            Tree::Binary("or", x, y) => truth(self.worth(x, a, about) != 0.0 || self.worth(y, a, about) != 0.0),
-            Tree::Binary("in", x, _) => {
-                let Tree::Text(name) = &x.tree else { panic!("{x:?}") };
+            ExpressionTree::Unary("-", x) => -self.worth(x, a, about),
+            ExpressionTree::Unary(_, x) => truth(self.worth(x, a, about) == 0.0),
+            ExpressionTree::Binary("and", x, y) => {
+                truth(self.worth(x, a, about) != 0.0 && self.worth(y, a, about) != 0.0)
+            }
+            ExpressionTree::Binary("or", x, y) => {
+                truth(self.worth(x, a, about) != 0.0 || self.worth(y, a, about) != 0.0)
+            }
+            ExpressionTree::Binary("in", x, _) => {
+                let ExpressionTree::Text(name) = &x.tree else { panic!("{x:?}") };
                 truth(self.people[a as usize].news.contains(name))
             }
-            Tree::Binary(op, x, y) => {
+            ExpressionTree::Binary(op, x, y) => {
                 let (x, y) = (self.worth(x, a, about), self.worth(y, a, about));
                 match *op {
                     "<" => truth(x < y),
@@ -221,7 +226,7 @@ impl Plain {
                     op => panic!("{op}"),
                 }
             }
-            Tree::Call(name, _) if name == "friendship" => {
+            ExpressionTree::Call(name, _) if name == "friendship" => {
                 about.other.map_or(0.0, |o| f64::from(self.friendship(a, o)))
             }
             other => panic!("{other:?}"),
@@ -229,7 +234,7 @@ impl Plain {
     }
 
     fn holds(&mut self, text: Option<&String>, a: u32, about: &About) -> bool {
-        text.is_none_or(|t| self.worth(&parse(t).unwrap(), a, about) != 0.0)
+        text.is_none_or(|t| self.worth(&parse_expression(t).unwrap(), a, about) != 0.0)
     }
 
     fn push(&mut self, a: u32, on: impl Into<String>, about: About) {
@@ -268,10 +273,10 @@ impl Plain {
         }
     }
 
-    fn actions(&self, does: &DoConfig) -> Vec<ActionConfig> {
+    fn actions(&self, does: &StoryBehaviour) -> Vec<ActionConfig> {
         match does {
-            DoConfig::Named(name) => self.scene.behaviours[name].clone(),
-            DoConfig::Actions(all) => all.clone(),
+            StoryBehaviour::Named(name) => self.scene.behaviours[name].clone(),
+            StoryBehaviour::Actions(all) => all.clone(),
         }
     }
 
@@ -292,7 +297,7 @@ impl Plain {
         match word? {
             WordConfig::Number(n) => Some(*n),
             WordConfig::Flag(f) => Some(f64::from(u8::from(*f))),
-            WordConfig::Text(t) => Some(self.worth(&parse(t).unwrap(), a, about)),
+            WordConfig::Text(t) => Some(self.worth(&parse_expression(t).unwrap(), a, about)),
             _ => None,
         }
     }
@@ -368,7 +373,7 @@ impl Plain {
                             let at = before.at;
                             self.go_on(stage, a, at);
                         } else if self.people[a as usize].states.iter().all(Option::is_none) {
-                            stage.resume(a).unwrap();
+                            stage.resume_route(a).unwrap();
                         }
                     }
                 }
@@ -384,20 +389,23 @@ impl Plain {
 
     fn ended(&mut self, stage: &mut Paper, a: u32) {
         stage.set_speed(a, 1.3).unwrap();
-        stage.show(a, None, None);
+        stage.show_activity(a, None, None);
         let at = self.people[a as usize].doing.as_ref().unwrap().at;
         self.go_on(stage, a, at + 1);
     }
 
     /// The deed that an action asks for now.
-    fn deed(&mut self, stage: &Paper, a: u32, action: &ActionConfig, about: &About, chance: [f32; 2]) -> Deed {
-        let primitives = Primitives::default();
+    fn deed(&mut self, stage: &Paper, a: u32, action: &ActionConfig, about: &About, chance: [f32; 2]) -> ActionCommand {
+        let primitives = ActionRegistry::default();
         let name = Self::verb(action);
         let primitive = (0..).map(|n| *primitives.get(n)).find(|p| p.name == name).unwrap();
-        let mut said = Said { arrival_m: 0.5, ..Said::default() };
+        let mut said = ActionArguments { arrival_m: 0.5, ..ActionArguments::default() };
         for (i, (word, kind)) in primitive.words.iter().enumerate() {
             let Some(value) = action.get(*word) else { continue };
-            if !matches!(kind, super::super::verbs::Word::Target | super::super::verbs::Word::Slot) {
+            if !matches!(
+                kind,
+                super::super::action_registry::WordKind::Target | super::super::action_registry::WordKind::Slot
+            ) {
                 said.amounts[i] = self.said(a, about, Some(value));
                 continue;
             }
@@ -420,7 +428,7 @@ impl Plain {
         }
         let (position, velocity) = (stage.position(a).unwrap(), stage.velocity(a));
         let home = self.people[a as usize].home;
-        (primitive.act)(&Sight { time_s: self.now, position, velocity, desired_mps: 1.3, home, chance }, &said)
+        (primitive.act)(&PrimitiveInput { time_s: self.now, position, velocity, desired_mps: 1.3, home, chance }, &said)
     }
 
     fn perform(&mut self, stage: &mut Paper, a: u32, action: &ActionConfig, about: &About) {
@@ -465,17 +473,17 @@ impl Plain {
         let person = &mut self.people[a as usize];
         person.most = now + deed.most_s;
         match deed.walk {
-            Walk::Halt => {
-                stage.halt(a).unwrap();
-                stage.show(a, ["greet", "buy"].contains(&Self::verb(action)).then_some(0), None);
+            WalkCommand::Halt => {
+                stage.order_halt(a).unwrap();
+                stage.show_activity(a, ["greet", "buy"].contains(&Self::verb(action)).then_some(0), None);
                 if deed.stay_s > 0.0 { person.until = now + deed.stay_s } else { self.ended(stage, a) }
             }
-            Walk::To { at, arrival_m } => {
+            WalkCommand::To { at, arrival_m } => {
                 person.walks = true;
                 if position.distance(at) <= arrival_m {
                     self.arrived(stage, a);
                 } else {
-                    stage.go(a, at, arrival_m, false).unwrap();
+                    stage.order_walk(a, at, arrival_m, false).unwrap();
                 }
             }
             other => panic!("{other:?}"),
@@ -491,7 +499,7 @@ impl Plain {
             self.people[a as usize].walks = true;
             return self.ended(stage, a);
         }
-        stage.show(a, ["greet", "buy"].contains(&Self::verb(action)).then_some(0), None);
+        stage.show_activity(a, ["greet", "buy"].contains(&Self::verb(action)).then_some(0), None);
         self.people[a as usize].until = self.now + deed.stay_s;
     }
 

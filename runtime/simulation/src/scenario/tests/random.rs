@@ -19,7 +19,7 @@ fn edges_and_rules_are_taken_as_often_as_they_say() {
         a = { do = [{ stay = 1000 }] }\nb = { do = [{ stay = 1000 }] }\nc = { do = [{ stay = 1000 }] }\nd = { do = [{ stay = 1000 }] }\n\
         e = { do = [{ stay = 1000 }] }\n[[events]]\nname = \"bell\"\nat_s = 1.0\n";
     let (minds, _) = played(8000, story, &[], 2.0);
-    let states = minds.in_states();
+    let states = minds.num_in_states();
     let count = |name: &str| states.iter().find(|s| s.0 == name).map_or(0, |s| s.1);
     let seen = ["a", "b", "c", "d", "e"].map(count);
     // Of four degrees of freedom, above 18.5 once in a thousand.
@@ -68,7 +68,7 @@ pub(super) fn lively(period: f64, rate: f64, probability: f64) -> String {
 pub(super) fn script(num: u32, seed: u64, until_s: f64) -> Vec<(f64, Signal)> {
     let mut out = Vec::new();
     let mut at = 0.0;
-    let draw = |k: u32, of: u32| (super::super::hashed(seed, k, of) * 1e6) as u32;
+    let draw = |k: u32, of: u32| (super::super::hashed_chance(seed, k, of) * 1e6) as u32;
     for k in 0.. {
         at += f64::from(1 + draw(k, 0) % 40) * 0.0123;
         if at > until_s {
@@ -106,7 +106,7 @@ proptest! {
             prop_assert_eq!(minds.num_holding_twice(), 0);
         }
         prop_assert_eq!(&whole.1.log, &again.1.log);
-        let all = |m: &super::Minds| (0..6).map(|a| m.explain(a, 0.0)).collect::<Vec<_>>();
+        let all = |m: &super::AgentBrains| (0..6).map(|a| m.explain(a, 0.0)).collect::<Vec<_>>();
         prop_assert_eq!(all(&whole.0), all(&again.0));
         for agent in 0..6 {
             for known in whole.0.explain(agent, 0.0).knows {

@@ -1,12 +1,12 @@
 //! Checks and scaling of places, values, events, rules and graphs.
 
 use super::{
-    ActionConfig, DoConfig, DoorConfig, EventConfig, RelationConfig, SiteConfig, SourceConfig, ThingConfig,
+    ActionConfig, DoorConfig, EventConfig, RelationConfig, SiteConfig, SourceConfig, StoryBehaviour, ThingConfig,
     ValueConfig, WordConfig, queue_spacing, site_radius, thing_size,
 };
 use crate::scene::PlaceConfig;
-use crate::scene::check::{Fault, check_numbers, check_point, check_ranges, fault};
-use crate::scene::goal::scale;
+use crate::scene::check::{KeyFault, check_numbers, check_point, check_ranges, key_fault};
+use crate::scene::goal::scale_points;
 
 /// Arguments of actions that are lengths, or lengths over time.
 const LENGTHS: [&str; 4] = ["speed", "within_m", "distance_m", "spacing_m"];
@@ -18,17 +18,17 @@ pub(in crate::scene) fn stretch_actions(actions: &mut [ActionConfig], by: f32, a
             WordConfig::Number(number) if also_words && LENGTHS.contains(&word.as_str()) => *number *= f64::from(by),
             WordConfig::Point(at) => {
                 let height = at.get(1).copied().filter(|_| word == "on" && !also_words);
-                scale(&mut [at], by);
+                scale_points(&mut [at], by);
                 // Tables do not grow with the layout.
                 at.iter_mut().skip(1).zip(height).for_each(|(y, height)| *y = height);
             }
-            WordConfig::Points(all) => all.iter_mut().for_each(|p| scale(&mut [p], by)),
+            WordConfig::Points(all) => all.iter_mut().for_each(|p| scale_points(&mut [p], by)),
             _ => {}
         }
     }
 }
 
-impl DoConfig {
+impl StoryBehaviour {
     pub(in crate::scene) fn stretch(&mut self, by: f32, also_words: bool) {
         if let Self::Actions(actions) = self {
             stretch_actions(actions, by, also_words);
@@ -40,7 +40,7 @@ impl SiteConfig {
     /// Multiplies its lengths; the shapes of slots and queues stay where only the layout grows.
     pub(in crate::scene) fn stretch(&mut self, by: f32, also_sizes: bool) {
         let before = self.at.clone();
-        scale(&mut [&mut self.at], by);
+        scale_points(&mut [&mut self.at], by);
         if also_sizes && self.radius_m != site_radius() {
             self.radius_m *= by;
         }
@@ -48,7 +48,7 @@ impl SiteConfig {
         let points = self.slots.iter_mut().flat_map(|s| std::iter::once(&mut s.at).chain(&mut s.facing));
         for point in points.chain(self.queue.iter_mut().flat_map(|q| &mut q.points)) {
             match also_sizes {
-                true => scale(&mut [point], by),
+                true => scale_points(&mut [point], by),
                 false => point.iter_mut().zip(&moved).for_each(|(p, m)| *p += m),
             }
         }
@@ -57,7 +57,7 @@ impl SiteConfig {
         }
     }
 
-    pub(in crate::scene) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), Fault> {
+    pub(in crate::scene) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), KeyFault> {
         check_point(&format!("{key}.at"), &self.at, dimensions)?;
         check_numbers(&[(&format!("{key}.radius_m"), self.radius_m, 0.05, 1000.0)])?;
         for (i, slot) in self.slots.iter().enumerate() {
@@ -70,7 +70,7 @@ impl SiteConfig {
             check_numbers(&[(&format!("{key}.queue.spacing_m"), queue.spacing_m, 0.3, 10.0)])?;
             if queue.points.len() < 2 {
                 let found = queue.points.len();
-                return fault(&format!("{key}.queue.points"), format!("expected at least 2 points, found {found}"));
+                return key_fault(&format!("{key}.queue.points"), format!("expected at least 2 points, found {found}"));
             }
             for (i, point) in queue.points.iter().enumerate() {
                 check_point(&format!("{key}.queue.points[{i}]"), point, dimensions)?;
@@ -82,10 +82,10 @@ impl SiteConfig {
 
 impl DoorConfig {
     pub(in crate::scene) fn stretch(&mut self, by: f32) {
-        scale(&mut [&mut self.from, &mut self.to], by);
+        scale_points(&mut [&mut self.from, &mut self.to], by);
     }
 
-    pub(in crate::scene) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), Fault> {
+    pub(in crate::scene) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), KeyFault> {
         check_point(&format!("{key}.from"), &self.from, dimensions)?;
         check_point(&format!("{key}.to"), &self.to, dimensions)?;
         check_numbers(&[(&format!("{key}.radius_m"), self.radius_m, 0.0, 10.0)])
@@ -93,10 +93,10 @@ impl DoorConfig {
 }
 
 impl ValueConfig {
-    pub(in crate::scene) fn find_fault(&self, key: &str) -> Result<(), Fault> {
+    pub(in crate::scene) fn find_fault(&self, key: &str) -> Result<(), KeyFault> {
         let [low, high] = self.limits;
         if !(low < high && low.abs() < 1e6 && high.abs() < 1e6) {
-            return fault(
+            return key_fault(
                 &format!("{key}.limits"),
                 format!("expected two numbers that ascend, found {low} and {high}"),
             );
@@ -111,7 +111,7 @@ impl ValueConfig {
 }
 
 impl EventConfig {
-    pub(in crate::scene) fn find_fault(&self, key: &str) -> Result<(), Fault> {
+    pub(in crate::scene) fn find_fault(&self, key: &str) -> Result<(), KeyFault> {
         let times = [("at_s", self.at_s, 0.0), ("every_s", self.every_s, 0.01), ("period_s", self.period_s, 0.01)];
         for (name, time, least) in times {
             check_numbers(&[(&format!("{key}.{name}"), time.unwrap_or(least), least, 1e6)])?;
@@ -120,16 +120,16 @@ impl EventConfig {
             && !(0.0 <= from && from <= to && to <= 1e6)
         {
             let why = format!("expected two times that ascend from 0, found {from} and {to}");
-            return fault(&format!("{key}.between_s"), why);
+            return key_fault(&format!("{key}.between_s"), why);
         }
         check_numbers(&[(&format!("{key}.fresh_s"), self.fresh_s.unwrap_or(0.0), 0.0, 1e9)])
     }
 }
 
 impl RelationConfig {
-    pub(in crate::scene) fn find_fault(&self, key: &str) -> Result<(), Fault> {
+    pub(in crate::scene) fn find_fault(&self, key: &str) -> Result<(), KeyFault> {
         if self.friendship.is_none() && self.curiosity.is_none() {
-            return fault(key, "expected `friendship` or `curiosity`, found neither");
+            return key_fault(key, "expected `friendship` or `curiosity`, found neither");
         }
         check_numbers(&[
             (&format!("{key}.share"), self.share, 0.0, 1.0),
@@ -140,13 +140,13 @@ impl RelationConfig {
 }
 
 impl SourceConfig {
-    pub(in crate::scene) fn find_fault(&self, key: &str, count: usize, dimensions: usize) -> Result<(), Fault> {
+    pub(in crate::scene) fn find_fault(&self, key: &str, count: usize, dimensions: usize) -> Result<(), KeyFault> {
         if self.start > count {
             let why = format!("expected at most the `count` of the group, {count}, found {}", self.start);
-            return fault(&format!("{key}.start"), why);
+            return key_fault(&format!("{key}.start"), why);
         }
         if self.rates.is_empty() || !self.rates.windows(2).all(|w| w[0][0] < w[1][0]) {
-            return fault(&format!("{key}.rates"), "expected [from time, per second], in the order of time");
+            return key_fault(&format!("{key}.rates"), "expected [from time, per second], in the order of time");
         }
         for (i, [from, rate]) in self.rates.iter().enumerate() {
             check_numbers(&[
@@ -156,16 +156,16 @@ impl SourceConfig {
         }
         match &self.place {
             Some(place @ PlaceConfig::Block { .. }) => place.find_fault(&format!("{key}.place"), dimensions),
-            Some(_) => fault(&format!("{key}.place"), "expected a `block`"),
+            Some(_) => key_fault(&format!("{key}.place"), "expected a `block`"),
             None => Ok(()),
         }
     }
 }
 
 impl ThingConfig {
-    pub(in crate::scene) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), Fault> {
+    pub(in crate::scene) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), KeyFault> {
         if dimensions != 2 {
-            return fault(key, "expected none in the air: hands take things on the ground");
+            return key_fault(key, "expected none in the air: hands take things on the ground");
         }
         check_point(&format!("{key}.at"), &self.at, 3)?;
         check_numbers(&[(&format!("{key}.at[1]"), self.at[1], 0.0, 10.0)])?;

@@ -91,14 +91,14 @@ pub struct ThingConfig {
     pub size_m: [f32; 3],
     /// Style in which it is carried.
     #[serde(default)]
-    pub carried: Carried,
+    pub carried: CarryStyle,
 }
 
 /// Style in which a thing is carried.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
-pub enum Carried {
+pub enum CarryStyle {
     /// In a hand that swings while walking, such as a bag or a stick.
     Hanging,
     /// In front of the belly, upright, such as a cup or a tray.
@@ -232,7 +232,7 @@ pub struct RuleConfig {
     pub probability: f32,
     /// Behaviour: a name, or actions.
     #[serde(rename = "do")]
-    pub does: DoConfig,
+    pub does: StoryBehaviour,
     /// Priority: it interrupts behaviours of rules with the same or a lower one.
     #[serde(default)]
     pub priority: i8,
@@ -245,7 +245,7 @@ pub struct RuleConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
-pub enum DoConfig {
+pub enum StoryBehaviour {
     /// Name of a behaviour of `[behaviours]`.
     Named(String),
     /// Actions, one after the other.
@@ -276,7 +276,7 @@ pub enum WordConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct GraphConfig {
+pub struct StateGraphConfig {
     /// Level: social graphs are made of spatial ones, and these of primitive ones.
     pub level: LevelConfig,
     /// Start state.
@@ -310,7 +310,7 @@ pub struct StateConfig {
     pub graph: Option<String>,
     /// Behaviour: a name, or actions. Before a graph, only actions that take no time.
     #[serde(rename = "do")]
-    pub does: Option<DoConfig>,
+    pub does: Option<StoryBehaviour>,
 }
 
 /// Edge from one state to another, or back to the same one, in which case nothing changes.

@@ -1,7 +1,7 @@
 //! Pairs that spar.
 
 use super::*;
-use throng_base::Run;
+use throng_base::Executor;
 
 const DT: f32 = 1.0 / 60.0;
 
@@ -81,16 +81,16 @@ fn an_opponent_on_the_way_of_a_blow_is_struck() {
     let tables = striking();
     let mut s = spar(&tables, config(), &facing(1, 3.0)).unwrap();
     s.step(0.0, &Inline).unwrap();
-    let (head, way) = (s.heads()[0], s.config().way_m);
-    let pose = Posed::new(s.characters().pose(1), s.characters().root(1));
+    let (head, way) = (s.heads()[0], s.config().strike_path_m);
+    let pose = WorldPose::new(s.characters().pose(1), s.characters().root(1));
     let met = |beyond: f32| {
         let blow = Blow { point: head + Vec3::Y * beyond, direction: Vec3::Y, ..Blow::NONE };
-        meet(s.config(), s.body(), &pose, &blow).map(|(i, depth)| (s.body().part(i), depth))
+        find_struck_capsule(s.config(), s.body(), &pose, &blow).map(|(i, depth)| (s.body().part_of(i), depth))
     };
     let (part, depth) = met(0.0).expect("in the middle of the head");
-    assert_eq!(part, Part::Head);
+    assert_eq!(part, StruckPart::Head);
     // Up to the whole way beyond it, it went through the middle.
-    assert!(met(way).is_some_and(|(p, d)| p == Part::Head && (d - depth).abs() < 0.02), "{:?}", met(way));
+    assert!(met(way).is_some_and(|(p, d)| p == StruckPart::Head && (d - depth).abs() < 0.02), "{:?}", met(way));
     assert!(met(way + 0.4).is_none());
 }
 
@@ -137,7 +137,7 @@ fn a_blow_at_the_head_lands_there_and_pushes_it() {
         }
     }
     let first = landed.iter().find(|l| l.blow.character == 0).unwrap();
-    assert_eq!((first.opponent, first.part, first.joint), (Id::first(1), Part::Head, Joint::Head));
+    assert_eq!((first.opponent, first.part, first.joint), (Id::first(1), StruckPart::Head, Joint::Head));
     assert!(!first.is_blocked() && first.depth_m > 0.1, "right in the middle: {}", first.depth_m);
     let asked = 6.0 * s.config().push_m_per_mps;
     assert!(pushed > 0.6 * asked && pushed < 1.3 * asked, "{pushed} of {asked}");
@@ -191,7 +191,7 @@ fn every_blow_is_counted_once() {
     assert_eq!((all.thrown as usize, all.landed as usize, all.blocked as usize), (thrown, landed, blocked));
     assert_eq!(all.thrown, all.landed + all.blocked + all.missed);
     assert!(landed + blocked > 10 && all.missed > 10 && thrown > 500, "{all:?}");
-    let mut sum = Tally::default();
+    let mut sum = BlowTally::default();
     (0..40).for_each(|c| sum += s.tally(Id::first(c)).unwrap());
     assert_eq!(sum, all);
 }
@@ -266,7 +266,7 @@ fn restored_pairs_repeat_what_followed_bit_by_bit() {
 /// Two parts at once, the later one first.
 struct Two;
 
-impl Run for Two {
+impl Executor for Two {
     fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
         std::thread::scope(|scope| {
             scope.spawn(|| (num_parts / 2..num_parts).for_each(part));
@@ -300,11 +300,12 @@ fn refuses_what_does_not_fit() {
     assert!(matches!(new(SparringConfig { characters, ..config() }), Err(Error::Value { .. })));
     let mut none = spar(&tables, config(), &[]).unwrap();
     none.step(DT, &Inline).unwrap();
-    assert_eq!(none.figures().blows, Tally::default());
+    assert_eq!(none.figures().blows, BlowTally::default());
     assert!(matches!(none.spawn(facing(1, 2.0)[0]), Err(Error::Full { capacity: 0 })));
     let mut two = new(config()).unwrap();
     let last = two.bodies().ids[3];
-    let refused = [(1, 1.0), (0, f32::NAN)].map(|(policy, weight)| two.order(last, Order::IDLE.and(policy, weight)));
+    let refused = [(1, 1.0), (0, f32::NAN)]
+        .map(|(policy, weight)| two.order(last, PolicyOrder::IDLE.with_policy(policy, weight)));
     let [Err(Error::Index { who: a, .. }), Err(Error::Value { who: b, .. })] = refused else { panic!("{refused:?}") };
     assert_eq!([a, b], [Some(last); 2]);
     let mut pair = facing(1, 2.0)[0];
@@ -338,7 +339,7 @@ fn a_pair_leaves_together_and_the_others_go_on_as_before() {
     }
     let again = s.spawn(facing(1, 1.2)[0]).unwrap();
     assert!((again.index(), again.generation) == (0, 1) && s.num_pairs() == 3);
-    assert_eq!(s.tally(again).unwrap(), Tally::default());
+    assert_eq!(s.tally(again).unwrap(), BlowTally::default());
 }
 
 #[test]

@@ -52,13 +52,13 @@ fn practice(tables: &Bundle, n: usize) -> TargetPractice {
     for i in 0..n {
         let root = Planar::new(3.0 * i as f32, 1.0, 0.4 * i as f32);
         let id = practice.spawn(Spawn { root, state: Some(0) }).unwrap();
-        practice.order(id, Order::aim(0, Vec3::new(0.0, 50.0, 0.0))).unwrap();
+        practice.order(id, PolicyOrder::towards(0, Vec3::new(0.0, 50.0, 0.0))).unwrap();
     }
     practice.step(0.0, &Inline).unwrap();
     for c in 0..n {
         let (blow, _) = practice.characters().next_blow(practice.boxers().motion_set(), c).unwrap();
         let aside = if c % 2 == 0 { 0.1 } else { 0.3 };
-        practice.order(Id::first(c), Order::aim(0, blow.point + Vec3::Y * aside)).unwrap();
+        practice.order(Id::first(c), PolicyOrder::towards(0, blow.point + Vec3::Y * aside)).unwrap();
     }
     practice
 }
@@ -88,7 +88,10 @@ fn blows_that_come_near_enough_hit_and_deflect_the_target() {
     assert_eq!(hit, [1, 0, 1, 0, 1, 0]);
     for c in 0..6 {
         let landed = u32::from(c % 2 == 0);
-        assert_eq!(practice.tally(Id::first(c)).unwrap(), Tally { thrown: 1, landed, blocked: 0, missed: 1 - landed });
+        assert_eq!(
+            practice.tally(Id::first(c)).unwrap(),
+            BlowTally { thrown: 1, landed, blocked: 0, missed: 1 - landed }
+        );
         assert_eq!(practice.targets()[c].offset.length() > 0.01, landed == 1);
     }
     let blows = practice.figures().blows;
@@ -124,11 +127,11 @@ fn refuses_what_does_not_fit() {
     let mut practice = practice(&tables, 1);
     let (id, before) = (Id::first(0), practice.hash());
     for at in [Vec3::NAN, Vec3::INFINITY] {
-        let e = practice.order(id, Order::aim(0, at)).unwrap_err();
+        let e = practice.order(id, PolicyOrder::towards(0, at)).unwrap_err();
         assert!(matches!(e, Error::Value { what: "target", who, .. } if who == Some(id)), "{e}");
     }
-    assert!(matches!(practice.order(id, Order::aim(1, Vec3::Y)), Err(Error::Index { what: "policy", .. })));
-    assert!(matches!(practice.order(Id::first(1), Order::IDLE), Err(Error::Gone(_))));
+    assert!(matches!(practice.order(id, PolicyOrder::towards(1, Vec3::Y)), Err(Error::Index { what: "policy", .. })));
+    assert!(matches!(practice.order(Id::first(1), PolicyOrder::IDLE), Err(Error::Gone(_))));
     assert_eq!(practice.hash(), before);
 }
 
@@ -142,7 +145,7 @@ fn boxers_come_and_go_with_their_targets() {
     assert_eq!((practice.bodies().ids, practice.targets()[0]), (&[ids[2], ids[1]][..], last));
     assert_eq!(practice.order_of(ids[2]).unwrap().target(), last.home);
     // Who has no order has no target, wherever it strikes.
-    let new = practice.spawn(Spawn::standing(Planar::IDENTITY)).unwrap();
+    let new = practice.spawn(Spawn::standing_at(Planar::IDENTITY)).unwrap();
     (0..60).for_each(|_| practice.step(1.0 / 60.0, &Inline).unwrap());
     let tally = practice.tally(new).unwrap();
     assert!(tally.thrown > 0 && tally.landed == 0, "{tally:?}");

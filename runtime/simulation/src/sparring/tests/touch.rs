@@ -1,16 +1,16 @@
 //! Arms and kicking legs that stop at the other's body, and feet that stand beside the other's.
 
-use super::super::rod::LimbShape;
-use super::super::touch::{NUM_LIMBS, Touch, limb_shapes};
+use super::super::limb_segment::LimbShape;
+use super::super::touch::{LimbTouch, NUM_LIMBS, limb_shapes};
 use super::*;
 use throng_core::pose::LocalTransform;
 
 const DT: f32 = 1.0 / 60.0;
 const LEFT: [Joint; 3] = [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand];
 
-fn shapes() -> (Body, [LimbShape; NUM_LIMBS]) {
+fn shapes() -> (SparringBody, [LimbShape; NUM_LIMBS]) {
     let skeleton = Skeleton::default();
-    let body = Body::new(&skeleton, &BodyShape::default());
+    let body = SparringBody::new(&skeleton, &BodyShape::default());
     let arms = limb_shapes(&skeleton, &body);
     (body, arms)
 }
@@ -36,7 +36,7 @@ const BOTH: Contacts = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
 
 /// One step of two who stand on both feet, and their poses after it.
 fn step(
-    touch: &mut Touch,
+    touch: &mut LimbTouch,
     poses: [&[Mat3x4; NUM_JOINTS]; 2],
     roots: [Planar; 2],
     config: &TouchConfig,
@@ -46,16 +46,22 @@ fn step(
 
 /// One step of two, and their poses after it.
 fn step_on(
-    touch: &mut Touch,
+    touch: &mut LimbTouch,
     (poses, contacts): ([&[Mat3x4; NUM_JOINTS]; 2], [Contacts; 2]),
     roots: [Planar; 2],
     config: &TouchConfig,
 ) -> [[Mat3x4; NUM_JOINTS]; 2] {
     let (body, arms) = shapes();
-    touch.settle(&body, &arms, (&[0, 1].map(|k| Posed::new(poses[k], roots[k])), contacts), config, DT);
+    touch.solve_displacements(
+        &body,
+        &arms,
+        (&[0, 1].map(|k| WorldPose::new(poses[k], roots[k])), contacts),
+        config,
+        DT,
+    );
     [0, 1].map(|k| {
         let mut pose = *poses[k];
-        touch.apply(k, roots[k], &mut pose, &mut []);
+        touch.apply_to_pose(k, roots[k], &mut pose, &mut []);
         pose
     })
 }
@@ -63,11 +69,11 @@ fn step_on(
 /// How deep the axis of any forearm of the first is in the core of the second, beyond what flesh gives (m).
 fn depth(poses: &[[Mat3x4; NUM_JOINTS]; 2], roots: [Planar; 2]) -> f32 {
     let (body, _) = shapes();
-    let [own, other] = [0, 1].map(|k| Posed::new(&poses[k], roots[k]));
-    let obstacles = body.obstacles(&other);
+    let [own, other] = [0, 1].map(|k| WorldPose::new(&poses[k], roots[k]));
+    let obstacles = body.obstacle_capsules(&other);
     let forearms = [[Joint::LeftForearm, Joint::LeftHand], [Joint::RightForearm, Joint::RightHand]];
     let mut deepest = f32::NEG_INFINITY;
-    for ends in forearms.map(|f| f.map(|j| own.point(j, Vec3::ZERO))) {
+    for ends in forearms.map(|f| f.map(|j| own.point_in_world(j, Vec3::ZERO))) {
         for o in &obstacles {
             let [p, q] = nearest_points(ends, o.ends);
             deepest = deepest.max(o.radius + body.forearm_radius() - config().touch.give_m - p.distance(q));
@@ -98,11 +104,11 @@ fn kick(way: f32) -> [Mat3x4; NUM_JOINTS] {
 /// How deep the axes of the left shin and foot of the first are in the core of the second, beyond what flesh gives (m).
 fn leg_depth(poses: &[[Mat3x4; NUM_JOINTS]; 2], roots: [Planar; 2]) -> f32 {
     let (body, _) = shapes();
-    let [own, other] = [0, 1].map(|k| Posed::new(&poses[k], roots[k]));
+    let [own, other] = [0, 1].map(|k| WorldPose::new(&poses[k], roots[k]));
     let mut deepest = f32::NEG_INFINITY;
     for bone in [[LEG[1], LEG[2]], [LEG[2], Joint::LeftToe]] {
-        for o in &body.obstacles(&other) {
-            let [p, q] = nearest_points(bone.map(|j| own.point(j, Vec3::ZERO)), o.ends);
+        for o in &body.obstacle_capsules(&other) {
+            let [p, q] = nearest_points(bone.map(|j| own.point_in_world(j, Vec3::ZERO)), o.ends);
             deepest = deepest.max(o.radius + body.leg_radii()[1] - config().touch.give_m - p.distance(q));
         }
     }
@@ -114,7 +120,7 @@ fn a_kick_stops_at_the_body_and_comes_back() {
     let rest = rest_pose();
     for distance in [0.5, 0.65, 0.8] {
         let roots = [Planar::IDENTITY, Planar::new(LEG_X, distance, std::f32::consts::PI)];
-        let (mut touch, mut deepest, mut goes_through) = (Touch::default(), 0.0f32, 0.0f32);
+        let (mut touch, mut deepest, mut goes_through) = (LimbTouch::default(), 0.0f32, 0.0f32);
         for i in 0..=60 {
             // Up within a quarter of a second, held, and down again.
             let way = (i as f32 / 15.0).min((60 - i) as f32 / 15.0).min(1.0);
@@ -155,12 +161,12 @@ fn a_kick_stops_at_the_body_and_comes_back() {
 /// Distance of the shins and feet of two (m).
 fn legs_apart(poses: &[[Mat3x4; NUM_JOINTS]; 2], roots: [Planar; 2]) -> f32 {
     let bones = |k: usize| {
-        let at = Posed::new(&poses[k], roots[k]);
+        let at = WorldPose::new(&poses[k], roots[k]);
         let sides = [LEG, [Joint::RightThigh, Joint::RightShin, Joint::RightFoot]];
         let toes = [Joint::LeftToe, Joint::RightToe];
         let of_side = |(leg, toe): ([Joint; 3], Joint)| [[leg[1], leg[2]], [leg[2], toe]];
         let bones = sides.into_iter().zip(toes).flat_map(of_side);
-        bones.map(|bone| bone.map(|j| at.point(j, Vec3::ZERO))).collect::<Vec<_>>()
+        bones.map(|bone| bone.map(|j| at.point_in_world(j, Vec3::ZERO))).collect::<Vec<_>>()
     };
     let (own, other) = (bones(0), bones(1));
     let pairs = own.iter().flat_map(|a| other.iter().map(|b| nearest_points(*a, *b)));
@@ -205,7 +211,7 @@ fn a_foot_comes_down_beside_the_other_ones_and_stays_there() {
     // Its left foot comes down where the other one's left or right one stands, or between them.
     for beside in [-0.05, 0.0, 0.05, 0.15, 0.2] {
         let roots = [Planar::IDENTITY, Planar::new(beside, 0.62, std::f32::consts::PI)];
-        let (mut touch, mut in_it, mut planted) = (Touch::default(), false, None::<Vec3>);
+        let (mut touch, mut in_it, mut planted) = (LimbTouch::default(), false, None::<Vec3>);
         let mut last: Option<[Mat3x4; NUM_JOINTS]> = None;
         for i in 0..120 {
             // A step within 0.4 s, half a second on the ground, and back.
@@ -241,7 +247,7 @@ fn arms_leave_the_body_that_they_are_in_and_nothing_else_moves() {
     // Side by side: arms that stretch to the sides are in the other's trunk.
     let roots = [Planar::new(1.0, 2.0, 0.8), Planar::new(1.0, 2.0, 0.8).compose(Planar::new(0.65, 0.1, 0.4))];
     assert!(depth(&[rest; 2], roots) > 0.03, "{}", depth(&[rest; 2], roots));
-    let mut touch = Touch::default();
+    let mut touch = LimbTouch::default();
     let mut posed = [rest; 2];
     for _ in 0..60 {
         posed = step(&mut touch, [&rest; 2], roots, &config);
@@ -266,7 +272,7 @@ fn arms_leave_the_body_that_they_are_in_and_nothing_else_moves() {
         assert_eq!(posed[0][j.index()], rest[j.index()], "{j:?}");
     }
     let off = TouchConfig { enabled: false, ..config };
-    assert!(step(&mut Touch::default(), [&rest; 2], roots, &off) == [rest; 2]);
+    assert!(step(&mut LimbTouch::default(), [&rest; 2], roots, &off) == [rest; 2]);
 }
 
 #[test]
@@ -281,7 +287,7 @@ fn a_fast_fist_stops_on_its_side_of_the_head() {
             pose.iter_mut().for_each(|m| m.rows[1][3] -= 0.25);
             pose
         };
-        let (low, mut touch) = (raised(rest), Touch::default());
+        let (low, mut touch) = (raised(rest), LimbTouch::default());
         let mut most = 0.0f32;
         for i in 0..=40 {
             let posed = step(&mut touch, [&punch((i as f32 / 5.0).min(1.0)), &low], roots, &config().touch);
@@ -305,7 +311,7 @@ fn arms_that_come_back_from_a_body_stay_out_of_it() {
         };
         let (x, z) = (-0.2 + 0.6 * share(1), 0.3 + 0.4 * share(2));
         let other = Planar::new(x, z, std::f32::consts::TAU * share(3));
-        let (mut touch, mut deepest, mut worst) = (Touch::default(), 0.0f32, 0.0f32);
+        let (mut touch, mut deepest, mut worst) = (LimbTouch::default(), 0.0f32, 0.0f32);
         for step_no in 0..60 {
             // Out within 0.1 s, back within 0.2 s, and the whole body turns into the blow and back.
             let way = (step_no as f32 / 6.0).min((24.0 - step_no as f32).max(0.0) / 12.0).min(1.0);
@@ -327,7 +333,7 @@ fn arms_that_come_back_from_a_body_stay_out_of_it() {
 #[test]
 fn arms_come_and_go_without_a_jump() {
     let (arm, rest, config) = (punch(0.6), punch(0.0), config().touch);
-    let mut touch = Touch::default();
+    let mut touch = LimbTouch::default();
     let mut last: Option<[Mat3x4; NUM_JOINTS]> = None;
     let mut touched = false;
     for i in 0..240 {
@@ -363,10 +369,10 @@ fn two_guards_meet_half_way() {
     // Left arms of two who face each other pass each other; shift the second so that they meet.
     let shoulder = arm[LEFT[0].index()].translation().x;
     let roots = [roots[0], Planar::new(2.0 * shoulder, roots[1].z, roots[1].heading)];
-    let mut touch = Touch::default();
+    let mut touch = LimbTouch::default();
     let posed = (0..30).map(|_| step(&mut touch, [&arm, &arm], roots, &config)).last().unwrap();
-    let [own, other] = [0, 1].map(|k| Posed::new(&posed[k], roots[k]));
-    let ends = |p: &Posed<'_>| [LEFT[1], LEFT[2]].map(|j| p.point(j, Vec3::ZERO));
+    let [own, other] = [0, 1].map(|k| WorldPose::new(&posed[k], roots[k]));
+    let ends = |p: &WorldPose<'_>| [LEFT[1], LEFT[2]].map(|j| p.point_in_world(j, Vec3::ZERO));
     let [p, q] = nearest_points(ends(&own), ends(&other));
     assert!(p.distance(q) > 0.06, "{}", p.distance(q));
     let moved = |k: usize| posed[k][LEFT[2].index()].translation().distance(arm[LEFT[2].index()].translation());
@@ -378,11 +384,17 @@ fn local_transforms_build_the_displaced_pose() {
     let rest = rest_pose();
     let roots = [Planar::IDENTITY, Planar::new(0.65, 0.1, 0.4)];
     let (body, arms) = shapes();
-    let mut touch = Touch::default();
-    touch.settle(&body, &arms, (&roots.map(|root| Posed::new(&rest, root)), [BOTH; 2]), &config().touch, DT);
+    let mut touch = LimbTouch::default();
+    touch.solve_displacements(
+        &body,
+        &arms,
+        (&roots.map(|root| WorldPose::new(&rest, root)), [BOTH; 2]),
+        &config().touch,
+        DT,
+    );
     let mut locals = [LocalTransform { rotation: [0.0, 0.0, 0.0, 1.0], ..LocalTransform::default() }; NUM_JOINTS];
     let mut posed = rest;
-    touch.apply(0, roots[0], &mut posed, &mut locals);
+    touch.apply_to_pose(0, roots[0], &mut posed, &mut locals);
     assert!(posed != rest);
     let local = |j: Joint| Quat::from_array(locals[j.index()].rotation);
     let upper = posed[Joint::LeftClavicle.index()].rotation() * local(LEFT[0]);
@@ -399,10 +411,16 @@ fn rotations_of_displaced_arms_lead_to_where_the_joints_are() {
     // From hardly touched to far in.
     for x in (0..60).map(|i| 0.5 + 0.005 * i as f32) {
         let roots = [Planar::IDENTITY, Planar::new(x, 0.1, 0.4)];
-        let mut touch = Touch::default();
-        touch.settle(&body, &arms, (&roots.map(|root| Posed::new(&rest, root)), [BOTH; 2]), &config().touch, DT);
+        let mut touch = LimbTouch::default();
+        touch.solve_displacements(
+            &body,
+            &arms,
+            (&roots.map(|root| WorldPose::new(&rest, root)), [BOTH; 2]),
+            &config().touch,
+            DT,
+        );
         let mut posed = rest;
-        touch.apply(0, roots[0], &mut posed, &mut []);
+        touch.apply_to_pose(0, roots[0], &mut posed, &mut []);
         for pair in LEFT.windows(2) {
             let [parent, child] = [0, 1].map(|i| pair[i].index());
             let turned = posed[parent].translation() + posed[parent].rotation() * Skeleton::default().offsets[child];
@@ -419,14 +437,20 @@ fn arms_without_length_do_no_harm() {
         for (joint, length) in [(LEFT[1], upper), (LEFT[2], lower)] {
             skeleton.offsets[joint.index()] = Vec3::X * length;
         }
-        let body = Body::new(&skeleton, &BodyShape::default());
+        let body = SparringBody::new(&skeleton, &BodyShape::default());
         let arms = limb_shapes(&skeleton, &body);
         let (pose, roots) = (punch(0.7), [Planar::IDENTITY, Planar::new(0.0, 0.4, std::f32::consts::PI)]);
-        let mut touch = Touch::default();
+        let mut touch = LimbTouch::default();
         for _ in 0..3 {
-            touch.settle(&body, &arms, (&roots.map(|root| Posed::new(&pose, root)), [BOTH; 2]), &config().touch, DT);
+            touch.solve_displacements(
+                &body,
+                &arms,
+                (&roots.map(|root| WorldPose::new(&pose, root)), [BOTH; 2]),
+                &config().touch,
+                DT,
+            );
             let mut posed = pose;
-            touch.apply(0, roots[0], &mut posed, &mut []);
+            touch.apply_to_pose(0, roots[0], &mut posed, &mut []);
             assert!(posed.iter().all(|m| m.translation().is_finite()), "{upper} {lower}");
         }
     }

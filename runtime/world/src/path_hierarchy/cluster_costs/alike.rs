@@ -11,7 +11,7 @@ use super::super::dial::UNREACHED;
 const SPREAD: i32 = 8;
 
 /// Places that may be alike: on the same tile, at the same edge.
-pub(super) struct Group {
+pub(super) struct PlaceGroup {
     /// Part of the world beyond, as a number in [`super::Outline::beyond`].
     pub beyond: u32,
     /// True for a tile; only tiles have parts.
@@ -31,24 +31,24 @@ pub(super) struct AlikePlaces {
 
 impl AlikePlaces {
     /// All places of a group, without additional costs.
-    pub fn of(group: &Group) -> Self {
+    pub fn from_group(group: &PlaceGroup) -> Self {
         Self { beyond: group.beyond, places: group.places.iter().map(|&n| (n, 0)).collect() }
     }
 
     /// The largest part.
-    pub fn most(&self) -> u16 {
+    pub fn max_part(&self) -> u16 {
         self.places.iter().map(|p| p.1).max().unwrap_or(0)
     }
 
     /// Lowers the parts of an entrance until no path through the cluster, to any exit, costs less than 0 beyond them.
-    pub fn fit<'a>(&mut self, exits: impl Iterator<Item = (&'a [u16], u16)>) {
-        let least = exits.map(|(costs, more)| self.across(costs, more)).min().unwrap_or(0);
+    pub fn fit_parts<'a>(&mut self, exits: impl Iterator<Item = (&'a [u16], u16)>) {
+        let least = exits.map(|(costs, more)| self.least_to_exit(costs, more)).min().unwrap_or(0);
         let less = least.min(0).unsigned_abs() as u16;
         self.places.iter_mut().for_each(|p| p.1 = p.1.saturating_sub(less));
     }
 
     /// Least cost to an exit, from the costs of all places and what these have more.
-    fn across(&self, costs: &[u16], more: u16) -> i32 {
+    fn least_to_exit(&self, costs: &[u16], more: u16) -> i32 {
         let known = self.places.iter().filter(|p| costs[p.0 as usize] != UNREACHED);
         known
             .map(|&(n, part)| i32::from(costs[n as usize]) - i32::from(more) - i32::from(part))
@@ -59,16 +59,16 @@ impl AlikePlaces {
 
 /// Least cost from an entrance to an exit, from the costs of all places and what these have more.
 pub(super) fn least_across(alike: &AlikePlaces, costs: &[u16], more: u16) -> u16 {
-    let least = alike.across(costs, more);
+    let least = alike.least_to_exit(costs, more);
     if least == i32::MAX { UNREACHED } else { least.clamp(0, i32::from(UNREACHED) - 1) as u16 }
 }
 
 /// Parts groups into ways of places that are alike, by the costs of each place on the other side of the cluster.
-pub(super) fn part(groups: &[Group], costs: &[Vec<u16>]) -> Vec<AlikePlaces> {
+pub(super) fn part_groups(groups: &[PlaceGroup], costs: &[Vec<u16>]) -> Vec<AlikePlaces> {
     let mut all = Vec::new();
     for group in groups {
         if !group.is_tile {
-            all.push(AlikePlaces::of(group));
+            all.push(AlikePlaces::from_group(group));
             continue;
         }
         // Each with how much more it costs than the first of its way.
@@ -130,24 +130,24 @@ mod tests {
     proptest! {
         #[test]
         fn costs_between_ways_with_the_parts_of_places_are_bounds(costs in costs()) {
-            let group = Group { beyond: 0, is_tile: true, places: (0..6).collect() };
+            let group = PlaceGroup { beyond: 0, is_tile: true, places: (0..6).collect() };
             let turned: Vec<Vec<u16>> = (0..6).map(|i| costs.iter().map(|c| c[i]).collect()).collect();
             let groups = [group];
-            let (mut entrances, exits) = (part(&groups, &costs), part(&groups, &turned));
+            let (mut entrances, exits) = (part_groups(&groups, &costs), part_groups(&groups, &turned));
             // Costs to each exit from all places, raised by its largest additional cost, as the search for it finds
             // them.
             let to = |alike: &AlikePlaces| (0..6).map(|i| {
                 let cost = |&(o, part): &(u32, u16)| match costs[o as usize][i] {
                     UNREACHED => UNREACHED,
-                    cost => cost + alike.most() - part,
+                    cost => cost + alike.max_part() - part,
                 };
                 alike.places.iter().map(cost).min().unwrap_or(UNREACHED)
             }).collect();
-            let across: Vec<(Vec<u16>, u16)> = exits.iter().map(|alike| (to(alike), alike.most())).collect();
-            entrances.iter_mut().for_each(|alike| alike.fit(across.iter().map(|(a, more)| (&a[..], *more))));
+            let across: Vec<(Vec<u16>, u16)> = exits.iter().map(|alike| (to(alike), alike.max_part())).collect();
+            entrances.iter_mut().for_each(|alike| alike.fit_parts(across.iter().map(|(a, more)| (&a[..], *more))));
             for alike in &entrances {
                 for (out, (costs_out, more)) in exits.iter().zip(&across) {
-                    prop_assert!(alike.across(costs_out, *more) >= 0, "{:?} {:?}", alike, out);
+                    prop_assert!(alike.least_to_exit(costs_out, *more) >= 0, "{:?} {:?}", alike, out);
                     let least = u32::from(least_across(alike, costs_out, *more));
                     for (i, before) in &alike.places {
                         for (o, after) in &out.places {
@@ -165,9 +165,9 @@ mod tests {
 
     #[test]
     fn places_that_differ_by_when_one_is_there_are_one_way() {
-        let group = Group { beyond: 3, is_tile: true, places: vec![0, 1, 2] };
+        let group = PlaceGroup { beyond: 3, is_tile: true, places: vec![0, 1, 2] };
         let costs = [vec![100, 130, 115], vec![200, 231, 300]];
-        let all = part(&[group], &costs);
+        let all = part_groups(&[group], &costs);
         let places: Vec<_> = all.into_iter().map(|w| w.places).collect();
         assert_eq!(places, [vec![(0, 0), (1, 30)], vec![(2, 0)]]);
     }

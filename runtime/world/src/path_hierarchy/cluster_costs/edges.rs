@@ -1,16 +1,16 @@
 //! Edges: the graph within a cluster, with its entrances and exits.
 
-use super::super::plane::class;
-use super::{Beyond, Outline};
-use crate::graph::Crossing;
-use crate::{AdjacencyRecord, JointTableRecord, Node};
+use super::super::plane::class_of;
+use super::{AdjacentPart, ClusterOutline};
+use crate::graph::JointCrossing;
+use crate::{AdjacencyRecord, JointTableRecord, WorldNode};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_core::patch::{CellRecord, NONE};
 
 /// End of an exit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub(super) struct Landing {
+pub(super) struct ExitLanding {
     /// Offset from the tile (copies); in another cluster, the number of the instance and 0.
     pub offset: [i32; 2],
     /// The cell there.
@@ -22,7 +22,7 @@ pub(super) struct Landing {
 pub(super) struct ExitStep {
     /// The cell.
     pub from: u32,
-    /// End of the step, as a number in [`Edges::exits`].
+    /// End of the step, as a number in [`ClusterEdges::exits`].
     pub to: u32,
     /// Length of the step (frames).
     pub frames: u16,
@@ -30,8 +30,8 @@ pub(super) struct ExitStep {
 
 /// The graph within a cluster. Its nodes are its cells; those of blocks again, where a link must follow, as after a joint
 /// between blocks; the cells beyond that entrances begin at. Exits are listed apart.
-pub(super) struct Edges<'p, 'a> {
-    outline: &'p Outline<'a>,
+pub(super) struct ClusterEdges<'p, 'a> {
+    outline: &'p ClusterOutline<'a>,
     /// Arcs from node to node, with their lengths (frames).
     pub arcs: Vec<(u32, u32, u16)>,
     /// Steps out.
@@ -39,12 +39,12 @@ pub(super) struct Edges<'p, 'a> {
     /// Number of each start of an entrance, by the part of the world beyond, the class of the cell there and the cell.
     pub entrances: BTreeMap<(u32, u32, u32), u32>,
     /// Number of each end of an exit, by the part of the world beyond, the sector that it leads to and the cell.
-    pub exits: BTreeMap<(u32, u32, Landing), u32>,
+    pub exits: BTreeMap<(u32, u32, ExitLanding), u32>,
 }
 
-impl<'p, 'a> Edges<'p, 'a> {
+impl<'p, 'a> ClusterEdges<'p, 'a> {
     /// Follows all that can be done from the cells of a cluster, and all that leads there.
-    pub fn new(outline: &'p Outline<'a>) -> Self {
+    pub fn new(outline: &'p ClusterOutline<'a>) -> Self {
         let mut out = Self {
             outline,
             arcs: Vec::new(),
@@ -61,7 +61,7 @@ impl<'p, 'a> Edges<'p, 'a> {
         for &instance in &self.outline.clusters.members[self.outline.cluster as usize] {
             let tile = graph.is_tile(instance);
             for cell in 0..graph.num_cells(instance) {
-                let node = Node { instance, cell };
+                let node = WorldNode { instance, cell };
                 if !graph.is_node(node) {
                     continue;
                 }
@@ -73,23 +73,23 @@ impl<'p, 'a> Edges<'p, 'a> {
                 }
             }
             for (_, a, t) in graph.adjacencies(instance) {
-                if let Some(beyond) = self.outline.beyond(a.other) {
+                if let Some(beyond) = self.outline.adjacent_part(a.other) {
                     self.add_entrances(instance, a, t, beyond);
                 }
             }
         }
     }
 
-    fn cell(&self, node: Node) -> u32 {
+    fn cell(&self, node: WorldNode) -> u32 {
         self.outline.clusters.first_cell(node.instance) + node.cell
     }
 
     /// The cell of a block, where a link must follow.
-    fn linked(&self, node: Node) -> u32 {
+    fn linked(&self, node: WorldNode) -> u32 {
         self.outline.num_cells + self.cell(node)
     }
 
-    fn add_block_cell(&mut self, node: Node, from: u32) {
+    fn add_block_cell(&mut self, node: WorldNode, from: u32) {
         let (graph, cell, linked) = (self.outline.graph, self.outline.graph.cell(node), self.linked(node));
         self.arcs.push((from, linked, 0));
         for link in cell.first_link..cell.first_link + cell.num_links {
@@ -98,8 +98,8 @@ impl<'p, 'a> Edges<'p, 'a> {
             }
         }
         graph.for_each_crossing(node, |_, crossing| match crossing {
-            Crossing::Link(s) => self.add_exit(from, s.instance, s.to, s.num_frames() as u16),
-            Crossing::Cell(to) => match self.outline.beyond(to.instance) {
+            JointCrossing::Link(s) => self.add_exit(from, s.instance, s.to, s.num_frames() as u16),
+            JointCrossing::Cell(to) => match self.outline.adjacent_part(to.instance) {
                 None => self.arcs.push((from, self.linked(to), 0)),
                 Some(_) => {
                     let cell = graph.cell(to);
@@ -113,33 +113,33 @@ impl<'p, 'a> Edges<'p, 'a> {
     }
 
     /// A step to a node, along a link of `through` where that is a tile.
-    fn add_exit(&mut self, from: u32, through: u32, to: Node, frames: u16) {
+    fn add_exit(&mut self, from: u32, through: u32, to: WorldNode, frames: u16) {
         let outline = self.outline;
-        let Some(beyond) = outline.beyond(to.instance) else {
+        let Some(beyond) = outline.adjacent_part(to.instance) else {
             self.arcs.push((from, self.cell(to), frames));
             return;
         };
         let beyond = match beyond {
-            Beyond::Tile(_) => Beyond::Tile(through),
-            Beyond::Cluster(_) => beyond,
+            AdjacentPart::Tile(_) => AdjacentPart::Tile(through),
+            AdjacentPart::Cluster(_) => beyond,
         };
         let Some(&k) = outline.numbers.get(&beyond) else { return };
         let offset = match beyond {
-            Beyond::Tile(tile) => outline.floors.offset(tile, to.instance),
-            Beyond::Cluster(d) => [outline.clusters.number(d, to.instance) as i32, 0],
+            AdjacentPart::Tile(tile) => outline.floors.offset(tile, to.instance),
+            AdjacentPart::Cluster(d) => [outline.clusters.instance_number(d, to.instance) as i32, 0],
         };
         let next = self.exits.len() as u32;
-        let landing = Landing { offset, cell: to.cell };
+        let landing = ExitLanding { offset, cell: to.cell };
         let to = *self.exits.entry((k, self.sector(to), landing)).or_insert(next);
         self.exit_steps.push(ExitStep { from, to, frames });
     }
 
     /// Sector of an exit: the edge by which a tile is entered, or the heading inside of one.
-    fn sector(&self, to: Node) -> u32 {
+    fn sector(&self, to: WorldNode) -> u32 {
         let graph = self.outline.graph;
         let p = &graph.patches().patches[graph.instance(to.instance).patch as usize];
         let cell = graph.cell(to);
-        match class(cell, p.num_edges) {
+        match class_of(cell, p.num_edges) {
             inside if inside == p.num_edges => {
                 let quarters = (cell.placement.heading / std::f32::consts::FRAC_PI_2).round();
                 inside + quarters.rem_euclid(4.0) as u32
@@ -155,21 +155,21 @@ impl<'p, 'a> Edges<'p, 'a> {
     }
 
     /// Adds the steps into the cluster from an instance beyond.
-    fn add_entrances(&mut self, instance: u32, a: &AdjacencyRecord, t: &JointTableRecord, beyond: Beyond) {
+    fn add_entrances(&mut self, instance: u32, a: &AdjacencyRecord, t: &JointTableRecord, beyond: AdjacentPart) {
         let (outline, graph) = (self.outline, self.outline.graph);
         let Some(&k) = outline.numbers.get(&beyond) else { return };
         let to_b = a.side == 1;
         let (cells, links) =
             (graph.patches().cells_of(t.patch_a as usize), graph.patches().links_of(t.patch_a as usize));
         let num_edges = graph.patches().patches[t.patch_a as usize].num_edges;
-        for (_, j) in graph.joints(t).iter().enumerate().filter(|(n, _)| graph.may_go(a, *n, to_b)) {
+        for (_, j) in graph.joints(t).iter().enumerate().filter(|(n, _)| graph.can_go(a, *n, to_b)) {
             match (to_b, num_edges > 0) {
                 // Out of a tile's link into the block, or into a tile's link out of it.
                 (true, true) => {
-                    let to = Node { instance, cell: j.b };
+                    let to = WorldNode { instance, cell: j.b };
                     let from: &CellRecord = &cells[links[j.a as usize].from as usize];
                     let tile = beyond.tile().is_some();
-                    let class = if tile { class(from, num_edges) } else { 0 };
+                    let class = if tile { class_of(from, num_edges) } else { 0 };
                     if graph.is_enabled(to) {
                         // What leads here from another cluster is counted there.
                         let frames = if tile { j.a_offset as u16 } else { 0 };
@@ -179,13 +179,15 @@ impl<'p, 'a> Edges<'p, 'a> {
                 }
                 (false, true) => {
                     let l = &links[j.a as usize];
-                    if let Some(to) = graph.end_node(instance, l).filter(|to| outline.beyond(to.instance).is_none()) {
+                    if let Some(to) =
+                        graph.end_node(instance, l).filter(|to| outline.adjacent_part(to.instance).is_none())
+                    {
                         let arc = (self.entrance(k, 0, NONE), self.cell(to), 0);
                         self.arcs.push(arc);
                     }
                 }
                 (_, false) => {
-                    let to = Node { instance, cell: if to_b { j.b } else { j.a } };
+                    let to = WorldNode { instance, cell: if to_b { j.b } else { j.a } };
                     let cell = graph.cell(to);
                     let links = cell.first_link..cell.first_link + cell.num_links;
                     for s in links.filter(|_| graph.is_enabled(to)).filter_map(|l| graph.step_along(instance, l)) {

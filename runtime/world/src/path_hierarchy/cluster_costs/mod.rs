@@ -6,23 +6,23 @@ mod outline;
 mod search_graph;
 
 use super::dial::{Arcs, Dial, UNREACHED};
-use super::plane::Spot;
+use super::plane::CellCost;
 use alike::least_across;
-use edges::Landing;
-pub(super) use outline::Outline;
+use edges::ExitLanding;
+pub(super) use outline::ClusterOutline;
 use search_graph::SearchGraph;
 use serde::{Deserialize, Serialize};
 
 /// Part of the world that a cluster overlaps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Beyond {
+pub(crate) enum AdjacentPart {
     /// A tile of a floor.
     Tile(u32),
     /// Another cluster.
     Cluster(u32),
 }
 
-impl Beyond {
+impl AdjacentPart {
     /// The tile, where it is one.
     pub fn tile(self) -> Option<u32> {
         if let Self::Tile(t) = self { Some(t) } else { None }
@@ -38,22 +38,22 @@ impl Beyond {
 ///
 /// An entrance begins at some cells, and an exit ends at some, each with an additional cost of its own: the tables
 /// leave it out, and it is added on entering those cells or leaving from there. Costs to single cells are left to a
-/// search by the caller, see [`ClusterCosts::back`].
+/// search by the caller, see [`ClusterCosts::arcs_into`].
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct ClusterCosts {
     num_cells: u32,
-    /// Entrances: what each leads from, as a number in [`Outline::beyond`], and the cells there, each with what of the way is
+    /// Entrances: what each leads from, as a number in [`ClusterOutline::beyond`], and the cells there, each with what of the way is
     /// counted on coming there.
-    pub entrances: Vec<(u32, Vec<Spot>)>,
+    pub entrances: Vec<(u32, Vec<CellCost>)>,
     /// Exits: what each leads to.
     #[serde(with = "crate::pod")]
     pub exits: Vec<u32>,
     /// Ends of each exit, with the part of the cost that is added on leaving from there (frames).
-    spots: Vec<Vec<(Landing, u16)>>,
+    spots: Vec<Vec<(ExitLanding, u16)>>,
     /// Excess of the table over the true costs to each exit (frames).
     #[serde(with = "crate::pod")]
     more: Vec<u16>,
-    /// States that each entrance begins at, see [`ClusterCosts::back`], with what is counted on coming there.
+    /// States that each entrance begins at, see [`ClusterCosts::arcs_into`], with what is counted on coming there.
     starts: Vec<Vec<(u32, u16)>>,
     /// Least frames to leave by each exit, from each cell (exits * cells).
     #[serde(with = "crate::pod")]
@@ -67,7 +67,7 @@ pub(crate) struct ClusterCosts {
 
 impl ClusterCosts {
     /// Searches from every entrance and to every exit.
-    pub fn new(outline: &Outline<'_>, search: &mut Dial) -> Self {
+    pub fn new(outline: &ClusterOutline<'_>, search: &mut Dial) -> Self {
         let search_graph = SearchGraph::new(outline);
         let [mut entrances, exits] = search_graph.entrances_and_exits(search);
         let mut out = Self { num_cells: outline.num_cells, ..Self::default() };
@@ -77,11 +77,11 @@ impl ClusterCosts {
             out.to_exit.extend((0..outline.num_cells).map(|c| search.cost(c)));
             across.push(search_graph.costs_of_entrances(search));
             out.exits.push(alike.beyond);
-            out.more.push(alike.most());
+            out.more.push(alike.max_part());
             out.spots.push(alike.places.iter().map(|&(n, part)| (search_graph.landing(n), part)).collect());
         }
         let more = &out.more;
-        entrances.iter_mut().for_each(|alike| alike.fit(across.iter().zip(more).map(|(a, m)| (&a[..], *m))));
+        entrances.iter_mut().for_each(|alike| alike.fit_parts(across.iter().zip(more).map(|(a, m)| (&a[..], *m))));
         for (costs, more) in across.iter().zip(more) {
             out.across.extend(entrances.iter().map(|alike| least_across(alike, costs, *more)));
         }
@@ -125,8 +125,8 @@ impl ClusterCosts {
     }
 
     /// Arcs into a state: the states before it, and their lengths (frames).
-    pub fn back(&self, state: u32) -> &[(u32, u16)] {
-        self.back.of(state)
+    pub fn arcs_into(&self, state: u32) -> &[(u32, u16)] {
+        self.back.arcs_from(state)
     }
 
     /// States that an entrance begins at, each with what of the way is counted on coming there.
@@ -140,13 +140,13 @@ impl ClusterCosts {
     }
 
     /// Least frames from an entrance to an exit.
-    pub fn across(&self, entrance: u32, out: u32) -> f32 {
+    pub fn cost_across(&self, entrance: u32, out: u32) -> f32 {
         frames(self.across[out as usize * self.entrances.len() + entrance as usize])
     }
 
     /// Ends of an exit: the offset from the tile that it leads through (copies), the cell there, and the cost that is
     /// added on leaving from it.
-    pub fn spots(&self, out: u32) -> impl ExactSizeIterator<Item = ([i32; 2], u32, f32)> {
+    pub fn exit_landings(&self, out: u32) -> impl ExactSizeIterator<Item = ([i32; 2], u32, f32)> {
         self.spots[out as usize].iter().map(|(l, part)| (l.offset, l.cell, f32::from(*part)))
     }
 }

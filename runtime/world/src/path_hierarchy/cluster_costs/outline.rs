@@ -2,12 +2,12 @@
 
 use super::super::clusters::Clusters;
 use super::super::floors::Floors;
-use super::Beyond;
+use super::AdjacentPart;
 use crate::WorldGraph;
 use std::collections::BTreeMap;
 
 /// Cluster, with the numbering of its parts.
-pub(crate) struct Outline<'a> {
+pub(crate) struct ClusterOutline<'a> {
     /// The world.
     pub graph: &'a WorldGraph,
     /// Floors of the world.
@@ -17,46 +17,46 @@ pub(crate) struct Outline<'a> {
     /// Number of this cluster.
     pub cluster: u32,
     /// Instances that overlap the cluster, in its order.
-    pub beyond: Vec<Beyond>,
+    pub adjacent_parts: Vec<AdjacentPart>,
     /// Number of each there.
-    pub numbers: BTreeMap<Beyond, u32>,
+    pub numbers: BTreeMap<AdjacentPart, u32>,
     /// Cells of all instances.
     pub num_cells: u32,
 }
 
-impl<'a> Outline<'a> {
+impl<'a> ClusterOutline<'a> {
     /// Numbers what a cluster overlaps.
     pub fn new(graph: &'a WorldGraph, floors: &'a Floors, clusters: &'a Clusters, cluster: u32) -> Self {
         let members = &clusters.members[cluster as usize];
         let num_cells = members.iter().map(|&m| graph.num_cells(m)).sum();
         let (beyond, numbers) = (Vec::new(), BTreeMap::new());
-        let mut out = Self { graph, floors, clusters, cluster, beyond, numbers, num_cells };
+        let mut out = Self { graph, floors, clusters, cluster, adjacent_parts: beyond, numbers, num_cells };
         for &m in members {
             for (_, a, _) in graph.adjacencies(m) {
-                let Some(beyond) = out.beyond(a.other) else { continue };
+                let Some(beyond) = out.adjacent_part(a.other) else { continue };
                 if out.numbers.contains_key(&beyond) {
                     continue;
                 }
-                out.numbers.insert(beyond, out.beyond.len() as u32);
-                out.beyond.push(beyond);
+                out.numbers.insert(beyond, out.adjacent_parts.len() as u32);
+                out.adjacent_parts.push(beyond);
             }
         }
         out
     }
 
     /// Part of the world that an instance is to the cluster; none for its own.
-    pub fn beyond(&self, instance: u32) -> Option<Beyond> {
-        match self.clusters.of(instance) {
-            None => Some(Beyond::Tile(instance)),
-            Some(d) => (d != self.cluster).then_some(Beyond::Cluster(d)),
+    pub fn adjacent_part(&self, instance: u32) -> Option<AdjacentPart> {
+        match self.clusters.cluster_of(instance) {
+            None => Some(AdjacentPart::Tile(instance)),
+            Some(d) => (d != self.cluster).then_some(AdjacentPart::Cluster(d)),
         }
     }
 
     /// Key on which all its costs depend: clusters with the same key have the same costs.
-    pub fn key(&self) -> Vec<u64> {
+    pub fn cost_key(&self) -> Vec<u64> {
         let (graph, world) = (self.graph, self.graph.world());
         let members = &self.clusters.members[self.cluster as usize];
-        let number = |i: u32| match self.beyond(i) {
+        let number = |i: u32| match self.adjacent_part(i) {
             None => members.partition_point(|&m| m < i) as u64,
             Some(beyond) => u64::MAX - u64::from(self.numbers.get(&beyond).copied().unwrap_or(u32::MAX)),
         };
@@ -73,9 +73,9 @@ impl<'a> Outline<'a> {
                 key.extend([number(a.other), a.table.into(), a.side.into()]);
                 let words = (2 * t.num_joints).div_ceil(64) as usize;
                 key.extend(&world.joint_words[a.first_word as usize..][..words]);
-                if let Some(beyond) = self.beyond(a.other) {
-                    if let Beyond::Cluster(d) = beyond {
-                        key.push(self.clusters.number(d, a.other).into());
+                if let Some(beyond) = self.adjacent_part(a.other) {
+                    if let AdjacentPart::Cluster(d) = beyond {
+                        key.push(self.clusters.instance_number(d, a.other).into());
                     }
                     let o = graph.instance(a.other);
                     let words = graph.num_cells(a.other).div_ceil(64) as usize;

@@ -31,32 +31,32 @@ const SIDE: f64 = 0.5;
 const MAX_TRIES: usize = 500;
 
 /// Links into each cell: the offset to their start (copies), and the cell there.
-pub(super) type Back = Arcs<([i32; 2], u32)>;
+pub(super) type BackwardArcs = Arcs<([i32; 2], u32)>;
 
 /// Prices that earn nothing on any cycle, and between which no others are much higher (frames/copy).
-pub(super) fn prices(back: &Back, num_cells: u32) -> Vec<[f32; 2]> {
-    let corner = |at: [f64; 2]| Corner { at: at.map(|a| a * f64::from(HIGHEST)), sound: false };
+pub(super) fn least_prices(back: &BackwardArcs, num_cells: u32) -> Vec<[f32; 2]> {
+    let corner = |at: [f64; 2]| PriceCorner { at: at.map(|a| a * f64::from(HIGHEST)), sound: false };
     let mut corners = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].map(corner).to_vec();
     for _ in 0..MAX_TRIES {
         let Some(at) = corners.iter().position(|c| !c.sound) else { break };
-        let mut search = Search::new(num_cells);
+        let mut search = PriceSearch::new(num_cells);
         search.costs.fill(0.0);
-        if search.run(back, careful(corners[at].at)) {
+        if search.run(back, round_down_price(corners[at].at)) {
             corners[at].sound = true;
             continue;
         }
         match search.cycle() {
-            Some((offset, frames)) => cut(&mut corners, at, offset, frames),
+            Some((offset, frames)) => cut_corner(&mut corners, at, offset, frames),
             None => _ = corners.remove(at),
         }
     }
     corners.retain(|c| c.sound);
-    between(&corners.iter().map(|c| c.at).collect::<Vec<_>>()).into_iter().map(careful).collect()
+    prices_between(&corners.iter().map(|c| c.at).collect::<Vec<_>>()).into_iter().map(round_down_price).collect()
 }
 
 /// Corners, and prices on the sides between those that are far from each other: nearer paths get higher bounds from
 /// them, since less of those prices is left at the ends.
-fn between(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
+fn prices_between(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let length = |[u, v]: [f64; 2]| maths::hypot(u, v);
     let longest = corners.iter().map(|&c| length(c)).fold(0.0, f64::max) * SIDE;
     let mut out = Vec::new();
@@ -73,13 +73,13 @@ fn between(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
 /// infinite where no path leads there.
 ///
 /// - returns none where a cycle has a negative cost, or a cheapest path has more links than rounds are followed.
-pub(super) fn rest(
-    back: &Back,
+pub(super) fn rest_costs(
+    back: &BackwardArcs,
     price: [f32; 2],
     to: impl Iterator<Item = (u32, u16)>,
     num_cells: u32,
 ) -> Option<Vec<f32>> {
-    let mut search = Search::new(num_cells);
+    let mut search = PriceSearch::new(num_cells);
     to.for_each(|(cell, cost)| search.costs[cell as usize] = f64::from(cost));
     // Subtracts the decreases that were too small to be noticed.
     search.run(back, price).then(|| search.costs.into_iter().map(|c| (c - SLACK) as f32).collect())
@@ -87,19 +87,19 @@ pub(super) fn rest(
 
 /// A corner of the polygon of prices; sound where no cycle is known to earn by it.
 #[derive(Clone, Copy)]
-struct Corner {
+struct PriceCorner {
     at: [f64; 2],
     sound: bool,
 }
 
 /// A little lower.
-fn careful(price: [f64; 2]) -> [f32; 2] {
+fn round_down_price(price: [f64; 2]) -> [f32; 2] {
     price.map(|p| p as f32 * (1.0 - CARE))
 }
 
 /// Cuts off a corner by which a cycle earns (Sutherland and Hodgman 1974).
-fn cut(corners: &mut Vec<Corner>, at: usize, offset: [f64; 2], frames: f64) {
-    let earns = |c: &Corner| c.at[0] * offset[0] + c.at[1] * offset[1] - frames;
+fn cut_corner(corners: &mut Vec<PriceCorner>, at: usize, offset: [f64; 2], frames: f64) {
+    let earns = |c: &PriceCorner| c.at[0] * offset[0] + c.at[1] * offset[1] - frames;
     let share = frames / (earns(&corners[at]) + frames);
     if share > 1.0 - NEAR {
         corners[at].at = corners[at].at.map(|a| a * share.min(1.0 - f64::from(CARE)));
@@ -114,14 +114,14 @@ fn cut(corners: &mut Vec<Corner>, at: usize, offset: [f64; 2], frames: f64) {
         if (here <= 0.0) != (there <= 0.0) {
             let t = here / (here - there);
             let between = |k: usize| c.at[k] + t * (next.at[k] - c.at[k]);
-            left.push(Corner { at: [between(0), between(1)], sound: false });
+            left.push(PriceCorner { at: [between(0), between(1)], sound: false });
         }
     }
     *corners = left;
 }
 
 /// Least costs with prices (Bellman and Ford), and the links that they come by.
-struct Search {
+struct PriceSearch {
     costs: Vec<f64>,
     /// The cell that follows on the way from each, how far away that is, and the frames.
     next: Vec<Option<(u32, [i32; 2], u16)>>,
@@ -131,14 +131,14 @@ struct Search {
     on_cycle: Option<u32>,
 }
 
-impl Search {
+impl PriceSearch {
     fn new(num_cells: u32) -> Self {
         let n = num_cells as usize;
         Self { costs: vec![f64::INFINITY; n], next: vec![None; n], met: vec![0; n], on_cycle: None }
     }
 
     /// True where no cycle earns.
-    fn run(&mut self, back: &Back, price: [f32; 2]) -> bool {
+    fn run(&mut self, back: &BackwardArcs, price: [f32; 2]) -> bool {
         let price = price.map(f64::from);
         for _ in 0..MAX_ROUNDS {
             let mut changed = false;
@@ -147,7 +147,7 @@ impl Search {
                 if cost == f64::INFINITY {
                     continue;
                 }
-                for &((offset, from), frames) in back.of(cell) {
+                for &((offset, from), frames) in back.arcs_from(cell) {
                     let total =
                         cost + f64::from(frames) - price[0] * f64::from(offset[0]) - price[1] * f64::from(offset[1]);
                     if total < self.costs[from as usize] - NOTHING {

@@ -8,11 +8,11 @@ mod lattice;
 mod tests;
 
 use super::dial::{Arcs, Dial, UNREACHED};
-use far::Back;
+use far::BackwardArcs;
 use glam::Vec3;
 use lattice::lattice;
 use serde::{Deserialize, Serialize};
-use throng_core::patch::{CellRecord, NONE, Patches};
+use throng_core::patch::{CellRecord, NONE, PatchTables};
 
 /// Costs to the cells of a class are in the table up to this many copies away (copies).
 const RADIUS: i32 = 6;
@@ -27,14 +27,14 @@ const CREDIBLE: f32 = 1e9;
 const MARGIN: i32 = 2;
 
 /// Cell, with an additional cost on reaching it (frames).
-pub(crate) type Spot = (u32, u16);
+pub(crate) type CellCost = (u32, u16);
 
 /// Tile whose copies fill a plane. Its cells are of classes: those that are entered across each edge, and the inside.
 ///
 /// Costs to *goals*, which are sets of cells, are in rows: for each goal one row a direction for everything far away,
 /// and then one an offset nearby. The first goals are the classes.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Plane {
+pub(crate) struct TilePlane {
     /// Steps across each edge, in copies along two directions.
     #[serde(with = "crate::pod")]
     pub steps: Vec<[i32; 2]>,
@@ -42,7 +42,7 @@ pub(crate) struct Plane {
     /// Cells of each class.
     classes: Vec<Vec<u32>>,
     #[serde(skip)]
-    back: Back,
+    back: BackwardArcs,
     /// Least cost of a copy, for one or more directions (frames/copy).
     #[serde(with = "crate::pod")]
     prices: Vec<[f32; 2]>,
@@ -52,7 +52,7 @@ pub(crate) struct Plane {
     /// Number of the best price by offset (offsets up to `FAR`).
     #[serde(with = "crate::pod")]
     best_prices: Vec<u16>,
-    goals: Vec<Goal>,
+    goals: Vec<PlaneGoal>,
     /// Least frames from each cell, beyond what its row costs (rows * cells).
     #[serde(with = "crate::pod")]
     costs: Vec<u16>,
@@ -76,29 +76,29 @@ pub(crate) struct Plane {
 
 /// Goal: cells that paths lead to.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct Goal {
+struct PlaneGoal {
     /// Cells of the goal, each with its additional cost.
-    cells: Vec<Spot>,
+    cells: Vec<CellCost>,
     first_row: u32,
     radius: i32,
 }
 
 /// Rows of a goal.
-pub(crate) struct Rows {
-    goal: Goal,
-    rows: Vec<Costs>,
+pub(crate) struct GoalRows {
+    goal: PlaneGoal,
+    rows: Vec<RowCosts>,
 }
 
 /// Least cost of a row, costs beyond it, and the rounding lost.
-struct Costs {
+struct RowCosts {
     least: f32,
     beyond: Vec<u16>,
     slack: f32,
 }
 
-/// Location of the costs to a goal at an offset: for a cell, the sum of [`Plane::cost`] in a row and `more`.
+/// Location of the costs to a goal at an offset: for a cell, the sum of [`TilePlane::cost`] in a row and `more`.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Look {
+pub(crate) struct CostLookup {
     /// Number of the row.
     pub row: u32,
     /// (frames)
@@ -106,19 +106,19 @@ pub(crate) struct Look {
 }
 
 /// Class of a cell: its edge, past the last one the inside.
-pub(crate) fn class(cell: &CellRecord, num_edges: u32) -> u32 {
+pub(crate) fn class_of(cell: &CellRecord, num_edges: u32) -> u32 {
     if cell.edge == NONE { num_edges } else { cell.edge }
 }
 
-impl Plane {
+impl TilePlane {
     /// Table of a patch; none for blocks, and for tiles whose copies form a line or no lattice.
-    pub fn new(patches: &Patches, patch: usize, search: &mut Dial) -> Option<Self> {
+    pub fn new(patches: &PatchTables, patch: usize, search: &mut Dial) -> Option<Self> {
         let edges = patches.edges_of(patch);
         let vectors: Vec<Vec3> = edges.iter().map(|e| Vec3::from_array(e.step)).collect();
         let steps = lattice(&vectors)?;
         let (cells, num_edges) = (patches.cells_of(patch), edges.len() as u32);
         let back = arcs_back(patches, patch, &steps);
-        let prices = far::prices(&back, cells.len() as u32);
+        let prices = far::least_prices(&back, cells.len() as u32);
         let mut out = Self {
             steps,
             num_cells: cells.len() as u32,
@@ -133,12 +133,12 @@ impl Plane {
             least_of: Vec::new(),
             slack: Vec::new(),
             goal_of: vec![NONE; cells.len()],
-            rest_cells: (0..cells.len() as u32).filter(|&c| cells[c as usize].is(CellRecord::IS_REST)).collect(),
+            rest_cells: (0..cells.len() as u32).filter(|&c| cells[c as usize].has_flags(CellRecord::IS_REST)).collect(),
             rest: None,
         };
         let all: Vec<u32> = out.classes.concat();
         for price in prices {
-            if let Some(rest) = far::rest(&out.back, price, all.iter().map(|&c| (c, 0)), out.num_cells) {
+            if let Some(rest) = far::rest_costs(&out.back, price, all.iter().map(|&c| (c, 0)), out.num_cells) {
                 out.prices.push(price);
                 out.leasts.push(rest.into_iter().fold(f32::INFINITY, f32::min));
             }
@@ -152,7 +152,7 @@ impl Plane {
         for class in 0..=num_edges as usize {
             let cells: Vec<_> = out.classes[class].iter().map(|&c| (c, 0)).collect();
             let rows = out.rows_of(&cells, RADIUS, search);
-            out.add(rows);
+            out.add_goal(rows);
         }
         Some(out)
     }
@@ -163,8 +163,8 @@ impl Plane {
     pub fn is_sound(&self, num_cells: u32, num_edges: u32) -> bool {
         let (rows, n, classes) = (self.least.len(), num_cells as usize, num_edges as usize + 1);
         let is_goal = |g: u32| (g as usize) < self.goals.len();
-        let num_rows = |g: &Goal| self.prices.len() + (2 * g.radius as usize + 1).pow(2);
-        let goal = |g: &Goal| {
+        let num_rows = |g: &PlaneGoal| self.prices.len() + (2 * g.radius as usize + 1).pow(2);
+        let goal = |g: &PlaneGoal| {
             (0..=RADIUS).contains(&g.radius)
                 && (g.first_row as usize).checked_add(num_rows(g)).is_some_and(|end| end <= rows)
                 && g.cells.iter().all(|c| c.0 < num_cells)
@@ -191,12 +191,12 @@ impl Plane {
     }
 
     /// Number of a goal that was added.
-    pub fn goal(&self, cells: &[Spot]) -> Option<u32> {
+    pub fn goal(&self, cells: &[CellCost]) -> Option<u32> {
         self.goals.iter().position(|g| g.cells == cells).map(|g| g as u32)
     }
 
     /// Cells of a goal.
-    pub fn cells(&self, goal: u32) -> &[Spot] {
+    pub fn cells(&self, goal: u32) -> &[CellCost] {
         &self.goals[goal as usize].cells
     }
 
@@ -206,13 +206,13 @@ impl Plane {
     }
 
     /// Rest cells, each as a goal, and all of them as one: the most frequent goals.
-    pub fn rests(&self) -> Vec<Vec<Spot>> {
+    pub fn is_rest_goal(&self) -> Vec<Vec<CellCost>> {
         let all = (!self.rest_cells.is_empty()).then(|| self.rest_cells.iter().map(|&c| (c, 0)).collect());
         self.rest_cells.iter().map(|&c| vec![(c, 0)]).chain(all).collect()
     }
 
     /// Adds the rows of a goal.
-    pub fn add(&mut self, rows: Rows) {
+    pub fn add_goal(&mut self, rows: GoalRows) {
         let number = self.goals.len() as u32;
         if let [(cell, 0)] = rows.goal.cells[..] {
             self.goal_of[cell as usize] = number;
@@ -220,7 +220,7 @@ impl Plane {
         if rows.goal.cells.iter().copied().eq(self.rest_cells.iter().map(|&c| (c, 0))) {
             self.rest = Some(number);
         }
-        self.goals.push(Goal { first_row: self.least.len() as u32, ..rows.goal });
+        self.goals.push(PlaneGoal { first_row: self.least.len() as u32, ..rows.goal });
         for row in rows.rows {
             self.least.push(row.least);
             self.slack.push(row.slack);
@@ -233,17 +233,17 @@ impl Plane {
     }
 
     /// Works out the rows of a cell, for goals that are no classes.
-    pub fn rows_to(&self, cell: u32, search: &mut Dial) -> Rows {
+    pub fn rows_to(&self, cell: u32, search: &mut Dial) -> GoalRows {
         self.rows_of(&[(cell, 0)], GOAL_RADIUS, search)
     }
 
     /// Rows of a goal from those of its cells, each with its additional cost.
-    pub fn join(&self, parts: &[(&Rows, u16)]) -> Rows {
+    pub fn join_costs(&self, parts: &[(&GoalRows, u16)]) -> GoalRows {
         let cells = parts.iter().flat_map(|&(rows, cost)| rows.goal.cells.iter().map(move |c| (c.0, c.1 + cost)));
-        let goal = Goal { cells: cells.collect(), first_row: 0, radius: GOAL_RADIUS };
+        let goal = PlaneGoal { cells: cells.collect(), first_row: 0, radius: GOAL_RADIUS };
         let num_rows = parts.first().map_or(0, |p| p.0.rows.len());
         let rows = (0..num_rows).map(|k| {
-            let row = |p: &(&'_ Rows, u16)| p.0.rows[k].least + f32::from(p.1);
+            let row = |p: &(&'_ GoalRows, u16)| p.0.rows[k].least + f32::from(p.1);
             let least = parts.iter().map(row).fold(f32::INFINITY, f32::min);
             let slack = parts.iter().map(|p| p.0.rows[k].slack).fold(0.0, f32::max);
             let mut beyond = vec![UNREACHED; self.num_cells as usize];
@@ -253,27 +253,30 @@ impl Plane {
                     *to = (*to).min(from.saturating_add(more).min(UNREACHED - 1));
                 }
             }
-            Costs { least, beyond, slack }
+            RowCosts { least, beyond, slack }
         });
-        Rows { rows: rows.collect(), goal }
+        GoalRows { rows: rows.collect(), goal }
     }
 
     /// Location of the costs to a goal at an offset (copies).
-    pub fn look(&self, goal: u32, offset: [i32; 2]) -> Look {
+    pub fn lookup(&self, goal: u32, offset: [i32; 2]) -> CostLookup {
         let g = &self.goals[goal as usize];
         if offset.iter().all(|w| w.abs() <= g.radius) {
-            return Look { row: g.first_row + self.prices.len() as u32 + offset_number(offset, g.radius), more: 0.0 };
+            return CostLookup {
+                row: g.first_row + self.prices.len() as u32 + offset_number(offset, g.radius),
+                more: 0.0,
+            };
         }
-        self.look_far(g.first_row, offset)
+        self.lookup_far(g.first_row, offset)
     }
 
-    fn look_far(&self, first_row: u32, offset: [i32; 2]) -> Look {
+    fn lookup_far(&self, first_row: u32, offset: [i32; 2]) -> CostLookup {
         let k = match offset.iter().all(|w| w.abs() <= FAR) {
             true => u32::from(self.best_prices[offset_number(offset, FAR) as usize]),
             false => self.best_price(offset),
         };
         let (p, row) = (self.prices[k as usize], first_row + k);
-        Look { row, more: p[0] * offset[0] as f32 + p[1] * offset[1] as f32 + self.least[row as usize] }
+        CostLookup { row, more: p[0] * offset[0] as f32 + p[1] * offset[1] as f32 + self.least[row as usize] }
     }
 
     /// Number of the price that gives the highest lower bound of a path.
@@ -287,18 +290,18 @@ impl Plane {
     }
 
     /// Cost from a cell; infinite where there is no path (frames).
-    pub fn cost(&self, look: Look, cell: u32) -> f32 {
+    pub fn cost(&self, look: CostLookup, cell: u32) -> f32 {
         (frames(self.costs[(look.row * self.num_cells + cell) as usize]) + look.more).max(0.0)
     }
 
     /// The least cost from any cell of a class (frames).
-    pub fn least(&self, look: Look, class: u32) -> f32 {
+    pub fn least(&self, look: CostLookup, class: u32) -> f32 {
         let beyond = self.least_of[look.row as usize * self.classes.len() + class as usize];
         (frames(beyond) + look.more).max(0.0)
     }
 
     /// The least cost from any cell (frames).
-    pub fn least_of_all(&self, look: Look) -> f32 {
+    pub fn least_of_all(&self, look: CostLookup) -> f32 {
         (0..self.classes.len() as u32).map(|class| self.least(look, class)).fold(f32::INFINITY, f32::min)
     }
 
@@ -308,28 +311,28 @@ impl Plane {
         if offset.iter().any(|w| w.abs() > self.goals[to as usize].radius) {
             return f32::INFINITY;
         }
-        let look = self.look(to, offset);
+        let look = self.lookup(to, offset);
         let costs = self.cells(from).iter().map(|&(cell, cost)| self.cost(look, cell) - f32::from(cost));
         costs.fold(0.0, f32::max) + self.slack[look.row as usize]
     }
 
-    fn rows_of(&self, cells: &[Spot], radius: i32, search: &mut Dial) -> Rows {
-        let mut out = Rows { goal: Goal { cells: cells.to_vec(), first_row: 0, radius }, rows: Vec::new() };
+    fn rows_of(&self, cells: &[CellCost], radius: i32, search: &mut Dial) -> GoalRows {
+        let mut out = GoalRows { goal: PlaneGoal { cells: cells.to_vec(), first_row: 0, radius }, rows: Vec::new() };
         for (&price, &least) in self.prices.iter().zip(&self.leasts) {
             // Where no more is known, as much is left as of any path.
-            let rest = far::rest(&self.back, price, cells.iter().copied(), self.num_cells)
+            let rest = far::rest_costs(&self.back, price, cells.iter().copied(), self.num_cells)
                 .unwrap_or_else(|| vec![least; self.num_cells as usize]);
             let least = rest.iter().copied().fold(f32::INFINITY, f32::min);
             let least = if least < f32::INFINITY { least.floor() } else { 0.0 };
             let beyond = rest.iter().map(|r| whole(r - least)).collect();
-            out.rows.push(Costs { least, beyond, slack: f32::INFINITY });
+            out.rows.push(RowCosts { least, beyond, slack: f32::INFINITY });
         }
         self.add_near(&mut out, radius, search);
         out
     }
 
     /// Adds a row for each offset nearby.
-    fn add_near(&self, rows: &mut Rows, radius: i32, search: &mut Dial) {
+    fn add_near(&self, rows: &mut GoalRows, radius: i32, search: &mut Dial) {
         let (wide, n) = (radius + MARGIN, self.num_cells);
         let across = 2 * wide + 1;
         let number = |[x, z]: [i32; 2], cell: u32| ((x + wide) * across + z + wide) as u32 * n + cell;
@@ -337,10 +340,10 @@ impl Plane {
         search.run((across * across) as usize * n as usize, goal, |search, state| {
             let (tile, cell) = ((state / n) as i32, state % n);
             let [x, z] = [tile / across - wide, tile % across - wide];
-            for &(([dx, dz], from), frames) in self.back.of(cell) {
+            for &(([dx, dz], from), frames) in self.back.arcs_from(cell) {
                 let at = [x - dx, z - dz];
                 if at[0].abs() <= wide && at[1].abs() <= wide {
-                    search.reach(number(at, from), frames);
+                    search.reach_state(number(at, from), frames);
                 }
             }
         });
@@ -358,7 +361,7 @@ impl Plane {
                 let most = if whole(found) >= UNREACHED - 1 { f32::INFINITY } else { found };
                 slack = if cost < f32::INFINITY { slack.max(most - cost.floor()) } else { slack };
             }
-            rows.rows.push(Costs { least: 0.0, beyond, slack });
+            rows.rows.push(RowCosts { least: 0.0, beyond, slack });
         }
     }
 
@@ -380,11 +383,11 @@ impl Plane {
 }
 
 /// Arcs from each cell back to where links to it begin.
-fn arcs_back(patches: &Patches, patch: usize, steps: &[[i32; 2]]) -> Back {
+fn arcs_back(patches: &PatchTables, patch: usize, steps: &[[i32; 2]]) -> BackwardArcs {
     let cells = patches.cells_of(patch);
     let list = patches.links_of(patch).iter().filter(|l| !l.is_for_two()).map(|l| {
         let to = &cells[l.to as usize];
-        let exit = to.is(CellRecord::IS_EXIT);
+        let exit = to.has_flags(CellRecord::IS_EXIT);
         let (cell, step) = if exit { (to.twin, steps[to.edge as usize]) } else { (l.to, [0, 0]) };
         (cell, (step, l.from), l.num_frames)
     });
@@ -393,7 +396,7 @@ fn arcs_back(patches: &Patches, patch: usize, steps: &[[i32; 2]]) -> Back {
 
 /// Cells of a class.
 fn cells_of(cells: &[CellRecord], of: u32, num_edges: u32) -> impl Iterator<Item = u32> {
-    let is = move |c: &CellRecord| !c.is(CellRecord::IS_EXIT) && class(c, num_edges) == of;
+    let is = move |c: &CellRecord| !c.has_flags(CellRecord::IS_EXIT) && class_of(c, num_edges) == of;
     cells.iter().enumerate().filter(move |(_, c)| is(c)).map(|(k, _)| k as u32)
 }
 

@@ -5,8 +5,8 @@ use crate::made_up::{Tile, tiles};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 
-fn plane(tile: &Tile) -> Option<Plane> {
-    Plane::new(&tile.patches(), 0, &mut Dial::default())
+fn plane(tile: &Tile) -> Option<TilePlane> {
+    TilePlane::new(&tile.patches(), 0, &mut Dial::default())
 }
 
 proptest! {
@@ -23,7 +23,7 @@ proptest! {
                     let ends = |cell: u32| cell < 4 && cell == c || cell >= 8 && c == 4;
                     let costs = found.iter().filter(|((at, cell), _)| *at == offset && ends(*cell)).map(|(_, f)| *f);
                     let best = costs.min().map_or(f32::INFINITY, |f| f as f32);
-                    let cost = plane.cost(plane.look(c, offset), from);
+                    let cost = plane.cost(plane.lookup(c, offset), from);
                     // A longer one than the bound might lead beyond the rim, which is 9 copies away, and back: there only that
                     // is known. It is worth something: a copy takes 20 frames at least.
                     prop_assert!(around > 10.0 * (2 * (RADIUS + MARGIN + 1) - 2) as f32, "{:?}: {}", offset, around);
@@ -42,8 +42,8 @@ proptest! {
     fn far_ways_cost_no_less_than_their_bounds(tile in tiles()) {
         let mut plane = plane(&tile).unwrap();
         let parts = [1, 9].map(|cell| plane.rows_to(cell, &mut Dial::default()));
-        let rows = plane.join(&[(&parts[0], 13), (&parts[1], 0)]);
-        plane.add(rows);
+        let rows = plane.join_costs(&[(&parts[0], 13), (&parts[1], 0)]);
+        plane.add_goal(rows);
         for from in [0, 2, 8] {
             let found = tile.dijkstra(from);
             for offset in offsets(8) {
@@ -52,7 +52,7 @@ proptest! {
                     let there = found.iter().filter(|((at, _), _)| *at == offset);
                     let costs = there.filter_map(|((_, cell), f)| Some(*f + part(*cell)?));
                     let best = costs.min().map_or(f32::INFINITY, |f| f as f32);
-                    let bound = plane.cost(plane.look(goal, offset), from);
+                    let bound = plane.cost(plane.lookup(goal, offset), from);
                     prop_assert!(bound <= best, "{} to goal {} {:?}: {} {}", from, goal, offset, bound, best);
                 }
             }
@@ -64,10 +64,10 @@ proptest! {
 fn far_ways_go_on_as_near_ones_do() {
     let plane = plane(&Tile::crossed_in(50, 40)).unwrap();
     // Cell 1 was entered from -x and goes on to +x.
-    let cost = plane.cost(plane.look(1, [30, 0]), 1);
+    let cost = plane.cost(plane.lookup(1, [30, 0]), 1);
     assert!((1485.0..=1500.0).contains(&cost), "{cost}");
     // All the entrance zigzag.
-    let cost = plane.least_of_all(plane.look(1, [20, 20]));
+    let cost = plane.least_of_all(plane.lookup(1, [20, 20]));
     assert!((1560.0..=1600.0).contains(&cost), "{cost}");
 }
 
@@ -77,7 +77,7 @@ fn the_most_from_a_goal_is_at_least_what_its_cells_cost() {
     for offset in [[2, 1], [0, 0], [9, -4]] {
         let most = plane.most(1, offset, 2);
         assert!(
-            plane.cells(2).iter().all(|&(c, _)| plane.cost(plane.look(1, offset), c) <= most),
+            plane.cells(2).iter().all(|&(c, _)| plane.cost(plane.lookup(1, offset), c) <= most),
             "{offset:?}: {most}"
         );
     }
@@ -113,12 +113,12 @@ const LAST: u32 = 258;
 const NUM_INSIDE: usize = (LAST - 8) as usize + 1;
 
 /// No bound on the costs from some cells to the goals is above what paths cost.
-fn check_bounds(tile: &Tile, plane: &Plane, goals: &[u32]) {
+fn check_bounds(tile: &Tile, plane: &TilePlane, goals: &[u32]) {
     for from in [0, 2, 8, LAST] {
         let found = tile.dijkstra(from);
         for (&(offset, cell), &frames) in &found {
             for &goal in goals.iter().filter(|&&g| plane.cells(g).iter().any(|c| c.0 == cell)) {
-                let bound = plane.cost(plane.look(goal, offset), from);
+                let bound = plane.cost(plane.lookup(goal, offset), from);
                 assert!(bound <= frames as f32, "{from} to goal {goal} {offset:?}: {bound} {frames}");
             }
         }
@@ -131,11 +131,11 @@ fn a_long_chain_of_links_to_a_goal_has_bounds() {
     let tile = Tile::new(NUM_INSIDE, &crossing.chain([(0, 8, 40)]).chain(chain()).collect::<Vec<_>>());
     let mut plane = plane(&tile).unwrap();
     assert!(plane.prices.iter().any(|p| p[0] > 30.0), "{:?}", plane.prices);
-    assert!(far::rest(&plane.back, plane.prices[0], [(LAST, 0)].into_iter(), plane.num_cells).is_none());
+    assert!(far::rest_costs(&plane.back, plane.prices[0], [(LAST, 0)].into_iter(), plane.num_cells).is_none());
     let rows = plane.rows_to(LAST, &mut Dial::default());
-    plane.add(rows);
+    plane.add_goal(rows);
     check_bounds(&tile, &plane, &[0, 1, 2, 3, 4, 5]);
-    let far = plane.cost(plane.look(5, [20, 0]), 0);
+    let far = plane.cost(plane.lookup(5, [20, 0]), 0);
     assert!(far >= 600.0, "copies between still have their price: {far}");
 }
 
@@ -159,7 +159,7 @@ fn tiles_in_a_line_fill_no_plane() {
 #[test]
 fn costs_that_are_no_numbers_are_refused() {
     let good = plane(&Tile::crossed_in(20, 16)).unwrap();
-    let is_sound = |forge: &dyn Fn(&mut Plane)| {
+    let is_sound = |forge: &dyn Fn(&mut TilePlane)| {
         let mut plane = good.clone();
         forge(&mut plane);
         plane.is_sound(good.num_cells, 4)

@@ -7,13 +7,13 @@ use proptest::prelude::*;
 /// Checks that no estimate is above what paths cost; how many paths on from regions were found dominated.
 fn check_estimates(tile: &Tile, depths: [i32; 3], target: usize) -> usize {
     let world = tile.floor(&places(depths));
-    let graph = WorldGraph::new(&tile.patches(), &world.view()).unwrap();
+    let graph = WorldGraph::new(&tile.patches(), &world.tables()).unwrap();
     let (hierarchy, nodes) = (graph.hierarchy(), nodes(&graph));
-    let mut upper = Upper::new(&graph, hierarchy);
+    let mut upper = UpperSearch::new(&graph, hierarchy);
     let target = nodes[target % nodes.len()];
     let costs = costs_to(&graph, target);
     for from in [nodes[0], nodes[nodes.len() - 1]] {
-        let leads = upper.run(&graph, hierarchy, Target::Node(target), from, f32::INFINITY);
+        let leads = upper.run(&graph, hierarchy, PlanTarget::Node(target), from, f32::INFINITY);
         assert!(leads || !costs.contains_key(&from), "{from:?} {target:?}");
         for (&node, &frames) in &costs {
             let estimate = upper.estimate(hierarchy, node);
@@ -50,9 +50,9 @@ fn ways_into_dead_ends_are_needless_and_nothing_is_lost_with_them() {
 fn ways_longer_than_can_be_counted_are_ways_still() {
     let tile = Tile::crossed_in(20, 16);
     let world = tile.floor(&places([3, 4, 2]));
-    let graph = WorldGraph::new(&tile.patches(), &world.view()).unwrap();
+    let graph = WorldGraph::new(&tile.patches(), &world.tables()).unwrap();
     let hierarchy = graph.hierarchy();
-    let mut upper = Upper::new(&graph, hierarchy);
+    let mut upper = UpperSearch::new(&graph, hierarchy);
     upper.begin();
     let (region, entrance) = (0..hierarchy.entrances.len() as u32)
         .filter_map(|e| Some((hierarchy.leads_from(e)?.0, e)))

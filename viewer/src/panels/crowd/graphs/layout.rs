@@ -1,7 +1,7 @@
 //! Layout of the states of a small graph: in rows, by number of edges from the start.
 
 use eframe::egui::{Rect, Vec2, pos2, vec2};
-use throng_runtime::simulation::scene::GraphConfig;
+use throng_runtime::simulation::scene::StateGraphConfig;
 
 /// Space between rows, and between the boxes of a row (points).
 const ROWS: f32 = 40.0;
@@ -11,16 +11,16 @@ const MARGIN: f32 = 26.0;
 
 /// A graph of states, by number.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shape {
+pub struct StateGraphShape {
     /// Number of the state in which it begins.
     pub start: usize,
     /// From which state, any where absent, to which (number of edges).
     pub edges: Vec<(Option<usize>, usize)>,
 }
 
-impl Shape {
+impl StateGraphShape {
     /// The graph of a scene; states are in the order of their names.
-    pub fn of(graph: &GraphConfig) -> Self {
+    pub fn from_config(graph: &StateGraphConfig) -> Self {
         let number = |name: &str| graph.states.keys().position(|s| s == name).unwrap_or(0);
         let edges = graph.edges.iter().map(|e| (e.from.as_deref().map(number), number(&e.to)));
         Self { start: number(&graph.start), edges: edges.collect() }
@@ -51,7 +51,7 @@ impl Shape {
 }
 
 /// Lays out boxes of some sizes within a width, which is kept to unless a single box is wider; returns them and the height.
-pub fn lay_out(shape: &Shape, sizes: &[Vec2], width: f32) -> (Vec<Rect>, f32) {
+pub fn lay_out(shape: &StateGraphShape, sizes: &[Vec2], width: f32) -> (Vec<Rect>, f32) {
     let room = width - 2.0 * MARGIN;
     let mut boxes = vec![Rect::ZERO; sizes.len()];
     let mut y = 2.0;
@@ -97,7 +97,7 @@ mod tests {
     #[test]
     fn states_lie_in_rows_by_their_distance_from_the_start_and_do_not_overlap() {
         let edges = vec![(Some(0), 1), (Some(0), 2), (Some(1), 3), (None, 4), (Some(3), 0), (Some(2), 2)];
-        let shape = Shape { start: 0, edges };
+        let shape = StateGraphShape { start: 0, edges };
         let sizes = [vec2(60.0, 20.0), vec2(90.0, 20.0), vec2(90.0, 20.0), vec2(40.0, 20.0), vec2(90.0, 20.0)];
         let (boxes, height) = lay_out(&shape, &sizes, 330.0);
         for (i, a) in boxes.iter().enumerate() {

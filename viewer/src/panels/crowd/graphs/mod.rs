@@ -6,17 +6,17 @@ mod route;
 
 use crate::document::SceneDocument;
 use crate::model::Model;
-use crate::run::agents::{Entry, first_agent};
+use crate::run::agents::{StateEntry, first_agent};
 use eframe::egui::Ui;
-use layout::Shape;
-use throng_runtime::simulation::scenario::{Minds, StateNow};
-use throng_runtime::simulation::scene::{EdgeConfig, GraphConfig};
+use layout::StateGraphShape;
+use throng_runtime::simulation::scenario::{AgentBrains, CurrentState};
+use throng_runtime::simulation::scene::{EdgeConfig, StateGraphConfig};
 
 /// Levels by their names, the highest first.
 const LEVELS: [&str; 3] = ["social", "spatial", "primitive"];
 
 /// Shows the graphs that the selected agent is in.
-pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &Minds) {
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &AgentBrains) {
     let simulation = scene.run().simulation();
     let first = first_agent(simulation).unwrap_or(0);
     let selected = model.selection.character.and_then(|who| who.checked_sub(first)).filter(|a| *a < minds.len());
@@ -33,14 +33,19 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &Minds) {
         let entry = scene.run().entry(first + agent, level);
         let graph = now.and_then(|now| Some((now, simulation.scene().graphs.get(now.graph)?)));
         match graph {
-            Some((now, graph)) => one(ui, (level, now), graph, entry),
+            Some((now, graph)) => show_graph(ui, (level, now), graph, entry),
             None => drop(ui.weak(format!("{}: no graph in this state", LEVELS[level]))),
         }
     }
 }
 
 /// Shows one graph, and how the agent came to its state.
-fn one(ui: &mut Ui, (level, now): (usize, StateNow<'_>), graph: &GraphConfig, entry: Option<Entry>) {
+fn show_graph(
+    ui: &mut Ui,
+    (level, now): (usize, CurrentState<'_>),
+    graph: &StateGraphConfig,
+    entry: Option<StateEntry>,
+) {
     let since = entry.and_then(|e| e.since_s).map_or_else(String::new, |s| format!(", since {s:.1} s"));
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
@@ -51,12 +56,12 @@ fn one(ui: &mut Ui, (level, now): (usize, StateNow<'_>), graph: &GraphConfig, en
         ui.weak(format!("began anew as the {} state changed", LEVELS[above]));
     }
     let taken = entry.and_then(|e| e.edge).filter(|(edge, _)| *edge < graph.edges.len());
-    let marks = paint::Marks {
+    let marks = paint::StateGraphMarks {
         now: graph.states.keys().position(|s| s == now.state),
         taken: taken.map(|t| t.0),
         is_anew: entry.is_some_and(|e| e.began_with.is_some()),
     };
-    paint::show(ui, now.graph, graph, &Shape::of(graph), marks);
+    paint::show(ui, now.graph, graph, &StateGraphShape::from_config(graph), marks);
     if let Some((edge, at_s)) = taken {
         let stays = if graph.edges[edge].to == now.state { "" } else { " (before)" };
         ui.label(format!("took at {at_s:.1} s{stays}: {}", in_words(&graph.edges[edge])));

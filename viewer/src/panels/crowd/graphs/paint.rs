@@ -1,13 +1,13 @@
 //! Paints one graph: boxes for states, arrows for edges.
 
-use super::layout::{Shape, lay_out};
+use super::layout::{StateGraphShape, lay_out};
 use super::{in_words, route};
-use crate::theme::Palette;
+use crate::theme::ThemePalette;
 use eframe::egui::{
     Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, Role, Sense, Shape as Drawn, Stroke, StrokeKind,
     TextStyle, Ui, Vec2, WidgetInfo, vec2,
 };
-use throng_runtime::simulation::scene::GraphConfig;
+use throng_runtime::simulation::scene::StateGraphConfig;
 
 /// Space around the name of a state (points).
 const PADDING: Vec2 = vec2(8.0, 4.0);
@@ -18,7 +18,7 @@ const REACH: f32 = 5.0;
 
 /// Highlighted parts of a graph.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Marks {
+pub struct StateGraphMarks {
     /// The present state.
     pub now: Option<usize>,
     /// The last edge taken.
@@ -28,7 +28,7 @@ pub struct Marks {
 }
 
 /// Shows a graph within the available width; a tooltip describes the edge or the state under the pointer.
-pub fn show(ui: &mut Ui, name: &str, graph: &GraphConfig, shape: &Shape, marks: Marks) {
+pub fn show(ui: &mut Ui, name: &str, graph: &StateGraphConfig, shape: &StateGraphShape, marks: StateGraphMarks) {
     let font = TextStyle::Body.resolve(ui.style());
     let size = |state: &String| {
         let text = ui.painter().layout_no_wrap(state.clone(), font.clone(), Color32::PLACEHOLDER);
@@ -51,7 +51,7 @@ pub fn show(ui: &mut Ui, name: &str, graph: &GraphConfig, shape: &Shape, marks: 
     };
     let on_edge = pointer.filter(|_| on_state.is_none()).and_then(near);
     let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
-    let (visuals, palette) = (ui.visuals(), Palette::of(ui.visuals()));
+    let (visuals, palette) = (ui.visuals(), ThemePalette::for_visuals(ui.visuals()));
     for (i, curve) in curves.iter().enumerate() {
         if Some(i) != marks.taken {
             let is_on = Some(i) == on_edge || on_state.is_some_and(|s| shape.edges[i].0.is_none_or(|f| f == s));
@@ -74,10 +74,11 @@ pub fn show(ui: &mut Ui, name: &str, graph: &GraphConfig, shape: &Shape, marks: 
         painter.rect_stroke(*place, corners, line, StrokeKind::Inside);
         if graph.states[name].graph.is_some() {
             // A second frame marks a state that is a graph itself.
-            let inner = Stroke::new(1.0, if is_now { on(palette.head) } else { visuals.weak_text_color() });
+            let inner =
+                Stroke::new(1.0, if is_now { contrasting_colour(palette.head) } else { visuals.weak_text_color() });
             painter.rect_stroke(place.shrink(3.0), CornerRadius::same(2), inner, StrokeKind::Inside);
         }
-        let colour = if is_now { on(palette.head) } else { visuals.text_color() };
+        let colour = if is_now { contrasting_colour(palette.head) } else { visuals.text_color() };
         painter.text(place.center(), Align2::CENTER_CENTER, name, font.clone(), colour);
     }
     // Over all else, so that it can be read.
@@ -86,7 +87,7 @@ pub fn show(ui: &mut Ui, name: &str, graph: &GraphConfig, shape: &Shape, marks: 
         label(&painter, rect, curve, &edge.on, (palette.character, visuals.panel_fill));
     }
     let lines = match (on_state, on_edge) {
-        (Some(state), _) => of_state(graph, state, shape),
+        (Some(state), _) => state_lines(graph, state, shape),
         (None, Some(edge)) => vec![in_words(&graph.edges[edge])],
         (None, None) => return,
     };
@@ -94,7 +95,7 @@ pub fn show(ui: &mut Ui, name: &str, graph: &GraphConfig, shape: &Shape, marks: 
 }
 
 /// A state, and where it leads.
-fn of_state(graph: &GraphConfig, state: usize, shape: &Shape) -> Vec<String> {
+fn state_lines(graph: &StateGraphConfig, state: usize, shape: &StateGraphShape) -> Vec<String> {
     let Some((name, config)) = graph.states.iter().nth(state) else { return Vec::new() };
     let below = config.graph.as_ref().map_or_else(String::new, |g| format!(", made of the graph {g}"));
     let start = if state == shape.start { ", where it begins" } else { "" };
@@ -103,19 +104,19 @@ fn of_state(graph: &GraphConfig, state: usize, shape: &Shape) -> Vec<String> {
 }
 
 /// A colour that is read on another.
-fn on(colour: Color32) -> Color32 {
+fn contrasting_colour(colour: Color32) -> Color32 {
     let is_light = 299 * u32::from(colour.r()) + 587 * u32::from(colour.g()) + 114 * u32::from(colour.b()) > 128_000;
     if is_light { Color32::from_gray(20) } else { Color32::WHITE }
 }
 
-fn arrow(painter: &Painter, curve: &route::Curve, stroke: Stroke) {
+fn arrow(painter: &Painter, curve: &route::EdgeCurve, stroke: Stroke) {
     painter.add(Drawn::line(curve.clone(), stroke));
     let head = route::head(curve, HEAD).to_vec();
     painter.add(Drawn::convex_polygon(head, stroke.color, Stroke::NONE));
 }
 
 /// A label beside an edge, on the side to which it bends, on its own background, within the drawing.
-fn label(painter: &Painter, within: Rect, curve: &route::Curve, text: &str, (colour, ground): (Color32, Color32)) {
+fn label(painter: &Painter, within: Rect, curve: &route::EdgeCurve, text: &str, (colour, ground): (Color32, Color32)) {
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(11.0), colour);
     let half = 0.5 * galley.size() + vec2(3.0, 1.0);
     let room = Rect::from_min_max(within.min + half, (within.max - half).max(within.min + half));

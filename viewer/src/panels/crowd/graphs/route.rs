@@ -12,13 +12,13 @@ const LOOP: f32 = 15.0;
 const STUB: f32 = 20.0;
 
 /// The curve of an edge, from the side of a box to the side of a box (points).
-pub type Curve = Vec<Pos2>;
+pub type EdgeCurve = Vec<Pos2>;
 
 /// The curves of all edges: from which box, any where absent, to which.
 ///
 /// - `within`: bounds of the curves.
-pub fn curves(edges: &[(Option<usize>, usize)], boxes: &[Rect], within: Rect) -> Vec<Curve> {
-    let mut out: Vec<Curve> = Vec::new();
+pub fn curves(edges: &[(Option<usize>, usize)], boxes: &[Rect], within: Rect) -> Vec<EdgeCurve> {
+    let mut out: Vec<EdgeCurve> = Vec::new();
     for &(from, to) in edges {
         let curve = match from {
             None => stub(boxes[to], out.iter().zip(edges).filter(|(_, e)| **e == (None, to)).count()),
@@ -27,7 +27,7 @@ pub fn curves(edges: &[(Option<usize>, usize)], boxes: &[Rect], within: Rect) ->
             }
             Some(from) => {
                 let all = BENDS.iter().map(|bend| arc((boxes[from], boxes[to]), *bend));
-                let cost = |c: &Curve| cost(c, (from, to), boxes, within, &out);
+                let cost = |c: &EdgeCurve| cost(c, (from, to), boxes, within, &out);
                 // Of equally cheap curves, the first one.
                 all.reduce(|best, next| if cost(&next) < cost(&best) { next } else { best }).unwrap_or_default()
             }
@@ -38,7 +38,7 @@ pub fn curves(edges: &[(Option<usize>, usize)], boxes: &[Rect], within: Rect) ->
 }
 
 /// A curve that bends to its left.
-fn arc((from, to): (Rect, Rect), bend: f32) -> Curve {
+fn arc((from, to): (Rect, Rect), bend: f32) -> EdgeCurve {
     let (a, b) = (from.center(), to.center());
     let along = (b - a).normalized();
     // A quadratic curve reaches only half as far as its control point.
@@ -63,7 +63,7 @@ fn arc((from, to): (Rect, Rect), bend: f32) -> Curve {
 }
 
 /// A loop at the right of a box, the second one wider.
-fn turn(of: Rect, number: usize) -> Curve {
+fn turn(of: Rect, number: usize) -> EdgeCurve {
     let reach = LOOP + 7.0 * number as f32;
     let (top, bottom) = (of.center().y - 5.0, of.center().y + 5.0);
     let at = |t: f32| {
@@ -75,14 +75,14 @@ fn turn(of: Rect, number: usize) -> Curve {
 }
 
 /// A short stroke into a box from its upper left, the second one beside the first.
-fn stub(of: Rect, number: usize) -> Curve {
+fn stub(of: Rect, number: usize) -> EdgeCurve {
     let end = Pos2::new((of.left() + 12.0 + 12.0 * number as f32).min(of.right() - 4.0), of.top());
     let from = end + vec2(-0.5 * STUB, -STUB);
     (0..=POINTS).map(|i| from.lerp(end, i as f32 / POINTS as f32)).collect()
 }
 
 /// Cost of a curve: through boxes, out of bounds, near other curves, long.
-fn cost(curve: &Curve, ends: (usize, usize), boxes: &[Rect], within: Rect, others: &[Curve]) -> f32 {
+fn cost(curve: &EdgeCurve, ends: (usize, usize), boxes: &[Rect], within: Rect, others: &[EdgeCurve]) -> f32 {
     let is_in_box = |p: &Pos2| {
         let mut others = boxes.iter().enumerate().filter(|(i, _)| *i != ends.0 && *i != ends.1);
         others.any(|(_, b)| b.expand(3.0).contains(*p))
@@ -97,19 +97,19 @@ fn cost(curve: &Curve, ends: (usize, usize), boxes: &[Rect], within: Rect, other
 }
 
 /// The middle of a curve.
-pub fn middle(curve: &Curve) -> Pos2 {
+pub fn middle(curve: &EdgeCurve) -> Pos2 {
     curve.get(curve.len() / 2).copied().unwrap_or(Pos2::ZERO)
 }
 
 /// Direction in which a curve bends, a unit vector; to the right for a straight curve.
-pub fn bend(curve: &Curve) -> Vec2 {
+pub fn bend(curve: &EdgeCurve) -> Vec2 {
     let (Some(&first), Some(&last)) = (curve.first(), curve.last()) else { return Vec2::X };
     let aside = middle(curve) - first.lerp(last, 0.5);
     if aside.length() > 1.0 { aside.normalized() } else { Vec2::X }
 }
 
 /// Corners of the head of an arrow at the end of a curve, of a length (points).
-pub fn head(curve: &Curve, length: f32) -> [Pos2; 3] {
+pub fn head(curve: &EdgeCurve, length: f32) -> [Pos2; 3] {
     let Some(&tip) = curve.last() else { return [Pos2::ZERO; 3] };
     let from = curve.iter().rev().find(|p| p.distance(tip) >= length).copied().unwrap_or(curve[0]);
     let back = (from - tip).normalized() * length;
@@ -118,7 +118,7 @@ pub fn head(curve: &Curve, length: f32) -> [Pos2; 3] {
 }
 
 /// Distance of a place from a curve (points).
-pub fn distance(curve: &Curve, at: Pos2) -> f32 {
+pub fn distance(curve: &EdgeCurve, at: Pos2) -> f32 {
     curve.iter().map(|p| p.distance(at)).fold(f32::INFINITY, f32::min)
 }
 

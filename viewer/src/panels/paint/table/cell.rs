@@ -9,7 +9,7 @@ const PAD: f32 = 5.0;
 
 /// Content of a cell.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Cell {
+pub struct TableCell {
     /// The text.
     pub text: String,
     /// Shown in a weak colour.
@@ -20,7 +20,7 @@ pub struct Cell {
     pub bar: Option<f32>,
 }
 
-impl Cell {
+impl TableCell {
     /// A text.
     pub fn new(text: impl Into<String>) -> Self {
         Self { text: text.into(), ..Self::default() }

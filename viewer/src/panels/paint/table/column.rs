@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// A column.
 #[derive(Clone, Copy, Debug)]
-pub struct Column<'a> {
+pub struct TableColumn<'a> {
     /// Title above the column.
     pub title: &'a str,
     /// Meaning of the column.
@@ -20,7 +20,7 @@ pub struct Column<'a> {
     pub spare: u8,
 }
 
-impl<'a> Column<'a> {
+impl<'a> TableColumn<'a> {
     /// A column of texts that takes its share of the width that is left over.
     pub const fn text(title: &'a str, hint: &'a str, width: f32, grows: f32) -> Self {
         Self { title, hint, width, grows, is_number: false, spare: 0 }
@@ -31,20 +31,20 @@ impl<'a> Column<'a> {
         Self { title, hint, width, grows: 0.0, is_number: true, spare: 0 }
     }
 
-    /// This column with a rank for leaving it out; see [`Column::spare`].
+    /// This column with a rank for leaving it out; see [`TableColumn::spare`].
     pub const fn spare(self, rank: u8) -> Self {
         Self { spare: rank, ..self }
     }
 }
 
 /// Least width of a table that has all of the columns (points).
-pub fn least_width(columns: &[Column<'_>]) -> f32 {
+pub fn least_width(columns: &[TableColumn<'_>]) -> f32 {
     columns.iter().map(|c| c.width).sum()
 }
 
 /// A visible column.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Place {
+pub(super) struct ColumnPlace {
     /// Number of the column.
     pub column: usize,
     /// From where to where it goes, from the left edge of a row on (points).
@@ -52,7 +52,7 @@ pub(super) struct Place {
 }
 
 /// Positions of the visible columns.
-pub(super) fn places(columns: &[Column<'_>], width: f32) -> Vec<Place> {
+pub(super) fn places(columns: &[TableColumn<'_>], width: f32) -> Vec<ColumnPlace> {
     let kept = fitting(columns, width);
     let least: f32 = kept.iter().map(|&c| columns[c].width).sum();
     let shares: f32 = kept.iter().map(|&c| columns[c].grows).sum();
@@ -62,13 +62,13 @@ pub(super) fn places(columns: &[Column<'_>], width: f32) -> Vec<Place> {
         .map(|column| {
             let from = x;
             x += columns[column].width + columns[column].grows * rest;
-            Place { column, x: from..x }
+            ColumnPlace { column, x: from..x }
         })
         .collect()
 }
 
 /// Numbers of the columns that fit.
-fn fitting(columns: &[Column<'_>], width: f32) -> Vec<usize> {
+fn fitting(columns: &[TableColumn<'_>], width: f32) -> Vec<usize> {
     let mut kept: Vec<usize> = (0..columns.len()).collect();
     while kept.iter().map(|&c| columns[c].width).sum::<f32>() > width {
         let most = kept.iter().map(|&c| columns[c].spare).max().unwrap_or(0);
@@ -82,11 +82,11 @@ fn fitting(columns: &[Column<'_>], width: f32) -> Vec<usize> {
 mod tests {
     use super::*;
 
-    fn column(width: f32, grows: f32) -> Column<'static> {
-        Column::text("", "", width, grows)
+    fn column(width: f32, grows: f32) -> TableColumn<'static> {
+        TableColumn::text("", "", width, grows)
     }
 
-    fn ranges(columns: &[Column<'_>], width: f32) -> Vec<Range<f32>> {
+    fn ranges(columns: &[TableColumn<'_>], width: f32) -> Vec<Range<f32>> {
         places(columns, width).into_iter().map(|p| p.x).collect()
     }
 

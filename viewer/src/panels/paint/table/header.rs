@@ -1,25 +1,25 @@
 //! The titles of a table, and by which of them rows are sorted.
 
 use super::cell::paint_text;
-use super::column::Place;
-use super::{Table, place_rect};
+use super::column::ColumnPlace;
+use super::{RowTable, place_rect};
 use eframe::egui::{Color32, CursorIcon, FontId, Id, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
 
 /// By which column rows are sorted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Sort {
+pub struct TableSort {
     /// Number of the column.
     pub column: usize,
     /// The largest first.
     pub descending: bool,
 }
 
-impl Sort {
+impl TableSort {
     /// No sorting: rows stay in their order.
     pub const NONE: Self = Self { column: usize::MAX, descending: false };
 
     /// Sorted by a column; by the same column again in reverse.
-    pub fn by(self, column: usize) -> Self {
+    pub fn toggled(self, column: usize) -> Self {
         Self { column, descending: self.column == column && !self.descending }
     }
 }
@@ -27,7 +27,7 @@ impl Sort {
 /// Shows the titles.
 ///
 /// - returns the order that was asked for.
-pub(super) fn show(ui: &mut Ui, table: &Table<'_>, id: Id, row: Rect, places: &[Place]) -> Option<Sort> {
+pub(super) fn show(ui: &mut Ui, table: &RowTable<'_>, id: Id, row: Rect, places: &[ColumnPlace]) -> Option<TableSort> {
     let mut asked = None;
     let visuals = ui.visuals().clone();
     for place in places {
@@ -39,7 +39,7 @@ pub(super) fn show(ui: &mut Ui, table: &Table<'_>, id: Id, row: Rect, places: &[
         let stands_out = sorted.is_some() || table.sort.is_some() && response.hovered();
         let colour = if stands_out { visuals.strong_text_color() } else { visuals.weak_text_color() };
         if let Some(sort) = sorted {
-            mark(ui, rect, sort.descending, colour);
+            paint_sort_mark(ui, rect, sort.descending, colour);
         }
         paint_text(ui, rect, column.is_number, (column.title, false), FontId::proportional(11.5), colour);
         let response = match table.sort {
@@ -47,7 +47,7 @@ pub(super) fn show(ui: &mut Ui, table: &Table<'_>, id: Id, row: Rect, places: &[
                 let name = || WidgetInfo::labeled(Role::Button, true, format!("Sort by {}", column.title));
                 response.widget_info(name);
                 if response.clicked() {
-                    asked = Some(sort.by(place.column));
+                    asked = Some(sort.toggled(place.column));
                 }
                 response.on_hover_cursor(CursorIcon::PointingHand)
             }
@@ -65,7 +65,7 @@ pub(super) fn show(ui: &mut Ui, table: &Table<'_>, id: Id, row: Rect, places: &[
 }
 
 /// A small triangle above a title: its broad side is where the largest rows are.
-fn mark(ui: &Ui, title: Rect, descending: bool, colour: Color32) {
+fn paint_sort_mark(ui: &Ui, title: Rect, descending: bool, colour: Color32) {
     let (tip, base) = if descending { (3.0, -1.0) } else { (-1.0, 3.0) };
     let at = title.center_top() + vec2(0.0, 1.0);
     let points = vec![at + vec2(-3.5, base), at + vec2(3.5, base), at + vec2(0.0, tip)];
@@ -78,10 +78,10 @@ mod tests {
 
     #[test]
     fn a_second_click_on_a_column_reverses_the_order() {
-        let sort = Sort::NONE.by(2);
-        assert_eq!(sort, Sort { column: 2, descending: false });
-        assert!(sort.by(2).descending);
-        assert_eq!(sort.by(2).by(2), sort);
-        assert_eq!(sort.by(2).by(1), Sort { column: 1, descending: false });
+        let sort = TableSort::NONE.toggled(2);
+        assert_eq!(sort, TableSort { column: 2, descending: false });
+        assert!(sort.toggled(2).descending);
+        assert_eq!(sort.toggled(2).toggled(2), sort);
+        assert_eq!(sort.toggled(2).toggled(1), TableSort { column: 1, descending: false });
     }
 }

@@ -1,6 +1,6 @@
 //! A table driven by keys while it has the focus.
 
-use super::{Click, Memory, Table, TableResponse};
+use super::{RowClick, RowTable, TableMemory, TableResponse};
 use eframe::egui::{EventFilter, Id, Key, Modifiers, Ui};
 
 /// Moves on by keys: to another row, which is chosen at once where rows are selected; where they do something, the
@@ -11,9 +11,9 @@ use eframe::egui::{EventFilter, Id, Key, Modifiers, Ui};
 pub(super) fn pressed(
     ui: &Ui,
     id: Id,
-    table: &Table<'_>,
+    table: &RowTable<'_>,
     page: usize,
-    memory: &mut Memory,
+    memory: &mut TableMemory,
     out: &mut TableResponse,
 ) -> Option<usize> {
     if table.num_rows == 0 || !ui.memory(|m| m.has_focus(id)) {
@@ -31,7 +31,7 @@ pub(super) fn pressed(
         (Key::End, isize::MAX),
     ];
     let mut to = None;
-    let mut at = if table.click == Click::Selects { table.selected } else { memory.cursor };
+    let mut at = if table.click == RowClick::Selects { table.selected } else { memory.cursor };
     for (key, by) in moves {
         if ui.input_mut(|i| i.consume_key(Modifiers::NONE, key)) {
             at = Some(at.map_or(0, |row| row.saturating_add_signed(by)).min(table.num_rows - 1));
@@ -40,9 +40,9 @@ pub(super) fn pressed(
     }
     memory.cursor = at;
     match table.click {
-        Click::Selects => out.chosen = to,
-        Click::Does(_) if ui.input_mut(|i| i.consume_key(Modifiers::NONE, Key::Enter)) => out.chosen = at,
-        Click::Does(_) => {}
+        RowClick::Selects => out.chosen = to,
+        RowClick::Does(_) if ui.input_mut(|i| i.consume_key(Modifiers::NONE, Key::Enter)) => out.chosen = at,
+        RowClick::Does(_) => {}
     }
     to
 }

@@ -7,11 +7,11 @@ mod keys;
 #[cfg(test)]
 mod tests;
 
-pub use cell::Cell;
-pub use column::{Column, least_width};
-pub use header::Sort;
+pub use cell::TableCell;
+pub use column::{TableColumn, least_width};
+pub use header::TableSort;
 
-use column::{Place, places};
+use column::{ColumnPlace, places};
 use eframe::egui::{
     CursorIcon, Id, Rect, Response, Role, ScrollArea, Sense, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, WidgetInfo,
     pos2, vec2,
@@ -19,7 +19,7 @@ use eframe::egui::{
 
 /// Effect of a click on a row.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Click<'a> {
+pub enum RowClick<'a> {
     /// Selects the row, as the arrow keys do while the table has the focus. Rows are called by their names.
     #[default]
     Selects,
@@ -30,21 +30,21 @@ pub enum Click<'a> {
 
 /// A table of many rows.
 #[derive(Clone, Copy, Debug)]
-pub struct Table<'a> {
+pub struct RowTable<'a> {
     /// Name, unique in the same place.
     pub id: &'a str,
     /// Columns of the table.
-    pub columns: &'a [Column<'a>],
+    pub columns: &'a [TableColumn<'a>],
     /// Number of rows.
     pub num_rows: usize,
     /// The column that has the names of rows.
     pub named_by: usize,
     /// Effect of a click on a row.
-    pub click: Click<'a>,
+    pub click: RowClick<'a>,
     /// The row that stands out.
     pub selected: Option<usize>,
     /// The order; none if rows cannot be sorted.
-    pub sort: Option<Sort>,
+    pub sort: Option<TableSort>,
     /// Bring the selected row into sight.
     pub scroll_to_selected: bool,
     /// Most visible rows; none takes all the available room.
@@ -59,27 +59,27 @@ pub struct TableResponse {
     /// Row that is pointed at, to tell more of it.
     pub hovered: Option<(usize, Response)>,
     /// Another order was asked for.
-    pub sort: Option<Sort>,
+    pub sort: Option<TableSort>,
 }
 
 /// State of a table between frames.
 #[derive(Clone, Copy, Debug, Default)]
-struct Memory {
+struct TableMemory {
     /// Scroll offset (points).
     offset: f32,
     /// Row that the keys have moved to.
     cursor: Option<usize>,
 }
 
-impl<'a> Table<'a> {
+impl<'a> RowTable<'a> {
     /// A table in which a click selects a row and the first column has the names.
-    pub fn new(id: &'a str, columns: &'a [Column<'a>], num_rows: usize) -> Self {
+    pub fn new(id: &'a str, columns: &'a [TableColumn<'a>], num_rows: usize) -> Self {
         Self {
             id,
             columns,
             num_rows,
             named_by: 0,
-            click: Click::Selects,
+            click: RowClick::Selects,
             selected: None,
             sort: None,
             scroll_to_selected: false,
@@ -88,7 +88,7 @@ impl<'a> Table<'a> {
     }
 
     /// Shows the table; `cell` is called with row and column of each visible cell.
-    pub fn show(&self, ui: &mut Ui, cell: impl FnMut(usize, usize) -> Cell) -> TableResponse {
+    pub fn show(&self, ui: &mut Ui, cell: impl FnMut(usize, usize) -> TableCell) -> TableResponse {
         let row_height = row_height(ui);
         let all = ui.available_rect_before_wrap();
         let height = match self.most_rows {
@@ -108,10 +108,10 @@ impl<'a> Table<'a> {
         ui: &mut Ui,
         rect: Rect,
         row_height: f32,
-        mut cell: impl FnMut(usize, usize) -> Cell,
+        mut cell: impl FnMut(usize, usize) -> TableCell,
     ) -> TableResponse {
         let id = ui.scope_id().with("rows");
-        let mut memory: Memory = ui.data(|d| d.get_temp(id)).unwrap_or_default();
+        let mut memory: TableMemory = ui.data(|d| d.get_temp(id)).unwrap_or_default();
         memory.cursor = memory.cursor.filter(|c| *c < self.num_rows);
         let body_height = rect.height() - row_height;
         let scrolls = self.num_rows as f32 * row_height > body_height + 0.5;
@@ -139,7 +139,7 @@ impl<'a> Table<'a> {
             for row in rows {
                 let (_, rect) = ui.allocate_space(vec2(width, row_height));
                 let response = self.row(ui, id, row, rect, &places, &mut cell);
-                if focused && self.click != Click::Selects && memory.cursor == Some(row) {
+                if focused && self.click != RowClick::Selects && memory.cursor == Some(row) {
                     let stroke = Stroke::new(1.0, ui.visuals().selection.stroke.color);
                     ui.painter().rect_stroke(rect, 3.0, stroke, StrokeKind::Inside);
                 }
@@ -164,16 +164,16 @@ impl<'a> Table<'a> {
         id: Id,
         row: usize,
         rect: Rect,
-        places: &[Place],
-        cell: &mut impl FnMut(usize, usize) -> Cell,
+        places: &[ColumnPlace],
+        cell: &mut impl FnMut(usize, usize) -> TableCell,
     ) -> Response {
         // A fixed number keeps the widget's identity, whatever else is shown.
         let response = ui.interact(rect, id.with(row), Sense::CLICK);
         let selected = self.selected == Some(row);
         let name = cell(row, self.named_by).text;
         response.widget_info(|| match self.click {
-            Click::Selects => WidgetInfo::selected(Role::Row, true, selected, &name),
-            Click::Does(what) => WidgetInfo::selected(Role::Button, true, selected, format!("{what} {name}")),
+            RowClick::Selects => WidgetInfo::selected(Role::Row, true, selected, &name),
+            RowClick::Does(what) => WidgetInfo::selected(Role::Button, true, selected, format!("{what} {name}")),
         });
         let visuals = ui.visuals();
         if selected {
@@ -209,6 +209,6 @@ fn shown_offset(now: f32, row: usize, row_height: f32, height: f32) -> Option<f3
 }
 
 /// The part of a row that a column takes.
-fn place_rect(row: Rect, place: &Place) -> Rect {
+fn place_rect(row: Rect, place: &ColumnPlace) -> Rect {
     Rect::from_min_max(pos2(row.left() + place.x.start, row.top()), pos2(row.left() + place.x.end, row.bottom()))
 }

@@ -5,17 +5,18 @@ use eframe::egui::Key;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-const COLUMNS: [Column<'static>; 2] = [Column::text("Row", "", 80.0, 1.0), Column::number("Twice", "", 60.0).spare(1)];
+const COLUMNS: [TableColumn<'static>; 2] =
+    [TableColumn::text("Row", "", 80.0, 1.0), TableColumn::number("Twice", "", 60.0).spare(1)];
 
-fn cell(row: usize, column: usize) -> Cell {
-    Cell::new(((column + 1) * row).to_string())
+fn cell(row: usize, column: usize) -> TableCell {
+    TableCell::new(((column + 1) * row).to_string())
 }
 
 /// A table in a window, and the rows that were chosen.
-fn window(width: f32, table: Table<'static>) -> Harness<'static, Vec<usize>> {
+fn window(width: f32, table: RowTable<'static>) -> Harness<'static, Vec<usize>> {
     let show = move |ui: &mut Ui, chosen: &mut Vec<usize>| {
-        let selected = chosen.last().copied().filter(|_| table.click == Click::Selects);
-        chosen.extend(Table { selected, ..table }.show(ui, cell).chosen);
+        let selected = chosen.last().copied().filter(|_| table.click == RowClick::Selects);
+        chosen.extend(RowTable { selected, ..table }.show(ui, cell).chosen);
     };
     Harness::builder().with_size(vec2(width, 300.0)).build_ui_state(show, Vec::new())
 }
@@ -24,7 +25,8 @@ fn window(width: f32, table: Table<'static>) -> Harness<'static, Vec<usize>> {
 fn only_rows_in_sight_are_laid_out_and_the_selected_one_is_brought_there() {
     let mut asked = Vec::new();
     let mut harness = Harness::builder().with_size(vec2(200.0, 300.0)).build_ui(|ui| {
-        let table = Table { selected: Some(70_000), scroll_to_selected: true, ..Table::new("rows", &COLUMNS, 100_000) };
+        let table =
+            RowTable { selected: Some(70_000), scroll_to_selected: true, ..RowTable::new("rows", &COLUMNS, 100_000) };
         asked.clear();
         table.show(ui, |row, column| {
             asked.push(row);
@@ -39,7 +41,7 @@ fn only_rows_in_sight_are_laid_out_and_the_selected_one_is_brought_there() {
 
 #[test]
 fn keys_select_other_rows_at_once() {
-    let mut h = window(200.0, Table::new("rows", &COLUMNS, 1000));
+    let mut h = window(200.0, RowTable::new("rows", &COLUMNS, 1000));
     h.get_by_label("3").click();
     h.run();
     h.key_press(Key::ArrowDown);
@@ -52,7 +54,7 @@ fn keys_select_other_rows_at_once() {
 
 #[test]
 fn only_a_click_or_enter_activates_a_row() {
-    let mut h = window(200.0, Table { click: Click::Does("Play"), ..Table::new("rows", &COLUMNS, 1000) });
+    let mut h = window(200.0, RowTable { click: RowClick::Does("Play"), ..RowTable::new("rows", &COLUMNS, 1000) });
     h.get_by_label("Play 3").click();
     h.run();
     for _ in 0..2 {
@@ -68,7 +70,7 @@ fn only_a_click_or_enter_activates_a_row() {
 #[test]
 fn spare_columns_are_shown_where_there_is_room() {
     let titles = |width| {
-        let h = window(width, Table::new("rows", &COLUMNS, 3));
+        let h = window(width, RowTable::new("rows", &COLUMNS, 3));
         ["Row", "Twice"].map(|t| h.query_by_label(t).is_some())
     };
     assert_eq!(titles(300.0), [true, true]);
@@ -82,7 +84,7 @@ fn a_table_of_few_rows_is_as_high_as_they_are() {
         let out = height.clone();
         let mut h = Harness::builder().with_size(vec2(200.0, 400.0)).build_ui(move |ui| {
             let top = ui.cursor().top();
-            let _ = Table { most_rows: Some(9), ..Table::new("rows", &COLUMNS, num_rows) }.show(ui, cell);
+            let _ = RowTable { most_rows: Some(9), ..RowTable::new("rows", &COLUMNS, num_rows) }.show(ui, cell);
             out.set(ui.cursor().top() - ui.spacing().item_spacing.y - top);
             ui.label("below");
         });

@@ -1,16 +1,16 @@
 //! A shoe: flat below, so that contact with the ground can be seen.
 
 use super::super::loft::{Loft, Ring};
-use super::super::{Influence, Mesh, Part, Side};
-use super::Plan;
+use super::super::{BodyMesh, BodySide, Influence, SurfacePart};
+use super::MannequinPlan;
 use glam::Vec3;
 use throng_runtime::Joint;
 
 /// A cross-section: place along the foot (0 at the ankle, 1 at the ball, 2 at the tip of the toes), half width,
 /// height, shift to the outer side, and the coarsest level of detail that has it (m).
-type Section = (f32, f32, f32, f32, usize);
+type FootSection = (f32, f32, f32, f32, usize);
 
-const SECTIONS: [Section; 9] = [
+const SECTIONS: [FootSection; 9] = [
     (-0.44, 0.024, 0.062, 0.000, 0),
     (-0.36, 0.034, 0.086, 0.000, 2),
     (-0.15, 0.039, 0.104, 0.000, 1),
@@ -24,14 +24,14 @@ const SECTIONS: [Section; 9] = [
 const HEEL: f32 = -0.5;
 const TIP: f32 = 2.16;
 
-pub(super) fn build(plan: &Plan, side: Side, mesh: &mut Mesh) {
-    let joints = [Joint::LeftFoot, Joint::LeftToe].map(|j| side.of(j));
-    let [ankle, ball] = joints.map(|j| plan.at(j));
-    let tip = plan.tips[if side == Side::Left { 1 } else { 2 }];
+pub(super) fn build(plan: &MannequinPlan, side: BodySide, mesh: &mut BodyMesh) {
+    let joints = [Joint::LeftFoot, Joint::LeftToe].map(|j| side.joint_on_side(j));
+    let [ankle, ball] = joints.map(|j| plan.joint_position(j));
+    let tip = plan.tips[if side == BodySide::Left { 1 } else { 2 }];
     let s = plan.scale;
     // The sole is the ground in rest pose, unless the toes are not where feet have them.
     let sole = 0.0_f32.clamp(ball.y - 0.04 * s, (ball.y - 0.008 * s).max(ball.y - 0.04 * s));
-    let mirror = if side == Side::Right { -1.0 } else { 1.0 };
+    let mirror = if side == BodySide::Right { -1.0 } else { 1.0 };
     let place = |t: f32| {
         let p = if t <= 1.0 { ankle + (ball - ankle) * t } else { ball + (tip - ball) * (t - 1.0) };
         p.with_y(sole)
@@ -49,7 +49,7 @@ pub(super) fn build(plan: &Plan, side: Side, mesh: &mut Mesh) {
         .collect();
     let poles = [place(HEEL) + Vec3::Y * (0.03 * s), place(TIP) + Vec3::Y * (0.018 * s)];
     let links = [(joints[0], f32::NEG_INFINITY, 0.0), (joints[1], ball.z, 0.025 * s)];
-    let part = |middle: Vec3| (if middle.y < sole + 0.004 * s { Part::Sole } else { Part::Shoe }, side);
+    let part = |middle: Vec3| (if middle.y < sole + 0.004 * s { SurfacePart::Sole } else { SurfacePart::Shoe }, side);
     let loft = Loft { rings: &rings, segments: plan.segments([12, 6, 4, 3]), poles };
     loft.build(mesh, |p| Influence::chain(&links, p.z), part);
 }

@@ -1,16 +1,16 @@
 //! A flat hand with a thumb.
 
 use super::super::loft::{Loft, Ring};
-use super::super::{Influence, Mesh, Part, Side};
-use super::Plan;
+use super::super::{BodyMesh, BodySide, Influence, SurfacePart};
+use super::MannequinPlan;
 use glam::Vec3;
 use throng_runtime::Joint;
 
 /// A cross-section: distance from the wrist, half thickness, half width, how far forward, and the coarsest level of
 /// detail that has it (m).
-type Section = (f32, f32, f32, f32, usize);
+type HandSection = (f32, f32, f32, f32, usize);
 
-const PALM: [Section; 7] = [
+const PALM: [HandSection; 7] = [
     (-0.025, 0.019, 0.023, 0.000, 1),
     (0.020, 0.018, 0.030, 0.002, 2),
     (0.055, 0.017, 0.040, 0.003, 0),
@@ -29,12 +29,12 @@ const THUMB: [([f32; 3], f32); 4] = [
 ];
 const THUMB_ENDS: [[f32; 3]; 2] = [[0.008, 0.0, 0.012], [0.109, -0.022, 0.068]];
 
-pub(super) fn build(plan: &Plan, side: Side, mesh: &mut Mesh) {
-    let (fore, hand) = (side.of(Joint::LeftForearm), side.of(Joint::LeftHand));
-    let wrist = plan.at(hand);
+pub(super) fn build(plan: &MannequinPlan, side: BodySide, mesh: &mut BodyMesh) {
+    let (fore, hand) = (side.joint_on_side(Joint::LeftForearm), side.joint_on_side(Joint::LeftHand));
+    let wrist = plan.joint_position(hand);
     let s = plan.scale;
-    let out = (wrist - plan.at(fore)).normalize_or(Vec3::X);
-    let mirror = if side == Side::Right { -1.0 } else { 1.0 };
+    let out = (wrist - plan.joint_position(fore)).normalize_or(Vec3::X);
+    let mirror = if side == BodySide::Right { -1.0 } else { 1.0 };
     let place = |[along, up, forward]: [f32; 3]| wrist + (out * along + Vec3::Y * up + Vec3::Z * forward) * s;
     let weigh = |p: Vec3| Influence::chain(&[(fore, 0.0, 0.0), (hand, 0.0, 0.03 * s)], (p - wrist).dot(out));
     let rings: Vec<Ring> = PALM
@@ -46,13 +46,13 @@ pub(super) fn build(plan: &Plan, side: Side, mesh: &mut Mesh) {
         .collect();
     let poles = PALM_ENDS.map(|along| place([along, 0.0, 0.0]));
     let loft = Loft { rings: &rings, segments: plan.segments([10, 5, 3, 3]), poles };
-    loft.build(mesh, weigh, |_| (Part::Skin, side));
+    loft.build(mesh, weigh, |_| (SurfacePart::Skin, side));
     if plan.level == 0 {
         let across = Vec3::new(mirror, 0.0, -1.0).normalize();
         let ring =
             |&(at, radius): &([f32; 3], f32)| Ring::ellipse(place(at), across * (radius * s), Vec3::Y * (radius * s));
         let rings: Vec<Ring> = THUMB.iter().map(ring).collect();
         let loft = Loft { rings: &rings, segments: 7, poles: THUMB_ENDS.map(place) };
-        loft.build(mesh, weigh, |_| (Part::Skin, side));
+        loft.build(mesh, weigh, |_| (SurfacePart::Skin, side));
     }
 }

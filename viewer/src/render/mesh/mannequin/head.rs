@@ -1,16 +1,16 @@
 //! Neck and head, with a nose and a visor that show where the face is.
 
 use super::super::loft::{Loft, Ring, equal_area};
-use super::super::{Influence, Mesh, Part, Side};
-use super::Plan;
+use super::super::{BodyMesh, BodySide, Influence, SurfacePart};
+use super::MannequinPlan;
 use glam::Vec3;
 use throng_runtime::Joint;
 
 /// A cross-section: height above the head joint, half width, half depth, how far forward, and the coarsest level of
 /// detail that has it. For a head 0.2 m high (m).
-type Section = (f32, f32, f32, f32, usize);
+type HeadSection = (f32, f32, f32, f32, usize);
 
-const SKULL: [Section; 11] = [
+const SKULL: [HeadSection; 11] = [
     (-0.040, 0.030, 0.034, 0.050, 1),
     (-0.026, 0.046, 0.055, 0.036, 0),
     (0.000, 0.058, 0.073, 0.024, 2),
@@ -27,7 +27,7 @@ const SKULL_ENDS: [(f32, f32); 2] = [(-0.046, 0.05), (0.2, -0.004)];
 /// Between these heights the front of the skull is a visor (m).
 const VISOR: std::ops::Range<f32> = 0.062..0.122;
 
-const NECK: [Section; 4] = [
+const NECK: [HeadSection; 4] = [
     (-0.150, 0.058, 0.056, -0.004, 1),
     (-0.085, 0.057, 0.055, -0.005, 2),
     (-0.040, 0.055, 0.057, -0.004, 0),
@@ -36,14 +36,14 @@ const NECK: [Section; 4] = [
 /// Heights of its poles (m).
 const NECK_ENDS: [f32; 2] = [-0.16, 0.03];
 
-pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {
-    let (neck, head) = (plan.at(Joint::Neck), plan.at(Joint::Head));
+pub(super) fn build(plan: &MannequinPlan, mesh: &mut BodyMesh) {
+    let (neck, head) = (plan.joint_position(Joint::Neck), plan.joint_position(Joint::Head));
     let size = ((plan.tips[0] - head).length() / 0.2).clamp(0.2, 5.0);
     let base = head + Vec3::Y * ((plan.tips[0].y - head.y) - 0.2 * size);
     let place = |y: f32, forward: f32| base + Vec3::new(0.0, y, forward) * size;
-    let sections = |all: &[Section], segments: usize| -> Vec<Ring> {
+    let sections = |all: &[HeadSection], segments: usize| -> Vec<Ring> {
         let stout = size * equal_area(segments);
-        let ring = |&(y, width, depth, forward, _): &Section| Ring {
+        let ring = |&(y, width, depth, forward, _): &HeadSection| Ring {
             square: [2.2, 2.2],
             ..Ring::ellipse(place(y, forward), Vec3::X * (width * stout), Vec3::Z * (depth * stout))
         };
@@ -59,7 +59,7 @@ pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {
         let segments = plan.segments([12, 6, 4, 4]);
         let (rings, poles) = (sections(&NECK, segments), NECK_ENDS.map(|y| place(y, 0.0)));
         let loft = Loft { rings: &rings, segments, poles };
-        loft.build(mesh, |p| Influence::chain(&links, p.y), |_| (Part::Skin, Side::Middle));
+        loft.build(mesh, |p| Influence::chain(&links, p.y), |_| (SurfacePart::Skin, BodySide::Middle));
     }
 
     let segments = plan.segments([18, 8, 6, 4]);
@@ -70,7 +70,7 @@ pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {
     let part = |middle: Vec3| {
         let p = (middle - base) / size;
         let visor = p.z > 0.045 && VISOR.contains(&p.y);
-        (if visor { Part::Visor } else { Part::Skin }, Side::Middle)
+        (if visor { SurfacePart::Visor } else { SurfacePart::Skin }, BodySide::Middle)
     };
     loft.build(mesh, |_| Influence::rigid(Joint::Head), part);
     if plan.level == 0 {
@@ -79,11 +79,11 @@ pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {
 }
 
 /// A small wedge below the visor.
-fn nose(place: &impl Fn(f32, f32) -> Vec3, size: f32, mesh: &mut Mesh) {
+fn nose(place: &impl Fn(f32, f32) -> Vec3, size: f32, mesh: &mut BodyMesh) {
     let ring = |y: f32, forward: f32, radius: f32| {
         Ring::ellipse(place(y, forward), Vec3::X * (radius * 0.8 * size), Vec3::Z * (radius * size))
     };
     let rings = [ring(0.030, 0.100, 0.010), ring(0.040, 0.103, 0.014), ring(0.062, 0.098, 0.011)];
     let loft = Loft { rings: &rings, segments: 6, poles: [place(0.026, 0.1), place(0.08, 0.096)] };
-    loft.build(mesh, |_| Influence::rigid(Joint::Head), |_| (Part::Skin, Side::Middle));
+    loft.build(mesh, |_| Influence::rigid(Joint::Head), |_| (SurfacePart::Skin, BodySide::Middle));
 }

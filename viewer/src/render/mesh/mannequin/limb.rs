@@ -1,13 +1,13 @@
 //! Legs and arms: a tube along two joints, and the balls within.
 
 use super::super::loft::{Loft, Ring, equal_area};
-use super::super::{Influence, Mesh, Part, Side};
-use super::Plan;
+use super::super::{BodyMesh, BodySide, Influence, SurfacePart};
+use super::MannequinPlan;
 use glam::Vec3;
 use throng_runtime::Joint;
 
 /// A cross-section of a limb in a body of the default size.
-struct Section {
+struct LimbSection {
     /// Along the limb: 0 to 1 from the first to the second joint, 1 to 2 from there to the third.
     along: f32,
     /// Semi-axes: sideways (arms: up and down), and front to back (m).
@@ -18,11 +18,11 @@ struct Section {
     level: usize,
 }
 
-const fn section(along: f32, across: f32, depth: f32, forward: f32, level: usize) -> Section {
-    Section { along, half: [across, depth], forward, level }
+const fn section(along: f32, across: f32, depth: f32, forward: f32, level: usize) -> LimbSection {
+    LimbSection { along, half: [across, depth], forward, level }
 }
 
-const LEG: [Section; 14] = [
+const LEG: [LimbSection; 14] = [
     section(-0.11, 0.036, 0.050, -0.008, 1),
     section(-0.02, 0.064, 0.090, -0.006, 3),
     section(0.12, 0.079, 0.098, -0.004, 0),
@@ -39,7 +39,7 @@ const LEG: [Section; 14] = [
     section(1.94, 0.037, 0.045, -0.002, 1),
 ];
 
-const ARM: [Section; 13] = [
+const ARM: [LimbSection; 13] = [
     section(-0.26, 0.040, 0.052, 0.0, 1),
     section(-0.06, 0.055, 0.060, 0.0, 3),
     section(0.08, 0.056, 0.059, 0.0, 0),
@@ -56,28 +56,28 @@ const ARM: [Section; 13] = [
 ];
 
 /// A leg from the hip to the ankle, in trousers.
-pub(super) fn leg(plan: &Plan, side: Side, mesh: &mut Mesh) {
-    let joints = [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot].map(|j| side.of(j));
-    let (part, coarse_end) = (Part::Trousers, 2.0);
-    let tube = Tube { joints, before: Joint::Hips, across: Vec3::X, blends: [0.075, 0.07], part, coarse_end };
+pub(super) fn leg(plan: &MannequinPlan, side: BodySide, mesh: &mut BodyMesh) {
+    let joints = [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot].map(|j| side.joint_on_side(j));
+    let (part, coarse_end) = (SurfacePart::Trousers, 2.0);
+    let tube = LimbTube { joints, before: Joint::Hips, across: Vec3::X, blends: [0.075, 0.07], part, coarse_end };
     tube.build(plan, side, &LEG, plan.segments([14, 6, 4, 3]), mesh);
-    plan.ball(joints[0], 0.062, Part::Trousers, mesh);
-    plan.ball(joints[1], 0.052, Part::Trousers, mesh);
+    plan.ball(joints[0], 0.062, SurfacePart::Trousers, mesh);
+    plan.ball(joints[1], 0.052, SurfacePart::Trousers, mesh);
 }
 
 /// An arm from the shoulder to the wrist, in a sleeve.
-pub(super) fn arm(plan: &Plan, side: Side, mesh: &mut Mesh) {
-    let joints = [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand].map(|j| side.of(j));
-    let before = side.of(Joint::LeftClavicle);
-    let (part, coarse_end) = (Part::Shirt, 2.4);
-    let tube = Tube { joints, before, across: Vec3::Y, blends: [0.075, 0.05], part, coarse_end };
+pub(super) fn arm(plan: &MannequinPlan, side: BodySide, mesh: &mut BodyMesh) {
+    let joints = [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand].map(|j| side.joint_on_side(j));
+    let before = side.joint_on_side(Joint::LeftClavicle);
+    let (part, coarse_end) = (SurfacePart::Shirt, 2.4);
+    let tube = LimbTube { joints, before, across: Vec3::Y, blends: [0.075, 0.05], part, coarse_end };
     tube.build(plan, side, &ARM, plan.segments([12, 5, 3, 3]), mesh);
-    plan.ball(joints[0], 0.047, Part::Shirt, mesh);
-    plan.ball(joints[1], 0.036, Part::Shirt, mesh);
+    plan.ball(joints[0], 0.047, SurfacePart::Shirt, mesh);
+    plan.ball(joints[1], 0.036, SurfacePart::Shirt, mesh);
 }
 
 /// A limb's joints and how its surface bends.
-struct Tube {
+struct LimbTube {
     /// Start, middle and end of the limb.
     joints: [Joint; 3],
     /// Joint that carries the part before the first joint.
@@ -86,15 +86,22 @@ struct Tube {
     across: Vec3,
     /// Widths to each side of the soft stretches around the first and the second joint (m).
     blends: [f32; 2],
-    part: Part,
+    part: SurfacePart,
     /// End along the limb at the coarsest level of detail.
     coarse_end: f32,
 }
 
-impl Tube {
-    fn build(&self, plan: &Plan, side: Side, sections: &[Section], segments: usize, mesh: &mut Mesh) {
-        let [a, b, c] = self.joints.map(|j| plan.at(j));
-        let mirror = if side == Side::Right { -1.0 } else { 1.0 };
+impl LimbTube {
+    fn build(
+        &self,
+        plan: &MannequinPlan,
+        side: BodySide,
+        sections: &[LimbSection],
+        segments: usize,
+        mesh: &mut BodyMesh,
+    ) {
+        let [a, b, c] = self.joints.map(|j| plan.joint_position(j));
+        let mirror = if side == BodySide::Right { -1.0 } else { 1.0 };
         let s = plan.scale;
         let place = |t: f32| if t <= 1.0 { a + (b - a) * t } else { b + (c - b) * (t - 1.0) };
         let rings: Vec<Ring> = sections
@@ -114,8 +121,8 @@ impl Tube {
     }
 
     /// By the distance from the first joint along the limb.
-    fn weigh(&self, plan: &Plan, p: Vec3) -> Influence {
-        let [a, b, c] = self.joints.map(|j| plan.at(j));
+    fn weigh(&self, plan: &MannequinPlan, p: Vec3) -> Influence {
+        let [a, b, c] = self.joints.map(|j| plan.joint_position(j));
         let along = (c - a).normalize_or(Vec3::NEG_Y);
         let s = plan.scale;
         let links = [

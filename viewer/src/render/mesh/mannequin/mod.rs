@@ -10,12 +10,12 @@ mod limb;
 mod trunk;
 
 use super::loft::{Loft, Ring};
-use super::{Influence, LEVELS, Mesh, Part, Side};
+use super::{BodyMesh, BodySide, Influence, LEVELS, SurfacePart};
 use glam::Vec3;
 use throng_runtime::{Joint, NUM_JOINTS, Skeleton};
 
 /// Data shared by all parts of one mannequin.
-struct Plan {
+struct MannequinPlan {
     /// Rest positions of the joints (m).
     rest: [Vec3; NUM_JOINTS],
     /// Ends of head and toes (m).
@@ -26,8 +26,8 @@ struct Plan {
     level: usize,
 }
 
-impl Plan {
-    fn at(&self, joint: Joint) -> Vec3 {
+impl MannequinPlan {
+    fn joint_position(&self, joint: Joint) -> Vec3 {
         self.rest[joint.index()]
     }
 
@@ -42,11 +42,11 @@ impl Plan {
     }
 
     /// A ball around a joint, moved by the joint. It is round, so turns are not visible. Only at the finest level.
-    fn ball(&self, joint: Joint, radius: f32, part: Part, mesh: &mut Mesh) {
+    fn ball(&self, joint: Joint, radius: f32, part: SurfacePart, mesh: &mut BodyMesh) {
         if self.level > 0 {
             return;
         }
-        let (centre, radius) = (self.at(joint), radius * self.scale);
+        let (centre, radius) = (self.joint_position(joint), radius * self.scale);
         let bands = 4;
         let ring = |i: usize| {
             let (s, c) = (std::f32::consts::PI * ((i as f32 + 0.5) / bands as f32 - 0.5)).sin_cos();
@@ -55,22 +55,22 @@ impl Plan {
         let rings: Vec<Ring> = (0..bands).map(ring).collect();
         let poles = [centre - Vec3::Y * radius, centre + Vec3::Y * radius];
         let loft = Loft { rings: &rings, segments: 8, poles };
-        let side = Side::of_joint(joint);
+        let side = BodySide::of_joint(joint);
         loft.build(mesh, |_| Influence::rigid(joint), |_| (part, side));
     }
 }
 
 /// The body at one level of detail.
-pub(super) fn build(skeleton: &Skeleton, level: usize) -> Mesh {
+pub(super) fn build(skeleton: &Skeleton, level: usize) -> BodyMesh {
     let rest = skeleton.rest_positions();
     let [head, left_toe, right_toe] = [Joint::Head, Joint::LeftToe, Joint::RightToe].map(|j| rest[j.index()]);
     let tips = [head + skeleton.tips[0], left_toe + skeleton.tips[1], right_toe + skeleton.tips[2]];
     let scale = (tips[0].y / 1.785).clamp(0.2, 5.0);
-    let plan = Plan { rest, tips, scale, level };
-    let mut mesh = Mesh::default();
+    let plan = MannequinPlan { rest, tips, scale, level };
+    let mut mesh = BodyMesh::default();
     trunk::build(&plan, &mut mesh);
     head::build(&plan, &mut mesh);
-    for side in Side::BOTH {
+    for side in BodySide::BOTH {
         limb::leg(&plan, side, &mut mesh);
         foot::build(&plan, side, &mut mesh);
         limb::arm(&plan, side, &mut mesh);

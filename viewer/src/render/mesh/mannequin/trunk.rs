@@ -2,16 +2,16 @@
 
 use super::super::loft::{Loft, Ring, equal_area};
 use super::super::weights::smooth;
-use super::super::{Influence, Mesh, Part, Side, Vertex};
-use super::Plan;
+use super::super::{BodyMesh, BodySide, Influence, SurfacePart, Vertex};
+use super::MannequinPlan;
 use glam::Vec3;
 use throng_runtime::{Joint, Skeleton};
 
 /// A cross-section: height, half width, half depth and how far forward, in a body of the default size, and the
 /// coarsest level of detail that has it (m).
-type Section = (f32, f32, f32, f32, usize);
+type TrunkSection = (f32, f32, f32, f32, usize);
 
-const SECTIONS: [Section; 15] = [
+const SECTIONS: [TrunkSection; 15] = [
     (0.838, 0.070, 0.050, -0.016, 1),
     (0.862, 0.128, 0.078, -0.018, 3),
     (0.900, 0.155, 0.100, -0.016, 0),
@@ -37,19 +37,19 @@ const WAIST: f32 = 1.03;
 const SPINE: [Joint; 6] = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest, Joint::Neck, Joint::Head];
 
 /// Maps heights of the default skeleton to those of another, joint by joint.
-struct Heights {
+struct TrunkHeights {
     from: Vec<f32>,
     to: Vec<Vec3>,
 }
 
-impl Heights {
-    fn new(plan: &Plan) -> Self {
+impl TrunkHeights {
+    fn new(plan: &MannequinPlan) -> Self {
         let default = Skeleton::default().rest_positions();
-        let thigh = 0.5 * (plan.at(Joint::LeftThigh) + plan.at(Joint::RightThigh));
+        let thigh = 0.5 * (plan.joint_position(Joint::LeftThigh) + plan.joint_position(Joint::RightThigh));
         let crotch = Vec3::new(thigh.x, thigh.y - 0.08 * plan.scale, thigh.z);
         let mut from = vec![default[Joint::LeftThigh.index()].y - 0.08];
         from.extend(SPINE.map(|j| default[j.index()].y));
-        let to = std::iter::once(crotch).chain(SPINE.map(|j| plan.at(j))).collect();
+        let to = std::iter::once(crotch).chain(SPINE.map(|j| plan.joint_position(j))).collect();
         Self { from, to }
     }
 
@@ -62,8 +62,8 @@ impl Heights {
     }
 }
 
-pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {
-    let heights = Heights::new(plan);
+pub(super) fn build(plan: &MannequinPlan, mesh: &mut BodyMesh) {
+    let heights = TrunkHeights::new(plan);
     let s = plan.scale;
     let segments = plan.segments([18, 8, 6, 4]);
     let stout = s * equal_area(segments);
@@ -81,9 +81,9 @@ pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {
     let waist = heights.middle(WAIST).y;
     // Trousers have two legs, which begin at the belt.
     let part = |middle: Vec3| match middle.y < waist {
-        true if middle.x > 0.0 => (Part::Trousers, Side::Left),
-        true => (Part::Trousers, Side::Right),
-        false => (Part::Shirt, Side::Middle),
+        true if middle.x > 0.0 => (SurfacePart::Trousers, BodySide::Left),
+        true => (SurfacePart::Trousers, BodySide::Right),
+        false => (SurfacePart::Shirt, BodySide::Middle),
     };
     let loft = Loft { rings: &rings, segments, poles };
     let first = mesh.vertices.len();
@@ -92,9 +92,9 @@ pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {
 }
 
 /// Aligns the normals of the pelvis with those of the thighs, so that no edge is visible between them.
-fn hide_hem(plan: &Plan, vertex: &mut Vertex) {
+fn hide_hem(plan: &MannequinPlan, vertex: &mut Vertex) {
     let (p, normal, s) = (Vec3::from(vertex.position), Vec3::from(vertex.normal), plan.scale);
-    let thigh = plan.at(if p.x < 0.0 { Joint::RightThigh } else { Joint::LeftThigh });
+    let thigh = plan.joint_position(if p.x < 0.0 { Joint::RightThigh } else { Joint::LeftThigh });
     let low = 1.0 - smooth(thigh.y + 0.02 * s, thigh.y + 0.12 * s, p.y);
     let level = Vec3::new(normal.x, normal.y * (1.0 - low), normal.z).normalize_or(normal);
     // Thighs are deeper than wide. Between them the crotch is unchanged.
@@ -104,9 +104,9 @@ fn hide_hem(plan: &Plan, vertex: &mut Vertex) {
 }
 
 /// Along the spine by height; the lower flanks follow the thighs a little, the shoulders the clavicles.
-fn weigh(plan: &Plan, p: Vec3) -> Influence {
+fn weigh(plan: &MannequinPlan, p: Vec3) -> Influence {
     let s = plan.scale;
-    let start = |j: Joint| plan.at(j).y;
+    let start = |j: Joint| plan.joint_position(j).y;
     let links = [
         (Joint::Hips, 0.0, 0.0),
         (Joint::Spine, start(Joint::Spine), 0.07 * s),
@@ -115,8 +115,8 @@ fn weigh(plan: &Plan, p: Vec3) -> Influence {
         (Joint::Neck, start(Joint::Neck) + 0.005 * s, 0.02 * s),
     ];
     let spine = Influence::chain(&links, p.y);
-    let side = if p.x >= 0.0 { Side::Left } else { Side::Right };
-    let (clavicle, thigh) = (side.of(Joint::LeftClavicle), side.of(Joint::LeftThigh));
+    let side = if p.x >= 0.0 { BodySide::Left } else { BodySide::Right };
+    let (clavicle, thigh) = (side.joint_on_side(Joint::LeftClavicle), side.joint_on_side(Joint::LeftThigh));
     let out = p.x.abs() / s;
     let shoulder = smooth(0.05, 0.15, out) * smooth(start(clavicle) - 0.12 * s, start(clavicle) + 0.01 * s, p.y);
     let flank = smooth(0.03, 0.14, out) * (1.0 - smooth(start(thigh) - 0.05 * s, start(thigh) + 0.06 * s, p.y));

@@ -1,8 +1,8 @@
 //! Masks against scans over all frames.
 
 use super::*;
-use crate::environment::{Body, NUM_SPHERES, Sphere, UnitSet, geometries};
-use crate::stitch::clearance::hit::looked_at;
+use crate::environment::{BodySpheres, NUM_SPHERES, Sphere, UnitSet, geometries};
+use crate::stitch::clearance::collision_span::nearest_sampled;
 use crate::stitch::library::Library;
 use bytemuck::Zeroable;
 use glam::{Quat, Vec3};
@@ -11,7 +11,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::path::Path;
 use throng_core::format::{FrameRow, RotationCode};
-use throng_core::patch::{LinkRecord, PatchRecord, Patches};
+use throng_core::patch::{LinkRecord, PatchRecord, PatchTables};
 use throng_core::{Contacts, Skeleton};
 use throng_motion::clip::joint_transforms;
 use throng_world::is_set;
@@ -36,7 +36,7 @@ impl Walks {
     fn new(rng: &mut Pcg64Mcg) -> Self {
         let swing = |k: usize, j: usize| Quat::from_rotation_x(0.7 * (k as f32 * SWING + j as f32).sin());
         let rotation = |k: usize, j: usize| if j == 0 { Quat::IDENTITY } else { swing(k, j) };
-        let rotation_code = RotationCode::fit(&Skeleton::default(), 130, rotation);
+        let rotation_code = RotationCode::fit_frames(&Skeleton::default(), 130, rotation);
         let row = |k: usize| {
             let planar = [0.0, 0.04 * k as f32, 0.01 * k as f32];
             let mut row = FrameRow { planar, height: 0.85, ..FrameRow::zeroed() };
@@ -64,7 +64,7 @@ impl Walks {
         Self { units, frames, rotation_code, contacts, links, skeleton: Skeleton::default() }
     }
 
-    fn with<T>(&self, look: impl FnOnce(&Paths, &Bodies, &[Field]) -> T) -> T {
+    fn with<T>(&self, look: impl FnOnce(&LinkRoots, &FrameBodies, &[DistanceField]) -> T) -> T {
         let geometries = geometries(&self.units).expect("shapes");
         let library = Library {
             frames: &self.frames,
@@ -72,34 +72,34 @@ impl Walks {
             groups: &[0; 130],
             contacts: &self.contacts,
             geometries: &geometries,
-            ..Library::bare(&self.units, &self.skeleton)
+            ..Library::without_motion(&self.units, &self.skeleton)
         };
         let record = PatchRecord { num_links: self.links.len() as u32, ..PatchRecord::zeroed() };
-        let patches = Patches {
+        let patches = PatchTables {
             patches: (&[record]).into(),
             edges: [].as_slice().into(),
             cells: [].as_slice().into(),
             links: (&self.links).into(),
             pairs: [].as_slice().into(),
         };
-        let paths = Paths::new(&patches, &library, 0);
-        let bodies = Bodies::new((&self.frames, &self.rotation_code), &self.contacts, &self.skeleton, DEPTH_M);
-        look(&paths, &bodies, &geometries.iter().map(Field::new).collect::<Vec<_>>())
+        let paths = LinkRoots::new(&patches, &library, 0);
+        let bodies = FrameBodies::new((&self.frames, &self.rotation_code), &self.contacts, &self.skeleton, DEPTH_M);
+        look(&paths, &bodies, &geometries.iter().map(DistanceField::new).collect::<Vec<_>>())
     }
 
     /// The body of one frame of a link.
-    fn body(&self, paths: &Paths, link: usize, k: usize) -> [Sphere; NUM_SPHERES] {
-        let (root, frame) = (paths.of(link)[k], &self.frames[self.links[link].frame as usize + k]);
+    fn body(&self, paths: &LinkRoots, link: usize, k: usize) -> [Sphere; NUM_SPHERES] {
+        let (root, frame) = (paths.roots_of_link(link)[k], &self.frames[self.links[link].frame as usize + k]);
         let turn = root.planar().rotation();
         let joints = joint_transforms(&self.skeleton, root.translation() + Vec3::Y * frame.height, |j| {
             let local = self.rotation_code.rotation(frame, j);
             if j == 0 { turn * local } else { local }
         });
-        Body::new(&self.skeleton).spheres(&joints)
+        BodySpheres::new(&self.skeleton).spheres(&joints)
     }
 
     /// How much deeper than it may a body of a link is in a unit, below 0 where it is clear of it.
-    fn excess(&self, body: &[Sphere; NUM_SPHERES], contacts: Contacts, unit: &Field, at: Placement) -> f32 {
+    fn excess(&self, body: &[Sphere; NUM_SPHERES], contacts: Contacts, unit: &DistanceField, at: Placement) -> f32 {
         let feet = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
         let of_sphere = |s: &Sphere| {
             let near = unit.geometry.distance(at.inverse_transform_point(s.centre));
@@ -120,21 +120,21 @@ proptest! {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let walks = Walks::new(&mut rng);
         walks.with(|paths, bodies, units| {
-            let (swept, unit) = (Swept::new(paths, bodies), &units[kind]);
+            let (swept, unit) = (SweptSquares::new(paths, bodies), &units[kind]);
             let mut at = Placement::new(rng.random_range(-1.0f32..1.0), 0.0, rng.random_range(-1.0f32..1.0), 0.3);
-            let mut earlier: Option<(Mask, Mask, Placement)> = None;
+            let mut earlier: Option<(ObstacleMask, ObstacleMask, Placement)> = None;
             for step in [0.0f32, 0.01, 0.04, 0.08, 1.0] {
                 let mut shift = || step * rng.random_range(-1.0f32..1.0);
                 at = Placement::new(at.x + shift(), at.y + 0.1 * shift(), at.z + shift(), at.heading + shift());
-                let before = earlier.as_ref().map(|(mask, _, was)| Earlier {
+                let before = earlier.as_ref().map(|(mask, _, was)| EarlierMask {
                     mask,
-                    moved: Obstacle::moved(&unit.geometry.bounds, *was, at),
+                    moved: MotionObstacle::greatest_shift(&unit.geometry.bounds, *was, at),
                 });
-                let obstacle = Obstacle::new(paths, bodies, unit, at);
+                let obstacle = MotionObstacle::new(paths, bodies, unit, at);
                 let (mask, anew) = (obstacle.mask(Some(&swept), before), obstacle.mask(Some(&swept), None));
                 prop_assert_eq!(&mask.words, &anew.words);
                 // The same root by root, as for links that have them in common.
-                let before = earlier.as_ref().zip(before).map(|((_, by_roots, _), b)| Earlier { mask: by_roots, ..b });
+                let before = earlier.as_ref().zip(before).map(|((_, by_roots, _), b)| EarlierMask { mask: by_roots, ..b });
                 let by_roots = obstacle.mask(None, before);
                 prop_assert_eq!(&by_roots.words, &anew.words);
                 for (l, link) in walks.links.iter().enumerate() {
@@ -143,7 +143,7 @@ proptest! {
                         (0..=usize::from(link.num_frames)).map(|k| walks.body(paths, l, k)).collect();
                     let all: Vec<f32> =
                         bodies.iter().enumerate().map(|(k, b)| walks.excess(b, contacts(k), unit, at)).collect();
-                    let deepest = looked_at(all.len()).map(|k| all[k]).fold(f32::NEG_INFINITY, f32::max);
+                    let deepest = nearest_sampled(all.len()).map(|k| all[k]).fold(f32::NEG_INFINITY, f32::max);
                     let hit = !mask.words.is_empty() && is_set(&mask.words, 0, l as u32);
                     // What touches just so is rounded to either side.
                     prop_assert!(deepest.abs() < 1e-4 || hit == (deepest > 0.0), "link {}: {}", l, deepest);
@@ -153,15 +153,15 @@ proptest! {
                         let most = moves.fold(0.0, f32::max) + if contacts(k) == contacts(k - 1) { 1e-4 } else { 0.15 };
                         prop_assert!(all[k] <= all[k - 1].max(0.0) + most, "link {}, frame {}: {}", l, k, all[k]);
                     }
-                    match mask.looks.seen[l] {
-                        Seen::Collides(touch) => prop_assert!(all[usize::from(touch.frame)] > -1e-4),
-                        Seen::Clear(first) => {
-                            for (look, k) in looked_at(all.len()).enumerate() {
-                                let clear = mask.looks.clear[first as usize + look].least();
+                    match mask.samples.clearance_of[l] {
+                        LinkClearance::Collides(touch) => prop_assert!(all[usize::from(touch.frame)] > -1e-4),
+                        LinkClearance::Clear(first) => {
+                            for (look, k) in nearest_sampled(all.len()).enumerate() {
+                                let clear = mask.samples.clear[first as usize + look].least();
                                 prop_assert!(clear <= (-all[k]).max(0.0) + 1e-4, "link {}, frame {}: {}", l, k, clear);
                             }
                         }
-                        Seen::Nothing => {}
+                        LinkClearance::Nothing => {}
                     }
                 }
                 earlier = Some((mask, by_roots, at));

@@ -1,0 +1,183 @@
+//! Places patches in an environment, and finds overlaps and obstacles.
+
+use super::fit::{FittedPatch, UnitIndex, fit_patches, neighbours};
+use super::near::overlapping_pairs;
+use super::relation::RelativePlacement;
+use super::solids;
+use crate::environment::{BoundingBox, Environment, PlacedUnit};
+use crate::stitch::config::StitchConfig;
+use crate::stitch::library::{Library, STAGE, UnitPattern, refusal_error};
+use throng_core::patch::PatchTables;
+use throng_motion::error::BuildError;
+
+/// Placed patches, with their overlaps and obstacles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::stitch) struct PlacedPatches {
+    /// The instances.
+    pub fitted: Vec<FittedPatch>,
+    /// Bounds of the bodies in each of them.
+    pub bounds: Vec<BoundingBox>,
+    /// Bounds of placed units.
+    pub shapes: Vec<BoundingBox>,
+    /// Instance across each edge of each tile.
+    pub neighbours: Vec<u32>,
+    /// Index of each instance's first neighbour.
+    pub first_neighbour: Vec<u32>,
+    /// Pairs of instances that overlap, side a first; ascending.
+    pub pairs: Vec<(u32, u32, RelativePlacement)>,
+    /// Units within the bounds of an instance they do not belong to: instance, placed unit; ascending.
+    pub obstacles: Vec<(u32, u32, RelativePlacement)>,
+}
+
+/// Places the patches of a bundle in environments.
+pub(in crate::stitch) struct Placer<'a> {
+    /// The patches.
+    pub patches: PatchTables,
+    /// Other data of the bundle.
+    pub library: Library<'a>,
+    /// Settings of stitching.
+    pub config: StitchConfig,
+    /// Units of the patches.
+    pub patterns: Vec<UnitPattern>,
+}
+
+impl<'a> Placer<'a> {
+    /// Checks settings, and that the parts of the library match.
+    ///
+    /// # Errors
+    /// [`BuildError`] if the parts of the library do not match or a setting is out of its limits.
+    pub fn new(patches: &PatchTables, library: Library<'a>, config: &StitchConfig) -> Result<Self, BuildError> {
+        config.check()?;
+        let patterns = library.patterns(patches)?;
+        Ok(Self { patches: patches.clone(), library, config: config.clone(), patterns })
+    }
+
+    /// Fits patches into an environment, and finds overlaps and obstacles.
+    ///
+    /// # Errors
+    /// [`BuildError::Stage`] names units that overlap or that no block fits.
+    pub fn place_patches(&self, environment: &Environment) -> Result<PlacedPatches, BuildError> {
+        self.check_units(environment)?;
+        solids::check(&self.library, environment, self.config.overlap_m)?;
+        let index = UnitIndex::new(environment);
+        let fitted = fit_patches(&self.library, &self.patterns, &index, 0..environment.units.len() as u32);
+        self.check_cover(environment, &fitted)?;
+        let (neighbours, first_neighbour) = neighbours(&self.patches, &self.patterns, &index, &fitted);
+        let bounds: Vec<BoundingBox> = fitted.iter().map(|f| self.instance_bounds(f)).collect();
+        let shapes: Vec<BoundingBox> = environment.units.iter().map(|u| self.pattern_bounds(u)).collect();
+        let pairs = self.pairs(&fitted, &bounds);
+        let obstacles = self.obstacles(environment, &fitted, &bounds, &shapes);
+        Ok(PlacedPatches { fitted, bounds, shapes, neighbours, first_neighbour, pairs, obstacles })
+    }
+
+    /// Bounds of the bodies in an instance.
+    pub fn instance_bounds(&self, fitted: &FittedPatch) -> BoundingBox {
+        let p = &self.patches.patches[fitted.patch as usize];
+        BoundingBox { min: p.min.into(), max: p.max.into() }.transformed(fitted.placement)
+    }
+
+    /// Bounds of a placed unit.
+    pub fn pattern_bounds(&self, unit: &PlacedUnit) -> BoundingBox {
+        self.library.geometries[unit.unit].bounds.transformed(unit.placement)
+    }
+
+    /// Overlapping pairs with at least one block; a tile is side a, and of two blocks that of the lower patch.
+    fn pairs(&self, fitted: &[FittedPatch], bounds: &[BoundingBox]) -> Vec<(u32, u32, RelativePlacement)> {
+        let both = overlapping_pairs(bounds, bounds).into_iter().filter(|(i, j)| i < j);
+        let mut pairs: Vec<_> = both.filter_map(|(i, j)| self.pair(fitted, i, j)).collect();
+        pairs.sort_unstable();
+        pairs
+    }
+
+    /// Overlap of two instances, side a first; `None` for two tiles.
+    pub fn pair(&self, fitted: &[FittedPatch], i: u32, j: u32) -> Option<(u32, u32, RelativePlacement)> {
+        let tile = |i: u32| self.patterns[fitted[i as usize].patch as usize].is_tile;
+        let here = |i: u32| (fitted[i as usize].patch, fitted[i as usize].placement);
+        let (ij, ji) = (RelativePlacement::new(here(i), here(j)), RelativePlacement::new(here(j), here(i)));
+        let first = match (tile(i), tile(j)) {
+            (true, true) => return None,
+            (true, false) => true,
+            (false, true) => false,
+            // For a symmetric relation, the first instance is side a.
+            (false, false) => (ij, i) <= (ji, j),
+        };
+        Some(if first { (i, j, ij) } else { (j, i, ji) })
+    }
+
+    fn obstacles(
+        &self,
+        environment: &Environment,
+        fitted: &[FittedPatch],
+        bounds: &[BoundingBox],
+        shapes: &[BoundingBox],
+    ) -> Vec<(u32, u32, RelativePlacement)> {
+        let near = overlapping_pairs(bounds, shapes).into_iter();
+        near.filter_map(|(i, u)| self.obstacle_to(environment, fitted, i, u)).collect()
+    }
+
+    /// Relative placement of a unit that obstructs an instance.
+    pub fn obstacle_to(
+        &self,
+        environment: &Environment,
+        fitted: &[FittedPatch],
+        i: u32,
+        u: u32,
+    ) -> Option<(u32, u32, RelativePlacement)> {
+        let (f, p) = (&fitted[i as usize], &environment.units[u as usize]);
+        let relation = || RelativePlacement::new((f.patch, f.placement), (p.unit as u32, p.placement));
+        (!f.units.contains(&u)).then(|| (i, u, relation()))
+    }
+
+    /// Checks that every unit is one of the bundle's, at a valid place.
+    fn check_units(&self, environment: &Environment) -> Result<(), BuildError> {
+        let count = self.library.units.units.len();
+        if let Some(i) = environment.units.iter().position(|u| !self.is_known(u)) {
+            let u = &environment.units[i];
+            let why =
+                format!("place {i} has unit number {} at {:?}, expected one of {count} units", u.unit, u.placement);
+            return Err(refusal_error(environment, why, "Place units that the bundle describes"));
+        }
+        let known = |name: &&String| !self.library.units.units.iter().any(|u| u.name == **name);
+        let Some(name) = self.config.obstacles.iter().find(known) else { return Ok(()) };
+        let bundle = self.library.bundle;
+        let why = format!("[stitch] obstacles names the unit {name}, which the bundle {bundle} does not have");
+        Err(refusal_error(environment, why, "Correct the name"))
+    }
+
+    /// True for one of the bundle's units at a valid place.
+    pub fn is_known(&self, unit: &PlacedUnit) -> bool {
+        unit.unit < self.library.units.units.len() && unit.placement.is_moderate(1e5)
+    }
+
+    /// Checks that every unit that is not just an obstacle belongs to an instance.
+    pub fn check_cover(&self, environment: &Environment, fitted: &[FittedPatch]) -> Result<(), BuildError> {
+        let mut covered = vec![false; environment.units.len()];
+        fitted.iter().flat_map(|f| &f.units).for_each(|&u| covered[u as usize] = true);
+        let left: Vec<usize> =
+            (0..covered.len()).filter(|&i| !covered[i] && !self.is_obstacle(environment, i)).collect();
+        let Some(&first) = left.first() else {
+            return if fitted.is_empty() { Err(self.nothing_fits(environment)) } else { Ok(()) };
+        };
+        let unit = environment.units[first].unit;
+        let used = self.patterns.iter().any(|p| p.units.iter().any(|u| u.0 == unit));
+        let help = if used {
+            "Place it as it stood to other units where the motion was captured"
+        } else {
+            "No patch of the bundle has such a unit: list it as `obstacles` under [stitch] if it is only in the way"
+        };
+        let more = if left.len() > 1 { format!(", nor {} more", left.len() - 1) } else { String::new() };
+        let why = format!("no block fits {}{more}", self.library.describe(environment, first));
+        Err(refusal_error(environment, why, help))
+    }
+
+    fn nothing_fits(&self, environment: &Environment) -> BuildError {
+        let (bundle, name, count) = (self.library.bundle, &environment.name, environment.units.len());
+        let message = format!("no block of bundle {bundle} fits environment {name}, which has {count} units");
+        BuildError::Stage { stage: STAGE, message, help: "Place units that its patches consist of".into() }
+    }
+
+    /// True for a unit that is an obstacle only.
+    pub fn is_obstacle(&self, environment: &Environment, index: usize) -> bool {
+        self.config.obstacles.contains(&self.library.units.units[environment.units[index].unit].name)
+    }
+}

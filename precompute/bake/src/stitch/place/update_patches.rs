@@ -1,0 +1,263 @@
+//! Updates placed patches after the change of one unit, looking only at its surroundings.
+
+use super::change::EnvironmentEdit;
+use super::fit::{FittedPatch, UnitIndex, fit_patches, neighbours};
+use super::place_patches::{PlacedPatches, Placer};
+use super::relation::RelativePlacement;
+use super::solids;
+use crate::environment::{BoundingBox, Environment};
+use throng_core::patch::NONE;
+
+/// Updated placed patches, with their unchanged part.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::stitch) struct UpdatedPlacement {
+    /// Placed patches of the changed environment.
+    pub patches: PlacedPatches,
+    /// Unchanged part.
+    pub kept: KeptInstances,
+}
+
+/// Part of the placed patches that a change left as it was.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::stitch) struct KeptInstances {
+    /// Previous number of each instance; [`NONE`] for new ones.
+    pub previous_of: Vec<u32>,
+    /// True for instances that are not new and have unchanged surrounding units (instances).
+    pub is_alike: Vec<bool>,
+    /// Previous number of each pair; [`NONE`] for new ones (pairs).
+    pub previous_pair_of: Vec<u32>,
+    /// Relative placements of new obstacles to instances.
+    pub new_obstacles: Vec<RelativePlacement>,
+    /// Relations of removed pairs, and of removed obstacles to instances.
+    pub removed: [Vec<RelativePlacement>; 2],
+}
+
+/// The placed unit that was changed.
+#[derive(Clone, Copy, Debug)]
+struct ChangedUnit {
+    /// Its previous number; `None` if it is new.
+    before: Option<u32>,
+    /// Its new number; `None` if it was removed.
+    after: Option<u32>,
+}
+
+impl ChangedUnit {
+    /// Determined from the reverse `back` of a change already made.
+    fn from_undo(back: &EnvironmentEdit) -> Self {
+        match *back {
+            EnvironmentEdit::Move { index, .. } => Self { before: Some(index as u32), after: Some(index as u32) },
+            EnvironmentEdit::Remove { index } => Self { before: None, after: Some(index as u32) },
+            EnvironmentEdit::Insert { index, .. } => Self { before: Some(index as u32), after: None },
+        }
+    }
+
+    /// New number of another unit.
+    fn number_after(self, before: u32) -> u32 {
+        match (self.before, self.after) {
+            (None, Some(new)) if before >= new => before + 1,
+            (Some(gone), None) if before > gone => before - 1,
+            _ => before,
+        }
+    }
+}
+
+impl Placer<'_> {
+    /// Placed patches of an environment with one changed unit; `None` if it is invalid, for which [`Placer::lay`] gives
+    /// the error.
+    ///
+    /// - `before`: placed patches before the change.
+    /// - `back`: reverse of the change.
+    pub fn update_patches(
+        &self,
+        environment: &Environment,
+        before: &PlacedPatches,
+        back: &EnvironmentEdit,
+    ) -> Option<UpdatedPlacement> {
+        let changed = ChangedUnit::from_undo(back);
+        let shapes = self.shapes(environment, before, changed)?;
+        if let Some(unit) = changed.after
+            && !solids::is_free(&self.library, environment, &shapes, unit as usize, self.config.overlap_m)
+        {
+            return None;
+        }
+        let (fitted, was) = self.refit(environment, &before.fitted, changed);
+        self.check_cover(environment, &fitted).ok()?;
+        // Remaining instances keep their order, and so does all that is sorted by it.
+        let mut now = vec![NONE; before.fitted.len()];
+        (0u32..).zip(&was).filter(|(_, was)| **was != NONE).for_each(|(i, &was)| now[was as usize] = i);
+        let mut laid = PlacedPatches { fitted, shapes, ..PlacedPatches::default() };
+        let mut kept = KeptInstances {
+            is_alike: was.iter().map(|&was| was != NONE).collect(),
+            previous_of: was,
+            ..KeptInstances::default()
+        };
+        let was = &kept.previous_of;
+        let reach = |(f, &was): (&FittedPatch, &u32)| {
+            before.bounds.get(was as usize).copied().unwrap_or_else(|| self.instance_bounds(f))
+        };
+        laid.bounds = laid.fitted.iter().zip(was).map(reach).collect();
+        self.renew_neighbours(environment, before, &now, was, &mut laid);
+        self.renew_pairs(before, &now, &mut laid, &mut kept);
+        self.renew_obstacles(environment, before, changed, &now, &mut laid, &mut kept);
+        Some(UpdatedPlacement { patches: laid, kept })
+    }
+
+    /// Bounds of all units; `None` if the changed one is not one of the bundle's.
+    fn shapes(
+        &self,
+        environment: &Environment,
+        before: &PlacedPatches,
+        changed: ChangedUnit,
+    ) -> Option<Vec<BoundingBox>> {
+        let mut shapes = before.shapes.clone();
+        let new = match changed.after.map(|unit| &environment.units[unit as usize]) {
+            Some(unit) if !self.is_known(unit) => return None,
+            unit => unit.map(|unit| self.pattern_bounds(unit)),
+        };
+        if let Some(unit) = changed.before {
+            shapes.remove(unit as usize);
+        }
+        if let (Some(unit), Some(shape)) = (changed.after, new) {
+            shapes.insert(unit as usize, shape);
+        }
+        Some(shapes)
+    }
+
+    /// Instances, with the previous number of each.
+    fn refit(
+        &self,
+        environment: &Environment,
+        before: &[FittedPatch],
+        changed: ChangedUnit,
+    ) -> (Vec<FittedPatch>, Vec<u32>) {
+        let is_left = |f: &FittedPatch| changed.before.is_none_or(|unit| !f.units.contains(&unit));
+        let numbered = |f: &FittedPatch| {
+            let units = f.units.iter().map(|&u| changed.number_after(u)).collect();
+            FittedPatch { units, ..f.clone() }
+        };
+        let left = (0u32..).zip(before).filter(|(_, f)| is_left(f)).map(|(was, f)| (numbered(f), was));
+        let mut all: Vec<(FittedPatch, u32)> = left.collect();
+        if let Some(unit) = changed.after {
+            let new = self.fit_around(environment, unit);
+            all.extend(new.into_iter().filter(|f| f.units.contains(&unit)).map(|f| (f, NONE)));
+            all.sort_by_key(|(f, _)| f.sort_key());
+        }
+        all.into_iter().unzip()
+    }
+
+    /// All patches that fit near a unit, including all that it belongs to.
+    fn fit_around(&self, environment: &Environment, unit: u32) -> Vec<FittedPatch> {
+        let far = |(_, at): &(usize, throng_core::patch::Placement)| at.translation().length();
+        let widest = self.patterns.iter().flat_map(|p| p.units.iter().map(far)).fold(0.0, f32::max);
+        let at = environment.units[unit as usize].placement.translation();
+        let apart = |i: u32| (environment.units[i as usize].placement.translation() - at).length();
+        let all = || 0..environment.units.len() as u32;
+        // Units of one set are at most that far apart, and further ones that fit with them as far again.
+        let index = UnitIndex::from_units(environment, all().filter(|&i| apart(i) < 4.0 * widest + 1.0));
+        fit_patches(&self.library, &self.patterns, &index, all().filter(|&i| apart(i) < 2.0 * widest + 0.5))
+    }
+
+    fn renew_neighbours(
+        &self,
+        environment: &Environment,
+        before: &PlacedPatches,
+        now: &[u32],
+        was: &[u32],
+        laid: &mut PlacedPatches,
+    ) {
+        let is_tile = |f: &FittedPatch| self.patterns[f.patch as usize].is_tile;
+        let is_new = laid.fitted.iter().zip(was).any(|(f, was)| *was == NONE && is_tile(f));
+        let is_gone = before.fitted.iter().zip(now).any(|(f, now)| *now == NONE && is_tile(f));
+        if is_new || is_gone {
+            let index = UnitIndex::new(environment);
+            let found = neighbours(&self.patches, &self.patterns, &index, &laid.fitted);
+            (laid.neighbours, laid.first_neighbour) = found;
+            return;
+        }
+        for (f, &was) in laid.fitted.iter().zip(was) {
+            laid.first_neighbour.push(laid.neighbours.len() as u32);
+            if is_tile(f) {
+                let first = before.first_neighbour[was as usize] as usize;
+                let own = &before.neighbours[first..first + self.patches.edges_of(f.patch as usize).len()];
+                laid.neighbours.extend(own.iter().map(|&o| if o == NONE { NONE } else { now[o as usize] }));
+            }
+        }
+    }
+
+    fn renew_pairs(&self, before: &PlacedPatches, now: &[u32], laid: &mut PlacedPatches, kept: &mut KeptInstances) {
+        let mut pairs: Vec<((u32, u32, RelativePlacement), u32)> = Vec::with_capacity(before.pairs.len());
+        for (k, &(a, b, relation)) in (0u32..).zip(&before.pairs) {
+            match (now[a as usize], now[b as usize]) {
+                (NONE, _) | (_, NONE) => kept.removed[0].push(relation),
+                (a, b) => pairs.push(((a, b, relation), k)),
+            }
+        }
+        let num_left = pairs.len();
+        for new in (0..laid.fitted.len() as u32).filter(|&i| kept.previous_of[i as usize] == NONE) {
+            let near = overlapped(&laid.bounds, &laid.bounds[new as usize]);
+            // A pair of new instances is handled from the first of them.
+            let others = near.filter(|&o| o != new && (kept.previous_of[o as usize] != NONE || o > new));
+            let pair = |o: u32| self.pair(&laid.fitted, new.min(o), new.max(o));
+            pairs.extend(others.filter_map(pair).map(|pair| (pair, NONE)));
+        }
+        merge(&mut pairs, num_left);
+        (laid.pairs, kept.previous_pair_of) = pairs.into_iter().unzip();
+    }
+
+    fn renew_obstacles(
+        &self,
+        environment: &Environment,
+        before: &PlacedPatches,
+        changed: ChangedUnit,
+        now: &[u32],
+        laid: &mut PlacedPatches,
+        kept: &mut KeptInstances,
+    ) {
+        let mut obstacles = Vec::with_capacity(before.obstacles.len());
+        for &(i, unit, relation) in &before.obstacles {
+            let i = now[i as usize];
+            if i != NONE && Some(unit) != changed.before {
+                obstacles.push((i, changed.number_after(unit), relation));
+                continue;
+            }
+            kept.removed[1].push(relation);
+            if let Some(is_alike) = kept.is_alike.get_mut(i as usize) {
+                *is_alike = false;
+            }
+        }
+        let num_left = obstacles.len();
+        for (i, &was) in (0u32..).zip(&kept.previous_of) {
+            let bounds = &laid.bounds[i as usize];
+            let near = |unit: &u32| bounds.min.is_finite() && laid.shapes[*unit as usize].overlaps(bounds);
+            let to = |unit| self.obstacle_to(environment, &laid.fitted, i, unit);
+            match was {
+                NONE => obstacles.extend((0..laid.shapes.len() as u32).filter(near).filter_map(to)),
+                _ => {
+                    let new = changed.after.filter(near).and_then(to);
+                    kept.is_alike[i as usize] &= new.is_none();
+                    obstacles.extend(new);
+                }
+            }
+        }
+        kept.new_obstacles = obstacles[num_left..].iter().map(|o| o.2).collect();
+        merge(&mut obstacles, num_left);
+        laid.obstacles = obstacles;
+    }
+}
+
+/// Sorts a list with a sorted prefix of known length.
+fn merge<T: Ord>(list: &mut [T], sorted: usize) {
+    list[sorted..].sort_unstable();
+    // Two sorted runs, which a stable sort only merges.
+    list.sort();
+}
+
+/// Numbers of the boxes that overlap one; ascending.
+fn overlapped(all: &[BoundingBox], one: &BoundingBox) -> impl Iterator<Item = u32> {
+    let overlaps =
+        |(i, b): (u32, &BoundingBox)| (b.overlaps(one) && b.min.is_finite() && one.min.is_finite()).then_some(i);
+    (0u32..).zip(all).filter_map(overlaps)
+}
+
+#[cfg(test)]
+mod tests;

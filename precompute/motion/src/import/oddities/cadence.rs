@@ -1,0 +1,80 @@
+//! Detection of steps faster than anybody takes them, as in a file whose rate is not that of the capture.
+
+use crate::import::roles::RoleMap;
+use crate::raw::RawClip;
+use glam::Vec2;
+use std::fmt;
+use throng_core::Joint;
+
+/// Time over which the velocity of the hips is measured (s).
+const WAY_S: f64 = 0.4;
+/// Speed below which nobody takes steps (m/s).
+const WALKING_MPS: f32 = 0.5;
+/// Distance by which a foot is ahead of the other one (m).
+const AHEAD_M: f32 = 0.08;
+/// Least number of times from a step to the next that are conclusive.
+const INTERVALS: usize = 2;
+/// More steps a second than sprinters take (Hz).
+const MOST_HZ: f64 = 5.5;
+
+/// A walk or run that is too fast.
+pub(super) struct Cadence {
+    /// Step rate by the median time from a step to the next (steps/s).
+    steps_hz: f64,
+    /// Median over its steps (m/s).
+    speed_mps: f32,
+    /// Frame rate with which the clip is read (Hz).
+    rate_hz: f64,
+}
+
+impl fmt::Display for Cadence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "takes {:.1} steps a second, which nobody does, at {:.1} m/s: was it captured at the {:.0} frames a second that it is read with? \
+             `import.rate_hz` in a config sets another rate.",
+            self.steps_hz, self.speed_mps, self.rate_hz
+        )
+    }
+}
+
+/// Finds steps that are too fast: one foot gets ahead of the other along the path of the hips, by turns.
+pub(super) fn find_fast_steps(clip: &RawClip, roles: &RoleMap) -> Option<Cadence> {
+    let [hips, left, right] = [Joint::Hips, Joint::LeftFoot, Joint::RightFoot].map(|j| roles.get(j));
+    let (hips, left, right) = (hips?, left?, right?);
+    let flat = |f: usize| {
+        let world = clip.world(f);
+        [hips, left, right].map(|j| Vec2::new(world[j].0.x, world[j].0.z))
+    };
+    let places: Vec<[Vec2; 3]> = (0..clip.num_frames).map(flat).collect();
+    let half = (0.5 * WAY_S * clip.rate_hz).round().max(1.0) as usize;
+    // Frames from each step to the next, and the speeds in between.
+    let (mut intervals, mut speeds, mut last, mut ahead) = (Vec::new(), Vec::new(), None, 0.0);
+    for f in 0..clip.num_frames {
+        let (from, to) = (f.saturating_sub(half), (f + half).min(clip.num_frames - 1));
+        let way = places[to][0] - places[from][0];
+        let speed = way.length() * clip.rate_hz as f32 / (to - from).max(1) as f32;
+        if speed < WALKING_MPS {
+            (last, ahead) = (None, 0.0);
+            continue;
+        }
+        let by = (places[f][1] - places[f][2]).dot(way.normalize());
+        if by.abs() < AHEAD_M {
+            continue;
+        }
+        if by * ahead < 0.0 {
+            intervals.extend(last.map(|l| f - l));
+            speeds.push(speed);
+            last = Some(f);
+        }
+        ahead = by;
+    }
+    if intervals.len() < INTERVALS {
+        return None;
+    }
+    intervals.sort_unstable();
+    speeds.sort_by(f32::total_cmp);
+    let steps_hz = clip.rate_hz / intervals[intervals.len() / 2] as f64;
+    let speed_mps = speeds[speeds.len() / 2];
+    (steps_hz > MOST_HZ).then_some(Cadence { steps_hz, speed_mps, rate_hz: clip.rate_hz })
+}

@@ -1,0 +1,108 @@
+//! Detection of walks on the spot: treadmills, and exports whose root was left in place.
+
+use crate::clip::runs_where;
+use crate::import::roles::RoleMap;
+use crate::raw::RawClip;
+use glam::{Quat, Vec2, Vec3};
+use std::fmt;
+use throng_core::Joint;
+
+/// Time over which speeds are measured (s).
+const SPEED_S: f64 = 0.1;
+/// Time over which the travel of the hips is measured: about a step (s).
+const STEP_S: f64 = 0.6;
+/// Height above its lowest place below which a foot carries weight (m).
+const LOW_M: f32 = 0.04;
+/// Speed above which feet that carry weight slide (m/s).
+const SLIDING_MPS: f32 = 0.3;
+/// Share of that speed below which the hips stay.
+const STAYING: f32 = 0.35;
+/// Speed below which a foot that carries weight stands (m/s).
+const STANDING_MPS: f32 = 0.15;
+/// Least duration of a slide (s).
+const SLIDE_S: f64 = 0.12;
+/// Share of the clip above which it is a walk on the spot.
+const MOST: f32 = 0.3;
+/// Shortest clip that is conclusive (s).
+const SHORTEST_S: f64 = 0.8;
+
+/// A walk on the spot.
+pub(super) struct InPlace {
+    /// Speed of sliding feet (m/s).
+    pub speed_mps: f32,
+    /// Share of the frames in which they slide.
+    pub share: f32,
+}
+
+impl fmt::Display for InPlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "walks on the spot: feet on the ground slide, at {:.1} m/s, for {:.0} % of the time, while the hips stay where they are, \
+             as on a treadmill. Characters will stand and slide. Export it again with root motion (not \"in place\").",
+            self.speed_mps,
+            100.0 * self.share
+        )
+    }
+}
+
+/// Finds a walk on the spot: each foot that carries weight slides in its turn, while the hips stay and no foot stands.
+pub(super) fn find_walk_in_place(clip: &RawClip, roles: &RoleMap) -> Option<InPlace> {
+    let hips = roles.get(Joint::Hips)?;
+    let feet = [[Joint::LeftFoot, Joint::LeftToe], [Joint::RightFoot, Joint::RightToe]]
+        .map(|parts| parts.map(|j| roles.get(j)));
+    let frames = |s: f64| (s * clip.rate_hz).round().max(1.0) as usize;
+    let n = clip.num_frames;
+    if n < frames(SHORTEST_S) {
+        return None;
+    }
+    let mut roots: Vec<Vec2> = Vec::with_capacity(n);
+    let mut parts: Vec<[[Option<Vec3>; 2]; 2]> = Vec::with_capacity(n);
+    for f in 0..n {
+        let world: Vec<(Vec3, Quat)> = clip.world(f);
+        let at = world[hips].0;
+        roots.push(Vec2::new(at.x, at.z));
+        parts.push(feet.map(|foot| foot.map(|j| j.map(|j| world[j].0))));
+    }
+    let velocity = |at: &dyn Fn(usize) -> Option<Vec2>, f: usize, s: f64| {
+        let half = frames(0.5 * s);
+        let (a, b) = (f.saturating_sub(half), (f + half).min(n - 1));
+        Some((at(b)? - at(a)?) * (clip.rate_hz as f32 / (b - a) as f32))
+    };
+    // Both feet's lowest places, part by part.
+    let lowest = |side: usize, part: usize| {
+        let mut all: Vec<f32> = parts.iter().filter_map(|p| p[side][part].map(|v| v.y)).collect();
+        all.sort_by(f32::total_cmp);
+        all.get(all.len() / 20).copied()
+    };
+    let ground = [0, 1].map(|side| [0, 1].map(|part| lowest(side, part)));
+    let low = |side: usize, part: usize, f: usize| {
+        parts[f][side][part].zip(ground[side][part]).is_some_and(|(at, ground)| at.y < ground + LOW_M)
+    };
+    let foot = |side: usize, part: usize, f: usize| {
+        velocity(&|f| parts[f][side][part].map(|v| Vec2::new(v.x, v.z)), f, SPEED_S)
+    };
+    let all_parts = || (0..2).flat_map(|side| (0..2).map(move |part| (side, part)));
+    let stands =
+        |f: usize| all_parts().any(|(s, p)| low(s, p, f) && foot(s, p, f).is_some_and(|v| v.length() < STANDING_MPS));
+    // Speed of a foot that carries weight and slides, while the hips stay.
+    let slide = |side: usize, f: usize| {
+        let foot = foot(side, (0..2).find(|&part| low(side, part, f))?, f)?;
+        let body = velocity(&|f| Some(roots[f]), f, STEP_S)?;
+        let slides = foot.length() > SLIDING_MPS && body.length() < STAYING * foot.length() && !stands(f);
+        slides.then(|| foot.length())
+    };
+    let (mut sliding, mut speeds, mut slides) = (vec![false; n], Vec::new(), [false; 2]);
+    for side in 0..2 {
+        let all: Vec<Option<f32>> = (0..n).map(|f| slide(side, f)).collect();
+        let long = runs_where(0..n, |f| all[f].is_some()).into_iter().filter(|r| r.len() >= frames(SLIDE_S));
+        for f in long.flatten() {
+            (sliding[f], slides[side]) = (true, true);
+            speeds.extend(all[f]);
+        }
+    }
+    speeds.sort_by(f32::total_cmp);
+    let share = sliding.iter().filter(|s| **s).count() as f32 / n as f32;
+    let is_one = share >= MOST && slides == [true; 2];
+    is_one.then(|| InPlace { speed_mps: speeds[speeds.len() / 2], share })
+}

@@ -1,0 +1,211 @@
+//! Motion of a take on the user's own character.
+//!
+//! The roles of its joints are found as those of motion files are. Each of these joints turns as the motion's does, over the
+//! difference of the rest poses; twist joints take their share of the twist of a limb; all others stay at rest. The character
+//! is scaled as a whole, until its legs are as long as those of the motion: so feet stand where they stood, and all characters
+//! keep their places.
+
+mod copy;
+mod figure;
+mod moved_joints;
+mod surface;
+
+use crate::error::{BuildError, ImportError};
+use crate::export::scratch::TrackScratch;
+use crate::export::{Glb, Take};
+use crate::import::gltf::{self, AccessorReader, GltfDocument};
+use crate::import::nodes::Rig;
+use crate::import::source::content_error;
+use crate::import::{ImportConfig, MAX_MOTION_BYTES, RoleMap, UpAxis, archive, interpret};
+use crate::progress::Progress;
+use crate::retarget::BodyFit;
+pub use figure::SkinnedFigure;
+use glam::{DAffine3, DQuat};
+use moved_joints::{MovedJoint, ScaledWearer};
+use serde_json::Value;
+use std::path::Path;
+pub use surface::{FigureSurface, Material, SurfaceCorner};
+use throng_core::Joint;
+
+/// Advice how to get a file that can be worn.
+const HELP: &str = "Export the character with mesh, skin and textures as one .glb file";
+/// Factor by which nodes above the hips may shrink them: numbers in there are of single precision.
+const MOST_SHRUNK: f64 = 1e6;
+
+/// A character that wears motion.
+pub struct Wearer {
+    document: GltfDocument,
+    /// The document as JSON, with the parts that only copies need.
+    json: Value,
+    buffer: Vec<u8>,
+    rig: Rig,
+    fit: BodyFit,
+    roles: RoleMap,
+    /// Length of a unit of the file (m).
+    metres_per_unit: f64,
+    moved: Vec<MovedJoint>,
+    /// Index of the joint that carries all that moves.
+    centre: usize,
+}
+
+/// A character that wears a take.
+pub struct DressedTake<'a> {
+    wearer: &'a Wearer,
+    scratch: TrackScratch,
+}
+
+impl Wearer {
+    /// Reads a character: a `.glb` file, or a `.gltf` file with one buffer and its textures in it.
+    ///
+    /// - `config`: profiles that name roles, where names and shape do not tell.
+    ///
+    /// # Errors
+    /// [`BuildError::Import`] for a file without a skin, of several people, of none, or that lies in several files.
+    pub fn open(path: &Path, config: &ImportConfig) -> Result<Self, BuildError> {
+        Self::parse(&archive::read_file(path, "a character", MAX_MOTION_BYTES)?, path, config)
+    }
+
+    /// Reads a character as [`Wearer::open`] does, from the bytes of a file; `path` is for errors and for its buffer beside it.
+    ///
+    /// # Errors
+    /// Errors of [`Wearer::open`].
+    pub fn parse(bytes: &[u8], path: &Path, config: &ImportConfig) -> Result<Self, BuildError> {
+        let fail = |what: String| content_error(path, what, HELP);
+        let (document, binary) = gltf::document(bytes).map_err(fail)?;
+        let mut rigs = gltf::rigs(bytes, path)?;
+        if rigs.len() > 1 {
+            let message = format!("expected one character, found {} skeletons", rigs.len());
+            return Err(content_error(path, message, "Export one of them alone").into());
+        }
+        let Some(rig) = rigs.pop() else { return Err(fail("it has no skeleton".into()).into()) };
+        let json = complete_document(bytes, path)?;
+        if document.buffers.len() > 1 {
+            return Err(fail(format!("expected one buffer, found {}", document.buffers.len())).into());
+        }
+        let buffer = AccessorReader::new(&document, binary, path)?.bytes(0).unwrap_or_default().to_vec();
+        // Such files have Y up.
+        let config = ImportConfig { up: Some(UpAxis::Y), ..config.clone() };
+        let body = interpret(rig.clip.clone(), &config, &crate::import::profile::load_profiles(&config.profiles)?)?;
+        let fit = BodyFit::new(&body)?;
+        let moved = moved_joints::find_moved_joints(&rig.clip.clip, &body.roles, &fit);
+        let centre = moved_joints::centre_joint(&rig.clip.clip, &body.roles);
+        let (roles, metres_per_unit) = (body.roles, body.metres_per_unit);
+        let wearer = Self { document, json, buffer, rig, fit, roles, metres_per_unit, moved, centre };
+        let back = wearer.above_centre().0.inverse();
+        match back.is_finite() && back.matrix3.to_cols_array().iter().all(|v| v.abs() <= MOST_SHRUNK) {
+            true => Ok(wearer),
+            false => Err(fail("what is above its hips has a scale of 0, or next to it".into()).into()),
+        }
+    }
+
+    /// Roles, and the joints of the character that play them.
+    pub fn pairs(&self) -> impl Iterator<Item = (Joint, &str)> {
+        self.roles.pairs(&self.rig.clip.clip.joints)
+    }
+
+    /// Names of joints that take a share of a twist.
+    pub fn twists(&self) -> impl Iterator<Item = &str> {
+        let twists = self.moved.iter().filter(|m| m.twist().is_some());
+        twists.map(|m| self.rig.clip.clip.joints[m.joint].name.as_str())
+    }
+
+    /// Number of its joints.
+    pub fn num_joints(&self) -> usize {
+        self.rig.joints.len()
+    }
+
+    /// Dresses the character with a take.
+    ///
+    /// - `folder`: folder of the file that holds the motion of its joints until it is dropped.
+    ///
+    /// # Errors
+    /// [`BuildError::Io`] for errors of the disk.
+    pub fn dress(&self, take: &Take, folder: &Path, progress: &dyn Progress) -> Result<DressedTake<'_>, BuildError> {
+        let io = |source| BuildError::Io { path: folder.to_path_buf(), source };
+        let mut widths = vec![4; self.moved.len()];
+        widths.push(3);
+        let mut scratch = TrackScratch::new(folder, take.actors().len(), &widths, 1).map_err(io)?;
+        let frames: usize = (0..take.actors().len()).map(|a| take.num_frames(a)).sum();
+        progress.begin("dress", frames as u64, "frames");
+        for a in 0..take.actors().len() {
+            progress.check()?;
+            moved_joints::record_worn_motion(self, take, a, &mut scratch).map_err(io)?;
+            progress.advance(take.num_frames(a) as u64);
+        }
+        progress.end();
+        Ok(DressedTake { wearer: self, scratch })
+    }
+
+    /// Nodes of the character, parents first.
+    fn nodes(&self) -> Vec<usize> {
+        let mut nodes = vec![self.rig.above.first().copied().unwrap_or(self.rig.joints[0])];
+        let mut at = 0;
+        while at < nodes.len() {
+            nodes.extend(&self.document.nodes[nodes[at]].children);
+            at += 1;
+        }
+        nodes
+    }
+
+    /// Scale of the character for an actor: as tall as the motion's legs ask for, in metres.
+    fn scale(&self, take: &Take, actor: usize) -> f64 {
+        ScaledWearer::new(self, &take.actors()[actor].skeleton).scale
+    }
+
+    /// Frame of the joint that carries the body, and its rotation, in the file's units.
+    fn above_centre(&self) -> (DAffine3, DQuat) {
+        let mut nodes = self.rig.above.clone();
+        let joints = &self.rig.clip.clip.joints;
+        let mut chain: Vec<usize> = std::iter::successors(joints[self.centre].parent, |&j| joints[j].parent)
+            .map(|j| self.rig.joints[j])
+            .collect();
+        chain.reverse();
+        nodes.extend(chain);
+        let mut frame = (DAffine3::IDENTITY, DQuat::IDENTITY);
+        for node in nodes {
+            let local = gltf::local_transform(&self.document.nodes[node]);
+            let turn = local.rotation.normalize();
+            let inner = DAffine3::from_scale_rotation_translation(local.scale, turn, local.translation);
+            frame = (frame.0 * inner, frame.1 * turn);
+        }
+        frame
+    }
+}
+
+impl DressedTake<'_> {
+    /// Passes all numbers by which the character moves to `look`.
+    pub fn numbers(&self, mut look: impl FnMut(&[f32])) {
+        for actor in 0..self.scratch.num_actors() {
+            // Reading back fails only where the disk does: then there is nothing to pass on.
+            _ = self.scratch.frames(actor, |_, numbers| {
+                look(numbers);
+                Ok(())
+            });
+        }
+    }
+
+    /// The document of the take that it was made for.
+    ///
+    /// # Errors
+    /// Errors of [`Glb::new`].
+    pub fn glb<'a>(&'a self, take: &'a Take) -> Result<Glb<'a>, BuildError> {
+        Glb::from_parts(take, copy::copied_parts(self.wearer, take), &self.scratch)
+    }
+}
+
+/// The complete document as JSON.
+fn complete_document(bytes: &[u8], path: &Path) -> Result<Value, ImportError> {
+    let fail = |what: String| content_error(path, what, HELP);
+    let (text, _) = gltf::split(bytes).map_err(fail)?;
+    let json: Value = serde_json::from_slice(text).map_err(|e| fail(e.to_string()))?;
+    // Parts that are written must follow the format.
+    let mut entries = ["nodes", "skins"].iter().flat_map(|list| json[list].as_array().into_iter().flatten());
+    if !json["asset"].is_object() || !entries.all(Value::is_object) {
+        return Err(fail("expected objects as `asset`, nodes and skins".into()));
+    }
+    let mut uris = json["images"].as_array().into_iter().flatten().filter_map(|i| i["uri"].as_str());
+    match uris.find(|uri| !uri.starts_with("data:")) {
+        Some(uri) => Err(fail(format!("its texture `{uri}` lies in a file of its own"))),
+        None => Ok(json),
+    }
+}

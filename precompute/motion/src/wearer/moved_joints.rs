@@ -1,0 +1,233 @@
+//! Joints of a character that move, and how each does.
+
+use super::Wearer;
+use crate::export::Take;
+use crate::export::scratch::TrackScratch;
+use crate::import::RoleMap;
+use crate::raw::RawClip;
+use crate::retarget::{BodyFit, WornPose};
+use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
+use std::io;
+use throng_base::maths;
+use throng_core::{Joint, NUM_JOINTS, Skeleton};
+
+/// Segments of limbs whose twist is shared, and the joints at their ends. Thighs and upper arms twist at their begin, shins and
+/// forearms at their end.
+const LIMBS: [(Joint, Joint, bool); 8] = {
+    use Joint::*;
+    [
+        (LeftUpperArm, LeftForearm, true),
+        (RightUpperArm, RightForearm, true),
+        (LeftThigh, LeftShin, true),
+        (RightThigh, RightShin, true),
+        (LeftForearm, LeftHand, false),
+        (RightForearm, RightHand, false),
+        (LeftShin, LeftFoot, false),
+        (RightShin, RightFoot, false),
+    ]
+};
+/// Parts of the names of joints that take a share of a twist.
+const TWIST_NAMES: [&str; 2] = ["twist", "roll"];
+
+/// A joint that moves.
+pub struct MovedJoint {
+    /// Index in the rig.
+    pub joint: usize,
+    drive: JointDrive,
+}
+
+enum JointDrive {
+    /// Turns as a role does. A joint that carries all of the body, where that is not the hips' joint, turns as the hips do.
+    Role(Joint),
+    /// Turns with a share of the twist of a limb.
+    Twist(TwistShare),
+}
+
+/// A share of the twist of a limb.
+pub struct TwistShare {
+    limb: Joint,
+    /// The joint whose twist is shared.
+    source: Joint,
+    /// Direction along the limb in a T-pose (unit).
+    axis: Vec3,
+    /// Share of the twist (-1 to 1).
+    share: f32,
+}
+
+impl MovedJoint {
+    /// The joint that it goes with.
+    pub fn carrier(&self) -> Joint {
+        match &self.drive {
+            JointDrive::Role(joint) => *joint,
+            JointDrive::Twist(twist) => twist.limb,
+        }
+    }
+
+    /// Its share of a twist, if it has one.
+    pub fn twist(&self) -> Option<&TwistShare> {
+        match &self.drive {
+            JointDrive::Role(_) => None,
+            JointDrive::Twist(twist) => Some(twist),
+        }
+    }
+}
+
+/// The joint that carries all joints with roles: that of the hips, or one above it where the spine does not hang on those.
+pub fn centre_joint(clip: &RawClip, roles: &RoleMap) -> usize {
+    let up = |joint: usize| std::iter::successors(Some(joint), |&j| clip.joints[j].parent);
+    let hips = roles.get(Joint::Hips).unwrap_or(0);
+    let carries = |joint: usize| roles.joints.iter().flatten().all(|&j| up(j).any(|above| above == joint));
+    up(hips).find(|&j| carries(j)).unwrap_or(hips)
+}
+
+/// The joints that move, parents first.
+pub fn find_moved_joints(clip: &RawClip, roles: &RoleMap, fit: &BodyFit) -> Vec<MovedJoint> {
+    let (world, centre) = (clip.world(0), centre_joint(clip, roles));
+    let role_of = |joint: usize| {
+        let role = Joint::ALL.into_iter().find(|r| roles.get(*r) == Some(joint));
+        role.or((joint == centre).then_some(Joint::Hips))
+    };
+    let mut out = Vec::new();
+    for joint in 0..clip.joints.len() {
+        if let Some(role) = role_of(joint) {
+            out.push(MovedJoint { joint, drive: JointDrive::Role(role) });
+            continue;
+        }
+        let name = clip.joints[joint].name.to_lowercase();
+        if !TWIST_NAMES.iter().any(|n| name.contains(n)) {
+            continue;
+        }
+        let above = std::iter::successors(clip.joints[joint].parent, |&p| clip.joints[p].parent).find_map(role_of);
+        let limb = LIMBS.into_iter().find(|l| Some(l.0) == above);
+        let Some((limb, end, at_begin)) = limb else { continue };
+        let (Some(from), Some(to)) = (roles.get(limb), roles.get(end)) else { continue };
+        let way = world[to].0 - world[from].0;
+        let along = ((world[joint].0 - world[from].0).dot(way) / way.length_squared().max(1e-9)).clamp(0.0, 1.0);
+        let axis = fit.t_pose_offset(limb, end).normalize_or(Vec3::X);
+        let (of, share) = if at_begin { (limb, along - 1.0) } else { (end, along) };
+        out.push(MovedJoint { joint, drive: JointDrive::Twist(TwistShare { limb, source: of, axis, share }) });
+    }
+    out
+}
+
+/// The angle by which a rotation turns about an axis before it swings the axis (rad).
+fn twist_about(rotation: Quat, axis: Vec3) -> f32 {
+    let rotation = if rotation.w < 0.0 { -rotation } else { rotation };
+    2.0 * rotation.xyz().dot(axis).atan2(rotation.w)
+}
+
+impl TwistShare {
+    /// World rotation that is added to that of the joint it hangs on.
+    fn turn(&self, model: &[Quat]) -> Quat {
+        let above = self.source.parent().map_or(Quat::IDENTITY, |p| model[p.index()]);
+        let angle = self.share * twist_about(maths::compose(above.inverse(), model[self.source.index()]), self.axis);
+        let limb = model[self.limb.index()];
+        maths::compose(maths::compose(limb, Quat::from_axis_angle(self.axis, angle)), limb.inverse())
+    }
+}
+
+/// The character in the size that a skeleton asks for.
+pub struct ScaledWearer {
+    fit: BodyFit,
+    /// Scale of the character relative to its file.
+    pub scale: f64,
+    /// Transform from the world to the frame of the centre.
+    back: DAffine3,
+    /// Rotation of that frame.
+    turn: DQuat,
+    /// Joints from the hips' up to below the centre.
+    below: Vec<usize>,
+}
+
+impl ScaledWearer {
+    /// - `own`: skeleton of the motion.
+    pub fn new(wearer: &Wearer, own: &Skeleton) -> Self {
+        let growth = f64::from(own.leg_length() / wearer.fit.leg_length());
+        let (clip, (frame, turn)) = (&wearer.rig.clip.clip, wearer.above_centre());
+        let hips = wearer.roles.get(Joint::Hips).unwrap_or(wearer.centre);
+        let up = std::iter::successors(Some(hips), |&j| clip.joints[j].parent);
+        Self {
+            fit: wearer.fit.scaled(growth as f32),
+            scale: growth * wearer.metres_per_unit,
+            back: frame.inverse(),
+            turn,
+            below: up.take_while(|&j| j != wearer.centre).collect(),
+        }
+    }
+
+    /// The numbers by which the character moves: rotations of the joints that do, and the position of the centre, each in the
+    /// frame of its parent.
+    ///
+    /// - `pose`: world transforms of the skeleton's joints; `before`: numbers of the frame before, whose signs of rotations are
+    ///   kept.
+    pub fn numbers(
+        &self,
+        wearer: &Wearer,
+        own: &Skeleton,
+        pose: &[(Vec3, Quat); NUM_JOINTS],
+        before: Option<&[f32]>,
+    ) -> Vec<f32> {
+        let clip = &wearer.rig.clip.clip;
+        let worn = self.fit.wear_pose(own, pose);
+        let world = joint_turns(wearer, clip, &worn);
+        let mut numbers = Vec::with_capacity(4 * wearer.moved.len() + 3);
+        for m in &wearer.moved {
+            let axes = |j: usize| (world[j] * wearer.rig.axes[j]).normalize();
+            let parent = clip.joints[m.joint].parent.map_or(self.turn, axes);
+            let local = (parent.inverse() * axes(m.joint)).normalize().as_quat();
+            let sign = before.map_or(1.0, |b| {
+                let then = Quat::from_slice(&b[numbers.len()..numbers.len() + 4]);
+                if then.dot(local) < 0.0 { -1.0 } else { 1.0 }
+            });
+            numbers.extend((local * sign).to_array());
+        }
+        let way = |j: &usize| world[clip.joints[*j].parent.unwrap_or(0)] * clip.translations[*j].as_dvec3();
+        let centre = worn.hips.as_dvec3() / self.scale - self.below.iter().map(way).sum::<DVec3>();
+        numbers.extend(self.back.transform_point3(centre).as_vec3().to_array());
+        numbers
+    }
+}
+
+/// Records the motion of all joints of a character in a take: rotations of those that move, and the position of the hips.
+pub fn record_worn_motion(wearer: &Wearer, take: &Take, actor: usize, scratch: &mut TrackScratch) -> io::Result<()> {
+    let own = &take.actors()[actor].skeleton;
+    let sized = ScaledWearer::new(wearer, own);
+    let mut before: Option<Vec<f32>> = None;
+    take.poses(actor, |_, pose, _| {
+        let numbers = sized.numbers(wearer, own, &pose.world_transforms(), before.as_deref());
+        scratch.push(actor, &numbers)?;
+        before = Some(numbers);
+        Ok(())
+    })?;
+    scratch.finish(actor)
+}
+
+/// World rotation of every joint of the rig relative to rest.
+fn joint_turns(wearer: &Wearer, clip: &RawClip, worn: &WornPose) -> Vec<DQuat> {
+    let mut moved = wearer.moved.iter().peekable();
+    let mut world: Vec<DQuat> = Vec::with_capacity(clip.joints.len());
+    for (j, joint) in clip.joints.iter().enumerate() {
+        let rest = clip.rotations[j].as_dquat();
+        let follows = joint.parent.map_or(rest, |p| world[p] * rest);
+        world.push(match moved.next_if(|m| m.joint == j).map(|m| &m.drive) {
+            Some(JointDrive::Role(role)) => worn.joints[role.index()].as_dquat(),
+            Some(JointDrive::Twist(twist)) => twist.turn(&worn.model).as_dquat() * follows,
+            None => follows,
+        });
+    }
+    world
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twists_are_told_from_swings() {
+        for angle in [-2.0f32, -0.3, 0.0, 0.7, 3.0] {
+            let swing = Quat::from_rotation_arc(Vec3::X, Vec3::new(0.6, 0.0, 0.8));
+            let got = twist_about(swing * Quat::from_rotation_x(angle), Vec3::X);
+            assert!((got - angle).abs() < 1e-5, "{angle}: {got}");
+        }
+    }
+}

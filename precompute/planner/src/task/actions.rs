@@ -1,0 +1,402 @@
+//! Execution of one step: a correction, or a limb that goes to a target and comes back.
+
+use super::both_hands;
+use super::entries::TaskAction;
+use super::gaze;
+use super::grips::{HandTarget, hand_targets};
+use super::lean;
+use super::run::{UnresolvedSpan, nearest_distance};
+use super::stage::{TaskStage, ThingPlacement, hand_joint};
+use super::step::{Anchor, Receiver, TaskPlace, TaskStep};
+use super::visit::{LimbVisit, PlacementChange, allow_neighbours, visit_first_goal};
+use crate::collide::Checker;
+use crate::correct::{CollisionStretch, CorrectConfig, CorrectionError, correct_clip};
+use crate::linkage::Limb;
+use crate::planner::PlanOutcome;
+use crate::problem::Problem;
+use crate::rotation::Rigid;
+use crate::setup::AllowedContact;
+use throng_core::Joint;
+
+/// Time before and after it is reached in which a hand may touch its target (s).
+pub(super) const CONTACT_S: f64 = 0.25;
+/// Rank penalty of goals from which the next step is impossible.
+const LATER: usize = 1 << 20;
+
+/// Reason why a step was not done, and the part of it that was.
+#[derive(Clone, Debug)]
+pub(super) struct StepFailure {
+    pub reason: String,
+    pub nearest_m: Option<f64>,
+    /// True where the target is out of reach by `nearest_m`.
+    pub is_beyond: bool,
+    pub plans: Vec<PlanOutcome>,
+    pub spans: Vec<CollisionStretch>,
+    /// Stretches that stay in a collision, and why.
+    pub unresolved: Vec<UnresolvedSpan>,
+    /// True keeps what was planned: some stretches of a correction.
+    pub keep: bool,
+}
+
+impl StepFailure {
+    pub fn new(why: impl Into<String>) -> Self {
+        Self {
+            reason: why.into(),
+            nearest_m: None,
+            is_beyond: false,
+            plans: Vec::new(),
+            spans: Vec::new(),
+            unresolved: Vec::new(),
+            keep: false,
+        }
+    }
+}
+
+type StepResult = Result<(Vec<PlanOutcome>, Vec<CollisionStretch>), StepFailure>;
+
+/// Runs a step; one that fails may leave a part of it done.
+pub(super) fn run_step(stage: &mut TaskStage<'_>, step: &TaskStep, config: &CorrectConfig<'_>) -> StepResult {
+    let mut config = *config;
+    config.plan.search.style = step.style;
+    // All times are on frames.
+    let rate = stage.actors[step.character].clip.rate_hz;
+    let step = &TaskStep { times_s: step.times_s.map(|t| (t * rate).round() / rate), ..step.clone() };
+    if step.action == TaskAction::Correct {
+        return correct_limb(stage, step, &config);
+    }
+    let leans = stage.task.lean && step.limb.is_arm();
+    let before = leans.then(|| stage.clone());
+    let mut did = run_action(stage, step, &config);
+    // Where the target is out of reach, the trunk may help; a little more with each try.
+    let (Some(before), Some(by_m)) = (before, did.as_ref().err().filter(|p| p.is_beyond).and_then(|p| p.nearest_m))
+    else {
+        return did;
+    };
+    if by_m > lean::MOST_M {
+        return did;
+    }
+    for spare_m in lean::SPARE_M {
+        let mut leaning = before.clone();
+        let tried = lean::lean_to_target(&mut leaning, step, by_m + spare_m)
+            .and_then(|()| run_action(&mut leaning, step, &config));
+        match (tried, &mut did) {
+            (Ok(found), _) => {
+                *stage = leaning;
+                return Ok(found);
+            }
+            (Err(with), Err(without)) if spare_m == lean::SPARE_M[0] => {
+                without.reason = format!("{}; leaning: {}", without.reason, with.reason);
+            }
+            (Err(_), _) => {}
+        }
+    }
+    did
+}
+
+/// Turns the head to the target, if heads do, and runs the action.
+fn run_action(stage: &mut TaskStage<'_>, step: &TaskStep, config: &CorrectConfig<'_>) -> StepResult {
+    if stage.task.gaze {
+        gaze::look_at_target(stage, step);
+    }
+    match (step.action, step.object) {
+        (_, None) => Err(StepFailure::new("there is no object")),
+        (TaskAction::Carry | TaskAction::Drop | TaskAction::HandOver, Some(object)) => {
+            bring_object(stage, step, object, config)
+        }
+        (_, Some(object)) => take_object(stage, step, object, config),
+    }
+}
+
+/// Plans each stretch between the moments at which the limb's place is fixed.
+fn correct_limb(stage: &mut TaskStage<'_>, step: &TaskStep, config: &CorrectConfig<'_>) -> StepResult {
+    let (who, limb) = (step.character, step.limb);
+    let rate = stage.actors[who].clip.rate_hz;
+    let end_s = stage.actors[who].end_s();
+    let [from, _, to] = step.times_s.map(|t| t.clamp(0.0, end_s));
+    let pins = stage.pins.iter().filter(|p| p.character == who && p.limb == limb).map(|p| p.time_s);
+    let mut cuts: Vec<f64> = pins.filter(|t| from < *t && *t < to).chain([from, to]).collect();
+    cuts.sort_by(f64::total_cmp);
+    // Stretches in which both hands hold something are not corrected.
+    let is_alone = |w: &&[f64]| stage.held_by_both(who, limb, [w[0], w[1]]).is_none();
+    let cuts: Vec<[f64; 2]> = cuts.windows(2).filter(is_alone).map(|w| [w[0], w[1]]).collect();
+    let (mut plans, mut spans, mut left) = (Vec::new(), Vec::new(), Vec::new());
+    let mut nearest_m: Option<f64> = None;
+    for within in cuts.into_iter().filter(|w| w[1] - w[0] > 0.5 / rate) {
+        let around = stage.surroundings_of_limb(who, limb, within);
+        let others = stage.other_bodies(who);
+        let spec = stage.limb_spec(who, limb, &around, &others);
+        let config = CorrectConfig { search_window_s: Some(within), ..*config };
+        let (clip, found) =
+            correct_clip(&stage.actors[who].clip, &spec, &config).map_err(|e| StepFailure::new(e.to_string()))?;
+        stage.actors[who].replace_clip(clip);
+        for one in found {
+            match one.outcome {
+                Ok(outcome) => {
+                    plans.push(outcome);
+                    stage.record_planned(who, limb, one.window_s);
+                    let stays = |s: CollisionStretch| UnresolvedSpan {
+                        why: driven_collision_advice(&s, limb),
+                        span: s,
+                        is_driven: true,
+                    };
+                    left.extend(one.driven.into_iter().map(stays));
+                }
+                Err(e) => {
+                    if let CorrectionError::Unsolved { why, .. } = &e {
+                        nearest_m = nearest_distance(why);
+                    }
+                    left.push(UnresolvedSpan { span: one.span.clone(), why: e.to_string(), is_driven: false });
+                }
+            }
+            spans.push(one.span);
+        }
+    }
+    if left.is_empty() {
+        return Ok((plans, spans));
+    }
+    Err(StepFailure {
+        reason: UnresolvedSpan::describe_all(&left),
+        nearest_m,
+        is_beyond: false,
+        plans,
+        spans,
+        unresolved: left,
+        keep: true,
+    })
+}
+
+/// Advice for a collision of the rest of the body.
+fn driven_collision_advice(s: &CollisionStretch, limb: Limb) -> String {
+    let CollisionStretch { from_s, to_s, part, with, depth_m } = s;
+    let other = Limb::ALL.into_iter().find(|l| Joint::from_name(part).is_some_and(|j| l.moves_joint(j)));
+    let way = other.map_or_else(|| format!("move {with}"), |l| format!("correct {} too, or move {with}", l.name()));
+    let limb = limb.name();
+    format!(
+        "{part} itself is {depth_m:.3} m too near {with} from {from_s:.2} s to {to_s:.2} s: no motion of {limb} helps; {way}"
+    )
+}
+
+/// Moves a limb to an object, and takes it along if that is wanted.
+fn take_object(stage: &mut TaskStage<'_>, step: &TaskStep, object: usize, config: &CorrectConfig<'_>) -> StepResult {
+    let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
+    let name = stage.task.things[object].name.clone();
+    let window_s = [step.times_s[0], step.times_s[2]];
+    for limb in [Some(limb), step.second.as_ref().map(|s| s.limb)].into_iter().flatten() {
+        if step.action == TaskAction::Grab {
+            check_free_to_take(stage, step, limb, object)?;
+        }
+        check_hand_unshared(stage, who, limb, window_s)?;
+    }
+    let place = stage.thing_place(object, at_s);
+    let mut hands = hand_targets(&step.grips, &place, &stage.actors[who], limb, at_s);
+    rank_by_next_steps(stage, step, limb, object, &mut hands);
+    allow_step_contacts(stage, step, &name, step.action != TaskAction::Reach);
+    if let Some(second) = &step.second {
+        let mut others = hand_targets(&second.grips, &place, &stage.actors[who], second.limb, at_s);
+        rank_by_next_steps(stage, step, second.limb, object, &mut others);
+        return Ok((
+            both_hands::grab_with_both(stage, step, (second.limb, object), [&hands, &others], config)?,
+            Vec::new(),
+        ));
+    }
+    let then = move |goal: &HandTarget| placement_in_hand(who, limb, goal);
+    let change = (step.action == TaskAction::Grab).then_some(PlacementChange { thing: object, placement_after: &then });
+    let (plans, _) = visit_first_goal(stage, LimbVisit::from_step(step), &hands, change, config)?;
+    Ok((plans, Vec::new()))
+}
+
+/// Lowers the rank of grips with which the object cannot be brought to the places of the limb's next steps with it, until it is
+/// let go.
+///
+/// - `limb`: the step's limb, or the second one.
+fn rank_by_next_steps(stage: &TaskStage<'_>, step: &TaskStep, limb: Limb, object: usize, hands: &mut [HandTarget]) {
+    let mut last = step;
+    while let Some(next) = next_with(stage, last, object) {
+        rank_by_step(stage, step, next, limb, object, hands);
+        if next.action != TaskAction::Carry {
+            break;
+        }
+        last = next;
+    }
+}
+
+fn rank_by_step(
+    stage: &TaskStage<'_>,
+    step: &TaskStep,
+    next: &TaskStep,
+    limb: Limb,
+    object: usize,
+    hands: &mut [HandTarget],
+) {
+    let (Some(to), who, [from_s, then_s, _]) = (next.to, step.character, next.times_s) else { return };
+    let name = &stage.task.things[object].name;
+    let mut around = both_hands::exclude_thing(stage.surroundings_of_limb(who, limb, [from_s, then_s]), name);
+    if let Some(second) = &step.second {
+        around = both_hands::exclude_arm(around, if limb == step.limb { second.limb } else { step.limb });
+    }
+    let others = stage.other_bodies(who);
+    let spec = stage.limb_spec(who, limb, &around, &others);
+    let Ok(problem) = Problem::prepare(&spec) else { return };
+    let mut checker = Checker::default();
+    let present = problem.external_pose_at(then_s);
+    let places = stage.resolve_place(&to, then_s);
+    for goal in hands {
+        let grip = goal.object.to_local(goal.hand);
+        if !places.iter().any(|p| problem.solve_reach(&mut checker, &p.compose(grip), then_s, &present).is_ok()) {
+            goal.rank += LATER;
+        }
+    }
+}
+
+/// The limb's next step with an object that it holds by then.
+pub(super) fn next_with<'s>(stage: &TaskStage<'s>, step: &TaskStep, object: usize) -> Option<&'s TaskStep> {
+    let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
+    let is_next = |s: &&TaskStep| {
+        s.action.needs_held_object()
+            && (s.object, s.character, s.limb) == (Some(object), who, limb)
+            && s.times_s[1] > at_s
+    };
+    stage.task.steps.iter().filter(is_next).min_by(|a, b| a.times_s[1].total_cmp(&b.times_s[1]))
+}
+
+/// Placement of a thing in the hand of a goal.
+pub(super) fn placement_in_hand(character: usize, limb: Limb, goal: &HandTarget) -> ThingPlacement {
+    let offset = goal.hand.to_local(goal.object);
+    ThingPlacement::OnJoint { character, joint: hand_joint(limb), offset, holder: Some(limb), second: None }
+}
+
+/// Fails where the limb holds something together with the other one.
+fn check_hand_unshared(stage: &TaskStage<'_>, who: usize, limb: Limb, window_s: [f64; 2]) -> Result<(), StepFailure> {
+    let Some((thing, ..)) = stage.held_by_both(who, limb, window_s) else { return Ok(()) };
+    let (limb, name) = (limb.name().replace('_', " "), &stage.task.things[thing].name);
+    let [from_s, to_s] = window_s;
+    Err(StepFailure::new(format!(
+        "{limb} and the other one hold `{name}` between {from_s:.2} s and {to_s:.2} s; drop it first"
+    )))
+}
+
+fn check_free_to_take(stage: &TaskStage<'_>, step: &TaskStep, limb: Limb, object: usize) -> Result<(), StepFailure> {
+    let (who, at_s) = (step.character, step.times_s[1]);
+    let name = &stage.task.things[object].name;
+    if let ThingPlacement::OnJoint { character, holder: Some(by), .. } = stage.placement_at(object, at_s) {
+        let by = format!("{}'s {}", stage.task.characters[*character].name, by.name().replace('_', " "));
+        return Err(StepFailure::new(format!("`{name}` is held by {by} already; drop it first, or hand it over")));
+    }
+    if let Some((other, _)) = stage.held_by(who, limb, at_s) {
+        let other = &stage.task.things[other].name;
+        return Err(StepFailure::new(format!("the hand holds `{other}`; drop it first")));
+    }
+    check_unused_later(stage, object, at_s)
+}
+
+/// Fails where the object is used later: what was planned for later would no longer hold.
+fn check_unused_later(stage: &TaskStage<'_>, object: usize, at_s: f64) -> Result<(), StepFailure> {
+    let last = stage.placements[object].last().map_or(f64::NEG_INFINITY, |s| s.from_s);
+    if last < at_s {
+        return Ok(());
+    }
+    let name = &stage.task.things[object].name;
+    Err(StepFailure::new(format!(
+        "`{name}` changes hands at {last:.2} s: expected tasks of one object in the order of time"
+    )))
+}
+
+/// Brings a held object to a place; keeps it, lays it down or gives it away.
+fn bring_object(stage: &mut TaskStage<'_>, step: &TaskStep, object: usize, config: &CorrectConfig<'_>) -> StepResult {
+    let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
+    let name = stage.task.things[object].name.clone();
+    let offset = match stage.held_by(who, limb, at_s) {
+        Some((held, offset)) if held == object => offset,
+        _ => {
+            let limb = limb.name().replace('_', " ");
+            return Err(StepFailure::new(format!(
+                "{limb} does not hold `{name}` at {at_s:.2} s; let it grab that first"
+            )));
+        }
+    };
+    let Some(to) = step.to else { return Err(StepFailure::new("there is no place to bring it to")) };
+    check_unused_later(stage, object, at_s)?;
+    let goal = |object: Rigid| HandTarget { rank: 0, hand: object.compose(offset.to_local(Rigid::IDENTITY)), object };
+    let hands: Vec<HandTarget> = stage.resolve_place(&to, at_s).into_iter().map(goal).collect();
+    allow_step_contacts(stage, step, &name, true);
+    let both = stage.held_by_both(who, limb, [at_s - 1e-3, at_s]);
+    let until_s = if both.is_some() { both_hands::held_until_s(stage, step, object) } else { at_s };
+    hands.iter().for_each(|goal| allow_neighbours(stage, (who, limb), object, &goal.object, [at_s, until_s]));
+    let laid = placement_after_release(stage, &to, object, at_s)?;
+    let then = |goal: &HandTarget| laid(goal);
+    let change =
+        (step.action != TaskAction::Carry).then_some(PlacementChange { thing: object, placement_after: &then });
+    let (mut plans, given) = match both {
+        Some((_, _, second)) => both_hands::bring_with_both(stage, step, (second, object), &hands, change, config)?,
+        None => visit_first_goal(stage, LimbVisit::with_held_object(step, &hands), &hands, change, config)?,
+    };
+    if let (TaskAction::HandOver, Some(receiver)) = (step.action, &step.receiver) {
+        // The receiver's grasp replaces its being laid down.
+        stage.placements[object].pop();
+        let (who, limb) = (receiver.character, receiver.limb);
+        check_hand_unshared(stage, who, limb, [step.times_s[1], step.times_s[2]])?;
+        let taken = TaskStep { character: who, limb, ..step.clone() };
+        let hands = hand_targets(&receiver.grips, &given.object, &stage.actors[who], limb, at_s);
+        allow_step_contacts(stage, &taken, &name, true);
+        allow_handover_contacts(stage, step, receiver, &name);
+        let then = |goal: &HandTarget| placement_in_hand(who, limb, goal);
+        let change = Some(PlacementChange { thing: object, placement_after: &then });
+        plans.extend(visit_first_goal(stage, LimbVisit::from_step(&taken), &hands, change, config)?.0);
+    }
+    Ok((plans, Vec::new()))
+}
+
+/// Allows both hands to touch an object while it is handed over.
+fn allow_handover_contacts(stage: &mut TaskStage<'_>, step: &TaskStep, receiver: &Receiver, object: &str) {
+    let window_s = Some([step.times_s[1] - CONTACT_S, step.times_s[1] + CONTACT_S]);
+    let both = [(step.character, step.limb), (receiver.character, receiver.limb)];
+    for ([(who, limb), (other, with)], is_one) in [both, [both[1], both[0]]].map(|b| (b, both[0].0 == both[1].0)) {
+        let with = if is_one { hand_joint(with).name() } else { &stage.task.characters[other].name };
+        let contact = AllowedContact { part: Some(object.into()), other: with.into(), window_s };
+        stage.contacts.push((who, limb, contact));
+    }
+}
+
+/// Placement of a thing once it was let go.
+fn placement_after_release(
+    stage: &TaskStage<'_>,
+    to: &TaskPlace,
+    object: usize,
+    at_s: f64,
+) -> Result<impl Fn(&HandTarget) -> ThingPlacement + use<>, StepFailure> {
+    if to.on == Anchor::Thing(object) {
+        return Err(StepFailure::new("a thing cannot be laid on itself; choose another `on`"));
+    }
+    let mut holder = None;
+    if let Anchor::Joint(character, joint) = to.on {
+        holder = [Limb::LeftArm, Limb::RightArm].into_iter().find(|l| hand_joint(*l) == joint);
+        if holder.is_some_and(|l| stage.held_by(character, l, at_s).is_some()) {
+            return Err(StepFailure::new("that hand holds something already"));
+        }
+    }
+    let (on, from) = (to.on, stage.base_of(to, at_s));
+    Ok(move |goal: &HandTarget| match on {
+        Anchor::World => ThingPlacement::Path(crate::track::RigidPath::Still(goal.object)),
+        Anchor::Thing(thing) => ThingPlacement::OnThing { thing, offset: from.to_local(goal.object) },
+        Anchor::Joint(character, joint) => {
+            ThingPlacement::OnJoint { character, joint, offset: from.to_local(goal.object), holder, second: None }
+        }
+    })
+}
+
+/// Allows contacts of a limb, and of what it holds, around the moment of a step.
+pub(super) fn allow_step_contacts(stage: &mut TaskStage<'_>, step: &TaskStep, object: &str, with_object: bool) {
+    let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
+    let window_s = Some([at_s - CONTACT_S, at_s + CONTACT_S]);
+    let parts = Joint::ALL.into_iter().filter(|j| limb.moves_joint(*j) && !limb.joints()[..2].contains(j));
+    let mut add = |part: String, with: &str| {
+        stage.contacts.push((who, limb, AllowedContact { part: Some(part), other: with.into(), window_s }));
+    };
+    for part in parts {
+        if with_object {
+            add(part.name().into(), object);
+        }
+        step.contacts.iter().for_each(|c| add(part.name().into(), c));
+    }
+    step.contacts.iter().for_each(|c| add(object.into(), c));
+}

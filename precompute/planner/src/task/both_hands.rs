@@ -1,0 +1,409 @@
+//! Both hands at one thing: the first one leads, the second one follows it frame by frame.
+
+use super::actions::{CONTACT_S, StepFailure, allow_step_contacts, next_with};
+use super::entries::TaskAction;
+use super::follow::{FollowError, HandPath, check_free_all_along};
+use super::grips::HandTarget;
+use super::run::nearest_distance;
+use super::stage::{LimbSurroundings, Pin, PlacementSpan, SecondHand, TaskStage, ThingPlacement, hand_joint};
+use super::step::TaskStep;
+use super::visit::{LimbVisit, PlacementChange, TRIES, allow_neighbours, first_success, reachable_goals};
+use crate::clips::with_motion;
+use crate::collide::Checker;
+use crate::correct::CorrectConfig;
+use crate::ik::LimbIk;
+use crate::linkage::{Limb, LimbPose, Linkage};
+use crate::manipulate::{ReachError, misfit_error, plan_into_clip, spec_between_states};
+use crate::planner::{Budget, LimbMotion, LimbPlanner, PlanOutcome};
+use crate::problem::{LimbState, Problem};
+use crate::rotation::Rigid;
+use crate::setup::{AllowedContact, ProblemSpec, Tether};
+use throng_core::Joint;
+
+/// Number of paths of the first hand that are tried for one target, each with a seed of its own: the second one cannot follow
+/// all.
+const SEEDS: u64 = 16;
+/// Part of the second arm's reach that is left over along the path (m).
+const SPARE_M: f64 = 0.01;
+
+/// Offset of the second hand between frames above which a path is tried after all others (m).
+const OFF_M: f64 = 2e-3;
+
+/// Distance of a hand from its grip above which it does not hold the thing (m).
+const HELD_M: f64 = 1e-3;
+
+/// A character, and the two hands with which it holds a thing.
+#[derive(Clone, Copy)]
+struct HandPair {
+    who: usize,
+    lead: Limb,
+    second: SecondHand,
+}
+
+/// End of a limb's path.
+#[derive(Clone, Copy)]
+enum LimbGoal {
+    Hand(Rigid),
+    /// Back into the clip.
+    Clip,
+}
+
+/// Moves both hands to a thing, which they take at one moment; they keep it in the trunk's frame until something is done with
+/// it.
+///
+/// - `hands`: goals of the step's limb, and of the second one.
+pub(super) fn grab_with_both(
+    stage: &mut TaskStage<'_>,
+    step: &TaskStep,
+    (follow, object): (Limb, usize),
+    hands: [&[HandTarget]; 2],
+    config: &CorrectConfig<'_>,
+) -> Result<Vec<PlanOutcome>, StepFailure> {
+    let (who, lead, [from_s, at_s, _]) = (step.character, step.limb, step.times_s);
+    let second = LimbVisit { limb: follow, ..LimbVisit::from_step(step) };
+    for limb in [lead, follow] {
+        check_free(stage, who, limb, [from_s, step.times_s[2]])?;
+    }
+    let name = stage.task.things[object].name.clone();
+    allow_step_contacts(stage, &TaskStep { limb: follow, ..step.clone() }, &name, false);
+    allow_hold_contacts(stage, who, [lead, follow], &name, at_s - CONTACT_S);
+    let there = exclude_arm(stage.surroundings_of_limb(who, lead, [from_s, at_s]), follow);
+    let firsts = reachable_goals(stage, LimbVisit::from_step(step), hands[0], &there)?;
+    let there = exclude_arm(stage.surroundings_of_limb(who, follow, [from_s, at_s]), lead);
+    let others = reachable_goals(stage, second, hands[1], &there).map_err(|p| name_limb_in_failure(p, follow))?;
+    let mut pairs: Vec<[usize; 2]> =
+        (0..firsts.len().min(TRIES)).flat_map(|i| (0..others.len().min(TRIES)).map(move |k| [i, k])).collect();
+    pairs.sort_by_key(|[i, k]| (firsts[*i].rank + others[*k].rank, i + k));
+    first_success(stage, pairs.into_iter().take(2 * TRIES), None, |stage, [i, k]| {
+        let (first, other) = (firsts[i], others[k]);
+        let pair = HandPair { who, lead, second: SecondHand { limb: follow, grip: first.hand.to_local(other.hand) } };
+        take_with_both(stage, step, pair, object, [&first, &other], config)
+    })
+}
+
+fn take_with_both(
+    stage: &mut TaskStage<'_>,
+    step: &TaskStep,
+    pair: HandPair,
+    object: usize,
+    [first, other]: [&HandTarget; 2],
+    config: &CorrectConfig<'_>,
+) -> Result<Vec<PlanOutcome>, StepFailure> {
+    let HandPair { who, lead, second } = pair;
+    let [from_s, at_s, _] = step.times_s;
+    let there = exclude_arm(stage.surroundings_of_limb(who, lead, [from_s, at_s]), second.limb);
+    let mut plans =
+        vec![plan_limb_path(stage, (who, lead), [from_s, at_s], LimbGoal::Hand(first.hand), &there, None, config)?];
+    let there = stage.surroundings_of_limb(who, second.limb, [from_s, at_s]);
+    let one =
+        plan_limb_path(stage, (who, second.limb), [from_s, at_s], LimbGoal::Hand(other.hand), &there, None, config);
+    plans.push(one.map_err(|p| name_limb_in_failure(p, second.limb))?);
+    for (limb, target) in [(lead, first.hand), (second.limb, other.hand)] {
+        stage.pins.push(Pin { character: who, limb, time_s: at_s, target });
+    }
+    allow_neighbours(stage, (who, lead), object, &first.object, [at_s, held_until_s(stage, step, object)]);
+    let offset = first.hand.to_local(first.object);
+    let at = ThingPlacement::OnJoint {
+        character: who,
+        joint: hand_joint(lead),
+        offset,
+        holder: Some(lead),
+        second: Some(second),
+    };
+    stage.placements[object].push(PlacementSpan { from_s: at_s, placement: at });
+    hold_pose(stage, pair, [at_s, held_until_s(stage, step, object)])?;
+    Ok(plans)
+}
+
+/// Brings a thing with both hands to the first place for which there is a path that the second hand can follow.
+pub(super) fn bring_with_both(
+    stage: &mut TaskStage<'_>,
+    step: &TaskStep,
+    (second, object): (SecondHand, usize),
+    hands: &[HandTarget],
+    change: Option<PlacementChange<'_>>,
+    config: &CorrectConfig<'_>,
+) -> Result<(Vec<PlanOutcome>, HandTarget), StepFailure> {
+    let pair = HandPair { who: step.character, lead: step.limb, second };
+    let HandPair { who, lead, second } = pair;
+    let [from_s, at_s, to_s] = step.times_s;
+    for limb in [lead, second.limb] {
+        check_free(stage, who, limb, [from_s, to_s])?;
+    }
+    let name = stage.task.things[object].name.clone();
+    let [held, other] = [lead, second.limb].map(|l| stage.actors[who].joint_place(hand_joint(l), from_s));
+    if held.transform_point(second.grip.position).distance(other.position) > HELD_M {
+        let limb = second.limb.name().replace('_', " ");
+        return Err(StepFailure::new(format!("{limb} does not hold `{name}` any more at {from_s:.2} s")));
+    }
+    allow_step_contacts(stage, &TaskStep { limb: second.limb, ..step.clone() }, &name, false);
+    let visit = LimbVisit::with_held_object(step, hands);
+    let there = exclude_arm(stage.surroundings_of_limb(who, lead, [from_s, at_s]), second.limb);
+    let there = LimbSurroundings { level: visit.level, ..there };
+    let within = reachable_goals(stage, visit, hands, &there)?;
+    // Goals have to be reachable for the second hand, too.
+    let there = exclude_arm(stage.surroundings_of_limb(who, second.limb, [from_s, at_s]), lead);
+    let there = exclude_thing(there, &name);
+    let visit = LimbVisit { limb: second.limb, ..LimbVisit::from_step(step) };
+    let mut wrong = None;
+    let mut goals = Vec::new();
+    for goal in within {
+        let other = HandTarget { hand: goal.hand.compose(second.grip), ..goal };
+        match reachable_goals(stage, visit, &[other], &there) {
+            Ok(_) => goals.push(goal),
+            Err(e) => _ = wrong.get_or_insert(name_limb_in_failure(e, second.limb)),
+        }
+    }
+    let all = || goals.iter().take(TRIES).flat_map(|g| (0..SEEDS).map(move |s| (g, s)));
+    let tries = [OFF_M, f64::INFINITY].into_iter().flat_map(|off_m| all().map(move |(g, s)| (g, s, off_m)));
+    first_success(stage, tries, wrong, |stage, (goal, seed, off_m)| {
+        let budget = Budget { seed: config.budget.seed.wrapping_add(seed << 32), ..config.budget };
+        let plans =
+            bring_to_goal(stage, step, pair, object, (goal, off_m), change, &CorrectConfig { budget, ..*config })?;
+        Ok((plans, *goal))
+    })
+}
+
+fn bring_to_goal(
+    stage: &mut TaskStage<'_>,
+    step: &TaskStep,
+    pair: HandPair,
+    object: usize,
+    (goal, off_m): (&HandTarget, f64),
+    change: Option<PlacementChange<'_>>,
+    config: &CorrectConfig<'_>,
+) -> Result<Vec<PlanOutcome>, StepFailure> {
+    let HandPair { who, lead, second } = pair;
+    let [from_s, at_s, to_s] = step.times_s;
+    let there = exclude_arm(stage.surroundings_of_limb(who, lead, [from_s, at_s]), second.limb);
+    let there = LimbSurroundings { level: LimbVisit::with_held_object(step, &[*goal]).level, ..there };
+    let tether = pair_tether(stage, pair);
+    let mut plans = vec![plan_limb_path(
+        stage,
+        (who, lead),
+        [from_s, at_s],
+        LimbGoal::Hand(goal.hand),
+        &there,
+        Some(tether),
+        config,
+    )?];
+    follow_first_hand(stage, pair, [from_s, at_s], off_m)?;
+    stage.pins.push(Pin { character: who, limb: lead, time_s: at_s, target: goal.hand });
+    let Some(change) = change else {
+        hold_pose(stage, pair, [at_s, held_until_s(stage, step, object)])?;
+        return Ok(plans);
+    };
+    stage.placements[object].push(PlacementSpan { from_s: at_s, placement: (change.placement_after)(goal) });
+    end_hold_contacts(stage, pair, at_s + CONTACT_S);
+    let back = exclude_arm(stage.surroundings_of_limb(who, lead, [at_s, to_s]), second.limb);
+    plans.push(plan_limb_path(stage, (who, lead), [at_s, to_s], LimbGoal::Clip, &back, None, config)?);
+    let back = stage.surroundings_of_limb(who, second.limb, [at_s, to_s]);
+    let one = plan_limb_path(stage, (who, second.limb), [at_s, to_s], LimbGoal::Clip, &back, None, config);
+    plans.push(one.map_err(|p| name_limb_in_failure(p, second.limb))?);
+    Ok(plans)
+}
+
+/// Plans and writes the path of a limb to an end.
+fn plan_limb_path(
+    stage: &mut TaskStage<'_>,
+    (who, limb): (usize, Limb),
+    window_s: [f64; 2],
+    end: LimbGoal,
+    around: &LimbSurroundings,
+    tether: Option<Tether>,
+    config: &CorrectConfig<'_>,
+) -> Result<PlanOutcome, StepFailure> {
+    let others = stage.other_bodies(who);
+    let spec = ProblemSpec { tether, ..stage.limb_spec(who, limb, around, &others) };
+    let present = window_s.map(|time_s| LimbState { pose: spec.motion.limb_pose(spec.linkage, time_s), time_s });
+    let spec = spec_between_states(&spec, present[0], present[1]);
+    let goal = match end {
+        LimbGoal::Clip => present[1],
+        LimbGoal::Hand(target) => {
+            let problem = Problem::prepare(&spec).map_err(|e| StepFailure::new(e.to_string()))?;
+            let time_s = window_s[1];
+            let reached =
+                problem.solve_reach(&mut Checker::default(), &target, time_s, &problem.external_pose_at(time_s));
+            let pose = reached.map_err(|why| StepFailure::new(ReachError::Target { time_s, why }.to_string()))?;
+            LimbState { pose, time_s }
+        }
+    };
+    let what = if matches!(end, LimbGoal::Clip) { "back" } else { "there" };
+    let spec = spec_between_states(&spec, present[0], goal);
+    let done = plan_into_clip(&stage.actors[who].clip, &mut LimbPlanner::new(), &spec, config, what);
+    let (clip, outcome) = done.map_err(|e| {
+        let nearest_m = if let ReachError::Unsolved { why, .. } = &e { nearest_distance(why) } else { None };
+        StepFailure { nearest_m, ..StepFailure::new(e.to_string()) }
+    })?;
+    stage.actors[who].replace_clip(clip);
+    stage.record_planned(who, limb, window_s);
+    Ok(outcome)
+}
+
+/// Keeps what both hands hold in place to the clip's end, after a step that failed; where that is impossible, the check reports
+/// it.
+pub(super) fn hold_until_end(stage: &mut TaskStage<'_>, step: &TaskStep) {
+    let (who, [from_s, at_s, _]) = (step.character, step.times_s);
+    let Some((thing, lead, second)) = stage.held_by_both(who, step.limb, [from_s, at_s]) else { return };
+    let is_later = |p: &Pin| p.character == who && [lead, second.limb].contains(&p.limb) && p.time_s > from_s + 1e-6;
+    if !step.action.needs_held_object() || stage.pins.iter().any(is_later) {
+        return;
+    }
+    let (end_s, rate_hz) = (stage.actors[who].end_s(), stage.actors[who].clip.rate_hz);
+    let from_s = (from_s * rate_hz).round() / rate_hz;
+    let mut kept = stage.clone();
+    // Contacts of the thing with its support last longer, too.
+    let name = &stage.task.things[thing].name;
+    let own = kept.contacts.iter_mut().filter(|c| c.0 == who && c.1 == lead && c.2.part.as_ref() == Some(name));
+    own.filter_map(|c| c.2.window_s.as_mut()).filter(|w| w[1] >= from_s).for_each(|w| w[1] = f64::INFINITY);
+    if from_s < end_s && hold_pose(&mut kept, HandPair { who, lead, second }, [from_s, end_s]).is_ok() {
+        *stage = kept;
+    }
+}
+
+/// Keeps the pose of the first arm, while the second one follows.
+fn hold_pose(stage: &mut TaskStage<'_>, pair: HandPair, [at_s, until_s]: [f64; 2]) -> Result<(), StepFailure> {
+    let HandPair { who, lead, second } = pair;
+    let actor = &stage.actors[who];
+    let rate_hz = actor.clip.rate_hz;
+    let frames = ((until_s - at_s) * rate_hz).round() as usize;
+    if frames == 0 {
+        return Ok(());
+    }
+    let pose = actor.motion.limb_pose(Linkage::limb(lead), at_s);
+    let kept = vec![pose; frames + 1];
+    write_frames(stage, (who, lead), [at_s, until_s], &kept)?;
+    let around = exclude_arm(stage.surroundings_of_limb(who, lead, [at_s, until_s]), second.limb);
+    let others = stage.other_bodies(who);
+    let spec = stage.limb_spec(who, lead, &around, &others);
+    let ends = [at_s, until_s].map(|time_s| LimbState { pose, time_s });
+    let problem =
+        Problem::prepare(&spec_between_states(&spec, ends[0], ends[1])).map_err(|e| StepFailure::new(e.to_string()))?;
+    check_free_all_along(&problem, &mut Checker::default(), &kept, at_s, rate_hz).map_err(|(t, with)| {
+        StepFailure::new(format!("what both hands hold meets {with} at {t:.2} s; bring it elsewhere"))
+    })?;
+    follow_first_hand(stage, pair, [at_s, until_s], f64::INFINITY)
+}
+
+/// Time until which both hands keep their object after a step: the next step with it, on a frame (s).
+pub(super) fn held_until_s(stage: &TaskStage<'_>, step: &TaskStep, object: usize) -> f64 {
+    let (actor, at_s) = (&stage.actors[step.character], step.times_s[1]);
+    let next = if step.action == TaskAction::Drop || step.action == TaskAction::HandOver {
+        at_s
+    } else {
+        next_with(stage, step, object).map_or(actor.end_s(), |n| n.times_s[0].max(at_s))
+    };
+    (next * actor.clip.rate_hz).round() / actor.clip.rate_hz
+}
+
+/// Lets the second hand follow the first one, frame by frame.
+///
+/// - `most_off_m`: its largest offset between frames, where joints turn evenly.
+fn follow_first_hand(
+    stage: &mut TaskStage<'_>,
+    pair: HandPair,
+    window_s: [f64; 2],
+    most_off_m: f64,
+) -> Result<(), StepFailure> {
+    let HandPair { who, lead, second: SecondHand { limb, grip } } = pair;
+    let around = stage.surroundings_of_limb(who, limb, window_s);
+    let others = stage.other_bodies(who);
+    let spec = stage.limb_spec(who, limb, &around, &others);
+    let ends = window_s.map(|time_s| LimbState { pose: spec.motion.limb_pose(spec.linkage, time_s), time_s });
+    let spec = spec_between_states(&spec, ends[0], ends[1]);
+    let problem = Problem::prepare(&spec).map_err(|e| StepFailure::new(e.to_string()))?;
+    let (actor, start_s) = (&stage.actors[who], window_s[0]);
+    let rate_hz = actor.clip.rate_hz;
+    let frames = 0..=((window_s[1] - start_s) * rate_hz).round() as usize;
+    let target = |k: usize| actor.joint_place(hand_joint(lead), start_s + k as f64 / rate_hz).compose(grip);
+    let targets: Vec<Rigid> = frames.map(target).collect();
+    let cannot = |(t, why): FollowError| {
+        let limb = limb.name().replace('_', " ");
+        StepFailure::new(format!("{limb} cannot follow the other hand at {t:.2} s: {why}"))
+    };
+    let followed = HandPath { problem: &problem, targets: &targets, start_s, rate_hz };
+    let poses = followed.poses(&ends[0].pose).map_err(cannot)?;
+    let (off_m, t) = followed.largest_offset(&poses, |t| actor.joint_place(hand_joint(lead), t).compose(grip));
+    if off_m > most_off_m {
+        return Err(cannot((t, format!("it would be off by {off_m:.4} m between frames"))));
+    }
+    write_frames(stage, (who, limb), window_s, &poses)
+}
+
+/// Writes poses into a clip.
+fn write_frames(
+    stage: &mut TaskStage<'_>,
+    (who, limb): (usize, Limb),
+    window_s: [f64; 2],
+    frames: &[LimbPose],
+) -> Result<(), StepFailure> {
+    let clip = &stage.actors[who].clip;
+    let motion = LimbMotion { start_s: window_s[0], step_s: 1.0 / clip.rate_hz, frames };
+    let clip = with_motion(clip, 0.0, Linkage::limb(limb), &motion);
+    let clip = clip.map_err(|e| StepFailure::new(misfit_error(e).to_string()))?;
+    stage.actors[who].replace_clip(clip);
+    stage.record_planned(who, limb, window_s);
+    Ok(())
+}
+
+/// Constraint of the second hand: its shoulder, its grip and its reach.
+fn pair_tether(stage: &TaskStage<'_>, pair: HandPair) -> Tether {
+    let actor = &stage.actors[pair.who];
+    let linkage = Linkage::limb(pair.second.limb);
+    let chain = crate::linkage::Chain::new(linkage, &actor.skeleton);
+    let limits = actor.limits.linkage_limits(linkage);
+    let [nearest, farthest] = limits.map_or([0.0, f64::MAX], |l| LimbIk::new(&chain, &l).reach_distances());
+    let distances_m = [nearest, farthest - SPARE_M];
+    Tether { from: pair.second.limb.joints()[0], wrist: pair.second.grip.position, distances_m }
+}
+
+/// Allows contacts of both hands and of what they hold from now on.
+fn allow_hold_contacts(stage: &mut TaskStage<'_>, who: usize, [lead, follow]: [Limb; 2], name: &str, from_s: f64) {
+    let moved = Joint::ALL.into_iter().filter(|j| follow.moves_joint(*j));
+    let hands = moved.clone().filter(|j| !follow.joints()[..2].contains(j));
+    let of_second = hands.map(|j| (follow, Some(j.name().to_owned()), name.to_owned()));
+    // Collisions of the arm with the thing are checked where the second hand follows.
+    let of_first = moved.map(|j| (lead, Some(name.to_owned()), j.name().to_owned()));
+    let window_s = Some([from_s, f64::INFINITY]);
+    let all = of_second.chain(of_first);
+    stage.contacts.extend(all.map(|(limb, part, with)| (who, limb, AllowedContact { part, other: with, window_s })));
+}
+
+/// Ends the contacts of both hands and of what they hold.
+fn end_hold_contacts(stage: &mut TaskStage<'_>, pair: HandPair, to_s: f64) {
+    let of_pair =
+        |c: &&mut (usize, Limb, AllowedContact)| c.0 == pair.who && [pair.lead, pair.second.limb].contains(&c.1);
+    let open = stage.contacts.iter_mut().filter(of_pair).filter_map(|c| c.2.window_s.as_mut());
+    open.filter(|w| w[1] == f64::INFINITY).for_each(|w| w[1] = to_s);
+}
+
+/// Surroundings without the other arm, which is planned after this one and avoids it.
+pub(super) fn exclude_arm(mut around: LimbSurroundings, arm: Limb) -> LimbSurroundings {
+    let joints = Joint::ALL.into_iter().filter(|j| arm.moves_joint(*j));
+    around.allowed.extend(joints.map(|j| AllowedContact { part: None, other: j.name().into(), window_s: None }));
+    around
+}
+
+/// Surroundings without a thing that moves along with the limb.
+pub(super) fn exclude_thing(mut around: LimbSurroundings, name: &str) -> LimbSurroundings {
+    around.solids.retain(|s| s.name != name);
+    around.allowed.retain(|a| a.other != name && a.part.as_deref() != Some(name));
+    around
+}
+
+fn check_free(stage: &TaskStage<'_>, who: usize, limb: Limb, [from_s, to_s]: [f64; 2]) -> Result<(), StepFailure> {
+    let busy = |p: &&Pin| p.character == who && p.limb == limb && p.time_s > from_s + 1e-6 && p.time_s < to_s - 1e-6;
+    match stage.pins.iter().find(busy) {
+        Some(pin) => {
+            let (limb, t) = (limb.name().replace('_', " "), pin.time_s);
+            Err(StepFailure::new(format!("{limb} has to be elsewhere at {t:.2} s; begin then, or end before")))
+        }
+        None => Ok(()),
+    }
+}
+
+/// The failure, with the name of the limb.
+fn name_limb_in_failure(problems: StepFailure, limb: Limb) -> StepFailure {
+    let why = format!("{}: {}", limb.name().replace('_', " "), problems.reason);
+    StepFailure { reason: why, ..problems }
+}

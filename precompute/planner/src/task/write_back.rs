@@ -1,0 +1,190 @@
+//! Writes moved things back into a task's text: only the numbers that changed.
+
+use super::file::Task;
+use super::scenery::Handle;
+use glam::DVec3;
+use std::ops::Range;
+use throng_base::text::TomlSource;
+use throng_base::{Error, Result};
+
+/// Distance below which a move is not written (m).
+const SAME_M: f64 = 5e-5;
+/// Fineness of written numbers (1/m).
+const DIGITS: f64 = 1e4;
+
+impl Task {
+    /// The text of a task's file with things and places where they are now; comments, spaces and all other numbers stay.
+    ///
+    /// - `source`: text from which the task was read.
+    ///
+    /// # Errors
+    /// Errors of [`Task::parse`]; a text about other things, or with numbers in an unsupported notation.
+    pub fn write_back(&self, source: &TomlSource) -> Result<String> {
+        let before = Self::parse(source.text(), source.path())?;
+        if before.handles() != self.handles() {
+            return Err(source.error_at_span(0..0, "the file lists other things by now; open it again".into()));
+        }
+        let mut edits = Vec::new();
+        for handle in self.handles() {
+            let by = self.written_position(handle) - before.written_position(handle);
+            if by.length() >= SAME_M {
+                before.edits(source, handle, by, &mut edits)?;
+            }
+        }
+        edits.sort_by_key(|(span, _)| std::cmp::Reverse(span.start));
+        let mut text = source.text().to_owned();
+        edits.into_iter().for_each(|(span, new)| text.replace_range(span, &new));
+        Ok(text)
+    }
+
+    fn edits(
+        &self,
+        source: &TomlSource,
+        handle: Handle,
+        by: DVec3,
+        out: &mut Vec<(Range<usize>, String)>,
+    ) -> Result<()> {
+        let num_obstacles = self.things.iter().filter(|t| !t.is_object).count();
+        let table = match handle {
+            Handle::Thing(i) if i < num_obstacles => format!("scene.obstacles[{i}]"),
+            Handle::Thing(i) => format!("scene.objects[{}]", i - num_obstacles),
+            Handle::Place(i) => format!("tasks[{i}].to"),
+        };
+        let mut places: Vec<String> = Vec::new();
+        while let Some(next) =
+            Some(format!("{table}.keys[{}].at", places.len())).filter(|k| source.value_span(k).is_some())
+        {
+            places.push(next);
+        }
+        if places.is_empty() {
+            places.push(format!("{table}.at"));
+        }
+        for place in places {
+            if source.value_span(&place).is_none() {
+                out.push(insert_at_table(source, &table, self.written_position(handle) + by)?);
+                continue;
+            }
+            for axis in (0..3).filter(|k| by[*k].abs() >= SAME_M) {
+                let key = format!("{place}[{axis}]");
+                let number = source.value_span(&key).and_then(|span| {
+                    let old: f64 = source.text()[span.clone()].replace('_', "").parse().ok()?;
+                    Some((span, number(old + by[axis])))
+                });
+                out.push(number.ok_or_else(|| unknown(source, &key))?);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// `at` before the first key of a table that has none.
+fn insert_at_table(source: &TomlSource, table: &str, at: DVec3) -> Result<(Range<usize>, String)> {
+    let keys = ["name", "shape", "shapes", "on", "turn_deg"].map(|k| source.key_span(&format!("{table}.{k}")));
+    let first = keys.into_iter().flatten().min_by_key(|span| span.start).ok_or_else(|| unknown(source, table))?;
+    let [x, y, z] = at.to_array().map(number);
+    let before = source.text()[..first.start].trim_end_matches([' ', '\t']);
+    let end = if before.ends_with(['{', ',']) { ", " } else { "\n" };
+    Ok((first.start..first.start, format!("at = [{x}, {y}, {z}]{end}")))
+}
+
+fn unknown(source: &TomlSource, key: &str) -> Error {
+    source.error_at_key(key, format!("expected `at` as three plain numbers at `{key}`; write it by hand"))
+}
+
+fn number(x: f64) -> String {
+    // No negative zero.
+    format!("{:?}", (x * DIGITS).round() / DIGITS + 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::task::ActorClip;
+    use crate::task::tests::stand;
+    use crate::testing::TestCharacter;
+
+    const TEXT: &str = r#"clip = "stand.bvh" # its motion
+
+[[scene.obstacles]]
+name = "post" # of wood
+shape = { capsule = { from = [0.0, 0.0, 0.0], to = [0.0, 1.1, 0.0], radius = 0.03 } }
+at = [ 0.33, 0, 2.2 ]   # beside the path
+
+[[scene.obstacles]]
+name = "swing"
+shape = { ball = { radius = 0.1 } }
+keys = [{ t_s = 0.0, at = [1.0, 2.0, 3.0] }, { t_s = 1.0, at = [1.5, 2.0, 3.0] }]
+
+[[scene.objects]]
+# lies in the middle
+name = "cup"
+shape = { ball = { radius = 0.04 } }
+
+[[tasks]]
+limb = "left_arm"
+do = "grab"
+object = "cup"
+grips = [{}]
+at_s = 1.0
+window_s = [0.1, 2.0]
+
+[[tasks]]
+limb = "left_arm"
+do = "drop"
+object = "cup"
+to = { on = "post" } # stays upright
+at_s = 3.0
+window_s = [2.0, 4.0]
+"#;
+
+    #[test]
+    fn numbers_that_changed_are_written_and_nothing_else() {
+        let s = TestCharacter::standing();
+        let clips = [ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }];
+        let source = TomlSource::new(TEXT, std::path::Path::new("folder/t.toml"));
+        let parse = |text: &str| Task::parse(text, source.path()).expect("a task");
+        let mut task = parse(TEXT);
+        assert_eq!(task.write_back(&source).expect("a text"), TEXT);
+        let (scenery, _) = task.scenery(&clips).expect("clips");
+        let moves = [
+            (Handle::Thing(0), DVec3::new(0.02, 0.0, -0.1), ("[ 0.33, 0, 2.2 ]", "[ 0.35, 0, 2.1 ]")),
+            (
+                Handle::Thing(1),
+                DVec3::new(0.0, 0.5, 0.0),
+                (
+                    "at = [1.0, 2.0, 3.0] }, { t_s = 1.0, at = [1.5, 2.0",
+                    "at = [1.0, 2.5, 3.0] }, { t_s = 1.0, at = [1.5, 2.5",
+                ),
+            ),
+            (
+                Handle::Thing(2),
+                DVec3::new(0.1, 0.2, -0.00004),
+                ("name = \"cup\"", "at = [0.1, 0.2, 0.0]\nname = \"cup\""),
+            ),
+            (Handle::Place(1), DVec3::Y * 0.123456, ("{ on =", "{ at = [0.0, 0.1235, 0.0], on =")),
+        ];
+        let mut expected = TEXT.to_owned();
+        for (handle, by, (old, new)) in moves {
+            task.move_by(handle, by, &scenery);
+            expected = expected.replace(old, new);
+            let written = task.write_back(&source).expect("a text");
+            assert_eq!(written, expected);
+            let read = parse(&written);
+            for h in task.handles() {
+                assert!(read.written_position(h).distance(task.written_position(h)) < 1e-4, "{}", task.handle_name(h));
+            }
+        }
+        // About another scene by now.
+        let other = TomlSource::new(
+            &TEXT[TEXT.find("[[scene.objects]]").expect("objects")..].replace("\"post\"", "\"cup\""),
+            source.path(),
+        );
+        assert!(task.write_back(&other).is_err());
+        let other = TEXT.replace(
+            "[[scene.objects]]",
+            "[[scene.obstacles]]\nname = \"new\"\nshape = { ball = { radius = 1.0 } }\n[[scene.objects]]",
+        );
+        let why = task.write_back(&TomlSource::new(&other, source.path())).unwrap_err().to_string();
+        assert!(why.contains("open it again"), "{why}");
+    }
+}

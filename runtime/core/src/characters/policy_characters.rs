@@ -1,0 +1,444 @@
+//! Characters as a cast: they come and go, each with an id and an order of its own.
+
+use super::block::{BodyBlock, MotionBlock, SCHEDULED};
+use super::motion_set::MotionSet;
+use super::order::PolicyOrder;
+use super::snapshot::is_sound;
+use super::{
+    Blow, CharacterStart, Characters, CharactersConfig, Detail, PoseInstance, check_root, occupied_error,
+    segments_into_states,
+};
+use crate::bundle::Bundle;
+use crate::character_group::{AdoptReport, CharacterGroup, OrderStatus, PosedBodies};
+use crate::contacts::Contacts;
+use crate::planar::Planar;
+use crate::pose::{LocalTransform, Mat3x4};
+use crate::reserve::{Capsule2d, ReservedRegion};
+use crate::roster::Roster;
+use crate::skeleton::{Joint, NUM_JOINTS};
+use glam::{Vec2, Vec3};
+use throng_base::error::{check_index, check_value};
+use throng_base::limits::STEP_S;
+use throng_base::simd::LANES;
+use throng_base::{Error, Executor, Hash128, Id, Result, SnapshotKind};
+
+/// Distance from the target within which a character has arrived (m).
+pub const ARRIVED_M: f32 = 0.5;
+
+/// Start of a character.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spawn {
+    /// Planar root in the world.
+    pub root: Planar,
+    /// State of the motion graph; none for one in which characters stand, where there is any.
+    pub state: Option<u32>,
+}
+
+impl Spawn {
+    /// Start in a standing state.
+    pub fn standing_at(root: Planar) -> Self {
+        Self { root, state: None }
+    }
+}
+
+/// Characters that policies move, as a [`CharacterGroup`].
+///
+/// All memory is allocated in [`PolicyCharacters::with_capacity`] but for loading and adopting. Present
+/// characters lie side by side in memory, so that those that left take no time. Random choices depend on the seed, the
+/// id and the number of choices alone.
+#[derive(Clone, Debug)]
+pub struct PolicyCharacters {
+    pub(super) bundle: Bundle,
+    pub(super) motion_set: MotionSet,
+    pub(super) characters: Characters,
+    /// A segment that ends in each state.
+    pub(super) arrivals: Vec<u32>,
+    /// Ids of present characters, in the order of bodies.
+    roster: Roster,
+    pub(super) orders: Vec<PolicyOrder>,
+    roots: Vec<Planar>,
+    events: Vec<(Id, Blow)>,
+    /// See [`PolicyCharacters::hold_entrants`].
+    pub(super) gathers: bool,
+}
+
+impl PolicyCharacters {
+    /// Room for so many characters.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for a setting or capacity out of its range, [`Error::Unknown`] for a bundle without a motion graph.
+    pub fn with_capacity(bundle: &Bundle, capacity: usize, config: CharactersConfig) -> Result<Self> {
+        let motion_set = MotionSet::new(bundle);
+        if motion_set.graph().states.is_empty() {
+            return Err(no_graph());
+        }
+        let characters = Characters::with_capacity(&motion_set, config, capacity)?;
+        Ok(Self {
+            bundle: bundle.clone(),
+            arrivals: segments_into_states(&motion_set),
+            motion_set,
+            roster: Roster::with_capacity(capacity),
+            orders: Vec::with_capacity(capacity),
+            roots: Vec::with_capacity(capacity),
+            events: Vec::with_capacity(characters.most_blows()),
+            gathers: false,
+            characters,
+        })
+    }
+
+    /// Most characters.
+    pub fn capacity(&self) -> usize {
+        self.roster.capacity()
+    }
+
+    /// Motion set that all characters play.
+    pub fn motion_set(&self) -> &MotionSet {
+        &self.motion_set
+    }
+
+    /// Ids of present characters, in the order of bodies.
+    pub fn ids(&self) -> &[Id] {
+        self.roster.ids()
+    }
+
+    /// The order of a character.
+    ///
+    /// # Errors
+    /// [`Error::Gone`].
+    pub fn order_of(&self, id: Id) -> Result<&PolicyOrder> {
+        Ok(&self.orders[self.roster.row(id)?])
+    }
+
+    /// Planted parts of a character's feet.
+    ///
+    /// # Errors
+    /// [`Error::Gone`].
+    pub fn contacts(&self, id: Id) -> Result<Contacts> {
+        Ok(self.characters.contacts(self.roster.row(id)?))
+    }
+
+    /// The engine beneath: blows, segments and choices by row, in the order of [`PolicyCharacters::ids`].
+    pub fn characters(&self) -> &Characters {
+        &self.characters
+    }
+
+    /// Planar roots of all characters, and the result of [`Characters::poses_mut`].
+    pub fn poses_mut(
+        &mut self,
+    ) -> (&[Planar], impl Fn(usize) -> Contacts + Sync, &mut [Mat3x4], &mut [LocalTransform]) {
+        let (contacts, model, locals) = self.characters.poses_mut();
+        (&self.roots, contacts, model, locals)
+    }
+
+    /// Row of a character, in the order of bodies.
+    ///
+    /// # Errors
+    /// [`Error::Gone`].
+    pub fn row(&self, id: Id) -> Result<usize> {
+        self.roster.row(id)
+    }
+
+    /// Moves what all orders are about; behaviours and weights stay.
+    ///
+    /// - `targets`, `threats`: see [`PolicyOrder::with_target`] and [`PolicyOrder::with_threat`] (number of characters, in the order of
+    ///   bodies).
+    ///
+    /// # Errors
+    /// [`Error::Length`], or [`Error::Value`] for what is not finite; nothing has changed then.
+    pub fn aim_all(&mut self, targets: &[Vec3], threats: &[Vec3]) -> Result<()> {
+        let n = self.orders.len();
+        for (what, got) in [("targets", targets.len()), ("threats", threats.len())] {
+            if got != n {
+                return Err(Error::Length { what, got, expected: format!("{n}, one for each character") });
+            }
+        }
+        let new =
+            |(order, (target, threat)): (&PolicyOrder, (&Vec3, &Vec3))| order.with_target(*target).with_threat(*threat);
+        let about = || targets.iter().zip(threats);
+        for (id, order) in self.roster.ids().iter().zip(self.orders.iter().zip(about()).map(new)) {
+            order.check_target(Some(*id))?;
+        }
+        for (order, about) in self.orders.iter_mut().zip(about()) {
+            *order = new((order, about));
+        }
+        Ok(())
+    }
+
+    /// Moves a character over the ground as a whole, at the next step; see [`Characters::shift`]. One that makes way stays
+    /// where that would bring it into another's.
+    ///
+    /// # Errors
+    /// [`Error::Gone`], or [`Error::Value`] for a distance that is not finite.
+    pub fn shift_by(&mut self, id: Id, by: Vec2) -> Result<()> {
+        let at = self.roster.row(id)?;
+        self.characters.shift_aside(&self.motion_set, at, by)
+    }
+
+    /// Displaces a part of a character's body, which then comes back; see [`Characters::push`].
+    ///
+    /// # Errors
+    /// [`Error::Gone`], or [`Error::Value`] for a displacement that is not finite.
+    pub fn push(&mut self, id: Id, joint: Joint, displacement: Vec3) -> Result<()> {
+        let largest = displacement.abs().max_element();
+        let good = displacement.is_finite() && largest < 1e3;
+        check_value("displacement", Some(id), largest, good, "finite and below 1e3 (m)")?;
+        let at = self.roster.row(id)?;
+        self.characters.push(at, joint, displacement).unwrap_or_else(|e| unreachable!("checked: {e}"));
+        Ok(())
+    }
+
+    /// Sets the walls, see [`Characters::set_walls`].
+    pub fn set_walls(&mut self, walls: &[Capsule2d]) {
+        self.characters.set_walls(walls);
+    }
+
+    /// Sets the external obstacles, see [`Characters::set_external_obstacles`].
+    pub fn set_external_obstacles<'a>(&mut self, others: impl Iterator<Item = &'a ReservedRegion>) {
+        self.characters.set_external_obstacles(others);
+    }
+
+    /// Lets all characters that enter from now on stand still until [`PolicyCharacters::release_entrants`], so that many can
+    /// enter near each other, in any order.
+    pub fn hold_entrants(&mut self) {
+        self.gathers = true;
+    }
+
+    /// Lets all characters that entered since [`PolicyCharacters::hold_entrants`] begin, with collision avoidance one after
+    /// the other: a character without room for the stop from its state is held in the state until there is room.
+    pub fn release_entrants(&mut self) {
+        self.gathers = false;
+        self.characters.reserve_all(&self.motion_set);
+    }
+
+    /// Sets viewpoint and distances of the level of detail, see [`Characters::set_detail`].
+    ///
+    /// # Errors
+    /// As [`Characters::set_detail`].
+    pub fn set_detail(&mut self, detail: Option<Detail>) -> Result<()> {
+        self.characters.set_detail(detail)
+    }
+
+    /// Record of every character for GPUs, in the order of bodies; empty unless [`CharactersConfig::instances`].
+    pub fn instances(&self) -> &[PoseInstance] {
+        self.characters.instances()
+    }
+
+    /// Adds all bodies and the ground that they hold, see [`Characters::hold_ground`].
+    pub fn add_reserved_regions(&mut self, out: &mut ReservedRegion) {
+        self.characters.add_reserved_regions(&self.motion_set, out);
+    }
+
+    /// Starts a segment from where a character stands, see [`Characters::play`].
+    ///
+    /// # Errors
+    /// [`Error::Gone`], [`Error::Index`] for a segment that does not exist, or [`Error::Occupied`] as
+    /// [`Characters::play`].
+    pub fn play_segment(&mut self, id: Id, segment: u32) -> Result<()> {
+        check_index("segment", Some(id), segment as usize, self.motion_set.graph().segments.len())?;
+        let at = self.roster.row(id)?;
+        self.characters.play(&self.motion_set, at, segment).map_err(|e| match e {
+            Error::Occupied { by, .. } => Error::Occupied { who: id, by },
+            e => e,
+        })
+    }
+
+    /// State of the motion graph in which characters stand that enter without one.
+    pub fn standing_state(&self) -> u32 {
+        self.motion_set.graph().states.iter().position(|s| s.standing == 1).unwrap_or(0) as u32
+    }
+
+    fn update_roots(&mut self) {
+        for (at, root) in self.roots.iter_mut().enumerate() {
+            *root = self.characters.root(at);
+        }
+    }
+
+    fn snapshot_kind(&self) -> SnapshotKind {
+        let mut setup = Hash128::default();
+        setup.add_bytes(&self.bundle.hash().to_le_bytes());
+        // What is only written or measured besides changes no motion.
+        let outputs =
+            CharactersConfig { local_transforms: false, instances: false, timed: false, ..*self.characters.config() };
+        setup.add_bytes(format!("{outputs:?}").as_bytes());
+        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 5, setup: setup.finish() }
+    }
+
+    /// Reason why a state cannot be that of these characters; none where it can.
+    fn find_defect(
+        &self,
+        blocks: &[MotionBlock],
+        bodies: &[BodyBlock],
+        roster: &Roster,
+        orders: &[PolicyOrder],
+    ) -> Option<String> {
+        let n = roster.ids().len();
+        if (orders.len(), blocks.len(), bodies.len()) != (n, n.div_ceil(LANES), n.div_ceil(LANES)) {
+            return Some(format!("it is damaged: its rows are not those of {n} characters; take a new one"));
+        }
+        if !self.roster.clone().restore(roster) {
+            let capacity = self.roster.capacity();
+            return Some(format!(
+                "its ids are not those of {capacity} places; restore it into as many as it was taken of"
+            ));
+        }
+        for (at, (id, order)) in roster.ids().iter().zip(orders).enumerate() {
+            if let Err(e) = order.check(Some(*id), &self.motion_set) {
+                return Some(e.to_string());
+            }
+            // Scheduled clips are for characters that a caller moves.
+            let is_laid = blocks[at / LANES].segment[at % LANES] == SCHEDULED;
+            if is_laid || !is_sound(blocks, bodies, &self.motion_set, at, name(*id)) {
+                return Some(format!(
+                    "character {id} plays what the bundle does not have, or is nowhere; take a new one"
+                ));
+            }
+        }
+        if let Some(at) = self.characters.find_path_conflict(&self.motion_set, blocks, n) {
+            return Some(format!("character {} is in another's way, though they make way", roster.ids()[at]));
+        }
+        None
+    }
+}
+
+/// Name by which random choices are drawn, beside the seed and their number.
+fn name(id: Id) -> u64 {
+    u64::from(id.generation) << 32 | u64::from(id.index)
+}
+
+pub(super) fn no_graph() -> Error {
+    Error::Unknown { what: "motion graph", name: "of the bundle".into(), known: Vec::new() }
+}
+
+impl CharacterGroup for PolicyCharacters {
+    type Start = Spawn;
+    type Order = PolicyOrder;
+    type Event = Blow;
+
+    /// Spawns a character, whose pose is there after the next step.
+    ///
+    /// # Errors
+    /// As [`CharacterGroup::spawn`]; [`Error::Occupied`] where collision avoidance is on and its place is on another's path. A
+    /// character without room for the stop from its state is held in the state until there is room for an action.
+    fn spawn(&mut self, start: Spawn) -> Result<Id> {
+        let next = Some(self.roster.next_id()?);
+        let state = start.state.unwrap_or_else(|| self.standing_state());
+        check_index("state", next, state as usize, self.motion_set.graph().states.len())?;
+        check_root(next, start.root)?;
+        let id = self.roster.next_id()?;
+        self.characters.add_character(
+            &self.motion_set,
+            CharacterStart { root: start.root, state },
+            &self.arrivals,
+            name(id),
+        );
+        let at = self.characters.num_characters() - 1;
+        let has_room = match self.gathers {
+            true => self.characters.reserve_held(&self.motion_set, at),
+            false => self.characters.reserve_start(&self.motion_set, at),
+        };
+        if !has_room {
+            self.characters.remove_character(at);
+            return Err(occupied_error(id));
+        }
+        self.roster.add_id()?;
+        self.orders.push(PolicyOrder::IDLE);
+        self.roots.push(start.root);
+        Ok(id)
+    }
+
+    /// The last one takes its place in [`CharacterGroup::bodies`].
+    fn despawn(&mut self, id: Id) -> Result<()> {
+        let (at, _) = self.roster.remove_id(id)?;
+        self.characters.remove_character(at);
+        self.orders.swap_remove(at);
+        self.roots.swap_remove(at);
+        Ok(())
+    }
+
+    fn place(&mut self, id: Id, root: Planar) -> Result<()> {
+        let at = self.roster.row(id)?;
+        check_root(Some(id), root)?;
+        let (block, body, _) = self.characters.lane_mut(at);
+        let (block, body) = (*block, *body);
+        self.characters.put_at(&self.motion_set, at, root);
+        if !self.characters.reserve_path(&self.motion_set, at) {
+            let (blocks, bodies, _) = self.characters.lane_mut(at);
+            (*blocks, *bodies) = (block, body);
+            self.characters.reserve_path(&self.motion_set, at);
+            return Err(occupied_error(id));
+        }
+        self.roots[at] = root;
+        Ok(())
+    }
+
+    fn order(&mut self, id: Id, order: PolicyOrder) -> Result<()> {
+        let at = self.roster.row(id)?;
+        order.check(Some(id), &self.motion_set)?;
+        self.orders[at] = order;
+        Ok(())
+    }
+
+    fn step(&mut self, dt_s: f32, run: &dyn Executor) -> Result<()> {
+        STEP_S.check("dt_s", None, dt_s)?;
+        self.characters.run(&self.motion_set, dt_s, &self.orders, run);
+        self.update_roots();
+        self.events.clear();
+        let ids = self.roster.ids();
+        self.events.extend(self.characters.blows().iter().map(|blow| (ids[blow.character as usize], *blow)));
+        Ok(())
+    }
+
+    /// Going until the place that the first behaviour brings to its target is within [`ARRIVED_M`] of it.
+    fn status(&self, id: Id) -> Result<OrderStatus> {
+        let at = self.roster.row(id)?;
+        let order = &self.orders[at];
+        let Some(policy) = order.policies().first().and_then(|&p| self.motion_set.policy(p as usize)) else {
+            return Ok(OrderStatus::Idle);
+        };
+        let about = order.target_of(policy);
+        let target = self.roots[at].inverse_transform_point(Vec2::new(about.x, about.z));
+        let left_m = target.distance(Vec2::new(policy.centre().x, policy.centre().z));
+        Ok(if left_m <= ARRIVED_M { OrderStatus::Arrived } else { OrderStatus::Going { left_m } })
+    }
+
+    fn events(&self) -> &[(Id, Blow)] {
+        &self.events
+    }
+
+    fn bodies(&self) -> PosedBodies<'_> {
+        let model = self.characters.model_matrices().as_chunks::<NUM_JOINTS>().0;
+        PosedBodies { ids: self.roster.ids(), roots: &self.roots, model }
+    }
+
+    fn save(&self, out: &mut Vec<u8>) {
+        let (blocks, bodies) = self.characters.saved_blocks();
+        self.snapshot_kind().write(&(blocks, bodies, &self.roster, &self.orders), out);
+    }
+
+    fn load(&mut self, bytes: &[u8]) -> Result<()> {
+        let kind = self.snapshot_kind();
+        let (blocks, bodies, roster, orders): (Vec<MotionBlock>, Vec<BodyBlock>, Roster, Vec<PolicyOrder>) =
+            kind.read_all(bytes)?;
+        if let Some(why) = self.find_defect(&blocks, &bodies, &roster, &orders) {
+            return Err(Error::Snapshot { what: kind.what, why });
+        }
+        self.roster.restore(&roster);
+        self.characters.set_state(&blocks, &bodies, roster.ids().len());
+        self.characters.pose_again(&self.motion_set);
+        // The vector keeps its capacity.
+        self.orders.clone_from(&orders);
+        self.roots.clear();
+        self.roots.resize(roster.ids().len(), Planar::IDENTITY);
+        self.update_roots();
+        self.events.clear();
+        Ok(())
+    }
+
+    /// Moves every character to the state of the new motion graph whose pose is nearest to its own.
+    fn adopt(&mut self, new: &Bundle) -> Result<AdoptReport> {
+        super::adopt::adopt(self, new)
+    }
+}
+
+#[cfg(test)]
+mod tests;

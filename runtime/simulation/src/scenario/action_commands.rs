@@ -1,0 +1,462 @@
+//! Execution of behaviours: actions one after the other, the slots that they claim, and their effects.
+
+use super::action_registry::{
+    ActionArguments, ActionCommand, ActionOperand, Effect, MAX_WORDS, PrimitiveInput, WalkCommand,
+};
+use super::agent_brain::{ActionPhase, EventContext, NO_NUMBER};
+use super::agent_brains::{AgentBrains, place_context};
+use super::blackboards::BlackboardNote;
+use super::language::{Amount, SpotName};
+use super::perceive::AgentView;
+use super::stage::ScenarioStage;
+use super::tables::{ActionClaim, CompiledAction, NONE, trigger};
+use glam::Vec3;
+use throng_base::Result;
+
+/// Distance from a slot at which an agent has arrived (m).
+const SLOT_M: f32 = 0.15;
+/// Largest amount of an argument of an action; larger ones are clamped.
+pub(super) const MAX_AMOUNT: f64 = 1e9;
+
+impl AgentBrains {
+    /// Starts a behaviour in the context of an event.
+    pub(super) fn start_behaviour(
+        &mut self,
+        stage: &mut impl ScenarioStage,
+        agent: u32,
+        actions: u32,
+        context: EventContext,
+    ) -> Result<()> {
+        self.end_handling(stage, agent, false);
+        let mind = &mut self.brains[agent as usize];
+        (mind.context, mind.begun) = (context, mind.begun.wrapping_add(1));
+        self.enter_action(stage, agent, actions)
+    }
+
+    /// Ends the action of an agent, and begins the next one.
+    pub(super) fn next_action(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<()> {
+        self.end_action(stage, agent)?;
+        self.enter_action(stage, agent, self.brains[agent as usize].action + 1)
+    }
+
+    fn end_action(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<()> {
+        self.end_handling(stage, agent, true);
+        let mind = self.brains[agent as usize];
+        if let CompiledAction::Primitive { .. } = self.action(mind.action) {
+            // The action's own speed and motion end with it.
+            stage.set_speed(agent, mind.speed)?;
+            stage.show_activity(agent, None, None);
+        }
+        Ok(())
+    }
+
+    /// Runs actions that take no time, up to the first one that takes time.
+    fn enter_action(&mut self, stage: &mut impl ScenarioStage, agent: u32, first: u32) -> Result<()> {
+        let m = agent as usize;
+        let mut at = first;
+        loop {
+            let mind = &mut self.brains[m];
+            (mind.action, mind.phase) = (at, ActionPhase::Idle);
+            (mind.until, mind.again, mind.most) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
+            match self.action(at) {
+                CompiledAction::End => return self.end_behaviour(stage, agent),
+                CompiledAction::Primitive { .. } => {
+                    if !self.run_primitive(stage, agent, false)? {
+                        return Ok(());
+                    }
+                    self.end_action(stage, agent)?;
+                }
+                action => {
+                    let context = self.brains[m].context;
+                    self.apply_effect(stage, agent, action, context)?;
+                }
+            }
+            at += 1;
+        }
+    }
+
+    /// Ends a behaviour after its last action: resumes what a rule had interrupted, or raises `done`.
+    fn end_behaviour(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<()> {
+        let mind = &mut self.brains[agent as usize];
+        if !mind.is_busy {
+            self.push_stimulus(agent, trigger::DONE, EventContext::default());
+            return Ok(());
+        }
+        (mind.is_busy, mind.priority) = (false, i8::MIN);
+        let resumed = std::mem::replace(&mut mind.resumed, NONE);
+        mind.context = mind.resumed_context;
+        mind.action = resumed;
+        if resumed == NONE {
+            return if mind.states[0] == NO_NUMBER && mind.states[1] == NO_NUMBER && mind.states[2] == NO_NUMBER {
+                stage.resume_route(agent)
+            } else {
+                Ok(())
+            };
+        }
+        self.enter_action(stage, agent, resumed)
+    }
+
+    /// Runs actions that take no time.
+    pub(super) fn run_instant_actions(
+        &mut self,
+        stage: &mut impl ScenarioStage,
+        agent: u32,
+        first: u32,
+        context: EventContext,
+    ) -> Result<()> {
+        let mut at = first;
+        loop {
+            match self.action(at) {
+                CompiledAction::End => return Ok(()),
+                action => self.apply_effect(stage, agent, action, context)?,
+            }
+            at += 1;
+        }
+    }
+
+    /// Begins a primitive behaviour, or calls its function again; true where it is over at once.
+    pub(super) fn run_primitive(&mut self, stage: &mut impl ScenarioStage, agent: u32, is_again: bool) -> Result<bool> {
+        let m = agent as usize;
+        let mind = self.brains[m];
+        let CompiledAction::Primitive { number, words, motion, way, claims } = self.action(mind.action) else {
+            return Ok(false);
+        };
+        let context = mind.context;
+        let mut said = self.evaluate_arguments(stage, agent, context, &words);
+        if matches!(claims, ActionClaim::Take(_) | ActionClaim::Put(_)) {
+            self.release_slot(stage, agent)?;
+            return self.fetch_thing(stage, agent, claims, &said);
+        }
+        if claims == ActionClaim::Nothing {
+            self.release_slot(stage, agent)?;
+            if let Some(place) = self.place_of(&words[0], context) {
+                said.arrival_m = self.arrival_distance(place);
+            }
+        } else if let Some(place) = self.place_of(&words[0], context) {
+            let [first, last] = self.scenario.places[usize::from(place)].slots;
+            if first == last {
+                said.arrival_m = self.arrival_distance(place);
+            } else if let Some(slot) = self.claim_slot(stage, agent, place, claims)? {
+                let slot = self.scenario.slots[slot as usize];
+                (said.targets[0], said.facing, said.arrival_m) = (Some(slot.at), Some(slot.facing), SLOT_M);
+            } else {
+                self.push_stimulus(agent, trigger::FULL, place_context(place));
+                return Ok(true);
+            }
+        }
+        let position = stage.position(agent).unwrap_or_default();
+        let sight = PrimitiveInput {
+            time_s: self.now,
+            position,
+            velocity: stage.velocity(agent),
+            desired_mps: mind.speed,
+            home: Vec3::from_array(mind.home),
+            chance: [self.draw_chance(agent) as f32, self.draw_chance(agent) as f32],
+        };
+        let deed = (self.scenario.primitives.get(number).act)(&sight, &said);
+        if let Some(speed) = deed.speed_mps {
+            stage.set_speed(agent, speed)?;
+        }
+        let mind = &mut self.brains[m];
+        if !is_again {
+            mind.most = self.now + deed.most_s;
+        }
+        mind.again = if deed.again_s > 0.0 { self.now + deed.again_s } else { f64::INFINITY };
+        let goes = match deed.walk {
+            WalkCommand::Keep => return self.stand_until(agent, deed.stay_s),
+            WalkCommand::Halt => {
+                stage.order_halt(agent)?;
+                stage.show_activity(agent, motion, deed.faces);
+                return if deed.stay_s > 0.0 { self.stand_until(agent, deed.stay_s) } else { Ok(true) };
+            }
+            WalkCommand::To { at, arrival_m } if position.distance(at) <= arrival_m => {
+                self.brains[m].phase = ActionPhase::Walking;
+                return self.handle_arrival(stage, agent);
+            }
+            WalkCommand::To { at, arrival_m } => stage.order_walk(agent, at, arrival_m, false)?,
+            WalkCommand::Out { at, arrival_m } => stage.order_walk(agent, at, arrival_m, true)?,
+            WalkCommand::Along => {
+                let scenario = self.scenario.clone();
+                let points = way.map_or(&[] as &[Vec3], |w| &scenario.paths[usize::from(w)]);
+                stage.order_route(agent, points, words[2] == ActionOperand::Flag(true))?
+            }
+        };
+        self.brains[m].phase = ActionPhase::Walking;
+        if !goes {
+            self.push_stimulus(agent, trigger::STUCK, EventContext::default());
+            return Ok(true);
+        }
+        Ok(false)
+    }
+
+    pub(super) fn stand_until(&mut self, agent: u32, stay_s: f64) -> Result<bool> {
+        let mind = &mut self.brains[agent as usize];
+        (mind.phase, mind.until) = (ActionPhase::Standing, self.now + stay_s);
+        Ok(false)
+    }
+
+    /// Handles the arrival of an agent at the place of its action; true where the action is over.
+    pub(super) fn handle_arrival(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<bool> {
+        let m = agent as usize;
+        let mind = self.brains[m];
+        let CompiledAction::Primitive { number, words, motion, claims, .. } = self.action(mind.action) else {
+            return Ok(false);
+        };
+        let mut said = self.evaluate_arguments(stage, agent, mind.context, &words);
+        if let Some(slot) = self.scenario.slots.get(mind.slot as usize) {
+            (said.targets[0], said.facing) = (Some(slot.at), Some(slot.facing));
+        }
+        if matches!(claims, ActionClaim::Take(_) | ActionClaim::Put(_)) {
+            return self.use_hands(stage, agent, (claims, motion), &said);
+        }
+        if let ActionClaim::Queue(into) = claims {
+            let held = self.scenario.slots.get(mind.slot as usize).map(|slot| slot.place);
+            let Some(place) = self.place_of(&words[0], mind.context).filter(|place| held == Some(*place)) else {
+                // No agent waits at a place without slots.
+                return Ok(true);
+            };
+            stage.show_activity(agent, motion, said.facing);
+            let table = &self.scenario.places[usize::from(place)];
+            let (is_queue, is_first) = (table.is_queue, mind.slot == table.slots[0]);
+            self.brains[m].phase = ActionPhase::Waiting;
+            // Agents move up in queues alone.
+            let goes_on =
+                !is_queue || is_first && into.is_none_or(|into| self.free_slot(into, stage.position(agent)).is_some());
+            if !goes_on {
+                return Ok(false);
+            }
+            if let Some(into) = into {
+                self.claim_slot(stage, agent, into, ActionClaim::Slot)?;
+            }
+            return Ok(true);
+        }
+        let sight = PrimitiveInput {
+            time_s: self.now,
+            position: stage.position(agent).unwrap_or_default(),
+            velocity: Vec3::ZERO,
+            desired_mps: mind.speed,
+            home: Vec3::from_array(mind.home),
+            chance: [0.0; 2],
+        };
+        let deed: ActionCommand = (self.scenario.primitives.get(number).act)(&sight, &said);
+        if deed.walk == WalkCommand::Along && words[2] == ActionOperand::Flag(true) {
+            // The route begins again.
+            return Ok(false);
+        }
+        if deed.stay_s <= 0.0 {
+            return Ok(true);
+        }
+        stage.show_activity(agent, motion, deed.faces);
+        self.stand_until(agent, deed.stay_s)
+    }
+
+    /// Evaluates the arguments of an action.
+    fn evaluate_arguments(
+        &mut self,
+        stage: &impl ScenarioStage,
+        agent: u32,
+        context: EventContext,
+        words: &[ActionOperand; MAX_WORDS],
+    ) -> ActionArguments {
+        let mut said = ActionArguments { arrival_m: 0.5, ..ActionArguments::default() };
+        for (i, word) in words.iter().enumerate() {
+            match *word {
+                ActionOperand::Amount(amount) => {
+                    said.amounts[i] = Some(self.evaluate_amount(stage, agent, context, amount))
+                }
+                ActionOperand::Flag(flag) => said.amounts[i] = Some(f64::from(u8::from(flag))),
+                ActionOperand::Point(at) => said.targets[i] = Some(Vec3::from_array(at)),
+                ActionOperand::Spot(spot) => {
+                    let mut draws = 0;
+                    said.targets[i] =
+                        AgentView { brains: self, stage, agent, context, draws: &mut draws }.spot_position(spot);
+                }
+                ActionOperand::Arrow => {
+                    let arrow = self.scenario.places.get(usize::from(context.place)).and_then(|p| p.arrow);
+                    said.targets[i] = arrow.map(|to| self.scenario.places[usize::from(to)].at);
+                }
+                ActionOperand::Nothing | ActionOperand::Number(_) => {}
+            }
+        }
+        said
+    }
+
+    fn evaluate_amount(
+        &mut self,
+        stage: &impl ScenarioStage,
+        agent: u32,
+        context: EventContext,
+        amount: Amount,
+    ) -> f64 {
+        let mut draws = self.brains[agent as usize].draws;
+        self.evaluations += u64::from(matches!(amount, Amount::Program(_)));
+        let value = self
+            .scenario
+            .evaluate_amount(amount, &mut AgentView { brains: self, stage, agent, context, draws: &mut draws });
+        self.brains[agent as usize].draws = draws;
+        // Infinities and NaN would spread to all values that are computed with them.
+        if value.is_nan() { 0.0 } else { value.clamp(-MAX_AMOUNT, MAX_AMOUNT) }
+    }
+
+    /// Distance from the centre of a place at which an agent has arrived (m).
+    fn arrival_distance(&self, place: u16) -> f32 {
+        (0.8 * self.scenario.places[usize::from(place)].radius_m).max(0.5)
+    }
+
+    fn place_of(&self, word: &ActionOperand, context: EventContext) -> Option<u16> {
+        match *word {
+            ActionOperand::Spot(SpotName::Place(place)) => Some(place),
+            ActionOperand::Spot(SpotName::Here) => Some(context.place).filter(|p| *p != NO_NUMBER),
+            _ => None,
+        }
+    }
+
+    /// Applies the effect of an action that takes no time.
+    fn apply_effect(
+        &mut self,
+        stage: &mut impl ScenarioStage,
+        agent: u32,
+        action: CompiledAction,
+        context: EventContext,
+    ) -> Result<()> {
+        let (effect, words) = match action {
+            CompiledAction::Effect(effect, words) => (effect, words),
+            CompiledAction::Happening(number) => return stage.follow_happening(agent, number),
+            _ => return Ok(()),
+        };
+        let said = self.evaluate_arguments(stage, agent, context, &words);
+        let number = if let ActionOperand::Number(number) = words[0] { number } else { 0 };
+        match effect {
+            Effect::Set => self.change_value(agent, number, |f| f.value = said.amount(1, 0.0) as f32),
+            Effect::Add => self.change_value(agent, number, |f| f.value += said.amount(1, 0.0) as f32),
+            Effect::Rate => self.change_value(agent, number, |f| f.rate = said.amount(1, 0.0) as f32),
+            Effect::Speed => {
+                let speed = said.amount(0, 0.0).clamp(0.0, 100.0) as f32;
+                self.brains[agent as usize].speed = speed;
+                stage.set_speed(agent, speed)?;
+            }
+            Effect::Post => {
+                self.happened[usize::from(number)] = self.now;
+                let until = self.now + said.amount(2, f64::INFINITY);
+                let at = stage.position(agent).unwrap_or_default();
+                let cell = said.amounts[1].map(|level| (at, level.clamp(0.0, 30.0) as u32));
+                self.blackboards.post_event(number, cell, BlackboardNote { by: agent, since: self.now, until });
+            }
+            Effect::Learn => {
+                let event = usize::from(number);
+                if self.happened[event] == f64::NEG_INFINITY {
+                    self.happened[event] = self.now;
+                }
+                let context = EventContext { event: number, ..EventContext::default() };
+                self.learn_event(stage, agent, context);
+            }
+            Effect::Convey => {
+                let (within_m, strength) = (said.amount(1, 5.0) as f32, said.amount(2, 1.0) as f32);
+                self.convey_event(stage, agent, number, within_m, strength, said.amount(3, 0.0) > 0.0);
+            }
+            Effect::Befriend if context.other != NONE => {
+                self.change_relationship(agent, context.other, said.amount(0, 0.0) as f32)
+            }
+            Effect::Befriend => {}
+            Effect::Open => self.set_door_open(stage, usize::from(number), true)?,
+            Effect::Close => self.set_door_open(stage, usize::from(number), false)?,
+            Effect::Release => self.release_slot(stage, agent)?,
+            Effect::Timer => self.brains[agent as usize].timer = self.now + said.amount(0, 0.0).max(0.0),
+        }
+        Ok(())
+    }
+
+    /// Changes the liking of an agent for another one; replaces the oldest of four relationships.
+    fn change_relationship(&mut self, agent: u32, other: u32, by: f32) {
+        let bonds = &mut self.relationships[agent as usize];
+        let old = bonds.iter().position(|b| b.0 == other);
+        let liking = old.map_or(0.0, |i| bonds[i].1) + by;
+        bonds[..=old.unwrap_or(3)].rotate_right(1);
+        bonds[0] = (other, liking.clamp(-2.0, 2.0));
+    }
+
+    /// Free slot of a place that is nearest to a position; in a queue, the slot behind the last agent that waits.
+    fn free_slot(&self, place: u16, near: Option<Vec3>) -> Option<u32> {
+        let table = &self.scenario.places[usize::from(place)];
+        let [first, last] = table.slots;
+        let is_free = |slot: &u32| self.holders[*slot as usize] == NONE;
+        if table.is_queue {
+            let behind = (first..last).rev().find(|s| !is_free(s)).map_or(first, |s| s + 1);
+            return (behind < last).then_some(behind);
+        }
+        let near = near.unwrap_or(table.at);
+        let far = |slot: &u32| self.scenario.slots[*slot as usize].at.distance_squared(near);
+        (first..last).filter(is_free).min_by(|a, b| far(a).total_cmp(&far(b)))
+    }
+
+    /// Claims a slot of a place for an agent, and releases any other; keeps a slot that the agent has there.
+    fn claim_slot(
+        &mut self,
+        stage: &mut impl ScenarioStage,
+        agent: u32,
+        place: u16,
+        claims: ActionClaim,
+    ) -> Result<Option<u32>> {
+        let held = self.brains[agent as usize].slot;
+        if held != NONE && self.scenario.slots[held as usize].place == place {
+            return Ok(Some(held));
+        }
+        debug_assert!(claims != ActionClaim::Nothing);
+        let Some(slot) = self.free_slot(place, stage.position(agent)) else { return Ok(None) };
+        self.holders[slot as usize] = agent;
+        self.release_slot(stage, agent)?;
+        self.brains[agent as usize].slot = slot;
+        Ok(Some(slot))
+    }
+
+    /// Releases the slot of an agent: agents behind it in a queue move up, and one that waits for the slot goes on.
+    pub(super) fn release_slot(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<()> {
+        let slot = std::mem::replace(&mut self.brains[agent as usize].slot, NONE);
+        if slot == NONE {
+            return Ok(());
+        }
+        self.holders[slot as usize] = NONE;
+        let place = self.scenario.slots[slot as usize].place;
+        let table = &self.scenario.places[usize::from(place)];
+        let ([_, last], is_queue) = (table.slots, table.is_queue);
+        if is_queue {
+            for behind in slot + 1..last {
+                let holder = self.holders[behind as usize];
+                if holder == NONE {
+                    break;
+                }
+                self.holders[behind as usize - 1] = std::mem::replace(&mut self.holders[behind as usize], NONE);
+                self.brains[holder as usize].slot = behind - 1;
+                self.mark_touched(holder);
+                if matches!(self.brains[holder as usize].phase, ActionPhase::Walking | ActionPhase::Waiting) {
+                    self.brains[holder as usize].phase = ActionPhase::Walking;
+                    stage.show_activity(holder, None, None);
+                    stage.order_walk(holder, self.scenario.slots[behind as usize - 1].at, SLOT_M, false)?;
+                }
+            }
+            return Ok(());
+        }
+        // Agents at the heads of queues that lead here.
+        for queue in 0..self.scenario.places.len() {
+            let table = &self.scenario.places[queue];
+            if !table.is_queue || table.slots[0] == table.slots[1] {
+                continue;
+            }
+            let head = self.holders[table.slots[0] as usize];
+            if head == NONE || self.brains[head as usize].phase != ActionPhase::Waiting {
+                continue;
+            }
+            if let CompiledAction::Primitive { claims: ActionClaim::Queue(Some(into)), .. } =
+                self.action(self.brains[head as usize].action)
+                && into == place
+            {
+                self.mark_touched(head);
+                if self.handle_arrival(stage, head)? {
+                    return self.next_action(stage, head);
+                }
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+}

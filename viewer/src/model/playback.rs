@@ -1,0 +1,134 @@
+//! Advances time, and moves the play head through recordings.
+
+use super::Model;
+use crate::command::ViewerCommand;
+use crate::document::OpenDocument;
+use crate::run::PlayHead;
+use glam::Vec2;
+use std::time::Instant;
+
+impl Model {
+    /// Play head of the 3-D view; none for a clip, which has [`Model::player`].
+    pub fn head(&self) -> Option<&PlayHead> {
+        match self.document.blend().filter(|_| self.shows_blend()) {
+            Some((_, blend)) => Some(&blend.reel.head),
+            None => self.document.head().filter(|_| !self.shows_clip()),
+        }
+    }
+
+    pub(super) fn head_mut(&mut self) -> Option<&mut PlayHead> {
+        if self.shows_clip() {
+            return None;
+        }
+        match self.shows_blend() {
+            true => self.document.blend_mut().map(|b| &mut b.1.reel.head),
+            false => self.document.head_mut(),
+        }
+    }
+
+    /// One step forward: a recorded one, or a new one.
+    fn step(&mut self) -> Result<(), String> {
+        let (shows_blend, eye) = (self.shows_blend(), self.settings.camera.eye());
+        match &mut self.document {
+            OpenDocument::World(w) => w.step().map_err(|e| e.to_string()),
+            OpenDocument::Scene(s) => s.run_mut().step().map_err(|e| e.to_string()),
+            OpenDocument::Bundle(b) => match (&mut b.blend, &mut b.run) {
+                (Some(blend), _) if shows_blend => blend.step(&b.bundle).map_err(|e| e.to_string()),
+                (_, Ok(run)) => {
+                    run.set_eye(Vec2::new(eye.x, eye.z));
+                    run.step(&b.bundle).map_err(|e| e.to_string())
+                }
+                _ => Ok(()),
+            },
+            OpenDocument::Clip(_) | OpenDocument::Task(_) | OpenDocument::Nothing => Ok(()),
+        }
+    }
+
+    /// Shows a recorded step.
+    fn seek(&mut self, step: u32) -> Result<(), String> {
+        let shows_blend = self.shows_blend();
+        match &mut self.document {
+            OpenDocument::Bundle(b) if !shows_blend => match &mut b.run {
+                Ok(run) => run.seek(&b.bundle, step).map_err(|e| e.to_string()),
+                Err(_) => Ok(()),
+            },
+            OpenDocument::Scene(s) => s.run_mut().seek(step).map_err(|e| e.to_string()),
+            _ => {
+                self.head_mut().into_iter().for_each(|head| head.seek(step));
+                Ok(())
+            }
+        }
+    }
+
+    /// True while a world is edited: time stands still, since all its characters will be put back where they are shown.
+    fn waits_for_edit(&self) -> bool {
+        self.document.world().is_some_and(|w| w.working().is_some())
+    }
+
+    /// Advances by wall time; returns the number of steps taken.
+    pub(super) fn advance_run(&mut self, wall_s: f32) -> u32 {
+        let (begin, mut taken) = (Instant::now(), 0);
+        if self.waits_for_edit() {
+            return 0;
+        }
+        if let Some(head) = self.head_mut() {
+            head.add_wall_time(wall_s);
+        }
+        while self.head_mut().is_some_and(|head| head.is_due(taken, begin)) {
+            if let Err(why) = self.step() {
+                self.stop(&why);
+                break;
+            }
+            taken += 1;
+        }
+        taken
+    }
+
+    /// Plays, stops, and moves the play head.
+    pub(super) fn move_time(&mut self, command: &ViewerCommand) {
+        if self.shows_clip() {
+            return self.move_clip(command);
+        }
+        let waits = self.waits_for_edit();
+        let Some(head) = self.head_mut() else { return };
+        let result = match *command {
+            ViewerCommand::Play(on) => {
+                head.play(on);
+                Ok(())
+            }
+            ViewerCommand::Speed(speed) => {
+                head.set_speed(speed);
+                Ok(())
+            }
+            ViewerCommand::Seek(step) if !waits => self.seek(step),
+            ViewerCommand::Step(by) if !waits && by > 0 => (0..by).try_for_each(|_| self.step()),
+            ViewerCommand::Step(by) if !waits => {
+                let to = head.shown_step().saturating_add_signed(by);
+                self.seek(to)
+            }
+            _ => Ok(()),
+        };
+        if let Err(why) = result {
+            self.stop(&why);
+        }
+    }
+
+    fn move_clip(&mut self, command: &ViewerCommand) {
+        let p = &mut self.player;
+        match command {
+            ViewerCommand::Play(on) => p.playing = *on,
+            ViewerCommand::Speed(speed) if speed.is_finite() => p.speed = speed.clamp(0.05, 8.0),
+            ViewerCommand::Seek(frame) => p.frame = *frame as f32,
+            ViewerCommand::Step(by) => p.frame = p.frame.round() + *by as f32,
+            _ => {}
+        }
+        self.advance_clip(0.0);
+    }
+
+    fn stop(&mut self, why: &str) {
+        if let Some(head) = self.head_mut() {
+            head.play(false);
+        }
+        self.complain(format!("The run stopped: {why}"));
+    }
+}

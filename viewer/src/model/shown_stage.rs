@@ -1,0 +1,64 @@
+//! Which part of the open document the 3-D view shows.
+
+use super::Model;
+use crate::bundle::OpenBundle;
+use crate::command::ViewStage;
+use crate::document::{OpenDocument, SceneDocument};
+use crate::run::CrowdRun;
+
+impl Model {
+    /// True where the 3-D view shows a clip, of the database or of a motion file.
+    pub fn shows_clip(&self) -> bool {
+        match &self.document {
+            OpenDocument::Nothing => false,
+            OpenDocument::Scene(s) => self.stage == ViewStage::Clip && s.bundle().is_some(),
+            OpenDocument::Bundle(b) => self.stage == ViewStage::Clip || (b.run.is_err() && b.blend.is_none()),
+            OpenDocument::World(_) => self.stage == ViewStage::Clip,
+            OpenDocument::Clip(_) | OpenDocument::Task(_) => true,
+        }
+    }
+
+    /// True where the 3-D view shows a character walking in a blend space.
+    pub fn shows_blend(&self) -> bool {
+        match &self.document {
+            OpenDocument::Bundle(b) => b.blend.is_some() && (self.stage == ViewStage::Blend || self.has_no_crowd()),
+            _ => false,
+        }
+    }
+
+    /// The scene that the 3-D view shows.
+    pub fn shown_scene(&self) -> Option<&SceneDocument> {
+        self.document.scene().filter(|_| !self.shows_clip())
+    }
+
+    /// True if a crowd was requested and there is none.
+    fn has_no_crowd(&self) -> bool {
+        self.stage == ViewStage::Crowd && self.document.crowd().is_none()
+    }
+
+    /// Stage of the 3-D view, whichever was requested.
+    pub fn shown_stage(&self) -> ViewStage {
+        match () {
+            () if self.shows_clip() => ViewStage::Clip,
+            () if self.shows_blend() => ViewStage::Blend,
+            () => ViewStage::Crowd,
+        }
+    }
+
+    /// The available stages, in their order.
+    pub fn stages(&self) -> Vec<ViewStage> {
+        let d = &self.document;
+        let lives = d.scene().is_some() || d.world().is_some();
+        let all = [
+            (ViewStage::Crowd, lives || self.document.crowd().is_some()),
+            (ViewStage::Blend, self.document.blend().is_some()),
+            (ViewStage::Clip, self.document.bundle().is_some_and(|b| !b.tables().clips().is_empty())),
+        ];
+        all.into_iter().filter(|s| s.1).map(|s| s.0).collect()
+    }
+
+    /// The bundle and the crowd that the 3-D view shows.
+    pub fn shown_crowd(&self) -> Option<(&OpenBundle, &CrowdRun)> {
+        self.document.crowd().filter(|_| self.shown_stage() == ViewStage::Crowd)
+    }
+}

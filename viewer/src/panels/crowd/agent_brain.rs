@@ -1,0 +1,47 @@
+//! Brain of the selected agent: its states, reasons, values and knowledge.
+
+use crate::document::SceneDocument;
+use crate::model::Model;
+use crate::run::agents::first_agent;
+use eframe::egui::{Grid, Ui};
+use throng_runtime::simulation::scenario::AgentBrains;
+
+/// Shows states, reason, values and knowledge of the selected agent.
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &AgentBrains) {
+    let first = first_agent(scene.run().simulation()).unwrap_or(0);
+    let Some(agent) = model.selection.character.and_then(|who| who.checked_sub(first)).filter(|a| *a < minds.len())
+    else {
+        ui.weak("Select an agent.");
+        return;
+    };
+    let why = minds.explain(agent, scene.run().simulation().time_s());
+    let because = &why.because;
+    let by = match (&because.rule, &because.edge_to) {
+        (Some(rule), _) => format!(", rule \"{rule}\""),
+        (None, Some(state)) => format!(", edge to {state}"),
+        (None, None) => String::new(),
+    };
+    let with = because.other.map_or_else(String::new, |other| format!(" with {other}"));
+    let at = because.place.as_ref().map_or_else(String::new, |place| format!(" at {place}"));
+    Grid::new("mind").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
+        let mut row = |name: &str, text: String| {
+            ui.label(name);
+            ui.label(text);
+            ui.end_row();
+        };
+        row("state", if why.states.is_empty() { "none".into() } else { why.states.join(" > ") });
+        let nothing = if why.states.is_empty() { "follows its goal" } else { "nothing: its behaviour is over" };
+        row("does", if why.action.is_empty() { nothing.into() } else { why.action.clone() });
+        row("because", format!("{}{with}{at} at {:.1} s{by}", because.event, because.time_s));
+        if let Some(place) = &why.slot_of {
+            row("slot", place.clone());
+        }
+        for value in &why.values {
+            row(&value.name, format!("{:.2}", value.value));
+        }
+        for known in &why.knows {
+            let from = known.from.map_or_else(String::new, |from| format!(" by {from}"));
+            row("knows", format!("{}, {}{from} at {:.1} s", known.event, known.how, known.time_s));
+        }
+    });
+}

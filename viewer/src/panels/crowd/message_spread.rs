@@ -1,0 +1,123 @@
+//! Messages: how many agents know each, how it spread over time, and a button that triggers it.
+
+use super::{colour, options_command, swatch};
+use crate::command::ViewerCommand;
+use crate::document::SceneDocument;
+use crate::model::Model;
+use crate::run::{RunInput, STEP_HZ};
+use crate::stage::agents::colour_of_message;
+use eframe::egui::{Grid, Role, Ui, WidgetInfo};
+use egui_plot::{AxisHints, HoverPosition, Line, LineStyle, Plot, PlotPoints, VLine};
+use throng_runtime::simulation::scenario::AgentBrains;
+
+/// Height of the curve (points).
+const HEIGHT: f32 = 110.0;
+/// Most corners of a curve.
+const MAX_CORNERS: usize = 400;
+
+/// Shows the spread of every message with a button that triggers it, and the curve of the inspected one.
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &AgentBrains, commands: &mut Vec<ViewerCommand>) {
+    let shown = model.selection.scene.message.filter(|e| *e < minds.event_names().len());
+    Grid::new("news").num_columns(4).spacing([14.0, 3.0]).show(ui, |ui| {
+        for (event, spread) in minds.event_spreads().into_iter().enumerate() {
+            let is_on = shown == Some(event);
+            ui.horizontal(|ui| {
+                swatch(ui, colour(colour_of_message(event)));
+                let r = ui.selectable_label(is_on, &spread.event);
+                r.widget_info(|| {
+                    WidgetInfo::selected(Role::CheckBox, true, is_on, format!("Message {}", spread.event))
+                });
+                if r.clicked() {
+                    commands.push(options_command(model, |l| l.message = (!is_on).then_some(event)));
+                }
+                r.on_hover_text("Colours agents by whether they know of it, with lines from who told them");
+            });
+            ui.label(format!("{} know", spread.informed)).on_hover_text("Agents who know of it");
+            ui.label(format!("{} told", spread.told)).on_hover_text("Agents who were told of it by another one");
+            let tip = "Lets it happen now; what was recorded after the step shown is dropped";
+            let button = ui.small_button("happen").on_hover_text(tip);
+            button.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Happen {}", spread.event)));
+            if button.clicked() {
+                commands.push(ViewerCommand::Input(RunInput::Event(spread.event)));
+            }
+            ui.end_row();
+        }
+    });
+    match shown {
+        Some(event) => curve(ui, scene, minds, event),
+        None => drop(ui.weak("Click a message to see how it spreads.")),
+    }
+    for (state, count) in minds.num_in_states() {
+        ui.weak(format!("{count} in {state}"));
+    }
+}
+
+/// Number of agents that know a message over time; the part after the shown time is faint.
+fn curve(ui: &mut Ui, scene: &SceneDocument, minds: &AgentBrains, event: usize) {
+    let run = scene.run();
+    let (now, end) = (run.simulation().time_s(), f64::from(*run.head.recorded().end()) / f64::from(STEP_HZ));
+    let times = run.spread().times(event);
+    let known = times.partition_point(|t| *t <= now);
+    ui.weak(format!("{} of {} know of {} at {now:.1} s", known, minds.len(), minds.event_names()[event]));
+    let line = colour(colour_of_message(event));
+    let plot = Plot::new("spread")
+        .height(HEIGHT)
+        .include_x(0.0)
+        .include_x(end.max(1.0))
+        .include_y(0.0)
+        .include_y(minds.len() as f64)
+        .allow_scroll(false)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_boxed_zoom(false)
+        .custom_x_axes(vec![AxisHints::new_x().formatter(|m, _| format!("{} s", m.value)).label_spacing(40.0..=50.0)])
+        .custom_y_axes(vec![AxisHints::new_y().formatter(|m, _| format!("{}", m.value)).label_spacing(14.0..=18.0)])
+        .label_formatter(|hit| match hit {
+            HoverPosition::NearDataPoint { position, .. } => {
+                Some(format!("{:.1} s: {:.0} know", position.x, position.y))
+            }
+            HoverPosition::Elsewhere { .. } => None,
+        });
+    let head = crate::theme::ThemePalette::for_visuals(ui.visuals()).head;
+    plot.show(ui, |p| {
+        let before = steps(&times[..known], (0.0, 0), now);
+        p.line(Line::new("knows", PlotPoints::from(before)).color(line).width(2.0).allow_band(false));
+        if known < times.len() || now < end {
+            let after = steps(&times[known..], (now, known), end);
+            let line = Line::new("will know", PlotPoints::from(after)).color(line.gamma_multiply(0.45)).width(1.5);
+            p.line(line.style(LineStyle::dashed_loose()));
+        }
+        p.vline(VLine::new("now", now).color(head).width(1.0));
+    });
+}
+
+/// Corners of a curve that rises by one at each of some times, from a start value to an end time; no two corners
+/// coincide.
+fn steps(times: &[f64], (from_s, from): (f64, usize), until_s: f64) -> Vec<[f64; 2]> {
+    let every = times.len().div_ceil(MAX_CORNERS).max(1);
+    let mut out = vec![[from_s, from as f64]];
+    let mut before = from as f64;
+    for (i, &time_s) in times.iter().enumerate().filter(|(i, _)| (i + 1) % every == 0 || i + 1 == times.len()) {
+        out.extend([[time_s, before], [time_s, (from + i + 1) as f64]]);
+        before = (from + i + 1) as f64;
+    }
+    out.push([until_s, before]);
+    out.dedup();
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curves_go_up_where_somebody_learns() {
+        let corners = steps(&[1.0, 3.0], (0.0, 4), 5.0);
+        assert_eq!(corners, [[0.0, 4.0], [1.0, 4.0], [1.0, 5.0], [3.0, 5.0], [3.0, 6.0], [5.0, 6.0]]);
+        assert_eq!(steps(&[], (2.0, 1), 5.0), [[2.0, 1.0], [5.0, 1.0]]);
+        assert_eq!(steps(&[1.0, 1.0], (0.0, 0), 1.0), [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [1.0, 2.0]]);
+        let many: Vec<f64> = (0..5000).map(f64::from).collect();
+        let corners = steps(&many, (0.0, 0), 5000.0);
+        assert!(corners.len() < 900 && corners.last() == Some(&[5000.0, 5000.0]));
+    }
+}
