@@ -1,10 +1,12 @@
 //! Who acts when, and what an event does.
 
-#[cfg(feature = "baselines")]
-pub(crate) mod baselines;
 pub(crate) mod decide;
 pub(crate) mod engine;
 pub(crate) mod event;
+#[cfg(feature = "fixed-steps")]
+#[path = "../../../../research/fixed-steps/engine.rs"]
+pub(crate) mod fixed;
+pub(crate) mod occupancy;
 pub(crate) mod parallel;
 pub(crate) mod prefetch;
 mod query;

@@ -190,16 +190,6 @@ impl<V: Space> Engine<V> {
         self.look_about(agent);
     }
 
-    /// Looks for everybody, as after a step of everybody.
-    #[cfg(feature = "baselines")]
-    pub fn look_about_all(&mut self) {
-        for agent in 0..self.states.len() as u32 {
-            if self.sensors.of[agent as usize] != Sensing::default() {
-                self.look_about(agent);
-            }
-        }
-    }
-
     /// Makes what is not saved, after a snapshot.
     pub fn relink_senses(&mut self) {
         self.sensors.boxes.clear();

@@ -89,7 +89,7 @@ impl SpaceConfig {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct AgentsConfig {
-    /// What finds out when somebody has to act: events, occupancy or fixed.
+    /// What finds out when somebody has to act: events or occupancy.
     #[serde(with = "engine")]
     #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub engine: Scheme,
@@ -115,14 +115,13 @@ pub mod engine {
     use serde::{Deserialize, Deserializer, Serializer, de::Error};
     use throng_crowd::Scheme;
 
-    /// All engines and their names; those to compare with need the feature `baselines`.
+    /// All engines and their names; those of fixed steps, to compare with, need the feature `fixed-steps`.
     pub const ALL: &[(&str, Scheme)] = &[
         ("events", Scheme::Registration),
-        #[cfg(feature = "baselines")]
         ("occupancy", Scheme::Occupancy),
-        #[cfg(feature = "baselines")]
+        #[cfg(feature = "fixed-steps")]
         ("fixed", Scheme::Fixed),
-        #[cfg(feature = "baselines")]
+        #[cfg(feature = "fixed-steps")]
         ("pairs", Scheme::Pairs),
     ];
 

@@ -1,7 +1,7 @@
 //! A build's figures beside those of Lee and Lee (2004), section 6, which it follows.
 
-use super::BuildReport;
 use std::fmt::Write;
+use throng_bake::report::BuildReport;
 
 /// One figure: what it is, what Lee and Lee (2004) say, what this build has.
 #[derive(Clone, Debug, PartialEq, Eq)]

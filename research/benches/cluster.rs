@@ -1,8 +1,9 @@
 //! How long do pose groups take, how much memory, and how many are there beside exact complete linkage?
-//! `cargo bench --bench cluster`; recordings are used where they are, as for tests.
+//! `cargo bench --manifest-path research/Cargo.toml --bench cluster`; recordings are used where they are, as for tests.
 
+#[path = "../../benches/common/mod.rs"]
 mod common;
-#[path = "../tests/common/mocap.rs"]
+#[path = "../../tests/common/mocap.rs"]
 mod mocap;
 
 use common::processor_seconds;
