@@ -9,7 +9,6 @@ use throng_precompute::activities::ActivityReport;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::error::BuildError;
 use throng_precompute::examples::BlendReport;
-use throng_precompute::files;
 use throng_precompute::parts::Parts;
 use throng_precompute::patch::Freedom;
 use throng_precompute::pipeline;
