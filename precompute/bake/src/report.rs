@@ -1,7 +1,5 @@
 //! Report of a build, for people and for machines.
 
-mod paper;
-
 use crate::activities::ActivityReport;
 use crate::cluster::PoseGroups;
 use crate::config::BuildConfig;
@@ -15,7 +13,6 @@ pub use crate::stages::Spent;
 use crate::stages::{Motion, Timing};
 use crate::stops::StopsReport;
 use crate::write::{Baked, Written};
-pub use paper::{Line, beside_paper, markdown};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use throng_core::format::FrameRow;

@@ -89,11 +89,7 @@ impl<V: Space> Engine<V> {
     /// As [`Engine::run`]. Some agents that act a little after those of a [`CrowdError::Stalled`] may have acted before
     /// it was detected.
     pub fn run_parallel(&mut self, until_s: f64, run: &dyn Run) -> Result<bool, CrowdError> {
-        #[cfg(feature = "baselines")]
-        if self.baseline.is_some() {
-            return self.run(until_s);
-        }
-        if self.sensors.is_on() {
+        if !self.is_of_registration() || self.sensors.is_on() {
             return self.run(until_s);
         }
         self.check_time(until_s)?;
