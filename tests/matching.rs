@@ -1,8 +1,7 @@
 //! Motion matching on a small bundle: its features are those of the frames, its searches find them, and characters that
 //! are moved by it come to their targets.
 
-mod common;
-
+use crate::common;
 use glam::{Vec2, Vec3};
 use throng_precompute::matching::{
     BoxSearch, Character, Database, FeatureWeights, KdTree, Nearest, SEARCH_FRAMES, WIDTH, Wish, brute_force,
