@@ -13,7 +13,6 @@ mod graph;
 mod guides;
 mod hits;
 mod import;
-mod matching;
 mod patch;
 mod pipeline;
 mod policy;
