@@ -117,7 +117,7 @@ for variant in "${variants[@]}"; do
     engines)
         # What is there to compare with changes nothing else: a snapshot of one build is read by the other.
         runtime_here
-        FEATURES="--features baselines" runtime "$(rustc -vV | sed -n 's/^host: //p')" env > "$file"
+        FEATURES="--features fixed-steps" runtime "$(rustc -vV | sed -n 's/^host: //p')" env > "$file"
         elsewhere "$variant" "$file"
         continue ;;
     *)

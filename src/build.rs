@@ -9,12 +9,11 @@ use throng_precompute::activities::ActivityReport;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::error::BuildError;
 use throng_precompute::examples::BlendReport;
-use throng_precompute::files;
-use throng_precompute::parts::RequiredParts;
+use throng_precompute::parts::Parts;
 use throng_precompute::patch::Freedom;
 use throng_precompute::pipeline;
 use throng_precompute::policy::{AdaptiveReport, Approximation};
-use throng_precompute::report::{self, BuildReport};
+use throng_precompute::report::BuildReport;
 use throng_precompute::run::motion_name;
 use throng_precompute::trial::TrialReport;
 use throng_precompute::verdict::{self, Verdict};
@@ -32,9 +31,6 @@ pub struct Args {
     /// Bundle to write; the database's name with `.throng`, in the current folder, where absent.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Write the figures beside those of Lee and Lee (2004), as Markdown.
-    #[arg(long, value_name = "FILE")]
-    report: Option<PathBuf>,
     #[command(flatten)]
     cache: CacheArgs,
     /// Print one JSON object.
@@ -124,8 +120,7 @@ pub fn run(args: &Args) -> CommandResult {
         }
         None => PathBuf::from(format!("{}.throng", config.name)),
     };
-    files::check_targets(&args.report, args.what.what.iter().chain(&args.what.input).chain([&out]))?;
-    let bar = progress::BuildProgressBar::on_interrupt(args.cache.folder());
+    let bar = progress::Bar::on_interrupt(args.cache.folder());
     let build = match plan.parts {
         RequiredParts::All => pipeline::build,
         RequiredParts::Possible => pipeline::build_possible,
@@ -134,18 +129,11 @@ pub fn run(args: &Args) -> CommandResult {
     drop(bar);
     let report = report.map_err(|e| plan.error(e))?;
     output::warnings(&report.skipped, &report.warnings);
-    let (trial, verdict) = verdict::try_out(&crate::args::open_bundle(&out)?, &report.blend_spaces)?.unzip();
-    if let Some(path) = &args.report {
-        let text = report::markdown(&report);
-        files::write_atomically(path, |w| w.write_all(text.as_bytes()))?;
-    }
+    let (trial, verdict) = verdict::try_out(&crate::args::open(&out)?, &report.blend_spaces)?.unzip();
     if args.json {
         return output::json(&BuildCommandReport { build: report, replaced: plan.replaced, trial, verdict });
     }
     print(&report, &out.display().to_string())?;
-    if plan.file.is_some() && report.hits.count > 0 {
-        print_paper(&report)?;
-    }
     match verdict {
         Some(verdict) => output::text(format!("\n{}", crate::run::verdict_text(&verdict))),
         None => Ok(()),
@@ -256,13 +244,6 @@ pub fn print(r: &BuildReport, out: &str) -> CommandResult {
         ),
     ));
     output::table(&rows)
-}
-
-/// Prints the figures of Lee and Lee (2004) beside those of a build with hits.
-fn print_paper(r: &BuildReport) -> CommandResult {
-    output::text("\n")?;
-    let lines = report::compare_with_paper(r);
-    output::columns(["", "Lee and Lee 2004", "this build"], lines.iter().map(|l| [&*l.figure, l.paper, &*l.here]))
 }
 
 /// Rows of the activities that bodies can be asked for.

@@ -41,7 +41,7 @@ pub struct Args {
     /// Bundle in place of the scene's; the world of the scene is then beside it.
     #[arg(long, value_name = "FILE")]
     bundle: Option<PathBuf>,
-    /// Engine of agents in place of that of the scene: events, occupancy or fixed.
+    /// Engine of agents in place of that of the scene: events or occupancy.
     #[arg(long, value_name = "NAME")]
     engine: Option<String>,
     /// Leave out a behaviour of the scene; may be given several times.

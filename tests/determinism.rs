@@ -1,7 +1,6 @@
 //! The same input, config and seed give the same bytes: at any number of threads, twice, with and without a cache.
 
-mod common;
-
+use crate::common;
 use glam::Vec3;
 use std::path::Path;
 use throng_precompute::cache::{Cache, content_hash};

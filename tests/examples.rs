@@ -1,7 +1,5 @@
 //! Promise: the examples do what they say.
 
-mod common;
-
 use std::path::PathBuf;
 use throng_runtime::world::{PathCosts, WorldGraph, made_up_floor as made_up_world};
 
@@ -39,6 +37,7 @@ mod snapshot;
 #[path = "../examples/sparring.rs"]
 mod sparring;
 
+use crate::common;
 /// Blend space of the golden tables.
 const SPACE: &str = "walks";
 

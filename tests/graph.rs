@@ -1,10 +1,7 @@
 //! The motion graph: no dead ends, everything reachable, transitions where a foot is about to leave the ground.
 
-#[path = "common/mocap.rs"]
-mod mocap;
-
+use crate::common::mocap::recording;
 use glam::{Quat, Vec3};
-use mocap::recording;
 use proptest::prelude::*;
 use std::f32::consts::{PI, TAU};
 use throng_precompute::annotate::{self, AnnotateConfig, Sidecars};

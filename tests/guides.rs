@@ -19,8 +19,8 @@ fn guides() -> Vec<PathBuf> {
     let docs = std::fs::read_dir(root().join("docs")).expect("docs").map(|e| e.expect("an entry").path());
     out.extend(docs.filter(|p| p.extension().is_some_and(|e| e == "md")));
     out.extend(crates().into_iter().map(|c| c.join("README.md")));
-    // A workspace of its own.
-    out.push(root().join("bevy/README.md"));
+    // Workspaces of their own.
+    out.extend(["bevy/README.md", "research/README.md", "research/NOTES.md"].map(|file| root().join(file)));
     out
 }
 

@@ -1,7 +1,6 @@
 //! Effective hits: none in walking and running, the right ones in synthetic and real blows.
 
-mod common;
-
+use crate::common;
 use std::collections::BTreeMap;
 use std::path::Path;
 use throng_precompute::Warnings;

@@ -1,9 +1,8 @@
 //! Clips to poses, end to end: what was recorded is what is sampled, and crowds go where they are sent.
 
-mod common;
-
-use common::mocap::recording;
-use common::{build, orders, small_config, starts, write_clips};
+use crate::common;
+use crate::common::mocap::recording;
+use crate::common::{build, orders, small_config, starts, write_clips};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 use throng_precompute::annotate::{AnnotateConfig, Sidecar, Sidecars, annotate};

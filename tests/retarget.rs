@@ -1,9 +1,6 @@
 //! Real clips on their own proportions keep their joints where they were, T-poses are found, feet stand.
 
-#[path = "common/mocap.rs"]
-mod mocap;
-
-use mocap::recording;
+use crate::common::mocap::recording;
 use std::path::PathBuf;
 use throng_precompute::Warnings;
 use throng_precompute::annotate::{AnnotateConfig, Sidecars, annotate, contact_sanity};

@@ -1,7 +1,6 @@
 //! People take things, carry them and put them down: hands meet things, things stay in hands and lie where they were put.
 
-mod common;
-
+use crate::common;
 use glam::Vec3;
 use std::path::Path;
 use std::sync::LazyLock;

@@ -1,4 +1,4 @@
-//! The header says what the library has. `UPDATE_HEADER=1 cargo test -p throng-capi --test header` writes it.
+//! The header says what the library has. `UPDATE_HEADER=1 cargo test -p throng-capi --test all header` writes it.
 
 use std::path::Path;
 

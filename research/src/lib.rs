@@ -3,6 +3,7 @@
 pub mod matching;
 pub mod measure;
 pub mod natural;
+pub mod paper;
 pub mod plain_problem;
 pub mod quality;
 pub mod reaches;

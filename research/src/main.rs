@@ -19,7 +19,7 @@ mod output;
 mod progress;
 
 use clap::{Parser, Subcommand};
-use commands::{blend, people, plan, quality, steering, world};
+use commands::{blend, boxing, people, plan, quality, steering, world};
 use std::process::ExitCode;
 use throng_runtime::base::limit_threads;
 
@@ -34,6 +34,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Blend(blend::Args),
+    Boxing(boxing::Args),
     Crowd(crowd::Args),
     People(people::Args),
     Plan(plan::Args),
@@ -46,6 +47,7 @@ fn main() -> ExitCode {
     limit_threads();
     let done = match Cli::parse().command {
         Command::Blend(a) => blend::run(&a),
+        Command::Boxing(a) => boxing::run(&a),
         Command::Crowd(a) => crowd::run(&a),
         Command::People(a) => people::run(&a),
         Command::Plan(a) => plan::run(&a),

@@ -11,7 +11,10 @@ use throng_core::policy::PolicyTable;
 use throng_lab::measure::timing::fail;
 use throng_motion::error::BuildError;
 use throng_runtime::Bundle;
-use throng_runtime::base::limits::PAIRS;
+use throng_runtime::base::limits::Limit;
+
+/// Numbers of pairs that may be asked for.
+pub static PAIRS: Limit = Limit { quantity: "number of pairs", least: 1.0, most: 10_000_000.0, range: "1 to 10000000" };
 
 /// Settings of the measurement.
 #[derive(Clone, Debug, PartialEq)]

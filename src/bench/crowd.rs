@@ -26,7 +26,7 @@ pub struct Args {
     /// than their own.
     #[arg(long, value_delimiter = ',', value_name = "N,...", allow_negative_numbers = true, value_parser = limits::number_parser::<usize>(&limits::CHARACTERS))]
     agents: Vec<usize>,
-    /// Engines: events, occupancy, fixed, pairs; that of the scene where absent.
+    /// Engines: events, occupancy; that of the scene where absent. The program of research/ has fixed and pairs too.
     #[arg(long, value_delimiter = ',', value_name = "ENGINE,...")]
     engine: Vec<String>,
     /// Number of runs of each; the fastest is reported in full, as the least disturbed one, with the least, median and

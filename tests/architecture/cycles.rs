@@ -1,6 +1,6 @@
 //! Promise: no cycle between folders. Modules at the top of a crate's `src` use one another one way, and so do crates.
 
-use crate::workspace::{Crate, code, crates, sources};
+use super::workspace::{Crate, code, crates, sources};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! Promise: the runtime stays small, and dependencies point one way.
 
-use crate::workspace::{Crate, code, crates, sources};
+use super::workspace::{Crate, code, crates, sources};
 use std::collections::BTreeSet;
 
 /// All that the crates of the runtime may ever depend on, besides one another.

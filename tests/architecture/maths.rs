@@ -1,6 +1,6 @@
 //! Promise: the runtime gives the same bits on every machine, because it calls no library of the platform.
 
-use crate::workspace::{code, crates, sources};
+use super::workspace::{code, crates, sources};
 
 /// Functions of floats, and those of glam that call them, whose last bits are the platform's.
 const OF_THE_PLATFORM: &[&str] = &[

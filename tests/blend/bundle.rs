@@ -1,7 +1,7 @@
 //! Blend spaces in a bundle: they come back as they were written, and what cannot be is refused.
 
-use crate::made_up::{SIX, config, set, six};
-use crate::parts::{Change, Parts};
+use super::made_up::{SIX, config, set, six};
+use super::parts::{Change, Parts};
 use glam::Vec2;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -125,8 +125,8 @@ fn the_same_clips_give_the_same_spaces_at_any_number_of_threads() {
     assert_eq!(on(1), on(8));
 }
 
-fn refuses(tag: Option<SectionTag>, changes: &[Change<'_>]) {
-    crate::parts::refuses(bundle(), tag, changes);
+fn refuses(tag: Option<Tag>, changes: &[Change<'_>]) {
+    super::parts::refuses(bundle(), tag, changes);
 }
 
 const BAD: [f32; 4] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e9];

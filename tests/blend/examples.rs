@@ -1,6 +1,6 @@
 //! Clips become examples: their arcs, keytimes and names, and what is wrong with those that cannot.
 
-use crate::made_up::{Puppet, SIX, config, fit, idle, set, six};
+use super::made_up::{Puppet, SIX, config, fit, idle, set, six};
 use throng_precompute::Clip;
 use throng_precompute::clip::{Exclusion, ExclusionReason};
 use throng_precompute::config::BuildConfig;

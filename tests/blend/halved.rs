@@ -1,6 +1,6 @@
 //! Cycles that are not captured whole: one step and its mirrored image, and standing forth and back.
 
-use crate::made_up::{Puppet, SIX, config, fit, idle, six};
+use super::made_up::{Puppet, SIX, config, fit, idle, six};
 use glam::Quat;
 use throng_precompute::Clip;
 use throng_precompute::clip::{Exclusion, ExclusionReason};

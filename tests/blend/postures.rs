@@ -1,6 +1,6 @@
 //! The posture tables against the puppets they were made from.
 
-use crate::made_up::{Puppet, RATE_HZ, SIX, config, fit, six};
+use super::made_up::{Puppet, RATE_HZ, SIX, config, fit, six};
 use glam::{Quat, Vec3};
 use throng_precompute::clip::joint_transforms;
 use throng_precompute::examples::RawBlendSpace;

@@ -25,7 +25,7 @@ fn bench_measures_a_crowd_with_the_engine_that_is_named() {
             &KEYS,
         )
     };
-    for engine in ["events", "occupancy", "fixed", "pairs"] {
+    for engine in ["events", "occupancy"] {
         let report = ask(engine);
         assert_eq!((&report["agents"], &report["engine"]), (&40.into(), &engine.into()));
         assert!(report["progress_mps"].as_f64() > Some(0.5), "{report}");
@@ -46,7 +46,7 @@ fn bench_sweeps_and_plots() {
         "--agents",
         "20,40",
         "--engine",
-        "events,fixed",
+        "events,occupancy",
         "--repeats",
         "2",
         "--seconds",
@@ -57,7 +57,12 @@ fn bench_sweeps_and_plots() {
     let of = |i: usize| (runs[i]["engine"].as_str(), runs[i]["agents"].as_u64());
     assert_eq!(
         (0..4).map(of).collect::<Vec<_>>(),
-        [(Some("events"), Some(20)), (Some("events"), Some(40)), (Some("fixed"), Some(20)), (Some("fixed"), Some(40)),]
+        [
+            (Some("events"), Some(20)),
+            (Some("events"), Some(40)),
+            (Some("occupancy"), Some(20)),
+            (Some("occupancy"), Some(40)),
+        ]
     );
     assert!(std::fs::read(&png).is_ok_and(|b| b.starts_with(b"\x89PNG")));
 }
@@ -91,8 +96,8 @@ fn run_measures_and_draws_a_scene_file() {
     assert!(std::fs::read(&png).is_ok_and(|b| b.starts_with(b"\x89PNG")));
     let more = json(&["run", &file, "--characters", "20", "--seconds", "1", "--seed", "3", "--json"], &KEYS);
     assert_eq!((&more["agents"], &more["simulated_s"]), (&20.into(), &1.0.into()));
-    let other = json(&["run", &file, "--engine", "fixed", "--seconds", "1", "--json"], &KEYS);
-    assert_eq!(other["engine"], "fixed");
+    let other = json(&["run", &file, "--engine", "occupancy", "--seconds", "1", "--json"], &KEYS);
+    assert_eq!(other["engine"], "occupancy");
 }
 
 #[test]
@@ -106,7 +111,7 @@ fn what_cannot_be_run_says_what_to_change() {
         (&["bench", "crowd", "--scene", "moon"], &["moon", "corridor", "square"]),
         (&["bench", "crowd", "--engine", "magic"], &["magic", "occupancy"]),
         (&["run", "data/scenes/circle.toml", "--engine", "magic"], &["magic", "occupancy"]),
-        (&["run", "data/scenes/blend-walkers.toml", "--engine", "fixed"], &["--engine", "scenes with agents"]),
+        (&["run", "data/scenes/blend-walkers.toml", "--engine", "occupancy"], &["--engine", "scenes with agents"]),
         (&["run", "data/scenes/circle.toml", "--bundle", "a.throng"], &["--bundle", "no group"]),
     ];
     for (args, parts) in cases {

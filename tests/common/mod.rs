@@ -1,5 +1,5 @@
 //! Small real bundles, made the ordinary way: synthetic clips are written as files and built from them.
-#![allow(dead_code, reason = "each test binary uses its own part of this module")]
+#![allow(dead_code, reason = "each test program uses its own part of this module")]
 
 pub mod mocap;
 

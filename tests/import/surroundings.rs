@@ -1,7 +1,7 @@
 //! What real captured motion stood and hung on is inferred from its contacts, and blocks are built from it. Skipped
 //! where the recordings are not at hand.
 
-use super::recordings::recording;
+use crate::common::mocap::recording;
 use std::path::Path;
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;

@@ -1,7 +1,7 @@
 //! Building blocks: found where motion belongs to units, equal wherever they stand, and every sub-sequence a chain of
 //! links.
 
-use crate::glides::{Glide, clip_of, groups_of, set_of};
+use super::glides::{Glide, clip_of, groups_of, set_of};
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::TAU;

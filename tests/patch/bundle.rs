@@ -1,8 +1,8 @@
 //! Bundles with motion patches: a motion graph may be absent, and patches that cannot be are refused.
 
-use crate::made_up_world as made_up;
-use crate::parts::{Parts, refusal};
-use throng_runtime::characters::{CharacterStart, Characters, CharactersConfig, MotionSet};
+use super::made_up_world as made_up;
+use super::parts::{Parts, refusal};
+use throng_runtime::characters::{Characters, CharactersConfig, MotionSet, Start};
 use throng_runtime::patch::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PairRecord, PatchRecord};
 use throng_runtime::{Planar, bundle::tags};
 
@@ -40,7 +40,7 @@ fn other_content_has_another_hash() {
     let whole = made_up::bundle("a");
     let mut parts = Parts::of(&whole);
     parts.edit::<LinkRecord>(tags::PATCH_LINKS, |l| l[3].start.x += 1e-3);
-    let open = |bytes: &[u8]| crate::parts::open(bytes).expect("a sound bundle");
+    let open = |bytes: &[u8]| super::parts::open(bytes).expect("a sound bundle");
     let first = open(&whole);
     assert!(first.hash() != open(&parts.join()).hash() && !first.is_same(&open(&parts.join())));
     assert!(first.is_same(&open(&made_up::bundle("a"))) && first.is_same(&first.clone()));
@@ -138,7 +138,7 @@ fn patches_that_cannot_be_are_refused() {
     }
     let mut parts = Parts::of(&made_up::bundle("damaged"));
     parts.edit::<u32>(tags::POSE_GROUPS, |g| g[5] = NONE);
-    assert!(crate::parts::open(&parts.join()).is_ok(), "a frame without a group");
+    assert!(super::parts::open(&parts.join()).is_ok(), "a frame without a group");
     for (what, change) in [
         ("a name less", (|m| drop(m.patches.pop())) as fn(&mut throng_runtime::format::Meta)),
         ("a name twice", |m| m.patches[1].name = m.patches[0].name.clone()),

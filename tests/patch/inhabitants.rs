@@ -1,6 +1,6 @@
 //! Characters in made-up worlds: none enters reserved units, and all keep arriving.
 
-use crate::made_up_world::{self, GIVE, SIDE, SIT};
+use super::made_up_world::{self, GIVE, SIDE, SIT};
 use glam::Vec3;
 use throng_runtime::characters::CharactersConfig;
 use throng_runtime::patch::Placement;

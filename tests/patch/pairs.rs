@@ -1,7 +1,7 @@
 //! Two people on one motion: they come together, play their capture in step where it has them, and part.
 
-use crate::inhabitants::open;
-use crate::made_up_world::{GIVE, SIDE, SIT};
+use super::inhabitants::open;
+use super::made_up_world::{GIVE, SIDE, SIT};
 use glam::Vec2;
 use throng_runtime::base::ground::{Capsule2d, ReservedRegion};
 use throng_runtime::characters::CharactersConfig;

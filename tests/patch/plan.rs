@@ -1,6 +1,6 @@
 //! Paths in two layers against plain Dijkstra over the whole graph.
 
-use crate::made_up_world::{self, FLOOR, SIT};
+use super::made_up_world::{self, FLOOR, SIT};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;

@@ -1,7 +1,7 @@
 //! Inhabitants that are saved at any moment and go on as if nothing had happened.
 
-use crate::inhabitants::open;
-use crate::made_up_world::SIT;
+use super::inhabitants::open;
+use super::made_up_world::SIT;
 use glam::Vec3;
 use throng_runtime::base::crc32;
 use throng_runtime::characters::CharactersConfig;

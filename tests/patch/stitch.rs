@@ -1,6 +1,6 @@
 //! Worlds of made-up patches: joints and obstacles against plain scans, connectedness against a graph that is built.
 
-use crate::made_up::{BENCH, GROUND, MadeUp, PANEL_M, WALL, panels, with};
+use super::made_up::{BENCH, GROUND, MadeUp, PANEL_M, WALL, panels, with};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use throng_precompute::clip::joint_transforms;

@@ -1,6 +1,6 @@
 //! Tilable patches: entries that match exits, motion edited to end there, pruning to a fixed point.
 
-use crate::glides::{Glide, NO_GROUP, groups_of, set_of};
+use super::glides::{Glide, NO_GROUP, groups_of, set_of};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

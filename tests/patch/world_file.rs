@@ -1,6 +1,6 @@
 //! World files: what is written is read again; damaged files, and those of another bundle, are refused.
 
-use crate::made_up_world;
+use super::made_up_world;
 use bytemuck::Pod;
 use std::sync::OnceLock;
 use throng_precompute::stitch;

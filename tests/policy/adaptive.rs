@@ -1,6 +1,6 @@
 //! A resolution for every state: memory is kept to, cells go where they lower the error, and queries answer alike.
 
-use crate::naive::{Hit, random_model};
+use super::naive::{Hit, random_model};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

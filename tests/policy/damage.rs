@@ -1,6 +1,6 @@
 //! Spoilt tables are refused, and no bytes make a query panic.
 
-use crate::naive::{approach, random_model, solved};
+use super::naive::{approach, random_model, solved};
 use glam::Vec3;
 use proptest::prelude::*;
 use rand::SeedableRng;

@@ -1,6 +1,6 @@
 //! Evading: values over place and time left, against a plain iteration in f64.
 
-use crate::naive::{ARITHMETIC, Naive, random_model, solved};
+use super::naive::{ARITHMETIC, Naive, random_model, solved};
 use glam::{DVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

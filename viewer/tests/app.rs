@@ -1,9 +1,8 @@
 //! The real app, driven as people drive it.
 
-mod common;
-
-use common::boxing::Boxing;
-use common::{Viewing, drop_files, golden};
+use crate::common;
+use crate::common::boxing::Boxing;
+use crate::common::{Viewing, drop_files, golden};
 use eframe::egui::{self, Key, Modifiers, pos2};
 use egui_kittest::kittest::Queryable;
 use glam::Vec3;

@@ -1,9 +1,7 @@
 //! Blend spaces and scenes of walkers in the real app, driven as people drive it.
 
-mod common;
-
-use common::Viewing;
-use common::paces::Paces;
+use crate::common::Viewing;
+use crate::common::paces::Paces;
 use eframe::egui::{Key, Pos2, pos2};
 use egui_kittest::kittest::Queryable;
 use throng_runtime::NUM_JOINTS;

@@ -1,9 +1,7 @@
 //! A mesh of the user's own is worn by everybody, upright, with feet where the simulation has them.
 
-mod common;
-
+use crate::common::{golden, rig};
 use clap::Parser;
-use common::{golden, rig};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 use throng_viewer::args::Args;

@@ -1,10 +1,8 @@
 //! Scenes of crowds in the real app, driven as people drive it.
 
-mod common;
-
-use common::market::Market;
-use common::meeting::Meeting;
-use common::{Viewing, adapter, assert_drawn_alike};
+use crate::common::market::Market;
+use crate::common::meeting::Meeting;
+use crate::common::{Viewing, adapter, assert_drawn_alike};
 use eframe::egui::{Key, vec2};
 use egui_kittest::kittest::Queryable;
 use throng_viewer::args::{Args, CharacterArg, PanelChoice, PictureSize};

@@ -1,9 +1,8 @@
 //! `throng-viewer --png`: pictures without a screen, the same every time, and messages that show the way out.
 
-mod common;
-
-use common::boxing::Boxing;
-use common::{adapter, bvh, golden};
+use crate::common;
+use crate::common::boxing::Boxing;
+use crate::common::{adapter, bvh, golden};
 use std::io::BufReader;
 use std::path::Path;
 use std::process::{Command, Output};

@@ -1,16 +1,14 @@
 //! Every panel and the 3-D view look as they did: pictures in `tests/snapshots`.
 //!
-//! `UPDATE_SNAPSHOTS=1 cargo test -p throng-viewer --test snapshots` takes new ones; look at them before they are kept.
+//! `UPDATE_SNAPSHOTS=1 cargo test -p throng-viewer --test all snapshots` takes new ones; look at them before they are kept.
 //! Pixels are compared where Mesa's software adapter draws, since others round in other ways.
 
-mod common;
-
-use common::boxing::Boxing;
-use common::market::Market;
-use common::meeting::Meeting;
-use common::paces::Paces;
-use common::square::Square;
-use common::{Viewing, adapter, bvh, drop_files, faulty_bvh, golden, walk};
+use crate::common::boxing::Boxing;
+use crate::common::market::Market;
+use crate::common::meeting::Meeting;
+use crate::common::paces::Paces;
+use crate::common::square::Square;
+use crate::common::{Viewing, adapter, bvh, drop_files, faulty_bvh, golden, walk};
 use eframe::egui::{self, Rect, vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{SnapshotOptions, SnapshotResults};

@@ -1,9 +1,8 @@
 //! The start page and builds in the window, driven as people drive them: motion is dropped, built, stopped, refused.
 
-mod common;
-
-use common::paces::Paces;
-use common::{Viewing, bvh, drop_files, golden};
+use crate::common;
+use crate::common::paces::Paces;
+use crate::common::{Viewing, bvh, drop_files, golden};
 use egui_kittest::kittest::Queryable;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;

@@ -1,8 +1,6 @@
 //! Tasks of limbs in the viewer: dropped on the window, planned beside it, dragged with the mouse, scrubbed.
 
-mod common;
-
-use common::{Viewing, drop_files};
+use crate::common::{Viewing, drop_files};
 use eframe::egui::{Pos2, vec2};
 use glam::Vec3;
 use std::path::PathBuf;

@@ -2,9 +2,7 @@
 
 #![cfg(target_os = "linux")]
 
-mod common;
-
-use common::{adapter, golden};
+use crate::common::{adapter, golden};
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 

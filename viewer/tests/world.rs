@@ -1,9 +1,7 @@
 //! Worlds of motion patches in the viewer: shown, told, edited with the mouse, and drawn without a screen.
 
-mod common;
-
-use common::square::Square;
-use common::{Viewing, adapter, assert_drawn_alike};
+use crate::common::square::Square;
+use crate::common::{Viewing, adapter, assert_drawn_alike};
 use eframe::egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
 use glam::Vec3;

@@ -1,7 +1,5 @@
 //! Report of a build, for people and for machines.
 
-mod paper;
-
 use crate::activities::ActivityReport;
 use crate::cluster::PoseGroups;
 use crate::config::BuildConfig;
@@ -14,8 +12,7 @@ pub use crate::stages::SourcePerformer;
 pub use crate::stages::StageCost;
 use crate::stages::{BuildTiming, MotionOutput};
 use crate::stops::StopsReport;
-use crate::write::{BundleInputs, WrittenBundle};
-pub use paper::{PaperFigure, compare_with_paper, markdown};
+use crate::write::{Baked, Written};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use throng_core::format::FrameRow;

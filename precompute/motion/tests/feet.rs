@@ -1,14 +1,8 @@
 //! Feet that are laid onto the database skeleton slide no more than the source's and stand on the ground.
 
-#[path = "../../../tests/common/mocap.rs"]
-mod mocap;
-#[path = "rigs/rig.rs"]
-mod rig;
-#[path = "rigs/tables.rs"]
-mod tables;
-
+use crate::mocap::recording;
+use crate::rigs::{rig, tables};
 use glam::{Quat, Vec3};
-use mocap::recording;
 use rig::{Rest, Style};
 use std::path::Path;
 use throng_core::{Contacts, Joint};

@@ -1,15 +1,8 @@
 //! Faults put into motion are found, and good motion is left alone.
 
-#[path = "../../../tests/common/mocap.rs"]
-mod mocap;
-#[path = "rigs/rig.rs"]
-mod rig;
-#[path = "rigs/tables.rs"]
-#[allow(dead_code, reason = "other tests use all of its tables")]
-mod tables;
-
+use crate::mocap::recording;
+use crate::rigs::{rig, tables};
 use glam::{Quat, Vec3};
-use mocap::recording;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};

@@ -1,15 +1,8 @@
 //! Motion that is odd as a whole is told before anything is built of it: walks on the spot, noise, two in one file, sizes.
 
-#[path = "../../../tests/common/mocap.rs"]
-mod mocap;
-#[path = "rigs/rig.rs"]
-mod rig;
-#[path = "rigs/tables.rs"]
-#[allow(dead_code, reason = "other tests use all of its tables")]
-mod tables;
-
+use crate::mocap::recording;
+use crate::rigs::{rig, tables};
 use glam::{Quat, Vec3};
-use mocap::recording;
 use std::path::{Path, PathBuf};
 use throng_core::Joint;
 use throng_motion::error::ImportError;

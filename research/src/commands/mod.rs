@@ -1,6 +1,7 @@
 //! The subcommands.
 
 pub mod blend;
+pub mod boxing;
 pub mod people;
 pub mod plan;
 pub mod quality;

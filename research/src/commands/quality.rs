@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 use throng_research::measure::{self, MatchingConfig, MatchingFigures};
-use throng_research::quality::{Quality, QualityConfig, quality};
+use throng_research::quality::{PAIRS, Quality, QualityConfig, quality};
 use throng_runtime::base::limits;
 
 /// Measure what policies collect against search to a depth of four actions, and against motion matching over all frames of
@@ -21,7 +21,7 @@ pub struct Args {
     #[arg(long, default_value_t = 0.5, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::MEASURING_S))]
     seconds: f64,
     /// Random (state, target) pairs that are searched.
-    #[arg(long, default_value_t = 1000, value_name = "N", allow_negative_numbers = true, value_parser = limits::number_parser::<usize>(&limits::PAIRS))]
+    #[arg(long, default_value_t = 1000, value_name = "N", allow_negative_numbers = true, value_parser = limits::number::<usize>(&PAIRS))]
     pairs: usize,
     /// Print one JSON object.
     #[arg(long)]

@@ -71,7 +71,6 @@ limits! {
     LIVE_SPEED = "simulated seconds a second": 0 to 1000 "";
     MEASURING_S = "time given to a figure": 0.000_1 to 3600 " s";
     MOMENT_S = "moment of a run": 0 to 100_000 " s";
-    PAIRS = "number of pairs": 1 to 10_000_000 "";
     PATH_STEPS = "steps of all paths that are kept": 0 to 300_000_000 "";
     PICTURE_SIDE = "side of a picture or a window": 16 to 8192 " pixels";
     RATE_HZ = "frames a second": 20 to 240 " Hz";

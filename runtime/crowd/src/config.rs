@@ -16,18 +16,16 @@ pub enum Scheme {
     /// events.
     #[default]
     Registration,
-    /// For comparison: bounds are listed in every cell they occupy (Kim, Kim and Shin 2003a, section 2): entering,
+    /// Bounds are listed in every cell they occupy (Kim, Kim and Shin 2003a, section 2): entering,
     /// leaving, resetting, colliding, contacting and separating events. No collision is looked for within a group of
     /// agents in contact. The guarantee is the same.
-    #[cfg(feature = "baselines")]
     Occupancy,
     /// For comparison: all agents act at every step of time, and where discs overlap the step is undone and half of it
     /// tried (Kim, Kim and Shin 2003b, section 4). Nothing but the forces keeps agents apart.
-    #[cfg(feature = "baselines")]
+    #[cfg(feature = "fixed-steps")]
     Fixed,
-    /// For comparison: [`Scheme::Fixed`] in which every agent looks at every other one (Kim, Kim and Shin 2003a,
-    /// section 5).
-    #[cfg(feature = "baselines")]
+    /// For comparison: [`Scheme::Fixed`] in which every agent checks every other one (Kim, Kim and Shin 2003a, section 5).
+    #[cfg(feature = "fixed-steps")]
     Pairs,
 }
 
@@ -36,12 +34,14 @@ impl Scheme {
     /// which its bound enters and leaves the cells behind every face of a box and meets an agent or not.
     pub(crate) fn most_events(self) -> u32 {
         match self {
-            #[cfg(feature = "baselines")]
             Self::Occupancy => 2 * (1 + 2 * 6 + 2),
             _ => 1,
         }
     }
 }
+
+/// Step of `Scheme::Fixed` (s), and how often it is halved, unless a setup says otherwise.
+const STEPS: (f32, u32) = (1.0 / 30.0, 4);
 
 /// Settings of a crowd.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -55,11 +55,11 @@ pub struct CrowdConfig {
     /// neighbouring cells (m, enough for every agent to stop within half of it, see [`crate::Crowd::cell_side`]).
     pub cell_side_m: f32,
     /// Step of `Scheme::Fixed` (s, 0.001 to 1).
-    #[cfg(feature = "baselines")]
+    #[cfg(feature = "fixed-steps")]
     pub step_s: f32,
-    /// Number of times that a step of `Scheme::Fixed` is halved. At the end of the shortest step, agents that overlap
-    /// lose the velocity toward each other; overlaps that remain are counted (0 to 16).
-    #[cfg(feature = "baselines")]
+    /// Number of times that a step of `Scheme::Fixed` is halved. At the end of the shortest step, agents that overlap lose the
+    /// velocity toward each other; overlaps that remain are counted (0 to 16).
+    #[cfg(feature = "fixed-steps")]
     pub halvings: u32,
     /// Most agents at a time; memory for them is taken at once. 0 stands for those at the start (0 to 1000000).
     pub capacity: usize,
@@ -75,10 +75,11 @@ impl CrowdConfig {
     /// Settings on which a state depends: the same whether or not the build has engines to compare with, unless one of
     /// them runs.
     pub(crate) fn hashed(&self) -> impl Serialize + use<> {
-        #[cfg(feature = "baselines")]
-        let fixed = (self.scheme != Scheme::Registration).then_some((self.step_s, self.halvings));
-        #[cfg(not(feature = "baselines"))]
-        let fixed = None::<(f32, u32)>;
+        #[cfg(feature = "fixed-steps")]
+        let steps = (self.step_s, self.halvings);
+        #[cfg(not(feature = "fixed-steps"))]
+        let steps = STEPS;
+        let fixed = (self.scheme != Scheme::Registration).then_some(steps);
         let largest = (self.capacity, self.largest_radius_m, self.largest_speed_mps);
         (self.scheme, self.smallest_interval_s, self.cell_side_m, fixed, largest, self.steering)
     }
@@ -90,10 +91,10 @@ impl Default for CrowdConfig {
             scheme: Scheme::default(),
             smallest_interval_s: 0.1,
             cell_side_m: 0.0,
-            #[cfg(feature = "baselines")]
-            step_s: 1.0 / 30.0,
-            #[cfg(feature = "baselines")]
-            halvings: 4,
+            #[cfg(feature = "fixed-steps")]
+            step_s: STEPS.0,
+            #[cfg(feature = "fixed-steps")]
+            halvings: STEPS.1,
             capacity: 0,
             largest_radius_m: 0.0,
             largest_speed_mps: 0.0,
@@ -109,9 +110,9 @@ impl CrowdConfig {
             check_value(what, None, got, (least..=most).contains(&got), expected)
         };
         within("config.smallest_interval_s", self.smallest_interval_s, 0.001, 1.0, "between 0.001 and 1")?;
-        #[cfg(feature = "baselines")]
+        #[cfg(feature = "fixed-steps")]
         within("config.step_s", self.step_s, 0.001, 1.0, "between 0.001 and 1")?;
-        #[cfg(feature = "baselines")]
+        #[cfg(feature = "fixed-steps")]
         within("config.halvings", self.halvings as f32, 0.0, 16.0, "at most 16")?;
         CAPACITY.check_count("config.capacity", self.capacity)?;
         within("config.largest_radius_m", self.largest_radius_m, 0.0, 999.0, "between 0 and 999")?;

@@ -1,12 +1,9 @@
 //! Surroundings of the agents: obstacles by cell, routes, fields and limits.
 
-#[cfg(feature = "baselines")]
-use crate::Scheme;
 use crate::error::{CrowdError, check};
 use crate::routes::goals::Goals;
 use crate::routes::path::{Path, is_in};
 use crate::routes::streets::Streets;
-#[cfg(feature = "baselines")]
 use crate::safety::bound::narrowest_cell;
 use crate::space::cells::Cells;
 use crate::space::plan::Plan;
@@ -14,13 +11,13 @@ use crate::space::solid::{Solid, is_inside, solids};
 use crate::steering::config::SteeringConfig;
 use crate::steering::density_grid::DensityGrid;
 use crate::steering::keep_right::is_wall_within;
-use crate::{Agent, Field, Id, Interest, Obstacle, Route, Setup, Space};
+use crate::{Agent, Field, Id, Interest, Obstacle, Route, Scheme, Setup, Space};
 use serde::{Deserialize, Serialize};
 use throng_base::error::check_index;
 use throng_base::prefetch;
 
 /// Side of cells so large that all agents are in neighbouring ones (m).
-#[cfg(feature = "baselines")]
+#[cfg(feature = "fixed-steps")]
 const ALL_M: f32 = 9e4;
 
 /// Data that does not change with time.
@@ -195,15 +192,14 @@ impl<V: Space> Scenery<V> {
     fn side(&self, setup: &Setup<V>) -> Result<f32, CrowdError> {
         let config = &setup.config;
         let shortest = 1.5 * self.interval;
-        #[cfg(feature = "baselines")]
+        #[cfg(feature = "fixed-steps")]
         if config.scheme == Scheme::Pairs {
             // The whole crowd is in neighbouring cells.
             return Ok(ALL_M);
         }
-        #[cfg(feature = "baselines")]
+        #[cfg(feature = "fixed-steps")]
         let shortest = if config.scheme == Scheme::Fixed { config.step_s.max(shortest) } else { shortest };
         let need = 2.0 * (self.radius + self.stopping + self.fastest * shortest + 0.01);
-        #[cfg(feature = "baselines")]
         let need = if config.scheme == Scheme::Occupancy {
             let strongest = setup.agents.iter().map(|a| a.acceleration).fold(0.0, f32::max);
             need.max(narrowest_cell(self.radius, strongest, config.steering.blocked_intervals * self.interval))

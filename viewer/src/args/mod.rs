@@ -125,7 +125,7 @@ pub struct Args {
     /// Show how a message of a scene spreads: the name of one of its events.
     #[arg(long, value_name = "NAME", requires = "file")]
     pub message: Option<String>,
-    /// What finds out when an agent of a scene has to act: events, occupancy or fixed.
+    /// What finds out when an agent of a scene has to act: events or occupancy.
     #[arg(long, value_name = "NAME", value_parser = parse::engine, requires = "file")]
     pub engine: Option<Scheme>,
 }
@@ -160,7 +160,7 @@ mod tests {
         assert_eq!((args.adapter, args.scale), (AdapterChoice::Any, Some(1.5)));
         assert_eq!(args.body, Some(BodyChoice::Made(BodyStyle::Capsules)));
         assert_eq!(parse("--body me.GLB").expect("a right line").body, Some(BodyChoice::File("me.GLB".into())));
-        assert_eq!(parse("a.toml --engine fixed").expect("a right line").engine, Some(Scheme::Fixed));
+        assert_eq!(parse("a.toml --engine occupancy").expect("a right line").engine, Some(Scheme::Occupancy));
         assert_eq!(parse("a.throng --bench 10,20").expect("a right line").bench, [10, 20]);
     }
 

@@ -279,7 +279,7 @@ mod tests {
             (Args { file: Some("no.throng".into()), ..Args::default() }, "no.throng"),
             (Args { file: file.clone(), clip: Some("moonwalk".into()), ..Args::default() }, "there are "),
             (Args { file: file.clone(), frame: Some(1_000_000), ..Args::default() }, "frames, counted from 0"),
-            (Args { file: file.clone(), engine: Some(Scheme::Fixed), ..Args::default() }, "scenes with agents"),
+            (Args { file: file.clone(), engine: Some(Scheme::Occupancy), ..Args::default() }, "scenes with agents"),
             (Args { file: file.clone(), message: Some("sale".into()), ..Args::default() }, "[[events]]"),
             (Args { file, character: Some(CharacterArg(Some(100))), ..Args::default() }, "has 100 characters"),
         ] {

@@ -1,6 +1,6 @@
 //! Captured skeletons have the roles by shape that their profiles name. Skipped where the recordings are not at hand.
 
-use super::mocap::recording;
+use crate::mocap::recording;
 use throng_core::Joint;
 use throng_motion::import::profile::load_profiles;
 use throng_motion::import::{ImportConfig, expand, interpret, read_source};

@@ -1,14 +1,8 @@
 //! Characters of many makes wear a take: joints of the same body are where the motion has them.
 
-#[path = "../scenes/glb.rs"]
-#[allow(dead_code, reason = "a part of it is enough here")]
-mod glb;
-#[path = "../rigs/rig.rs"]
-mod rig;
-#[path = "../rigs/tables.rs"]
-mod tables;
-
 use super::{pose, take};
+use crate::rigs::{rig, tables};
+use crate::scenes::glb;
 use glam::{Quat, Vec3};
 use rig::{Part, Rest};
 use std::path::{Path, PathBuf};

@@ -3,6 +3,7 @@
 use crate::error::CrowdError;
 use crate::events::decide::{AgentState, Cause, Decider, Decision, Scratch};
 use crate::events::event::{Counts, Event, EventKind};
+use crate::events::occupancy::Occupancy;
 use crate::events::prefetch::Prefetcher;
 use crate::events::queue::Calendar;
 use crate::events::schemes::{REGISTRATION, SchemeRef};
@@ -14,8 +15,8 @@ use crate::space::cells::Cells;
 use crate::space::plan::Plan;
 use crate::steering::bonds::Bonds;
 use crate::steering::density_grid::DensityGrid;
-use crate::{AtEnd, Id, NONE, Sense, Setup, Space};
-use throng_base::ground::ExternalObstacles;
+use crate::{AtEnd, Id, NONE, Scheme, Sense, Setup, Space};
+use throng_base::ground::Outsiders;
 
 /// Most agents of a crowd that is taken to fit the processor's caches; in tests, none does. With 8000 it costs 4 to 8 %
 /// to prefetch, with 16 000 it saves 4 to 11 %, with 100 000 a quarter to a third.
@@ -49,9 +50,11 @@ pub(crate) struct Engine<V> {
     pub counts: Counts,
     /// Events since the last call of [`Engine::run`].
     pub events: Vec<Event>,
-    /// Takes the place of the engine's own scheme, if there is one.
-    #[cfg(feature = "baselines")]
-    pub baseline: Option<crate::events::baselines::Baseline<V>>,
+    /// Lists of [`crate::Scheme::Occupancy`], if that runs.
+    pub occupancy: Option<Occupancy>,
+    /// Steps of `Scheme::Fixed` and `Scheme::Pairs`, if one of them runs.
+    #[cfg(feature = "fixed-steps")]
+    pub fixed: Option<crate::events::fixed::Fixed<V>>,
     pub scratch: Scratch<V>,
     pub sensors: Sensors<V>,
     pub bonds: Bonds<V>,
@@ -76,8 +79,9 @@ impl<V: Space> Engine<V> {
             scratch: Scratch::new(capacity, scenery.movers.len()),
             sensors: Sensors::new(&setup.senses, capacity),
             bonds: Bonds::new(capacity),
-            #[cfg(feature = "baselines")]
-            baseline: crate::events::baselines::Baseline::new(&setup.config, &cells, capacity),
+            occupancy: (setup.config.scheme == Scheme::Occupancy).then(|| Occupancy::new(cells.num_cells(), capacity)),
+            #[cfg(feature = "fixed-steps")]
+            fixed: crate::events::fixed::Fixed::new(&setup.config, capacity),
             setup_hash: Self::hash_setup(&setup, &scenery, &cells),
             scenery,
             cells,
@@ -111,19 +115,38 @@ impl<V: Space> Engine<V> {
     pub fn run(&mut self, until_s: f64) -> Result<bool, CrowdError> {
         self.check_time(until_s)?;
         self.events.clear();
-        #[cfg(feature = "baselines")]
-        let result = match self.run_baseline(until_s) {
-            Some(result) => result,
-            None => self.run_registration(until_s),
-        };
-        #[cfg(not(feature = "baselines"))]
-        let result = self.run_registration(until_s);
+        let result = self.run_scheme(until_s);
         // A signal has to be answered before time goes on.
         let is_done = result? && self.sensors.signals.is_empty();
         if is_done {
             self.now = until_s;
         }
         Ok(is_done)
+    }
+
+    fn run_scheme(&mut self, until_s: f64) -> Result<bool, CrowdError> {
+        // Taken out, so that they can be changed together with the rest.
+        if let Some(mut occupancy) = self.occupancy.take() {
+            let result = self.run_occupancy(&mut occupancy, until_s);
+            self.occupancy = Some(occupancy);
+            return result;
+        }
+        #[cfg(feature = "fixed-steps")]
+        if let Some(mut fixed) = self.fixed.take() {
+            let result = self.run_steps(&mut fixed, until_s);
+            self.fixed = Some(fixed);
+            return result;
+        }
+        self.run_registration(until_s)
+    }
+
+    /// True where agents act by [`Scheme::Registration`].
+    pub fn is_of_registration(&self) -> bool {
+        #[cfg(feature = "fixed-steps")]
+        if self.fixed.is_some() {
+            return false;
+        }
+        self.occupancy.is_none()
     }
 
     fn run_registration(&mut self, until_s: f64) -> Result<bool, CrowdError> {

@@ -1,10 +1,12 @@
 //! Events: their schedule and their processing.
 
-#[cfg(feature = "baselines")]
-pub(crate) mod baselines;
 pub(crate) mod decide;
 pub(crate) mod engine;
 pub(crate) mod event;
+#[cfg(feature = "fixed-steps")]
+#[path = "../../../../research/fixed-steps/engine.rs"]
+pub(crate) mod fixed;
+pub(crate) mod occupancy;
 pub(crate) mod parallel;
 pub(crate) mod prefetch;
 mod query;

@@ -1,9 +1,8 @@
 //! Schedule of an agent's next event: the scheme of Kim, Kim and Shin (2003b), and the interface of others.
 
 use crate::Space;
-#[cfg(feature = "baselines")]
-use crate::events::baselines::occupancy::Occupancy;
 use crate::events::decide::{Cause, Decider};
+use crate::events::occupancy::Occupancy;
 use crate::safety::bound::{Bound, fall_each};
 use crate::space::batch::bits;
 use crate::space::cells::Cells;
@@ -21,18 +20,6 @@ pub(crate) struct SchemeRef<'a> {
 /// The scheme of Kim, Kim and Shin (2003b), section 2.1: a bound stays in the region around the cell it is registered
 /// in, so that it can only meet agents registered in neighbouring cells.
 pub(crate) const REGISTRATION: SchemeRef<'static> = SchemeRef { lists: None };
-
-/// Stand-in for lists that do not exist in this build.
-#[cfg(not(feature = "baselines"))]
-#[derive(Debug)]
-pub(crate) enum Occupancy {}
-
-#[cfg(not(feature = "baselines"))]
-impl Occupancy {
-    fn first_meeting<V: Space>(&self, _: &Decider<'_, V>, _: &Plan<V>) -> (Cause, f32) {
-        match *self {}
-    }
-}
 
 impl SchemeRef<'_> {
     /// First contact of a new plan's bound: its cause and its time.

@@ -190,16 +190,6 @@ impl<V: Space> Engine<V> {
         self.look_about(agent);
     }
 
-    /// Finds the next sensed event of every agent, as after a step of all.
-    #[cfg(feature = "baselines")]
-    pub fn look_about_all(&mut self) {
-        for agent in 0..self.states.len() as u32 {
-            if self.sensors.of[agent as usize] != Sensing::default() {
-                self.look_about(agent);
-            }
-        }
-    }
-
     /// Restores state that is not saved, after a snapshot.
     pub fn relink_senses(&mut self) {
         self.sensors.boxes.clear();

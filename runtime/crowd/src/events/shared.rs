@@ -113,8 +113,7 @@ impl<V: Space> SharedEngine<V> {
     /// [`CrowdError::Other`] for a crowd in which agents sense or care for others, or with another engine.
     pub fn new(mut engine: Engine<V>, comm: &dyn Comm) -> Result<Self, CrowdError> {
         let is_plain = !engine.sensors.is_on() && engine.bonds.saved().is_empty();
-        #[cfg(feature = "baselines")]
-        let is_plain = is_plain && engine.baseline.is_none();
+        let is_plain = is_plain && engine.is_of_registration();
         let expected =
             "0: without senses, timers, interests and companions of single agents, and with the engine of events";
         throng_base::error::check_value(

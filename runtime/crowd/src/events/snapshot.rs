@@ -1,10 +1,9 @@
 //! Keeping the whole state of a crowd, and telling two states apart.
 
 use crate::error::CrowdError;
-#[cfg(feature = "baselines")]
-use crate::events::baselines::Baseline;
 use crate::events::decide::{AgentState, Cause};
 use crate::events::engine::Engine;
+use crate::events::occupancy::Occupancy;
 use crate::routes::goals::Goals;
 use crate::routes::path::Path;
 use crate::routes::streets::Streets;
@@ -23,14 +22,13 @@ use throng_base::{Error, Hash128, SnapshotKind, StateHash};
 /// Grows by one with every change of what is kept.
 const VERSION: u32 = 9;
 
-/// A build without engines to compare with has none to keep. Its snapshots are those of a build that has them.
-#[cfg(not(feature = "baselines"))]
+/// What another scheme than [`crate::Scheme::Registration`] remembers. Builds with `Scheme::Fixed` keep the same of all others.
 #[derive(Serialize, Deserialize)]
-enum Baseline {}
-#[cfg(not(feature = "baselines"))]
-type Kept<V> = Option<(Baseline, V)>;
-#[cfg(feature = "baselines")]
-type Kept<V> = Option<Baseline<V>>;
+enum OtherScheme {
+    Occupancy(Occupancy),
+    #[cfg(feature = "fixed-steps")]
+    Fixed(crate::events::fixed::Steps),
+}
 
 /// State that changes with time.
 #[derive(Serialize, Deserialize)]
@@ -54,7 +52,7 @@ struct Saved<V> {
     sensing: Vec<(u32, Sensing)>,
     /// Agents with relationships.
     bonds: Vec<(u32, Bond<V>)>,
-    baseline: Kept<V>,
+    scheme: Option<OtherScheme>,
 }
 
 /// No agent can have walked farther from the starts (m).
@@ -76,7 +74,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// Hash of all that a state is meaningless without: the space, fields, obstacles, streets, config and sizes. The same
-    /// with and without the feature `baselines`.
+    /// with and without the feature `fixed-steps`, unless such steps are taken.
     pub(crate) fn hash_setup(setup: &Setup<V>, scenery: &Scenery<V>, cells: &Cells<V>) -> u128 {
         let Scenery { fields, obstacles, interests, radius, speed, stopping, .. } = scenery;
         let sizes = [*radius, *speed, *stopping, cells.side(), V::DIMENSIONS as f32];
@@ -114,10 +112,7 @@ impl<V: Space> Engine<V> {
             doors: self.scenery.doors.clone(),
             sensing: self.sensors.saved(),
             bonds: self.bonds.saved(),
-            #[cfg(feature = "baselines")]
-            baseline: self.baseline.clone(),
-            #[cfg(not(feature = "baselines"))]
-            baseline: None,
+            scheme: self.other_scheme(),
         };
         self.snapshot_kind().write(&saved, out);
     }
@@ -198,14 +193,16 @@ impl<V: Space> Engine<V> {
         saved.sensing.iter().for_each(|(m, own)| self.sensors.of[*m as usize] = *own);
         self.relink_senses();
         self.bonds.take_over(&saved.bonds);
-        #[cfg(feature = "baselines")]
-        {
-            self.baseline = saved.baseline;
-            if let Some(baseline) = &mut self.baseline {
-                baseline.reserve(&self.cells, self.states.len());
+        match saved.scheme {
+            Some(OtherScheme::Occupancy(mut occupancy)) => {
+                occupancy.relink(&self.cells);
+                self.occupancy = Some(occupancy);
             }
-            self.wait_for_all();
+            #[cfg(feature = "fixed-steps")]
+            Some(OtherScheme::Fixed(steps)) => self.fixed.iter_mut().for_each(|f| f.steps = steps),
+            None => (),
         }
+        self.wait_for_all();
     }
 
     /// Reason why a state cannot be one of this crowd.
@@ -246,8 +243,7 @@ impl<V: Space> Engine<V> {
         if num_there != saved.plans.len() || num_there + saved.free.len() != capacity {
             return Err(format!("{num_there} agents have {} plans", saved.plans.len()));
         }
-        #[cfg(feature = "baselines")]
-        self.check_saved_baseline(saved)?;
+        self.check_saved_scheme(saved)?;
         self.check_safety(saved)
     }
 
@@ -277,8 +273,8 @@ impl<V: Space> Engine<V> {
 
     /// Checks the safety rule, as for a newcomer, for all saved agents: none may overlap another one or an obstacle.
     fn check_safety(&self, saved: &Saved<V>) -> Result<(), String> {
-        #[cfg(feature = "baselines")]
-        if self.baseline.as_ref().is_some_and(Baseline::lets_overlap) {
+        #[cfg(feature = "fixed-steps")]
+        if self.fixed.is_some() {
             return Ok(());
         }
         let half = V::from_coordinates([self.cells.side(); 3]);
@@ -311,16 +307,30 @@ impl<V: Space> Engine<V> {
         Ok(())
     }
 
-    #[cfg(feature = "baselines")]
-    fn check_saved_baseline(&self, saved: &Saved<V>) -> Result<(), String> {
+    /// What the engine's scheme remembers; none for [`crate::Scheme::Registration`].
+    fn other_scheme(&self) -> Option<OtherScheme> {
+        #[cfg(feature = "fixed-steps")]
+        if let Some(fixed) = &self.fixed {
+            return Some(OtherScheme::Fixed(fixed.steps));
+        }
+        self.occupancy.clone().map(OtherScheme::Occupancy)
+    }
+
+    /// A state is of the scheme that runs here.
+    fn check_saved_scheme(&self, saved: &Saved<V>) -> Result<(), String> {
         let mut of_agent = vec![None; saved.states.len()];
         saved.plans.iter().for_each(|p| of_agent[p.index as usize] = Some(p));
         let plan = |m: u32| of_agent.get(m as usize).copied().flatten();
-        let fits = match (&saved.baseline, &self.baseline) {
-            (None, None) => true,
-            (Some(kept), Some(own)) => {
-                // These schemes wake no agents.
-                !saved.states.iter().any(|m| m.is_woken) && kept.fits(own, self.cells.side(), saved.now, plan)
+        // The other schemes wake no agents.
+        let is_woken = saved.states.iter().any(|m| m.is_woken);
+        let fits = match (&saved.scheme, &self.occupancy) {
+            (None, None) => self.is_of_registration(),
+            (Some(OtherScheme::Occupancy(kept)), Some(own)) => {
+                !is_woken && kept.fits(own, self.cells.side(), saved.now, plan)
+            }
+            #[cfg(feature = "fixed-steps")]
+            (Some(OtherScheme::Fixed(kept)), None) => {
+                !is_woken && self.fixed.as_ref().is_some_and(|f| kept.fits(&f.steps, saved.now))
             }
             _ => false,
         };

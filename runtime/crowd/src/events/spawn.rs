@@ -69,7 +69,6 @@ impl<V: Space> Engine<V> {
         self.cells.insert(self.states[plan.index as usize].cell, plan);
         self.watchdog.forget(plan.index);
         self.queue.set(plan.index, self.now);
-        #[cfg(feature = "baselines")]
         self.list(plan);
     }
 
@@ -82,9 +81,7 @@ impl<V: Space> Engine<V> {
         check("agent.speed", n, speed, speed <= scenery.speed, "at most `largest_speed_mps` of the config")?;
         let stops = scenery.fastest * scenery.fastest <= 2.0 * agent.acceleration * scenery.stopping * 1.001;
         check("agent.acceleration", n, agent.acceleration, stops, "at least that of the weakest at the start")?;
-        #[cfg(feature = "baselines")]
-        self.check_baseline(n, agent)?;
-        Ok(())
+        self.check_occupancy(n, agent)
     }
 
     /// A route is not another agent's own, which leads elsewhere with its next order (the route exists).
@@ -140,7 +137,6 @@ impl<V: Space> Engine<V> {
         self.check_id(id)?;
         self.take_out(id.index);
         self.free.push(id.index);
-        #[cfg(feature = "baselines")]
         self.unlist(id.index);
         Ok(())
     }
@@ -168,7 +164,6 @@ impl<V: Space> Engine<V> {
             self.check_way(id, position, path.goal(), goal)?;
         }
         self.cells.remove(state.cell, id.index);
-        #[cfg(feature = "baselines")]
         self.unlist(id.index);
         let cursor = self.begin(state.route as usize, position, plan.radius);
         let left = self.scenery.paths[state.route as usize].left(&cursor, position);
@@ -310,8 +305,7 @@ impl<V: Space> Engine<V> {
     /// [`Error::Gone`].
     pub fn wake(&mut self, id: Id) -> Result<(), CrowdError> {
         self.check_id(id)?;
-        #[cfg(feature = "baselines")]
-        if self.baseline.is_some() {
+        if !self.is_of_registration() {
             return Ok(());
         }
         let plan = self.cells.plan(id.index);

@@ -13,11 +13,9 @@ const TOUCH: f32 = 1e-3;
 
 /// Share of the side of a cell that a bound in lists may be wide: a little less than all, so that it is never in three
 /// cells of a row.
-#[cfg(feature = "baselines")]
 pub(crate) const WIDEST: f32 = 0.998;
 
 /// Side of the smallest cells in which a bound may grow for some time without being wider than one.
-#[cfg(feature = "baselines")]
 pub(crate) fn narrowest_cell(radius: f32, limit: f32, seconds: f32) -> f32 {
     2.002 * (radius + 0.5 * limit * seconds * seconds) / WIDEST
 }
@@ -47,7 +45,6 @@ impl<V: Space> From<&Plan<V>> for Bound<V> {
 
 impl<V: Space> Bound<V> {
     /// The bound of an agent that follows a plan, made at a time of it.
-    #[cfg(any(test, feature = "baselines"))]
     #[inline]
     pub fn new(plan: &Plan<V>, time: f64) -> Self {
         let (position, velocity) = plan.at(time);

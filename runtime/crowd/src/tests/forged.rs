@@ -100,12 +100,9 @@ fn a_forged_snapshot_is_refused_or_nobody_overlaps() {
     let mut taken = mutants(&dense::<Vec2>(16, 0.9), 3000, 5);
     taken += mutants(&dense::<Vec3>(27, 0.9), 1500, 6);
     assert!(taken > 500, "{taken} mutants were taken");
-    #[cfg(feature = "baselines")]
-    {
-        let mut setup = dense::<Vec2>(16, 0.9);
-        setup.config.scheme = Scheme::Occupancy;
-        mutants(&setup, 1000, 7);
-    }
+    let mut setup = dense::<Vec2>(16, 0.9);
+    setup.config.scheme = Scheme::Occupancy;
+    mutants(&setup, 1000, 7);
 }
 
 /// Result of restoring a snapshot in which an agent is elsewhere.
@@ -178,12 +175,9 @@ fn no_true_snapshot_is_refused() {
         crowd.advance(0.211 * f64::from(i), &mut |_| {}).unwrap();
         Engine::new(walled.clone()).unwrap().load(&crowd.bytes()).unwrap();
     }
-    #[cfg(feature = "baselines")]
-    {
-        let mut setup = crossing::<Vec2>(100, 0.9);
-        setup.config.scheme = Scheme::Occupancy;
-        check(setup, 0.0);
-    }
+    let mut setup = crossing::<Vec2>(100, 0.9);
+    setup.config.scheme = Scheme::Occupancy;
+    check(setup, 0.0);
 }
 
 /// Going back to before the first order takes the later routes back too.

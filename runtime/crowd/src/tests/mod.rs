@@ -6,7 +6,6 @@ pub(crate) mod drive;
 mod forged;
 mod interface;
 mod jams;
-#[cfg(feature = "baselines")]
 mod schemes;
 mod senses;
 mod shared;
@@ -120,20 +119,6 @@ fn any_number_of_threads_gives_the_same_events() {
         assert_eq!(crowd.free, other.free);
         assert_eq!(crowd.counts, other.counts);
     }
-}
-
-/// Builds without engines to compare with have no settings of theirs: `scripts/equal-results.sh engines` compares whole
-/// states of both builds.
-#[cfg(feature = "baselines")]
-#[test]
-fn settings_of_other_engines_are_no_part_of_a_state() {
-    let kept = |scheme, step_s| {
-        let mut setup = crossing::<Vec2>(20, 1.0);
-        (setup.config.scheme, setup.config.step_s) = (scheme, step_s);
-        Engine::new(setup).unwrap().bytes()
-    };
-    assert!(kept(Scheme::Registration, 0.01) == kept(Scheme::Registration, 0.02));
-    assert!(kept(Scheme::Fixed, 0.01) != kept(Scheme::Fixed, 0.02));
 }
 
 #[test]

@@ -101,11 +101,9 @@ proptest! {
     #[test]
     fn all_that_happens_is_told_and_nothing_else(num in 2usize..24, spacing in 4.0f32..12.0) {
         told_is_true(num, spacing, Scheme::Registration, 4.0);
-        #[cfg(feature = "baselines")]
-        {
-            told_is_true(num, spacing, Scheme::Occupancy, 2.0);
-            told_is_true(num, spacing, Scheme::Fixed, 2.0);
-        }
+        told_is_true(num, spacing, Scheme::Occupancy, 2.0);
+        #[cfg(feature = "fixed-steps")]
+        told_is_true(num, spacing, Scheme::Fixed, 2.0);
     }
 }
 

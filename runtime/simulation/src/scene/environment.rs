@@ -118,11 +118,10 @@ pub mod engine {
     /// All schemes with their names; those for comparison need the feature `baselines`.
     pub const ALL: &[(&str, Scheme)] = &[
         ("events", Scheme::Registration),
-        #[cfg(feature = "baselines")]
         ("occupancy", Scheme::Occupancy),
-        #[cfg(feature = "baselines")]
+        #[cfg(feature = "fixed-steps")]
         ("fixed", Scheme::Fixed),
-        #[cfg(feature = "baselines")]
+        #[cfg(feature = "fixed-steps")]
         ("pairs", Scheme::Pairs),
     ];
 

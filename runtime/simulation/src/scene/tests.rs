@@ -4,9 +4,9 @@ use super::*;
 
 const BLOCK: &str = "place = { block = { from = [0.0, 0.0], to = [5.0, 5.0] } }\n";
 /// The engines that this build knows.
-const ENGINES: &str = match cfg!(feature = "baselines") {
+const ENGINES: &str = match cfg!(feature = "fixed-steps") {
     true => "expected one of events, occupancy, fixed, pairs, found",
-    false => "expected one of events, found",
+    false => "expected one of events, occupancy, found",
 };
 const GOAL: &str = "goal = { shift = { by = [9.0, 0.0] } }\n";
 

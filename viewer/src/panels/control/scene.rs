@@ -141,8 +141,6 @@ fn meaning(scheme: Scheme) -> &'static str {
     match scheme {
         Scheme::Registration => "Bounds registered in cells: resetting and colliding events",
         Scheme::Occupancy => "Bounds listed in every cell that they occupy, groups in contact",
-        Scheme::Fixed => "All agents act at every step: the baseline",
-        Scheme::Pairs => "The same, and everybody looks at everybody",
     }
 }
 

@@ -1,7 +1,7 @@
 //! Invariants at every event.
 
 use super::*;
-use crate::events::baselines::occupancy_events::{CONTACT, REST};
+use crate::events::occupancy::events::{CONTACT, REST};
 use crate::safety::bound::Bound;
 
 fn registration_holds<V: Space>() {

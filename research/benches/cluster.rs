@@ -1,8 +1,9 @@
 //! Time and memory of pose grouping, and number of groups beside exact complete linkage.
 //! `cargo bench --bench cluster`; recordings are used where they are, as for tests.
 
+#[path = "../../benches/common/mod.rs"]
 mod common;
-#[path = "../tests/common/mocap.rs"]
+#[path = "../../tests/common/mocap.rs"]
 mod mocap;
 
 use common::processor_seconds;

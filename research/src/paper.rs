@@ -1,7 +1,7 @@
 //! Comparison of a build with Lee and Lee (2004), section 6, which it follows.
 
-use super::BuildReport;
 use std::fmt::Write;
+use throng_bake::report::BuildReport;
 
 /// One figure, with its value in Lee and Lee (2004) and in this build.
 #[derive(Clone, Debug, PartialEq, Eq)]

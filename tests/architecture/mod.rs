@@ -3,4 +3,5 @@
 mod cycles;
 mod dependencies;
 mod maths;
+mod programs;
 mod workspace;

@@ -8,12 +8,11 @@ mod groups;
 mod inhabitants;
 mod made_up;
 mod pairs;
-#[path = "../format/patch.rs"]
-mod parts;
 mod plan;
 mod saved_inhabitants;
 mod stitch;
 mod tiles;
 mod world_file;
 
+use crate::format::patch as parts;
 use throng_runtime::world::made_up_floor as made_up_world;

@@ -1,9 +1,6 @@
 //! Hits that are found in captured motion against labels made by eye. Skipped where the recordings are not at hand.
 
-#[path = "../../../../tests/common/mocap.rs"]
-mod mocap;
-
-use mocap::recording;
+use crate::mocap::recording;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

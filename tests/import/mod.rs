@@ -6,7 +6,5 @@ mod detection;
 mod formats;
 mod malformed;
 mod mocap;
-#[path = "../common/mocap.rs"]
-mod recordings;
 mod roundtrip;
 mod surroundings;

@@ -1,7 +1,11 @@
 //! Lists of the bounds that occupy each cell, and when that changes (Kim, Kim and Shin 2003a, section 2.2).
 
-use crate::events::baselines::contacts::Contacts;
-use crate::events::baselines::crossing::{Crossing, next_crossing, range};
+mod contacts;
+mod crossing;
+pub(crate) mod events;
+
+use self::contacts::Contacts;
+use self::crossing::{Crossing, next_crossing, range};
 use crate::events::decide::{Cause, Decider};
 use crate::safety::bound::{Bound, WIDEST, fall};
 use crate::space::cells::Cells;

@@ -2,12 +2,9 @@
 
 mod blender;
 mod damaged;
-mod glb;
-#[path = "../rigs/rig.rs"]
-mod rig;
-#[path = "../rigs/tables.rs"]
-mod tables;
+pub mod glb;
 
+use crate::rigs::{rig, tables};
 use glam::{Quat, Vec3};
 use glb::{BYTE, Glb, SHORT, Style};
 use std::collections::BTreeMap;

@@ -2,13 +2,11 @@
 
 mod bundle;
 mod captured;
-#[path = "../common/mod.rs"]
-mod common;
 mod examples;
 mod halved;
 mod made_up;
-#[path = "../format/patch.rs"]
-mod parts;
 mod postures;
 mod runtime;
 mod weights;
+
+use crate::format::patch as parts;

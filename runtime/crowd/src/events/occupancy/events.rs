@@ -1,13 +1,13 @@
 //! Events of the scheme of Kim, Kim and Shin (2003a, section 2.2 and 2.3).
 
-use crate::events::baselines::Baseline;
-use crate::events::baselines::occupancy::Occupancy;
+use crate::error::check;
 use crate::events::decide::Cause;
 use crate::events::engine::Engine;
+use crate::events::occupancy::Occupancy;
 use crate::events::schemes::SchemeRef;
-use crate::safety::bound::Bound;
+use crate::safety::bound::{Bound, narrowest_cell};
 use crate::space::plan::Plan;
-use crate::{CrowdError, EventKind, NONE, Space};
+use crate::{Agent, CrowdError, EventKind, NONE, Space};
 
 /// Gap between two that touch (m).
 pub(crate) const CONTACT: f32 = 0.02;
@@ -45,8 +45,34 @@ impl<V: Space> Engine<V> {
         Ok(true)
     }
 
+    /// A newcomer is within the limits of the scheme, if that runs.
+    pub(crate) fn check_occupancy(&self, n: usize, agent: &Agent<V>) -> Result<(), CrowdError> {
+        if self.occupancy.is_none() {
+            return Ok(());
+        }
+        let longest = self.scenery.steering.blocked_intervals * self.scenery.interval;
+        let good = narrowest_cell(agent.radius, agent.acceleration, longest) <= self.cells.side();
+        let expected = "small enough that a bound is not wider than a cell after the smallest interval";
+        Ok(check("agent.acceleration", n, agent.acceleration, good, expected)?)
+    }
+
+    /// Lists an agent that entered, if there are lists.
+    pub(crate) fn list(&mut self, plan: &Plan<V>) {
+        if let Some(occupancy) = &mut self.occupancy {
+            occupancy.list(&self.cells, plan);
+        }
+    }
+
+    /// Takes an agent that left out of the lists, if there are lists.
+    pub(crate) fn unlist(&mut self, agent: u32) {
+        if let Some(mut occupancy) = self.occupancy.take() {
+            self.forget(&mut occupancy, agent);
+            self.occupancy = Some(occupancy);
+        }
+    }
+
     /// Takes an agent that has left the crowd out of the lists.
-    pub(crate) fn forget(&mut self, o: &mut Occupancy, agent: u32) {
+    fn forget(&mut self, o: &mut Occupancy, agent: u32) {
         o.remove(&self.cells, agent);
         while let Some(other) = o.contacts.nth(agent, 0) {
             self.separate(o, agent, other);
@@ -136,14 +162,12 @@ impl<V: Space> Engine<V> {
 
     /// Sets the next events of all agents, as they were in a snapshot.
     pub(crate) fn wait_for_all(&mut self) {
-        let baseline = self.baseline.take();
-        if let Some(Baseline::Occupancy(o)) = &baseline {
-            for agent in (0..self.states.len() as u32).filter(|&m| o.occupants[m as usize].is_listed) {
-                let plan = self.cells.plan(agent);
-                self.wait(o, &plan);
-            }
+        let Some(o) = self.occupancy.take() else { return };
+        for agent in (0..self.states.len() as u32).filter(|&m| o.occupants[m as usize].is_listed) {
+            let plan = self.cells.plan(agent);
+            self.wait(&o, &plan);
         }
-        self.baseline = baseline;
+        self.occupancy = Some(o);
     }
 
     /// Sets the next event of an agent: of what it knows, the first.

@@ -1,9 +1,13 @@
 //! Fixed steps of time, undone where discs overlap: the baseline of Kim, Kim and Shin (2003b), section 4.
+//!
+//! It shares cells, plans, decisions and counts with the engine of events, which are nobody else's: so it is compiled as
+//! `events::fixed` of `throng-crowd`, with the feature `fixed-steps`.
 
 use crate::events::decide::{Decider, Decision};
 use crate::events::engine::Engine;
+use crate::senses::Sensing;
 use crate::space::plan::Plan;
-use crate::{CrowdError, NONE, Space};
+use crate::{CrowdConfig, CrowdError, NONE, Scheme, Space};
 use serde::{Deserialize, Serialize};
 
 /// An overlap that is not let be (m).
@@ -11,45 +15,41 @@ const TOO_DEEP: f32 = 1e-3;
 /// How often all agents are checked again after velocities were taken away.
 const PASSES: usize = 4;
 
-/// What is remembered between steps.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(bound = "V: Space")]
+/// The scheme's memory.
+#[derive(Clone, Debug)]
 pub(crate) struct Fixed<V> {
+    /// Memory that is kept between steps.
+    pub steps: Steps,
+    /// The motion of each agent in this step.
+    decisions: Vec<Decision<V>>,
+    /// The place of each agent at its end, by number.
+    ends: Vec<V>,
+}
+
+/// What is remembered between steps.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct Steps {
     /// Shortest step (s).
     shortest_s: f64,
     /// Shortest steps in one that was never halved.
     whole: u64,
     /// Shortest steps that were made.
     done: u64,
-    /// The motion of each agent in this step.
-    #[serde(skip)]
-    decisions: Vec<Decision<V>>,
-    /// The place of each agent at its end, by number.
-    #[serde(skip)]
-    ends: Vec<V>,
 }
 
 impl<V: Space> Fixed<V> {
-    /// At time 0.
-    pub fn new(step_s: f32, halvings: u32, capacity: usize) -> Self {
-        let whole = 1 << halvings;
-        let mut fixed = Self {
-            shortest_s: f64::from(step_s) / whole as f64,
-            whole,
-            done: 0,
-            decisions: Vec::new(),
-            ends: Vec::new(),
-        };
-        fixed.reserve(capacity);
-        fixed
+    /// At time 0; none for the schemes of events.
+    pub fn new(config: &CrowdConfig, capacity: usize) -> Option<Self> {
+        if !matches!(config.scheme, Scheme::Fixed | Scheme::Pairs) {
+            return None;
+        }
+        let whole = 1 << config.halvings;
+        let steps = Steps { shortest_s: f64::from(config.step_s) / whole as f64, whole, done: 0 };
+        Some(Self { steps, decisions: Vec::with_capacity(capacity), ends: vec![V::default(); capacity] })
     }
+}
 
-    /// Memory for all agents.
-    pub fn reserve(&mut self, capacity: usize) {
-        self.decisions = Vec::with_capacity(capacity);
-        self.ends = vec![V::default(); capacity];
-    }
-
+impl Steps {
     /// True where steps are the same as those of another one, and what was done ends after the present.
     pub fn fits(&self, other: &Self, now: f64) -> bool {
         let end = self.done as f64 * self.shortest_s;
@@ -66,7 +66,7 @@ impl<V: Space> Fixed<V> {
 impl<V: Space> Engine<V> {
     pub(crate) fn run_steps(&mut self, fixed: &mut Fixed<V>, until_s: f64) -> Result<bool, CrowdError> {
         loop {
-            let time = fixed.done as f64 * fixed.shortest_s;
+            let time = fixed.steps.done as f64 * fixed.steps.shortest_s;
             // What is sensed within the last step, which is final now.
             while let Some((sensed, entry)) = self.queue.first(time.min(until_s)) {
                 if self.is_full() {
@@ -89,8 +89,8 @@ impl<V: Space> Engine<V> {
     }
 
     fn step(&mut self, fixed: &mut Fixed<V>) {
-        let mut length = fixed.longest();
-        let shortest_s = fixed.shortest_s;
+        let mut length = fixed.steps.longest();
+        let shortest_s = fixed.steps.shortest_s;
         let seconds = |length: u64| (length as f64 * shortest_s) as f32;
         let most = seconds(length);
         fixed.decisions.clear();
@@ -114,8 +114,8 @@ impl<V: Space> Engine<V> {
             }
             length /= 2;
         }
-        fixed.done += length;
-        let end = fixed.done as f64 * fixed.shortest_s;
+        fixed.steps.done += length;
+        let end = fixed.steps.done as f64 * fixed.steps.shortest_s;
         for decision in &fixed.decisions {
             let agent = decision.plan.index;
             let cell = self.states[agent as usize].cell;
@@ -219,5 +219,14 @@ impl<V: Space> Engine<V> {
         }
         let left = fixed.decisions.iter().filter(|d| self.deepest(fixed, d.plan.index, 0).is_some()).count();
         self.counts.overlaps += left as u64;
+    }
+
+    /// Looks for everybody, as after a step of everybody.
+    fn look_about_all(&mut self) {
+        for agent in 0..self.states.len() as u32 {
+            if self.sensors.of[agent as usize] != Sensing::default() {
+                self.look_about(agent);
+            }
+        }
     }
 }

@@ -1,11 +1,9 @@
 //! Skeletons of many tools are recognised without a profile, and what is no person is refused with the reason.
 
 mod captured;
-#[path = "../../../../tests/common/mocap.rs"]
-mod mocap;
 mod refused;
-mod rig;
-mod tables;
+pub mod rig;
+pub mod tables;
 
 use rig::{Part, Rest, Style, bvh, parse};
 use std::f32::consts::{FRAC_PI_2, PI};

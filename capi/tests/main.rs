@@ -1,0 +1,4 @@
+//! Promises of the library for C, one module each.
+
+mod clients;
+mod header;

@@ -1,0 +1,4 @@
+//! Promises of the checks, one module each.
+
+mod commands;
+mod fuzz_short;

@@ -1,0 +1,12 @@
+//! Promises of reading and writing motion, one module each.
+
+mod blows;
+mod feet;
+mod glitches;
+#[path = "../../../tests/common/mocap.rs"]
+mod mocap;
+mod npz;
+mod odd;
+mod rigs;
+mod scenes;
+mod takes;

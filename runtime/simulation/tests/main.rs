@@ -1,0 +1,4 @@
+//! Promises of simulations, one module each.
+
+mod pedestrians;
+mod snapshot;

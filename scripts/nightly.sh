@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# What takes too long for every change: the tests of research, and of the engines that crowds are compared with.
+# Stops at the first failure.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+root=$PWD
+export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$root/target}"
+export PROPTEST_RNG_SEED="${PROPTEST_RNG_SEED:-2007}"
+
+echo "== research"
+cargo test --manifest-path research/Cargo.toml
+
+echo "== fixed steps"
+cargo test -p throng-crowd --features fixed-steps
+cargo test -p throng-simulation --features fixed-steps --lib

@@ -1,0 +1,20 @@
+//! Promises, one module each: `cargo test --test all golden` tries one of them.
+
+mod architecture;
+mod blend;
+mod cli;
+mod common;
+mod crowd;
+mod determinism;
+mod examples;
+mod format;
+mod golden;
+mod graph;
+mod guides;
+mod hits;
+mod import;
+mod patch;
+mod pipeline;
+mod policy;
+mod retarget;
+mod things;
