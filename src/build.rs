@@ -9,7 +9,7 @@ use throng_precompute::activities::ActivityReport;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::error::BuildError;
 use throng_precompute::examples::BlendReport;
-use throng_precompute::parts::Parts;
+use throng_precompute::parts::RequiredParts;
 use throng_precompute::patch::Freedom;
 use throng_precompute::pipeline;
 use throng_precompute::policy::{AdaptiveReport, Approximation};
@@ -120,7 +120,7 @@ pub fn run(args: &Args) -> CommandResult {
         }
         None => PathBuf::from(format!("{}.throng", config.name)),
     };
-    let bar = progress::Bar::on_interrupt(args.cache.folder());
+    let bar = progress::BuildProgressBar::on_interrupt(args.cache.folder());
     let build = match plan.parts {
         RequiredParts::All => pipeline::build,
         RequiredParts::Possible => pipeline::build_possible,
@@ -129,7 +129,7 @@ pub fn run(args: &Args) -> CommandResult {
     drop(bar);
     let report = report.map_err(|e| plan.error(e))?;
     output::warnings(&report.skipped, &report.warnings);
-    let (trial, verdict) = verdict::try_out(&crate::args::open(&out)?, &report.blend_spaces)?.unzip();
+    let (trial, verdict) = verdict::try_out(&crate::args::open_bundle(&out)?, &report.blend_spaces)?.unzip();
     if args.json {
         return output::json(&BuildCommandReport { build: report, replaced: plan.replaced, trial, verdict });
     }

@@ -125,7 +125,7 @@ fn the_same_clips_give_the_same_spaces_at_any_number_of_threads() {
     assert_eq!(on(1), on(8));
 }
 
-fn refuses(tag: Option<Tag>, changes: &[Change<'_>]) {
+fn refuses(tag: Option<SectionTag>, changes: &[Change<'_>]) {
     super::parts::refuses(bundle(), tag, changes);
 }
 

@@ -1,7 +1,7 @@
 //! Real motion capture reads as bodies of plausible size on plausible ground. Skipped where it is not at hand.
 
 use crate::common::mocap::recording;
-use throng_precompute::import::{ImportConfig, Imported, RestPoseKind, read};
+use throng_precompute::import::{ImportConfig, ImportedClip, RestPoseKind, read};
 use throng_precompute::progress::Silent;
 use throng_runtime::Joint;
 

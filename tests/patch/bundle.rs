@@ -2,7 +2,7 @@
 
 use super::made_up_world as made_up;
 use super::parts::{Parts, refusal};
-use throng_runtime::characters::{Characters, CharactersConfig, MotionSet, Start};
+use throng_runtime::characters::{CharacterStart, Characters, CharactersConfig, MotionSet};
 use throng_runtime::patch::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PairRecord, PatchRecord};
 use throng_runtime::{Planar, bundle::tags};
 

@@ -12,7 +12,7 @@ pub use crate::stages::SourcePerformer;
 pub use crate::stages::StageCost;
 use crate::stages::{BuildTiming, MotionOutput};
 use crate::stops::StopsReport;
-use crate::write::{Baked, Written};
+use crate::write::{BundleInputs, WrittenBundle};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use throng_core::format::FrameRow;

@@ -16,7 +16,7 @@ use crate::space::plan::Plan;
 use crate::steering::bonds::Bonds;
 use crate::steering::density_grid::DensityGrid;
 use crate::{AtEnd, Id, NONE, Scheme, Sense, Setup, Space};
-use throng_base::ground::Outsiders;
+use throng_base::ground::ExternalObstacles;
 
 /// Most agents of a crowd that is taken to fit the processor's caches; in tests, none does. With 8000 it costs 4 to 8 %
 /// to prefetch, with 16 000 it saves 4 to 11 %, with 100 000 a quarter to a third.

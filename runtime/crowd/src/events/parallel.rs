@@ -88,7 +88,7 @@ impl<V: Space> Engine<V> {
     /// # Errors
     /// As [`Engine::run`]. Some agents that act a little after those of a [`CrowdError::Stalled`] may have acted before
     /// it was detected.
-    pub fn run_parallel(&mut self, until_s: f64, run: &dyn Run) -> Result<bool, CrowdError> {
+    pub fn run_parallel(&mut self, until_s: f64, run: &dyn Executor) -> Result<bool, CrowdError> {
         if !self.is_of_registration() || self.sensors.is_on() {
             return self.run(until_s);
         }
